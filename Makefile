@@ -507,7 +507,8 @@ include tools/bars/bars.mk
 clean: ## remove build/ and out/
 	rm -rf build out
 
-format: ## lay out every C and C++ file by .clang-format
+format: ## lay out every C and C++ file by .clang-format and Python by .ruff.toml
 	git ls-files '*.c' '*.h' '*.cpp' '*.hpp' | xargs clang-format -i
+	ruff format -q .
 
 -include $(shell [ -d $(BUILD)/obj ] && find $(BUILD)/obj $(wildcard $(BUILD)/m7 $(BUILD)/firmware $(BUILD)/pch) -name '*.d')

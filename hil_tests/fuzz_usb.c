@@ -1,4 +1,5 @@
-/* Any host and any bus. The input is a list of operations on the token mailbox, so that the fuzzer reaches every state:
+/* Any host and any bus. The input is a list of operations on the token mailbox, so that the fuzzer reaches
+ * every state:
  *
  *   op u8 modulo 12:
  *    0 a setup packet as it is: 8 bytes            6 a millisecond passes, times u8 modulo 64
@@ -10,8 +11,8 @@
  *    4 a change of the bus: u8 modulo 6              low, index, to whom
  *    5 the device polls, times u8 modulo 32
  *
- * After every operation the stack's own books must agree, and at the end a host must be able to begin anew. At most 128
- * operations, so that an input ends in time. */
+ * After every operation the stack's own books must agree, and at the end a host must be able to begin anew.
+ * At most 128 operations, so that an input ends in time. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,7 +1,9 @@
-// Claims about balloon and stent in whole sessions, from the script to the recording: a stent is opened, deployed and holds what its balloon has
-// opened; the core hears of it by inputs that are recorded, so a replay agrees bit for bit, with pictures and without; and what goes
-// wrong (pulled under pressure, burst, released where no wall is, inflated in a guide, power lost) has an outcome that is said, and loses no
-// record. The scene is an artery of 3 mm behind a wide one of 10 mm, with a stenosis of 50 % that gives way, baked here.
+// Claims about balloon and stent in whole sessions, from the script to the recording: a stent is opened,
+// deployed and holds what its balloon has opened; the core hears of it by inputs that are recorded, so a
+// replay agrees bit for bit, with pictures and without; and what goes wrong (pulled under pressure, burst,
+// released where no wall is, inflated in a guide, power lost) has an outcome that is said, and loses no
+// record. The scene is an artery of 3 mm behind a wide one of 10 mm, with a stenosis of 50 % that gives way,
+// baked here.
 #include <algorithm>
 #include <cmath>
 #include <csetjmp>
@@ -218,8 +220,8 @@ std::size_t rings_of(const Recording &recording)
     return count;
 }
 
-// Without a stent a third of what was won springs back (recoil 0.35); the stent holds it. 3 mm of balloon in 3 mm of artery: its outside lies
-// on the wall, its inside two struts of 0.081 mm further in.
+// Without a stent a third of what was won springs back (recoil 0.35); the stent holds it. 3 mm of balloon in
+// 3 mm of artery: its outside lies on the wall, its inside two struts of 0.081 mm further in.
 void a_stent_holds_what_its_balloon_has_opened(void **)
 {
     Case &stented = usual_case(), bare{begin_at(lesion_mm) + up_and_down};
@@ -263,7 +265,8 @@ void pictures_change_nothing(void **)
     assert_replays(seen);
 }
 
-// Two stents side by side, the second one loaded outside of the patient; a load in the patient and one too many are refused.
+// Two stents side by side, the second one loaded outside of the patient; a load in the patient and one too
+// many are refused.
 void a_second_stent_is_loaded_outside_of_the_patient(void **)
 {
     Case two{begin_at(-10.0) + "load stent\nadvance catheter until inserted 83 mm at 200 mm/s\n" +
@@ -308,9 +311,10 @@ void inflated_in_the_guide_it_stays_on_its_balloon(void **)
     assert_replays(guided);
 }
 
-// Friction of 0.1 on the wall force of 8 bar holds the hand back by 5.3 N, and the balloon goes with the hand, with the stent on it, which is
-// deployed there when the pressure goes. The line is stretched by 0.77 % then. From 10 bar it is held by 6.2 N and comes loose in one go when 9 bar
-// are left, which stretches it by 1.30 % under 10 N: beyond the limit of 1 % where a run ends as out of range (range_watch.hpp).
+// Friction of 0.1 on the wall force of 8 bar holds the hand back by 5.3 N, and the balloon goes with the
+// hand, with the stent on it, which is deployed there when the pressure goes. The line is stretched by 0.77 %
+// then. From 10 bar it is held by 6.2 N and comes loose in one go when 9 bar are left, which stretches it
+// by 1.30 % under 10 N: beyond the limit of 1 % where a run ends as out of range (range_watch.hpp).
 void pulled_without_deflation_the_balloon_holds_its_stent(void **)
 {
     Case pulled{begin_at(lesion_mm) +
@@ -349,9 +353,9 @@ Recording without_struts(Recording recording)
     return recording;
 }
 
-// The stent's middle at 42 mm: half of it is in the artery, its other half stands free from 33 to 40 mm, where the vessel widens. The wire is
-// drawn back out of it and brought forwards again, along the wall: it comes beside the struts, and stays outside. Without them, all else alike, it
-// runs on into the artery.
+// The stent's middle at 42 mm: half of it is in the artery, its other half stands free from 33 to 40 mm,
+// where the vessel widens. The wire is drawn back out of it and brought forwards again, along the wall: it
+// comes beside the struts, and stays outside. Without them, all else alike, it runs on into the artery.
 void a_wire_beside_a_stent_meets_its_struts(void **)
 {
     Case beside{
@@ -387,7 +391,8 @@ void a_wire_beside_a_stent_meets_its_struts(void **)
     assert_true(late.hash == beside.result.hash && late.ticks_compared < beside.result.figures.ticks);
 }
 
-// 30 bar on a balloon that bursts at 22: no pressure from then on; the stent has been opened before, and is deployed.
+// 30 bar on a balloon that bursts at 22: no pressure from then on; the stent has been opened before, and is
+// deployed.
 void burst_balloon_leaves_its_stent_open(void **)
 {
     Case burst{begin_at(lesion_mm) + "inflate to 30 bar at 40 bar/s\nwait 0.8 s\n"};
@@ -401,7 +406,8 @@ void burst_balloon_leaves_its_stent_open(void **)
     assert_replays(burst);
 }
 
-// The file ends in the middle of a chunk, under pressure. All whole ticks are there and replay; what the core was told of the stent with them.
+// The file ends in the middle of a chunk, under pressure. All whole ticks are there and replay; what the core
+// was told of the stent with them.
 void a_recording_cut_in_mid_inflation_replays_to_the_cut(void **)
 {
     const Case &whole = usual_case();
@@ -455,7 +461,8 @@ class PumpedRig final : public Transport
     std::int32_t passed_ms_ = 0;
 };
 
-// A session that the device leads: the core hears of the stent by requests, and each is part of the tick that took it up.
+// A session that the device leads: the core hears of the stent by requests, and each is part of the tick that
+// took it up.
 void in_free_run_the_core_is_told_by_requests_and_the_ticks_replay(void **)
 {
     const Case &like = usual_case(); // the same tools and stent

@@ -1,8 +1,9 @@
-// Claims: in the short forms of the two angioplasty sessions the wire comes to lie beyond the lesion in its artery, the balloon's middle lies
-// within 2 mm of the throat when it is filled, the lesion opens under it and keeps what it does not spring back from, no tool goes deeper than
-// 0.5 mm into a wall, no hand feels more than 4 N, and the core reports nothing but snaps. Scenes are made as `make demo-pci` makes its own:
-// the renal one from the phantom, the coronary one from the left coronary artery of the heart at rest, since the whole aorta and the beat take
-// minutes.
+// Claims: in the short forms of the two angioplasty sessions the wire comes to lie beyond the lesion in its
+// artery, the balloon's middle lies within 2 mm of the throat when it is filled, the lesion opens under it
+// and keeps what it does not spring back from, no tool goes deeper than 0.5 mm into a wall, no hand feels
+// more than 4 N, and the core reports nothing but snaps. Scenes are made as `make demo-pci` makes its own:
+// the renal one from the phantom, the coronary one from the left coronary artery of the heart at rest, since
+// the whole aorta and the beat take minutes.
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>
@@ -179,7 +180,8 @@ void the_ostium_of_a_renal_artery_is_opened(void **)
     treat("renal.scene", "pci_renal_short.session", {"terumo_stiff_angled", "balloon_6x20", "guide_jr4_6f"});
 }
 
-// `anatomy heart --heart-only` has the arteries' centrelines in one file, LM, LAD and D1 first: one file for each is what a tree is made of.
+// `anatomy heart --heart-only` has the arteries' centrelines in one file, LM, LAD and D1 first: one file for
+// each is what a tree is made of.
 void split_centrelines()
 {
     const std::string script =
@@ -217,9 +219,9 @@ template <typename Answer> void copy_changed(const std::string &from, const std:
         if (line.rfind("expect", 0) != 0) out << answer(line) << "\n"; // another course has another end
 }
 
-// A guide that snaps over a branch's mouth does so once: neither hand feels what a held-back line would shake them with. Core 14, which cut
-// the step short in each of 60 ticks, had 6.3 and 5.4 N here with a false CORE_FEED_LIMIT; where more
-// than the first is cut, 5.8 and 5.7. Tolerance 4.5 N: 3.8 are felt at most.
+// A guide that snaps over a branch's mouth does so once: neither hand feels what a held-back line would shake
+// them with. Core 14, which cut the step short in each of 60 ticks, had 6.3 and 5.4 N here with a false
+// CORE_FEED_LIMIT; where more than the first is cut, 5.8 and 5.7. Tolerance 4.5 N: 3.8 are felt at most.
 void the_snap_of_a_guide_does_not_shake_the_hands(void **)
 {
     for (const std::string speed : {"40", "80"}) {
@@ -286,7 +288,8 @@ void a_stent_opened_too_little_stands_off_the_wall(void **)
     check("score", score["percent"], 0, 95);
 }
 
-// Balloon and stent of 2.5 mm: at 16 bar 2.68 mm, in an artery of 3.02. The lesion opens no farther than that.
+// Balloon and stent of 2.5 mm: at 16 bar 2.68 mm, in an artery of 3.02. The lesion opens no farther than
+// that.
 void a_stent_of_a_size_too_small_stands_off_the_wall(void **)
 {
     const auto smaller = [](const std::string &line) {

@@ -1,8 +1,9 @@
-// Claim: two wires driven from the right common iliac artery to the arch of a real aorta (stEVE_bench centrelines, which
-// are not part of the project) by the shipped session, and a catheter that follows a wire, stay inside the vessel and keep
-// their length. The referee is the exact distance to the triangles of the surface, sampled every 0.5 mm along the line,
-// between the nodes too, 50 times per second of the whole session; the field that the core reads has no say in it.
-// Skipped, and said so, where the anatomy is not there.
+// Claim: two wires driven from the right common iliac artery to the arch of a real aorta (stEVE_bench
+// centrelines, which are not part of the project) by the shipped session, and a catheter that follows a wire,
+// stay inside the vessel and keep their length. The referee is the exact distance to the triangles of the
+// surface, sampled every 0.5 mm along the line, between the nodes too, 50 times per second of the whole
+// session; the field that the core reads has no say in it. Skipped, and said so, where the anatomy is not
+// there.
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>
@@ -128,8 +129,9 @@ void check(const char *what, double value, double most)
     if (!(value <= most)) fail_msg("%s = %g, allowed %g", what, value, most);
 }
 
-// Bars: deeper than 0.3 mm in at most 0.1 % of samples, nowhere deeper than 1 mm; length error at most 0.1 % (no tool is
-// pushed against anything here); at least `inserted_mm` of every tool inserted. The referee takes the outermost tool's radius.
+// Bars: deeper than 0.3 mm in at most 0.1 % of samples, nowhere deeper than 1 mm; length error at most 0.1 %
+// (no tool is pushed against anything here); at least `inserted_mm` of every tool inserted. The referee takes
+// the outermost tool's radius.
 void drive(const std::vector<std::string> &instrument_files, const crn::Session &session, double inserted_mm)
 {
     if (!baked.is_there) skip();
@@ -162,7 +164,8 @@ void drive(const std::vector<std::string> &instrument_files, const crn::Session 
     check("length error in %", referee.length_error_max_pct, 0.1);
 }
 
-// Pushed in strokes, turned a little, as a hand would. Not iliac_to_arch.session, which steers by the names of the shipped vessels.
+// Pushed in strokes, turned a little, as a hand would. Not iliac_to_arch.session, which steers by the names
+// of the shipped vessels.
 crn::Session iliac_to_arch()
 {
     return crn::parse_session(
@@ -188,7 +191,8 @@ void bentson_wire_reaches_the_arch_inside_the_vessel(void **)
     drive({"bentson.toml"}, iliac_to_arch(), 450.0);
 }
 
-// The wire goes ahead into the aorta, the catheter follows over it, both go on together, and the wire is drawn back inside.
+// The wire goes ahead into the aorta, the catheter follows over it, both go on together, and the wire is
+// drawn back inside.
 void a_catheter_follows_a_wire_inside_the_vessel(void **)
 {
     drive({"bentson.toml", "beacon_5f.toml"},

@@ -1,5 +1,6 @@
-/* Claims about a device, shown through bytes only, so that the same cases can later run against QEMU and a rig: the pipe
- * may be cut into any pieces, lost bytes cost one frame, and a session gives the same hashes every time. */
+/* Claims about a device, shown through bytes only, so that the same cases can later run against QEMU and a
+ * rig: the pipe may be cut into any pieces, lost bytes cost one frame, and a session gives the same hashes
+ * every time. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

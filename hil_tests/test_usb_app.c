@@ -1,5 +1,6 @@
-/* Claims about the whole device on USB: the conversation over the bulk pair is the one over any other pipe, to the same
- * hashes; HID shows the state and takes power away, and sets nothing that the wire would refuse. */
+/* Claims about the whole device on USB: the conversation over the bulk pair is the one over any other pipe,
+ * to the same hashes; HID shows the state and takes power away, and sets nothing that the wire would refuse.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -149,8 +150,8 @@ static void hid_shows_the_state_and_takes_power_away(void **state)
     assert_int_equal(report.state, CRN_WIRE_STATE_READY);
 }
 
-/* STOP does not wait for the rest of a frame, and costs the stream nothing: the frame is whole when its rest comes, no sequence
- * number is missing. */
+/* STOP does not wait for the rest of a frame, and costs the stream nothing: the frame is whole when its rest
+ * comes, no sequence number is missing. */
 static void stop_by_hid_passes_a_frame_that_is_half_there(void **state)
 {
     (void)state;
@@ -233,7 +234,8 @@ static usb_result set_gain(uint32_t gain_milli)
     return hid(0x21, 9, value, 1 + CRN_HID_BYTES_calibration);
 }
 
-/* 800 N/m is what 1 N s/m bears at 0.5 ms of lag: the report that doubles what the hand feels of it is refused as the wire's `rig` is. */
+/* 800 N/m is what 1 N s/m bears at 0.5 ms of lag: the report that doubles what the hand feels of it is
+ * refused as the wire's `rig` is. */
 static void a_gain_that_is_not_passive_is_refused_by_hid(void **state)
 {
     (void)state;

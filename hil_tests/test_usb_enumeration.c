@@ -1,6 +1,6 @@
-/* Claims about how a host meets the device: enumeration as Linux and Windows do it succeeds at both speeds, descriptors are
- * what the standards ask for, and reports have the lengths that their descriptor says. Read from the mailbox only; the
- * judge of descriptors does not know the table they are made from. */
+/* Claims about how a host meets the device: enumeration as Linux and Windows do it succeeds at both speeds,
+ * descriptors are what the standards ask for, and reports have the lengths that their descriptor says. Read
+ * from the mailbox only; the judge of descriptors does not know the table they are made from. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -41,7 +41,8 @@ static usb_result set_address(uint8_t address)
     return result;
 }
 
-/* Linux: 64 bytes of the device descriptor at address 0, reset, address, device descriptor, then what else there is. */
+/* Linux: 64 bytes of the device descriptor at address 0, reset, address, device descriptor, then what else
+ * there is. */
 static void linux_way(bool high_speed)
 {
     usb_judged judged;
@@ -86,8 +87,9 @@ static void linux_enumerates_at_full_speed(void **state)
     linux_way(false);
 }
 
-/* Windows: asks for 255 bytes of everything, so that 64 of configuration need an empty packet behind them; for the
- * Microsoft string 0xee, which is refused; for the set by the vendor code of the BOS; for the qualifier. */
+/* Windows: asks for 255 bytes of everything, so that 64 of configuration need an empty packet behind them;
+ * for the Microsoft string 0xee, which is refused; for the set by the vendor code of the BOS; for the
+ * qualifier. */
 static void windows_enumerates_and_learns_about_winusb(void **state)
 {
     (void)state;
@@ -157,7 +159,8 @@ static void the_other_speed_is_what_it_says(void **state)
     }
 }
 
-/* Without high speed there is no qualifier and no other speed (USB 2.0, 9.6.2), and a fast reset ends slow. */
+/* Without high speed there is no qualifier and no other speed (USB 2.0, 9.6.2), and a fast reset ends slow.
+ */
 static void a_full_speed_device_has_no_other_speed(void **state)
 {
     (void)state;
@@ -198,7 +201,8 @@ static void reports_have_the_lengths_of_their_descriptor(void **state)
     assert_int_equal(count, 64);
 }
 
-/* Strings are UTF-16 of the right length; the serial number is the port's; a language nobody offered is refused. */
+/* Strings are UTF-16 of the right length; the serial number is the port's; a language nobody offered is
+ * refused. */
 static void strings_are_utf16_in_english(void **state)
 {
     (void)state;

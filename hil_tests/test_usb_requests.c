@@ -1,5 +1,5 @@
-/* Claims about endpoint 0: every standard request is answered as USB 2.0 chapter 9 says, what is not allowed is refused with
- * STALL and changes nothing, and no sequence of stages leaves endpoint 0 unusable. */
+/* Claims about endpoint 0: every standard request is answered as USB 2.0 chapter 9 says, what is not allowed
+ * is refused with STALL and changes nothing, and no sequence of stages leaves endpoint 0 unusable. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -163,7 +163,8 @@ static void an_address_alone_allows_little(void **state)
     assert_int_equal(ask(0x00, 9, 1, 0, 0), USB_STALLED); /* address 0 may not be configured */
 }
 
-/* The address changes after the status stage, not before: the old one ends the transfer, the new one begins the next. */
+/* The address changes after the status stage, not before: the old one ends the transfer, the new one begins
+ * the next. */
 static void the_address_changes_after_the_status_stage(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
-/* Claims about what runs over the pipes: bytes of the stream arrive whole and in order whatever packets they are cut into and
- * whatever gets lost; a host that does not read is waited for; resets, halts, suspend and unplug in the middle cost the
- * frames under way and nothing else. */
+/* Claims about what runs over the pipes: bytes of the stream arrive whole and in order whatever packets they
+ * are cut into and whatever gets lost; a host that does not read is waited for; resets, halts, suspend and
+ * unplug in the middle cost the frames under way and nothing else. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -55,7 +55,8 @@ static void echo(const uint8_t *frame, uint32_t length)
     assert_memory_equal(back, frame, length);
 }
 
-/* Around every multiple of a packet: full last packets end with an empty one, or the host's read would not end. */
+/* Around every multiple of a packet: full last packets end with an empty one, or the host's read would not
+ * end. */
 static void frames_of_any_length_come_back(void **state)
 {
     (void)state;
@@ -88,7 +89,8 @@ static uint32_t fill_stream(reference_random *random, uint8_t *sent, uint32_t ca
     }
 }
 
-/* 64 KiB of frames in packets of random length (also empty ones), reads at random times, acknowledgements lost. */
+/* 64 KiB of frames in packets of random length (also empty ones), reads at random times, acknowledgements
+ * lost. */
 static void random_packets(uint64_t seed)
 {
     reference_random random = reference_random_seed(seed);
@@ -132,7 +134,8 @@ static void random_packets_arrive_whole_and_in_order(void **state)
     }
 }
 
-/* A host that writes and never reads: the device holds its packets when a reply might not fit, and loses none. */
+/* A host that writes and never reads: the device holds its packets when a reply might not fit, and loses
+ * none. */
 static void a_host_that_does_not_read_is_held(void **state)
 {
     (void)state;
@@ -249,7 +252,8 @@ static void drain_new_stream(void)
     assert_int_equal(bytes[0], 0);
 }
 
-/* After so many packets each way the conversation is interrupted; a new stream begins, and the next frame comes back. */
+/* After so many packets each way the conversation is interrupted; a new stream begins, and the next frame
+ * comes back. */
 static void interruptions_cost_only_what_was_under_way(void **state)
 {
     (void)state;
@@ -278,7 +282,9 @@ static void interruptions_cost_only_what_was_under_way(void **state)
     }
 }
 
-/* --- HID ------------------------------------------------------------------------------------------------------------- */
+/* --- HID
+ * -------------------------------------------------------------------------------------------------------------
+ */
 static uint32_t next_report_tick(void)
 {
     crn_hid_state report;
@@ -410,7 +416,9 @@ static void settings_are_read_back_and_refused(void **state)
     assert_int_equal(back.tracks[1].force_limit_mN, 3000);
 }
 
-/* --- the bus --------------------------------------------------------------------------------------------------------- */
+/* --- the bus
+ * ---------------------------------------------------------------------------------------------------------
+ */
 /* Asleep the device sends no new report; awake it goes on where it was, with frames and toggles intact. */
 static void suspend_keeps_everything(void **state)
 {
@@ -459,7 +467,8 @@ static void the_device_unplugs_itself_on_request(void **state)
     echo((const uint8_t *)"\1\2\3", 4);
 }
 
-/* With the third packet of a transfer of five: the host sees its transfer end in the middle, and the app never the third. */
+/* With the third packet of a transfer of five: the host sees its transfer end in the middle, and the app
+ * never the third. */
 static void the_device_unplugs_itself_within_a_transfer(void **state)
 {
     (void)state;
@@ -494,7 +503,8 @@ static void a_bus_out_of_order_is_survived(void **state)
     echo((const uint8_t *)"\1\2\3", 4);
 }
 
-/* Tokens that no host sends: too long, to endpoints that are not there, of no kind. Silence, and the device goes on. */
+/* Tokens that no host sends: too long, to endpoints that are not there, of no kind. Silence, and the device
+ * goes on. */
 static void malformed_tokens_are_not_answered(void **state)
 {
     (void)state;

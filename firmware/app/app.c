@@ -43,8 +43,9 @@ static bool is_led(const crn_app *app)
     return app->is_driving && app->silent_ticks < CRN_APP_HOST_SILENT_ticks + CRN_APP_FADE_ticks;
 }
 
-/* A program that begins its own conversation in the middle of that would end the other's with its next word, RESET: it is refused, which
- * is no sign of life of the one that leads. A host that speaks another language may not command anything, even in the middle of a session. */
+/* A program that begins its own conversation in the middle of that would end the other's with its next word,
+ * RESET: it is refused, which is no sign of life of the one that leads. A host that speaks another language
+ * may not command anything, even in the middle of a session. */
 static void hello(crn_app *app, const uint8_t *payload, size_t length)
 {
     crn_wire_hello hello;

@@ -1,6 +1,6 @@
-/* The firmware app: the core inside a device. Tick modes, encoders, virtual coupling, force output, safety, faults and the
- * wire; the same code on every port. Everything that comes over the wire is hostile until checked, and a refused request
- * changes nothing.
+/* The firmware app: the core inside a device. Tick modes, encoders, virtual coupling, force output, safety,
+ * faults and the wire; the same code on every port. Everything that comes over the wire is hostile until
+ * checked, and a refused request changes nothing.
  *
  *          accepted HELLO        ARM             START
  *   INIT ----------------> READY ----> ARMED ----------> RUNNING
@@ -60,8 +60,8 @@ typedef struct crn_app_hand {
     int64_t rotation_counts;
 } crn_app_hand;
 
-/* Spring, damper and friction of one axis in its own units: way in Q30 m and force in Q22 N, or way in 2^-32 turn and
- * torque in Q24 N m. Force per way is stiffness / 2^shift. */
+/* Spring, damper and friction of one axis in its own units: way in Q30 m and force in Q22 N, or way in 2^-32
+ * turn and torque in Q24 N m. Force per way is stiffness / 2^shift. */
 typedef struct crn_app_axis {
     int64_t stiffness; /* 0: no coupling */
     int64_t damping;   /* the same format, per way of one tick */
@@ -264,8 +264,8 @@ void crn_app_init(crn_app *app, const crn_port *port);
 /* Bytes from the host, in pieces of any size. Replies leave through port->transmit before it returns. */
 void crn_app_receive(crn_app *app, const uint8_t *bytes, size_t count);
 
-/* The host's word by another way than frames (HID), judged as if it had come in one; whatever of a frame has come stays. What
- * the app answers goes out as a frame that answers nothing. */
+/* The host's word by another way than frames (HID), judged as if it had come in one; whatever of a frame has
+ * come stays. What the app answers goes out as a frame that answers nothing. */
 
 /* STOP or RESET, nothing else. True: not RUNNING, READY after it. */
 bool crn_app_order(crn_app *app, uint8_t action);
@@ -276,7 +276,8 @@ void crn_app_configure(crn_app *app, const crn_wire_rig *rig);
 /* What a track's force sensor says in this edge's sample, mN; 0 without a sensor that is well. */
 int32_t crn_app_force_measured(const crn_app *app, uint32_t track);
 
-/* One millisecond has passed: samples the rig, checks it, does a tick in FREE_RUN and RUNNING, writes the outputs. */
+/* One millisecond has passed: samples the rig, checks it, does a tick in FREE_RUN and RUNNING, writes the
+ * outputs. */
 void crn_app_timer(crn_app *app);
 
 #endif

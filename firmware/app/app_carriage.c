@@ -1,6 +1,7 @@
-/* What a motor may do to a carriage that nobody holds (docs/haptics.md, "A carriage that nobody holds"): its force goes, and it makes
- * the carriage no faster than a hand would. Looked at once per edge in this edge's sample, behind everything that decides the force that
- * is asked for: what is asked for stays a matter of encoder counts and core alone, and a session replays. */
+/* What a motor may do to a carriage that nobody holds (docs/haptics.md, "A carriage that nobody holds"): its
+ * force goes, and it makes the carriage no faster than a hand would. Looked at once per edge in this edge's
+ * sample, behind everything that decides the force that is asked for: what is asked for stays a matter of
+ * encoder counts and core alone, and a session replays. */
 #include "firmware/app/app_internal.h"
 
 enum {
@@ -36,8 +37,9 @@ int32_t crn_app_carriage_moved(const crn_app *app, uint32_t k)
     return crn_wire_i32_from_u32(is_reversed ? last - now : now - last);
 }
 
-/* Speed that the carriage has at least, whatever lies between two counts: over one tick or over eight, where counts are coarse.
- * Format: counts x pm / 1000 per ms = um/s. Overflow: 8 x twice 5 mm in pm is below 2^37; held to 10 m/s. */
+/* Speed that the carriage has at least, whatever lies between two counts: over one tick or over eight, where
+ * counts are coarse. Format: counts x pm / 1000 per ms = um/s. Overflow: 8 x twice 5 mm in pm is below 2^37;
+ * held to 10 m/s. */
 static int32_t speed_um_s(const crn_app *app, uint32_t k)
 {
     const crn_app_watch *watch = &app->watches[k];
@@ -66,7 +68,8 @@ static int32_t share_of(int32_t value, int32_t full, int32_t none)
     return value >= none ? 0 : (none - value) / 16 * SHARE_ONE / ((none - full) / 16);
 }
 
-/* By the speed that the carriage will have when the force is there: now it gains as much per tick as in the last one. */
+/* By the speed that the carriage will have when the force is there: now it gains as much per tick as in the
+ * last one. */
 static int32_t speed_share(const crn_app *app, uint32_t k, int32_t asked_mN)
 {
     const crn_app_watch *watch = &app->watches[k];
@@ -81,8 +84,8 @@ static int32_t speed_share(const crn_app *app, uint32_t k, int32_t asked_mN)
                      : share_of(size, DRIVEN_FULL_um_s, DRIVEN_NONE_um_s);
 }
 
-/* The largest force that the track may be given now. A hand that holds is felt by the force sensor, which may be wrong by a quarter. Of a
- * track without one nothing is known of the hand, and the speed alone counts. */
+/* The largest force that the track may be given now. A hand that holds is felt by the force sensor, which may
+ * be wrong by a quarter. Of a track without one nothing is known of the hand, and the speed alone counts. */
 int32_t crn_app_carriage_bound(crn_app *app, uint32_t k, int32_t asked_mN)
 {
     crn_app_watch *watch = &app->watches[k];
@@ -105,8 +108,9 @@ int32_t crn_app_carriage_bound(crn_app *app, uint32_t k, int32_t asked_mN)
 
 /* --- what stops --- */
 
-/* A hand may throw a carriage, and then it is fast without a motor; it may move it as fast as it likes, and then it is felt. What is left is a
- * carriage that gained its speed while nobody touched it and a motor pushed. */
+/* A hand may throw a carriage, and then it is fast without a motor; it may move it as fast as it likes, and
+ * then it is felt. What is left is a carriage that gained its speed while nobody touched it and a motor
+ * pushed. */
 static bool is_driven_fast(crn_app *app, uint32_t k)
 {
     crn_app_watch *watch = &app->watches[k];

@@ -1,4 +1,5 @@
-/* States and modes: ARM, START, STOP, RESET, LOCKSTEP, FREE_RUN, and the two steps that let START power the motors. */
+/* States and modes: ARM, START, STOP, RESET, LOCKSTEP, FREE_RUN, and the two steps that let START power the
+ * motors. */
 #include "firmware/app/app_internal.h"
 
 enum { START_DEPTH_MAX_M_Q30 = 322123 /* 0.3 mm: the wall pushes that back without a jolt */ };
@@ -76,7 +77,8 @@ static uint32_t driven_tracks(const crn_app *app)
     return count;
 }
 
-/* A code that no frame holds by chance: of the clock and a counter, mixed (a permutation of 32 bits), never 0. */
+/* A code that no frame holds by chance: of the clock and a counter, mixed (a permutation of 32 bits), never
+ * 0. */
 static uint32_t next_code(crn_app *app)
 {
     uint32_t code = app->port->now_us(app->port->context) ^ (++app->arm_code_count * 0x9e3779b9u);
@@ -139,9 +141,10 @@ static void forget_hands(crn_app *app)
     crn_app_coupling_reset(app);
 }
 
-/* In FREE_RUN nobody listened to the hands before START, so it begins with a new reference and the motors at nothing. In LOCKSTEP
- * a session stopped goes on exactly where it was. A change of mode takes a new reference too, so that a snapshot of ARMED is what
- * START begins with: with it a session of FREE_RUN that was resumed replays bit for bit. */
+/* In FREE_RUN nobody listened to the hands before START, so it begins with a new reference and the motors at
+ * nothing. In LOCKSTEP a session stopped goes on exactly where it was. A change of mode takes a new reference
+ * too, so that a snapshot of ARMED is what START begins with: with it a session of FREE_RUN that was resumed
+ * replays bit for bit. */
 static void begin_listening(crn_app *app)
 {
     app->silent_ticks = 0;

@@ -1,6 +1,7 @@
-/* The virtual coupling between hands and tools (docs/haptics.md): a spring and a damper along and about the line, with the
- * friction of sheath and valve on the tool's side. It decides what the core is told and what the motors are asked for, from
- * nothing but encoder counts and the core's own results, so it is bit-reproducible and part of the snapshot. */
+/* The virtual coupling between hands and tools (docs/haptics.md): a spring and a damper along and about the
+ * line, with the friction of sheath and valve on the tool's side. It decides what the core is told and what
+ * the motors are asked for, from nothing but encoder counts and the core's own results, so it is
+ * bit-reproducible and part of the snapshot. */
 #include "firmware/app/app_internal.h"
 
 enum {
@@ -21,7 +22,8 @@ enum {
 
 /* --- constants of a track --- */
 
-/* Overflow: stiffness <= 5 000 x 2^12 along and 10^5 x 26 986 about; a limit of force shifted stays below 2^61. */
+/* Overflow: stiffness <= 5 000 x 2^12 along and 10^5 x 26 986 about; a limit of force shifted stays below
+ * 2^61. */
 void crn_app_axis_set(crn_app_axis *axis, int which, const crn_wire_track *wire)
 {
     bool is_along = which == CRN_APP_ALONG;
@@ -63,8 +65,9 @@ static int32_t wrapped_difference(int32_t a, int32_t b)
     return crn_wire_i32_from_u32((uint32_t)a - (uint32_t)b);
 }
 
-/* Format: force / way x 2^shift times way. Overflow: |lead| <= lead_max, so that stiffness x lead is at most the force
- * limit shifted; the damper adds at most as much times damping / stiffness, and the sum is held to four force limits. */
+/* Format: force / way x 2^shift times way. Overflow: |lead| <= lead_max, so that stiffness x lead is at most
+ * the force limit shifted; the damper adds at most as much times damping / stiffness, and the sum is held to
+ * four force limits. */
 static int32_t spring_force(const crn_app_axis *axis, int64_t lead, int64_t lead_before)
 {
     int64_t elastic = crn_rshift_round64(axis->stiffness * lead, axis->shift);
@@ -73,8 +76,9 @@ static int32_t spring_force(const crn_app_axis *axis, int64_t lead, int64_t lead
     return (int32_t)limited(elastic + viscous, 2 * (int64_t)axis->force_max);
 }
 
-/* Way of the tool in this tick: as far as spring, rod and friction are in balance again, were the rod as stiff as it has
- * shown (implicit Euler of a tool without mass). Within the friction it does not move at all. */
+/* Way of the tool in this tick: as far as spring, rod and friction are in balance again, were the rod as
+ * stiff as it has shown (implicit Euler of a tool without mass). Within the friction it does not move at all.
+ */
 static int32_t step_of(const crn_app_axis *axis, const crn_app_spring *spring, int32_t force)
 {
     int64_t rest = (int64_t)force - spring->force;
@@ -124,7 +128,8 @@ void crn_app_coupling_before(crn_app *app, crn_input *input)
     }
 }
 
-/* What the tool shows of its stiffness is believed at once when it is stiffer, and forgotten along the way it goes. */
+/* What the tool shows of its stiffness is believed at once when it is stiffer, and forgotten along the way it
+ * goes. */
 static void settle_spring(const crn_app_axis *axis, crn_app_spring *spring, int32_t way, int32_t force)
 {
     int32_t moved = wrapped_difference(way, spring->way);

@@ -1,6 +1,7 @@
-/* Cycles that a motor keeps up in a hand (docs/haptics.md, "Cycles"). From turn to turn of the carriage the hand either puts work in, as in
- * a tremor or a shake on purpose, or takes it, as in a cycle that the loop of coupling and motor makes by itself. A carriage that goes
- * forth and back without getting slower, faster than any heart, while the hand takes work, is such a cycle. */
+/* Cycles that a motor keeps up in a hand (docs/haptics.md, "Cycles"). From turn to turn of the carriage the
+ * hand either puts work in, as in a tremor or a shake on purpose, or takes it, as in a cycle that the loop of
+ * coupling and motor makes by itself. A carriage that goes forth and back without getting slower, faster than
+ * any heart, while the hand takes work, is such a cycle. */
 #include "firmware/app/app_internal.h"
 
 enum {
@@ -11,7 +12,8 @@ enum {
     LASTS_ticks = 25,      /* beyond the first cycle, which shows that it does not get slower */
 };
 
-/* Overflow: 10^7 nm per tick x 2^31 mN; sums are held to 2^44 (17 km, 17 J), a mean force that a sensor may give is below 2^17. */
+/* Overflow: 10^7 nm per tick x 2^31 mN; sums are held to 2^44 (17 km, 17 J), a mean force that a sensor may
+ * give is below 2^17. */
 static int64_t limited(int64_t value)
 {
     const int64_t most = (int64_t)1 << 44;
@@ -23,16 +25,18 @@ static int64_t width_nm(const crn_app_swing *swing)
     return swing->way_nm < 0 ? -swing->way_nm : swing->way_nm;
 }
 
-/* What the hand put into two swings by more than its mean force: swings that grow do not end where they began, and the force that
- * holds against a wall would count. Overflow: ways below 2^41 nm, the mean below 2^31 mN / CYCLE_ticks. */
+/* What the hand put into two swings by more than its mean force: swings that grow do not end where they
+ * began, and the force that holds against a wall would count. Overflow: ways below 2^41 nm, the mean below
+ * 2^31 mN / CYCLE_ticks. */
 static int64_t hand_pJ(const crn_app_swing *now, const crn_app_swing *last)
 {
     const int64_t mean_mN = crn_app_quotient(now->hand_mN_ms + last->hand_mN_ms, now->ticks + last->ticks);
     return now->hand_pJ + last->hand_pJ - mean_mN * (now->way_nm + last->way_nm);
 }
 
-/* Two swings that are one cycle: as wide as each other (7/8, where the damping of an honest rig in the softest hand leaves 0.81), fast, felt,
- * and the hand took more than 1/64 of what the cycle's box of force and way would hold (noise of the sensor: a fifth of that). */
+/* Two swings that are one cycle: as wide as each other (7/8, where the damping of an honest rig in the
+ * softest hand leaves 0.81), fast, felt, and the hand took more than 1/64 of what the cycle's box of force
+ * and way would hold (noise of the sensor: a fifth of that). */
 static bool is_kept_up(const crn_app_swing *now, const crn_app_swing *last, bool is_felt)
 {
     const int32_t low = now->low_mN < last->low_mN ? now->low_mN : last->low_mN,

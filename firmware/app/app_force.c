@@ -1,5 +1,5 @@
-/* From the coupling (or the rod itself, where a track has none) to what the actuators are asked for: gain -> passivity ->
- * slew limit -> force limit -> fade. */
+/* From the coupling (or the rod itself, where a track has none) to what the actuators are asked for: gain ->
+ * passivity -> slew limit -> force limit -> fade. */
 #include "firmware/app/app_internal.h"
 
 enum {
@@ -20,9 +20,10 @@ static int32_t limited(int64_t value, int64_t low, int64_t high)
     return (int32_t)value;
 }
 
-/* Move from `present` towards `target`: the size grows by no more than `slew` per tick and never beyond the limit; it may fall at
- * once, because a force that is still there when its cause is gone drives the hand (a hand that had released it at 4 N was thrown back
- * at 1.2 m/s while the slew limit took 80 ms to end the force). The target may be far out of range. */
+/* Move from `present` towards `target`: the size grows by no more than `slew` per tick and never beyond the
+ * limit; it may fall at once, because a force that is still there when its cause is gone drives the hand (a
+ * hand that had released it at 4 N was thrown back at 1.2 m/s while the slew limit took 80 ms to end the
+ * force). The target may be far out of range. */
 static int32_t approach(int32_t present, int64_t target, int32_t slew, int32_t limit)
 {
     const int64_t low = present < 0 ? present : 0, high = present > 0 ? present : 0;
@@ -48,9 +49,9 @@ bool crn_app_gives_energy(const crn_app_energy *energy)
     return energy->taken_pJ < -given_max_pJ;
 }
 
-/* Share of the force that keeps the track passive. What was put in long ago is not credited without bound, and what was
- * given without reason is forgiven slowly, so that a track never stays dead. A track with power that stays there stops
- * (app_carriage.c). */
+/* Share of the force that keeps the track passive. What was put in long ago is not credited without bound,
+ * and what was given without reason is forgiven slowly, so that a track never stays dead. A track with power
+ * that stays there stops (app_carriage.c). */
 static void observe_energy(crn_app *app, uint32_t k, const crn_hand_pose *hand)
 {
     crn_app_energy *energy = &app->energies[k];
@@ -77,8 +78,8 @@ static void observe_energy(crn_app *app, uint32_t k, const crn_hand_pose *hand)
 
 /* --- what is asked for --- */
 
-/* Format: Q22 N x 1/1000 -> mN: N x 1000 x gain/1000 = value x gain / 2^22; torque Q24 N m -> uN m likewise with
- * another factor 1000. Overflow: |value| < 2^31, gain <= 4000: below 2^53. */
+/* Format: Q22 N x 1/1000 -> mN: N x 1000 x gain/1000 = value x gain / 2^22; torque Q24 N m -> uN m likewise
+ * with another factor 1000. Overflow: |value| < 2^31, gain <= 4000: below 2^53. */
 static void ask(crn_app *app, uint32_t k, const crn_handle *handle)
 {
     const crn_app_track *track = &app->tracks[k];
@@ -99,8 +100,9 @@ static void ask(crn_app *app, uint32_t k, const crn_handle *handle)
                                   (int32_t)track->wire.torque_slew_uN_m_per_tick, track->torque_limit_uN_m);
 }
 
-/* A silent host: from what was asked for when it fell silent to nothing, in a straight line, faster than any slew limit.
- * Overflow: |from| <= the limits, and left_ticks <= CRN_APP_FADE_ticks while it fades: below 2^19. */
+/* A silent host: from what was asked for when it fell silent to nothing, in a straight line, faster than any
+ * slew limit. Overflow: |from| <= the limits, and left_ticks <= CRN_APP_FADE_ticks while it fades: below
+ * 2^19. */
 _Static_assert((int64_t)CRN_APP_TORQUE_LIMIT_uN_m *CRN_APP_FADE_ticks <= INT32_MAX,
                "a bound of a force in 32 bits");
 static int32_t faded(int32_t value, int32_t from, uint32_t left_ticks)
@@ -144,8 +146,8 @@ static uint8_t lamp(uint8_t state)
     return state == CRN_WIRE_STATE_ARMED ? CRN_PORT_LAMP_ARMED : CRN_PORT_LAMP_IDLE;
 }
 
-/* A track is driven along or about its line only through a coupling: the rod itself is stiffer than any rig renders. And it is driven
- * only as far as somebody holds it. */
+/* A track is driven along or about its line only through a coupling: the rod itself is stiffer than any rig
+ * renders. And it is driven only as far as somebody holds it. */
 static crn_port_motor drive(crn_app *app, uint32_t k)
 {
     const crn_app_track *track = &app->tracks[k];
@@ -157,8 +159,8 @@ static crn_port_motor drive(crn_app *app, uint32_t k)
                             track->axes[CRN_APP_ABOUT].stiffness > 0 ? app->motors[k].torque_uN_m : 0};
 }
 
-/* Once per edge. While driving: the forces, and one flip of the drive line, which keeps the power stage on for another
- * CRN_PORT_DRIVE_HOLD_ms. */
+/* Once per edge. While driving: the forces, and one flip of the drive line, which keeps the power stage on
+ * for another CRN_PORT_DRIVE_HOLD_ms. */
 void crn_app_outputs_write(crn_app *app)
 {
     crn_port_outputs outputs = {.enable = app->is_driving, .lamp = lamp(app->state)};
@@ -172,7 +174,8 @@ void crn_app_outputs_write(crn_app *app)
     app->port->outputs(app->port->context, &outputs);
 }
 
-/* No power, now. What LOCKSTEP reports is part of the session, not of the motors, and goes on from where it was. */
+/* No power, now. What LOCKSTEP reports is part of the session, not of the motors, and goes on from where it
+ * was. */
 void crn_app_motors_off(crn_app *app)
 {
     const crn_port_outputs outputs = {.drive = app->drive_level, .lamp = lamp(app->state)};

@@ -1,5 +1,6 @@
-/* From encoder counts to where the hands are, one per tool. Counts are absolute and may wrap, so changes are summed in 64 bits; the
- * position is scaled from the sum, never summed itself, so that rounding does not drift. */
+/* From encoder counts to where the hands are, one per tool. Counts are absolute and may wrap, so changes are
+ * summed in 64 bits; the position is scaled from the sum, never summed itself, so that rounding does not
+ * drift. */
 #include "firmware/app/app_internal.h"
 
 void crn_app_hands_reset(crn_app *app)
@@ -60,8 +61,9 @@ bool crn_app_hands_update(crn_app *app, const crn_app_encoders *now)
     return true;
 }
 
-/* Format: counts (int64) x Q46 m -> Q30 m, rounded; beyond +-1.9 m the hand is held there, which the core treats as
- * fully inserted or withdrawn. Overflow: counts are bounded first, so that the product fits 63 bits. */
+/* Format: counts (int64) x Q46 m -> Q30 m, rounded; beyond +-1.9 m the hand is held there, which the core
+ * treats as fully inserted or withdrawn. Overflow: counts are bounded first, so that the product fits 63
+ * bits. */
 static int32_t feed_m_q30(int64_t counts, uint64_t m_q46_per_count)
 {
     const int64_t limit_m_q46 = (int64_t)19 << 43; /* 2.375 m, above what is kept below */
@@ -75,7 +77,8 @@ static int32_t feed_m_q30(int64_t counts, uint64_t m_q46_per_count)
     return (int32_t)feed;
 }
 
-/* Format: counts x 2^-48 turn -> 2^-32 turn modulo one turn. Overflow: wraps on purpose, whole turns drop out. */
+/* Format: counts x 2^-48 turn -> 2^-32 turn modulo one turn. Overflow: wraps on purpose, whole turns drop
+ * out. */
 static uint32_t turn32(int64_t counts, uint64_t turn48_per_count)
 {
     uint64_t turn48 = (uint64_t)counts * turn48_per_count;

@@ -1,5 +1,5 @@
-/* What the files of the app share. Top to bottom: wire -> requests -> session -> hand, coupling, force, safety, stream,
- * faults. */
+/* What the files of the app share. Top to bottom: wire -> requests -> session -> hand, coupling, force,
+ * safety, stream, faults. */
 #ifndef CRN_APP_INTERNAL_H
 #define CRN_APP_INTERNAL_H
 
@@ -20,9 +20,10 @@
         }                                                                                                    \
     } while (0)
 
-/* value / divisor towards zero, for divisors of at most 65 535 and |value| < 2^63. A 32-bit processor divides 64 bits only by a
- * helper of hundreds of instructions; this is three divisions of 32 bits, digits of 16 bits from the top: a rest is below the
- * divisor, so that rest and next digit fit 32 bits and their quotient fits 16. */
+/* value / divisor towards zero, for divisors of at most 65 535 and |value| < 2^63. A 32-bit processor divides
+ * 64 bits only by a helper of hundreds of instructions; this is three divisions of 32 bits, digits of 16 bits
+ * from the top: a rest is below the divisor, so that rest and next digit fit 32 bits and their quotient
+ * fits 16. */
 static inline int64_t crn_app_quotient(int64_t value, uint32_t divisor)
 {
     const uint64_t size = value < 0 ? 0u - (uint64_t)value : (uint64_t)value;
@@ -58,8 +59,8 @@ void crn_app_tools(crn_app *app, const uint8_t *payload, size_t length);
 void crn_app_entry(crn_app *app, const uint8_t *payload, size_t length);
 void crn_app_reject_build(crn_app *app, uint16_t type, crn_build_status status, const crn_build_place *place);
 
-/* app_lumen.c: scene bytes -> the core's view of them; `lumen` then points to `motion` when it moves, and to `lesions` when some give way. 0,
- * or the scene status that says what is wrong: all are as they were. */
+/* app_lumen.c: scene bytes -> the core's view of them; `lumen` then points to `motion` when it moves, and to
+ * `lesions` when some give way. 0, or the scene status that says what is wrong: all are as they were. */
 uint32_t crn_app_lumen_open(const uint8_t *bytes, uint32_t byte_count, crn_lumen *lumen, crn_motion *motion,
                             crn_lesion lesions[CRN_LESION_MAX]);
 

@@ -1,5 +1,6 @@
-/* What can hurt a finger, looked for once per edge of the timer in this edge's sample of the rig: lines, sensors, forces,
- * carriages, clock. Every finding is a fault of shared/wire/wire_faults.def, with its time to safe and its test there. */
+/* What can hurt a finger, looked for once per edge of the timer in this edge's sample of the rig: lines,
+ * sensors, forces, carriages, clock. Every finding is a fault of shared/wire/wire_faults.def, with its time
+ * to safe and its test there. */
 #include "firmware/app/app_internal.h"
 
 enum {
@@ -56,8 +57,8 @@ static bool lasts(uint32_t *ticks, bool is_so, uint32_t limit)
     return *ticks >= limit;
 }
 
-/* In every state: a force that nobody asked for comes from a driver that is broken. One that was asked for and is missing may
- * be a hand that lets go; that is for check_carriage to judge. */
+/* In every state: a force that nobody asked for comes from a driver that is broken. One that was asked for
+ * and is missing may be a hand that lets go; that is for check_carriage to judge. */
 static crn_fault_code check_force(crn_app *app, uint32_t k, int32_t measured)
 {
     crn_app_watch *watch = &app->watches[k];
@@ -89,8 +90,9 @@ static void restart_watch(crn_app_watch *watch, int32_t speed_counts)
     watch->speed_counts = speed_counts;
 }
 
-/* An unbalanced force must move the heaviest carriage by CARRIAGE_WAY_nm against its friction before anything is said. Its
- * encoder then stands, or has gained speed the other way, or all is well. Format: mN / kg = nm / ms^2; ways in nm. */
+/* An unbalanced force must move the heaviest carriage by CARRIAGE_WAY_nm against its friction before anything
+ * is said. Its encoder then stands, or has gained speed the other way, or all is well. Format: mN / kg = nm /
+ * ms^2; ways in nm. */
 static crn_fault_code check_carriage(crn_app *app, uint32_t k, int32_t measured)
 {
     crn_app_watch *watch = &app->watches[k];
@@ -169,7 +171,8 @@ static crn_fault_code check_lines(crn_app *app)
     return CRN_FAULT_CODE_NONE;
 }
 
-/* A code and the permission that it gave are for somebody who is about to press START, not for whoever comes later. */
+/* A code and the permission that it gave are for somebody who is about to press START, not for whoever comes
+ * later. */
 static void age_permission(crn_app *app)
 {
     if (app->arm_code == 0 && !app->motors_armed) return;
@@ -178,8 +181,8 @@ static void age_permission(crn_app *app)
     app->motors_armed = false;
 }
 
-/* Every edge, with this edge's sample. A fault is latched once: in FAULT nothing is left to take away, but that the
- * stage does not obey must be told, whatever led there. */
+/* Every edge, with this edge's sample. A fault is latched once: in FAULT nothing is left to take away, but
+ * that the stage does not obey must be told, whatever led there. */
 void crn_app_safety_check(crn_app *app)
 {
     app->drive_ticks = app->is_driving ? app->drive_ticks + 1 : 0;
@@ -259,8 +262,8 @@ void crn_app_clock_begin(crn_app *app)
         crn_app_fault(app, CRN_FAULT_CODE_TICK_STALLED, (int32_t)gap, (int32_t)app->backlog_us);
 }
 
-/* After a tick. One that took too long held the last force meanwhile; what is left of the time of the next ones makes up for
- * it, and the state is the same as if it had been in time. */
+/* After a tick. One that took too long held the last force meanwhile; what is left of the time of the next
+ * ones makes up for it, and the state is the same as if it had been in time. */
 void crn_app_clock_end(crn_app *app)
 {
     uint32_t took = app->port->now_us(app->port->context) - app->edge_us;

@@ -165,7 +165,8 @@ static uint16_t order_from_wire(const crn_app *app, const crn_wire_encoders *wir
 
 /* --- LOCKSTEP --- */
 
-/* Replies: hash64 on the way, nodes when wanted, ticks last. After a fault or a STOP `ticks` is shorter than asked. */
+/* Replies: hash64 on the way, nodes when wanted, ticks last. After a fault or a STOP `ticks` is shorter than
+ * asked. */
 void crn_app_step(crn_app *app, const uint8_t *payload, size_t length)
 {
     const uint16_t type = CRN_WIRE_TYPE_step;

@@ -20,7 +20,8 @@ void crn_app_scene_begin(crn_app *app, const uint8_t *payload, size_t length)
     crn_app_send_status(app, type);
 }
 
-/* Good chunks are not answered, so that an upload is not a ping-pong; a bad one is refused and scene_end fails too. */
+/* Good chunks are not answered, so that an upload is not a ping-pong; a bad one is refused and scene_end
+ * fails too. */
 void crn_app_scene_chunk(crn_app *app, const uint8_t *payload, size_t length)
 {
     const uint16_t type = CRN_WIRE_TYPE_scene_chunk;

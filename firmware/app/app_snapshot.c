@@ -161,7 +161,8 @@ static bool read_tool(crn_wire_reader *reader, const crn_app_track *track, crn_a
            is_within(motor->torque_uN_m, track->torque_limit_uN_m);
 }
 
-/* Leads are held to what an axis allows, estimates to its largest: no product of a later tick can overflow. */
+/* Leads are held to what an axis allows, estimates to its largest: no product of a later tick can overflow.
+ */
 static bool read_spring(crn_wire_reader *reader, const crn_app_axis *axis, crn_app_spring *spring)
 {
     uint32_t is_set = (uint32_t)crn_wire_read(reader, 4);

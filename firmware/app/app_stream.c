@@ -1,5 +1,6 @@
-/* What the device says without being asked, as far as there is room on the way to the host: ticks of FREE_RUN first, then
- * notices, then pictures. Ticks and notices wait in queues; a picture that found no room is replaced by a newer one. */
+/* What the device says without being asked, as far as there is room on the way to the host: ticks of FREE_RUN
+ * first, then notices, then pictures. Ticks and notices wait in queues; a picture that found no room is
+ * replaced by a newer one. */
 #include "firmware/app/app_internal.h"
 
 enum {
@@ -107,7 +108,8 @@ void crn_app_stream_hash64(crn_app *app)
 
 /* --- the stream --- */
 
-/* Once per edge, after the outputs are written. A batch waits until it is full or no further tick is coming. */
+/* Once per edge, after the outputs are written. A batch waits until it is full or no further tick is coming.
+ */
 void crn_app_stream_flush(crn_app *app)
 {
     bool is_last = app->state != CRN_WIRE_STATE_RUNNING || app->mode != CRN_WIRE_MODE_FREE_RUN;

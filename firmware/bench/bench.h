@@ -1,4 +1,5 @@
-/* What a benchmark program needs: a table of cases and a main that follows the convention of docs/bench.md. */
+/* What a benchmark program needs: a table of cases and a main that follows the convention of docs/bench.md.
+ */
 #ifndef CRN_BENCH_H
 #define CRN_BENCH_H
 

@@ -1,5 +1,6 @@
-/* Instructions of one lumen sample, by callgrind: the cheap distance and the contact sample, at points near the wall
- * of a straight tube of 8 mm radius (level 0) and of a refined one (level 1), the dearest ways through the code. */
+/* Instructions of one lumen sample, by callgrind: the cheap distance and the contact sample, at points near
+ * the wall of a straight tube of 8 mm radius (level 0) and of a refined one (level 1), the dearest ways
+ * through the code. */
 #include "firmware/bench/bench.h"
 #include "firmware/core/lumen.h"
 

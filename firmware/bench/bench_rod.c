@@ -1,11 +1,12 @@
 /* Cost of one tick and accuracy of the elastica (docs/bench.md names the rows).
  *
- * Scenes: `bends`, a super stiff wire (EI 1.85e-3 N m^2, 3 mm elements) pushed through a tube of 2 mm radius with three
- * bends; `floor`, a soft wire (EI 2e-6) lying on the floor of a straight narrow tube, so that every node touches but the few
- * that hang from the mouth. `bends` also beats at 90 /min, all of it or, as in a heart, the last 200 mm; `coronary` is a 0.014 in wire in a vessel of 1.5 mm radius on a
- * beating sphere (tests/reference/moving_tube.h). `balloon` is a wire in a balloon catheter of 256 elements in the three bends, with its balloon of 3 x 20 mm
- * folded or filling the vessel at 8 bar. A row
- * fails when its scene has fewer contacts than it says. */
+ * Scenes: `bends`, a super stiff wire (EI 1.85e-3 N m^2, 3 mm elements) pushed through a tube of 2 mm radius
+ * with three bends; `floor`, a soft wire (EI 2e-6) lying on the floor of a straight narrow tube, so that
+ * every node touches but the few that hang from the mouth. `bends` also beats at 90 /min, all of it or, as in
+ * a heart, the last 200 mm; `coronary` is a 0.014 in wire in a vessel of 1.5 mm radius on a beating sphere
+ * (tests/reference/moving_tube.h). `balloon` is a wire in a balloon catheter of 256 elements in the three
+ * bends, with its balloon of 3 x 20 mm folded or filling the vessel at 8 bar. A row fails when its scene has
+ * fewer contacts than it says. */
 #include "firmware/bench/bench.h"
 #include "firmware/core/core_state.h"
 #include "firmware/tests/reference/cantilever.h"
@@ -46,8 +47,8 @@ static const scene scenes[] = {{256, 0, 57, 1, 0, 0, 0},
                                {256, 0, 50, 2, 0, 800, 1},
                                {256, 0, 50, 2, HEART_BEATS, 800, 1}};
 
-/* What callgrind counts: crn_step as called from here, not the ticks of the insertion. The tools slide and turn against
- * each other, so that nothing is kept from tick to tick. */
+/* What callgrind counts: crn_step as called from here, not the ticks of the insertion. The tools slide and
+ * turn against each other, so that nothing is kept from tick to tick. */
 static BENCH_MEASURED void measured_step(void)
 {
     crn_step(&model, &state, &input, &output);
@@ -94,7 +95,8 @@ static int nearest_point(const reference_tube *tube, uint32_t node)
     return best;
 }
 
-/* 22 mm of the path that give way by 0.4 mm all round, where the middle of the balloon is. The path has a point per mm. */
+/* 22 mm of the path that give way by 0.4 mm all round, where the middle of the balloon is. The path has a
+ * point per mm. */
 static void put_lesion(reference_tube *tube)
 {
     enum { STATIONS = 23 };
@@ -199,7 +201,8 @@ static void insert(const scene *s)
         bench_fail("the balloon does not fill the vessel");
 }
 
-/* Deepest contact of a coronary wire, mm: while it is pushed in at rest (argument 0), or in 60 s at 90 /min after it (1). */
+/* Deepest contact of a coronary wire, mm: while it is pushed in at rest (argument 0), or in 60 s at 90 /min
+ * after it (1). */
 static double run_coronary(const bench_case *self)
 {
     reference_tube *tube = reference_tube_make(reference_coronary, 3, 0.0015, 1);

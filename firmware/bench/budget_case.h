@@ -1,5 +1,6 @@
-/* One measured case as a file: what budget_make.c (on the PC) hands to budget_image.c (on the Cortex-M7). The same words on
- * both sides: structs of 32-bit words, little end first. All calls of the core for the budget are in this header. */
+/* One measured case as a file: what budget_make.c (on the PC) hands to budget_image.c (on the Cortex-M7). The
+ * same words on both sides: structs of 32-bit words, little end first. All calls of the core for the budget
+ * are in this header. */
 #ifndef CRN_BUDGET_CASE_H
 #define CRN_BUDGET_CASE_H
 
@@ -7,7 +8,8 @@
 
 enum { BUDGET_MAGIC = 0x42444731, BUDGET_TICKS_MAX = 1000 };
 
-/* Followed by: index (padded to words), children (padded), samples (padded), state, one crn_input per tick. */
+/* Followed by: index (padded to words), children (padded), samples (padded), state, one crn_input per tick.
+ */
 typedef struct budget_case {
     uint32_t magic;
     uint32_t ticks;

@@ -1,6 +1,7 @@
-/* Counts the instructions of crn_step(), and of the hash that is a part of it, on the Cortex-M7 (docs/bench.md, "budget"): reads a case, restores its state, steps,
- * and prints mean, largest and smallest count, second solves, and whether the state's hash is the PC's.
- * usage (as semihosting arguments): budget_image CASE_FILE */
+/* Counts the instructions of crn_step(), and of the hash that is a part of it, on the Cortex-M7
+ * (docs/bench.md, "budget"): reads a case, restores its state, steps, and prints mean, largest and smallest
+ * count, second solves, and whether the state's hash is the PC's. usage (as semihosting arguments):
+ * budget_image CASE_FILE */
 #include "firmware/bench/budget_case.h"
 #include "firmware/core/rod.h"
 #include "firmware/port/console_digits.h"

@@ -1,6 +1,6 @@
-/* Prepares the cases of the Cortex-M7 budget on the PC: puts a wire into a lumen, lets it settle or drives it until a tick
- * needs a second solve, and writes the state before the measured ticks with everything they need (budget_case.h).
- * usage: budget_make list | make CASE FILE */
+/* Prepares the cases of the Cortex-M7 budget on the PC: puts a wire into a lumen, lets it settle or drives it
+ * until a tick needs a second solve, and writes the state before the measured ticks with everything they need
+ * (budget_case.h). usage: budget_make list | make CASE FILE */
 #include "firmware/bench/bench.h"
 #include "firmware/bench/budget_case.h"
 #include "firmware/tests/reference/random.h"
@@ -48,7 +48,8 @@ static crn_instrument make_wire(const scene *s)
                                : reference_wire(s->bend_N_m2, 900000, 3000, 0.2);
 }
 
-/* Tool k of three, thin, with a taper over 200 mm that makes the shaft half as stiff again (as in bench_rod.c). */
+/* Tool k of three, thin, with a taper over 200 mm that makes the shaft half as stiff again (as in
+ * bench_rod.c). */
 static crn_instrument make_coaxial(const scene *s, uint32_t k)
 {
     static const uint32_t radius_um[] = {300, 370, 445};
@@ -159,7 +160,8 @@ static void record(const scene *s, budget_case *c)
     memcpy(c->hash_lane, output.hash_lane, sizeof c->hash_lane);
 }
 
-/* The tick with a second solve that has the most contacts, and the one before it; prints how many such ticks there were. */
+/* The tick with a second solve that has the most contacts, and the one before it; prints how many such ticks
+ * there were. */
 static void record_worst(budget_case *c)
 {
     size_t bytes = crn_state_bytes();

@@ -1,6 +1,6 @@
-/* The rod that tools/bench/run_peers.py compares with other simulators (docs/bench.md, "Peers"): 0.5 m, 256 elements,
- * 60 GPa, 0.89 mm, held horizontally at one end, under gravity; free, or in a straight tube of 3 mm.
- * `peer_rod free|tube SETTLE_TICKS TIMED_TICKS` prints one line of key=value pairs. */
+/* The rod that tools/bench/run_peers.py compares with other simulators (docs/bench.md, "Peers"): 0.5 m, 256
+ * elements, 60 GPa, 0.89 mm, held horizontally at one end, under gravity; free, or in a straight tube of 3
+ * mm. `peer_rod free|tube SETTLE_TICKS TIMED_TICKS` prints one line of key=value pairs. */
 #include "firmware/bench/bench.h"
 #include "firmware/core/core_state.h"
 #include "firmware/tests/reference/tube_lumen.h"

@@ -19,7 +19,8 @@ enum {
     UNFOLDED_Q30 = 1041529569, /* 0.97: of its first diameter, where the wall of the balloon begins to bear */
 };
 
-/* --- set-up -------------------------------------------------------------------------------------------------- */
+/* --- set-up
+ * -------------------------------------------------------------------------------------------------- */
 
 static bool table_is_one(const crn_balloon *balloon, uint32_t folded_radius_um)
 {
@@ -128,10 +129,11 @@ void crn_balloon_build(crn_balloon_model *model, const crn_instrument *tools, ui
     }
 }
 
-/* --- the maker's table --------------------------------------------------------------------------------------- */
+/* --- the maker's table
+ * --------------------------------------------------------------------------------------- */
 
-/* y at x on the line through two points. Overflow: the tables' steps are below 2^23 in either; beyond the last point at most some times
- * that. */
+/* y at x on the line through two points. Overflow: the tables' steps are below 2^23 in either; beyond the
+ * last point at most some times that. */
 static int32_t on_line(int32_t x, int32_t x0, int32_t x1, int32_t y0, int32_t y1)
 {
     return y0 + crn_scale_q30(y1 - y0, crn_quotient(x - x0, x1 - x0, 28)) * 4;
@@ -163,7 +165,8 @@ int32_t crn_balloon_own_pressure(const crn_balloon_model *model, int32_t radius_
     return on_line(radius_m_q30, r[i], r[i + 1], i == 1 ? 0 : p[i], p[i + 1]);
 }
 
-/* --- where the balls are ------------------------------------------------------------------------------------- */
+/* --- where the balls are
+ * ------------------------------------------------------------------------------------- */
 
 /* A ball's place on the line at the predicted configuration. */
 typedef struct place {
@@ -227,7 +230,8 @@ static int32_t wall_distance(const crn_model *model, crn_state *state, const crn
                : crn_motion_contact(lumen, lumen->motion, &state->scratch.pose, place_m_q30).distance_m_q30;
 }
 
-/* --- growing ------------------------------------------------------------------------------------------------- */
+/* --- growing
+ * ------------------------------------------------------------------------------------------------- */
 
 /* What a ball measures: folded, while it is in the inserter or in another tool and its own radius is 0. */
 static int32_t radius_of(const crn_model *model, const crn_balloon_ball *ball)
@@ -260,8 +264,8 @@ static crn_vec3 carried(const crn_model *model, crn_state *state, const crn_ball
     return centre;
 }
 
-/* N = p 2 pi r ds. Format: Pa, Q30 m -> Q22 N. Overflow: r below 2^24 and ds below 2^22, so their product is below 2^26 in Q40; times
- * 2 pi below 2^29, times 2^22 Pa below 2^51. */
+/* N = p 2 pi r ds. Format: Pa, Q30 m -> Q22 N. Overflow: r below 2^24 and ds below 2^22, so their product is
+ * below 2^26 in Q40; times 2 pi below 2^29, times 2^22 Pa below 2^51. */
 static int32_t wall_force(int32_t pressure_Pa, int32_t radius_m_q30, int32_t length_m_q30)
 {
     int64_t area_q40 = ((int64_t)radius_m_q30 * length_m_q30) >> 20;
@@ -270,7 +274,8 @@ static int32_t wall_force(int32_t pressure_Pa, int32_t radius_m_q30, int32_t len
     return force > BALL_MAX_N_Q22 ? BALL_MAX_N_Q22 : (int32_t)force;
 }
 
-/* Two directions across the line, at right angles; turned by 45 degrees from tick to tick, so that eight are felt. */
+/* Two directions across the line, at right angles; turned by 45 degrees from tick to tick, so that eight are
+ * felt. */
 static void directions(const crn_vec3 *along_q30, bool is_turned, crn_vec3 pair_q30[2])
 {
     int least = 0;
@@ -292,8 +297,8 @@ static void directions(const crn_vec3 *along_q30, bool is_turned, crn_vec3 pair_
     }
 }
 
-/* How far the wall is behind (+) or before the ball's surface in a direction. The field is right at a wall, not on the axis of a narrow
- * vessel, where its spline rounds the ridge off. */
+/* How far the wall is behind (+) or before the ball's surface in a direction. The field is right at a wall,
+ * not on the axis of a narrow vessel, where its spline rounds the ridge off. */
 static int32_t behind_wall(const crn_model *model, crn_state *state, const crn_lesion_section *section,
                            const crn_vec3 *centre_m_q30, const crn_vec3 *direction_q30, int32_t radius_m_q30)
 {
@@ -304,7 +309,8 @@ static int32_t behind_wall(const crn_model *model, crn_state *state, const crn_l
     return crn_clamp(wall_distance(model, state, section, &surface), -FELT_M_Q30, FELT_M_Q30);
 }
 
-/* Moves the ball between the walls of one direction; returns how much narrower than its diameter the room is, halved; below 0: wider. */
+/* Moves the ball between the walls of one direction; returns how much narrower than its diameter the room is,
+ * halved; below 0: wider. */
 static int32_t fit_between(const crn_model *model, crn_state *state, const crn_lesion_section *section,
                            crn_vec3 *centre_m_q30, const crn_vec3 *direction_q30, int32_t radius_m_q30)
 {
@@ -325,7 +331,8 @@ static int32_t fit_between(const crn_model *model, crn_state *state, const crn_l
     return (ahead + back) / 2;
 }
 
-/* One ball's tick. `length` is that of the wall it stands for. Returns the pressure that it has on the wall. */
+/* One ball's tick. `length` is that of the wall it stands for. Returns the pressure that it has on the wall.
+ */
 static int32_t grow(const crn_model *model, crn_state *state, uint32_t number, const place *at,
                     int32_t pressure_Pa, int32_t length_m_q30)
 {
@@ -369,7 +376,8 @@ static void fold(const crn_model *model, crn_balloon_state *words, uint32_t numb
         (crn_balloon_ball){at->point_m_q30, at->is_free ? model->balloon.radius_m_q30[0] : 0, 0};
 }
 
-/* The spring into the matrix: on each of the two nodes as if it stood alone, which is never softer than the pair. */
+/* The spring into the matrix: on each of the two nodes as if it stood alone, which is never softer than the
+ * pair. */
 static void tie(const crn_model *model, crn_state *state, const place *at)
 {
     const int32_t stiffness = STIFFNESS_N_m << model->stiffness_exponent;
@@ -412,7 +420,8 @@ void crn_balloon_find(const crn_model *model, crn_state *state, int32_t inflator
     }
 }
 
-/* --- forces -------------------------------------------------------------------------------------------------- */
+/* --- forces
+ * -------------------------------------------------------------------------------------------------- */
 
 static bool is_tied(const crn_model *model, const crn_state *state, uint32_t ball, const place *at)
 {
@@ -442,7 +451,8 @@ void crn_balloon_forces(const crn_model *model, crn_state *state)
     }
 }
 
-/* N dr/ds: where the balloon widens the wall pushes it on. Central difference over the neighbours. Towards the hand. */
+/* N dr/ds: where the balloon widens the wall pushes it on. Central difference over the neighbours. Towards
+ * the hand. */
 static int32_t taper_force(const crn_model *model, const crn_state *state, uint32_t j)
 {
     const crn_balloon_ball *balls = state->words.balloon.balls;
@@ -528,7 +538,8 @@ uint32_t crn_state_balloon(const crn_model *model, const crn_state *state,
     return balloon->ball_count;
 }
 
-/* --- a restored state ---------------------------------------------------------------------------------------- */
+/* --- a restored state
+ * ---------------------------------------------------------------------------------------- */
 
 bool crn_balloon_is_valid(const crn_model *model, const crn_balloon_state *balloon)
 {

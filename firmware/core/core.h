@@ -5,9 +5,9 @@
  *   crn_step()         (model, state, input) -> state', output            (exactly one tick)
  *   crn_state_save/restore/hash                                           (32-bit words, crn_state_bytes)
  *
- * Tools are numbered from the innermost (0, the wire) to the outermost and share one centreline where they overlap.
- * The tool whose tip is farthest in leads; any may. Node 0 is the leading tip; indices grow towards the hand.
- * Patient frame: +x patient left, +y head, +z anterior.
+ * Tools are numbered from the innermost (0, the wire) to the outermost and share one centreline where they
+ * overlap. The tool whose tip is farthest in leads; any may. Node 0 is the leading tip; indices grow towards
+ * the hand. Patient frame: +x patient left, +y head, +z anterior.
  */
 #ifndef CRN_CORE_H
 #define CRN_CORE_H
@@ -54,8 +54,8 @@ typedef struct crn_balloon {
     uint32_t distal_um, proximal_um;              /* its working length, from the tool's tip: 2 to 60 mm */
     uint32_t burst_kPa;                           /* above the table's last pressure, at most 4000 */
     uint32_t pressure_kPa[CRN_BALLOON_POINT_MAX]; /* increasing, from 100 on */
-    uint32_t diameter_um
-        [CRN_BALLOON_POINT_MAX]; /* increasing, at most 20 000, the first wider than the folded tool */
+    uint32_t diameter_um[CRN_BALLOON_POINT_MAX];  /* increasing, at most 20 000, the first wider than the
+                                                     folded tool */
 } crn_balloon;
 
 typedef struct crn_instrument {
@@ -80,10 +80,12 @@ typedef struct crn_state crn_state; /* complete type in core_state.h */
 
 typedef enum crn_build_status {
     CRN_BUILD_OK = 0,
-    CRN_BUILD_KNOTS, /* number or order of knots */
-    CRN_BUILD_RANGE, /* a property out of its range */
-    CRN_BUILD_LENGTH, /* shorter than 20 mm or than five of the line's elements, or more than CRN_NODE_MAX nodes */
-    CRN_BUILD_ELEMENTS, /* element lengths out of range, or so long that the rest shape turns by more than 1.2 rad in one */
+    CRN_BUILD_KNOTS,    /* number or order of knots */
+    CRN_BUILD_RANGE,    /* a property out of its range */
+    CRN_BUILD_LENGTH,   /* shorter than 20 mm or than five of the line's elements, or more than CRN_NODE_MAX
+                           nodes */
+    CRN_BUILD_ELEMENTS, /* element lengths out of range, or so long that the rest shape turns by more than 1.2
+                           rad in one */
     CRN_BUILD_ENTRY,    /* direction is no unit vector, or position outside +-1.9 m */
     CRN_BUILD_OVERFLOW, /* stiffness or mass and element length together exceed the number format */
     CRN_BUILD_TOOLS,    /* number of tools not 1 .. CRN_TOOL_MAX */
@@ -108,13 +110,14 @@ typedef struct crn_scaffold {
     int32_t open_q30; /* 0: no order; .. 1. An order for what is not there does nothing */
 } crn_scaffold;
 
-/* A ring of the struts of a stent that was deployed: a circle at a place that the lumen's own pose has. Rings of consecutive numbers that are joined
- * are one stent. One that is there goes to what is asked by 5 um a tick. */
+/* A ring of the struts of a stent that was deployed: a circle at a place that the lumen's own pose has. Rings
+ * of consecutive numbers that are joined are one stent. One that is there goes to what is asked by 5 um a
+ * tick. */
 typedef struct crn_strut_order {
     uint32_t number;      /* 1 .. CRN_STRUT_RING_MAX; 0: no order, and all else is 0 */
     int32_t centre_um[3]; /* at most 1 900 000 */
-    uint32_t
-        inside_um; /* radius inside of the struts, 200 .. 20 000; 0: there is no such ring any more, and what follows is 0 */
+    uint32_t inside_um; /* radius inside of the struts, 200 .. 20 000; 0: there is no such ring any more, and
+                           what follows is 0 */
     uint32_t thickness_um; /* of the struts, 10 .. 1 000 */
     uint32_t is_joined;    /* 1: to the ring of the next number */
 } crn_strut_order;
@@ -124,8 +127,8 @@ typedef struct crn_input {
     crn_rhythm_order rhythm; /* zero: nothing */
     crn_scaffold scaffold;
     crn_strut_order strut;
-    int32_t
-        inflator_Pa; /* pressure in the balloon above that of the blood; limited to 0 .. CRN_PRESSURE_MAX_Pa */
+    int32_t inflator_Pa; /* pressure in the balloon above that of the blood; limited to 0 ..
+                            CRN_PRESSURE_MAX_Pa */
 } crn_input;
 
 /* What one tool gives back to its hand. */
@@ -171,9 +174,9 @@ enum { CRN_BALLOON_BURST = 1u << 0 };
 size_t crn_model_size(void);
 size_t crn_state_size(void);
 
-/* Derive all constants of `tool_count` tools, from the innermost to the outermost. `lumen` may be NULL (free space)
- * and must outlive the model; the tools are copied. On any status but OK the model is unusable and *place names the
- * offending tool and knot. */
+/* Derive all constants of `tool_count` tools, from the innermost to the outermost. `lumen` may be NULL (free
+ * space) and must outlive the model; the tools are copied. On any status but OK the model is unusable and
+ * *place names the offending tool and knot. */
 crn_build_status crn_model_build(crn_model *model, const crn_instrument *tools, uint32_t tool_count,
                                  const crn_lumen *lumen, const crn_entry *entry, crn_build_place *place);
 
@@ -181,8 +184,8 @@ crn_build_status crn_model_build(crn_model *model, const crn_instrument *tools, 
  * the back. */
 void crn_model_set_gravity(crn_model *model, int32_t x_mm_s2, int32_t y_mm_s2, int32_t z_mm_s2);
 
-/* State with inserted_um[k] of tool k outside the inserter, straight along its axis, at rest. The longest is brought
- * into what the line allows (a few elements at least). */
+/* State with inserted_um[k] of tool k outside the inserter, straight along its axis, at rest. The longest is
+ * brought into what the line allows (a few elements at least). */
 void crn_state_init(const crn_model *model, crn_state *state, const uint32_t *inserted_um);
 
 /* One tick. Never fails: what cannot be represented saturates and sets a fault bit. */
@@ -209,22 +212,23 @@ int32_t crn_state_radius(const crn_state *state,
                          uint32_t node); /* radius that touches the wall there, Q30 m */
 int32_t crn_state_inserted(const crn_state *state, uint32_t tool); /* Q30 m; the largest one leads */
 
-/* Force of the wall on a free node in the state as it stands, Q22 N: normal force along the wall's inward normal and
- * friction. False, and zero, where the node does not touch. */
+/* Force of the wall on a free node in the state as it stands, Q22 N: normal force along the wall's inward
+ * normal and friction. False, and zero, where the node does not touch. */
 bool crn_state_contact_force(const crn_model *model, const crn_state *state, uint32_t node,
                              crn_vec3 *force_N_q22);
 
-/* Deepest contact depth of the free nodes, Q30 m: negative while all are inside the lumen, INT32_MIN without a lumen.
- * For set-up (is the start possible?) and tests; a step reports its own in the output. */
+/* Deepest contact depth of the free nodes, Q30 m: negative while all are inside the lumen, INT32_MIN without
+ * a lumen. For set-up (is the start possible?) and tests; a step reports its own in the output. */
 int32_t crn_state_depth(const crn_model *model, const crn_state *state);
-/* The balloon for pictures: its balls' radii from the distal end, whose arc length from the leading tip `arc` gets. Returns their number; 0: no
- * tool has a balloon. */
+/* The balloon for pictures: its balls' radii from the distal end, whose arc length from the leading tip `arc`
+ * gets. Returns their number; 0: no tool has a balloon. */
 uint32_t crn_state_balloon(const crn_model *model, const crn_state *state,
                            int32_t radii_m_q30[CRN_BALLOON_BALL_MAX], int32_t *arc_m_q30,
                            int32_t *spacing_m_q30);
 
-/* How far a lesion of the lumen is open at one of its stations, Q30: 0 as baked, 1 as the healthy vessel; 0 where there is none. Stations
- * of a lesion that gives way; 0: there is none of that number. Holding one open, at once and for good: false when there is no such place. */
+/* How far a lesion of the lumen is open at one of its stations, Q30: 0 as baked, 1 as the healthy vessel; 0
+ * where there is none. Stations of a lesion that gives way; 0: there is none of that number. Holding one
+ * open, at once and for good: false when there is no such place. */
 int32_t crn_state_open(const crn_state *state, uint32_t lesion, uint32_t station);
 uint32_t crn_model_stations(const crn_model *model, uint32_t lesion);
 bool crn_state_scaffold(const crn_model *model, crn_state *state, const crn_scaffold *order);

@@ -23,7 +23,8 @@ static int32_t scaled(int64_t value, uint64_t numerator, uint64_t denominator)
     return value < 0 ? -result : result;
 }
 
-/* --- mesh ---------------------------------------------------------------------------------------------------- */
+/* --- mesh
+ * ---------------------------------------------------------------------------------------------------- */
 
 typedef struct mesh_plan {
     int32_t total, tip, shaft, fine; /* Q30 m */
@@ -100,7 +101,8 @@ static crn_build_status build_mesh(crn_model *model, const mesh_plan *plan)
     return CRN_BUILD_OK;
 }
 
-/* --- tools --------------------------------------------------------------------------------------------------- */
+/* --- tools
+ * --------------------------------------------------------------------------------------------------- */
 
 /* Knot values in the formats of crn_property. nN m^2 -> Q35: x 2^35 / 1e9; milli/m -> Q20: x 2^20 / 1000;
  * mg/m -> kg/m Q34: x 2^34 / 1e6. */
@@ -154,7 +156,8 @@ static void build_tool(crn_model *model, uint32_t k, const crn_instrument *instr
     tool->inserted_max_m_q30 = end - held;
 }
 
-/* --- number format ------------------------------------------------------------------------------------------- */
+/* --- number format
+ * ------------------------------------------------------------------------------------------- */
 
 typedef struct stiffness_range {
     int32_t softest_q35, stiffest_q35; /* EI that a node can get: one tool's own, all tools together; N m^2 */
@@ -166,7 +169,8 @@ static int32_t bend_at(const crn_tool *tool, uint32_t span, int32_t arc_m_q30)
     return crn_span_value(s, CRN_BEND_N_M2_Q35, crn_span_fraction(s, arc_m_q30));
 }
 
-/* The stiffest that tool k can bring to arc length `arc` behind the leading tip: what it has from its own tip to there. */
+/* The stiffest that tool k can bring to arc length `arc` behind the leading tip: what it has from its own tip
+ * to there. */
 static int32_t stiffest_until(const crn_tool *tool, int32_t arc_m_q30)
 {
     int32_t most = 0;
@@ -243,9 +247,11 @@ static crn_build_status choose_exponent(crn_model *model)
     return fits ? CRN_BUILD_OK : CRN_BUILD_OVERFLOW;
 }
 
-/* --- what the mesh can bear of each tool -------------------------------------------------------------------------- */
+/* --- what the mesh can bear of each tool
+ * -------------------------------------------------------------------------- */
 
-/* The cell of node i as tool k sees it when it leads: its rest turning and twist stiffness within their formats? */
+/* The cell of node i as tool k sees it when it leads: its rest turning and twist stiffness within their
+ * formats? */
 static crn_build_status check_cell(const crn_model *model, const crn_span *span, uint32_t i,
                                    int32_t arc_m_q30)
 {
@@ -317,7 +323,8 @@ static crn_build_status check_mass(const crn_model *model)
     return (sum_q34 * last->length_m_q30) >> 24 < INT32_MAX ? CRN_BUILD_OK : CRN_BUILD_OVERFLOW;
 }
 
-/* --- the rest ------------------------------------------------------------------------------------------------ */
+/* --- the rest
+ * ------------------------------------------------------------------------------------------------ */
 
 /* Two axes across the direction of insertion, from the coordinate axis least aligned with it. */
 static void build_base_axes(crn_model *model)

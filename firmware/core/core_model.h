@@ -4,11 +4,11 @@
  *   node 0 --edge 0-- node 1 --edge 1-- node 2  ...  node na-1 --edge na-1-- node na --edge na-- node na+1
  *                     joint 1           joint 2                              joint na
  *
- * One mesh serves all tools: node i lies at rest arc length S[i] behind the leading tip, whichever tool that is. Tool k,
- * whose tip is `offset` behind the leading one, is sampled at its own arc length S[i] - offset (rod_line.c). A joint sits
- * on the node between two edges and owns the cell half an edge to either side. Stiffness entries of the matrix are
- * in Q(a) N/m with one exponent a for the whole line (`stiffness_exponent`), chosen so that no assembled diagonal can
- * reach 2^29 wherever the tools stand.
+ * One mesh serves all tools: node i lies at rest arc length S[i] behind the leading tip, whichever tool that
+ * is. Tool k, whose tip is `offset` behind the leading one, is sampled at its own arc length S[i] - offset
+ * (rod_line.c). A joint sits on the node between two edges and owns the cell half an edge to either side.
+ * Stiffness entries of the matrix are in Q(a) N/m with one exponent a for the whole line
+ * (`stiffness_exponent`), chosen so that no assembled diagonal can reach 2^29 wherever the tools stand.
  */
 #ifndef CRN_CORE_MODEL_H
 #define CRN_CORE_MODEL_H
@@ -90,8 +90,8 @@ typedef struct crn_mesh_node {
     int32_t inverse_length_per_m_q18;
     int32_t cell_end_m_q30; /* arc + length / 2 */
     int32_t inverse_cell_per_m_q18;
-    int32_t
-        bearing_share_q30; /* length / (length + CRN_BEARING): how fast a tool's moment passes to the next tool */
+    int32_t bearing_share_q30; /* length / (length + CRN_BEARING): how fast a tool's moment passes to the next
+                                  tool */
 } crn_mesh_node;
 
 /* Holds the tip by springs of 2e5 N/m, for validation cases (Euler's and Greenhill's ends). */
@@ -136,7 +136,8 @@ struct crn_model {
     crn_mesh_node mesh[CRN_ARRAY_NODES];
 };
 
-/* Dead load on the tip in newtons (Q22), patient frame, at most 100 N in each direction; for validation cases. */
+/* Dead load on the tip in newtons (Q22), patient frame, at most 100 N in each direction; for validation
+ * cases. */
 void crn_model_set_tip_load(crn_model *model, crn_vec3 load_N_q22);
 void crn_model_set_tip_hold(crn_model *model, const crn_tip_hold *hold);
 

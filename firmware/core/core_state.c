@@ -136,7 +136,8 @@ static bool within(int32_t value, int32_t most)
     return value >= -most && value <= most;
 }
 
-/* Bounds that the tick's own arithmetic keeps: steps of 3.9 mm (3.1 are possible), bristles of 62 mm, turns of half a radian a tick. */
+/* Bounds that the tick's own arithmetic keeps: steps of 3.9 mm (3.1 are possible), bristles of 62 mm, turns
+ * of half a radian a tick. */
 static bool node_is_valid(const crn_node_state *node)
 {
     enum { STEP_MAX_M_Q33 = 1 << 25, BRISTLE_MAX_M_Q33 = 1 << 29, TURN_MAX_Q30 = 1 << 29 };
@@ -164,8 +165,8 @@ static bool edge_is_valid(const crn_model *model, const crn_node_state *node, ui
     return square <= most * most;
 }
 
-/* Nodes in the inserter lie on its axis, as place_inside() of rod_feed.c puts them; the last tick may have pulled at them
- * by no more than a rounding. */
+/* Nodes in the inserter lie on its axis, as place_inside() of rod_feed.c puts them; the last tick may have
+ * pulled at them by no more than a rounding. */
 static bool held_is_valid(const crn_model *model, const crn_node_state *node, int32_t beyond_m_q30)
 {
     enum { ROUNDING = 16 };
@@ -264,8 +265,9 @@ static void hashed_words(const crn_state_words *words, hashed_range ranges[2])
     ranges[1] = (hashed_range){HEADER_WORDS, live_words(words)};
 }
 
-/* Two 32-bit polynomials over even and odd words, sum of word[i] m^(n-i) with the odd FNV prime m: two operations a word, for
- * every tick. Each step is one to one in the lane and in the word, so a single wrong word never goes unseen. */
+/* Two 32-bit polynomials over even and odd words, sum of word[i] m^(n-i) with the odd FNV prime m: two
+ * operations a word, for every tick. Each step is one to one in the lane and in the word, so a single wrong
+ * word never goes unseen. */
 static inline void add_to_lanes(const uint32_t *words, size_t count, uint32_t lane[2])
 {
     uint32_t even = lane[0], odd = lane[1];

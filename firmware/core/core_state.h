@@ -1,7 +1,7 @@
 /* The state of one line. `crn_state_words` is everything that matters from one tick to the next: 32-bit words
- * without pointers or padding, hashed, saved and compared as such. Beside it lie two areas, so that the core needs
- * neither heap nor a deep stack: `crn_line`, what the tools add up to where they stand (derived from words and model,
- * kept while no tool slides against another), and `crn_scratch`, dead between ticks.
+ * without pointers or padding, hashed, saved and compared as such. Beside it lie two areas, so that the core
+ * needs neither heap nor a deep stack: `crn_line`, what the tools add up to where they stand (derived from
+ * words and model, kept while no tool slides against another), and `crn_scratch`, dead between ticks.
  */
 #ifndef CRN_CORE_STATE_H
 #define CRN_CORE_STATE_H
@@ -40,10 +40,10 @@ typedef struct crn_balloon_ball {
 } crn_balloon_ball;
 
 typedef struct crn_balloon_state {
-    uint32_t bits;       /* CRN_BALLOON_* */
-    int32_t pressure_Pa; /* in it */
-    uint32_t confined_bits
-        [2]; /* balls without room between the walls of the directions that even and odd ticks look in */
+    uint32_t bits;             /* CRN_BALLOON_* */
+    int32_t pressure_Pa;       /* in it */
+    uint32_t confined_bits[2]; /* balls without room between the walls of the directions that even and odd
+                                  ticks look in */
     crn_balloon_ball balls[CRN_BALLOON_BALL_MAX]; /* from its distal end */
 } crn_balloon_state;
 
@@ -129,8 +129,8 @@ typedef struct crn_assembly {
     crn_vec3 axis1_q30[CRN_TOOL_MAX]; /* edge: d1 of a tool, where its rest shape needs it */
     int32_t twist_ratio_q30, twist_angle_q30;
     int32_t press_N_m_q30[CRN_PAIR_MAX]; /* edge: mu N r between tool k and k + 1 */
-    uint16_t grip_N_m_q26
-        [CRN_PAIR_MAX]; /* edge: stiffness of that friction in this tick, at most CRN_GRIP_STIFFNESS */
+    uint16_t grip_N_m_q26[CRN_PAIR_MAX]; /* edge: stiffness of that friction in this tick, at most
+                                            CRN_GRIP_STIFFNESS */
 } crn_assembly;
 
 typedef struct crn_factor {
@@ -139,7 +139,8 @@ typedef struct crn_factor {
 } crn_factor;
 
 typedef struct crn_work {
-    /* predicted configuration x* = x - T ds: the line slid along itself by this tick's feed; a tight tip goes on turning */
+    /* predicted configuration x* = x - T ds: the line slid along itself by this tick's feed; a tight tip goes
+     * on turning */
     crn_vec3 position_m_q30;
     crn_vec3 slide_m_q33; /* x* - x */
     union {
@@ -148,8 +149,8 @@ typedef struct crn_work {
             around_q30; /* once a touching node is found: normal x tangent, the way of a turning surface */
     };
     int32_t strain_q30; /* edge, at x* */
-    int32_t
-        geometric; /* edge: tension / length in Q(a), 0 in compression, and what twist adds beside a rest shape */
+    int32_t geometric;  /* edge: tension / length in Q(a), 0 in compression, and what twist adds beside a rest
+                           shape */
     int32_t torque_N_m_q30; /* joint: twisting moment of all tools */
     crn_vec3 force_N_q22;   /* right side */
     crn_vec3 normal_q30;

@@ -27,9 +27,10 @@ static void scale_step(crn_state *state, int32_t share_q30)
     }
 }
 
-/* Cuts the deviation short when a node would move more than max(0.5 mm, 1.5 feeds) beyond the slide, or end in a wall at rest
- * where no contact was seen: one factor for all nodes keeps the shape, limits per node add energy (docs/rod.md, "contact"). Only the first of
- * ticks that miss a contact is cut for it, or the line is held back tick after tick. Returns whether a contact was missed. */
+/* Cuts the deviation short when a node would move more than max(0.5 mm, 1.5 feeds) beyond the slide, or end
+ * in a wall at rest where no contact was seen: one factor for all nodes keeps the shape, limits per node add
+ * energy (docs/rod.md, "contact"). Only the first of ticks that miss a contact is cut for it, or the line is
+ * held back tick after tick. Returns whether a contact was missed. */
 static bool cut_step(const crn_model *model, crn_state *state, int32_t largest_m_q33)
 {
     const int32_t feed =
@@ -53,8 +54,8 @@ static bool cut_step(const crn_model *model, crn_state *state, int32_t largest_m
     return missed;
 }
 
-/* The solve; again where a wall that moves has a contact that was missed, for cutting the step short would hold the line back in every
- * tick of a beat. Returns the largest component of the deviation. */
+/* The solve; again where a wall that moves has a contact that was missed, for cutting the step short would
+ * hold the line back in every tick of a beat. Returns the largest component of the deviation. */
 static int32_t solve(const crn_model *model, crn_state *state, crn_output *output)
 {
     crn_rod_solve(model, state);
@@ -69,8 +70,8 @@ static int32_t solve(const crn_model *model, crn_state *state, crn_output *outpu
     return largest_deviation(state);
 }
 
-/* The leading tool's hand bears what the line does to the inserter, less what the other hands bear. Theirs follows
- * with a time constant of 8 ms: the moment where a tip ends is not at rest while the tip slides. */
+/* The leading tool's hand bears what the line does to the inserter, less what the other hands bear. Theirs
+ * follows with a time constant of 8 ms: the moment where a tip ends is not at rest while the tip slides. */
 static void share_handles(const crn_model *model, crn_state *state, int32_t line_axial_N_q22)
 {
     enum { FOLLOW = 8 };

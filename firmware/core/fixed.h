@@ -54,7 +54,8 @@ static inline int32_t crn_sat32(int64_t a)
 #define CRN_HIGH_WORDS_BY_DSP 0
 #endif
 
-/* Saturating sum and difference (QADD, QSUB). Format: same format in and out. Overflow: saturates. Error: exact in range.
+/* Saturating sum and difference (QADD, QSUB). Format: same format in and out. Overflow: saturates. Error:
+ * exact in range.
  */
 static inline int32_t crn_add_sat(int32_t a, int32_t b)
 {
@@ -85,8 +86,9 @@ static inline int32_t crn_sub_sat(int32_t a, int32_t b)
 #endif
 }
 
-/* a >> n between -most and most. Format: 64 bit -> 32 bit, floor, `most_high` being the high word of `most` << n, 1 <= n <= 31.
- * Overflow: limited, and a bit of `flag` set in `*flags`. A 32-bit machine looks at the high word only. */
+/* a >> n between -most and most. Format: 64 bit -> 32 bit, floor, `most_high` being the high word of `most`
+ * << n, 1 <= n <= 31. Overflow: limited, and a bit of `flag` set in `*flags`. A 32-bit machine looks at the
+ * high word only. */
 static inline int32_t crn_limit64(int64_t a, unsigned n, int32_t most_high, uint32_t flag, uint32_t *flags)
 {
     int64_t most = (int64_t)most_high << (32 - n);
@@ -105,7 +107,8 @@ static inline int32_t crn_limit64(int64_t a, unsigned n, int32_t most_high, uint
     return (int32_t)(a < 0 ? -most : (most > INT32_MAX ? INT32_MAX : most));
 }
 
-/* a b, exactly. On the Cortex-M7 one SMULL, also where the compiler would take a widened operand for one of 64 bits. */
+/* a b, exactly. On the Cortex-M7 one SMULL, also where the compiler would take a widened operand for one of
+ * 64 bits. */
 static inline int64_t crn_product(int32_t a, int32_t b)
 {
 #if CRN_HIGH_WORDS_BY_DSP
@@ -163,8 +166,8 @@ static inline int32_t crn_mulh(int32_t a, int32_t b)
 #endif
 }
 
-/* sum + a b, the product's high word rounded: SMMLAR. Format: sum in Q(a+b-32). Overflow: the caller states why the sum
- * fits 32 bits. Error: 1/2 LSB. */
+/* sum + a b, the product's high word rounded: SMMLAR. Format: sum in Q(a+b-32). Overflow: the caller states
+ * why the sum fits 32 bits. Error: 1/2 LSB. */
 static inline int32_t crn_mulh_add(int32_t sum, int32_t a, int32_t b)
 {
 #if CRN_HIGH_WORDS_BY_DSP
@@ -189,21 +192,22 @@ static inline int32_t crn_mulh_sub(int32_t sum, int32_t a, int32_t b)
 }
 
 /* Product with a factor of at most one, not saturated: components of unit vectors, sines, ratios.
- * Format: Qa x Q30 -> Qa in steps of 4 LSB, the high word shifted back. Overflow: impossible while |b| <= 1 + 2^-10 and
- * |a| < 2^31 (1 - 2^-9), which the caller states. Error: 2 LSB. */
+ * Format: Qa x Q30 -> Qa in steps of 4 LSB, the high word shifted back. Overflow: impossible while |b| <= 1 +
+ * 2^-10 and |a| < 2^31 (1 - 2^-9), which the caller states. Error: 2 LSB. */
 static inline int32_t crn_scale_q30(int32_t a, int32_t b_q30)
 {
     return crn_mulh(a, b_q30) * 4;
 }
 
-/* High word. Format: 64 bit -> 32 bit, floor(a / 2^32). Written so that a 32-bit compiler does not go on with 64 bits. */
+/* High word. Format: 64 bit -> 32 bit, floor(a / 2^32). Written so that a 32-bit compiler does not go on with
+ * 64 bits. */
 static inline int32_t crn_high64(int64_t a)
 {
     return (int32_t)(uint32_t)((uint64_t)a >> 32);
 }
 
-/* High word, rounded. Format: 64 bit -> 32 bit, floor(a / 2^32 + 1/2). Overflow: |a| must be below 2^63 - 2^31. Error: 1/2
- * LSB. On a 32-bit machine the low word's top bit is added to the high word. */
+/* High word, rounded. Format: 64 bit -> 32 bit, floor(a / 2^32 + 1/2). Overflow: |a| must be below 2^63 -
+ * 2^31. Error: 1/2 LSB. On a 32-bit machine the low word's top bit is added to the high word. */
 static inline int32_t crn_round_high64(int64_t a)
 {
     if (sizeof(void *) > 4) {
@@ -212,8 +216,9 @@ static inline int32_t crn_round_high64(int64_t a)
     return crn_high64(a) + (int32_t)((uint32_t)a >> 31);
 }
 
-/* Low 32 bits of a >> n for 1 <= n <= 31. Format: 64 bit -> 32 bit, floor. Overflow: bits above are lost; the caller states
- * why there are none. Error: exact floor. A 32-bit machine takes three instructions for it and nine for the shift. */
+/* Low 32 bits of a >> n for 1 <= n <= 31. Format: 64 bit -> 32 bit, floor. Overflow: bits above are lost; the
+ * caller states why there are none. Error: exact floor. A 32-bit machine takes three instructions for it and
+ * nine for the shift. */
 static inline int32_t crn_narrow64(int64_t a, unsigned n)
 {
     if (sizeof(void *) > 4) {

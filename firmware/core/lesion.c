@@ -8,7 +8,8 @@ enum {
     STEEP_Q26 = 1 << 28, /* 4: change of k times the place across, in a spacing */
 };
 
-/* --- places ------------------------------------------------------------------------------------------------- */
+/* --- places
+ * ------------------------------------------------------------------------------------------------- */
 
 /* Between two stations. */
 typedef struct segment {
@@ -53,8 +54,8 @@ static bool is_near(const crn_lesion *lesion, const crn_vec3 *p)
     return true;
 }
 
-/* First guess along the chord, then twice by the centreline's own direction: an error e becomes about e times bend times offset, which in a
- * vessel is below a half. */
+/* First guess along the chord, then twice by the centreline's own direction: an error e becomes about e times
+ * bend times offset, which in a vessel is below a half. */
 bool crn_lesion_arc(const crn_lesion *lesion, const crn_vec3 *place_m_q30, int32_t *arc_m_q30)
 {
     if (!is_near(lesion, place_m_q30)) {
@@ -78,7 +79,8 @@ bool crn_lesion_arc(const crn_lesion *lesion, const crn_vec3 *place_m_q30, int32
     return arc > 0 && arc < end;
 }
 
-/* --- the wall of an open lesion ------------------------------------------------------------------------------- */
+/* --- the wall of an open lesion
+ * ------------------------------------------------------------------------------- */
 
 /* A station's map: X = c + k (x - middle). */
 typedef struct station_map {
@@ -120,7 +122,8 @@ static crn_lumen_sample mapped(crn_lumen_sample sample, const crn_vec3 *slope_q2
     return sample;
 }
 
-/* The wall of one lesion; false: beyond its ends, beyond two radii from its middle, or where it is not open. */
+/* The wall of one lesion; false: beyond its ends, beyond two radii from its middle, or where it is not open.
+ */
 static bool wall_of(const crn_lumen *lumen, const crn_lesion *lesion, const int32_t *open_q30,
                     const crn_vec3 *place, crn_lumen_sample *sample)
 {
@@ -233,7 +236,8 @@ bool crn_lesion_wall(const crn_model *model, const crn_state_words *words, crn_m
     return true;
 }
 
-/* --- giving way ---------------------------------------------------------------------------------------------- */
+/* --- giving way
+ * ---------------------------------------------------------------------------------------------- */
 
 /* Towards the pressure's opening, one station after the other. */
 static void step(const crn_lesion *lesion, crn_lesion_state *lesions, uint32_t index,
@@ -318,7 +322,8 @@ void crn_lesions_give_way(const crn_model *model, crn_state *state)
     }
 }
 
-/* --- what others ask ------------------------------------------------------------------------------------------ */
+/* --- what others ask
+ * ------------------------------------------------------------------------------------------ */
 
 bool crn_state_scaffold(const crn_model *model, crn_state *state, const crn_scaffold *order)
 {

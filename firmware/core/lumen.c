@@ -1,7 +1,7 @@
 /* Sampling of the lumen: docs/lumen.md has the layout, the equations and their errors.
  *
- * Both samplers go the same way: world point -> coarse brick -> finer brick where refined -> position in the brick in
- * voxels (Q20) -> 27 int8 coefficients of one brick. Fixed work: two refinements, 27 taps.
+ * Both samplers go the same way: world point -> coarse brick -> finer brick where refined -> position in the
+ * brick in voxels (Q20) -> 27 int8 coefficients of one brick. Fixed work: two refinements, 27 taps.
  */
 #include "firmware/core/lumen.h"
 
@@ -31,8 +31,9 @@ static inline uint32_t child_entry(const crn_lumen *lumen, uint32_t entry, uint3
     return lumen->children[(ptrdiff_t)entry * 8 + octant - (ptrdiff_t)CRN_LUMEN_ENTRY_REFINED * 8];
 }
 
-/* Finds the brick; false where `far_m_q30` holds instead. Overflow: the validated lattice lies within the Q30 range, so that a difference modulo 2^32 inside
- * the lattice is the true difference, and any other fails the comparison. */
+/* Finds the brick; false where `far_m_q30` holds instead. Overflow: the validated lattice lies within the Q30
+ * range, so that a difference modulo 2^32 inside the lattice is the true difference, and any other fails the
+ * comparison. */
 static inline bool find(const crn_lumen *lumen, const crn_vec3 *p, lumen_place *place)
 {
     place->level = 0;
@@ -66,7 +67,8 @@ static inline bool find(const crn_lumen *lumen, const crn_vec3 *p, lumen_place *
     return true;
 }
 
-/* The quadratic B-spline at fraction u of a voxel: weights (1-u)^2/2, the rest, u^2/2; those of the slope per voxel are
+/* The quadratic B-spline at fraction u of a voxel: weights (1-u)^2/2, the rest, u^2/2; those of the slope per
+ * voxel are
  * -(1-u), 1-2u, u. The fast types have the width that the machine multiplies best; values fit 32 bits. */
 typedef struct lumen_weights {
     int_fast32_t low, middle, high;
@@ -79,8 +81,8 @@ static inline int32_t half_square_q29(uint32_t v_q20)
     return crn_mulh((int32_t)(v_q20 << 10), (int32_t)(v_q20 << 10));
 }
 
-/* Format: fraction Q20 -> values Q30, slopes Q29. Error: 1 LSB; the values' weights sum to one and the slopes' to zero
- * exactly. Overflow: impossible, no weight is above one. */
+/* Format: fraction Q20 -> values Q30, slopes Q29. Error: 1 LSB; the values' weights sum to one and the
+ * slopes' to zero exactly. Overflow: impossible, no weight is above one. */
 static inline lumen_weights weights_at(uint32_t x_q20)
 {
     const uint32_t u_q20 = x_q20 & VOXEL_MASK_Q20, v_q20 = (1u << 20) - u_q20;
@@ -88,8 +90,9 @@ static inline lumen_weights weights_at(uint32_t x_q20)
     return (lumen_weights){low, (1 << 30) - low - high, high, (int32_t)(v_q20 << 9), (int32_t)(u_q20 << 9)};
 }
 
-/* High words of sums of three products. Format: Qa, weights Qb -> Q(a+b-32). Error: 1 LSB (floor). Overflow: the weights of
- * a value sum to one; those of a slope, which have a bit less, to two in magnitude: below 2^31 * 2^30. */
+/* High words of sums of three products. Format: Qa, weights Qb -> Q(a+b-32). Error: 1 LSB (floor). Overflow:
+ * the weights of a value sum to one; those of a slope, which have a bit less, to two in magnitude: below 2^31
+ * * 2^30. */
 static inline int_fast32_t spline(int_fast32_t a, int_fast32_t b, int_fast32_t c, const lumen_weights *w)
 {
     return crn_high64((int64_t)a * w->low + (int64_t)b * w->middle + (int64_t)c * w->high);
@@ -99,8 +102,8 @@ static inline int_fast32_t slope(int_fast32_t a, int_fast32_t b, int_fast32_t c,
     return crn_high64((int64_t)(b - a) * w->fall + (int64_t)(c - b) * w->rise);
 }
 
-/* Three taps along x: value Q23, slope Q22. Exact; overflow: coefficients are within +-128, and the weights of a slope add up
- * to two in magnitude: at most 2^30. */
+/* Three taps along x: value Q23, slope Q22. Exact; overflow: coefficients are within +-128, and the weights
+ * of a slope add up to two in magnitude: at most 2^30. */
 typedef struct lumen_row {
     int_fast32_t value, slope;
 } lumen_row;
@@ -124,8 +127,8 @@ static inline lumen_row_weights row_weights_at(uint32_t x_q20)
     const int32_t middle = (1 << 15) - low - high;
     const int32_t rise = (int32_t)((u_q20 + (1 << 5)) >> 6), fall = (1 << 14) - rise;
 #if CRN_HIGH_WORDS_BY_DSP
-    /* A word that begins one tap early holds the taps in its upper bytes; in the first column it would begin before the
-     * brick. */
+    /* A word that begins one tap early holds the taps in its upper bytes; in the first column it would begin
+     * before the brick. */
     return (lumen_row_weights){(uint32_t)low | (uint32_t)high << 16,
                                ((uint32_t)-fall & 0xffffu) | (uint32_t)rise << 16,
                                (uint32_t)middle | (uint32_t)(fall - rise) << 16, x_q20 >> 20 == 0 ? 8 : 0};
@@ -197,8 +200,9 @@ static inline lumen_plane plane_of(const int8_t *c, const lumen_row_weights *x, 
                          slope(first.value, second.value, third.value, y)};
 }
 
-/* The 27 taps, first along x, then y, then z. Overflow: a value lies between the extremes of its taps, within 2^7, and a
- * slope within twice that. Error: 1 LSB of Q15 in the weights, 15 nm and 3e-5 of a slope of one. */
+/* The 27 taps, first along x, then y, then z. Overflow: a value lies between the extremes of its taps, within
+ * 2^7, and a slope within twice that. Error: 1 LSB of Q15 in the weights, 15 nm and 3e-5 of a slope of one.
+ */
 static inline lumen_taps spline_27(const lumen_place *p)
 {
     const lumen_row_weights x = row_weights_at(p->x_q20);
@@ -213,8 +217,8 @@ static inline lumen_taps spline_27(const lumen_place *p)
     return taps;
 }
 
-/* Inward unit normal -g/|g|. Format: Q18 -> Q30; a zero gradient gives a zero normal. Overflow: |g| < 2^27, so the squares sum
- * to less than 2^55; |n| <= 1. Error: <= 4 LSB of Q30 beside that of g. */
+/* Inward unit normal -g/|g|. Format: Q18 -> Q30; a zero gradient gives a zero normal. Overflow: |g| < 2^27,
+ * so the squares sum to less than 2^55; |n| <= 1. Error: <= 4 LSB of Q30 beside that of g. */
 static inline crn_vec3 inward(const lumen_taps *taps)
 {
     int32_t x = taps->slope_x, y = taps->slope_y, z = taps->slope_z;
@@ -224,7 +228,8 @@ static inline crn_vec3 inward(const lumen_taps *taps)
     }
     unsigned lead = crn_clz64(square) & ~1u;
     int32_t root_q30 = crn_rsqrt_q30((uint32_t)((square << lead) >> 32));
-    /* 1/|g| = root 2^(lead/2 - 62), and |g| 2^(lead/2) < 2^32: halved here, doubled by the root's Q30 read as Q31 */
+    /* 1/|g| = root 2^(lead/2 - 62), and |g| 2^(lead/2) < 2^32: halved here, doubled by the root's Q30 read as
+     * Q31 */
     int32_t scale = -((int32_t)1 << (lead / 2 - 1));
     return crn_vec3_make(crn_mulh(x * scale, root_q30) * 2, crn_mulh(y * scale, root_q30) * 2,
                          crn_mulh(z * scale, root_q30) * 2);

@@ -1,20 +1,21 @@
 /* The lumen: a sparse signed-distance field of the inner vessel wall, read-only during a session.
  *
- * phi < 0 inside the lumen (where blood is), phi > 0 in the wall and beyond; metres in Q30. A wire of radius r has
- * contact depth phi + r. The inward normal is n = -grad(phi)/|grad(phi)|.
+ * phi < 0 inside the lumen (where blood is), phi > 0 in the wall and beyond; metres in Q30. A wire of radius
+ * r has contact depth phi + r. The inward normal is n = -grad(phi)/|grad(phi)|.
  *
- * Layout. Space is a regular lattice of coarse bricks of 8x8x8 voxels. Voxel edge of level L is 2^(20-L) Q30 units
- * (level 0: 0.977 mm, level 1: 0.488 mm, level 2: 0.244 mm), so a world coordinate becomes voxel and fraction by shift
- * and mask. A coarse index entry is
+ * Layout. Space is a regular lattice of coarse bricks of 8x8x8 voxels. Voxel edge of level L is 2^(20-L) Q30
+ * units (level 0: 0.977 mm, level 1: 0.488 mm, level 2: 0.244 mm), so a world coordinate becomes voxel and
+ * fraction by shift and mask. A coarse index entry is
  *     0                     far outside the lumen
  *     1                     deep inside the lumen, farther than the field's band from any wall
  *     2 .. 0x7fff           brick number + 2 of a level-0 brick
  *     0x8000 | row          this brick is refined: children[row][8] hold entries of the same kind for its 8 octants
  *                           (x fastest), one level down. At most CRN_LUMEN_LEVELS - 1 refinements.
- * A brick holds 10x10x10 coefficients (x fastest) of the triquadratic B-spline of phi in units of voxel/32 (int8,
- * saturated at +-127, that is +-3.97 voxels). Coefficient (i,j,k) belongs to the sample at voxel centre
- * (i-1, j-1, k-1) + 1/2 of this brick, so that bricks overlap by one sample on every side. Sample values themselves are
- * never stored: the baker prefilters so that the spline passes through the true distances.
+ * A brick holds 10x10x10 coefficients (x fastest) of the triquadratic B-spline of phi in units of voxel/32
+ * (int8, saturated at +-127, that is +-3.97 voxels). Coefficient (i,j,k) belongs to the sample at voxel
+ * centre (i-1, j-1, k-1) + 1/2 of this brick, so that bricks overlap by one sample on every side. Sample
+ * values themselves are never stored: the baker prefilters so that the spline passes through the true
+ * distances.
  *
  * Validated before use by shared/scene (hostile until checked).
  */
@@ -36,7 +37,8 @@ enum {
 
 struct crn_motion;
 
-/* A lesion that gives way (lesion.h): stations along the healthy centreline, spacing 2^log2 apart by arc length. In place in a scene. */
+/* A lesion that gives way (lesion.h): stations along the healthy centreline, spacing 2^log2 apart by arc
+ * length. In place in a scene. */
 typedef struct crn_lesion_station {
     int32_t healthy_m_q30[3], healthy_radius_m_q30;
     int32_t channel_m_q30[3], channel_radius_m_q30; /* of what is left, in the plane across the vessel */
@@ -77,11 +79,13 @@ typedef struct crn_lumen_sample {
     crn_vec3 normal_q30;    /* inward unit normal; zero where the gradient vanishes (no contact there) */
 } crn_lumen_sample;
 
-/* The distance that crn_lumen_contact gives, bit for bit, without the normal: whether a node can touch the wall at all.
- * Format: Q30 m -> Q30 m. Outside the lattice or in OUTSIDE bricks: +2^24 (15.6 mm); INSIDE: -2^24. */
+/* The distance that crn_lumen_contact gives, bit for bit, without the normal: whether a node can touch the
+ * wall at all. Format: Q30 m -> Q30 m. Outside the lattice or in OUTSIDE bricks: +2^24 (15.6 mm); INSIDE:
+ * -2^24. */
 int32_t crn_lumen_distance(const crn_lumen *lumen, const crn_vec3 *position_m_q30);
 
-/* Value and inward normal of the triquadratic B-spline (27 taps, C1), for contact. Same far values as above. */
+/* Value and inward normal of the triquadratic B-spline (27 taps, C1), for contact. Same far values as above.
+ */
 crn_lumen_sample crn_lumen_contact(const crn_lumen *lumen, const crn_vec3 *position_m_q30);
 
 #endif

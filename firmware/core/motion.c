@@ -1,11 +1,12 @@
-/* Looking up the lattices of a moving vessel (motion.h, docs/heart.md). Fixed work: 8 corners of one cell, of three components, of
- * three coefficients, for now and for what the tick changed, and 8 corners of breath; the blend of a cell is kept for the next point in
- * it, which changes no result.
- * The step of the wall is in motion_wall.c. */
+/* Looking up the lattices of a moving vessel (motion.h, docs/heart.md). Fixed work: 8 corners of one cell, of
+ * three components, of three coefficients, for now and for what the tick changed, and 8 corners of breath;
+ * the blend of a cell is kept for the next point in it, which changes no result. The step of the wall is in
+ * motion_wall.c. */
 #include "firmware/core/motion_cell.h"
 #include "firmware/core/rod.h"
 
-/* The quadratic B-spline's weights at the fraction f between two half keyframes: (1-f)^2/2, the rest, f^2/2. */
+/* The quadratic B-spline's weights at the fraction f between two half keyframes: (1-f)^2/2, the rest, f^2/2.
+ */
 crn_motion_moment crn_motion_moment_at(uint32_t heart_phase32, uint32_t breath_phase32)
 {
     uint64_t place_q32 = (uint64_t)heart_phase32 * CRN_MOTION_KEYFRAMES + ((uint64_t)1 << 31);
@@ -84,7 +85,8 @@ static inline int32_t product(int32_t a_q31, int32_t b_q31)
     return crn_high64((int64_t)a_q31 * b_q31) * 2;
 }
 
-/* Finds the cell and the place in it. As in lumen.c a difference modulo 2^32 is the true one in the lattice. */
+/* Finds the cell and the place in it. As in lumen.c a difference modulo 2^32 is the true one in the lattice.
+ */
 typedef enum found { OUTSIDE, SAME_CELL, OTHER_CELL } found;
 
 static inline void place_in_cell(crn_motion_field *field, uint32_t log2, uint32_t x, uint32_t y, uint32_t z)
@@ -131,7 +133,8 @@ static inline found find(const crn_lattice *lattice, crn_motion_field *field, co
     return find_other(lattice, field, p, node);
 }
 
-/* Which tetrahedron of a cell holds the point: it goes from the low node along the axis with the largest fraction, then the next. */
+/* Which tetrahedron of a cell holds the point: it goes from the low node along the axis with the largest
+ * fraction, then the next. */
 static inline uint32_t tetrahedron_at(const int32_t *p_q31)
 {
     return (p_q31[1] >= p_q31[2] ? 4u : 0u) | (p_q31[2] >= p_q31[4] ? 2u : 0u) |
@@ -212,8 +215,9 @@ crn_vec3 crn_motion_pull(const crn_motion *motion, crn_motion_pose *pose, const 
     return stands_still(pose, world_m_q30) ? *world_m_q30 : pull_inside(motion, pose, world_m_q30);
 }
 
-/* Largest |difference|^2 of neighbours along an axis, added up for each of the `row` numbers that a node's three components hold. Format: coefficients.
- * Overflow: neighbours differ by at most 2^13 (checked): 3 x 2^26, of three axes below 2^30. */
+/* Largest |difference|^2 of neighbours along an axis, added up for each of the `row` numbers that a node's
+ * three components hold. Format: coefficients. Overflow: neighbours differ by at most 2^13 (checked): 3 x
+ * 2^26, of three axes below 2^30. */
 static void add_longest(const crn_lattice *lattice, const int16_t *numbers, uint32_t row, uint32_t axis,
                         uint32_t *squares)
 {
@@ -274,14 +278,16 @@ int32_t crn_motion_shrink_q30(const crn_motion_steepness *steepness, const crn_m
     return crn_scale_q30(crn_quotient(one, one + beat_q28, 30), crn_quotient(one, one + breath_q28, 30));
 }
 
-/* A derivative: the term of one axis, those of it and another, and that of all three. Overflow: as value_here's. */
+/* A derivative: the term of one axis, those of it and another, and that of all three. Overflow: as
+ * value_here's. */
 static inline int32_t slope_here(int32_t axis, int32_t with_b, int32_t b_q31, int32_t with_c, int32_t c_q31,
                                  int32_t with_both, int32_t both_q31)
 {
     return axis + from_q31((int64_t)with_b * b_q31 + (int64_t)with_c * c_q31 + (int64_t)with_both * both_q31);
 }
 
-/* I + dw_i/dx_j in the cell of the last point; I outside the lattice. Format: Q34 m per spacing -> Q28. Overflow: at most 1 5/8 (checked). */
+/* I + dw_i/dx_j in the cell of the last point; I outside the lattice. Format: Q34 m per spacing -> Q28.
+ * Overflow: at most 1 5/8 (checked). */
 static void gradient_here(const crn_motion *motion, crn_motion_pose *pose)
 {
     const int32_t *p = pose->beat.powers_q31;
@@ -306,7 +312,8 @@ static inline int32_t size_of(int32_t a)
     return a < 0 ? -a : a;
 }
 
-/* A bound of a matrix' norm: its square is at most the largest sum of magnitudes of a column times that of a row. */
+/* A bound of a matrix' norm: its square is at most the largest sum of magnitudes of a column times that of a
+ * row. */
 static inline int32_t norm_at_most(const int32_t m[3][3])
 {
     int32_t most = 0;
@@ -320,7 +327,8 @@ static inline int32_t norm_at_most(const int32_t m[3][3])
     return most;
 }
 
-/* 1 / |I + J| at least, at most 1. Format: Q28 -> Q30. Overflow: norms are at most 1 + 3 x 5/8 (checked), 2.9 in Q28. */
+/* 1 / |I + J| at least, at most 1. Format: Q28 -> Q30. Overflow: norms are at most 1 + 3 x 5/8 (checked), 2.9
+ * in Q28. */
 static inline int32_t shrink_of_gradient(const int32_t gradient_q28[3][3])
 {
     const int32_t one = 1 << 28, norm = norm_at_most(gradient_q28);
@@ -384,7 +392,8 @@ int32_t crn_motion_distance(const crn_lumen *lumen, const crn_motion *motion, cr
     return distance_inside(lumen, motion, pose, world_m_q30, shrink_q30, far_m_q30);
 }
 
-/* (I + dw/dx)^T n of a unit normal. Format: Q30 -> Q26. Overflow: at most 1 + 5/8 sqrt(3) in a component, below 8. Error: 2 LSB. */
+/* (I + dw/dx)^T n of a unit normal. Format: Q30 -> Q26. Overflow: at most 1 + 5/8 sqrt(3) in a component,
+ * below 8. Error: 2 LSB. */
 static inline crn_vec3 mapped_normal(const crn_motion_pose *pose, const crn_vec3 *normal_q30)
 {
     const int32_t(*m)[3] = (const int32_t(*)[3])pose->gradient_q28;

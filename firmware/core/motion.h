@@ -1,12 +1,15 @@
-/* Vessels that move: where the point of the wall that is here now lies in the pose the lumen was described in.
+/* Vessels that move: where the point of the wall that is here now lies in the pose the lumen was described
+ * in.
  *
- * Two coarse lattices in the room: breath's is undone first, then the heart's, as a chest carries the heart that beats in it.
+ * Two coarse lattices in the room: breath's is undone first, then the heart's, as a chest carries the heart
+ * that beats in it.
  *
  *     X1 = x + depth b(x),  X = X1 + w(X1)
  *
- * So a world point is pulled back by look-ups, without iteration, and the wall is where phi(X) = 0. In a cell w is trilinear;
- * b, which is smooth, is plane in each of its six tetrahedra (Kuhn), a third of the work. In time w is the periodic quadratic B-spline of
- * 24 coefficients (C1; the baker prefilters, so that it passes through the keyframes). Outside a lattice, and on its boundary, w = 0 and b = 0.
+ * So a world point is pulled back by look-ups, without iteration, and the wall is where phi(X) = 0. In a cell
+ * w is trilinear; b, which is smooth, is plane in each of its six tetrahedra (Kuhn), a third of the work. In
+ * time w is the periodic quadratic B-spline of 24 coefficients (C1; the baker prefilters, so that it passes
+ * through the keyframes). Outside a lattice, and on its boundary, w = 0 and b = 0.
  *
  *     gradient of the depth used    g = (I + depth db/dx)^T (I + dw/dx)^T grad phi
  *     step of the wall in a tick    -(I + depth db/dx)^-1 ((I + dw/dx)^-1 (w now - w before) + (depth now - depth before) b)
@@ -38,11 +41,12 @@ typedef struct crn_lattice {
 
 typedef struct crn_motion {
     crn_lattice beat;
-    /* Node by node, x fastest; three components each; of a component the coefficients of keyframes 23, 0, 1 .. 23, 0. Neighbours
-     * differ by at most 5/8 of a spacing. */
+    /* Node by node, x fastest; three components each; of a component the coefficients of keyframes 23, 0, 1
+     * .. 23, 0. Neighbours differ by at most 5/8 of a spacing. */
     const int16_t *rows;
     crn_lattice breath;
-    /* b: node by node, x fastest, three components each; neighbours differ by at most 3/8 of a spacing. NULL: it does not breathe. */
+    /* b: node by node, x fastest, three components each; neighbours differ by at most 3/8 of a spacing. NULL:
+     * it does not breathe. */
     const int16_t *inhaled;
 } crn_motion;
 
@@ -63,7 +67,8 @@ typedef struct crn_motion_cell {
 typedef struct crn_motion_field {
     uint32_t corner_rows[8]; /* numbers from a cell's low node to its corners */
     crn_motion_cell ways;    /* from the corners back; of breath: of a full one */
-    /* The same as polynomials: of the beat of 1, x, y, xy, z, xz, yz, xyz; of breath of 1, x, y, -, z, in the tetrahedron of the last point. */
+    /* The same as polynomials: of the beat of 1, x, y, xy, z, xz, yz, xyz; of breath of 1, x, y, -, z, in the
+     * tetrahedron of the last point. */
     int32_t terms_m_q34[3][8];
     int32_t low_m_q30[3];  /* place of the cell's low node */
     int32_t powers_q31[8]; /* x, y, xy, z, xz, yz, xyz of the last point pulled back, from [1] on */
@@ -72,7 +77,8 @@ typedef struct crn_motion_field {
     bool is_inside;        /* the point lay in the lattice */
 } crn_motion_field;
 
-/* Two moments, and what of the lattices was made for them last: nodes of a wire lie in the same cell one after the other. */
+/* Two moments, and what of the lattices was made for them last: nodes of a wire lie in the same cell one
+ * after the other. */
 typedef struct crn_motion_pose {
     crn_motion_moment now, before;
     crn_motion_field beat, breath;
@@ -92,12 +98,13 @@ crn_motion_moment crn_motion_moment_at(uint32_t heart_phase32, uint32_t breath_p
 void crn_motion_pose_begin(const crn_motion *motion, crn_motion_pose *pose, const crn_rhythm *before,
                            const crn_rhythm *now);
 
-/* Place in the reference pose of what is at `world` now. Format: Q30 m. Overflow: saturates. Error against the exact spline of the
- * stored coefficients: 1 um (weights of 15 bits; firmware/tests/test_motion.c). */
+/* Place in the reference pose of what is at `world` now. Format: Q30 m. Overflow: saturates. Error against
+ * the exact spline of the stored coefficients: 1 um (weights of 15 bits; firmware/tests/test_motion.c). */
 crn_vec3 crn_motion_pull(const crn_motion *motion, crn_motion_pose *pose, const crn_vec3 *world_m_q30);
 
-/* How steep a motion is anywhere: |J| at most, of each coefficient in a row and of a full breath. |J|^2 is at most the sum over the axes of the
- * longest difference of neighbours along each, squared. Format: Q28, at most 1.1. */
+/* How steep a motion is anywhere: |J| at most, of each coefficient in a row and of a full breath. |J|^2 is at
+ * most the sum over the axes of the longest difference of neighbours along each, squared. Format: Q28, at
+ * most 1.1. */
 typedef struct crn_motion_steepness {
     int32_t beat_q28[CRN_MOTION_ROW];
     int32_t breath_q28;
@@ -106,12 +113,13 @@ typedef struct crn_motion_steepness {
 /* For set-up: reads all of the lattices. */
 void crn_motion_steepness_make(const crn_motion *motion, crn_motion_steepness *steepness);
 
-/* 1 / the most that the motion lengthens a gradient at a moment: |(I + J)^T n| <= 1 + |J| for each of the two factors, and |J| of a blend is at
- * most the blend of its parts'. Format: Q30, in (0, 1]. */
+/* 1 / the most that the motion lengthens a gradient at a moment: |(I + J)^T n| <= 1 + |J| for each of the two
+ * factors, and |J| of a blend is at most the blend of its parts'. Format: Q30, in (0, 1]. */
 int32_t crn_motion_shrink_q30(const crn_motion_steepness *steepness, const crn_motion_moment *now);
 
-/* At or beyond the wall at least 0, else no less than the distance that crn_motion_contact gives there: the lumen's, made smaller by the most
- * that a gradient is lengthened, by `shrink` everywhere or, where the distance is not below `far` by it, here. */
+/* At or beyond the wall at least 0, else no less than the distance that crn_motion_contact gives there: the
+ * lumen's, made smaller by the most that a gradient is lengthened, by `shrink` everywhere or, where the
+ * distance is not below `far` by it, here. */
 int32_t crn_motion_distance(const crn_lumen *lumen, const crn_motion *motion, crn_motion_pose *pose,
                             const crn_vec3 *world_m_q30, int32_t shrink_q30, int32_t far_m_q30);
 
@@ -122,10 +130,12 @@ crn_lumen_sample crn_motion_contact(const crn_lumen *lumen, const crn_motion *mo
 crn_lumen_sample crn_motion_contact_here(const crn_lumen *lumen, const crn_motion *motion,
                                          crn_motion_pose *pose);
 
-/* A sample of the wall at the place of the last crn_motion_pull, in the reference pose, as it is in the world. */
+/* A sample of the wall at the place of the last crn_motion_pull, in the reference pose, as it is in the
+ * world. */
 crn_lumen_sample crn_motion_carry(const crn_motion *motion, crn_motion_pose *pose, crn_lumen_sample sample);
 
-/* Way of the wall in this tick at the place of the last contact. Format: Q33 m, limited to CRN_MOTION_WALL_STEP_MAX. */
+/* Way of the wall in this tick at the place of the last contact. Format: Q33 m, limited to
+ * CRN_MOTION_WALL_STEP_MAX. */
 crn_vec3 crn_motion_wall_step(const crn_motion *motion, crn_motion_pose *pose);
 
 #endif

@@ -1,4 +1,5 @@
-/* Cells of the lattices of a moving vessel: what the look-up (motion.c) and the step of the wall (motion_wall.c) share. */
+/* Cells of the lattices of a moving vessel: what the look-up (motion.c) and the step of the wall
+ * (motion_wall.c) share. */
 #ifndef CRN_MOTION_CELL_H
 #define CRN_MOTION_CELL_H
 
@@ -21,7 +22,8 @@ typedef struct corner_list {
     uint32_t count;
 } corner_list;
 
-/* Goes on to another cell: where that is one step along an axis away, the four corners that they share move to their new places. Returns the others. */
+/* Goes on to another cell: where that is one step along an axis away, the four corners that they share move
+ * to their new places. Returns the others. */
 static inline corner_list move_on(const crn_lattice *lattice, uint32_t to, crn_motion_cell *cell)
 {
     /* corners on the low and the high side along x, y, z */
@@ -45,8 +47,8 @@ static inline corner_list move_on(const crn_lattice *lattice, uint32_t to, crn_m
     return (corner_list){all, 8};
 }
 
-/* From corners to terms, differences along one axis after the other. Overflow: neighbours differ by at most 5/8 of a spacing (checked), so that
- * the last term is at most 5/2 of one: below 2^30. */
+/* From corners to terms, differences along one axis after the other. Overflow: neighbours differ by at most
+ * 5/8 of a spacing (checked), so that the last term is at most 5/2 of one: below 2^30. */
 static inline void make_terms(crn_motion_field *field)
 {
     const crn_vec3 *c = field->ways.corners_m_q34;
@@ -66,8 +68,8 @@ static inline void make_terms(crn_motion_field *field)
     }
 }
 
-/* Sum over the taps of a component. Format: Q15 x 2^-19 m -> Q34 m. Overflow: |coefficient| <= 2^14 (checked), the weights sum to 2^15:
- * 2^29. */
+/* Sum over the taps of a component. Format: Q15 x 2^-19 m -> Q34 m. Overflow: |coefficient| <= 2^14
+ * (checked), the weights sum to 2^15: 2^29. */
 static inline int32_t blend(const int16_t *taps, const crn_motion_moment *weights)
 {
     return taps[0] * weights->weights_q15[0] + taps[1] * weights->weights_q15[1] +
@@ -100,8 +102,9 @@ static inline int32_t from_q31(int64_t sum)
     return (int32_t)(uint32_t)((uint64_t)sum >> 31);
 }
 
-/* A polynomial at the last point. Format: that of the terms. Overflow: terms of 3 x 5/8, 3 x 5/4 and 5/2 of a spacing of at most 2^28 and powers below
- * 2^31: below 8.2 x 2^59; the value lies between those at the corners. */
+/* A polynomial at the last point. Format: that of the terms. Overflow: terms of 3 x 5/8, 3 x 5/4 and 5/2 of a
+ * spacing of at most 2^28 and powers below 2^31: below 8.2 x 2^59; the value lies between those at the
+ * corners. */
 static inline int32_t value_here(const int32_t *terms, const int32_t *powers_q31)
 {
     const int32_t *t = terms, *p = powers_q31;
@@ -110,7 +113,8 @@ static inline int32_t value_here(const int32_t *terms, const int32_t *powers_q31
                            (int64_t)t[7] * p[7]);
 }
 
-/* The plane in a tetrahedron: a difference along each axis. Overflow: neighbours differ by at most 3/8 of a spacing (checked). */
+/* The plane in a tetrahedron: a difference along each axis. Overflow: neighbours differ by at most 3/8 of a
+ * spacing (checked). */
 static inline void make_plane(crn_motion_field *field, uint32_t tetrahedron)
 {
     /* corners on the way from 0 to 7; two of the eight orders cannot be */

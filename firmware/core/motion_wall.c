@@ -19,8 +19,9 @@ static int32_t change_across(const int16_t *row, const crn_motion_pose *pose)
     return crn_clamp(change, -MOST_M_Q34, MOST_M_Q34);
 }
 
-/* What the tick has changed in the ways at a cell's corners. As a rule both moments lie between the same keyframes, and the change of the weights,
- * which sums to nothing, makes it. Overflow: two products of 2^15 and 2^13. */
+/* What the tick has changed in the ways at a cell's corners. As a rule both moments lie between the same
+ * keyframes, and the change of the weights, which sums to nothing, makes it. Overflow: two products of 2^15
+ * and 2^13. */
 static void enter_changing_cell(const crn_motion *motion, crn_motion_pose *pose, uint32_t node)
 {
     const corner_list fresh = move_on(&motion->beat, node, &pose->changes);
@@ -73,9 +74,10 @@ static inline crn_vec3 cross_high(const crn_vec3 *a, const crn_vec3 *b)
                          crn_mulh_sub(crn_mulh(a->v[0], b->v[1]), a->v[1], b->v[0]));
 }
 
-/* Cramer's rule for (I + dw/dx) step = -change, with a, b, c the columns: b x c and change x a hold all of its four determinants. Overflow: columns
- * are at most 2 in a component, so b x c is below 2^27 (Q24), the determinant below 2^26 (Q20), change x a below 2^29 (Q35); steps before the
- * division below 2^29 (Q31), 250 mm. */
+/* Cramer's rule for (I + dw/dx) step = -change, with a, b, c the columns: b x c and change x a hold all of
+ * its four determinants. Overflow: columns are at most 2 in a component, so b x c is below 2^27 (Q24), the
+ * determinant below 2^26 (Q20), change x a below 2^29 (Q35); steps before the division below 2^29 (Q31), 250
+ * mm. */
 static crn_vec3 beating_step(const crn_motion *motion, crn_motion_pose *pose)
 {
     const int32_t(*m)[3] = (const int32_t(*)[3])pose->gradient_q28;
@@ -98,8 +100,9 @@ static crn_vec3 beating_step(const crn_motion *motion, crn_motion_pose *pose)
     return step;
 }
 
-/* (I + J)^-1 (step - change of breath) by the series u - J (u - J u), which is off by |J|^3: a twentieth where breath is as steep as it may be, 0.3 %
- * in the shipped heart. Overflow: u is at most 4 mm, the sum below 6: 2^26. */
+/* (I + J)^-1 (step - change of breath) by the series u - J (u - J u), which is off by |J|^3: a twentieth
+ * where breath is as steep as it may be, 0.3 % in the shipped heart. Overflow: u is at most 4 mm, the sum
+ * below 6: 2^26. */
 static void step_with_breath(const crn_motion *motion, crn_motion_pose *pose, crn_vec3 *step_m_q33)
 {
     enum {

@@ -1,5 +1,6 @@
-/* Beats one after the other: the length of each is chosen when it begins, and the phase goes evenly to the end of systole and
- * from there to the next beat. What is asked for changes lengths, never the phase itself: it has no jumps. */
+/* Beats one after the other: the length of each is chosen when it begins, and the phase goes evenly to the
+ * end of systole and from there to the next beat. What is asked for changes lengths, never the phase itself:
+ * it has no jumps. */
 #include "firmware/core/rhythm.h"
 
 enum {
@@ -63,8 +64,8 @@ static void place_premature(crn_rhythm *rhythm)
     rhythm->bits |= CRN_RHYTHM_NEXT_PREMATURE;
 }
 
-/* A premature beat is short itself and followed by the pause that brings the rhythm back into its step: both intervals
- * together are two of the mean. */
+/* A premature beat is short itself and followed by the pause that brings the rhythm back into its step: both
+ * intervals together are two of the mean. */
 static void begin_premature(crn_rhythm *rhythm)
 {
     uint32_t before = rhythm->interval_ms;
@@ -98,8 +99,8 @@ static void begin_beat(crn_rhythm *rhythm)
     }
 }
 
-/* An equal share of what is left of the phase for each of the ticks that are left, all of it for the last. Format: 2^-32 cycle.
- * Overflow: impossible, 2^32 x 2^31. Error: 4 LSB. */
+/* An equal share of what is left of the phase for each of the ticks that are left, all of it for the last.
+ * Format: 2^-32 cycle. Overflow: impossible, 2^32 x 2^31. Error: 4 LSB. */
 static uint32_t share_of(uint32_t left, uint32_t ticks)
 {
     if (ticks <= 1) {

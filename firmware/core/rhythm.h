@@ -1,9 +1,11 @@
-/* Heartbeat and breath: where in its cycle the heart is at a tick, and where the chest (docs/heart.md, "rhythm").
+/* Heartbeat and breath: where in its cycle the heart is at a tick, and where the chest (docs/heart.md,
+ * "rhythm").
  *
- * One cycle of either is 2^32 of phase. The heart's phase 0 is the beginning of the QRS complex (end of filling);
- * CRN_PHASE_SYSTOLE_END is the closure of the aortic valve, whatever the rate: systole and diastole each have their own
- * length and the phase is linear in time within each. Breath's phase 0 is the end of expiration, 2^31 that of inspiration.
- * Keyframe k of a scene's motion belongs to phase k / 24, so that keyframe 10 is the end of systole.
+ * One cycle of either is 2^32 of phase. The heart's phase 0 is the beginning of the QRS complex (end of
+ * filling); CRN_PHASE_SYSTOLE_END is the closure of the aortic valve, whatever the rate: systole and diastole
+ * each have their own length and the phase is linear in time within each. Breath's phase 0 is the end of
+ * expiration, 2^31 that of inspiration. Keyframe k of a scene's motion belongs to phase k / 24, so that
+ * keyframe 10 is the end of systole.
  */
 #ifndef CRN_RHYTHM_H
 #define CRN_RHYTHM_H
@@ -80,12 +82,13 @@ void crn_rhythm_step(crn_rhythm *rhythm, const crn_rhythm_order *order);
 /* Could crn_rhythm_step have left it so? For states that come from outside. */
 bool crn_rhythm_is_valid(const crn_rhythm *rhythm);
 
-/* How far the chest is in, 0 at the end of expiration to 1 at that of inspiration: sin^4(pi phase), which dwells at the end
- * of expiration (Lujan et al., Med Phys 1999;26:715, n = 2). Format: phase -> Q15. Error: 1 LSB. */
+/* How far the chest is in, 0 at the end of expiration to 1 at that of inspiration: sin^4(pi phase), which
+ * dwells at the end of expiration (Lujan et al., Med Phys 1999;26:715, n = 2). Format: phase -> Q15. Error: 1
+ * LSB. */
 int32_t crn_breath_depth_q15(uint32_t breath_phase32);
 
-/* From the QRS to the closure of the aortic valve, ms: 540 - 2.1 rate, the mean of men and women (Boudoulas et al., Chest
- * 1981;80:613: 541 - 2.2 rate and 540 - 2.0 rate). */
+/* From the QRS to the closure of the aortic valve, ms: 540 - 2.1 rate, the mean of men and women (Boudoulas
+ * et al., Chest 1981;80:613: 541 - 2.2 rate and 540 - 2.0 rate). */
 static inline uint32_t crn_systole_ms(uint32_t rate_per_min)
 {
     return (5400u - 21u * rate_per_min) / 10u;

@@ -1,13 +1,13 @@
 /* Wall contact and friction (docs/rod.md, "contact"). At the predicted configuration x*:
  *   depth = phi + r, n = inward normal; touching when depth > 0 or when the drift will make it so
  *   normal: k_n n n^T in the matrix, k_c depth (+ k_deep beyond 0.2 mm) along n on the right
- *   friction: bristle z with stiffness k_f = min(k_t, mu N / |z + way|) (lagged secant: true stick, no chatter); while it does not
- *   stick mu N is limited to some times what it was after the last solve.
- * The way of the surface is that of the node, plus what the outer tool slides against the line, plus what it turns:
- * r theta along n x t. So one limit mu N bounds sliding and turning together, and a wire that slides turns freely.
- * After the solve z takes the way and is limited to mu N / k_t.
- * Struts of a stent (strut.h) are met as the wall is. Between struts and wall a node has two contacts: both normals are in the matrix, the
- * deeper one carries the bristle, and friction has the sum of both forces. */
+ *   friction: bristle z with stiffness k_f = min(k_t, mu N / |z + way|) (lagged secant: true stick, no
+ * chatter); while it does not stick mu N is limited to some times what it was after the last solve. The way
+ * of the surface is that of the node, plus what the outer tool slides against the line, plus what it turns:
+ * r theta along n x t. So one limit mu N bounds sliding and turning together, and a wire that slides turns
+ * freely. After the solve z takes the way and is limited to mu N / k_t. Struts of a stent (strut.h) are met
+ * as the wall is. Between struts and wall a node has two contacts: both normals are in the matrix, the deeper
+ * one carries the bristle, and friction has the sum of both forces. */
 #include "firmware/core/lesion.h"
 #include "firmware/core/rod.h"
 #include "firmware/core/rod_friction.h"
@@ -19,7 +19,8 @@ enum {
     NORMAL_MAX_N_Q22 = 1 << 29, /* 128 N: bounds a bristle to 66 mm, below 2^30 in Q33 */
 };
 
-/* Component along n. Format: Q33 . Q30 -> Q33. Overflow: impossible, displacements stay below 2^30 (125 mm). */
+/* Component along n. Format: Q33 . Q30 -> Q33. Overflow: impossible, displacements stay below 2^30 (125 mm).
+ */
 static inline int32_t along(const crn_vec3 *a, const crn_vec3 *n)
 {
     return crn_vec3_dot_unit(a, n);
@@ -37,8 +38,8 @@ static inline crn_vec3 tangential(const crn_vec3 *a, const crn_vec3 *n)
 }
 
 /* Normal force of a depth: k_c d + k_deep max(0, d - 0.2 mm). Format: Q30 m -> Q22 N; negative
- * depths give the linear part only (it closes the gap in the same solve). Overflow: limited above; below, 5000 N/m times
- * -1 m is -5000 N, held at the same limit, since a contact that far off is none. */
+ * depths give the linear part only (it closes the gap in the same solve). Overflow: limited above; below,
+ * 5000 N/m times -1 m is -5000 N, held at the same limit, since a contact that far off is none. */
 static inline int32_t normal_force(int32_t depth_m_q30)
 {
     int64_t force = (int64_t)depth_m_q30 * CRN_CONTACT_STIFFNESS_N_m;
@@ -85,7 +86,8 @@ static inline void add_roll(crn_vec3 *way, const crn_vec3 *around_q30, int32_t r
     }
 }
 
-/* The bristle stands on the wall: what the wall does at the node sampled last is no way of the surface. Overflow: 2^24. */
+/* The bristle stands on the wall: what the wall does at the node sampled last is no way of the surface.
+ * Overflow: 2^24. */
 static void take_wall_step(const crn_model *model, crn_state *state, crn_vec3 *way)
 {
     crn_vec3 wall = crn_motion_wall_step(model->lumen->motion, &state->scratch.pose);
@@ -104,7 +106,8 @@ static inline const crn_second_contact *second_of(const crn_state *state, const 
     return &state->scratch.second[work->touching - 2];
 }
 
-/* A node's normal force and that of its second contact after a deviation. Overflow: limited as one is. Format: Q22 N, Q33 m -> Q22 N. */
+/* A node's normal force and that of its second contact after a deviation. Overflow: limited as one is.
+ * Format: Q22 N, Q33 m -> Q22 N. */
 CRN_RARE static int32_t both_forces(const crn_state *state, const crn_work *work, int32_t force_N_q22,
                                     const crn_vec3 *deviation_m_q33)
 {
@@ -113,9 +116,10 @@ CRN_RARE static int32_t both_forces(const crn_state *state, const crn_work *work
     return crn_clamp(force_N_q22 + (depth > 0 ? normal_force(depth) : 0), 0, NORMAL_MAX_N_Q22);
 }
 
-/* Contact of node i after the expected motion: its stiffnesses. `expected` is the node's deviation (it may lie where `around`
- * takes its place), `inwards` its part along the normal, `predicted` the depth after it.
- * Overflow: impossible. Held way 2^29.2, deviations 2^29, roll 2^23: reach below 2^30.5 in every component. */
+/* Contact of node i after the expected motion: its stiffnesses. `expected` is the node's deviation (it may
+ * lie where `around` takes its place), `inwards` its part along the normal, `predicted` the depth after it.
+ * Overflow: impossible. Held way 2^29.2, deviations 2^29, roll 2^23: reach below 2^30.5 in every component.
+ */
 static inline void touch(const crn_model *model, crn_state *state, const crn_node_state *node, crn_work *work,
                          const crn_line_node *line, int32_t predicted_m_q30, const crn_vec3 *expected,
                          int32_t inwards)
@@ -155,8 +159,8 @@ static inline void touch(const crn_model *model, crn_state *state, const crn_nod
     work->touching = work->touching > 1 ? work->touching : 1;
 }
 
-/* Right side of contact and friction in newtons Q22, once the turn of the surface is known. Overflow: a bristle's force is
- * below 2000 N/m x 180 mm; the sum saturates. */
+/* Right side of contact and friction in newtons Q22, once the turn of the surface is known. Overflow: a
+ * bristle's force is below 2000 N/m x 180 mm; the sum saturates. */
 static inline void push_node(const crn_model *model, const crn_node_state *node, crn_work *work,
                              const crn_line_node *line)
 {
@@ -228,7 +232,8 @@ static void clear(crn_node_state *node)
     node->contact = CRN_CONTACT_NONE;
 }
 
-/* Distance to the wall at x* where no lesion is open, which is never less than where one is; of a wall that moves no less than the sample will give, or at least 0. */
+/* Distance to the wall at x* where no lesion is open, which is never less than where one is; of a wall that
+ * moves no less than the sample will give, or at least 0. */
 static inline int32_t wall_distance(const crn_model *model, crn_state *state, const crn_work *work,
                                     int32_t far_m_q30)
 {
@@ -261,7 +266,8 @@ static int32_t worst_depth(const crn_vec3 *normal_q30, int32_t depth_m_q30, cons
     return predicted > depth_m_q30 ? predicted : depth_m_q30;
 }
 
-/* Struts take the place of what the wall is to the node when they are deeper; what is less deep and touches as well is its second contact. */
+/* Struts take the place of what the wall is to the node when they are deeper; what is less deep and touches
+ * as well is its second contact. */
 CRN_RARE static bool meet_struts(const crn_model *model, crn_state *state, crn_work *work,
                                  const crn_line_node *line, bool is_at_wall)
 {
@@ -393,8 +399,8 @@ CRN_RARE static bool or_struts(const crn_model *model, crn_state *state, crn_wor
     return true;
 }
 
-/* Does node i, not seen to touch at x*, end deeper than 0.1 mm? Then also how far it goes inwards. `reach`: of the deviation's
- * components, twice the largest, less the 0.1 mm. */
+/* Does node i, not seen to touch at x*, end deeper than 0.1 mm? Then also how far it goes inwards. `reach`:
+ * of the deviation's components, twice the largest, less the 0.1 mm. */
 static inline bool was_missed(const crn_model *model, crn_state *state, uint32_t i, int32_t reach_m_q30,
                               int32_t *inwards_m_q33)
 {
@@ -456,7 +462,8 @@ int32_t crn_contact_share(const crn_model *model, crn_state *state, int32_t larg
     return share_q30;
 }
 
-/* z + way limited to mu N / k_t; sticks when it was not limited. `inwards` is the deviation along the normal. */
+/* z + way limited to mu N / k_t; sticks when it was not limited. `inwards` is the deviation along the normal.
+ */
 static inline void move_bristle(const crn_state *state, crn_node_state *node, const crn_work *work,
                                 const crn_line_node *line, int32_t depth_m_q30, int32_t inwards_m_q33)
 {
@@ -484,7 +491,8 @@ static inline void move_bristle(const crn_state *state, crn_node_state *node, co
     node->bristle_m_q33 = way;
 }
 
-/* Friction along the line falls to the tool that touches: -k_t z along its axis. Format: N/m x Q33 m -> Q22 N. */
+/* Friction along the line falls to the tool that touches: -k_t z along its axis. Format: N/m x Q33 m -> Q22
+ * N. */
 static void charge_outer_tool(crn_state *state, const crn_node_state *node, const crn_line_node *line)
 {
     int32_t way_m_q33 = along(&node->bristle_m_q33, &node->tangent_q30);

@@ -1,7 +1,7 @@
 /* From the hands to the predicted configuration: how far each tool is fed this tick, which nodes that
- * frees or captures, and where every node would be if the line only slid along itself (x* = x - T ds, ds being the
- * way of the leading tip). The solve then finds the deviation from that slide, so that a fast feed puts no force of its
- * own into the right side (docs/rod.md, "feed"). */
+ * frees or captures, and where every node would be if the line only slid along itself (x* = x - T ds, ds
+ * being the way of the leading tip). The solve then finds the deviation from that slide, so that a fast feed
+ * puts no force of its own into the right side (docs/rod.md, "feed"). */
 #include "firmware/core/rod.h"
 
 enum {
@@ -12,9 +12,9 @@ enum {
     TURN32_TO_Q30_RAD = 1686629713, /* pi / 2 in Q30 */
 };
 
-/* Feed that brings the handle to its force limit: (F_max - H) x compliance of the free part and the wall. Beyond the
- * limit it is negative: the tool slips back through the hand, slowly.
- * Format: N Q22 x m/N Q40 -> m Q30. Overflow: saturates at the feed limit. */
+/* Feed that brings the handle to its force limit: (F_max - H) x compliance of the free part and the wall.
+ * Beyond the limit it is negative: the tool slips back through the hand, slowly. Format: N Q22 x m/N Q40 -> m
+ * Q30. Overflow: saturates at the feed limit. */
 static int32_t stall_limit(int32_t margin_N_q22, uint32_t compliance_m_N_q40)
 {
     const int32_t slip_max = CRN_FEED_MAX_M_Q30 / 16;
@@ -26,9 +26,10 @@ static int32_t stall_limit(int32_t margin_N_q22, uint32_t compliance_m_N_q40)
     return limit > CRN_FEED_MAX_M_Q30 ? CRN_FEED_MAX_M_Q30 : (int32_t)limit;
 }
 
-/* How far the hand may move for each newton, Q40 m/N: what the free part and the wall give, or what the last ticks have
- * shown to be less, since the wall's friction holds the front of a wire and leaves the hand the stiff rest. What was seen
- * relaxes by 1/128 a tick, so that one soft tick (a snap, a rest) does not forget a stiff line (docs/rod.md, "stall"). */
+/* How far the hand may move for each newton, Q40 m/N: what the free part and the wall give, or what the last
+ * ticks have shown to be less, since the wall's friction holds the front of a wire and leaves the hand the
+ * stiff rest. What was seen relaxes by 1/128 a tick, so that one soft tick (a snap, a rest) does not forget a
+ * stiff line (docs/rod.md, "stall"). */
 static uint32_t line_compliance(const crn_state *state)
 {
     enum { SEEN_FROM_M_Q30 = 107, LEAST_m_N_Q40 = WALL_COMPLIANCE_m_N_Q40 / 16 }; /* 0.1 um; 400 kN/m */
@@ -49,8 +50,9 @@ static uint32_t line_compliance(const crn_state *state)
     return most > LEAST_m_N_Q40 ? most : LEAST_m_N_Q40;
 }
 
-/* What a tool may be fed: as far as its hand's force limit allows, and the leading tip no farther than the force of all
- * hands together allows, or two tips at one wall would push each other's share on, tick by tick. */
+/* What a tool may be fed: as far as its hand's force limit allows, and the leading tip no farther than the
+ * force of all hands together allows, or two tips at one wall would push each other's share on, tick by tick.
+ */
 static int32_t limit_feed(const crn_model *model, const crn_state *state, uint32_t k, int32_t feed_m_q30)
 {
     const crn_state_words *words = &state->words;
@@ -64,8 +66,9 @@ static int32_t limit_feed(const crn_model *model, const crn_state *state, uint32
     return crn_clamp(feed_m_q30, -pull, push < line ? push : line);
 }
 
-/* Feed of one tool in this tick, Q30 m. The hand may lead by four times the largest feed; beyond that it slips, as
- * a hand does on a wire or a wire in the rig's rollers. A tool that pushes or pulls as hard as a hand can stalls. */
+/* Feed of one tool in this tick, Q30 m. The hand may lead by four times the largest feed; beyond that it
+ * slips, as a hand does on a wire or a wire in the rig's rollers. A tool that pushes or pulls as hard as a
+ * hand can stalls. */
 static int32_t choose_feed(const crn_model *model, crn_state *state, uint32_t k, int32_t hand_m_q30)
 {
     const int32_t lead_max = 4 * CRN_FEED_MAX_M_Q30;
@@ -116,7 +119,8 @@ static void feed_tools(const crn_model *model, crn_state *state, const crn_input
     }
 }
 
-/* The material frames in the inserter follow the hands' angles a quarter of the way each tick, at most 20 rad/s. */
+/* The material frames in the inserter follow the hands' angles a quarter of the way each tick, at most 20
+ * rad/s. */
 static void turn_bases(const crn_model *model, crn_state *state, const crn_input *input)
 {
     for (uint32_t k = 0; k < model->tool_count; k++) {
@@ -181,7 +185,8 @@ static void add_weight(const crn_model *model, const crn_line_node *line, weight
     }
 }
 
-/* A node freed this tick: x* is on the axis at the new feed, it came from there less the slide, under its weight. */
+/* A node freed this tick: x* is on the axis at the new feed, it came from there less the slide, under its
+ * weight. */
 static void free_node(crn_state *state, uint32_t i)
 {
     crn_work *work = &state->scratch.nodes[i];
@@ -204,8 +209,8 @@ static inline int32_t mean_tangent(const crn_state *state, uint32_t i, crn_vec3 
     return square_q28;
 }
 
-/* How a node of a fold slides: T / T^2 ds, which takes it as far along both edges as their other ends go; doubled at most, from a
- * right angle on. Overflow: a slide of 0.5 mm becomes 0.71 mm. */
+/* How a node of a fold slides: T / T^2 ds, which takes it as far along both edges as their other ends go;
+ * doubled at most, from a right angle on. Overflow: a slide of 0.5 mm becomes 0.71 mm. */
 CRN_RARE static void slide_round(crn_vec3 *slide_m_q33, int32_t square_q28)
 {
     const int32_t factor_q28 = square_q28 > 1 << 27 ? crn_quotient(1 << 28, square_q28, 28) : 1 << 29;
@@ -215,8 +220,8 @@ CRN_RARE static void slide_round(crn_vec3 *slide_m_q33, int32_t square_q28)
 }
 
 /* Puts node i at x* = x + slide and the inertia's right side m/h^2 ((1 - gamma h) u - slide).
- * Overflow: slides stay below 2^24 m Q33 (feed 0.71, turn 0.6, shift 0.5 mm), displacements per tick below 2^25 (1.25 mm more by cap and
- * shift), differences below 2^26, their eightfold below 2^29. */
+ * Overflow: slides stay below 2^24 m Q33 (feed 0.71, turn 0.6, shift 0.5 mm), displacements per tick below
+ * 2^25 (1.25 mm more by cap and shift), differences below 2^26, their eightfold below 2^29. */
 static inline void predict_node(const crn_model *model, crn_state *state, uint32_t i,
                                 const crn_vec3 *slide_m_q33)
 {
@@ -242,7 +247,8 @@ typedef struct fold_shift {
     bool is_passed; /* some node behind is */
 } fold_shift;
 
-/* The slide of a node in a fold or ahead of one; `is_inside`: the edge behind it slides too and is no part of the rigid tip. */
+/* The slide of a node in a fold or ahead of one; `is_inside`: the edge behind it slides too and is no part of
+ * the rigid tip. */
 CRN_RARE static void slide_apart(const crn_model *model, const crn_state *state, uint32_t i, bool is_inside,
                                  int32_t square_q28, fold_shift *fold, crn_vec3 *slide_m_q33)
 {
@@ -260,8 +266,9 @@ CRN_RARE static void slide_apart(const crn_model *model, const crn_state *state,
     fold->is_passed |= is_fold;
 }
 
-/* Nodes 0 .. count-1 slide by -T ds; the first `rigid` of them as node `rigid` does, plus the turn that the scratch holds. From the
- * hand on, so that where the line is folded the nodes ahead follow the edges behind them. */
+/* Nodes 0 .. count-1 slide by -T ds; the first `rigid` of them as node `rigid` does, plus the turn that the
+ * scratch holds. From the hand on, so that where the line is folded the nodes ahead follow the edges behind
+ * them. */
 static void slide_nodes(const crn_model *model, crn_state *state, uint32_t count, uint32_t rigid)
 {
     const int32_t back_m_q35 = -4 * state->scratch.feed_m_q33;
@@ -282,8 +289,8 @@ static void slide_nodes(const crn_model *model, crn_state *state, uint32_t count
     }
 }
 
-/* Factor by which a joint's stiffness may grow: its entries stay below 2^26, of which four meet in a diagonal below
- * 2^29 (core_build.c), and W below 16 N m. */
+/* Factor by which a joint's stiffness may grow: its entries stay below 2^26, of which four meet in a diagonal
+ * below 2^29 (core_build.c), and W below 16 N m. */
 static int32_t clip_room(const crn_joint *joint)
 {
     int32_t entry = joint->p > joint->r ? joint->p : joint->r;

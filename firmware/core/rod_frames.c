@@ -1,8 +1,8 @@
 /* Reference and material axes of the edges, at the predicted configuration.
  *
- * A reference axis u is carried without turning from the inserter's edge to the tip (Bishop frame), one for all tools. A
- * tool's material axis is d1 = cos(angle) u + sin(angle) (t x u), so that a joint's twist is just the difference of two
- * angles (docs/rod.md, "twist"). */
+ * A reference axis u is carried without turning from the inserter's edge to the tip (Bishop frame), one for
+ * all tools. A tool's material axis is d1 = cos(angle) u + sin(angle) (t x u), so that a joint's twist is
+ * just the difference of two angles (docs/rod.md, "twist"). */
 #include "firmware/core/rod.h"
 
 enum {
@@ -27,7 +27,8 @@ void crn_frames_orthonormalise(crn_vec3 *axis, const crn_vec3 *tangent)
     }
 }
 
-/* Transport across a sharp bend: the exact factor up to 139 degrees, beyond it the projection of the old axis. */
+/* Transport across a sharp bend: the exact factor up to 139 degrees, beyond it the projection of the old
+ * axis. */
 static crn_vec3 transport_sharply(crn_vec3 axis, const crn_vec3 *from, const crn_vec3 *to, int32_t tilt,
                                   int32_t lack)
 {

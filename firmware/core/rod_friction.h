@@ -21,16 +21,18 @@ static inline int32_t friction_of(const crn_node_state *node, const crn_line_nod
     return node->contact == CRN_CONTACT_SLIPS ? line->kinetic_q30 : line->static_q30;
 }
 
-/* Bristle at its limit mu N / k_t. Format: Q22 N -> Q33 m: 2^11 / 2000 = 1 + 25166 / 2^20. Overflow: impossible, 128 N. */
+/* Bristle at its limit mu N / k_t. Format: Q22 N -> Q33 m: 2^11 / 2000 = 1 + 25166 / 2^20. Overflow:
+ * impossible, 128 N. */
 static inline int32_t bristle_limit(int32_t limit_N_q22)
 {
     return limit_N_q22 + crn_mulh(limit_N_q22, 25166 << 12);
 }
 
-/* What friction may be while a node does not stick: in each tick CRN_FRICTION_GROWTH times k_t |z|, which is mu N after the
- * last solve (|z| is taken up to a sixth too long), and CRN_FRICTION_FRESH. mu N of the predicted depth alone lets a node that
- * hops on the wall by micrometres rub with many times its force (5 mN for each), and what that pushes on makes others hop: a
- * soft wire at 40 mm/s felt six times as hard. Format: Q33 m -> Q22 N, 2000 / 2^11. Overflow: impossible in 64 bits. */
+/* What friction may be while a node does not stick: in each tick CRN_FRICTION_GROWTH times k_t |z|, which is
+ * mu N after the last solve (|z| is taken up to a sixth too long), and CRN_FRICTION_FRESH. mu N of the
+ * predicted depth alone lets a node that hops on the wall by micrometres rub with many times its force (5 mN
+ * for each), and what that pushes on makes others hop: a soft wire at 40 mm/s felt six times as hard. Format:
+ * Q33 m -> Q22 N, 2000 / 2^11. Overflow: impossible in 64 bits. */
 static inline int32_t growing_limit(const crn_node_state *node, int32_t limit_N_q22)
 {
     const int64_t last_m_q33 = length_at_most(&node->bristle_m_q33);

@@ -1,7 +1,9 @@
-/* What the tools add up to where they stand: joints, edges, masses and surfaces of the line (docs/rod.md, "tools").
+/* What the tools add up to where they stand: joints, edges, masses and surfaces of the line (docs/rod.md,
+ * "tools").
  *
- * Node i lies at arc length S behind the leading tip, tool k is sampled at S - offset[k]. Within a cell compliance is
- * averaged, not stiffness ("series"): arithmetic averages across a tool's tip or a step give force spikes at the handle.
+ * Node i lies at arc length S behind the leading tip, tool k is sampled at S - offset[k]. Within a cell
+ * compliance is averaged, not stiffness ("series"): arithmetic averages across a tool's tip or a step give
+ * force spikes at the handle.
  *   1/W = integral ds / EI,  EI = sum EI_k;   turn_k = integral (EI_k / EI) kappa_k ds
  * A cell that a tip divides is summed piece by piece, so everything moves smoothly as tools slide. */
 #include "firmware/core/rod.h"
@@ -28,7 +30,8 @@ typedef struct cell {
     int32_t begin, end; /* Q30 m behind the leading tip */
 } cell;
 
-/* length / stiffness. Format: Q30 m / Q35 N m^2 -> Q32 1 / (N m). Overflow: impossible, 8 mm / 1e-7 N m^2 = 2^49. */
+/* length / stiffness. Format: Q30 m / Q35 N m^2 -> Q32 1 / (N m). Overflow: impossible, 8 mm / 1e-7 N m^2 =
+ * 2^49. */
 static int64_t compliance_q32(int32_t length_m_q30, int32_t stiffness_q35)
 {
     unsigned lead = crn_clz32((uint32_t)stiffness_q35) - 1; /* at most 19: stiffness >= 1e-7 N m^2 */
@@ -48,8 +51,8 @@ static int32_t inverse_of(int64_t value, unsigned q)
     return shift > 62 ? 0 : crn_sat32(crn_rshift_round64(inverse, (unsigned)shift));
 }
 
-/* length / compliance, the series average of a stiffness. Format: Q30 m / Q32 1/(N m) -> Q35 N m^2. Overflow: saturates.
- * Error: that of the compliance, 1 in `compliance`. */
+/* length / compliance, the series average of a stiffness. Format: Q30 m / Q32 1/(N m) -> Q35 N m^2. Overflow:
+ * saturates. Error: that of the compliance, 1 in `compliance`. */
 static int32_t series_stiffness_q35(int32_t length_m_q30, int64_t compliance)
 {
     unsigned lead = crn_clz64((uint64_t)compliance);
@@ -58,8 +61,9 @@ static int32_t series_stiffness_q35(int32_t length_m_q30, int64_t compliance)
     return shift <= 0 ? INT32_MAX : crn_sat32(crn_rshift_round64(length_m_q30 * inverse, (unsigned)shift));
 }
 
-/* A cell's rest turning that the format and the joint's own force can bear: 1.2 rad. A tool whose own cells turn farther
- * is refused (core_build.c); its hook gets there only inside a stiffer tool that leads, in the long cells of the shaft. */
+/* A cell's rest turning that the format and the joint's own force can bear: 1.2 rad. A tool whose own cells
+ * turn farther is refused (core_build.c); its hook gets there only inside a stiffer tool that leads, in the
+ * long cells of the shaft. */
 static int32_t limit_turn(int32_t turn_q30)
 {
     return crn_clamp(turn_q30, -CRN_TURN_OF_CELL_MAX_Q30, CRN_TURN_OF_CELL_MAX_Q30);
@@ -70,9 +74,9 @@ static int32_t turn_of(int32_t per_m_q20, int32_t length_m_q30)
     return crn_mul(per_m_q20, length_m_q30, 20);
 }
 
-/* What makes two unit edges rest at this angle: they differ by 2 sin(turn / 2), and the rest turning is applied along the
- * mean of their axes, which is cos(turn / 2) long, so 2 tan(turn / 2) = turn (1 + turn^2 / 12 + turn^4 / 120).
- * Error: 0.1 % at 1 rad. */
+/* What makes two unit edges rest at this angle: they differ by 2 sin(turn / 2), and the rest turning is
+ * applied along the mean of their axes, which is cos(turn / 2) long, so 2 tan(turn / 2) = turn (1 + turn^2 /
+ * 12 + turn^4 / 120). Error: 0.1 % at 1 rad. */
 static int32_t rest_turn_of(int32_t turn_q30)
 {
     int32_t square = crn_mul_q30(turn_q30, turn_q30);
@@ -124,7 +128,8 @@ static void share_stiffness(const walk *w, const int32_t own_q26[CRN_TOOL_MAX], 
     }
 }
 
-/* --- cells that no tip divides ------------------------------------------------------------------------------- */
+/* --- cells that no tip divides
+ * ------------------------------------------------------------------------------- */
 
 /* Tool k over a whole cell: its own W, twist stiffness and turns. */
 static int32_t whole_cell(walk *w, uint32_t k, const crn_mesh_node *mesh, cell c, crn_joint *joint)
@@ -149,7 +154,8 @@ static int32_t whole_cell(walk *w, uint32_t k, const crn_mesh_node *mesh, cell c
     return inverse_of(sum.bend_q32, 58);
 }
 
-/* --- cells that one or more tips divide ---------------------------------------------------------------------- */
+/* --- cells that one or more tips divide
+ * ---------------------------------------------------------------------- */
 
 /* Adds the piece [from, to] of a cell, in which the same tools are all along. */
 static void add_piece(walk *w, int32_t from, int32_t to, stretch sums[CRN_TOOL_MAX], int64_t *compliance)
@@ -218,7 +224,8 @@ static void divided_cell(walk *w, cell c, crn_joint *joint)
     }
 }
 
-/* --- one node ------------------------------------------------------------------------------------------------ */
+/* --- one node
+ * ------------------------------------------------------------------------------------------------ */
 
 static bool is_divided(const walk *w, cell c)
 {
@@ -299,8 +306,8 @@ static int32_t blend(int32_t under, int32_t over, int32_t share_q30)
     return under + crn_scale_q30(over - under, share_q30);
 }
 
-/* Mass and surface of a node: masses add, the outermost tool touches the wall; in the cell of its tip its radius and
- * friction are blended in, since a hard switch jumps (docs/rod.md). */
+/* Mass and surface of a node: masses add, the outermost tool touches the wall; in the cell of its tip its
+ * radius and friction are blended in, since a hard switch jumps (docs/rod.md). */
 static void build_surface(walk *w, uint32_t i, cell c)
 {
     crn_line_node *node = &w->line->nodes[i];
@@ -349,7 +356,8 @@ static void build_edge(walk *w, uint32_t i)
     node[1].compliance_m_N_q40 = crn_add_sat(node->compliance_m_N_q40, w->line->edge_compliance_m_N_q40);
 }
 
-/* --- cells like most of them: each tool either absent or in one span, straight ------------------------------------ */
+/* --- cells like most of them: each tool either absent or in one span, straight
+ * ------------------------------------ */
 
 static bool is_straight(const crn_span *s)
 {
@@ -417,7 +425,8 @@ static void build_plain(walk *w, uint32_t i, cell c)
     node->mass_kg_q40 = crn_sat32(crn_rshift_round64(mass_kg_per_m_q34 * (c.end - c.begin), 24));
 }
 
-/* --- the whole line ------------------------------------------------------------------------------------------ */
+/* --- the whole line
+ * ------------------------------------------------------------------------------------------ */
 
 /* Is node i like node i-1: same elements, each tool absent or in one flat span over both cells? */
 static bool repeats(const walk *w, uint32_t i)
@@ -439,7 +448,8 @@ static bool repeats(const walk *w, uint32_t i)
     return true;
 }
 
-/* Arc length behind the leading tip from which every tool is in its last span and that is flat, as most of a shaft is. */
+/* Arc length behind the leading tip from which every tool is in its last span and that is flat, as most of a
+ * shaft is. */
 static int32_t steady_arc(const crn_model *model, const crn_line *line)
 {
     int32_t arc = 0;

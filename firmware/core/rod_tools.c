@@ -1,16 +1,17 @@
 /* What coaxial tools do to each other and to their hands (docs/rod.md, "tools").
  *
- * They share a centreline, so the wall between them is implied: a tool presses on the next one with the force that its
- * bending puts on the nodes they share. Friction mu N then resists sliding (one bristle along the line for each pair)
- * and turning (one bristle for each edge, in rod_twist.c), both ways.
+ * They share a centreline, so the wall between them is implied: a tool presses on the next one with the force
+ * that its bending puts on the nodes they share. Friction mu N then resists sliding (one bristle along the
+ * line for each pair) and turning (one bristle for each edge, in rod_twist.c), both ways.
  *
- * The hand of a tool that does not lead feels how the line's energy changes as the tool slides at fixed shape. At a
- * place where the tool's properties change, that is the jump of psi = |M + P|^2 / (2 EI) - S / 2 with the moment M,
- * P = sum EI_m kappa_m and S = sum EI_m kappa_m^2 over all tools there (the configurational force of a rod whose section
- * jumps). */
+ * The hand of a tool that does not lead feels how the line's energy changes as the tool slides at fixed
+ * shape. At a place where the tool's properties change, that is the jump of psi = |M + P|^2 / (2 EI) - S / 2
+ * with the moment M, P = sum EI_m kappa_m and S = sum EI_m kappa_m^2 over all tools there (the
+ * configurational force of a rod whose section jumps). */
 #include "firmware/core/rod.h"
 
-/* --- how hard tools press on each other ---------------------------------------------------------------------- */
+/* --- how hard tools press on each other
+ * ---------------------------------------------------------------------- */
 
 enum {
     MOMENT_MAX_N_m_Q30 = 1 << 29, /* 0.5 N m: differences of two fit 32 bits */
@@ -26,7 +27,8 @@ static inline int32_t limited(int64_t value, int64_t most)
     return (int32_t)(value > 0 ? most : -most);
 }
 
-/* a / 2^n limited to +-2^log2_most, looking at the upper word only on a 32-bit machine. 32 - log2_most < n < 32. */
+/* a / 2^n limited to +-2^log2_most, looking at the upper word only on a 32-bit machine. 32 - log2_most < n
+ * < 32. */
 static inline int32_t limited_shift(int64_t a, unsigned n, unsigned log2_most)
 {
     if (sizeof(void *) > 4) {
@@ -40,7 +42,8 @@ static inline int32_t limited_shift(int64_t a, unsigned n, unsigned log2_most)
     return high < 0 ? -((int32_t)1 << log2_most) : (int32_t)1 << log2_most;
 }
 
-/* Length of a vector, relative error 2^-16. Format: same in and out. Overflow: impossible for components within 2^30. */
+/* Length of a vector, relative error 2^-16. Format: same in and out. Overflow: impossible for components
+ * within 2^30. */
 static int32_t length_of(const crn_vec3 *a)
 {
     uint64_t square = (uint64_t)crn_vec3_dot64(*a, *a);
@@ -54,8 +57,8 @@ static int32_t length_of(const crn_vec3 *a)
     return (int32_t)((top * root) >> (30 + (lead >> 1)));
 }
 
-/* Moments W b of all joints as the unturned line sees them, where the solution will be. Format: b in Q29 so that it fits,
- * W Q26 -> Q30 N m, limited. */
+/* Moments W b of all joints as the unturned line sees them, where the solution will be. Format: b in Q29 so
+ * that it fits, W Q26 -> Q30 N m, limited. */
 static void bending_moments(crn_state *state)
 {
     for (uint32_t i = 1; i <= state->words.free_count; i++) {
@@ -118,8 +121,8 @@ static uint32_t first_shared(const crn_model *model, const crn_state *state, uin
     return j;
 }
 
-/* Force of the inner tools' bending on a node from the moments of the joints around it. Q22 N. Overflow: differences of
- * moments fit 32 bits, 1 / edge is below 2^31. */
+/* Force of the inner tools' bending on a node from the moments of the joints around it. Q22 N. Overflow:
+ * differences of moments fit 32 bits, 1 / edge is below 2^31. */
 static inline int32_t pressing_force(const crn_vec3 *before, const crn_vec3 *here, const crn_vec3 *after,
                                      int32_t a_per_m_q18, int32_t c_per_m_q18)
 {
@@ -132,9 +135,9 @@ static inline int32_t pressing_force(const crn_vec3 *before, const crn_vec3 *her
     return length_of(&force);
 }
 
-/* A tool bears on the next one over a length that its clearance and stiffness set, about 3 mm for a wire in a catheter
- * (sqrt(2 EI delta / M) with 0.05 mm, docs/rod.md); without it a step of the moment would press the harder the finer the
- * mesh. */
+/* A tool bears on the next one over a length that its clearance and stiffness set, about 3 mm for a wire in a
+ * catheter (sqrt(2 EI delta / M) with 0.05 mm, docs/rod.md); without it a step of the moment would press the
+ * harder the finer the mesh. */
 static inline void soften(int32_t share_q30, crn_vec3 *moment, const crn_vec3 *ahead)
 {
     for (int c = 0; c < 3; c++) {
@@ -142,8 +145,9 @@ static inline void soften(int32_t share_q30, crn_vec3 *moment, const crn_vec3 *a
     }
 }
 
-/* Stiffness of the friction against turning: that of the bristle while its reach is within the limit mu N r, else limit /
- * reach, where the reach is that of the last tick's turns. Overflow: the quotient is then below 4e-4 N m. */
+/* Stiffness of the friction against turning: that of the bristle while its reach is within the limit mu N r,
+ * else limit / reach, where the reach is that of the last tick's turns. Overflow: the quotient is then below
+ * 4e-4 N m. */
 static inline uint16_t grip_stiffness(const crn_node_state *node, uint32_t pair, int32_t limit_N_m_q30)
 {
     int32_t turned = crn_sub_sat(node->spin_q30[pair], node->spin_q30[pair + 1]);
@@ -155,7 +159,8 @@ static inline uint16_t grip_stiffness(const crn_node_state *node, uint32_t pair,
     return (uint16_t)crn_quotient(limit_N_m_q30, reach, 26);
 }
 
-/* Turning limit mu N r of every edge of a pair with its stiffness, and the sum of mu N, which limits sliding. */
+/* Turning limit mu N r of every edge of a pair with its stiffness, and the sum of mu N, which limits sliding.
+ */
 static void grip_pair(const crn_model *model, crn_state *state, uint32_t pair)
 {
     uint32_t na = state->words.free_count;
@@ -202,7 +207,8 @@ void crn_tools_grip(const crn_model *model, crn_state *state)
     }
 }
 
-/* --- what the hand of a tool that does not lead feels -------------------------------------------------------- */
+/* --- what the hand of a tool that does not lead feels
+ * -------------------------------------------------------- */
 
 /* All tools at one place: EI, P and S of the header. */
 typedef struct section {
@@ -282,8 +288,8 @@ static int32_t straight_handle(const crn_vec3 *moment_N_m_q30, int32_t before_q3
     return crn_mul(crn_sat32(sum), crn_quotient(change_q35, before_q35, 30), 31);
 }
 
-/* Moment at joint i from the joints around it: moments are continuous; that of the cell itself lags while a tip slides
- * through it. Q30 N m. */
+/* Moment at joint i from the joints around it: moments are continuous; that of the cell itself lags while a
+ * tip slides through it. Q30 N m. */
 static crn_vec3 moment_around(const crn_model *model, const crn_state *state, uint32_t i)
 {
     crn_vec3 ahead, behind, moment;
@@ -392,9 +398,10 @@ static int32_t elastic_handle(const crn_model *model, const crn_state *state, ui
     return inserted > offset ? crn_add_sat(sum, mouth_handle(model, state, k, inserted - offset)) : 0;
 }
 
-/* A bent line pushes on the inserter along its axis with EI kappa^2 / 2 at the mouth: what is fed in has to be straight
- * (the configurational force of a sliding sleeve; Bigoni et al., Mech. Res. Commun. 2014). The cut joint's W is EI / part
- * and its edges differ by kappa part. Format: Q26 N m x Q30^2 -> Q30 N m, / Q30 m -> Q22 N. */
+/* A bent line pushes on the inserter along its axis with EI kappa^2 / 2 at the mouth: what is fed in has to
+ * be straight (the configurational force of a sliding sleeve; Bigoni et al., Mech. Res. Commun. 2014). The
+ * cut joint's W is EI / part and its edges differ by kappa part. Format: Q26 N m x Q30^2 -> Q30 N m, / Q30 m
+ * -> Q22 N. */
 static int32_t mouth_axial(const crn_model *model, const crn_state *state)
 {
     uint32_t na = state->words.free_count;
@@ -426,7 +433,8 @@ void crn_tools_handles(const crn_model *model, crn_state *state)
     }
 }
 
-/* --- after the solve ----------------------------------------------------------------------------------------- */
+/* --- after the solve
+ * ----------------------------------------------------------------------------------------- */
 
 /* Elastic turn of each edge of a pair, limited to mu N r / stiffness. */
 void crn_tools_turned(const crn_model *model, crn_state *state)

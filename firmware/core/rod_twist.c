@@ -1,10 +1,10 @@
 /* The quasi-static twist of every tool, at the predicted configuration.
  *
- * Unknown turns theta of a tool's edges minimise sum k/2 (m + theta[i] - theta[i-1])^2 plus the bending energy's
- * dependence on the rest curvature, which turns with the frames: this is how a J tip follows the hand. Friction resists:
- * that of the wall on the tool that touches it, and that between a tool and the next one. One tridiagonal solve per tool
- * from its tip to the base; the inserter's edge is held at the hand's angle, so torque reaches the tip within the tick
- * (docs/rod.md, "twist"). */
+ * Unknown turns theta of a tool's edges minimise sum k/2 (m + theta[i] - theta[i-1])^2 plus the bending
+ * energy's dependence on the rest curvature, which turns with the frames: this is how a J tip follows the
+ * hand. Friction resists: that of the wall on the tool that touches it, and that between a tool and the next
+ * one. One tridiagonal solve per tool from its tip to the base; the inserter's edge is held at the hand's
+ * angle, so torque reaches the tip within the tick (docs/rod.md, "twist"). */
 #include "firmware/core/rod.h"
 
 enum {
@@ -15,14 +15,15 @@ enum {
     NEW_EDGES_MAX = 8,           /* edges that a tool's tip can pass in one tick */
 };
 
-/* Twist of a joint. Format: difference of binary angles -> Q30 rad, saturated at 2 rad (114 degrees in one joint). */
+/* Twist of a joint. Format: difference of binary angles -> Q30 rad, saturated at 2 rad (114 degrees in one
+ * joint). */
 static int32_t joint_angle(uint32_t ahead_turn32, uint32_t here_turn32)
 {
     return crn_mul_q30((int32_t)(here_turn32 - ahead_turn32), HALF_PI_Q30);
 }
 
-/* What tool k's rest curvature adds to the twist equations of the two edges of joint i: torque W b.(t x half) on the
- * right, max(0, W b.half) on the diagonal. */
+/* What tool k's rest curvature adds to the twist equations of the two edges of joint i: torque W b.(t x half)
+ * on the right, max(0, W b.half) on the diagonal. */
 static void curvature_torque(const crn_state *state, uint32_t k, uint32_t i, int32_t *torque_N_m_q30,
                              int32_t *stiffness_q26)
 {
@@ -48,20 +49,21 @@ typedef struct resistance {
     int32_t torque_N_m_q30, stiffness_q26;
 } resistance;
 
-/* The wall's friction on the tool that touches it: the surface moves by r theta along n x t besides its way along the
- * wall, all against one bristle (rod_contact.c). Overflow: impossible; k_f r is below 2000 N/m x 2 mm = 2^24 in Q22, the
- * reach below 2^30.5, so the torque below 2^29. */
+/* The wall's friction on the tool that touches it: the surface moves by r theta along n x t besides its way
+ * along the wall, all against one bristle (rod_contact.c). Overflow: impossible; k_f r is below 2000 N/m x 2
+ * mm = 2^24 in Q22, the reach below 2^30.5, so the torque below 2^29. */
 static inline __attribute__((always_inline)) resistance
 wall_resistance(unsigned exponent, const crn_work *work, int32_t radius_m_q30)
 {
-    /* k_f in Q19 N/m, r in Q35 m: k_f r in Q22 N, then Q28; with the reach in Q33 m Q29 N m, with r in Q30 m Q26 N m */
+    /* k_f in Q19 N/m, r in Q35 m: k_f r in Q22 N, then Q28; with the reach in Q33 m Q29 N m, with r in Q30 m
+     * Q26 N m */
     int32_t stiffness_q19 = work->wall_friction << (19 - exponent);
     int32_t lever_N_q28 = crn_mulh(stiffness_q19, radius_m_q30 << 5) << 6;
     return (resistance){crn_mulh(lever_N_q28, -work->reach_m_q33) * 2, crn_mulh(lever_N_q28, radius_m_q30)};
 }
 
-/* Friction on tool k at an edge: between it and its neighbours (the other's turn is the newest known), and of the wall.
- * Overflow: stiffnesses of pairs are below 2^15, so a pair's torque is below 2^20. */
+/* Friction on tool k at an edge: between it and its neighbours (the other's turn is the newest known), and of
+ * the wall. Overflow: stiffnesses of pairs are below 2^15, so a pair's torque is below 2^20. */
 static inline __attribute__((always_inline)) resistance
 edge_resistance(unsigned exponent, const crn_node_state *node, const crn_work *work,
                 const crn_line_node *line, uint32_t k, bool outermost)
@@ -93,8 +95,8 @@ typedef struct twist_carry {
     int32_t reduced_torque;          /* what eliminating the edge ahead leaves here */
 } twist_carry;
 
-/* A 32-bit machine looks at the upper word. right / pivot in Q30 for right in Q30 and pivot = mantissa 2^(1 - lead) in Q26, given the reciprocal 2^61 / mantissa.
- * Overflow: saturates. */
+/* A 32-bit machine looks at the upper word. right / pivot in Q30 for right in Q30 and pivot = mantissa 2^(1 -
+ * lead) in Q26, given the reciprocal 2^61 / mantissa. Overflow: saturates. */
 static inline __attribute__((always_inline)) int32_t over_pivot(int32_t right, int32_t reciprocal,
                                                                 unsigned lead)
 {
@@ -112,8 +114,8 @@ static inline __attribute__((always_inline)) int32_t over_pivot(int32_t right, i
 }
 
 /* Row of edge j of tool k. Pivots and couplings in Q26 N m, right side in Q30 N m, angles in Q30 rad.
- * Overflow: k is below 2^30 (rod_line.c), curvature terms below 2^29 each, friction and the hold below 2^30 + 2^20: the pivot
- * fits 32 bits without a sign. Moments saturate. */
+ * Overflow: k is below 2^30 (rod_line.c), curvature terms below 2^29 each, friction and the hold below 2^30 +
+ * 2^20: the pivot fits 32 bits without a sign. Moments saturate. */
 static inline __attribute__((always_inline)) void eliminate_edge(const crn_model *model, crn_state *state,
                                                                  uint32_t k, uint32_t j, bool outermost,
                                                                  twist_carry *carry)
@@ -203,7 +205,8 @@ static uint32_t tip_edge(const crn_model *model, const crn_state *state, uint32_
     return j;
 }
 
-/* A spring of 16 N m/rad that holds the first edge of tool 0, for validation: as if it were a rest shape's. */
+/* A spring of 16 N m/rad that holds the first edge of tool 0, for validation: as if it were a rest shape's.
+ */
 static void hold_turn(const crn_model *model, const crn_state *state, twist_carry *carry)
 {
     int32_t miss = (int32_t)(model->hold.turn32 - state->words.nodes[0].angle_turn32[0]);

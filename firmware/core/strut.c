@@ -15,7 +15,8 @@ enum {
     THICKNESS_MAX_um = 1000,
 };
 
-/* --- orders -------------------------------------------------------------------------------------------------- */
+/* --- orders
+ * -------------------------------------------------------------------------------------------------- */
 
 static bool is_within(int32_t value, int32_t low, int32_t high)
 {
@@ -142,7 +143,8 @@ void crn_struts_step(crn_state *state)
     state->scratch.struts_high_m_q30 = high;
 }
 
-/* --- contact ------------------------------------------------------------------------------------------------- */
+/* --- contact
+ * ------------------------------------------------------------------------------------------------- */
 
 static bool is_joined(const crn_strut_state *struts, uint32_t i)
 {
@@ -160,7 +162,8 @@ static bool is_joined(const crn_strut_state *struts, uint32_t i)
     return true;
 }
 
-/* Along the chain at one of its rings, from the ring before to the one behind. Overflow: rings that are joined are less than 2^24 apart. */
+/* Along the chain at one of its rings, from the ring before to the one behind. Overflow: rings that are
+ * joined are less than 2^24 apart. */
 static crn_vec3 along_chain(const crn_strut_state *struts, uint32_t i, bool has_before, bool has_behind)
 {
     const crn_strut_ring *ring = &struts->rings[i];
@@ -187,7 +190,8 @@ static crn_vec3 vector_between(const crn_vec3 *a, const crn_vec3 *b, int32_t sha
                          between(a->v[2], b->v[2], share_q30));
 }
 
-/* Within the box of rings i and i + 1, with room for the node? Overflow: radii are below 2^25, places below 2^30.93. */
+/* Within the box of rings i and i + 1, with room for the node? Overflow: radii are below 2^25, places below
+ * 2^30.93. */
 static bool is_near(const crn_strut_ring *ring, const crn_vec3 *place, int32_t radius_m_q30)
 {
     const int32_t wider =
@@ -216,7 +220,8 @@ static crn_vec3 unit_of(const crn_vec3 *way)
     return crn_vec3_normalise(*way, none, NULL);
 }
 
-/* Between the planes across the chain at two rings. Overflow: within the box a place is less than 2^26 off. */
+/* Between the planes across the chain at two rings. Overflow: within the box a place is less than 2^26 off.
+ */
 static section section_between(const crn_strut_ring *ring, const crn_vec3 *first, const crn_vec3 *last,
                                const crn_vec3 *off_a, const crn_vec3 *off_b)
 {
@@ -237,8 +242,8 @@ static section section_between(const crn_strut_ring *ring, const crn_vec3 *first
                      0};
 }
 
-/* The section of the struts from ring i to the next in which a place lies; false: in another one's, or beyond an end. Signs first: of the
- * segments near a place all but one or two end there. */
+/* The section of the struts from ring i to the next in which a place lies; false: in another one's, or beyond
+ * an end. Signs first: of the segments near a place all but one or two end there. */
 static bool section_at(const crn_strut_state *struts, uint32_t i, const crn_vec3 *place, section *at)
 {
     const crn_strut_ring *a = &struts->rings[i], *b = a + 1;
@@ -395,7 +400,8 @@ bool crn_struts_wall(const crn_model *model, const crn_state_words *words, crn_m
     return true;
 }
 
-/* --- a restored state ---------------------------------------------------------------------------------------- */
+/* --- a restored state
+ * ---------------------------------------------------------------------------------------- */
 
 static bool ring_is_valid(const crn_strut_ring *ring)
 {

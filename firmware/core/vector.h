@@ -33,8 +33,8 @@ static inline int64_t crn_vec3_dot64(crn_vec3 a, crn_vec3 b)
     return crn_product_add(crn_product_add(crn_product(a.v[0], b.v[0]), a.v[1], b.v[1]), a.v[2], b.v[2]);
 }
 
-/* Dot product of a vector and a unit vector, rounded once. Format: Qa . Q30 -> Qa in steps of 4 LSB. Overflow: impossible
- * while the vector's length is below 2^31 (1 - 2^-9). Error: 2 LSB. */
+/* Dot product of a vector and a unit vector, rounded once. Format: Qa . Q30 -> Qa in steps of 4 LSB.
+ * Overflow: impossible while the vector's length is below 2^31 (1 - 2^-9). Error: 2 LSB. */
 static inline int32_t crn_vec3_dot_unit(const crn_vec3 *a, const crn_vec3 *unit_q30)
 {
     return crn_round_high64(crn_vec3_dot64(*a, *unit_q30)) * 4;
@@ -46,8 +46,8 @@ static inline int32_t crn_minor_unit(int32_t a, int32_t b_q30, int32_t c, int32_
     return crn_mulh_sub(crn_mulh(a, b_q30), c, d_q30) * 4;
 }
 
-/* Cross product with a unit vector on the left. Format: Q30 x Qa -> Qa in steps of 4 LSB. Overflow: impossible while the
- * other's length is below 2^31 (1 - 2^-9). Error: 4 LSB. */
+/* Cross product with a unit vector on the left. Format: Q30 x Qa -> Qa in steps of 4 LSB. Overflow:
+ * impossible while the other's length is below 2^31 (1 - 2^-9). Error: 4 LSB. */
 static inline crn_vec3 crn_vec3_cross_unit(const crn_vec3 *unit_q30, const crn_vec3 *a)
 {
     const int32_t *u = unit_q30->v;

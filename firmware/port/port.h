@@ -3,10 +3,10 @@
  * A port owns the memory (one crn_app, two scene slots), the pipe of bytes, and the 1 ms timer:
  *   at power-up      crn_app_init(app, &port)               outputs are off from here on
  *   bytes came in    crn_app_receive(app, bytes, count)     from the main loop, never from an interrupt
- *   1 ms passed      crn_app_timer(app)                     from the main loop, once per edge of the timer, late edges too
+ *   1 ms passed      crn_app_timer(app)                     from the main loop, per edge of the timer, late ones too
  *
- * The timer owns the tick in FREE_RUN, and in every mode and state the app reads `inputs` and writes `outputs` once per edge.
- * A port reaches nothing else of the app.
+ * The timer owns the tick in FREE_RUN, and in every mode and state the app reads `inputs` and writes
+ * `outputs` once per edge. A port reaches nothing else of the app.
  */
 #ifndef CRN_PORT_H
 #define CRN_PORT_H
@@ -26,7 +26,7 @@ typedef enum crn_port_sensor {
     CRN_PORT_SENSOR_OK = 0,
     CRN_PORT_SENSOR_ABSENT, /* this rig has none; a motor without a force sensor needs the local unlock */
     CRN_PORT_SENSOR_RANGE,  /* outside its electrical range: cable broken or shorted, amplifier saturated */
-    CRN_PORT_SENSOR_ERROR, /* signal error: illegal quadrature step, check sum, no new sample since the last tick */
+    CRN_PORT_SENSOR_ERROR,  /* signal error: illegal step, check sum, no new sample since the last tick */
 } crn_port_sensor;
 
 typedef struct crn_port_hand {

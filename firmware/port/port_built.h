@@ -4,8 +4,8 @@
 
 #include <stdint.h>
 
-/* What the rig's builder knows of every track. What a host may state without somebody at the rig is measured against it
- * (docs/haptics.md, "Who may state what"); 0 where the builder does not say. */
+/* What the rig's builder knows of every track. What a host may state without somebody at the rig is measured
+ * against it (docs/haptics.md, "Who may state what"); 0 where the builder does not say. */
 typedef struct crn_port_built {
     uint32_t translation_pm_per_count; /* 0: 1,000,000 */
     uint32_t rotation_counts_per_turn; /* 0: 65,536 */

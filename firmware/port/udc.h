@@ -1,13 +1,15 @@
 /* The USB device controller as the device stack sees it: what a port gives, what firmware/app/usb asks for.
  *
- * The port powers its controller up itself and hands the stack a filled crn_udc. From then on the stack calls, always
- * from the main loop and never from an interrupt. Nothing here waits, and no call takes longer than handling a packet.
+ * The port powers its controller up itself and hands the stack a filled crn_udc. From then on the stack
+ * calls, always from the main loop and never from an interrupt. Nothing here waits, and no call takes longer
+ * than handling a packet.
  *
- * Buffers belong to the stack; the controller reads and writes them in place (no copy). Buffers of OUT transfers are
- * aligned to 32 bytes and fill whole lines of 32, so that a cache may be invalidated; those of IN transfers are not.
+ * Buffers belong to the stack; the controller reads and writes them in place (no copy). Buffers of OUT
+ * transfers are aligned to 32 bytes and fill whole lines of 32, so that a cache may be invalidated; those of
+ * IN transfers are not.
  *
- * Endpoints are named by their address: number 0 .. 15, bit 7 set for IN. Endpoint 0 is always open, both ways, with
- * packets of 64 bytes.
+ * Endpoints are named by their address: number 0 .. 15, bit 7 set for IN. Endpoint 0 is always open, both
+ * ways, with packets of 64 bytes.
  */
 #ifndef CRN_UDC_H
 #define CRN_UDC_H
@@ -56,18 +58,18 @@ typedef struct crn_udc {
     /* The address to answer from now on; called when the status stage of SET_ADDRESS is over. */
     void (*set_address)(void *context, uint8_t address);
 
-    /* Start an endpoint afresh: next packet DATA0, not stalled, nothing armed. Opening an open one does the same.
-     * False: the controller cannot have such an endpoint. */
+    /* Start an endpoint afresh: next packet DATA0, not stalled, nothing armed. Opening an open one does the
+     * same. False: the controller cannot have such an endpoint. */
     bool (*open)(void *context, uint8_t endpoint, crn_udc_type type, uint16_t packet_bytes);
     void (*close)(void *context, uint8_t endpoint);
 
-    /* Begin one transfer; the stack never begins a second one on an endpoint before the first is done or void.
-     * IN: send `count` bytes in packets, the last one short or full; `count` 0 sends one empty packet.
+    /* Begin one transfer; the stack never begins a second one on an endpoint before the first is done or
+     * void. IN: send `count` bytes in packets, the last one short or full; `count` 0 sends one empty packet.
      * OUT: receive until `count` bytes are full or a short packet came; `count` 0 awaits one empty packet. */
     void (*arm)(void *context, uint8_t endpoint, uint8_t *bytes, uint32_t count);
 
-    /* Answer STALL and drop what is armed. Ends by open, a bus reset or, on endpoint 0 (both ways), the next setup
-     * packet. */
+    /* Answer STALL and drop what is armed. Ends by open, a bus reset or, on endpoint 0 (both ways), the next
+     * setup packet. */
     void (*stall)(void *context, uint8_t endpoint);
 
     /* Electrical test mode `selector` (USB 2.0, 9.4.9) until power-down. NULL: the controller has none. */

@@ -1,6 +1,7 @@
-/* firmware/port/imxrt1062/usb_udc.c, whole and as it is, on a model of the controller as the chip's manual tells it (i.MX RT1060, chapter
- * 42): heads, transfer descriptors, prime, flush, bits that are cleared by writing ones, the trip wire of setup packets; and the host on
- * its bus. Every register is reached through the macros LOAD and STORE of imxrt1062_registers.h, which are the model's here. */
+/* firmware/port/imxrt1062/usb_udc.c, whole and as it is, on a model of the controller as the chip's manual
+ * tells it (i.MX RT1060, chapter 42): heads, transfer descriptors, prime, flush, bits that are cleared by
+ * writing ones, the trip wire of setup packets; and the host on its bus. Every register is reached through
+ * the macros LOAD and STORE of imxrt1062_registers.h, which are the model's here. */
 #ifndef CRN_BOARD_USB_MODEL_H
 #define CRN_BOARD_USB_MODEL_H
 
@@ -23,7 +24,8 @@ static void model_store(volatile uint32_t *where, uint32_t value);
 static inline void core_data_barrier(void) {}
 #include "firmware/port/imxrt1062/usb_udc.c"
 
-/* --- the controller ---------------------------------------------------------------------------------------------------- */
+/* --- the controller
+ * ---------------------------------------------------------------------------------------------------- */
 enum { REGISTER_BYTES = 0x200, STATUS_TRANSFER = 1 };
 
 typedef enum host_answer { HOST_ACKED, HOST_NAKED, HOST_STALLED, HOST_SILENT } host_answer;
@@ -146,7 +148,8 @@ static void model_store(volatile uint32_t *where, uint32_t value)
     }
 }
 
-/* --- the host on the bus ------------------------------------------------------------------------------------------------ */
+/* --- the host on the bus
+ * ------------------------------------------------------------------------------------------------ */
 static uint8_t *buffer_byte(uint32_t pipe, uint32_t index)
 {
     const usb_transfer *transfer = transfer_of(pipe);

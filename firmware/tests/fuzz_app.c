@@ -1,5 +1,5 @@
-/* Any host and any rig against the whole app, behind a port of its own. The input is a list of operations, so that the fuzzer
- * reaches behind the CRC:
+/* Any host and any rig against the whole app, behind a port of its own. The input is a list of operations, so
+ * that the fuzzer reaches behind the CRC:
  *
  *   op u8:  0 .. 0x7f  a message of that type, properly framed: length u8, payload
  *           0x80       raw bytes into the pipe: length u8, bytes
@@ -15,9 +15,10 @@
  *           0x89       an order without a frame, as HID gives it: action u8
  *           0x8a       every millisecond's work takes this long: u8 x 50 us
  *
- * At most 48 operations, so that an input ends in time. Devices are built once and copied: building a line for every input
- * took a hundred times as long as what is looked for. After every write of the outputs the promises of docs/faults.md hold:
- * no power but in FREE_RUN and RUNNING, no force beyond limit and slew, the drive line still without power. */
+ * At most 48 operations, so that an input ends in time. Devices are built once and copied: building a line
+ * for every input took a hundred times as long as what is looked for. After every write of the outputs the
+ * promises of docs/faults.md hold: no power but in FREE_RUN and RUNNING, no force beyond limit and slew, the
+ * drive line still without power. */
 #include "firmware/app/app.h"
 #include "firmware/tests/reference/client.h"
 
@@ -85,7 +86,8 @@ static int32_t size_of(int32_t value)
     return value < 0 ? -value : value;
 }
 
-/* Limit, and growth in one write: a force may begin and fall at once, and it may turn its sign within the slew limit. */
+/* Limit, and growth in one write: a force may begin and fall at once, and it may turn its sign within the
+ * slew limit. */
 static void check_motor(int32_t value, int32_t last, int32_t limit, int32_t slew)
 {
     promise(size_of(value) <= limit);
@@ -530,7 +532,8 @@ size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)
         SEED(0x82, 4, 0x81, 23, 0x81, 23, 0x30, 1, 1, 0x81, 9, 0x89, 3, 0x89, 4, 0x86, 0);
     case 12: /* work that takes too long, and a processor that stood still */
         SEED(0x82, 4, 0x8a, 21, 0x81, 3, 0x8a, 120, 0x81, 2, COMMAND(RESET));
-    case 13: /* rings of struts in FREE_RUN: two that are joined, one that is none, one taken away; and back into LOCKSTEP with a snapshot */
+    case 13: /* rings of struts in FREE_RUN: two that are joined, one that is none, one taken away; and back
+                into LOCKSTEP with a snapshot */
         SEED(0x82, 4, 0x29, 18, 1, 1, 0, 0, 0, 0, 32, 78, 0, 0, 0, 0, 0, 0, 220, 5, 80, 0, 0x29, 18, 2, 0, 0,
              0, 0, 0, 240, 85, 0, 0, 0, 0, 0, 0, 220, 5, 80, 0, 0x81, 4, 0x29, 18, 65, 0, 0, 0, 0, 0, 0, 0, 0,
              0, 0, 0, 0, 0, 1, 0, 80, 0, 0x29, 18, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0x81,

@@ -1,5 +1,6 @@
-/* Claims about the app, shown through bytes on the sim port: states and modes follow the diagram of app.h, refusals are
- * typed and change nothing, encoder jumps stop, forces are limited, snapshots continue bit for bit. */
+/* Claims about the app, shown through bytes on the sim port: states and modes follow the diagram of app.h,
+ * refusals are typed and change nothing, encoder jumps stop, forces are limited, snapshots continue bit for
+ * bit. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -231,8 +232,8 @@ static void a_step_at_another_tick_is_refused_and_changes_nothing(void **state)
     assert_int_equal(status.tick, 10);
 }
 
-/* 20 um per tick for 1000 ticks is 20 mm at the hand; the first reading only sets the zero. Tolerance 0.1 mm: the hand's
- * coupling yields to inertia. */
+/* 20 um per tick for 1000 ticks is 20 mm at the hand; the first reading only sets the zero. Tolerance 0.1 mm:
+ * the hand's coupling yields to inertia. */
 static void the_instrument_follows_the_encoder(void **state)
 {
     (void)state;
@@ -313,7 +314,8 @@ static void force_limits_can_be_lowered_but_not_raised(void **state)
     assert_int_equal(reject.detail2, 2);
 }
 
-/* A jerk of the hand, felt with gain 4: the motor command stays within its limit and grows within its slew in every tick. */
+/* A jerk of the hand, felt with gain 4: the motor command stays within its limit and grows within its slew in
+ * every tick. */
 static void motor_commands_stay_within_limit_and_slew(void **state)
 {
     (void)state;

@@ -1,5 +1,6 @@
-/* Claims about balloon and stent on the wire: a count of the inflator is a kilopascal in the balloon of the tools that were sent; a table that
- * is none, or a stent where no lesion is, is refused whole; pressures of FREE_RUN replay bit for bit. */
+/* Claims about balloon and stent on the wire: a count of the inflator is a kilopascal in the balloon of the
+ * tools that were sent; a table that is none, or a stent where no lesion is, is refused whole; pressures of
+ * FREE_RUN replay bit for bit. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -45,7 +46,8 @@ static void step_at(uint32_t tick, int32_t inflator_raw)
     assert_true(client_expect_ticks(&b.host, &ticks));
 }
 
-/* In open space: the table's diameter at 8 bar, within its rounding; nothing below 0; a burst above its limit. */
+/* In open space: the table's diameter at 8 bar, within its rounding; nothing below 0; a burst above its
+ * limit. */
 static void a_count_of_the_inflator_is_a_kilopascal(void **state)
 {
     (void)state;
@@ -124,7 +126,8 @@ static void a_stent_where_no_lesion_is_is_refused_whole(void **state)
     }
 }
 
-/* A ring of struts needs no scene. What is none is refused, with number and radius, before any tick is done. */
+/* A ring of struts needs no scene. What is none is refused, with number and radius, before any tick is done.
+ */
 static void struts_that_are_none_are_refused_whole(void **state)
 {
     (void)state;

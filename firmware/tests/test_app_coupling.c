@@ -1,7 +1,7 @@
-/* Claims about the virtual coupling (docs/haptics.md), shown on the sim port: in free motion the tool follows without lag and
- * nothing is felt; a seal is felt as the friction it is and holds without chatter; a blocked tool is felt as a spring; the
- * hand slips at the force limit; gain, limit and slew hold; the state is in the snapshot; energy that comes from nowhere
- * takes the force away. */
+/* Claims about the virtual coupling (docs/haptics.md), shown on the sim port: in free motion the tool follows
+ * without lag and nothing is felt; a seal is felt as the friction it is and holds without chatter; a blocked
+ * tool is felt as a spring; the hand slips at the force limit; gain, limit and slew hold; the state is in the
+ * snapshot; energy that comes from nowhere takes the force away. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -70,7 +70,8 @@ static void a_free_tool_follows_without_lag_or_drag(void **state)
     assert_true(worst_um < 120 && worst_mN < 120);
 }
 
-/* The seal alone: the hand feels its friction against the motion, forth and back, and stands without chatter. */
+/* The seal alone: the hand feels its friction against the motion, forth and back, and stands without chatter.
+ */
 static void a_seal_is_felt_as_its_friction_and_does_not_chatter(void **state)
 {
     (void)state;
@@ -137,7 +138,8 @@ static void the_hand_slips_at_the_force_limit(void **state)
     assert_true(inserted_um(tool) > end_um + 500);
 }
 
-/* Pressing against the seal, in the midst of it a snapshot: the session that goes on from it gives the same ticks. */
+/* Pressing against the seal, in the midst of it a snapshot: the session that goes on from it gives the same
+ * ticks. */
 static void the_coupling_is_part_of_the_snapshot(void **state)
 {
     (void)state;
@@ -187,8 +189,9 @@ static void shake(int tick)
     bench_tick(&b);
 }
 
-/* A hand that shakes by 0.5 mm from tick to tick gains from every sampled spring. The observer sees it, takes the force away
- * and says so; a hand that then pushes on has given back what it got, and the session goes on. */
+/* A hand that shakes by 0.5 mm from tick to tick gains from every sampled spring. The observer sees it, takes
+ * the force away and says so; a hand that then pushes on has given back what it got, and the session goes on.
+ */
 static void forces_that_give_energy_are_reduced(void **state)
 {
     (void)state;

@@ -1,6 +1,7 @@
-/* Claims about what can hurt a finger, one test per fault of shared/wire/wire_faults.def (tools/check/test_faults.py compares
- * the names): with a force at the motor the fault is put in at the sensors, and the time until no motor gives a force is
- * counted in edges of the timer, behind the power stage. It is at most what the table says, and it stays so. */
+/* Claims about what can hurt a finger, one test per fault of shared/wire/wire_faults.def
+ * (tools/check/test_faults.py compares the names): with a force at the motor the fault is put in at the
+ * sensors, and the time until no motor gives a force is counted in edges of the timer, behind the power
+ * stage. It is at most what the table says, and it stays so. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -133,7 +134,8 @@ static void a_power_stage_that_does_not_go_off_is_told(void **state)
     expect_latched(CRN_FAULT_CODE_STAGE_STUCK);
 }
 
-/* The cause of FAULT is another one, and stays; that somebody must cut the supply by hand is in the log all the same, once. */
+/* The cause of FAULT is another one, and stays; that somebody must cut the supply by hand is in the log all
+ * the same, once. */
 static void a_stage_that_does_not_go_off_in_a_fault_is_told_too(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
-/* Claims about a second program at a rig that has power, and about what a port's watchdog lives on: a conversation that begins in the
- * middle of another takes nothing away, one that begins after a program that is gone works, and only edges that the app has done to
- * their end count as signs of life. */
+/* Claims about a second program at a rig that has power, and about what a port's watchdog lives on: a
+ * conversation that begins in the middle of another takes nothing away, one that begins after a program that
+ * is gone works, and only edges that the app has done to their end count as signs of life. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -21,7 +21,8 @@ static void power_and_push(void)
     assert_true(bench_push(&b, FORCE_mN));
 }
 
-/* The library of any host opens with HELLO, and a device that is not READY gets RESET. The refusal keeps it from getting that far. */
+/* The library of any host opens with HELLO, and a device that is not READY gets RESET. The refusal keeps it
+ * from getting that far. */
 static void a_second_program_is_refused_while_the_first_leads_with_power(void **state)
 {
     (void)state;
@@ -57,7 +58,8 @@ static void a_refused_hello_does_not_keep_the_forces_of_a_dead_host(void **state
     assert_in_range(edges, CRN_APP_HOST_SILENT_ticks, CRN_APP_HOST_SILENT_ticks + CRN_APP_FADE_ticks + 1);
 }
 
-/* A program that crashed is forgotten when its silence has ended the forces; the next one says HELLO, RESET, and begins. */
+/* A program that crashed is forgotten when its silence has ended the forces; the next one says HELLO, RESET,
+ * and begins. */
 static void after_a_host_that_is_gone_hello_works(void **state)
 {
     (void)state;
@@ -127,7 +129,8 @@ static uint32_t no_time(void *context)
     return 0;
 }
 
-/* In the middle of an edge's work: what never comes back from here is left by a jump, so that the test may go on. */
+/* In the middle of an edge's work: what never comes back from here is left by a jump, so that the test may go
+ * on. */
 static void outputs(void *context, const crn_port_outputs *wanted)
 {
     (void)context;

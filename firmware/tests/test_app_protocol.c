@@ -1,5 +1,6 @@
-/* Claims about commands and set-up: motors need two steps that no stray frame can make, an upload that was cut goes on, what
- * is set is read back, and what is refused changes nothing. Shown through bytes on the sim port. */
+/* Claims about commands and set-up: motors need two steps that no stray frame can make, an upload that was
+ * cut goes on, what is set is read back, and what is refused changes nothing. Shown through bytes on the sim
+ * port. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -87,8 +88,8 @@ static void a_permission_is_good_for_one_start(void **state)
     refuse(CRN_WIRE_ACTION_START, CRN_REJECT_NOT_CONFIRMED);
 }
 
-/* Somebody confirmed and did not press START: neither a host that comes an hour later nor one that says HELLO now has that
- * permission. */
+/* Somebody confirmed and did not press START: neither a host that comes an hour later nor one that says HELLO
+ * now has that permission. */
 static void a_permission_is_not_left_lying_about(void **state)
 {
     (void)state;
@@ -111,7 +112,8 @@ static void a_permission_is_not_left_lying_about(void **state)
     expect_reject(CRN_REJECT_CODE_WRONG);
 }
 
-/* Every frame of a conversation that powers the motors, alone and twice, at a device that is armed: none of them does. */
+/* Every frame of a conversation that powers the motors, alone and twice, at a device that is armed: none of
+ * them does. */
 static void no_single_frame_powers_a_motor(void **state)
 {
     (void)state;
@@ -230,8 +232,9 @@ static void begin_upload(uint32_t bytes, uint32_t crc32)
     assert_true(client_expect_status(host, &status));
 }
 
-/* Cut after 1,000 of 3,000 bytes; the host comes back, asks what is there, and sends the rest. What decides at the end is
- * the CRC over everything (here it fails on purpose in the scene's own check, after the CRC was found good). */
+/* Cut after 1,000 of 3,000 bytes; the host comes back, asks what is there, and sends the rest. What decides
+ * at the end is the CRC over everything (here it fails on purpose in the scene's own check, after the CRC was
+ * found good). */
 static void an_upload_that_was_cut_goes_on_where_it_stopped(void **state)
 {
     (void)state;
@@ -338,8 +341,8 @@ static void a_coupling_stiffer_than_the_rig_can_render_is_refused(void **state)
     expect_reject(CRN_REJECT_RIG_RANGE);
 }
 
-/* A host that says that a count is a thousandth of what it is would blind every check of forces. The bench's sensors have 1 mN per
- * count; what is in force may always be said again. */
+/* A host that says that a count is a thousandth of what it is would blind every check of forces. The bench's
+ * sensors have 1 mN per count; what is in force may always be said again. */
 static void the_force_sensors_scale_moves_by_a_quarter_without_the_local_unlock(void **state)
 {
     (void)state;

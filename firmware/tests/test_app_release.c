@@ -1,6 +1,7 @@
-/* Claims about a carriage that nobody holds: its force goes within 32 ms, it gets no faster than a hand would make it, a motor that makes
- * it fast all the same loses its power, and neither a hand that throws it nor one that moves it fast is taken for a motor. Also: a cycle
- * that the loop keeps up in a hand ends, a tremor goes on. The bench's hand is what the test says; its sensor reads what the hand holds. */
+/* Claims about a carriage that nobody holds: its force goes within 32 ms, it gets no faster than a hand would
+ * make it, a motor that makes it fast all the same loses its power, and neither a hand that throws it nor one
+ * that moves it fast is taken for a motor. Also: a cycle that the loop keeps up in a hand ends, a tremor goes
+ * on. The bench's hand is what the test says; its sensor reads what the hand holds. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -28,7 +29,8 @@ static void expect_running(void)
         fail_msg("ended by %s", crn_wire_fault_name(status.fault_code));
 }
 
-/* One edge at which the carriage moved by `um` and the hand holds `held_mN`; the bench adds what the motor gives to a sensor. */
+/* One edge at which the carriage moved by `um` and the hand holds `held_mN`; the bench adds what the motor
+ * gives to a sensor. */
 static void edge(int32_t um, int32_t held_mN)
 {
     b.rig.hands[0].translation_counts += um;
@@ -51,8 +53,8 @@ static void push_seal(int32_t um)
     assert_in_range(motor_mN(), um - 100, um + 100);
 }
 
-/* Nobody holds 0.8 N, and the carriage stands in its friction: all of the force for a moment, less from tick to tick, then less than
- * a hand feels. It comes back when a hand does. */
+/* Nobody holds 0.8 N, and the carriage stands in its friction: all of the force for a moment, less from tick
+ * to tick, then less than a hand feels. It comes back when a hand does. */
 static void a_force_that_nobody_holds_goes(void **state)
 {
     (void)state;
@@ -84,7 +86,8 @@ static void a_cycle_of_a_carriage_that_nobody_holds_ends(void **state)
     assert_true(largest <= LOOSE_mN);
 }
 
-/* Away from the wall along its motor's force: when it will have 0.1 m/s in a tick, nothing is left of what nobody holds. */
+/* Away from the wall along its motor's force: when it will have 0.1 m/s in a tick, nothing is left of what
+ * nobody holds. */
 static void a_carriage_that_runs_along_its_force_loses_it(void **state)
 {
     (void)state;
@@ -98,7 +101,8 @@ static void a_carriage_that_runs_along_its_force_loses_it(void **state)
 
 /* --- what stops --- */
 
-/* Nobody touches it, and with 1.8 N on its motor the carriage gets 20 to 40 mm/s faster from ms to ms, as if more came than is asked for. */
+/* Nobody touches it, and with 1.8 N on its motor the carriage gets 20 to 40 mm/s faster from ms to ms, as if
+ * more came than is asked for. */
 static void a_carriage_that_its_motor_drives_too_fast_takes_the_power(void **state)
 {
     (void)state;
@@ -115,7 +119,8 @@ static void a_carriage_that_its_motor_drives_too_fast_takes_the_power(void **sta
     assert_in_range(fast, 1, crn_wire_fault_safe_ms(CRN_FAULT_CODE_CARRIAGE_FAST) + 1);
 }
 
-/* A hand that throws the carriage at 0.5 m/s against the coupling, and has released it: the speed is the hand's. */
+/* A hand that throws the carriage at 0.5 m/s against the coupling, and has released it: the speed is the
+ * hand's. */
 static void a_carriage_that_was_thrown_is_no_fault(void **state)
 {
     (void)state;
@@ -125,7 +130,8 @@ static void a_carriage_that_was_thrown_is_no_fault(void **state)
     expect_running();
 }
 
-/* In at 0.25 m/s against a seal that gives way at 0.3 N, and out at 0.5 m/s, gaining 5 m/s^2, which takes 0.4 N of the carriage's 80 g. */
+/* In at 0.25 m/s against a seal that gives way at 0.3 N, and out at 0.5 m/s, gaining 5 m/s^2, which takes 0.4
+ * N of the carriage's 80 g. */
 static void a_fast_hand_is_no_fault(void **state)
 {
     (void)state;
@@ -147,8 +153,8 @@ static void a_fast_hand_is_no_fault(void **state)
     expect_running();
 }
 
-/* The hand gives way to a force that swings with it, as a hand does that is shaken: 0.3 N, 20 Hz, and every swing takes work from the
- * motor. It ends within 0.2 s. */
+/* The hand gives way to a force that swings with it, as a hand does that is shaken: 0.3 N, 20 Hz, and every
+ * swing takes work from the motor. It ends within 0.2 s. */
 static void a_cycle_that_the_loop_keeps_up_in_a_hand_takes_the_power(void **state)
 {
     (void)state;

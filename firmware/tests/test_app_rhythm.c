@@ -1,5 +1,6 @@
-/* Claims about what a host may ask of heart and breath: in LOCKSTEP a tick's input asks, and a batch with one bad request is refused
- * whole; in FREE_RUN a message asks, each request has a tick of its own that says so, and the session replays bit for bit. */
+/* Claims about what a host may ask of heart and breath: in LOCKSTEP a tick's input asks, and a batch with one
+ * bad request is refused whole; in FREE_RUN a message asks, each request has a tick of its own that says so,
+ * and the session replays bit for bit. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -105,7 +106,8 @@ static void ask_now_and_then(int ms)
     if (ms == 300) ask(CRN_WIRE_RHYTHM_BREATH_HOLD, 0);
 }
 
-/* Two requests in one millisecond take two ticks; the recorded inputs give the same beats, hashes and phases in LOCKSTEP. */
+/* Two requests in one millisecond take two ticks; the recorded inputs give the same beats, hashes and phases
+ * in LOCKSTEP. */
 static void requests_of_free_run_replay_in_lockstep_bit_for_bit(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
-/* Claims about the configuration of the tracks: which couplings a rig can render with what its force is multiplied by, and what a host
- * may state about a rig without somebody at it. Shown through bytes on the sim port, whose rig was built with 1 um per count,
- * 1 N s/m and 2 uN m s/rad of own damping and no lag. */
+/* Claims about the configuration of the tracks: which couplings a rig can render with what its force is
+ * multiplied by, and what a host may state about a rig without somebody at it. Shown through bytes on the sim
+ * port, whose rig was built with 1 um per count, 1 N s/m and 2 uN m s/rad of own damping and no lag. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -75,8 +75,8 @@ static void expect_refused(const crn_wire_track *track, uint32_t field)
 
 /* --- what a rig can render --- */
 
-/* b > G (K (T / 2 + t) + B): 1 N s/m bears 800 N/m and 0.2 N s/m at 0.5 ms of lag, just so; a gain of 2 makes the hand feel
- * 1,600 N/m, and only half of both is left. */
+/* b > G (K (T / 2 + t) + B): 1 N s/m bears 800 N/m and 0.2 N s/m at 0.5 ms of lag, just so; a gain of 2 makes
+ * the hand feel 1,600 N/m, and only half of both is left. */
 static void a_gain_above_one_counts_as_stiffness_and_damping(void **state)
 {
     (void)state;
@@ -159,8 +159,8 @@ static crn_wire_track soft_track(void)
     return track;
 }
 
-/* Nobody gets a force that is more than the tool's without somebody at the rig; less is always free, and what was allowed may be
- * said again. */
+/* Nobody gets a force that is more than the tool's without somebody at the rig; less is always free, and what
+ * was allowed may be said again. */
 static void a_gain_above_one_needs_the_local_unlock(void **state)
 {
     (void)state;
@@ -211,7 +211,8 @@ static void less_lag_than_was_built_needs_the_local_unlock(void **state)
     }
 }
 
-/* As the force sensor's: a quarter up or down from what was built, and anything with the unlock. It could move by 5 x 10^5 before. */
+/* As the force sensor's: a quarter up or down from what was built, and anything with the unlock. It could
+ * move by 5 x 10^5 before. */
 static void an_encoder_s_scale_moves_by_a_quarter_without_the_local_unlock(void **state)
 {
     (void)state;
@@ -226,7 +227,8 @@ static void an_encoder_s_scale_moves_by_a_quarter_without_the_local_unlock(void 
         {65536, false, true});
 }
 
-/* A host that says that a count is a quarter more than it is makes the coupling a quarter stiffer than it says. */
+/* A host that says that a count is a quarter more than it is makes the coupling a quarter stiffer than it
+ * says. */
 static void a_larger_scale_counts_as_stiffness(void **state)
 {
     (void)state;
@@ -261,8 +263,9 @@ static void the_sense_of_an_encoder_changes_only_with_the_local_unlock(void **st
         {CRN_WIRE_OPTION_TRANSLATION_REVERSED, false, false});
 }
 
-/* A session in LOCKSTEP has its hands on the host, in counts of its own, and drives nothing. What somebody at the rig said is still good
- * when the host gives the rig back, and what only the host said is not good for a coupling. */
+/* A session in LOCKSTEP has its hands on the host, in counts of its own, and drives nothing. What somebody at
+ * the rig said is still good when the host gives the rig back, and what only the host said is not good for a
+ * coupling. */
 static void a_track_without_a_coupling_may_have_any_scale(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
-/* Claims about safety and continuation with several tools, shown through bytes on the sim port: limits, slew and faults
- * are per tool, snapshots hold all of them, and in FREE_RUN neither a hand that moved while nobody listened nor a silent
- * host does harm. */
+/* Claims about safety and continuation with several tools, shown through bytes on the sim port: limits, slew
+ * and faults are per tool, snapshots hold all of them, and in FREE_RUN neither a hand that moved while nobody
+ * listened nor a silent host does harm. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -156,7 +156,8 @@ static bool grows_within(int32_t last, int32_t now, int32_t slew)
     return now <= (last > 0 ? last : 0) + slew && now >= (last < 0 ? last : 0) - slew;
 }
 
-/* Jerks of all hands at gain 4: every motor within its own limit and the slew, in every tick, and more than one moves. */
+/* Jerks of all hands at gain 4: every motor within its own limit and the slew, in every tick, and more than
+ * one moves. */
 static void motors_stay_within_their_own_limit_and_slew(void **state)
 {
     (void)state;
@@ -187,8 +188,8 @@ static void motors_stay_within_their_own_limit_and_slew(void **state)
 
 /* --- snapshots --- */
 
-/* Three heavy tools (100 g/m) held upright by their hands: 0.25 N of weight each, so that every motor is asked for 1 N at
- * gain 4, and a motor that lost its slew state needs 20 ticks to come back. */
+/* Three heavy tools (100 g/m) held upright by their hands: 0.25 N of weight each, so that every motor is
+ * asked for 1 N at gain 4, and a motor that lost its slew state needs 20 ticks to come back. */
 static void start_upright(uint16_t count)
 {
     static crn_wire_tools tools;
@@ -306,8 +307,8 @@ static void take_ticks(void)
     }
 }
 
-/* A hand that was far from zero before anybody listened, and one that moves while the session is stopped: neither is a
- * jump, and neither moves the tool. */
+/* A hand that was far from zero before anybody listened, and one that moves while the session is stopped:
+ * neither is a jump, and neither moves the tool. */
 static void what_hands_do_while_stopped_is_no_motion(void **state)
 {
     (void)state;
@@ -333,8 +334,8 @@ static void what_hands_do_while_stopped_is_no_motion(void **state)
     expect_inserted(CATHETER, 50, 0.05);
 }
 
-/* The motor holds the weight of an upright wire. When the host says no more, it fades to nothing (30 ticks of patience, 20 of
- * fading), stays there though the weight stays, and comes back with the next frame. */
+/* The motor holds the weight of an upright wire. When the host says no more, it fades to nothing (30 ticks of
+ * patience, 20 of fading), stays there though the weight stays, and comes back with the next frame. */
 static void forces_fade_when_the_host_is_silent_and_come_back(void **state)
 {
     (void)state;

@@ -1,5 +1,6 @@
-/* Claims about what the device says by itself: FREE_RUN loses a picture rather than a tick and says when it lost one, notices
- * tell what happened at which tick, a STOP comes at its tick, and the ticks of FREE_RUN replay in LOCKSTEP bit for bit. */
+/* Claims about what the device says by itself: FREE_RUN loses a picture rather than a tick and says when it
+ * lost one, notices tell what happened at which tick, a STOP comes at its tick, and the ticks of FREE_RUN
+ * replay in LOCKSTEP bit for bit. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -51,7 +52,8 @@ static void a_slow_host_loses_pictures_and_no_tick(void **state)
     assert_int_equal(status.ticks_lost, 0);
 }
 
-/* Nobody reads for a second, then somebody does: 256 ticks were kept, the gap is told, and the rest is in order. */
+/* Nobody reads for a second, then somebody does: 256 ticks were kept, the gap is told, and the rest is in
+ * order. */
 static void ticks_that_nobody_takes_are_counted_as_lost(void **state)
 {
     (void)state;
@@ -158,8 +160,8 @@ static void a_stop_is_carried_out_at_its_tick(void **state)
 
 static crn_wire_live_tick session[600];
 
-/* A hand that pushes, turns and trembles, felt through the coupling with seal friction; the same inputs in LOCKSTEP give the
- * same hashes, forces and motor values in every tick. */
+/* A hand that pushes, turns and trembles, felt through the coupling with seal friction; the same inputs in
+ * LOCKSTEP give the same hashes, forces and motor values in every tick. */
 static void free_run_replays_in_lockstep_bit_for_bit(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* Claims about several tools on one line, shown through bytes on the sim port: each hand moves its own tool, set-up is
- * whole or nothing with the tool at fault named, and the wall's forces come on request. */
+/* Claims about several tools on one line, shown through bytes on the sim port: each hand moves its own tool,
+ * set-up is whole or nothing with the tool at fault named, and the wall's forces come on request. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -99,8 +99,8 @@ static void start_three(void)
 
 /* --- motion --- */
 
-/* The wire is pushed by 30 mm, the catheter by 10 mm, the guide pulled back by 10 mm, all at once. Free space, so each
- * follows its own hand; 0.3 mm is left to friction between them and to the hands' coupling. */
+/* The wire is pushed by 30 mm, the catheter by 10 mm, the guide pulled back by 10 mm, all at once. Free
+ * space, so each follows its own hand; 0.3 mm is left to friction between them and to the hands' coupling. */
 static void each_hand_moves_its_own_tool(void **state)
 {
     (void)state;
@@ -146,7 +146,8 @@ static void a_session_with_three_tools_gives_the_same_hashes_every_time(void **s
 
 /* --- set-up --- */
 
-/* A wire of 0.6 mm does not pass the catheter's lumen of 0.5 mm; refused as a whole, and the old tools still arm. */
+/* A wire of 0.6 mm does not pass the catheter's lumen of 0.5 mm; refused as a whole, and the old tools still
+ * arm. */
 static void tools_that_do_not_nest_are_refused_by_name_and_leave_the_old_ones(void **state)
 {
     (void)state;
@@ -297,8 +298,8 @@ static void send_tube(void)
     assert_true(client_load_scene(&host, file, (uint32_t)bytes));
 }
 
-/* A straight wire lies on the floor of a horizontal tube. In sum the wall carries what it weighs beyond the mouth, less
- * what the inserter carries; every force points up, and there are as many as the tick reports. */
+/* A straight wire lies on the floor of a horizontal tube. In sum the wall carries what it weighs beyond the
+ * mouth, less what the inserter carries; every force points up, and there are as many as the tick reports. */
 static void contact_forces_carry_the_weight(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
-/* Claims: a balloon on a tool follows its maker's table where nothing holds it, fills a rigid vessel narrower than itself and presses on it as
- * pressure times area say, holds by friction, gives everything back when it is deflated, and bursts above its limit (docs/balloon.md).
- * Shown against closed forms. */
+/* Claims: a balloon on a tool follows its maker's table where nothing holds it, fills a rigid vessel narrower
+ * than itself and presses on it as pressure times area say, holds by friction, gives everything back when it
+ * is deflated, and bursts above its limit (docs/balloon.md). Shown against closed forms. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -112,8 +112,8 @@ static void a_free_balloon_has_the_diameter_of_its_table(void **state)
     rig_free(r);
 }
 
-/* Bars: 0.1 mm, and 5 % of pressure times the area covered, 2 pi r 18 mm. The vessel is narrower than the unfolded balloon, so
- * that the balloon's own wall bears nothing. */
+/* Bars: 0.1 mm, and 5 % of pressure times the area covered, 2 pi r 18 mm. The vessel is narrower than the
+ * unfolded balloon, so that the balloon's own wall bears nothing. */
 static void in_a_rigid_tube_it_fills_the_bore_and_presses_with_pressure_times_area(void **state)
 {
     (void)state;
@@ -133,7 +133,8 @@ static void in_a_rigid_tube_it_fills_the_bore_and_presses_with_pressure_times_ar
     }
 }
 
-/* Pulled at 5 mm/s it slips when the hand bears friction times wall force; nothing else of the catheter presses hard. */
+/* Pulled at 5 mm/s it slips when the hand bears friction times wall force; nothing else of the catheter
+ * presses hard. */
 static void an_inflated_balloon_is_held_by_friction_times_wall_force(void **state)
 {
     (void)state;
@@ -193,9 +194,10 @@ static double aside_mm(const rig *r)
     return most;
 }
 
-/* In free space, with nothing that could press: what a hand feels is the weight. A ball that comes out of the sheath or of another tool
- * begins on the line there. It began at the origin of the patient frame, some 300 mm away, and was tied to it by 2 N/mm: 512 N at the
- * hand, 9.5 % of length error and 3.5 mm in the wall of the shipped scene. Bars: some times what is printed. */
+/* In free space, with nothing that could press: what a hand feels is the weight. A ball that comes out of the
+ * sheath or of another tool begins on the line there. It began at the origin of the patient frame, some 300
+ * mm away, and was tied to it by 2 N/mm: 512 N at the hand, 9.5 % of length error and 3.5 mm in the wall of
+ * the shipped scene. Bars: some times what is printed. */
 static void an_inflated_balloon_comes_out_of_sheath_and_guide_without_a_jolt(void **state)
 {
     (void)state;
@@ -233,8 +235,9 @@ static void an_inflated_balloon_comes_out_of_sheath_and_guide_without_a_jolt(voi
     }
 }
 
-/* However hard it presses, 20 bar in a bore of 1.2 mm hold 36 N at mu 0.1 and more than any hand: pushed and pulled at 250 mm/s the tool
- * stalls and slips through the hand (docs/rod.md, "Feed"), and nothing leaves its range. Bar: 30 N, what a hand's grip bears. */
+/* However hard it presses, 20 bar in a bore of 1.2 mm hold 36 N at mu 0.1 and more than any hand: pushed and
+ * pulled at 250 mm/s the tool stalls and slips through the hand (docs/rod.md, "Feed"), and nothing leaves its
+ * range. Bar: 30 N, what a hand's grip bears. */
 static void a_balloon_that_holds_harder_than_a_hand_yields_in_the_hand(void **state)
 {
     (void)state;
@@ -255,8 +258,8 @@ static void a_balloon_that_holds_harder_than_a_hand_yields_in_the_hand(void **st
     rig_free(r);
 }
 
-/* Bar 2 of a vessel that springs back: the words of the balloon exactly, the nodes within 1 um. What friction keeps of the first
- * inflations is there before the count begins. */
+/* Bar 2 of a vessel that springs back: the words of the balloon exactly, the nodes within 1 um. What friction
+ * keeps of the first inflations is there before the count begins. */
 static void two_hundred_inflations_leave_nothing_behind(void **state)
 {
     (void)state;
@@ -285,7 +288,8 @@ static void two_hundred_inflations_leave_nothing_behind(void **state)
     rig_free(r);
 }
 
-/* Narrowed about 105 mm: where the balloon's middle is with the tip at 120 mm. Kept, because making it takes long. */
+/* Narrowed about 105 mm: where the balloon's middle is with the tip at 120 mm. Kept, because making it takes
+ * long. */
 static rig *rig_in_stenosis(uint32_t inserted_um)
 {
     static reference_tube *tube;

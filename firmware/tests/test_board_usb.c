@@ -1,6 +1,7 @@
-/* The USB controller of the real board (firmware/port/imxrt1062/usb_udc.c), which nobody has run on hardware, on a model of the controller
- * (board_usb_model.h). Claims: what the stack asks for is what a host on the bus sees, packet by packet, and what a host does comes
- * out as the events of firmware/port/udc.h. What the chip's manual does not say, no model can show. */
+/* The USB controller of the real board (firmware/port/imxrt1062/usb_udc.c), which nobody has run on hardware,
+ * on a model of the controller (board_usb_model.h). Claims: what the stack asks for is what a host on the bus
+ * sees, packet by packet, and what a host does comes out as the events of firmware/port/udc.h. What the
+ * chip's manual does not say, no model can show. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -13,7 +14,9 @@
 #include "firmware/app/usb/usb.h"
 #include "firmware/tests/board_usb_model.h"
 
-/* --- helpers ------------------------------------------------------------------------------------------------------------- */
+/* --- helpers
+ * -------------------------------------------------------------------------------------------------------------
+ */
 static const crn_udc *udc;
 static crn_udc_event event;
 
@@ -62,7 +65,8 @@ static _Alignas(4096) uint8_t area[TRANSFER_BYTES_MAX + 2 * PAGE_BYTES];
 static uint8_t packet[1024];
 static uint32_t count;
 
-/* --- start, reset, sleep ------------------------------------------------------------------------------------------------- */
+/* --- start, reset, sleep
+ * ------------------------------------------------------------------------------------------------- */
 static void it_starts_as_a_device_that_nobody_sees(void **state)
 {
     (void)state;
@@ -144,7 +148,9 @@ static void a_test_mode_is_the_ports(void **state)
     assert_int_equal(*cell(USB_PORTSC1) & MASK(USB_PORTSC1_PTC), BITS(USB_PORTSC1_PTC, 4));
 }
 
-/* --- setup packets --------------------------------------------------------------------------------------------------------- */
+/* --- setup packets
+ * ---------------------------------------------------------------------------------------------------------
+ */
 static void a_setup_packet_comes_whole_and_voids_endpoint_0(void **state)
 {
     (void)state;
@@ -197,7 +203,9 @@ static void a_stall_of_endpoint_0_ends_with_the_next_setup_packet(void **state)
     assert_int_equal(host_out(0, packet, 0), HOST_NAKED);
 }
 
-/* --- transfers ------------------------------------------------------------------------------------------------------------- */
+/* --- transfers
+ * -------------------------------------------------------------------------------------------------------------
+ */
 /* Every byte of every length from everywhere in a page, in packets of 512 and a short or full last one. */
 static void bytes_leave_as_they_lie_in_memory(void **state)
 {
@@ -267,7 +275,8 @@ static void endpoints_end_in_one_poll_each_and_none_is_lost(void **state)
     assert_int_equal(seen, bit_of(2) | bit_of(0x82) | bit_of(0x81));
 }
 
-/* A transfer that the bus spoilt is begun again; one with more bytes than were asked for is refused for good. */
+/* A transfer that the bus spoilt is begun again; one with more bytes than were asked for is refused for good.
+ */
 static void a_broken_transfer_is_repeated_and_a_longer_one_stalls(void **state)
 {
     (void)state;
@@ -311,7 +320,8 @@ static void an_endpoint_that_is_opened_begins_afresh(void **state)
     assert_int_equal(host_in(2, packet, &count), HOST_SILENT);
 }
 
-/* The other way of a number that is used one way only must not be of type control (the manual's note to ENDPTCTRL). */
+/* The other way of a number that is used one way only must not be of type control (the manual's note to
+ * ENDPTCTRL). */
 static void no_half_of_an_endpoint_is_left_a_control_one(void **state)
 {
     (void)state;
@@ -324,7 +334,8 @@ static void no_half_of_an_endpoint_is_left_a_control_one(void **state)
     }
 }
 
-/* --- the stack on it ------------------------------------------------------------------------------------------------------- */
+/* --- the stack on it
+ * ------------------------------------------------------------------------------------------------------- */
 static struct device {
     crn_usb usb;
     uint8_t queue[1 << 14];
@@ -372,7 +383,8 @@ static uint32_t request(uint8_t type, uint8_t number, uint16_t value, uint16_t l
     return total;
 }
 
-/* Addressed, described, configured, and a frame sent back through the bulk pair: as the token mailbox does it (docs/usb.md). */
+/* Addressed, described, configured, and a frame sent back through the bulk pair: as the token mailbox does it
+ * (docs/usb.md). */
 static void the_stack_enumerates_and_talks_on_this_controller(void **state)
 {
     (void)state;

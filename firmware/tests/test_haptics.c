@@ -1,6 +1,7 @@
-/* Claims about the closed loop of hand, rig, coupling and rod (docs/haptics.md): in the five contact situations a hand that
- * comes, holds and goes, firm or loose, sees no limit cycle above 0.05 N, no fault, and no energy beyond the observer's bound.
- * The plant is firmware/tests/reference/haptic_rig.c; its motor lags, its encoder has steps and jitter. */
+/* Claims about the closed loop of hand, rig, coupling and rod (docs/haptics.md): in the five contact
+ * situations a hand that comes, holds and goes, firm or loose, sees no limit cycle above 0.05 N, no fault,
+ * and no energy beyond the observer's bound. The plant is firmware/tests/reference/haptic_rig.c; its motor
+ * lags, its encoder has steps and jitter. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -166,8 +167,9 @@ static void a_buckled_wire_in_the_aorta_is_quiet(void **state)
     check_both(4);
 }
 
-/* The control: twice the stiffness, taken because the rig's damping was stated wrongly, shakes at the end wall in a loose hand.
- * The cycle that goes on in the hand, or the measured force, gives it away, and the power is off. */
+/* The control: twice the stiffness, taken because the rig's damping was stated wrongly, shakes at the end
+ * wall in a loose hand. The cycle that goes on in the hand, or the measured force, gives it away, and the
+ * power is off. */
 static void twice_the_allowed_stiffness_shakes_and_ends_safe(void **state)
 {
     (void)state;

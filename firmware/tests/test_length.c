@@ -1,5 +1,5 @@
-/* Claims: an edge keeps its length while it turns fast: when a folded line slides along itself, and in the deviation that the solve
- * finds. Shown against the distances of the nodes. docs/rod.md, "Turning edges". */
+/* Claims: an edge keeps its length while it turns fast: when a folded line slides along itself, and in the
+ * deviation that the solve finds. Shown against the distances of the nodes. docs/rod.md, "Turning edges". */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,7 +15,8 @@
 static const double Q30 = 1073741824.0, Q33 = 8589934592.0;
 enum { FOLD_AT = 5 };
 
-/* A wire in elements of 1 mm in free space, straight along +x but for its first five, which point `angle_rad` away from it. */
+/* A wire in elements of 1 mm in free space, straight along +x but for its first five, which point `angle_rad`
+ * away from it. */
 static rig *folded_rig(double angle_rad)
 {
     crn_instrument wire = reference_wire(1e-5, 300000, 1000, 0);
@@ -58,8 +59,8 @@ static double worst_length_error(const rig *r, int edges, bool has_solved)
     return worst;
 }
 
-/* Drawn back and pushed by 0.25 mm a tick, as by a hand at 250 mm/s. Tolerance 12 ppm, 4 are left; a slide along the mean of two tangents alone
- * makes it 12 % at a right angle. */
+/* Drawn back and pushed by 0.25 mm a tick, as by a hand at 250 mm/s. Tolerance 12 ppm, 4 are left; a slide
+ * along the mean of two tangents alone makes it 12 % at a right angle. */
 static void a_fold_that_is_drawn_along_keeps_its_edges(void **context)
 {
     (void)context;
@@ -75,8 +76,8 @@ static void a_fold_that_is_drawn_along_keeps_its_edges(void **context)
     }
 }
 
-/* A right angle's corner goes as far along both its edges as their other ends do, fed by 10 um a tick. Tolerance 0.1 um: the square of the feed
- * over an edge. The mean of two tangents takes it half as far. */
+/* A right angle's corner goes as far along both its edges as their other ends do, fed by 10 um a tick.
+ * Tolerance 0.1 um: the square of the feed over an edge. The mean of two tangents takes it half as far. */
 static void the_corner_of_a_fold_goes_as_far_along_both_edges(void **context)
 {
     (void)context;
@@ -90,8 +91,8 @@ static void the_corner_of_a_fold_goes_as_far_along_both_edges(void **context)
     free(r);
 }
 
-/* The solve swings the first two edges aside by 0.25 rad. Tolerance 0.4 %: 0.14 are left of the fourth power. Without, each is 3.1 %
- * longer. */
+/* The solve swings the first two edges aside by 0.25 rad. Tolerance 0.4 %: 0.14 are left of the fourth power.
+ * Without, each is 3.1 % longer. */
 static void edges_that_the_solve_swings_keep_their_length(void **context)
 {
     (void)context;
@@ -121,7 +122,8 @@ static rig *shaken_rig(double way_m)
     return r;
 }
 
-/* Where no edge of 1 mm turns by more than 0.06 rad the solve's nodes stay to the last bit, and nothing counts as taken back. */
+/* Where no edge of 1 mm turns by more than 0.06 rad the solve's nodes stay to the last bit, and nothing
+ * counts as taken back. */
 static void a_small_deviation_is_left_as_it_is(void **context)
 {
     (void)context;
@@ -139,8 +141,8 @@ static void a_small_deviation_is_left_as_it_is(void **context)
     free(r);
 }
 
-/* Beyond a right angle the limits of rod_length.c leave something. Tolerances: three times what is left, 0.23 % at 120 degrees and 1.4 %
- * at 150. */
+/* Beyond a right angle the limits of rod_length.c leave something. Tolerances: three times what is left, 0.23
+ * % at 120 degrees and 1.4 % at 150. */
 static void a_sharp_fold_keeps_its_edges_nearly(void **context)
 {
     (void)context;

@@ -1,6 +1,7 @@
-/* Claims: a lesion that is opened is the healthy vessel, in between a vessel in between, and its normals are those of its distances; a balloon
- * opens it by the pressure that it has on the wall, it springs back by its recoil, wholly where it is elastic, and a scaffold holds it
- * (docs/lesions.md). Shown against the closed form of a stenosis in a straight tube. */
+/* Claims: a lesion that is opened is the healthy vessel, in between a vessel in between, and its normals are
+ * those of its distances; a balloon opens it by the pressure that it has on the wall, it springs back by its
+ * recoil, wholly where it is elastic, and a scaffold holds it (docs/lesions.md). Shown against the closed
+ * form of a stenosis in a straight tube. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -143,7 +144,8 @@ static double distance_mm(const rig *r, const crn_lesion_state *lesions, crn_vec
     return sample.distance_m_q30 * 1e3 / Q30;
 }
 
-/* On the wall that should be there: 0.02 mm, what the field of the narrow channel has (docs/lesions.md), times what it is widened by. */
+/* On the wall that should be there: 0.02 mm, what the field of the narrow channel has (docs/lesions.md),
+ * times what it is widened by. */
 static void open_by_a_share_its_radius_is_between_channel_and_vessel(void **state)
 {
     (void)state;
@@ -166,8 +168,8 @@ static void open_by_a_share_its_radius_is_between_channel_and_vessel(void **stat
     free(r);
 }
 
-/* Finite differences over 0.02 mm, near the wall, where contact is: the distance's gradient is the normal within 4 degrees, since what lies
- * between stations is linear and has edges there. */
+/* Finite differences over 0.02 mm, near the wall, where contact is: the distance's gradient is the normal
+ * within 4 degrees, since what lies between stations is linear and has edges there. */
 static void normals_are_those_of_the_distance(void **state)
 {
     (void)state;
@@ -198,7 +200,8 @@ static void normals_are_those_of_the_distance(void **state)
     free(r);
 }
 
-/* In a vessel that beats: what lies on the open wall in the reference pose lies on it in the world, wherever the wall has gone. */
+/* In a vessel that beats: what lies on the open wall in the reference pose lies on it in the world, wherever
+ * the wall has gone. */
 static void an_open_lesion_goes_with_a_beating_vessel(void **state)
 {
     (void)state;
@@ -247,7 +250,8 @@ static void closed_it_is_the_lumen_as_described(void **state)
     free(r);
 }
 
-/* A balloon as wide as the vessel at 8 bar. Its pressure is more than the lesion bears: it opens; deflated, 30 % of the way springs back. */
+/* A balloon as wide as the vessel at 8 bar. Its pressure is more than the lesion bears: it opens; deflated,
+ * 30 % of the way springs back. */
 static void a_balloon_opens_a_soft_lesion_which_keeps_its_plastic_share(void **state)
 {
     (void)state;
@@ -280,7 +284,8 @@ static void a_hard_lesion_leaves_a_waist_until_its_yield(void **state)
     free(r);
 }
 
-/* A balloon of 2 mm comes to rest where its own wall bears what the lesion does not: the lesion opens no farther than the balloon. */
+/* A balloon of 2 mm comes to rest where its own wall bears what the lesion does not: the lesion opens no
+ * farther than the balloon. */
 static void a_balloon_too_small_opens_no_farther_than_itself(void **state)
 {
     (void)state;
@@ -300,7 +305,8 @@ static void a_balloon_too_small_opens_no_farther_than_itself(void **state)
     free(r);
 }
 
-/* Bar 2: the words of an elastic lesion come back exactly after every inflation, the nodes within 1 um; a plastic one has its residual from the first one on. */
+/* Bar 2: the words of an elastic lesion come back exactly after every inflation, the nodes within 1 um; a
+ * plastic one has its residual from the first one on. */
 static void inflations(int count, double recoil, bool is_elastic)
 {
     rig *r = rig_make(200, recoil);
@@ -346,7 +352,8 @@ static void two_hundred_inflations_leave_a_plastic_lesion_at_its_residual(void *
     inflations(REFERENCE_RUN(200), 0.3, false);
 }
 
-/* The host's order: its stations stay open by so much once the balloon is down; an order for what is not there does nothing. */
+/* The host's order: its stations stay open by so much once the balloon is down; an order for what is not
+ * there does nothing. */
 static void a_scaffold_holds_its_stations(void **state)
 {
     (void)state;

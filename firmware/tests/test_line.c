@@ -1,5 +1,6 @@
-/* Claims: what the tools add up to is the series average of their compliances wherever a tip stands in a cell, a tool's twist
- * is its own whoever's tip is near, and tools whose shape, twist or mass do not fit the line's cells are refused by name. */
+/* Claims: what the tools add up to is the series average of their compliances wherever a tip stands in a
+ * cell, a tool's twist is its own whoever's tip is near, and tools whose shape, twist or mass do not fit the
+ * line's cells are refused by name. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -40,7 +41,8 @@ static crn_build_status build(rig *r, const crn_instrument *tools, uint32_t coun
 }
 
 /* Two uniform tools; the tip of the outer one stands at 101 places of one cell.
- * 1/W = (cell - part) / EI + part / (EI + EI'); tolerance: 1/1000, the reciprocals' and the cell's rounding. */
+ * 1/W = (cell - part) / EI + part / (EI + EI'); tolerance: 1/1000, the reciprocals' and the cell's rounding.
+ */
 static void check_divided_cell(double inner_N_m2, double outer_N_m2, uint32_t element_um)
 {
     rig *r = calloc(1, sizeof *r);
@@ -78,8 +80,8 @@ static void a_tip_anywhere_in_a_cell_gives_the_series_average(void **context)
     check_divided_cell(5e-6, 5e-4, 1000);
 }
 
-/* A wire whose twist stiffness grows 500 times over 300 mm keeps it where the catheter's tip stands: GJ(arc) / cell. The
- * tolerance of 2 % is the taper over one cell. */
+/* A wire whose twist stiffness grows 500 times over 300 mm keeps it where the catheter's tip stands: GJ(arc)
+ * / cell. The tolerance of 2 % is the taper over one cell. */
 static void a_catheters_tip_leaves_the_wires_twist_stiffness(void **context)
 {
     (void)context;
@@ -108,7 +110,8 @@ static void a_catheters_tip_leaves_the_wires_twist_stiffness(void **context)
     free(r);
 }
 
-/* --- what does not fit is refused ------------------------------------------------------------------------------ */
+/* --- what does not fit is refused
+ * ------------------------------------------------------------------------------ */
 
 static void check_refused(const crn_instrument *tools, uint32_t count, crn_build_status status, uint32_t tool,
                           uint32_t knot)
@@ -159,8 +162,8 @@ static void a_twist_beyond_the_joints_format_is_refused(void **context)
     check_refused(&tool, 1, CRN_BUILD_OVERFLOW, 0, 0);
 }
 
-/* 1e-7 N m^2 for 100 mm and 3e-2 behind, each in range, in elements of 8 mm: no one exponent has room for both, and the tip would be
- * a tip of noise. */
+/* 1e-7 N m^2 for 100 mm and 3e-2 behind, each in range, in elements of 8 mm: no one exponent has room for
+ * both, and the tip would be a tip of noise. */
 static void a_tip_too_soft_beside_its_shaft_is_refused(void **context)
 {
     (void)context;

@@ -1,6 +1,6 @@
 /* Claims: the samplers of the lumen are the quadratic B-spline that lumen.h states,
- * at every level, continuous across bricks, and safe for every position. Shown against double precision and against
- * walls whose distance is known in closed form. */
+ * at every level, continuous across bricks, and safe for every position. Shown against double precision and
+ * against walls whose distance is known in closed form. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -136,12 +136,14 @@ static void contact_is_the_quadratic_b_spline(void **state)
             worst_normal = fmax(worst_normal, fabs(ldexp(got.normal_q30.v[k], -30) + g[k] / length));
         }
     }
-    /* The weights along x carry 2^-16, on random neighbours that differ by up to 8 voxels; a wall's differ by one. */
+    /* The weights along x carry 2^-16, on random neighbours that differ by up to 8 voxels; a wall's differ by
+     * one. */
     if (worst_m > 2e-7) fail_msg("worst distance error %.3g m, allowed 2e-7", worst_m);
     if (worst_normal > 2e-3) fail_msg("worst normal error %.3g, allowed 2e-3", worst_normal);
 }
 
-/* What is culled by it can never have been a contact: also in vessels as narrow as a voxel, at creases, and in fields that are no distances. */
+/* What is culled by it can never have been a contact: also in vessels as narrow as a voxel, at creases, and
+ * in fields that are no distances. */
 static void distance_is_that_of_contact_bit_for_bit(void **state)
 {
     (void)state;
@@ -155,8 +157,8 @@ static void distance_is_that_of_contact_bit_for_bit(void **state)
     }
 }
 
-/* Fill every level-0 brick from a function of the place in voxels from the lattice corner, prefiltered for quadratic
- * functions: c = f - (second differences) / 8. */
+/* Fill every level-0 brick from a function of the place in voxels from the lattice corner, prefiltered for
+ * quadratic functions: c = f - (second differences) / 8. */
 typedef double (*field)(double x, double y, double z);
 static void fill(field f)
 {
@@ -230,8 +232,8 @@ static void known_walls_are_met_within_the_rounding_of_the_samples(void **state)
     }
 }
 
-/* Points on both sides of every brick border, 1 LSB apart: value and normal may differ only by what a step of 1 nm and
- * the rounding of the weights explain. */
+/* Points on both sides of every brick border, 1 LSB apart: value and normal may differ only by what a step of
+ * 1 nm and the rounding of the weights explain. */
 static void field_is_smooth_across_bricks_and_voxels(void **state)
 {
     (void)state;

@@ -1,5 +1,6 @@
-/* Claims about vessels that move: the lattice gives back the map it was made from, its normal and its wall's step are those of that
- * map, a wire in a beating vessel is carried and stays within the penetration of a resting one, and a wall that moves along drags at mu N. */
+/* Claims about vessels that move: the lattice gives back the map it was made from, its normal and its wall's
+ * step are those of that map, a wire in a beating vessel is carried and stays within the penetration of a
+ * resting one, and a wall that moves along drags at mu N. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -80,7 +81,8 @@ static void draw_place(reference_random *random, double phase, double breath, do
     reference_beating_sphere(X, phase, breath, x);
 }
 
-/* At the nodes and keyframes the lattice is the map but for half a unit of its numbers and the rounding of weights. */
+/* At the nodes and keyframes the lattice is the map but for half a unit of its numbers and the rounding of
+ * weights. */
 static void the_lattice_passes_through_its_keyframes(void **state)
 {
     (void)state;
@@ -98,7 +100,8 @@ static void the_lattice_passes_through_its_keyframes(void **state)
     assert_true(worst < 3e-6);
 }
 
-/* Between nodes and keyframes: 7.8 mm and 24 keyframes represent 11 mm of beating within 0.3 mm, and 8 mm of breath at any moment of it within as much. */
+/* Between nodes and keyframes: 7.8 mm and 24 keyframes represent 11 mm of beating within 0.3 mm, and 8 mm of
+ * breath at any moment of it within as much. */
 static void the_lattice_represents_the_map(void **state)
 {
     (void)state;
@@ -123,7 +126,8 @@ static void the_lattice_represents_the_map(void **state)
     assert_true(worst < 0.3e-3 && deepest < 0.3e-3);
 }
 
-/* The cycle closes, and from cell to cell and keyframe to keyframe nothing jumps by more than what the way between explains. */
+/* The cycle closes, and from cell to cell and keyframe to keyframe nothing jumps by more than what the way
+ * between explains. */
 static void the_map_is_continuous_in_place_and_time(void **state)
 {
     (void)state;
@@ -164,8 +168,8 @@ static double depth_at(crn_motion_pose *pose, const double *x)
     return crn_lumen_contact(&tube->lumen, &reference).distance_m_q30 / q30_per_m;
 }
 
-/* Central differences over 20 um of the pulled-back distance: direction within 1 degree, and the distance is phi over the length of
- * the gradient. Near cell borders the difference sees both cells: 2 % may. */
+/* Central differences over 20 um of the pulled-back distance: direction within 1 degree, and the distance is
+ * phi over the length of the gradient. Near cell borders the difference sees both cells: 2 % may. */
 static void the_normal_is_the_gradient_of_the_moved_distance(void **state)
 {
     (void)state;
@@ -206,8 +210,9 @@ static int16_t up_to(reference_random *random, int32_t most)
     return (int16_t)((int32_t)reference_random_below(random, 2u * (uint32_t)most + 1) - most);
 }
 
-/* A node is taken for far from the wall by the cheap distance alone: where the contact's is not, that must say so. In the beating lattice, and in one
- * as steep as a scene may be, where neighbours differ at random. */
+/* A node is taken for far from the wall by the cheap distance alone: where the contact's is not, that must
+ * say so. In the beating lattice, and in one as steep as a scene may be, where neighbours differ at random.
+ */
 static void the_cheap_distance_never_hides_a_contact(void **state)
 {
     (void)state;
@@ -254,8 +259,8 @@ static void the_cheap_distance_never_hides_a_contact(void **state)
     }
 }
 
-/* Against the way of the map's own point in the tick, at 120 /min: within 5 % of the fastest wall (0.13 mm in a tick) and 2 um. Every other
- * time the chest fills as well, at 20 /min. */
+/* Against the way of the map's own point in the tick, at 120 /min: within 5 % of the fastest wall (0.13 mm in
+ * a tick) and 2 um. Every other time the chest fills as well, at 20 /min. */
 static void the_wall_step_is_that_of_the_map(void **state)
 {
     (void)state;
@@ -288,7 +293,8 @@ static void the_wall_step_is_that_of_the_map(void **state)
     assert_true(fmax(worst[0], worst[1]) < 0.05 * fastest + 2e-6);
 }
 
-/* --- the rod in it --------------------------------------------------------------------------------------------------- */
+/* --- the rod in it
+ * --------------------------------------------------------------------------------------------------- */
 
 static crn_model model;
 static crn_state core;
@@ -329,7 +335,8 @@ typedef struct beat_figures {
     uint32_t solved_twice, faults;
 } beat_figures;
 
-/* Four seconds at 90 /min with breath. `miss`: how far a node of the wire ever is from the moved vessel's axis. */
+/* Four seconds at 90 /min with breath. `miss`: how far a node of the wire ever is from the moved vessel's
+ * axis. */
 static beat_figures beat_on(crn_input *input)
 {
     beat_figures f = {0};
@@ -357,7 +364,8 @@ static beat_figures beat_on(crn_input *input)
     return f;
 }
 
-/* The wire goes along by more than 8 mm where the wall does so by 10, and no node is ever deeper in the wall than 0.15 mm. */
+/* The wire goes along by more than 8 mm where the wall does so by 10, and no node is ever deeper in the wall
+ * than 0.15 mm. */
 static void a_wire_in_a_beating_vessel_is_carried(void **state)
 {
     (void)state;
@@ -414,8 +422,9 @@ static double normal_sum_N(void)
     return sum;
 }
 
-/* A soft wire of 5 g/m on the floor of a narrow straight tube, held by its hand while the floor slides: the hand feels mu times what the
- * floor bears, within 2 %, one way in systole and the other in diastole. The floor bears the weight but for what hangs at the mouth. */
+/* A soft wire of 5 g/m on the floor of a narrow straight tube, held by its hand while the floor slides: the
+ * hand feels mu times what the floor bears, within 2 %, one way in systole and the other in diastole. The
+ * floor bears the weight but for what hangs at the mouth. */
 static void a_wall_that_slides_drags_at_mu_N(void **state)
 {
     (void)state;

@@ -1,6 +1,7 @@
-/* Claims about heartbeat and breath: beats have the length asked for, systole follows its formula and not the interval, the
- * phase has no jumps whatever is asked for, intervals vary as stated and the same on every run, a premature beat is followed by
- * the pause that brings the rhythm back into step, and what is out of range is no order. */
+/* Claims about heartbeat and breath: beats have the length asked for, systole follows its formula and not the
+ * interval, the phase has no jumps whatever is asked for, intervals vary as stated and the same on every run,
+ * a premature beat is followed by the pause that brings the rhythm back into step, and what is out of range
+ * is no order. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -36,8 +37,8 @@ static uint32_t to_next_beat(crn_rhythm *rhythm)
     return ticks;
 }
 
-/* 60 000 / rate ms to 1 ms, and the aortic valve closes 540 - 2.1 rate ms after the QRS: 456 ms at 40 /min, 204 ms at 160 /min.
- * A linear stretch would have 624 ms at 40 /min where 393 ms at 70 /min is right. */
+/* 60 000 / rate ms to 1 ms, and the aortic valve closes 540 - 2.1 rate ms after the QRS: 456 ms at 40 /min,
+ * 204 ms at 160 /min. A linear stretch would have 624 ms at 40 /min where 393 ms at 70 /min is right. */
 static void systole_follows_its_formula_and_not_the_interval(void **state)
 {
     (void)state;
@@ -73,8 +74,8 @@ static void the_phase_is_linear_in_systole_and_in_diastole(void **state)
     }
 }
 
-/* 4000 beats at 75 /min with 5 %: mean within 0.3 %, standard deviation within 5 % (four standard errors are 0.3 % and 4.5 %); no
- * interval beyond three deviations; another run gives the same. */
+/* 4000 beats at 75 /min with 5 %: mean within 0.3 %, standard deviation within 5 % (four standard errors are
+ * 0.3 % and 4.5 %); no interval beyond three deviations; another run gives the same. */
 static void intervals_vary_as_stated_and_the_same_on_every_run(void **state)
 {
     (void)state;
@@ -99,8 +100,9 @@ static void intervals_vary_as_stated_and_the_same_on_every_run(void **state)
     assert_true(fabs(mean - 800) < 2.4 && fabs(deviation - 40) < 2);
 }
 
-/* Asked for 100 ms after a QRS with a coupling of 60 %: the next QRS comes at 60 % of the interval, that beat is marked, and the one
- * after it comes where the second regular one would have come. Its own systole is that of its short interval. */
+/* Asked for 100 ms after a QRS with a coupling of 60 %: the next QRS comes at 60 % of the interval, that beat
+ * is marked, and the one after it comes where the second regular one would have come. Its own systole is that
+ * of its short interval. */
 static void a_premature_beat_is_followed_by_its_pause(void **state)
 {
     (void)state;
@@ -204,8 +206,8 @@ static void what_is_out_of_range_is_no_order(void **state)
     }
 }
 
-/* 200,000 ticks under random orders, 1 in 50 of them: every state is one that a snapshot may bring back, and the phase goes from
- * one keyframe to the next in no less than 2 ms (what the wall's speed is bounded by). */
+/* 200,000 ticks under random orders, 1 in 50 of them: every state is one that a snapshot may bring back, and
+ * the phase goes from one keyframe to the next in no less than 2 ms (what the wall's speed is bounded by). */
 static void whatever_is_asked_for_the_phase_has_no_jumps(void **state)
 {
     (void)state;

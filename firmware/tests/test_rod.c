@@ -1,6 +1,6 @@
-/* Claims: the rod bends, hangs, slides and stalls as the equations of docs/rod.md say; the state can be hashed,
- * saved and restored; bad instruments and states are refused by name.
- * Shown against closed forms (elastica), exact tube distances in double precision, and invariants. */
+/* Claims: the rod bends, hangs, slides and stalls as the equations of docs/rod.md say; the state can be
+ * hashed, saved and restored; bad instruments and states are refused by name. Shown against closed forms
+ * (elastica), exact tube distances in double precision, and invariants. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -19,10 +19,11 @@
 
 static const double Q30 = 1073741824.0;
 
-/* --- elastica: FACTS of docs/validation.md, cases 1 and 2 ------------------------------------------------------ */
+/* --- elastica: FACTS of docs/validation.md, cases 1 and 2
+ * ------------------------------------------------------ */
 
-/* Tolerance 0.5 % of L at 64 elements is the project's bar; the discretisation's own error is 0.03 %. Every stiffness
- * of the range is run by `make bench`; here the softest and a stiff one. */
+/* Tolerance 0.5 % of L at 64 elements is the project's bar; the discretisation's own error is 0.03 %. Every
+ * stiffness of the range is run by `make bench`; here the softest and a stiff one. */
 static void tip_loaded_cantilever_takes_the_elastica(void **context)
 {
     (void)context;
@@ -66,7 +67,8 @@ static void graded_elements_hang_like_equal_ones(void **context)
     check_below("distance of the tips in % of L", 100 * sqrt(off) / 0.2, 0.1);
 }
 
-/* --- insertion ------------------------------------------------------------------------------------------------- */
+/* --- insertion
+ * ------------------------------------------------------------------------------------------------- */
 
 typedef struct insertion {
     double depth_mm, strain_pct, force_N, resting_um;
@@ -100,8 +102,8 @@ static insertion insert(const reference_tube *tube, double bend_N_m2, double to_
     return worst;
 }
 
-/* 450 mm through two bends of 51 and 57 mm radius: nodes stay within 0.3 mm of the exact wall, the length within
- * 0.45 %, and the wire comes to rest (no chatter above 1 um per tick). */
+/* 450 mm through two bends of 51 and 57 mm radius: nodes stay within 0.3 mm of the exact wall, the length
+ * within 0.45 %, and the wire comes to rest (no chatter above 1 um per tick). */
 static void wires_pass_the_bends_without_leaving_the_tube(void **context)
 {
     (void)context;
@@ -127,7 +129,8 @@ static void wire_rests_in_a_vessel_of_1_5_mm_radius(void **context)
     reference_tube_free(tube);
 }
 
-/* The end wall blocks the tip: the hand slips at 6 N instead of crushing the wire, with 10 % for the last step. */
+/* The end wall blocks the tip: the hand slips at 6 N instead of crushing the wire, with 10 % for the last
+ * step. */
 static void blocked_tip_stalls_the_feed(void **context)
 {
     (void)context;
@@ -149,12 +152,13 @@ static void blocked_tip_stalls_the_feed(void **context)
     reference_tube_free(tube);
 }
 
-/* --- friction -------------------------------------------------------------------------------------------------- */
+/* --- friction
+ * -------------------------------------------------------------------------------------------------- */
 
-/* Two-way: resting on the floor of a straight tube of 1.5 mm radius, pulled and pushed at constant speed, the handle carries
- * mu N, N being the weight less what the mouth carries: two thirds of the span (72 EI h / w)^(1/4) that hangs from height
- * h. 10 mm of travel first brings every bristle to its limit. Tolerance 10 %: the push bends
- * the hanging span. */
+/* Two-way: resting on the floor of a straight tube of 1.5 mm radius, pulled and pushed at constant speed, the
+ * handle carries mu N, N being the weight less what the mouth carries: two thirds of the span (72 EI h /
+ * w)^(1/4) that hangs from height h. 10 mm of travel first brings every bristle to its limit. Tolerance 10 %:
+ * the push bends the hanging span. */
 static void sliding_on_the_floor_costs_mu_times_weight(void **context)
 {
     (void)context;
@@ -179,7 +183,8 @@ static void sliding_on_the_floor_costs_mu_times_weight(void **context)
     reference_tube_free(tube);
 }
 
-/* Mean push of a wire that is fed along the floor at 20 mm/s while its weight changes every 3 ms by `share` of it. */
+/* Mean push of a wire that is fed along the floor at 20 mm/s while its weight changes every 3 ms by `share`
+ * of it. */
 static double push_when_shaken_N(double share)
 {
     const reference_piece straight = {0.4, 0, 0};
@@ -199,8 +204,9 @@ static double push_when_shaken_N(double share)
     return sum_N / 1000;
 }
 
-/* A wire shaken between no weight and twice its weight is pushed as hard as one at rest: friction follows the mean. Tolerance 20 %, as the nodes hop.
- * Friction by the force that was foreseen for a hopping node (5 mN for each micrometre) made it 19 times as hard. */
+/* A wire shaken between no weight and twice its weight is pushed as hard as one at rest: friction follows the
+ * mean. Tolerance 20 %, as the nodes hop. Friction by the force that was foreseen for a hopping node (5 mN
+ * for each micrometre) made it 19 times as hard. */
 static void a_shaken_wire_rubs_with_its_mean_weight(void **context)
 {
     (void)context;
@@ -208,10 +214,12 @@ static void a_shaken_wire_rubs_with_its_mean_weight(void **context)
                 fabs(push_when_shaken_N(1) / push_when_shaken_N(0) - 1), 0.2);
 }
 
-/* --- hostile hand ---------------------------------------------------------------------------------------------- */
+/* --- hostile hand
+ * ---------------------------------------------------------------------------------------------- */
 
-/* A hand that jumps at random for 20 s, turning at up to 12 rad/s, neither blows the rod up nor leaves the lumen by more
- * than 1 mm in more than 1 in 1000 ticks. Length error within 0.6 % as in the prototype's fuzz. */
+/* A hand that jumps at random for 20 s, turning at up to 12 rad/s, neither blows the rod up nor leaves the
+ * lumen by more than 1 mm in more than 1 in 1000 ticks. Length error within 0.6 % as in the prototype's fuzz.
+ */
 static void random_hand_does_not_blow_the_rod_up(void **context)
 {
     (void)context;
@@ -241,9 +249,10 @@ static void random_hand_does_not_blow_the_rod_up(void **context)
     reference_tube_free(tube);
 }
 
-/* What a tick's prediction did not see touch the wall is hardly deeper than 0.1 mm when the first tick of several ends: the deviation of
- * all nodes is cut short there, which costs no second solve. Measured along the normal at x*: a way of 0.75 mm (the cap) along a wall of 4 mm radius
- * leaves its plane by 0.07 mm more, which is the bound; 0.0135 were seen. */
+/* What a tick's prediction did not see touch the wall is hardly deeper than 0.1 mm when the first tick of
+ * several ends: the deviation of all nodes is cut short there, which costs no second solve. Measured along
+ * the normal at x*: a way of 0.75 mm (the cap) along a wall of 4 mm radius leaves its plane by 0.07 mm more,
+ * which is the bound; 0.0135 were seen. */
 static void a_contact_that_was_missed_ends_0_1_mm_deep(void **context)
 {
     (void)context;
@@ -280,8 +289,8 @@ static void a_contact_that_was_missed_ends_0_1_mm_deep(void **context)
     reference_tube_free(tube);
 }
 
-/* Beyond the field there is no normal and so no contact, but such a node is deeper than any. The whole wire lies 0.1 m beside the tube;
- * the field's far value is 15.6 mm, the wire's radius comes to it. */
+/* Beyond the field there is no normal and so no contact, but such a node is deeper than any. The whole wire
+ * lies 0.1 m beside the tube; the field's far value is 15.6 mm, the wire's radius comes to it. */
 static void a_node_beyond_the_field_is_the_deepest(void **context)
 {
     (void)context;
@@ -305,7 +314,8 @@ static void a_node_beyond_the_field_is_the_deepest(void **context)
     reference_tube_free(tube);
 }
 
-/* --- state ----------------------------------------------------------------------------------------------------- */
+/* --- state
+ * ----------------------------------------------------------------------------------------------------- */
 
 static rig *busy_rig(const reference_tube *tube)
 {
@@ -348,7 +358,8 @@ static void restored_state_goes_on_bit_for_bit(void **context)
     reference_tube_free(tube);
 }
 
-/* Every word that a check guards, set to a value no state can have, is refused and leaves the old state alone. */
+/* Every word that a check guards, set to a value no state can have, is refused and leaves the old state
+ * alone. */
 static void restore_refuses_impossible_words(void **context)
 {
     (void)context;
@@ -393,7 +404,8 @@ static void one_more_count_of_the_hand_gives_another_hash(void **context)
     assert_true(lanes[0][0] != lanes[1][0] || lanes[0][1] != lanes[1][1]);
 }
 
-/* --- set-up ---------------------------------------------------------------------------------------------------- */
+/* --- set-up
+ * ---------------------------------------------------------------------------------------------------- */
 
 static crn_build_status build(const crn_instrument *wire, const crn_entry *entry, crn_build_place *place)
 {
@@ -436,8 +448,8 @@ static void bad_instruments_are_refused_with_their_knot(void **context)
     assert_int_equal(build(&good, &entry, &place), CRN_BUILD_ENTRY);
 }
 
-/* Inserting past the end or pulling out entirely stops at the end, says so, and does not wind the hand up: turning
- * round, the wire follows within 2 mm. */
+/* Inserting past the end or pulling out entirely stops at the end, says so, and does not wind the hand up:
+ * turning round, the wire follows within 2 mm. */
 static void feed_stops_at_both_ends(void **context)
 {
     (void)context;

@@ -1,5 +1,5 @@
-/* Claims: no snapshot, however wrong, leads to undefined behaviour: it is refused and changes nothing, or its ticks stay
- * within their formats and the same on every run (the sanitizers are the judges of this test). */
+/* Claims: no snapshot, however wrong, leads to undefined behaviour: it is refused and changes nothing, or its
+ * ticks stay within their formats and the same on every run (the sanitizers are the judges of this test). */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -128,8 +128,8 @@ static void any_one_word_of_a_snapshot_may_be_wrong(void **context)
     rig_free(r);
 }
 
-/* A line of its own making: zigzags of whole edges along one axis, which fold back by 180 degrees at every node, with velocities,
- * bristles, turns and forces at random, ended by the held nodes as they are. */
+/* A line of its own making: zigzags of whole edges along one axis, which fold back by 180 degrees at every
+ * node, with velocities, bristles, turns and forces at random, ended by the held nodes as they are. */
 static void a_folded_line_with_wild_velocities_stays_defined(void **context)
 {
     (void)context;

@@ -1,7 +1,8 @@
-/* Claims: a wire meets the struts of a stent that was deployed as it meets a wall: from inside it rests on their inside, from outside on their
- * outside, and below the force that a cell bears it does not go through; between struts and wall it is held by friction on both; an end
- * sends a tip to one side; balloons do not feel them; all of it is state, and what is no order changes nothing (docs/lesions.md).
- * Shown against closed forms of shells in straight tubes. */
+/* Claims: a wire meets the struts of a stent that was deployed as it meets a wall: from inside it rests on
+ * their inside, from outside on their outside, and below the force that a cell bears it does not go through;
+ * between struts and wall it is held by friction on both; an end sends a tip to one side; balloons do not
+ * feel them; all of it is state, and what is no order changes nothing (docs/lesions.md). Shown against closed
+ * forms of shells in straight tubes. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -100,7 +101,8 @@ static crn_vec3 at_m(double x, double y, double z)
     return crn_vec3_make((int32_t)lround(x * Q30), (int32_t)lround(y * Q30), (int32_t)lround(z * Q30));
 }
 
-/* --- the shell ---------------------------------------------------------------------------------------------------- */
+/* --- the shell
+ * ---------------------------------------------------------------------------------------------------- */
 
 typedef struct felt {
     bool is_near;
@@ -117,7 +119,8 @@ static felt feel(const crn_strut_state *struts, double x, double y, double z)
     return f;
 }
 
-/* Straight, 1.5 mm inside: distances on both sides and round the edge, to a nanometre's hundredth of a micrometre. */
+/* Straight, 1.5 mm inside: distances on both sides and round the edge, to a nanometre's hundredth of a
+ * micrometre. */
 static void a_straight_shell_is_a_tube_with_a_round_edge(void **state)
 {
     (void)state;
@@ -159,7 +162,8 @@ static void a_straight_shell_is_a_tube_with_a_round_edge(void **state)
     assert_false(feel(struts, 27e-3, 1.5e-3, -0.7e-3).is_near);
 }
 
-/* A stent in a bend of 20 mm that widens by a tenth: on the torus between its rings but for what chords of 2 mm cut off (25 um) and what the cone's slope adds. */
+/* A stent in a bend of 20 mm that widens by a tenth: on the torus between its rings but for what chords of 2
+ * mm cut off (25 um) and what the cone's slope adds. */
 static void a_bent_shell_follows_its_rings(void **state)
 {
     (void)state;
@@ -230,9 +234,11 @@ static void struts_go_with_a_beating_vessel(void **state)
     free(r);
 }
 
-/* --- a wire on one side ---------------------------------------------------------------------------------------- */
+/* --- a wire on one side
+ * ---------------------------------------------------------------------------------------- */
 
-/* By ten times its weight on the inside, the tube being wider: at their radius less its own, but for what the weight presses in. */
+/* By ten times its weight on the inside, the tube being wider: at their radius less its own, but for what the
+ * weight presses in. */
 static void from_inside_a_wire_rests_on_the_struts_inside(void **state)
 {
     (void)state;
@@ -254,7 +260,8 @@ static void from_inside_a_wire_rests_on_the_struts_inside(void **state)
     free(r);
 }
 
-/* The stent lies beneath it: it rests on top. Stiffer than inside, so that what hangs between mouth and stent does not lift the rest. */
+/* The stent lies beneath it: it rests on top. Stiffer than inside, so that what hangs between mouth and stent
+ * does not lift the rest. */
 static void from_outside_a_wire_rests_on_the_struts_outside(void **state)
 {
     (void)state;
@@ -326,9 +333,11 @@ static void an_end_sends_a_tip_to_one_side(void **state)
     }
 }
 
-/* --- between struts and wall -------------------------------------------------------------------------------------- */
+/* --- between struts and wall
+ * -------------------------------------------------------------------------------------- */
 
-/* The wire lies on the wall of a tube of 2 mm; struts that grow from 1.2 to 1.66 mm leave it 0.26 mm of its 0.5. */
+/* The wire lies on the wall of a tube of 2 mm; struts that grow from 1.2 to 1.66 mm leave it 0.26 mm of its
+ * 0.5. */
 static rig *jailed(double friction)
 {
     const crn_instrument tool = wire(1e-6, friction);
@@ -398,7 +407,8 @@ static void pulling_it_out_needs_friction_on_both_sides(void **state)
     free(r);
 }
 
-/* --- balloon, orders, states ---------------------------------------------------------------------------------------- */
+/* --- balloon, orders, states
+ * ---------------------------------------------------------------------------------------- */
 
 /* A balloon in struts narrower than it grows as wide as without them: the host opens them. */
 static void a_balloon_presses_through(void **state)

@@ -1,6 +1,7 @@
-/* Claims: coaxial tools on one line add their stiffness, keep their own feed, turn and rest shape, press and rub on each
- * other both ways, and may lead in turn without a jolt; the wall resists turning as Coulomb says (docs/rod.md, "tools").
- * Shown against closed forms of composite beams, stored energy, and force balances. */
+/* Claims: coaxial tools on one line add their stiffness, keep their own feed, turn and rest shape, press and
+ * rub on each other both ways, and may lead in turn without a jolt; the wall resists turning as Coulomb says
+ * (docs/rod.md, "tools"). Shown against closed forms of composite beams, stored energy, and force balances.
+ */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -51,7 +52,8 @@ static crn_instrument make_tool(const tool_plan *plan)
     return tool;
 }
 
-/* From the tip: 6 mm straight, 90 degrees of R = 7 mm, 23 mm of arm, 180 degrees of R = 10 mm the other way. */
+/* From the tip: 6 mm straight, 90 degrees of R = 7 mm, 23 mm of arm, 180 degrees of R = 10 mm the other way.
+ */
 static void judkins(crn_instrument *tool)
 {
     static const uint32_t arc_um[] = {0, 6000, 6000, 17000, 17000, 40000, 40000, 71400, 71400};
@@ -107,7 +109,8 @@ typedef struct journey {
     double work_J, step_mm;
 } journey;
 
-/* Moves one tool by `way_m` at `speed_m_s` and lets it rest for two seconds; work of all hands, largest node motion. */
+/* Moves one tool by `way_m` at `speed_m_s` and lets it rest for two seconds; work of all hands, largest node
+ * motion. */
 static journey move_tool(rig *r, int tool, double way_m, double speed_m_s)
 {
     journey j = {0, 0};
@@ -163,10 +166,11 @@ static rig *rig_in_air(const tool_plan *wire, const tool_plan *catheter, uint32_
     return r;
 }
 
-/* --- shapes: a composite beam rests at kappa = sum EI_k kappa_k / sum EI_k --------------------------------------------- */
+/* --- shapes: a composite beam rests at kappa = sum EI_k kappa_k / sum EI_k
+ * --------------------------------------------- */
 
-/* Wire EI 1e-4, 60/m over 30 mm, in a catheter of 4e-4: 60 / 5 = 12/m over 30 mm = 20.6 degrees. Tolerance 1 degree:
- * the catheter's frictionless tip is 5 mm beyond. */
+/* Wire EI 1e-4, 60/m over 30 mm, in a catheter of 4e-4: 60 / 5 = 12/m over 30 mm = 20.6 degrees. Tolerance 1
+ * degree: the catheter's frictionless tip is 5 mm beyond. */
 static void a_catheter_opens_the_j_of_the_wire_inside_it(void **context)
 {
     (void)context;
@@ -194,7 +198,8 @@ static void withdrawing_the_wire_lets_a_shaped_catheter_take_its_shape(void **co
     free(r);
 }
 
-/* Sag of a heavy line under both tools: (m_w + m_c) g L^4 / (8 (EI_w + EI_c)) for small sags. L 100 mm, 1 %. */
+/* Sag of a heavy line under both tools: (m_w + m_c) g L^4 / (8 (EI_w + EI_c)) for small sags. L 100 mm, 1 %.
+ */
 static void stiffness_and_weight_add_where_tools_overlap(void **context)
 {
     (void)context;
@@ -209,10 +214,12 @@ static void stiffness_and_weight_add_where_tools_overlap(void **context)
     free(r);
 }
 
-/* --- forces ------------------------------------------------------------------------------------------------------------ */
+/* --- forces
+ * ------------------------------------------------------------------------------------------------------------
+ */
 
-/* Pushing the catheter over the J stores EI_w EI_c / (EI_w + EI_c) kappa^2 / 2 x 30 mm = 4.32 mJ; the hands' work is
- * that, and comes back when the wire is pushed out again. 5 %: drag of the moving tip in blood. */
+/* Pushing the catheter over the J stores EI_w EI_c / (EI_w + EI_c) kappa^2 / 2 x 30 mm = 4.32 mJ; the hands'
+ * work is that, and comes back when the wire is pushed out again. 5 %: drag of the moving tip in blood. */
 static void work_of_the_hands_is_the_energy_stored_in_the_j(void **context)
 {
     (void)context;
@@ -226,7 +233,8 @@ static void work_of_the_hands_is_the_energy_stored_in_the_j(void **context)
     free(r);
 }
 
-/* With friction in the catheter's lumen the same move costs more both ways, and neither way gives energy back. */
+/* With friction in the catheter's lumen the same move costs more both ways, and neither way gives energy
+ * back. */
 static void friction_between_tools_takes_work_both_ways(void **context)
 {
     (void)context;
@@ -276,7 +284,9 @@ static void turning_friction_acts_on_both_hands(void **context)
     free(r);
 }
 
-/* --- lead ---------------------------------------------------------------------------------------------------------------- */
+/* --- lead
+ * ----------------------------------------------------------------------------------------------------------------
+ */
 
 /* 0.05 mm of it is the feed itself. */
 static void a_change_of_the_lead_moves_no_node_by_more_than_0_1_mm(void **context)
@@ -297,7 +307,8 @@ static void a_change_of_the_lead_moves_no_node_by_more_than_0_1_mm(void **contex
     free(r);
 }
 
-/* The catheter follows the wire round three bends; it stays in the tube and the wire's tip stays where it is. */
+/* The catheter follows the wire round three bends; it stays in the tube and the wire's tip stays where it is.
+ */
 static void a_catheter_tracks_over_the_wire_round_the_bends(void **context)
 {
     (void)context;
@@ -325,9 +336,12 @@ static void a_catheter_tracks_over_the_wire_round_the_bends(void **context)
     reference_tube_free(tube);
 }
 
-/* --- turning ------------------------------------------------------------------------------------------------------------- */
+/* --- turning
+ * -------------------------------------------------------------------------------------------------------------
+ */
 
-/* Straight and frictionless: every edge of either tool stands at its own hand's angle. 1e-6 turn = 0.0004 degrees. */
+/* Straight and frictionless: every edge of either tool stands at its own hand's angle. 1e-6 turn = 0.0004
+ * degrees. */
 static void without_friction_each_tool_follows_its_own_hand(void **context)
 {
     (void)context;
@@ -377,8 +391,8 @@ static void the_wall_resists_turning_with_mu_n_r(void **context)
     assert_true(fabs(resting_torque(0, 0)) < 1e-7);
 }
 
-/* One limit mu N holds for the whole slip: a wire that is drawn ten times as fast as its surface turns resists turning a
- * tenth as much (0.667 mm/s of surface against 6.67 mm/s): 1 / sqrt(101). */
+/* One limit mu N holds for the whole slip: a wire that is drawn ten times as fast as its surface turns
+ * resists turning a tenth as much (0.667 mm/s of surface against 6.67 mm/s): 1 / sqrt(101). */
 static void a_wire_that_slides_turns_almost_freely(void **context)
 {
     (void)context;
@@ -388,7 +402,8 @@ static void a_wire_that_slides_turns_almost_freely(void **context)
     check_near("torque while sliding in % of that at rest", 100 * sliding / held, 100 / sqrt(101), 3);
 }
 
-/* --- contact forces ------------------------------------------------------------------------------------------------------ */
+/* --- contact forces
+ * ------------------------------------------------------------------------------------------------------ */
 
 static void contact_forces_of_the_nodes_carry_the_weight(void **context)
 {
@@ -413,7 +428,9 @@ static void contact_forces_of_the_nodes_carry_the_weight(void **context)
     reference_tube_free(tube);
 }
 
-/* --- robustness ---------------------------------------------------------------------------------------------------------- */
+/* --- robustness
+ * ----------------------------------------------------------------------------------------------------------
+ */
 
 static const tool_plan three_shaped[] = {{1e-5, 5e-4, 66, 20, 445, 0, 0.1, 0},
                                          {2e-4, 5e-4, 30, 40, 800, 500, 0.1, 0.05},
@@ -492,8 +509,9 @@ static void a_line_that_is_kept_is_the_line_built_afresh(void **context)
     free(afresh);
 }
 
-/* A 6F Judkins left guide with a 0.014 in wire and a balloon catheter in it comes out of the sheath into an artery of 3.6 mm radius: the artery
- * keeps its primary curve (R = 7 mm, 0.052 N m when straight) from closing and its mouth bends it the other way: more than 60 N in elements of 1 mm. */
+/* A 6F Judkins left guide with a 0.014 in wire and a balloon catheter in it comes out of the sheath into an
+ * artery of 3.6 mm radius: the artery keeps its primary curve (R = 7 mm, 0.052 N m when straight) from
+ * closing and its mouth bends it the other way: more than 60 N in elements of 1 mm. */
 static void a_tight_guide_comes_out_of_the_sheath_without_saturating(void **context)
 {
     (void)context;

@@ -3,8 +3,8 @@
 //   link.flip session=lockstep way=to_host frame=12 bit=37 seed=1
 //   rig.encoder_jump session=free_run tick=33 um=7000 seed=1
 //
-// A kind belongs to a group (link, host, device, rig), happens at one moment (the n-th frame of its way, or a tick, counted
-// from START; in session=setup from the first HELLO), and may have one value.
+// A kind belongs to a group (link, host, device, rig), happens at one moment (the n-th frame of its way, or a
+// tick, counted from START; in session=setup from the first HELLO), and may have one value.
 #pragma once
 #include <cstdint>
 #include <span>

@@ -1,5 +1,6 @@
-// A pipe to a device with one fault in it: it counts frames each way and does to one of them what the fault says. A lying
-// device is a pipe, too: the frame is taken apart, changed, and put together again with a good CRC.
+// A pipe to a device with one fault in it: it counts frames each way and does to one of them what the fault
+// says. A lying device is a pipe, too: the frame is taken apart, changed, and put together again with a good
+// CRC.
 #pragma once
 #include "hil_tests/campaign/fault.hpp"
 #include "host/link/transport.hpp"

@@ -73,8 +73,8 @@ int bar_ms(SafeClass which)
     return which == SafeClass::host_silence ? 50 : 5;
 }
 
-// A motor that no longer listens is held by its driver's current limit, as the rig's builder sets it. Otherwise that lies half as high
-// again, so that it is the firmware's own limit which the actuator shows.
+// A motor that no longer listens is held by its driver's current limit, as the rig's builder sets it.
+// Otherwise that lies half as high again, so that it is the firmware's own limit which the actuator shows.
 PlantSettings campaign_plant(bool has_stuck_motor)
 {
     const double above = has_stuck_motor ? 1.0 : 1.5;

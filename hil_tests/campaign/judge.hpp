@@ -1,6 +1,7 @@
-// One fault in one session at any level, and what must hold afterwards: force within its limit, no force in time, the host told,
-// every tick up to the fault recorded, and the session resumed to the same hash or ended as documented (docs/hil.md).
-// What the same sessions are without a fault is always level 0's: so levels are compared, too.
+// One fault in one session at any level, and what must hold afterwards: force within its limit, no force in
+// time, the host told, every tick up to the fault recorded, and the session resumed to the same hash or ended
+// as documented (docs/hil.md). What the same sessions are without a fault is always level 0's: so levels are
+// compared, too.
 #pragma once
 #include "hil_tests/campaign/fault.hpp"
 #include "hil_tests/campaign/faulty_pipe.hpp"

@@ -1,4 +1,5 @@
-// Sessions in which every frame is an answer to one: set-up and LOCKSTEP, where a disturbed session comes to the same hash.
+// Sessions in which every frame is an answer to one: set-up and LOCKSTEP, where a disturbed session comes to
+// the same hash.
 #include "hil_tests/campaign/judge.hpp"
 
 namespace hil

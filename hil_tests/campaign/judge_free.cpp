@@ -1,4 +1,5 @@
-// Sessions in FREE_RUN: a hand pushes against a wire that a sheath holds, the motors have power, and something breaks.
+// Sessions in FREE_RUN: a hand pushes against a wire that a sheath holds, the motors have power, and
+// something breaks.
 #include "hil_tests/campaign/judge.hpp"
 #include <cmath>
 #include <cstring>
@@ -349,7 +350,8 @@ void Loop::judge()
           "the actuator gave %.3f N and %.2f mN m, limits %.3f and %.2f", outcome_.peak_N,
           outcome_.peak_N_m * 1e3, force_limit_N, torque_limit_N_m * 1e3);
     if (is("rig.encoder_reversed") && fault_->value == 0) {
-        // Nobody holds: what was there, or what frees the carriage, and 12 ms of the slew limit until it is judged.
+        // Nobody holds: what was there, or what frees the carriage, and 12 ms of the slew limit until it is
+        // judged.
         const double there_N = std::max(harm_N, std::abs(undisturbed_.motor_N[fault_->at - 1]));
         check(outcome_.peak_N <= there_N + reversed_growth_N, "the reversed track rose to %.3f N from %.3f N",
               outcome_.peak_N, there_N);

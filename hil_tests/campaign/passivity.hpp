@@ -1,10 +1,12 @@
-// Gain, coupling, stated damping and lag, and the hand, one against the other over the rig's model at an end wall: the device refuses
-// what its rule says, and whatever it takes must be quiet. Nobody is at the rig who would say that damping or lag are stated falsely: the
-// local unlock is closed, so that the rule of passivity alone refuses.
+// Gain, coupling, stated damping and lag, and the hand, one against the other over the rig's model at an end
+// wall: the device refuses what its rule says, and whatever it takes must be quiet. Nobody is at the rig who
+// would say that damping or lag are stated falsely: the local unlock is closed, so that the rule of passivity
+// alone refuses.
 //
-// A trial pushes a stiff wire by 30 mm against the end of its tube, holds it for 0.6 s, and lets go of it for 0.6 s. Broken is one in which
-// the carriage got faster than 0.25 m/s, or the motor's force went forth and back by more than 50 mN for more than 100 ms: from the
-// moment of the release on; before, in the second half of the hold, when the blow of the wall is over.
+// A trial pushes a stiff wire by 30 mm against the end of its tube, holds it for 0.6 s, and lets go of it for
+// 0.6 s. Broken is one in which the carriage got faster than 0.25 m/s, or the motor's force went forth and
+// back by more than 50 mN for more than 100 ms: from the moment of the release on; before, in the second half
+// of the hold, when the blow of the wall is over.
 #pragma once
 #include "hil_tests/cases/conversation.hpp"
 #include <vector>
@@ -41,7 +43,8 @@ class CycleMeter
 std::vector<PassivityTrial> passivity_grid();
 PassivityOutcome run_passivity(Level &level, const PassivityTrial &trial);
 
-// Every `nth` trial of the grid; prints the four rows, writes one line each to `file` unless it is empty. The number that broke.
+// Every `nth` trial of the grid; prints the four rows, writes one line each to `file` unless it is empty. The
+// number that broke.
 std::size_t run_passivity_grid(Level &level, std::size_t nth, const std::string &file);
 
 } // namespace hil

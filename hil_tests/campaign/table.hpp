@@ -1,4 +1,5 @@
-// Counts of a campaign: one line per kind, worst times to safe per class; as a table and as a file of tab-separated values.
+// Counts of a campaign: one line per kind, worst times to safe per class; as a table and as a file of
+// tab-separated values.
 #pragma once
 #include "hil_tests/campaign/judge.hpp"
 #include <map>

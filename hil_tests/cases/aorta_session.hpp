@@ -1,4 +1,5 @@
-// The aorta session of `make run` on a device at the other end of any pipe, tick by tick: hashes, and what a tick costs.
+// The aorta session of `make run` on a device at the other end of any pipe, tick by tick: hashes, and what a
+// tick costs.
 #pragma once
 #include "host/link/link.hpp"
 #include "host/script/session.hpp"
@@ -37,7 +38,8 @@ std::unique_ptr<crn::TipPlaces> vessels_of(const AortaFiles &files);
 void look_at_aorta(crn::Link &link, const AortaFiles &files, const crn::TipPlaces &vessels,
                    crn::SessionPlayer &player, double inserted_m);
 
-// One step per tick when `counts` is given, which tells the instructions spent so far; else steps as long as they can be.
+// One step per tick when `counts` is given, which tells the instructions spent so far; else steps as long as
+// they can be.
 AortaRun run_aorta(crn::Transport &pipe, const AortaFiles &files, std::uint32_t ticks_max,
                    const std::function<double()> &instructions = {});
 

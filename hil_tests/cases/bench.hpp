@@ -1,10 +1,12 @@
-// A device on a test bench: the pipe to it, the rig around it, and time. The same at every level; cases know nothing else.
+// A device on a test bench: the pipe to it, the rig around it, and time. The same at every level; cases know
+// nothing else.
 //
 //   L0  SimBench        the app as a library in this process            (hil_tests/l0)
 //   L1  EmulatedBench   the image on an emulated Cortex-M7              (hil_tests/l1)
 //   L2, L3  RemoteBench the image beside a program hil_rig, by USB      (remote_bench.hpp)
 //
-// Time is the bench's: advance() makes milliseconds of device and plant in turn. A device that is not asked stands still.
+// Time is the bench's: advance() makes milliseconds of device and plant in turn. A device that is not asked
+// stands still.
 #pragma once
 #include "hil_tests/plant/plant.hpp"
 #include "host/link/transport.hpp"
@@ -34,7 +36,8 @@ class Bench
         }
     }
 
-    // The processor stands still, as under a debugger; the rig does not. `wall_s`: for so long in our time, too.
+    // The processor stands still, as under a debugger; the rig does not. `wall_s`: for so long in our time,
+    // too.
     void freeze(std::uint32_t milliseconds, double wall_s = 0.0)
     {
         hold(true);
@@ -46,15 +49,16 @@ class Bench
         hold(false);
     }
 
-    // The device's cable comes out once so many more bytes have gone to it, in the middle of a transfer, and is in again after `away_ms`
-    // of the rig. False: it hangs on no cable here.
+    // The device's cable comes out once so many more bytes have gone to it, in the middle of a transfer, and
+    // is in again after `away_ms` of the rig. False: it hangs on no cable here.
     virtual bool pull_cable(std::uint32_t bytes, std::uint32_t away_ms)
     {
         static_cast<void>(bytes), static_cast<void>(away_ms);
         return false;
     }
 
-    // Supply gone and back: the device starts again, wherever it was. The rig sees `milliseconds` without supply.
+    // Supply gone and back: the device starts again, wherever it was. The rig sees `milliseconds` without
+    // supply.
     void brown_out(std::uint32_t milliseconds)
     {
         plant_.supply_good = false;

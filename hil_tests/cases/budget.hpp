@@ -1,4 +1,5 @@
-// What a tick of the aorta session costs on the emulated Cortex-M7: exact instructions in LOCKSTEP, and overruns in FREE_RUN.
+// What a tick of the aorta session costs on the emulated Cortex-M7: exact instructions in LOCKSTEP, and
+// overruns in FREE_RUN.
 #pragma once
 #include "hil_tests/cases/aorta_session.hpp"
 #include <cstdint>
@@ -7,8 +8,8 @@
 namespace hil
 {
 
-// The aorta session in LOCKSTEP, one step per transfer, every instruction from the first byte of a step to the end of its
-// answer counted (shift 7).
+// The aorta session in LOCKSTEP, one step per transfer, every instruction from the first byte of a step to
+// the end of its answer counted (shift 7).
 AortaRun count_aorta(const AortaFiles &files, std::uint32_t ticks_max);
 
 struct Overruns {

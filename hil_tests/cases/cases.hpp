@@ -1,6 +1,6 @@
 // The cases: claims about a device with its rig, the same at every level.
-// A case makes its own bench, talks to the device through host/link and to the rig through the plant. It fails by an exception
-// whose text has the value and the bar. What it measured it leaves in the report.
+// A case makes its own bench, talks to the device through host/link and to the rig through the plant. It
+// fails by an exception whose text has the value and the bar. What it measured it leaves in the report.
 #pragma once
 #include "hil_tests/cases/bench.hpp"
 #include <span>

@@ -1,4 +1,5 @@
-// What cases say to a device: set-up, sessions in LOCKSTEP and FREE_RUN, and checks with numbers in their texts.
+// What cases say to a device: set-up, sessions in LOCKSTEP and FREE_RUN, and checks with numbers in their
+// texts.
 #pragma once
 #include "hil_tests/cases/cases.hpp"
 #include "host/link/link.hpp"

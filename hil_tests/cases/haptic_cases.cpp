@@ -1,6 +1,7 @@
-// The closed loop of hand, rig, coupling and rod in the five contact situations of docs/haptics.md: a hand that comes, holds, goes
-// half of the way back and holds, loose and firm, sees no limit cycle above 0.05 N, and the passivity observer nothing beyond its bound.
-// firmware/tests/test_haptics.c has the same with a plant of its own; here the very image of a device is in the loop.
+// The closed loop of hand, rig, coupling and rod in the five contact situations of docs/haptics.md: a hand
+// that comes, holds, goes half of the way back and holds, loose and firm, sees no limit cycle above 0.05 N,
+// and the passivity observer nothing beyond its bound. firmware/tests/test_haptics.c has the same with a
+// plant of its own; here the very image of a device is in the loop.
 #include "hil_tests/cases/conversation.hpp"
 #include "hil_tests/cases/haptic_bench.hpp"
 #include "hil_tests/cases/tube_scene.h"

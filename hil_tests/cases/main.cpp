@@ -1,4 +1,5 @@
-// The program hil: cases at every level, the aorta session at every level, what it costs, and one table at the end.
+// The program hil: cases at every level, the aorta session at every level, what it costs, and one table at
+// the end.
 #include "hil_tests/cases/budget.hpp"
 #include "hil_tests/cases/cases.hpp"
 #include "hil_tests/cases/conversation.hpp"
@@ -150,7 +151,8 @@ void judge_instructions(const hil::AortaRun &run, hil::Report &report)
                "%s; allowed: median 500,000, p99.9 600,000, max 900,000", report.text.c_str());
 }
 
-// Every tick of the counted session: instructions and solves, one line each, for whoever looks for the dear ones.
+// Every tick of the counted session: instructions and solves, one line each, for whoever looks for the dear
+// ones.
 void write_counts(const hil::AortaRun &run, crn::PendingFile &file)
 {
     for (std::size_t i = 0; i < run.tick_instructions.size(); i++)
@@ -249,8 +251,8 @@ void run_aorta(const Options &options, Table &table)
     }
 }
 
-// What a command says while it runs goes on to the user; its cases are counted, and its figures are the lines with a dash behind
-// the number sign ("#- 3,000 round trips/s").
+// What a command says while it runs goes on to the user; its cases are counted, and its figures are the lines
+// with a dash behind the number sign ("#- 3,000 round trips/s").
 void follow(const std::string &command, hil::Report &report)
 {
     std::FILE *pipe = popen((command + " 2>&1").c_str(), "r");

@@ -1,5 +1,6 @@
-// The feet: what they do at the rig reaches the X-ray room of the host in the tick in which they did it, and makes fluoroscopy, a
-// roadmap and a cine run. Pictures are blank here; that X-rays are drawn of them is claimed in host/xray/tests.
+// The feet: what they do at the rig reaches the X-ray room of the host in the tick in which they did it, and
+// makes fluoroscopy, a roadmap and a cine run. Pictures are blank here; that X-rays are drawn of them is
+// claimed in host/xray/tests.
 #include "hil_tests/cases/conversation.hpp"
 #include "host/rig/pedals.hpp"
 #include "host/room/room_screen.hpp"

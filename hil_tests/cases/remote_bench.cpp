@@ -117,7 +117,8 @@ crn::UsbTransport &RemoteBench::usb()
     return *usb_;
 }
 
-// The bus may still show a device that has just been switched off: one that has not answered yet is looked for again.
+// The bus may still show a device that has just been switched off: one that has not answered yet is looked
+// for again.
 void RemoteBench::write(std::span<const std::uint8_t> bytes)
 {
     for (int attempt = 0;; attempt++) {

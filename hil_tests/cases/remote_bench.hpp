@@ -1,7 +1,8 @@
-// Levels 2 and 3: the device is in an emulator elsewhere (hil_rig) and is reached by the host's real USB code; the plant is here.
+// Levels 2 and 3: the device is in an emulator elsewhere (hil_rig) and is reached by the host's real USB
+// code; the plant is here.
 //
-// Time is the plant's. What was written has been taken by the device before the next millisecond begins; what the device says
-// meanwhile comes a little later, in order and whole.
+// Time is the plant's. What was written has been taken by the device before the next millisecond begins; what
+// the device says meanwhile comes a little later, in order and whole.
 #pragma once
 #include "hil_tests/cases/bench.hpp"
 #include "hil_tests/l1/bench_server.hpp"

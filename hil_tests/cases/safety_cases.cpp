@@ -1,5 +1,6 @@
 // Safety: whatever breaks while the motors hold a hand, they lose power in time, and the device says why.
-// The meter is clamped to the emulated actuator, behind the power stage: the largest force within each millisecond.
+// The meter is clamped to the emulated actuator, behind the power stage: the largest force within each
+// millisecond.
 #include "hil_tests/cases/conversation.hpp"
 
 namespace hil
@@ -111,7 +112,8 @@ void every_fault_of_the_rig_is_safe_in_5_ms_and_latched(Level &level, const Case
     report.add(text("%d faults, safe after %d ms at most", faults, worst_ms));
 }
 
-// A debugger stops the processor; the power stage watches the drive line by itself, and the device finds out afterwards.
+// A debugger stops the processor; the power stage watches the drive line by itself, and the device finds out
+// afterwards.
 void a_frozen_processor_loses_power_in_5_ms_and_latches_a_fault(Level &level, const CaseOptions &options,
                                                                 Report &report)
 {
@@ -131,8 +133,8 @@ void a_frozen_processor_loses_power_in_5_ms_and_latches_a_fault(Level &level, co
     report.add(text("power off after %d ms, then %s", off_ms, crn_wire_fault_name(code)));
 }
 
-// The supply dips and the processor starts again, at any moment of a session: no power, no memory of the session, and a new
-// one gives the same hashes as ever.
+// The supply dips and the processor starts again, at any moment of a session: no power, no memory of the
+// session, and a new one gives the same hashes as ever.
 void a_brown_out_is_safe_and_a_new_session_starts_clean(Level &level, const CaseOptions &, Report &report)
 {
     Running session(level);

@@ -22,7 +22,8 @@ void lockstep_gives_the_hash_of_the_host_alone(Level &level, const CaseOptions &
         text("%u ticks, hash %016llx", unsigned{here.tick}, static_cast<unsigned long long>(here.hash)));
 }
 
-// The processor stands still between two steps of a session, as under a debugger, while the rig's time goes on.
+// The processor stands still between two steps of a session, as under a debugger, while the rig's time goes
+// on.
 void a_pause_in_lockstep_changes_nothing(Level &level, const CaseOptions &options, Report &report)
 {
     const auto bench = level.make({});
@@ -39,7 +40,8 @@ void a_pause_in_lockstep_changes_nothing(Level &level, const CaseOptions &option
     report.add(text("%d pauses of 10 s of the rig, the first %.1f s of ours", pauses, options.pause_s));
 }
 
-// The closed loop of hand, rig, device and motors, against level 0: force of the motors, motion of the tool, hashes.
+// The closed loop of hand, rig, device and motors, against level 0: force of the motors, motion of the tool,
+// hashes.
 void a_free_run_closes_the_loop_as_at_level_0(Level &level, const CaseOptions &options, Report &report)
 {
     Ending endings[2];
@@ -96,7 +98,8 @@ void pedals_syringe_and_inflator_reach_the_host(Level &level, const CaseOptions 
     report.add(text("%d levels of two pedals, syringe and inflator", changes));
 }
 
-// A tool that slides over its roller: the encoder sees the roller, the session goes on, and the hand gets no more than the grip.
+// A tool that slides over its roller: the encoder sees the roller, the session goes on, and the hand gets no
+// more than the grip.
 void a_roller_that_slips_is_no_fault(Level &level, const CaseOptions &, Report &report)
 {
     PlantSettings settings;
@@ -121,7 +124,8 @@ void a_roller_that_slips_is_no_fault(Level &level, const CaseOptions &, Report &
     report.add(text("slipped by %.1f mm, %.2f N at most", slipped_m * 1e3, most_N));
 }
 
-// Question and answer, one after the other, for a second of ours: every one is answered, and none is lost on the way.
+// Question and answer, one after the other, for a second of ours: every one is answered, and none is lost on
+// the way.
 void every_question_is_answered(Level &level, const CaseOptions &, Report &report)
 {
     using Clock = std::chrono::steady_clock;

@@ -1,5 +1,6 @@
-// The cable is pulled in the middle of a transfer. Where the device hangs on USB it takes itself off the bus with a packet of the transfer
-// (docs/usb.md); elsewhere the pipe ends within a frame. What was on its way is lost, both ways.
+// The cable is pulled in the middle of a transfer. Where the device hangs on USB it takes itself off the bus
+// with a packet of the transfer (docs/usb.md); elsewhere the pipe ends within a frame. What was on its way is
+// lost, both ways.
 #include "hil_tests/cases/conversation.hpp"
 #include <algorithm>
 #include <optional>
@@ -70,7 +71,8 @@ class Cable final : public crn::Transport
     bool is_out_ = false;
 };
 
-// A host whose cable is pulled once in the upload of the scene and once in the session, and that goes on each time.
+// A host whose cable is pulled once in the upload of the scene and once in the session, and that goes on each
+// time.
 class Traveller
 {
   public:
@@ -175,7 +177,8 @@ void a_cable_pulled_in_mid_transfer_costs_no_bit(Level &level, const CaseOptions
                     unsigned{pulls - resumed}));
 }
 
-// Forces are gone 50 ms after the last byte, the session goes on without a host, and with one the forces come back.
+// Forces are gone 50 ms after the last byte, the session goes on without a host, and with one the forces come
+// back.
 void a_cable_pulled_under_power_fades_the_forces(Level &level, const CaseOptions &, Report &report)
 {
     constexpr std::uint32_t push_ms = 200, silent_ms = 50;

@@ -1,5 +1,6 @@
-// A bench whose device is in another process, or another machine: what RemoteBench asks for and EmulatedBench does, over a pipe of
-// bytes. The plant stays with the case; only samples, outputs and power go over the pipe.
+// A bench whose device is in another process, or another machine: what RemoteBench asks for and EmulatedBench
+// does, over a pipe of bytes. The plant stays with the case; only samples, outputs and power go over the
+// pipe.
 //
 //   case, plant, host/link  <--- requests, answers ---> server, emulator, image
 //        +------------------- USB ----------------------------+

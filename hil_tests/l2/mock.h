@@ -1,8 +1,9 @@
-/* What the files of level L2 share: a device, its transfers, and the nodes under which programs see it. One lock guards each; programs' calls are answered by umockdev's thread, the bus moves in another.
+/* What the files of level L2 share: a device, its transfers, and the nodes under which programs see it. One
+ * lock guards each; programs' calls are answered by umockdev's thread, the bus moves in another.
  *
- * Programs poll their nodes, and a plain file is always ready: then libusb would spin. So a node is a FIFO: /dev/bus/usb/...
- * is ready for writing (that is how usbfs says it) while a transfer is done and not reaped, and full otherwise; /dev/hidraw0
- * holds one byte per report that waits.
+ * Programs poll their nodes, and a plain file is always ready: then libusb would spin. So a node is a FIFO:
+ * /dev/bus/usb/... is ready for writing (that is how usbfs says it) while a transfer is done and not reaped,
+ * and full otherwise; /dev/hidraw0 holds one byte per report that waits.
  */
 #ifndef CRN_MOCK_H
 #define CRN_MOCK_H

@@ -1,5 +1,5 @@
-/* What the kernel's usbhid and hidraw do for hidapi: reads reports while somebody has the node open, keeps the last 64, sends
- * written ones, and turns feature reports into control transfers. */
+/* What the kernel's usbhid and hidraw do for hidapi: reads reports while somebody has the node open, keeps
+ * the last 64, sends written ones, and turns feature reports into control transfers. */
 #include "hil_tests/l2/mock.h"
 
 #include <errno.h>

@@ -1,5 +1,5 @@
-/* What the kernel's usbfs does for libusb: transfers are submitted, reaped and discarded by ioctl. An ioctl's argument is the
- * pointer that the program gave; resolving it fetches what it points to. */
+/* What the kernel's usbfs does for libusb: transfers are submitted, reaped and discarded by ioctl. An ioctl's
+ * argument is the pointer that the program gave; resolving it fetches what it points to. */
 #include "hil_tests/l2/mock.h"
 
 #include <errno.h>

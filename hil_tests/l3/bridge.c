@@ -4,8 +4,9 @@
  *   bridge SOCKET --app                      the whole app, in this process
  *   bridge SOCKET --mailbox FILE[:OFFSET]    whatever serves the mailbox in FILE
  *
- * Waits for QEMU to connect (`-chardev socket,path=SOCKET -device usb-redir`), ends when it disconnects. The device may
- * unplug itself, start again and come back at any time. Exit code 0; 1 when the device hangs; 2 for bad arguments.
+ * Waits for QEMU to connect (`-chardev socket,path=SOCKET -device usb-redir`), ends when it disconnects. The
+ * device may unplug itself, start again and come back at any time. Exit code 0; 1 when the device hangs; 2
+ * for bad arguments.
  */
 #define _GNU_SOURCE /* ppoll */
 #include <errno.h>
@@ -34,8 +35,8 @@ typedef struct bridge {
     bool is_shown; /* device_connect was sent */
     bool is_dead;
     uint8_t configuration;
-    int64_t
-        stream_ns; /* when the stream's last transfer was done: the next one follows soon, and waking up takes time */
+    int64_t stream_ns; /* when the stream's last transfer was done: the next one follows soon, and waking up
+                          takes time */
 } bridge;
 
 static uint8_t status_of(usb_result result)
@@ -79,9 +80,10 @@ static bool address_device(bridge *b)
     return true;
 }
 
-/* Interfaces and endpoints of the configuration into usbredir's two tables. Interrupt endpoints are told as bulk: usbredir
- * would read them at the bridge's pace and pile up what the guest does not fetch; so every read of the guest is one of the
- * device, at the pace of the guest's own xHCI, as on a cable. The guest sees the type in the descriptors. */
+/* Interfaces and endpoints of the configuration into usbredir's two tables. Interrupt endpoints are told as
+ * bulk: usbredir would read them at the bridge's pace and pile up what the guest does not fetch; so every
+ * read of the guest is one of the device, at the pace of the guest's own xHCI, as on a cable. The guest sees
+ * the type in the descriptors. */
 static void describe(bridge *b, const uint8_t *bytes, uint32_t count)
 {
     struct usb_redir_interface_info_header interfaces;

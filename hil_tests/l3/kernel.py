@@ -7,6 +7,7 @@ The kernel is the one that the package linux-image-amd64 depends on today. It is
 payload of vmlinuz: without the real-mode stub and its own unpacking the guest boots three seconds sooner. The initrd holds
 busybox, the modules for 9p, xHCI, HID and a virtual serial port with all that they depend on, and an init that runs one script in
 the host's own file tree, read-only, with a folder of the host to write into at /mnt."""
+
 import hashlib
 import io
 import lzma
@@ -121,8 +122,12 @@ def make_initrd(root):
     order = module_order(paths, MODULES)
     with open(os.path.join(root, "bin", "busybox"), "rb") as file:
         busybox = file.read()
-    files = [("init", 0o100755, INIT.encode()), ("bin/busybox", 0o100755, busybox), ("bin/sh", 0o120777, b"busybox"),
-             ("modules/order", 0o100644, "\n".join(os.path.basename(path) for path in order).encode())]
+    files = [
+        ("init", 0o100755, INIT.encode()),
+        ("bin/busybox", 0o100755, busybox),
+        ("bin/sh", 0o120777, b"busybox"),
+        ("modules/order", 0o100644, "\n".join(os.path.basename(path) for path in order).encode()),
+    ]
     for path in order:
         with open(path, "rb") as file:
             files.append(("modules/" + os.path.basename(path), 0o100644, file.read()))

@@ -7,6 +7,7 @@ QEMU emulates an x86-64 PC with an xHCI controller; a bridge hands it each devic
 the current folder, with the host's file tree mounted read-only, so it runs the very programs of the build tree; --out's folder
 is /mnt there, and may be written. Its output is printed as it comes; the exit code is its own, or 1 when something did not
 come up or took too long. Nothing outlives the deadline."""
+
 import argparse
 import os
 import re
@@ -24,19 +25,51 @@ MEMORY_MB = 384
 
 
 def qemu_command(options, folder, sockets):
-    line = ("console=ttyS0 quiet panic=-1 tsc=unstable no_timer_check cournand_script=" + os.path.join(folder, "script"))
+    line = "console=ttyS0 quiet panic=-1 tsc=unstable no_timer_check cournand_script=" + os.path.join(folder, "script")
     vmlinux, initrd = kernel.prepare(options.kernel)
-    command = ["qemu-system-x86_64", "-M", "pc", "-cpu", "max", "-m", str(MEMORY_MB), "-nodefaults", "-no-user-config", "-display", "none",
-               "-serial", "stdio", "-no-reboot", "-kernel", vmlinux, "-initrd", initrd, "-append", line,
-               "-fsdev", "local,id=host,path=/,security_model=none,readonly=on,multidevs=remap",
-               "-device", "virtio-9p-pci,fsdev=host,mount_tag=host",
-               "-fsdev", "local,id=out,path=%s,security_model=none" % (options.out or folder),
-               "-device", "virtio-9p-pci,fsdev=out,mount_tag=out", "-device", "qemu-xhci"]
+    command = [
+        "qemu-system-x86_64",
+        "-M",
+        "pc",
+        "-cpu",
+        "max",
+        "-m",
+        str(MEMORY_MB),
+        "-nodefaults",
+        "-no-user-config",
+        "-display",
+        "none",
+        "-serial",
+        "stdio",
+        "-no-reboot",
+        "-kernel",
+        vmlinux,
+        "-initrd",
+        initrd,
+        "-append",
+        line,
+        "-fsdev",
+        "local,id=host,path=/,security_model=none,readonly=on,multidevs=remap",
+        "-device",
+        "virtio-9p-pci,fsdev=host,mount_tag=host",
+        "-fsdev",
+        "local,id=out,path=%s,security_model=none" % (options.out or folder),
+        "-device",
+        "virtio-9p-pci,fsdev=out,mount_tag=out",
+        "-device",
+        "qemu-xhci",
+    ]
     for i, socket in enumerate(sockets):
         command += ["-chardev", "socket,id=device%d,path=%s" % (i, socket), "-device", "usb-redir,chardev=device%d" % i]
     if options.channel:
-        command += ["-device", "virtio-serial-pci", "-chardev", "socket,id=channel,path=" + options.channel,
-                    "-device", "virtserialport,chardev=channel"]
+        command += [
+            "-device",
+            "virtio-serial-pci",
+            "-chardev",
+            "socket,id=channel,path=" + options.channel,
+            "-device",
+            "virtserialport,chardev=channel",
+        ]
     return command
 
 
@@ -93,11 +126,18 @@ def run_guest(options, folder):
             if not wait_for(socket, bridge, 5):
                 print("run_guest: the bridge did not start", file=sys.stderr)
                 return 1
-        guest = subprocess.Popen(qemu_command(options, folder, sockets), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                                 stderr=subprocess.STDOUT)
+        guest = subprocess.Popen(
+            qemu_command(options, folder, sockets),
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+        )
         code = watch(guest, deadline)
         if code is None:
-            print("run_guest: the guest ended, or was ended after %d s, without an exit code" % options.seconds, file=sys.stderr)
+            print(
+                "run_guest: the guest ended, or was ended after %d s, without an exit code" % options.seconds,
+                file=sys.stderr,
+            )
             return 1
         for bridge in bridges:
             try:
@@ -113,15 +153,33 @@ def run_guest(options, folder):
 def parse(arguments):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--bridge", default="build/hil/bridge", help="default: build/hil/bridge")
-    parser.add_argument("--kernel", default="build/hil/kernel", help="folder of vmlinux and initrd (default: build/hil/kernel)")
+    parser.add_argument(
+        "--kernel", default="build/hil/kernel", help="folder of vmlinux and initrd (default: build/hil/kernel)"
+    )
     parser.add_argument("--seconds", type=int, default=60, help="deadline (default: 60)")
     parser.add_argument("--out", metavar="FOLDER", help="what the guest may write into")
     parser.add_argument("--channel", metavar="SOCKET", help="what the guest's /dev/vport0p1 talks to")
-    parser.add_argument("--here", dest="devices", action="append_const", const=["--here"], help="the loop-back rig inside the bridge")
-    parser.add_argument("--app", dest="devices", action="append", nargs="?", const=["--app"], metavar="SERIAL",
-                        type=lambda serial: ["--app=" + serial], help="the whole app inside the bridge")
-    parser.add_argument("--mailbox", dest="devices", action="append", type=lambda place: ["--mailbox", place],
-                        metavar="FILE[:OFFSET]", help="a mailbox in shared memory")
+    parser.add_argument(
+        "--here", dest="devices", action="append_const", const=["--here"], help="the loop-back rig inside the bridge"
+    )
+    parser.add_argument(
+        "--app",
+        dest="devices",
+        action="append",
+        nargs="?",
+        const=["--app"],
+        metavar="SERIAL",
+        type=lambda serial: ["--app=" + serial],
+        help="the whole app inside the bridge",
+    )
+    parser.add_argument(
+        "--mailbox",
+        dest="devices",
+        action="append",
+        type=lambda place: ["--mailbox", place],
+        metavar="FILE[:OFFSET]",
+        help="a mailbox in shared memory",
+    )
     parser.add_argument("command", nargs="+")
     options = parser.parse_args(arguments)
     if not options.devices:

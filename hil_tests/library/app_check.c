@@ -1,5 +1,5 @@
-/* A LOCKSTEP session with three tools over libusb, against the whole app on USB, gives the state hashes of the same session over
- * the sim's pipe in this process. Prints TAP.
+/* A LOCKSTEP session with three tools over libusb, against the whole app on USB, gives the state hashes of
+ * the same session over the sim's pipe in this process. Prints TAP.
  */
 #include <stdlib.h>
 #include <string.h>

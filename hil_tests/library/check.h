@@ -22,7 +22,8 @@ int check_end(void);
 
 int64_t check_now_us(void);
 
-/* The serial number in `--serial NUMBER`, NULL without; ends the program with 2 when the arguments are others. */
+/* The serial number in `--serial NUMBER`, NULL without; ends the program with 2 when the arguments are
+ * others. */
 const char *check_serial(int argc, char **argv);
 
 #endif

@@ -1,5 +1,5 @@
-/* hidapi, as Debian ships it, against a loop-back device (hil_tests/usb/usb_peer.h): feature reports, state reports tick by
- * tick, commands and their answer. Built twice: for hidraw and for libusb. Prints TAP.
+/* hidapi, as Debian ships it, against a loop-back device (hil_tests/usb/usb_peer.h): feature reports, state
+ * reports tick by tick, commands and their answer. Built twice: for hidraw and for libusb. Prints TAP.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -84,8 +84,9 @@ static bool states_follow(void)
     const int64_t us = check_now_us() - begin;
     check_note("link.hid_reports_per_s %lld", (long long)REPORTS * 1000000 / us);
     check_note("link.hid_ticks_lost %u of %u", (unsigned)lost, (unsigned)(REPORTS + lost));
-    /* A busy machine loses a few; who shares the reports with somebody loses every second one. A machine that is too slow for 1 kHz
-     * loses as many, so `make test` states the figure and leaves the verdict to `make hil-mock`. */
+    /* A busy machine loses a few; who shares the reports with somebody loses every second one. A machine that
+     * is too slow for 1 kHz loses as many, so `make test` states the figure and leaves the verdict to `make
+     * hil-mock`. */
     return getenv("UNPACED") != NULL || lost < REPORTS / 2;
 }
 

@@ -1,5 +1,5 @@
-/* libusb, as Debian ships it, against a loop-back device (hil_tests/usb/usb_peer.h): descriptors, refusals, the stream both
- * ways, time-outs, cancelling, halts, and a device that unplugs itself. Prints TAP.
+/* libusb, as Debian ships it, against a loop-back device (hil_tests/usb/usb_peer.h): descriptors, refusals,
+ * the stream both ways, time-outs, cancelling, halts, and a device that unplugs itself. Prints TAP.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <stdlib.h>
@@ -237,8 +237,9 @@ static bool recovers_from_a_halt(void)
     return begin_stream() && echo(700);
 }
 
-/* A device that came back is listed before it can be talked to: the bus' table has it first, its node's rights (and at L2 the one
- * who answers for it) come after. So whoever finds it and is not answered looks again. */
+/* A device that came back is listed before it can be talked to: the bus' table has it first, its node's
+ * rights (and at L2 the one who answers for it) come after. So whoever finds it and is not answered looks
+ * again. */
 static bool answers(void)
 {
     return libusb_claim_interface(device, STREAM_INTERFACE) == 0 && begin_stream() && echo(64);

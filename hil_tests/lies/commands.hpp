@@ -1,5 +1,5 @@
-// The commands that talk to a device, each in this process from its command line to its exit code, with a liar on the bus; and
-// whether what they recorded is true.
+// The commands that talk to a device, each in this process from its command line to its exit code, with a
+// liar on the bus; and whether what they recorded is true.
 #pragma once
 #include "hil_tests/lies/lie.hpp"
 #include <functional>
@@ -23,8 +23,8 @@ void write_inputs(const std::string &folder, unsigned ticks);
 int run_command(const LiedTo &command, const Lie &lie, const std::string &folder,
                 const std::function<void()> &struck);
 
-// Empty: every tick, full hash and snapshot of the recording, as far as it goes, is what this machine's core has; and where the
-// command said that all is well, it is complete. Else what is false.
+// Empty: every tick, full hash and snapshot of the recording, as far as it goes, is what this machine's core
+// has; and where the command said that all is well, it is complete. Else what is false.
 std::string falsehood(const std::string &recording, bool has_to_be_complete);
 
 } // namespace hil

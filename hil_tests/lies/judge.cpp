@@ -32,8 +32,8 @@ double since(Clock::time_point begin)
     return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-// A child that does `work` and whose exit code is what that returns; its output goes to a file. A byte comes through the pipe
-// when the lie is told.
+// A child that does `work` and whose exit code is what that returns; its output goes to a file. A byte comes
+// through the pipe when the lie is told.
 class Child
 {
   public:

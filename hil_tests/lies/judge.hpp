@@ -1,5 +1,5 @@
-// One lie to one command, in a process of its own: how it ended, how soon, how soon after Ctrl-C, and whether a falsehood was
-// recorded.
+// One lie to one command, in a process of its own: how it ended, how soon, how soon after Ctrl-C, and whether
+// a falsehood was recorded.
 #pragma once
 #include "hil_tests/lies/commands.hpp"
 
@@ -24,7 +24,8 @@ struct Verdict {
 inline constexpr double lie_limit_s = 10.0, lie_interrupt_limit_s = 1.0;
 
 std::vector<LieCase> cases_of(std::size_t lies_per_command); // 0: all
-// Lies of `cases`, `jobs` at a time. `tell` may be empty. Ctrl-C ends it early. Ticks of the session: 5,000 and more have a snapshot.
+// Lies of `cases`, `jobs` at a time. `tell` may be empty. Ctrl-C ends it early. Ticks of the session: 5,000
+// and more have a snapshot.
 std::vector<Verdict> judge(const std::vector<LieCase> &cases, unsigned jobs, unsigned ticks,
                            const std::function<void(std::size_t done)> &tell);
 

@@ -158,7 +158,8 @@ bool Liar::lie_about_frame(const Frame &frame, const Bytes &raw)
 
 // --- messages ---
 
-// Begin, chunks and end belong together: what is changed in the middle needs another checksum at the beginning.
+// Begin, chunks and end belong together: what is changed in the middle needs another checksum at the
+// beginning.
 bool Liar::lie_about_snapshot(const Frame &frame, const Bytes &raw)
 {
     if (!lie_.is_group("snapshot.")) return false;

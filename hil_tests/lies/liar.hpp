@@ -1,5 +1,5 @@
-// A rig on the fake bus that tells one lie: the firmware's own device behind a mouth that changes what it says.
-// Called by the bus, with its lock held.
+// A rig on the fake bus that tells one lie: the firmware's own device behind a mouth that changes what it
+// says. Called by the bus, with its lock held.
 #pragma once
 #include "firmware/port/sim/sim.h"
 #include "hil_tests/lies/lie.hpp"
@@ -27,8 +27,8 @@ Bytes encode(const Frame &frame);
 class Liar
 {
   public:
-    // `frames`: how many an honest device sends to this command; a lie about a later one is told about an earlier one.
-    // `struck` is called when the lie is told first.
+    // `frames`: how many an honest device sends to this command; a lie about a later one is told about an
+    // earlier one. `struck` is called when the lie is told first.
     Liar(const Lie &lie, unsigned frames, crn_sim *sim, std::function<void()> struck);
     void take(std::span<const std::uint8_t> bytes);
     std::size_t give(std::span<std::uint8_t> bytes);
@@ -64,7 +64,8 @@ class Liar
     std::deque<std::pair<Clock::time_point, Bytes>> late_;
 };
 
-// Changes one field of a message as the lie says; false: this message is not what it is about. (liar_fields.cpp)
+// Changes one field of a message as the lie says; false: this message is not what it is about.
+// (liar_fields.cpp)
 bool change_field(const Lie &lie, Frame &frame, const Bytes &last_ticks);
 // The type of message that a lie about a field is about; 0: none in particular.
 std::uint16_t type_of(const Lie &lie);

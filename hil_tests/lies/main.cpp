@@ -1,4 +1,5 @@
-// The program hil_lies: lies of a device to every command that talks to one (docs/hil.md), all of them, a spread, or one by its line.
+// The program hil_lies: lies of a device to every command that talks to one (docs/hil.md), all of them, a
+// spread, or one by its line.
 #include "hil_tests/lies/judge.hpp"
 #include "host/base/interrupt.hpp"
 #include "host/base/pending_file.hpp"

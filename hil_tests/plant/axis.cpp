@@ -62,8 +62,8 @@ void Axis::advance(double command, bool powered)
     if (hand_ == Hand::none) hand_force_ = 0.0;
 }
 
-// Impulses of grip (tool -> roller) and bearing, each within its bound, so that slip and bearing speed are zero or the bound
-// is reached: projected Gauss-Seidel on two unknowns.
+// Impulses of grip (tool -> roller) and bearing, each within its bound, so that slip and bearing speed are
+// zero or the bound is reached: projected Gauss-Seidel on two unknowns.
 void Axis::solve(double tool_free, double tool_mobility, double roller_free)
 {
     const double roller_mobility = 1.0 / settings_.roller_inertia;

@@ -6,9 +6,9 @@
 //                                                                                 |
 //      motor force, first-order lag ----> roller, inertia m_r, speed w: Coulomb and viscous friction, encoder
 //
-// Positions in m or rad, + into the patient; forces in N or N m. A motor command is + when it pushes the hand back out, so it
-// accelerates towards minus. The two frictions are solved as bounded impulses in every step of 50 us, together, so that
-// sticking is exact: a body at rest under less than its friction does not creep.
+// Positions in m or rad, + into the patient; forces in N or N m. A motor command is + when it pushes the hand
+// back out, so it accelerates towards minus. The two frictions are solved as bounded impulses in every step
+// of 50 us, together, so that sticking is exact: a body at rest under less than its friction does not creep.
 #pragma once
 
 namespace hil

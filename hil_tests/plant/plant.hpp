@@ -1,11 +1,13 @@
-// A rig made of numbers: three tracks with two axes each, syringe, inflator, switches and the power stage, advanced by one
-// millisecond at a time. It reads what a port writes (crn_port_outputs) and gives what a port samples (crn_port_inputs).
+// A rig made of numbers: three tracks with two axes each, syringe, inflator, switches and the power stage,
+// advanced by one millisecond at a time. It reads what a port writes (crn_port_outputs) and gives what a port
+// samples (crn_port_inputs).
 //
-//   outputs of the device --> power stage --> motors --> axes --> encoders, force sensors --> inputs of the device
+//   outputs of the device --> power stage --> motors --> axes --> encoders, force sensors --> inputs of the
+//   device
 //
-// The power stage is on while the supply is good, the stop released, `enable` set, and the last flip of the drive line at most
-// CRN_PORT_DRIVE_HOLD_ms ago. It watches by itself: a device that stands still loses power, whoever stopped it.
-// Deterministic: the same seed and the same outputs give the same inputs.
+// The power stage is on while the supply is good, the stop released, `enable` set, and the last flip of the
+// drive line at most CRN_PORT_DRIVE_HOLD_ms ago. It watches by itself: a device that stands still loses
+// power, whoever stopped it. Deterministic: the same seed and the same outputs give the same inputs.
 #pragma once
 #include "firmware/port/port.h"
 #include "hil_tests/plant/axis.hpp"

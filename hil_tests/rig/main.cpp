@@ -2,9 +2,10 @@
 //
 //   hil_rig [--serial S] [--live] -- COMMAND ARGUMENT...
 //
-// The image runs in an emulator. Its milliseconds and its sensors are a plant's in this process, in real time (--live: a hand that
-// pushes, turns and pulls back against the motors), or those of whoever connects to the bench socket. In COMMAND, {mailbox} becomes the place of
-// the device's USB tokens, for bridge and mock_bus, and {bench} the socket. The exit code is the command's, or 1.
+// The image runs in an emulator. Its milliseconds and its sensors are a plant's in this process, in real time
+// (--live: a hand that pushes, turns and pulls back against the motors), or those of whoever connects to the
+// bench socket. In COMMAND, {mailbox} becomes the place of the device's USB tokens, for bridge and mock_bus,
+// and {bench} the socket. The exit code is the command's, or 1.
 #include "hil_tests/l1/bench_server.hpp"
 #include "hil_tests/l1/emulated_bench.hpp"
 #include "host/base/interrupt.hpp"
@@ -64,7 +65,8 @@ class LiveRig
 
     std::string mailbox() { return bench_.emulator().memory_path() + ":0"; }
 
-    // In real time until `is_over`. A machine that stood still is not made up for: neither rig nor device saw it.
+    // In real time until `is_over`. A machine that stood still is not made up for: neither rig nor device saw
+    // it.
     void run(const std::atomic<bool> &is_over)
     {
         Clock::time_point due = Clock::now();

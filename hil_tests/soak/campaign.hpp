@@ -1,5 +1,5 @@
-// Many sessions of one seed, in processes of their own, as many at a time as there are jobs: drawn, judged, shrunk when a bar breaks, and written
-// row by row. Ctrl-C ends it; a later call goes on.
+// Many sessions of one seed, in processes of their own, as many at a time as there are jobs: drawn, judged,
+// shrunk when a bar breaks, and written row by row. Ctrl-C ends it; a later call goes on.
 #pragma once
 #include "hil_tests/soak/draw.hpp"
 #include "hil_tests/soak/rows.hpp"
@@ -22,7 +22,8 @@ struct CampaignSettings {
     bool shows_progress = true;
 };
 
-// One session by its number: judged in a process of its own, and shrunk into the folder when it broke. Nothing when it was interrupted.
+// One session by its number: judged in a process of its own, and shrunk into the folder when it broke.
+// Nothing when it was interrupted.
 std::optional<Row> judge_session(const Catalogue &catalogue, const CampaignSettings &settings,
                                  const DrawnSession &session);
 

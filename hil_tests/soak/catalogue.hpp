@@ -1,5 +1,6 @@
-// What sessions are drawn from: baked scenes with their vessels, every instrument and stent that ships, and the sets of instruments that fit
-// into each other. Read once; a session's device and sinks take it from here.
+// What sessions are drawn from: baked scenes with their vessels, every instrument and stent that ships, and
+// the sets of instruments that fit into each other. Read once; a session's device and sinks take it from
+// here.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/model/lesion_opening.hpp"
@@ -43,7 +44,8 @@ struct Catalogue {
     std::vector<SoakScene> scenes;
     std::vector<SoakTool> tools;
     std::vector<SoakStent> stents;
-    // Indices into `tools` from the innermost: 1 to 3 of them, each passes the lumen of the next, at most one balloon.
+    // Indices into `tools` from the innermost: 1 to 3 of them, each passes the lumen of the next, at most one
+    // balloon.
     std::vector<std::vector<std::size_t>> sets;
 
     const SoakScene &scene(const std::string &path) const; // throws std::runtime_error

@@ -1,4 +1,5 @@
-// Random numbers that are the same with every library: std::mt19937_64 is defined to the bit, its distributions are not.
+// Random numbers that are the same with every library: std::mt19937_64 is defined to the bit, its
+// distributions are not.
 #pragma once
 #include <cstdint>
 #include <random>

@@ -21,7 +21,8 @@ struct Cast {
     std::optional<std::size_t> balloon; // index into tools
 };
 
-// An instrument first, then any set that has it, so that every one comes about as often as another. Three of ten sessions have one tool.
+// An instrument first, then any set that has it, so that every one comes about as often as another. Three of
+// ten sessions have one tool.
 Cast draw_tools(const Catalogue &catalogue, const SoakScene &scene, Dice &dice)
 {
     const bool is_treated = !scene.stations.empty(); // there is something for a balloon

@@ -1,5 +1,6 @@
-// Random sessions that `cournand run` would take: tools that fit into each other, a way into the vessels, and what hands, inflator, syringe, heart
-// and X-ray room may do on it. The same seed and index give the same session on every machine (docs/soak.md).
+// Random sessions that `cournand run` would take: tools that fit into each other, a way into the vessels, and
+// what hands, inflator, syringe, heart and X-ray room may do on it. The same seed and index give the same
+// session on every machine (docs/soak.md).
 #pragma once
 #include "hil_tests/soak/catalogue.hpp"
 #include "hil_tests/soak/drawn.hpp"

@@ -1,5 +1,5 @@
-// A drawn session: which scene, which tools, which stents, and an ordinary session script (docs/session.md) as lines. What is drawn can
-// therefore be printed and done again by `cournand run`.
+// A drawn session: which scene, which tools, which stents, and an ordinary session script (docs/session.md)
+// as lines. What is drawn can therefore be printed and done again by `cournand run`.
 #pragma once
 #include <cstdint>
 #include <string>

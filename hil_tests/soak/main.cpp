@@ -1,5 +1,5 @@
-// The program soak: random legal sessions for hours, held against the bars of docs/soak.md. Exit codes: 0 every bar held, 1 one broke or the
-// program failed, 2 wrong usage.
+// The program soak: random legal sessions for hours, held against the bars of docs/soak.md. Exit codes: 0
+// every bar held, 1 one broke or the program failed, 2 wrong usage.
 #include "hil_tests/soak/campaign.hpp"
 #include "host/base/interrupt.hpp"
 #include "host/base/output_files.hpp"

@@ -1,5 +1,6 @@
-// Ways into the vessels that chance alone would not find: over the wire, round the arch into a coronary artery, into a renal artery; and what is
-// done with a balloon. Each is a sequence of statements whose numbers are drawn about those of the shipped sessions.
+// Ways into the vessels that chance alone would not find: over the wire, round the arch into a coronary
+// artery, into a renal artery; and what is done with a balloon. Each is a sequence of statements whose
+// numbers are drawn about those of the shipped sessions.
 #pragma once
 #include "hil_tests/soak/scribe.hpp"
 

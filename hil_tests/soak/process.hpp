@@ -13,8 +13,8 @@ struct Process {
     int pipe; // of what it says; it closes when it ends
 };
 
-// Runs `work` there and ends with 0 when all that it returned was taken, else, or for nothing, with 1. It ends with its parent. Throws
-// std::runtime_error.
+// Runs `work` there and ends with 0 when all that it returned was taken, else, or for nothing, with 1. It
+// ends with its parent. Throws std::runtime_error.
 Process start_process(const std::function<std::optional<std::string>()> &work);
 
 // As waitpid() tells it.

@@ -20,8 +20,8 @@ Row row_of(const std::string &line); // throws std::runtime_error
 class RowsFile
 {
   public:
-    // `key` says what the rows were made with; rows of another key are put aside as "path.old". A last line that was cut off is
-    // dropped. Throws std::runtime_error.
+    // `key` says what the rows were made with; rows of another key are put aside as "path.old". A last line
+    // that was cut off is dropped. Throws std::runtime_error.
     RowsFile(const std::string &path, const std::string &key);
 
     void add(const Row &row); // at once into the file

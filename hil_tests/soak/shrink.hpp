@@ -1,4 +1,5 @@
-// A broken session made short: whatever can be left out, halved or made plainer while the same bar breaks. Bounded in trials and in time.
+// A broken session made short: whatever can be left out, halved or made plainer while the same bar breaks.
+// Bounded in trials and in time.
 #pragma once
 #include "hil_tests/soak/trial.hpp"
 
@@ -20,7 +21,8 @@ struct Shrunk {
 Shrunk shrink(const DrawnSession &session, const Verdict &found,
               const std::function<Verdict(const DrawnSession &)> &judge, const ShrinkLimits &limits = {});
 
-// The pieces, for tests. The session without that tool: its statements are left out, the names of the others move up.
+// The pieces, for tests. The session without that tool: its statements are left out, the names of the others
+// move up.
 DrawnSession without_tool(const DrawnSession &session, std::size_t tool);
 // Plainer forms of a statement, the plainest first.
 std::vector<std::string> plainer(const std::string &line);

@@ -1,5 +1,6 @@
-// One session against the bars, on the host's own run_session(): hands, device, stents, contrast medium and recording are those of `cournand run`,
-// without pictures. It ends at the first tick that breaks a bar; one that holds them all is replayed from its recording, tick by tick.
+// One session against the bars, on the host's own run_session(): hands, device, stents, contrast medium and
+// recording are those of `cournand run`, without pictures. It ends at the first tick that breaks a bar; one
+// that holds them all is replayed from its recording, tick by tick.
 #pragma once
 #include "hil_tests/soak/catalogue.hpp"
 #include "hil_tests/soak/drawn.hpp"
@@ -14,8 +15,9 @@ struct Bars {
     double iodine_share = 1e-6; // of what was injected, that may be missing
 };
 
-// What a session gave. `broken` is the name of the bar: saturation, penetration, length, force, iodine, replay, fault (another one of the
-// core), error (an exception, or an input that was refused), crash, time; empty when all held.
+// What a session gave. `broken` is the name of the bar: saturation, penetration, length, force, iodine,
+// replay, fault (another one of the core), error (an exception, or an input that was refused), crash, time;
+// empty when all held.
 struct Verdict {
     std::string broken, text; // one sentence
     std::uint32_t tick = 0;   // at which it broke

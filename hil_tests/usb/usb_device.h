@@ -1,5 +1,5 @@
-/* The whole device in this process behind the token mailbox: the app, the USB stack, the controller in memory. It has no rig; the
- * host says where the hands are. One per process: the scene slots are static.
+/* The whole device in this process behind the token mailbox: the app, the USB stack, the controller in
+ * memory. It has no rig; the host says where the hands are. One per process: the scene slots are static.
  */
 #ifndef CRN_USB_DEVICE_H
 #define CRN_USB_DEVICE_H
@@ -25,10 +25,12 @@ typedef struct usb_device {
     uint8_t read_bytes[USB_DEVICE_READ_BYTES];
 } usb_device;
 
-/* Power up, on the bus; the host is there and has not reset it yet. False: the stack refused its configuration. */
+/* Power up, on the bus; the host is there and has not reset it yet. False: the stack refused its
+ * configuration. */
 bool usb_device_start(usb_device *device, const char *serial);
 
-/* The same, then reset, address, configuration; the zero that begins the stream is read. False: something was refused. */
+/* The same, then reset, address, configuration; the zero that begins the stream is read. False: something was
+ * refused. */
 bool usb_device_open(usb_device *device);
 
 /* One millisecond. */

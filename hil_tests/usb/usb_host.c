@@ -143,7 +143,8 @@ usb_result usb_host_packet_in(usb_host *host, uint8_t endpoint, uint8_t *bytes, 
         result = judge(reply);
         if (result == USB_OK) {
             if (lost) {
-                host->repeats++; /* our ACK does not arrive; the device must say it again with the same toggle */
+                host->repeats++; /* our ACK does not arrive; the device must say it again with the same toggle
+                                  */
                 continue;
             }
             if ((reply == CRN_MAILBOX_REPLY_DATA1) != host->toggle_in[endpoint]) return USB_BROKEN;

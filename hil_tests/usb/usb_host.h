@@ -1,9 +1,11 @@
-/* The host's end of the token mailbox: a host controller that sends tokens, keeps data toggles, repeats what was lost,
- * and gives up in time. For tests, fuzz targets and bridges; the device may run in this process or in another.
+/* The host's end of the token mailbox: a host controller that sends tokens, keeps data toggles, repeats what
+ * was lost, and gives up in time. For tests, fuzz targets and bridges; the device may run in this process or
+ * in another.
  *
- * Waiting is the caller's: `wait` runs between two looks at the mailbox and between two tries of a packet that was NAKed.
- * In one process it runs the device; towards another process it sleeps. It returns false when the deadline is over that
- * `begin_wait` set: how long a device may take to serve one token. NAKs are counted.
+ * Waiting is the caller's: `wait` runs between two looks at the mailbox and between two tries of a packet
+ * that was NAKed. In one process it runs the device; towards another process it sleeps. It returns false when
+ * the deadline is over that `begin_wait` set: how long a device may take to serve one token. NAKs are
+ * counted.
  */
 #ifndef CRN_USB_HOST_H
 #define CRN_USB_HOST_H
@@ -18,7 +20,8 @@ typedef enum usb_result {
     USB_NAKED,   /* the device had nothing, or no room, until the deadline */
     USB_SILENT,  /* three tries without an answer: address, endpoint or device is not there */
     USB_DEAD,    /* the mailbox itself is not served: the device's program hangs */
-    USB_BROKEN, /* the device broke a rule: a longer packet than fits, a reply that does not belong to the token */
+    USB_BROKEN,  /* the device broke a rule: a longer packet than fits, a reply that does not belong to the
+                    token */
 } usb_result;
 
 typedef struct usb_host {

@@ -1,5 +1,5 @@
-/* Are these descriptors right? Read from the standards' side, without a look at the table they were made from: USB 2.0
- * chapter 9, HID 1.11 section 6, Microsoft OS 2.0.
+/* Are these descriptors right? Read from the standards' side, without a look at the table they were made
+ * from: USB 2.0 chapter 9, HID 1.11 section 6, Microsoft OS 2.0.
  */
 #ifndef CRN_USB_JUDGE_H
 #define CRN_USB_JUDGE_H

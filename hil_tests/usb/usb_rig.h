@@ -1,5 +1,5 @@
-/* A rig that is nothing but its USB side, in this process: stack, controller in memory, and an app that sends back every
- * frame it gets and remembers what it was asked for.
+/* A rig that is nothing but its USB side, in this process: stack, controller in memory, and an app that sends
+ * back every frame it gets and remembers what it was asked for.
  */
 #ifndef CRN_USB_RIG_H
 #define CRN_USB_RIG_H

@@ -1,5 +1,6 @@
-/* Transfers that wait: what a host controller driver keeps per endpoint. Each step tries one packet of the first transfer of
- * every endpoint and never waits for a device that has nothing, so that one slow endpoint holds up no other.
+/* Transfers that wait: what a host controller driver keeps per endpoint. Each step tries one packet of the
+ * first transfer of every endpoint and never waits for a device that has nothing, so that one slow endpoint
+ * holds up no other.
  */
 #ifndef CRN_USB_URBS_H
 #define CRN_USB_URBS_H
@@ -38,7 +39,8 @@ static inline unsigned usb_urbs_pipe(uint8_t endpoint)
 /* False: no such endpoint, or too many wait. */
 bool usb_urbs_submit(usb_urbs *urbs, const usb_urb *urb);
 
-/* Take a transfer back; its buffer is the submitter's again, and `complete` is not called. False: it is not there. */
+/* Take a transfer back; its buffer is the submitter's again, and `complete` is not called. False: it is not
+ * there. */
 bool usb_urbs_cancel(usb_urbs *urbs, uint64_t id, usb_urb *urb);
 
 /* The first one of an endpoint, or none. */

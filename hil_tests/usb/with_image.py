@@ -6,6 +6,7 @@
 Where an argument is `{mailbox}` the place of the USB tokens in the emulator's memory is put in: FILE:OFFSET, for `bridge` and
 `mock_bus`. The device has no rig; its milliseconds are the emulator's. The exit code is the command's; 1 when the device does
 not start. Nothing outlives the command."""
+
 import os
 import struct
 import subprocess
@@ -39,14 +40,28 @@ def main():
         with open(memory, "wb") as file:
             file.truncate(MEMORY_BYTES)
         emulator = subprocess.Popen(
-            ["qemu-system-arm", "-M", "mps2-an500,memory-backend=ram", "-object",
-             "memory-backend-file,id=ram,size=%d,mem-path=%s,share=on" % (MEMORY_BYTES, memory), "-nodefaults", "-display", "none",
-             "-kernel", sys.argv[1]], stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            [
+                "qemu-system-arm",
+                "-M",
+                "mps2-an500,memory-backend=ram",
+                "-object",
+                "memory-backend-file,id=ram,size=%d,mem-path=%s,share=on" % (MEMORY_BYTES, memory),
+                "-nodefaults",
+                "-display",
+                "none",
+                "-kernel",
+                sys.argv[1],
+            ],
+            stdin=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
         try:
             if not wait_for_device(memory, emulator):
                 print("with_image: the device did not start within %d s" % START_SECONDS, file=sys.stderr)
                 return 1
-            return subprocess.run([word.replace("{mailbox}", memory + ":0") for word in sys.argv[2:]], check=False).returncode
+            return subprocess.run(
+                [word.replace("{mailbox}", memory + ":0") for word in sys.argv[2:]], check=False
+            ).returncode
         finally:
             emulator.kill()
             emulator.wait()

@@ -1,4 +1,5 @@
-// The command line `cournand`: exit codes 0 done, 1 failed, 2 wrong usage, 3 physics left its range (range_watch.hpp).
+// The command line `cournand`: exit codes 0 done, 1 failed, 2 wrong usage, 3 physics left its range
+// (range_watch.hpp).
 #pragma once
 #include "host/app/window.hpp"
 #include "host/base/output_files.hpp"
@@ -52,16 +53,17 @@ int command_info_opengl();
 int command_info(const std::string &path);
 int command_instruments(const InstrumentsOptions &options);
 
-// Tools from the innermost to the outermost: --instrument first, then every --tool. Throws UsageError for none or more
-// than a line holds, FileError for a bad file.
+// Tools from the innermost to the outermost: --instrument first, then every --tool. Throws UsageError for
+// none or more than a line holds, FileError for a bad file.
 std::vector<Instrument> read_tools(const std::string &instrument, const std::vector<std::string> &tools);
-// Where they enter: no length (the default), one for all, or one each. Throws UsageError for more lengths than tools.
+// Where they enter: no length (the default), one for all, or one each. Throws UsageError for more lengths
+// than tools.
 crn_wire_entry entry_with(const SceneFile &scene, std::size_t tool_count,
                           const std::vector<double> &inserted_mm);
 // The table over the entry, following the tip.
 std::vector<RoomCommand> entry_commands(const SceneFile &scene);
-// The device of a session that the rig leads. With `motors` it shows what will be powered and asks, unless `yes`; throws
-// RigStopped when that is not confirmed.
+// The device of a session that the rig leads. With `motors` it shows what will be powered and asks, unless
+// `yes`; throws RigStopped when that is not confirmed.
 DeviceChoice free_run_device(const std::string &device, bool motors, bool yes);
 // Stents for these tools into the settings of a session's pictures. Throws FileError.
 void take_stents(PictureSettings &settings, const std::vector<std::string> &paths,
@@ -71,11 +73,13 @@ inline constexpr RoomCommand first_stent{RoomAction::load_stent, {}};
 // The paths of a set of tools as inputs for check_outputs.
 std::vector<NamedPath> tool_inputs(const std::string &instrument, const std::vector<std::string> &tools);
 
-// The very scene of a recording, from where it or the user says, and a core that can play it. Throw std::runtime_error.
+// The very scene of a recording, from where it or the user says, and a core that can play it. Throw
+// std::runtime_error.
 SceneFile recorded_scene(const RecordingHeader &header, const std::string &given_path);
 void check_core(const RecordingHeader &header, const crn_wire_hello_reply &identity);
 
-// Where physics left its range: the branch it was in, from the scene's bodies; nothing when it did not, or when they cannot be read.
+// Where physics left its range: the branch it was in, from the scene's bodies; nothing when it did not, or
+// when they cannot be read.
 void name_range_branch(RangeWatch &range, const std::string &bodies_path);
 // Says on stderr that physics left its range and gives the exit code for it; 0: it did not.
 int exit_of_range(const RangeWatch &range);

@@ -45,7 +45,8 @@ std::string read_all(int from)
     }
 }
 
-// What dciodvfy says of one file; its exit code says nothing. Throws std::runtime_error when it cannot be run.
+// What dciodvfy says of one file; its exit code says nothing. Throws std::runtime_error when it cannot be
+// run.
 std::string ask_dciodvfy(const std::string &file)
 {
     int ends[2];

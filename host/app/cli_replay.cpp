@@ -83,7 +83,8 @@ int print_result(const Recording &recording, const ReplayOptions &options, const
         std::printf("verified: %u ticks and %u full hashes agree\n", unsigned{result.ticks_compared},
                     unsigned{result.hashes_compared});
     }
-    // What is missing cannot be verified: a script that looks at the exit code must not take this for a whole session.
+    // What is missing cannot be verified: a script that looks at the exit code must not take this for a whole
+    // session.
     if (options.verify && !recording.is_complete) {
         say(stderr,
             "cournand: %s: verified up to tick %zu, but the recording was cut off there: how the session "

@@ -20,7 +20,8 @@ struct Stages {
     std::size_t positioned = 0, inflated = 0, released = 0; // ticks
 };
 
-// About the highest pressure of the session: the last tick before the inflator goes up to it, the last at it, and when it is down again.
+// About the highest pressure of the session: the last tick before the inflator goes up to it, the last at it,
+// and when it is down again.
 Stages stages_of(const Recording &recording, const std::string &path)
 {
     const auto pressure = [&](std::size_t tick) { return recording.ticks[tick].input.inflator_raw; };

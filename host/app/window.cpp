@@ -37,7 +37,8 @@ std::string numbered(const std::string &wanted, int number)
     return path.string();
 }
 
-// Where a session is kept that nobody named: by date and time below the user's state folder (XDG Base Directory Specification).
+// Where a session is kept that nobody named: by date and time below the user's state folder (XDG Base
+// Directory Specification).
 std::string kept_recording()
 {
     const char *state = std::getenv("XDG_STATE_HOME"), *home = std::getenv("HOME");
@@ -128,7 +129,8 @@ class Window
         start();
     }
 
-    // The exit code: not 0 when a signal ended it, or the session stands in a fault; everything written is whole all the same.
+    // The exit code: not 0 when a signal ended it, or the session stands in a fault; everything written is
+    // whole all the same.
     int run()
     {
         Pace pace(options_.frames > 0);

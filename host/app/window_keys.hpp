@@ -17,7 +17,8 @@ class WindowKeys
   public:
     WindowKeys(std::size_t tool_count, bool shows_help) : tool_count_(tool_count), shows_help_(shows_help) {}
 
-    // Presses: C-arm, table, field, switches; `screen` has the room as it is now, because most keys change what is there.
+    // Presses: C-arm, table, field, switches; `screen` has the room as it is now, because most keys change
+    // what is there.
     void take(const Screen::KeyEvent &event, const RoomScreen &screen);
     void hold(const Screen &screen); // keys held down: hand and pedal; call once per screen
     void

@@ -166,7 +166,8 @@ void LiveSession::batch(std::uint32_t count)
     if (figures_.range.is_left()) stop_out_of_range();
 }
 
-// A rig of metal has its own clock, and is heard of once per screen; where we make its time, it gets what is due.
+// A rig of metal has its own clock, and is heard of once per screen; where we make its time, it gets what is
+// due.
 void LiveSession::advance_rig(std::uint32_t ticks)
 {
     const std::uint32_t shown = device_.link().nodes().tick;

@@ -1,5 +1,6 @@
-// A session led by hand: one device, its recording and its pictures. One object is one session; reset makes a new one.
-// A device in FREE_RUN leads itself: its encoders are the hands; the pedals of a rig work beside the keys.
+// A session led by hand: one device, its recording and its pictures. One object is one session; reset makes a
+// new one. A device in FREE_RUN leads itself: its encoders are the hands; the pedals of a rig work beside the
+// keys.
 #pragma once
 #include "host/picture/session_pictures.hpp"
 #include "host/rig/pedals.hpp"
@@ -21,7 +22,8 @@ namespace crn
 class LiveSession final : private FreeRunSink
 {
   public:
-    // `tools` from the innermost. `begin`: what the room is asked for at the start. `record` empty: none. Throws what Device, Recorder and SessionPictures throw.
+    // `tools` from the innermost. `begin`: what the room is asked for at the start. `record` empty: none.
+    // Throws what Device, Recorder and SessionPictures throw.
     LiveSession(const SceneFile &scene, const std::vector<Instrument> &tools, const crn_wire_entry &entry,
                 const std::string &record, const PictureSettings &pictures,
                 const std::vector<RoomCommand> &begin, const DeviceChoice &choice = {});
@@ -35,7 +37,8 @@ class LiveSession final : private FreeRunSink
     // `ticks` ticks; pictures are made when they are due. False when the device stopped: fault() says why.
     bool advance(std::uint32_t ticks);
     const std::string &fault() const { return fault_; }
-    // A session whose physics left its range goes no further: fault() has the notice, this what is known of it.
+    // A session whose physics left its range goes no further: fault() has the notice, this what is known of
+    // it.
     const RangeWatch &range() const { return figures_.range; }
     void annotate(const std::string &notice, const std::vector<std::string> &panel);
     const Image &image() const { return pictures_.image(); }

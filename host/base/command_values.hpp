@@ -6,7 +6,8 @@
 namespace crn
 {
 
-// `--json ""` is a script's empty variable, not a wish for no file: wrong usage, here and in every command below.
+// `--json ""` is a script's empty variable, not a wish for no file: wrong usage, here and in every command
+// below.
 inline void refuse_empty_values(CLI::App &app)
 {
     for (CLI::Option *option : app.get_options())

@@ -14,7 +14,8 @@ namespace crn
 // The same with an end of line.
 [[gnu::format(printf, 1, 2)]] std::string formatted_line(const char *format, ...);
 
-// Text as HTML and SVG show it, in an element or in an attribute between double quotes: &, <, > and " replaced.
+// Text as HTML and SVG show it, in an element or in an attribute between double quotes: &, <, > and "
+// replaced.
 std::string html_text(const std::string &text);
 
 } // namespace crn

@@ -16,7 +16,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-// Address sanitizers map terabytes, which no limit on the address space allows: the parent watches the child's memory instead.
+// Address sanitizers map terabytes, which no limit on the address space allows: the parent watches the
+// child's memory instead.
 #if defined(__SANITIZE_ADDRESS__)
 #define CRN_WATCHES_MEMORY 1
 #elif defined(__has_feature)
@@ -90,7 +91,8 @@ void set_limits(const ReadLimits &limits, std::uint64_t space_before)
 void reset_signals()
 {
     for (int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGALRM}) std::signal(number, SIG_DFL);
-    // A handler of faults that leaps back into the program would go on there, in the child. A sanitizer's only reports.
+    // A handler of faults that leaps back into the program would go on there, in the child. A sanitizer's
+    // only reports.
     if (!CRN_WATCHES_MEMORY)
         for (int number : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS}) std::signal(number, SIG_DFL);
     sigset_t none;
@@ -173,7 +175,8 @@ std::uint64_t regular_file_bytes(const std::string &file, std::uint64_t most)
     return bytes;
 }
 
-// --- the child's side ------------------------------------------------------------------------------------------------
+// --- the child's side
+// ------------------------------------------------------------------------------------------------
 void Outbox::bytes(const void *bytes, std::size_t count)
 {
     if (!is_begun_) send(pipe_, &has_data, 1);
@@ -187,7 +190,8 @@ void Outbox::text(std::string_view text)
     bytes(text.data(), text.size());
 }
 
-// --- the parent's side -----------------------------------------------------------------------------------------------
+// --- the parent's side
+// -----------------------------------------------------------------------------------------------
 Inbox::Inbox(const std::string &file, const ReadLimits &limits)
     : file_(file), limits_(limits), began_(std::chrono::steady_clock::now())
 {

@@ -1,5 +1,6 @@
-// Files that other people's parsers read are read in a child process with limits on memory, time and stack. What it understood comes
-// back through a pipe as plain data, which the caller checks. A damaged file ends only the child, and the message says how.
+// Files that other people's parsers read are read in a child process with limits on memory, time and stack.
+// What it understood comes back through a pipe as plain data, which the caller checks. A damaged file ends
+// only the child, and the message says how.
 //
 //   caller                       child
 //   read_apart -> fork ------->  limits, signals back to their defaults, no output but the pipe
@@ -35,10 +36,12 @@ struct ReadLimits {
 inline constexpr std::uint64_t read_memory_bytes_max = std::uint64_t{1900}
                                                        << 20; // with the parent below 2 GB
 
-// By the size of the file: 18 s and, beyond 8 MiB, 2 s per MiB more; `growth` is how much memory a byte of the file may become.
+// By the size of the file: 18 s and, beyond 8 MiB, 2 s per MiB more; `growth` is how much memory a byte of
+// the file may become.
 ReadLimits read_limits(std::uint64_t file_bytes, double growth);
 
-// What the child says. Everything before the first call may still fail with a message of its own (a std::exception).
+// What the child says. Everything before the first call may still fail with a message of its own (a
+// std::exception).
 class Outbox
 {
   public:
@@ -63,7 +66,8 @@ class Outbox
     bool is_begun_ = false;
 };
 
-// The child as its parent sees it. Every call throws GuardedReadError when the child ends, or its time does, before it has said so much.
+// The child as its parent sees it. Every call throws GuardedReadError when the child ends, or its time does,
+// before it has said so much.
 class Inbox
 {
   public:
@@ -107,15 +111,17 @@ class Inbox
     int child_ = -1, pipe_ = -1, noise_ = -1, status_ = 0;
 };
 
-// Runs `parse` in the child and `take` here. Throws GuardedReadError, or what `take` throws; then the child has ended.
+// Runs `parse` in the child and `take` here. Throws GuardedReadError, or what `take` throws; then the child
+// has ended.
 void read_apart(const std::string &file, const ReadLimits &limits, const std::function<void(Outbox &)> &parse,
                 const std::function<void(Inbox &)> &take);
 
-// Asked while a child is waited for, when a signal came: true ends it with the message "interrupted". A program whose handler
-// of Ctrl-C only raises a flag sets this.
+// Asked while a child is waited for, when a signal came: true ends it with the message "interrupted". A
+// program whose handler of Ctrl-C only raises a flag sets this.
 void stop_reading_when(bool (*is_wanted)());
 
-// The size of a regular file, for read_limits. Throws GuardedReadError: no such file, a folder, over `most` bytes.
+// The size of a regular file, for read_limits. Throws GuardedReadError: no such file, a folder, over `most`
+// bytes.
 std::uint64_t regular_file_bytes(const std::string &file, std::uint64_t most);
 
 } // namespace crn

@@ -76,8 +76,8 @@ fs::path end_of_links(const std::string &path)
     return failed ? fs::path(path) : target;
 }
 
-// "path.part1234-9f3a60c2d81b": by the number the user finds whose it is, and nobody can guess the rest. A name that would
-// become too long loses its end.
+// "path.part1234-9f3a60c2d81b": by the number the user finds whose it is, and nobody can guess the rest. A
+// name that would become too long loses its end.
 std::string pending_name(const fs::path &path)
 {
     std::uint64_t random = 0;
@@ -89,7 +89,8 @@ std::string pending_name(const fs::path &path)
     return (path.parent_path() / (path.filename().string().substr(0, room) + ending)).string();
 }
 
-// Throws OutputError when the name is that of a folder, a device or a pipe: renaming would put a file in their place.
+// Throws OutputError when the name is that of a folder, a device or a pipe: renaming would put a file in
+// their place.
 void check_kind(const std::string &path)
 {
     std::error_code failed;
@@ -116,8 +117,8 @@ int sync_file(const std::string &path)
     return sync_path(path, O_RDONLY | O_NOFOLLOW);
 }
 
-// The name itself: without it a crash of the machine may bring the old file back. A folder that may be written but not read
-// cannot be asked.
+// The name itself: without it a crash of the machine may bring the old file back. A folder that may be
+// written but not read cannot be asked.
 void sync_folder_of(const fs::path &path)
 {
     const fs::path folder = path.parent_path();

@@ -1,5 +1,5 @@
-// A file under way: it is written beside the wanted name and gets that name when it is whole, so that a name never stands
-// for half a file, and what stood there before is kept until then.
+// A file under way: it is written beside the wanted name and gets that name when it is whole, so that a name
+// never stands for half a file, and what stood there before is kept until then.
 #pragma once
 #include <cstdio>
 #include <memory>
@@ -19,9 +19,10 @@ class OutputError : public std::runtime_error
     using std::runtime_error::runtime_error;
 };
 
-// A file that stands beside the one that is wanted (beside the end of a link) until it is whole: "path.partPID-RANDOM". It did
-// not exist before and no link was followed; it is watched as below. `ending` goes behind the name, for writers that look at
-// it. Throws OutputError; also when the wanted name is empty or that of a folder, a device or a pipe.
+// A file that stands beside the one that is wanted (beside the end of a link) until it is whole:
+// "path.partPID-RANDOM". It did not exist before and no link was followed; it is watched as below. `ending`
+// goes behind the name, for writers that look at it. Throws OutputError; also when the wanted name is empty
+// or that of a folder, a device or a pipe.
 struct OpenPending {
     std::string name;
     int file; // descriptor to write to, the caller's; programs that are started do not inherit it
@@ -31,13 +32,14 @@ OpenPending open_pending(const std::string &path, const std::string &ending = ""
 // Throws what open_pending would throw, and leaves nothing.
 void probe_output(const std::string &path);
 
-// Gives what is whole and closed its name: the bytes reach the disk before the name does, and the name before this returns.
-// Throws OutputError; what was written is then removed. `keeps_unsynced`: what a full disk holds of it is worth its name.
+// Gives what is whole and closed its name: the bytes reach the disk before the name does, and the name before
+// this returns. Throws OutputError; what was written is then removed. `keeps_unsynced`: what a full disk
+// holds of it is worth its name.
 void commit_pending(const std::string &pending, const std::string &path, bool keeps_unsynced = false);
 void discard_pending(const std::string &pending) noexcept;
 
-// Files that must not be left behind: a signal that ends the program (SIGINT, SIGTERM, SIGHUP) removes them first. At
-// most pending_max at a time; more are written all the same, but a signal leaves them.
+// Files that must not be left behind: a signal that ends the program (SIGINT, SIGTERM, SIGHUP) removes them
+// first. At most pending_max at a time; more are written all the same, but a signal leaves them.
 inline constexpr int pending_max = 32;
 void watch_pending(const std::string &pending);
 void forget_pending(const std::string &pending) noexcept;
@@ -69,14 +71,15 @@ class PendingFile
     bool has_name_ = false;
 };
 
-// Files that belong together, such as a scene and its bodies: they all get their names, or what stood there stays.
+// Files that belong together, such as a scene and its bodies: they all get their names, or what stood there
+// stays.
 class FileSet
 {
   public:
     // Writes it beside its name. Throws OutputError.
     void add(const std::string &path, std::string_view bytes);
-    // Throws OutputError; names that were given are then taken back. Only a program that is killed in between (SIGKILL, a
-    // crash of the machine) leaves some of each: whoever reads them has to find that out.
+    // Throws OutputError; names that were given are then taken back. Only a program that is killed in between
+    // (SIGKILL, a crash of the machine) leaves some of each: whoever reads them has to find that out.
     void commit();
 
   private:

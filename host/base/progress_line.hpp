@@ -1,5 +1,5 @@
-// How far long work is, on standard error: a bar that is redrawn where a person looks on, else a plain line whenever
-// another file begins.
+// How far long work is, on standard error: a bar that is redrawn where a person looks on, else a plain line
+// whenever another file begins.
 #pragma once
 #include <chrono>
 #include <cstddef>

@@ -1,5 +1,5 @@
-// What a person reads in a terminal: text from files, devices and other people's libraries reaches it without control characters, so
-// that no name moves the cursor, changes a title or forges a line.
+// What a person reads in a terminal: text from files, devices and other people's libraries reaches it without
+// control characters, so that no name moves the cursor, changes a title or forges a line.
 #pragma once
 #include <cstdio>
 #include <string>
@@ -8,8 +8,9 @@
 namespace crn
 {
 
-// A name or path in one line: control characters (C0, DEL, C1), those that turn the direction of writing, the separators of
-// lines and bytes that are no UTF-8 become \xNN, byte by byte; all else stays. A backslash stays too: this is for reading.
+// A name or path in one line: control characters (C0, DEL, C1), those that turn the direction of writing, the
+// separators of lines and bytes that are no UTF-8 become \xNN, byte by byte; all else stays. A backslash
+// stays too: this is for reading.
 std::string printable(std::string_view text);
 // The same for whole messages: ends of lines stay.
 std::string printable_lines(std::string_view text);

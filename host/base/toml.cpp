@@ -40,7 +40,8 @@ class Look
         ++at_;
     }
 
-    // A string of one line ends with it; one of three quotes ends with three, before which two more may belong to it.
+    // A string of one line ends with it; one of three quotes ends with three, before which two more may
+    // belong to it.
     void skip_string(char quote)
     {
         const std::string three(3, quote);

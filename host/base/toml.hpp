@@ -1,17 +1,19 @@
-// toml++, for texts that anyone may have written. Its assertions are meant for its own developers, but some fail on texts that it
-// then refuses properly (a lone '['), and would end the program.
+// toml++, for texts that anyone may have written. Its assertions are meant for its own developers, but some
+// fail on texts that it then refuses properly (a lone '['), and would end the program.
 //
-// toml++ goes one call deeper for each table within a table, and so does every walk through what it read: a header of 400,000
-// dotted names ends the program. So a text is looked through first. With at most 32 names in a key and 32 brackets within each
-// other no table lies deeper than 32 + 33 * 32, about 1,100: a hundred times less than the stack holds. The size bounds the memory.
+// toml++ goes one call deeper for each table within a table, and so does every walk through what it read: a
+// header of 400,000 dotted names ends the program. So a text is looked through first. With at most 32 names
+// in a key and 32 brackets within each other no table lies deeper than 32 + 33 * 32, about 1,100: a hundred
+// times less than the stack holds. The size bounds the memory.
 #pragma once
 #define TOML_ASSERT(expr) static_cast<void>(0)
 #include <cstddef>
 #include <stdexcept>
 #include <string>
 #include <string_view>
-// toml++ 3.3 looks up which letters are blanks in a table with gaps, and says of the gaps that they are never reached: a letter outside
-// ASCII between two values does reach them, which is undefined. There the answer is "no blank". Upstream's macro is put back below.
+// toml++ 3.3 looks up which letters are blanks in a table with gaps, and says of the gaps that they are never
+// reached: a letter outside ASCII between two values does reach them, which is undefined. There the answer is
+// "no blank". Upstream's macro is put back below.
 #include <toml++/impl/preprocessor.h>
 #undef TOML_UNREACHABLE
 #define TOML_UNREACHABLE return false

@@ -1,5 +1,6 @@
-// What a millisecond of contrast medium costs, and what its columns cost in a picture: docs/contrast.md. A tree of 2,000 cells,
-// medium in every one of them, a beating heart and an injection in every step; the shipped aorta with its renal arteries filled.
+// What a millisecond of contrast medium costs, and what its columns cost in a picture: docs/contrast.md. A
+// tree of 2,000 cells, medium in every one of them, a beating heart and an injection in every step; the
+// shipped aorta with its renal arteries filled.
 #include "firmware/bench/bench.h"
 #include "host/effects/contrast_flow.hpp"
 #include "host/patient/contrast.hpp"

@@ -1,5 +1,5 @@
-// What a stent costs at a picture, with a thousand struts in an artery that beats, and how the shipped stent stays in the shipped heart's
-// LAD for a minute: docs/stent.md.
+// What a stent costs at a picture, with a thousand struts in an artery that beats, and how the shipped stent
+// stays in the shipped heart's LAD for a minute: docs/stent.md.
 #include "firmware/bench/bench.h"
 #include "host/stent/tests/stent_heart.hpp"
 #include "host/stent/tests/stent_vessel.hpp"
@@ -109,8 +109,9 @@ double step_instructions(const bench_case *)
     return 0.0;
 }
 
-// The shipped stent at 22 mm of the shipped heart's LAD, opened to the artery's own width for two seconds; 60 s at 70 /min and 15
-// pictures a second. 0: farthest from where the wall carries a crown, mm; 1: deepest strut, mm; 2: least apposition, %.
+// The shipped stent at 22 mm of the shipped heart's LAD, opened to the artery's own width for two seconds; 60
+// s at 70 /min and 15 pictures a second. 0: farthest from where the wall carries a crown, mm; 1: deepest
+// strut, mm; 2: least apposition, %.
 double in_the_heart(const bench_case *self)
 {
     Bodies bodies;

@@ -1,5 +1,5 @@
-// What a stent's struts cost in an X-ray picture; and that picture: the shipped stent in the shipped heart's LAD, crimped and deployed, with and
-// without contrast medium.
+// What a stent's struts cost in an X-ray picture; and that picture: the shipped stent in the shipped heart's
+// LAD, crimped and deployed, with and without contrast medium.
 //
 //   build/bench/bench_stent_picture picture out/stent.png      four of them side by side (docs/stent.md)
 #include "firmware/bench/bench.h"

@@ -1,5 +1,6 @@
-// How long a picture takes: docs/bench.md and docs/xray.md. The patient is out/aorta.bodies (`make run` leaves it) or, where
-// that is missing, one made here; both have at least 300,000 triangles and four materials.
+// How long a picture takes: docs/bench.md and docs/xray.md. The patient is out/aorta.bodies (`make run`
+// leaves it) or, where that is missing, one made here; both have at least 300,000 triangles and four
+// materials.
 #include "firmware/bench/bench.h"
 #include "host/xray/chain.hpp"
 #include "host/xray/gl/gl_paths.hpp"
@@ -126,7 +127,8 @@ class Bench
             curves_.push_back(strut);
         }
     }
-    // The technique on which automatic exposure rests in each view; then locked, so that frames differ in nothing else.
+    // The technique on which automatic exposure rests in each view; then locked, so that frames differ in
+    // nothing else.
     void settle(int size)
     {
         for (std::size_t i = 0; i < std::size(looks); ++i) {
@@ -181,7 +183,8 @@ class Bench
 
 constexpr int is_kept = 1 << 16, is_beating = 1 << 17, has_four = 1 << 18;
 
-// Processor time of this process, all threads: what is left of a frame's time when others use the machine too.
+// Processor time of this process, all threads: what is left of a frame's time when others use the machine
+// too.
 double processor_ms()
 {
     timespec now;
@@ -244,7 +247,8 @@ double frame_instructions(const bench_case *self)
     return 0.0;
 }
 
-// Path lengths alone: by the rasteriser and by OpenGL on OSMesa, two threads each, in turn; of each view the fastest.
+// Path lengths alone: by the rasteriser and by OpenGL on OSMesa, two threads each, in turn; of each view the
+// fastest.
 struct PathTimes {
     double raster_ms = 0.0, osmesa_ms = 0.0; // means over the views
     double difference_mm = 0.0;              // mean over all pixels with any of a material, all materials

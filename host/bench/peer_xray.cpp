@@ -1,11 +1,11 @@
-// The pictures that tools/bench/run_xray_peers.py compares with gVirtualXray (docs/bench.md): a patient's bodies from several sides
-// with a beam of five energies.
+// The pictures that tools/bench/run_xray_peers.py compares with gVirtualXray (docs/bench.md): a patient's
+// bodies from several sides with a beam of five energies.
 //
 //   peer_xray BODIES FOLDER SIZE ROUNDS
 //
-// writes FOLDER/body_N.stl (binary, mm), FOLDER/scene.json (materials, geometry of each view, spectrum) and FOLDER/ours_V.f32
-// (transmissions, row 0 on top), and prints one line of key=value pairs. Bodies within bodies within the skin (marrow, vessels of the
-// lungs) are left out: the peer knows one level.
+// writes FOLDER/body_N.stl (binary, mm), FOLDER/scene.json (materials, geometry of each view, spectrum) and
+// FOLDER/ours_V.f32 (transmissions, row 0 on top), and prints one line of key=value pairs. Bodies within
+// bodies within the skin (marrow, vessels of the lungs) are left out: the peer knows one level.
 #include "host/xray/detector.hpp"
 #include "host/xray/xray.hpp"
 #include <Eigen/Geometry>

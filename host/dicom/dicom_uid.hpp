@@ -1,5 +1,5 @@
-// Unique identifiers out of what they name: the same content gets the same UID, other content another. Form 2.25 of
-// PS3.5 B.2, a 128-bit number without a registered root.
+// Unique identifiers out of what they name: the same content gets the same UID, other content another.
+// Form 2.25 of PS3.5 B.2, a 128-bit number without a registered root.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -16,7 +16,8 @@ class Digest
     void add(std::string_view text); // with its length, so that "ab", "c" is not "a", "bc"
     // 32 hexadecimal digits.
     std::string hex() const;
-    // "2.25." and the decimal number of a UUID of version 8 (RFC 9562) made of the digest; at most 44 characters.
+    // "2.25." and the decimal number of a UUID of version 8 (RFC 9562) made of the digest; at most 44
+    // characters.
     std::string uid() const;
 
   private:

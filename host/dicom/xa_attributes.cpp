@@ -116,7 +116,8 @@ void put_pixel_format(XaItem &item, const XrayRun &run)
     item.shorts(DCM_PixelRepresentation, {0});
 }
 
-// C.8.7.1.1.2, and C.11.1 for LOG: a table back to what is proportional to the intensity. It is not for display.
+// C.8.7.1.1.2, and C.11.1 for LOG: a table back to what is proportional to the intensity. It is not for
+// display.
 void put_relation(XaItem &item, const XrayRun &run)
 {
     if (run.relation == PixelRelation::linear) item.text(DCM_PixelIntensityRelationship, "LIN");

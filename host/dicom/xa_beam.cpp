@@ -139,8 +139,8 @@ void put_acquisition(XaItem &item, const XrayRun &run)
     put_dose(item, run);
 }
 
-// C.8.7.3: rows and columns counted from 1. The edges named are the last columns and rows behind the blades, 0 and size+1
-// where nothing of the picture is covered.
+// C.8.7.3: rows and columns counted from 1. The edges named are the last columns and rows behind the blades,
+// 0 and size+1 where nothing of the picture is covered.
 void put_collimator(XaItem &item, const XrayRun &run)
 {
     const RunCollimator &shape = run.collimator;
@@ -159,9 +159,9 @@ void put_collimator(XaItem &item, const XrayRun &run)
     item.whole(DCM_CollimatorLowerHorizontalEdge, shape.bottom + 1);
 }
 
-// C.8.7.4: longitudinal is toward LAO (patient's left), lateral toward cranial, for a patient on the back with the head
-// at the head end. The patient point at the isocentre goes the other way than the table. Down is positive (as in
-// C.8.19.6.11; the classic module leaves the sign open).
+// C.8.7.4: longitudinal is toward LAO (patient's left), lateral toward cranial, for a patient on the back
+// with the head at the head end. The patient point at the isocentre goes the other way than the table. Down
+// is positive (as in C.8.19.6.11; the classic module leaves the sign open).
 void put_table(XaItem &item, const XrayRun &run)
 {
     const std::vector<double> left_mm = offsets(run, [](const CArm &c) { return -c.isocentre_m.x() * 1e3; });

@@ -20,7 +20,8 @@ namespace
 constexpr std::size_t piece_bytes = std::size_t{1} << 20;
 static_assert(std::endian::native == std::endian::little, "pixels go to the file as they lie in memory");
 
-// Hands what DCMTK encodes to the file, piece by piece, so that a full disk has its reason and Ctrl-C is heard.
+// Hands what DCMTK encodes to the file, piece by piece, so that a full disk has its reason and Ctrl-C is
+// heard.
 class Encoder
 {
   public:

@@ -27,8 +27,8 @@ struct XaStudy {
     std::string description;  // of the study
 };
 
-// Frames and bytes that one file may hold; longer runs go on in the next. Vectors with a number per frame have at most
-// 65,534 characters, and viewers load a file whole.
+// Frames and bytes that one file may hold; longer runs go on in the next. Vectors with a number per frame
+// have at most 65,534 characters, and viewers load a file whole.
 inline constexpr std::size_t xa_frames_max = 2000;
 inline constexpr std::size_t xa_bytes_max = std::size_t{1} << 31;
 
@@ -42,7 +42,8 @@ class XaInterrupted : public std::runtime_error
     using std::runtime_error::runtime_error;
 };
 
-// The pixels of a whole export, on the disk instead of in memory until their files are written. One for many runs.
+// The pixels of a whole export, on the disk instead of in memory until their files are written. One for many
+// runs.
 class XaSpool
 {
   public:
@@ -76,8 +77,9 @@ struct XaPixels {
 // std::invalid_argument when the frames differ in size.
 void add_frame(XaSpool &spool, XaPixels &pixels, const RunFrame &frame);
 
-// `run` describes the frames that were added, in order (its own pixels are not used). `instance` counts the files of the
-// study from 1. Throws OutputError, XaInterrupted, and std::invalid_argument when the run contradicts itself.
+// `run` describes the frames that were added, in order (its own pixels are not used). `instance` counts the
+// files of the study from 1. Throws OutputError, XaInterrupted, and std::invalid_argument when the run
+// contradicts itself.
 void write_xa(const std::string &path, const XrayRun &run, XaSpool &spool, const XaPixels &pixels,
               const XaStudy &study, int instance, const XaProgress &progress);
 

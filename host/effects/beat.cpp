@@ -7,7 +7,8 @@ namespace crn
 namespace
 {
 
-// Shares of the mean flow that go evenly through the whole beat; the rest goes in a hump. Assumptions: docs/contrast.md.
+// Shares of the mean flow that go evenly through the whole beat; the rest goes in a hump. Assumptions:
+// docs/contrast.md.
 constexpr double systemic_even = 0.6;        // the hump fills systole
 constexpr double left_coronary_even = 0.25;  // the hump fills diastole
 constexpr double right_coronary_even = 0.75; // the hump fills diastole

@@ -1,6 +1,6 @@
-// What drives blood through the vessels at a moment of the heartbeat: pressure at the inlet, and how open the beds behind
-// the outlets are. Whoever leads the rhythm gives the phase; steady_beat() is a heart that always beats alike.
-// No libm: the same bits on every machine. See docs/contrast.md.
+// What drives blood through the vessels at a moment of the heartbeat: pressure at the inlet, and how open the
+// beds behind the outlets are. Whoever leads the rhythm gives the phase; steady_beat() is a heart that always
+// beats alike. No libm: the same bits on every machine. See docs/contrast.md.
 #pragma once
 #include "host/model/vessel_tree.hpp"
 #include <array>
@@ -30,12 +30,13 @@ struct FlowDrive {
 
 FlowDrive flow_drive(const BeatPhase &phase);
 
-// The core's own beat (docs/heart.md): from the state of a tick. The valve opens after 24 % of systole, which lasts
-// 540 ms - 2.1 ms per beat per minute from the QRS, and closes at its end. Resting (asystole): nothing flows.
+// The core's own beat (docs/heart.md): from the state of a tick. The valve opens after 24 % of systole, which
+// lasts 540 ms - 2.1 ms per beat per minute from the QRS, and closes at its end. Resting (asystole): nothing
+// flows.
 BeatPhase core_beat(double beat_ms, double interval_ms, bool is_resting);
 
-// Beats of one length from tick 0 on; 20 .. 250 per minute. Ejection lasts 413 ms less 1.7 ms per beat per minute (Weissler
-// et al., Circulation 37 (1968) 149, men).
+// Beats of one length from tick 0 on; 20 .. 250 per minute. Ejection lasts 413 ms less 1.7 ms per beat per
+// minute (Weissler et al., Circulation 37 (1968) 149, men).
 BeatPhase steady_beat(std::uint32_t tick, double beats_per_min);
 
 } // namespace crn

@@ -87,8 +87,8 @@ void ContrastFlow::step(const FlowDrive &drive, const InjectedFluid &fluid)
     mix(step_s);
 }
 
-// A cell that widens takes blood from its neighbours, one that narrows gives it to them: a source of nothing but volume, evenly over the
-// steps that are left.
+// A cell that widens takes blood from its neighbours, one that narrows gives it to them: a source of nothing
+// but volume, evenly over the steps that are left.
 void ContrastFlow::find_widening()
 {
     if (widening_steps_ == 0) return;
@@ -111,7 +111,8 @@ void ContrastFlow::end_widening()
     network_.set_volumes(volume_ml_);
 }
 
-// The layers got their shares of the flows, but each grows by half of the volume: one hands the difference to the other.
+// The layers got their shares of the flows, but each grows by half of the volume: one hands the difference to
+// the other.
 void ContrastFlow::widen(double dt_s)
 {
     const double core_share = settings_.core_flow_share;
@@ -146,8 +147,9 @@ double ContrastFlow::parts_of_step()
     return std::max(std::ceil(emptied * faster * step_s / emptied_max), 1.0);
 }
 
-// Each layer by itself, upwind: a flow carries the concentration of the cell that it leaves. Both layers have half of the
-// volume, and the same shares of every flow, injected fluid included, so that what enters a layer also leaves it.
+// Each layer by itself, upwind: a flow carries the concentration of the cell that it leaves. Both layers have
+// half of the volume, and the same shares of every flow, injected fluid included, so that what enters a layer
+// also leaves it.
 void ContrastFlow::transport(double dt_s, const InjectedFluid &fluid)
 {
     const double core = settings_.core_flow_share * dt_s, wall = (1.0 - settings_.core_flow_share) * dt_s;
@@ -162,7 +164,8 @@ void ContrastFlow::transport(double dt_s, const InjectedFluid &fluid)
     }
 }
 
-// One layer: seconds times its share of the flows, and what it holds. All flows carry what was there before any of them.
+// One layer: seconds times its share of the flows, and what it holds. All flows carry what was there before
+// any of them.
 void ContrastFlow::carry(double share_s, std::vector<double> &layer_mg)
 {
     const std::vector<FlowRun> &runs = network_.runs();
@@ -195,7 +198,8 @@ void ContrastFlow::carry(double share_s, std::vector<double> &layer_mg)
     }
 }
 
-// The layers' difference falls as exp(-k t), k in proportion to the speed; implicit, so that it never overshoots.
+// The layers' difference falls as exp(-k t), k in proportion to the speed; implicit, so that it never
+// overshoots.
 void ContrastFlow::mix(double dt_s)
 {
     double *core = core_mg_.data(), *wall = wall_mg_.data();
@@ -224,7 +228,8 @@ double ContrastFlow::held_mg() const
     return sum;
 }
 
-// Behind a branch's beginning lies what came in there and what was injected behind it; branches stand behind their parents.
+// Behind a branch's beginning lies what came in there and what was injected behind it; branches stand behind
+// their parents.
 std::vector<double> ContrastFlow::received_mg() const
 {
     const std::size_t count = cells_.branch_count();

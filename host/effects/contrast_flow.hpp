@@ -6,8 +6,8 @@
 //   contrast.step(flow_drive(phase), {4.0, 350.0});
 //   contrast.iodine_mg_per_ml(cell);
 //
-// Iodine is conserved: injected = in the vessels + out + reflux. A pure function of what it is given, in a fixed order and
-// without libm: the same bits on every machine.
+// Iodine is conserved: injected = in the vessels + out + reflux. A pure function of what it is given, in a
+// fixed order and without libm: the same bits on every machine.
 #pragma once
 #include "host/effects/flow_network.hpp"
 #include <cstdint>
@@ -20,8 +20,8 @@ namespace crn
 
 struct ContrastSettings {
     double viscosity_mPa_s = 3.5; // of blood
-    // Blood moves in two layers of equal area: the one around the axis carries this share of the flow. 0.75: laminar
-    // (Poiseuille's parabola); 0.5: all alike.
+    // Blood moves in two layers of equal area: the one around the axis carries this share of the flow. 0.75:
+    // laminar (Poiseuille's parabola); 0.5: all alike.
     double core_flow_share = 0.75;
     double mixing_radii = 30.0; // while it flows so many radii, the layers' difference falls to 1/e
 };
@@ -57,8 +57,9 @@ class ContrastFlow
 
     const FlowCells &cells() const { return cells_; }
     void place(const VesselTree &moved) { cells_.place(moved); }
-    // Lesions have given way (FlowCells::reshape). Resistances are the new ones at once; volumes become so within that many steps: what is
-    // missing comes from the cells beside, and what is too much goes there, at the concentration it has. 0 steps: every cell keeps its iodine.
+    // Lesions have given way (FlowCells::reshape). Resistances are the new ones at once; volumes become so
+    // within that many steps: what is missing comes from the cells beside, and what is too much goes there,
+    // at the concentration it has. 0 steps: every cell keeps its iodine.
     void reshape(const VesselTree &opened, int steps);
 
     void set_tools(std::span<const ToolBall> balls);
@@ -75,12 +76,13 @@ class ContrastFlow
 
     double held_mg() const; // in the vessels
     const IodineBudget &budget() const { return budget_; }
-    // What came into each branch and did not go back to where it came from: injected in it, or carried in by the blood from the vessel
-    // before it or out of one behind it. What it hands on to its own branches counts for both.
+    // What came into each branch and did not go back to where it came from: injected in it, or carried in by
+    // the blood from the vessel before it or out of one behind it. What it hands on to its own branches
+    // counts for both.
     std::vector<double> received_mg() const;
 
-    // Everything that the next step depends on besides the vessels' shape, as bytes: open lesions are reshaped before. A snapshot of
-    // other vessels is refused.
+    // Everything that the next step depends on besides the vessels' shape, as bytes: open lesions are
+    // reshaped before. A snapshot of other vessels is refused.
     std::vector<std::uint8_t> snapshot() const;
     bool restore(std::span<const std::uint8_t> bytes);
 

@@ -43,7 +43,8 @@ Vector3d between(const std::vector<Vector3d> &points_m, const FlowCell::Place &p
     return points_m[place.point] + place.share * (points_m[place.point + 1] - points_m[place.point]);
 }
 
-// Sums over a cell's stretch of its branch, whose radius is linear between its points: length, integrals of pi r^2 ds and of ds / r^4.
+// Sums over a cell's stretch of its branch, whose radius is linear between its points: length, integrals of
+// pi r^2 ds and of ds / r^4.
 void measure(FlowCell &cell, const VesselBranch &branch)
 {
     double volume_mm3 = 0.0;

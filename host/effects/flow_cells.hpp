@@ -1,4 +1,5 @@
-// The tree of vessels cut into cells of blood: position, radius, length and volume of each, and the cell it is fed from.
+// The tree of vessels cut into cells of blood: position, radius, length and volume of each, and the cell it
+// is fed from.
 //
 //   FlowCells cells(tree);        // cells of a branch follow each other; a cell stands behind the one that feeds it
 //   cells.reshape(opened);        // the same vessels with lesions that have given way: other radii, volumes and places
@@ -37,7 +38,8 @@ class FlowCells
 {
   public:
     FlowCells() = default;
-    // `tree` has passed check_vessel_tree. Cells are half a radius long, 1 to 3 mm. A branch begins at vessel_start_m. Outlets without a stated flow get what Murray's law gives their radius.
+    // `tree` has passed check_vessel_tree. Cells are half a radius long, 1 to 3 mm. A branch begins at
+    // vessel_start_m. Outlets without a stated flow get what Murray's law gives their radius.
     explicit FlowCells(const VesselTree &tree);
 
     std::size_t size() const { return cells_.size(); }
@@ -48,9 +50,11 @@ class FlowCells
 
     const std::vector<FlowThroat> &throats() const { return throats_; } // one for each lesion
 
-    // Other points and radii within the tree's lesions, in the pose that the tree had. What flows into the beds stays as it was.
+    // Other points and radii within the tree's lesions, in the pose that the tree had. What flows into the
+    // beds stays as it was.
     void reshape(const VesselTree &opened);
-    // Other places for the tree's points: as many branches, points and lesions as it had. Others are left out.
+    // Other places for the tree's points: as many branches, points and lesions as it had. Others are left
+    // out.
     void place(const VesselTree &moved);
     const Eigen::Vector3d &middle_m(std::size_t i) const { return middle_m_[i]; }
     Eigen::Vector3d first_face_m(std::size_t i) const { return at(i, cells_[i].first); }

@@ -15,8 +15,8 @@ constexpr double blood_kg_m3 = 1060.0;
 constexpr double expansion_loss = 1.5; // K_t, about (Young and Tsai 1973)
 constexpr int settle_rounds = 60;      // each halves what is missing, at least
 
-// Pressure lost behind a throat, K_t rho/2 (A0/As - 1)^2 v0^2, per square of the flow. Format: mm and ml/s -> mmHg s^2/ml^2
-// (1 ml/s through 1 mm^2 is 1 m/s). 0 where the throat is no narrower than the vessel.
+// Pressure lost behind a throat, K_t rho/2 (A0/As - 1)^2 v0^2, per square of the flow. Format: mm and ml/s ->
+// mmHg s^2/ml^2 (1 ml/s through 1 mm^2 is 1 m/s). 0 where the throat is no narrower than the vessel.
 double loss_of(const FlowThroat &throat, double tool_radius_mm)
 {
     const double area = throat.healthy_radius_mm * throat.healthy_radius_mm;
@@ -183,8 +183,9 @@ double FlowNetwork::pressure_mmHg(std::size_t cell) const
     return rows_[run].pressure_mmHg + (flow_ml_s == 0.0 ? 0.0 : flow_ml_s * resistance);
 }
 
-// Behind a run's last cell lie conductances c to the veins and sources s. Its pressure is p, the way into it from pressure u has
-// conductance g: g (u - p) + s = c p. Seen from upstream the run is g c / (g + c) with the source g s / (g + c).
+// Behind a run's last cell lie conductances c to the veins and sources s. Its pressure is p, the way into it
+// from pressure u has conductance g: g (u - p) + s = c p. Seen from upstream the run is g c / (g + c) with
+// the source g s / (g + c).
 void FlowNetwork::solve(const FlowDrive &drive, std::span<const CellSource> sources)
 {
     const bool is_divided =

@@ -1,7 +1,7 @@
-// Blood flow in the cells of a tree at one moment: Poiseuille's resistance of every cell, narrowed by the tools in it, a
-// pressure at the inlet, conductances behind the outlets, and fluid that is injected. Linear, so one elimination from the
-// outlets to the inlet and one walk back solve it exactly. Cells in a row are one resistance, so that only the places where flow
-// divides count.
+// Blood flow in the cells of a tree at one moment: Poiseuille's resistance of every cell, narrowed by the
+// tools in it, a pressure at the inlet, conductances behind the outlets, and fluid that is injected. Linear,
+// so one elimination from the outlets to the inlet and one walk back solve it exactly. Cells in a row are one
+// resistance, so that only the places where flow divides count.
 #pragma once
 #include "host/effects/beat.hpp"
 #include "host/effects/flow_cells.hpp"
@@ -12,8 +12,9 @@
 namespace crn
 {
 
-// Share of its conductance that a round tube keeps with a round rod of `share` of its radius in its middle, 0 from 0.98 on:
-// 1 - k^4 - (1 - k^2)^2 / ln(1/k) (Bird, Stewart, Lightfoot, Transport Phenomena, flow through an annulus).
+// Share of its conductance that a round tube keeps with a round rod of `share` of its radius in its middle, 0
+// from 0.98 on: 1 - k^4 - (1 - k^2)^2 / ln(1/k) (Bird, Stewart, Lightfoot, Transport Phenomena, flow through
+// an annulus).
 double annulus_share(double share);
 
 struct CellSource {
@@ -21,7 +22,8 @@ struct CellSource {
     double flow_ml_s = 0.0;
 };
 
-// Cells that follow each other with nothing between them that adds or takes fluid: the same flow passes all of them.
+// Cells that follow each other with nothing between them that adds or takes fluid: the same flow passes all
+// of them.
 struct FlowRun {
     std::size_t begin = 0, end = 0; // cells
     int upstream = -1;              // the run whose last cell feeds the first one; -1: the inlet
@@ -43,8 +45,8 @@ class FlowNetwork
     // Solves until the flows through the throats agree with their resistance.
     void settle(const FlowDrive &drive);
 
-    // Of the last solve: every cell is in one run, and a run stands behind the one that feeds it. A cell that has an outlet, gets
-    // fluid or feeds others than the next cell is the last of its run.
+    // Of the last solve: every cell is in one run, and a run stands behind the one that feeds it. A cell that
+    // has an outlet, gets fluid or feeds others than the next cell is the last of its run.
     const std::vector<FlowRun> &runs() const { return runs_; }
     std::size_t run_of(std::size_t cell) const { return run_of_[cell]; }
     // ml/s: into the run from upstream (below 0: out of it), and out of its last cell into the bed behind it.
@@ -53,7 +55,8 @@ class FlowNetwork
 
     double pressure_mmHg(std::size_t cell) const; // above the veins
 
-    // The flows on which the throats' resistance rests, ml/s: what the next solution depends on besides its arguments.
+    // The flows on which the throats' resistance rests, ml/s: what the next solution depends on besides its
+    // arguments.
     const std::vector<double> &throat_flows_ml_s() const { return throat_flows_; }
     void set_throat_flows(std::span<const double> flows_ml_s); // as many as there are throats
 

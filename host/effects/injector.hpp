@@ -1,4 +1,5 @@
-// What the syringe was asked for, tick by tick, in whole nanolitres: the same on every machine and in every replay.
+// What the syringe was asked for, tick by tick, in whole nanolitres: the same on every machine and in every
+// replay.
 #pragma once
 #include "host/effects/contrast_flow.hpp"
 #include <cstdint>
@@ -10,7 +11,8 @@ namespace crn
 class Injector
 {
   public:
-    // From `tick` on, so much at this rate (1 ul/s is 1 nl per tick). Two at a time add. Returns what cancel() takes.
+    // From `tick` on, so much at this rate (1 ul/s is 1 nl per tick). Two at a time add. Returns what
+    // cancel() takes.
     std::uint64_t inject(std::uint32_t tick, std::int32_t volume_ul, std::int32_t rate_ul_s,
                          double iodine_mg_per_ml);
     // Nothing of what was asked for up to now is given after `tick`.

@@ -17,16 +17,17 @@ struct LesionFigures {
     double minimum_diameter_mm = 0.0, reference_diameter_mm = 0.0; // at the throat: now, and healthy
     double rest_flow_ml_s = 0.0, rest_drop_mmHg = 0.0; // through the throat; from before to behind the lesion
     double hyperaemic_flow_ml_s = 0.0, hyperaemic_drop_mmHg = 0.0;
-    // Fractional flow reserve: pressure behind the lesion over that in the aorta, both above the veins, in hyperaemia.
+    // Fractional flow reserve: pressure behind the lesion over that in the aorta, both above the veins, in
+    // hyperaemia.
     double ffr = 1.0;
 
     double diameter_percent() const; // of the reference that is missing
     double area_percent() const;
 };
 
-// By the mean pressure and flows, without tools. In hyperaemia the heart's beds are `hyperaemia_openness` times as open as at rest (the
-// coronary flow reserve of a healthy heart is 3 to 5); others stay. `opened`: the same vessels with lesions that have given way; nullptr:
-// as they were baked.
+// By the mean pressure and flows, without tools. In hyperaemia the heart's beds are `hyperaemia_openness`
+// times as open as at rest (the coronary flow reserve of a healthy heart is 3 to 5); others stay. `opened`:
+// the same vessels with lesions that have given way; nullptr: as they were baked.
 constexpr double hyperaemia_openness = 4.0;
 std::vector<LesionFigures> lesion_figures(const VesselTree &tree, double viscosity_mPa_s,
                                           const VesselTree *opened = nullptr);

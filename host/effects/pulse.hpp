@@ -1,8 +1,10 @@
-// What a monitor shows of the heart: electrocardiogram and aortic pressure, from the beats that the core reports tick by tick.
+// What a monitor shows of the heart: electrocardiogram and aortic pressure, from the beats that the core
+// reports tick by tick.
 //
-// The electrocardiogram is a sum of bells placed by the beat: P before the QRS, T at the end of systole; a premature beat is
-// wide, without P, with T turned over. The pressure is a two-element windkessel with a characteristic impedance, fed by the
-// ejection of each systole; the less the ventricle was filled, the less it ejects (docs/heart.md, "traces").
+// The electrocardiogram is a sum of bells placed by the beat: P before the QRS, T at the end of systole; a
+// premature beat is wide, without P, with T turned over. The pressure is a two-element windkessel with a
+// characteristic impedance, fed by the ejection of each systole; the less the ventricle was filled, the less
+// it ejects (docs/heart.md, "traces").
 #pragma once
 #include "shared/wire/wire.h"
 #include <array>
@@ -22,7 +24,8 @@ inline double phase_of(std::uint32_t phase32)
 // Lead II, mV. `beat_ms` since the QRS, `interval_ms` to the next one, `bits` CRN_WIRE_RHYTHM_*.
 double ecg_mV(double phase, double beat_ms, double interval_ms, std::uint8_t bits);
 
-// Flow out of the ventricle, of area 1 over the ejection and 0 where the valve is shut; `share` 0 .. 1 of systole.
+// Flow out of the ventricle, of area 1 over the ejection and 0 where the valve is shut; `share` 0 .. 1 of
+// systole.
 double ejection_shape(double share);
 
 class PulseMonitor
@@ -46,7 +49,8 @@ class PulseMonitor
     std::uint32_t premature_beats() const { return premature_beats_; }
     bool holds_breath() const { return (bits_ & CRN_WIRE_RHYTHM_HOLDS_BREATH) != 0; }
 
-    // The last 4 s as a monitor draws them: a ring that is written over from the left; `newest` is the place written last.
+    // The last 4 s as a monitor draws them: a ring that is written over from the left; `newest` is the place
+    // written last.
     const std::array<Sample, sample_count> &samples() const { return samples_; }
     std::size_t newest() const { return newest_; }
     bool has_samples() const { return ticks_ > 0; }

@@ -17,7 +17,8 @@ EmulatedTransport::EmulatedTransport(Emulator &emulator, std::function<void(std:
 {
 }
 
-// A device that started again knows nothing of what was said before: told once, then the new one is talked to.
+// A device that started again knows nothing of what was said before: told once, then the new one is talked
+// to.
 void EmulatedTransport::check_life()
 {
     const std::uint32_t boots = emulator_.boot_count();

@@ -27,8 +27,9 @@ class EmulatedTransport final : public Transport
     std::uint32_t boot_count_;
 };
 
-// The image in an emulator of its own, with a rig whose sensors are healthy and whose hands rest. Its milliseconds are
-// made by pass_time_ms(). Throws EmulatorError with the remedy when image or emulator are missing.
+// The image in an emulator of its own, with a rig whose sensors are healthy and whose hands rest. Its
+// milliseconds are made by pass_time_ms(). Throws EmulatorError with the remedy when image or emulator are
+// missing.
 class EmulatedDevice final : public Transport
 {
   public:

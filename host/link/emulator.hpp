@@ -51,7 +51,8 @@ class Emulator
     // Power off at once, wherever the device is, and on again with the memory as it is.
     void power_cycle();
 
-    // Until `is_done`. Throws EmulatorError after the deadline or when the process ends; `what` completes "waited for".
+    // Until `is_done`. Throws EmulatorError after the deadline or when the process ends; `what` completes
+    // "waited for".
     void wait(const std::function<bool()> &is_done, const char *what, double deadline_s = deadline_default_s);
     static constexpr double deadline_default_s = 20.0;
 

@@ -13,7 +13,8 @@ namespace
 
 using Clock = std::chrono::steady_clock;
 
-// Characters that are not printable ASCII become '?': a device may say anything, and this is shown on terminals.
+// Characters that are not printable ASCII become '?': a device may say anything, and this is shown on
+// terminals.
 std::string narrow(const wchar_t *wide)
 {
     std::string text;

@@ -1,7 +1,7 @@
 // The HID interface of a rig by hidapi: state every millisecond, commands, settings (docs/usb.md, "Reports").
 //
-// Debian has hidapi twice, over the kernel's hidraw and over libusb, with the same names inside. Both are opened at run time,
-// so that either can be chosen and a machine without them still runs everything else.
+// Debian has hidapi twice, over the kernel's hidraw and over libusb, with the same names inside. Both are
+// opened at run time, so that either can be chosen and a machine without them still runs everything else.
 // Thread rules: one caller at a time per rig.
 #pragma once
 #include "host/link/link.hpp"
@@ -37,7 +37,8 @@ struct HidApi {
     const wchar_t *(*error)(hid_device_ *device) = nullptr;
 };
 
-// Throws LinkError that names the missing library and its package. Once loaded a library stays until the program ends.
+// Throws LinkError that names the missing library and its package. Once loaded a library stays until the
+// program ends.
 const HidApi &hid_api(HidBackEnd back_end);
 
 struct HidEntry {
@@ -49,7 +50,8 @@ class HidRig
   public:
     static std::vector<HidEntry> list(const HidApi &api);
 
-    // `serial` empty: the only rig. Throws LinkError; a rig whose reports have another definition is refused with both hashes.
+    // `serial` empty: the only rig. Throws LinkError; a rig whose reports have another definition is refused
+    // with both hashes.
     HidRig(const HidApi &api, const std::string &serial);
     ~HidRig();
     HidRig(const HidRig &) = delete;
@@ -57,17 +59,20 @@ class HidRig
 
     const crn_hid_identity &identity() const { return identity_; }
     const std::string &serial() const { return serial_; }
-    // The next state report; none within the time. Throws DeviceLost when the rig went, LinkError for what is no report.
+    // The next state report; none within the time. Throws DeviceLost when the rig went, LinkError for what is
+    // no report.
     std::optional<crn_hid_state> read_state(std::uint32_t milliseconds);
     std::uint32_t reports_bad() const { return reports_bad_; } // too short, or with another id: left out
-    // Asks for something and waits for the state report that answers it. Throws LinkError with the device's reason.
+    // Asks for something and waits for the state report that answers it. Throws LinkError with the device's
+    // reason.
     crn_hid_state command(std::uint8_t action, std::int32_t value1, std::int32_t value2,
                           std::uint32_t milliseconds = 1000);
 
     crn_hid_capabilities read_capabilities();
     crn_hid_calibration read_calibration();
     crn_hid_limits read_limits();
-    // What the device has afterwards is returned, as read back. Throws LinkError when it refuses or keeps another value.
+    // What the device has afterwards is returned, as read back. Throws LinkError when it refuses or keeps
+    // another value.
     crn_hid_calibration write_calibration(const crn_hid_calibration &calibration);
     crn_hid_limits write_limits(const crn_hid_limits &limits);
 

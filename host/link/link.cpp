@@ -78,8 +78,8 @@ bool Link::ask_hello(const crn_wire_hello &hello)
     return false;
 }
 
-// Whatever was lost or torn before, both sides begin anew. The reply itself is lost where it follows half a frame of a device
-// that started again: then it is asked for once more.
+// Whatever was lost or torn before, both sides begin anew. The reply itself is lost where it follows half a
+// frame of a device that started again: then it is asked for once more.
 crn_wire_hello_reply Link::hello_once()
 {
     const crn_wire_hello hello = {CRN_WIRE_PROTOCOL_MAJOR, CRN_WIRE_PROTOCOL_MINOR, crn_wire_schema_hash()};
@@ -101,7 +101,8 @@ crn_wire_hello_reply Link::hello_once()
     return hello_reply_;
 }
 
-// An upload of the same scene that was cut goes on where it stopped; a scene that is there already is not sent again.
+// An upload of the same scene that was cut goes on where it stopped; a scene that is there already is not
+// sent again.
 void Link::load_scene(std::span<const std::uint8_t> scene)
 {
     if (scene.size() > UINT32_MAX) throw LinkError("the scene is larger than 4 GiB");
@@ -278,7 +279,8 @@ void Link::place_strut(const crn_wire_strut &strut)
     receive_answer(CRN_WIRE_TYPE_status);
 }
 
-// Says that the host is there, unless it has spoken since this was last asked. An answer is filed with what else comes.
+// Says that the host is there, unless it has spoken since this was last asked. An answer is filed with what
+// else comes.
 void Link::beat()
 {
     const crn_wire_get request = {CRN_WIRE_GET_STATUS};

@@ -43,7 +43,8 @@ class Link
 {
   public:
     static constexpr std::size_t steps_max = CRN_WIRE_MAX_step_inputs;
-    // What no honest device exceeds: frames without an answer among them, bytes of a snapshot, notices nobody took.
+    // What no honest device exceeds: frames without an answer among them, bytes of a snapshot, notices nobody
+    // took.
     static constexpr std::uint32_t frames_at_once_max = 10000, snapshot_bytes_max = 1 << 20,
                                    notices_max = 4096, live_ticks_max = 1 << 16;
 
@@ -52,7 +53,8 @@ class Link
     // `patience`: how long the device may keep us waiting in all (patience.hpp).
     explicit Link(Transport &transport, Patience::Span patience = Patience::budget_default);
 
-    // Refused for as long as another program leads motors with power; one that is gone is forgotten within 50 ms.
+    // Refused for as long as another program leads motors with power; one that is gone is forgotten within 50
+    // ms.
     crn_wire_hello_reply hello();
     void load_scene(std::span<const std::uint8_t> scene);
     void load_tools(std::span<const crn_wire_instrument> tools);
@@ -68,23 +70,27 @@ class Link
     crn_wire_status use_lockstep();
     crn_wire_status use_free_run();
 
-    // LOCKSTEP: one tick per input. The result is valid until the next call. A fault makes it shorter and throws after
-    // the ticks done were taken over (tick() tells).
+    // LOCKSTEP: one tick per input. The result is valid until the next call. A fault makes it shorter and
+    // throws after the ticks done were taken over (tick() tells).
     std::span<const crn_wire_tick_state> step(std::span<const crn_wire_encoders> inputs, bool want_nodes);
     std::uint32_t tick() const { return tick_; }
 
-    // FREE_RUN: send the newest input; let time pass and take what the device sent meanwhile. While time passes the device
-    // hears of the host at least every heartbeat_ms, with the last input again: after 30 ms of silence it fades the forces.
+    // FREE_RUN: send the newest input; let time pass and take what the device sent meanwhile. While time
+    // passes the device hears of the host at least every heartbeat_ms, with the last input again: after 30 ms
+    // of silence it fades the forces.
     static constexpr std::uint32_t heartbeat_ms = 10;
     void send_input(const crn_wire_encoders &encoders);
     void say_present(); // one heartbeat; nothing is received
     std::vector<crn_wire_tick_state> free_run(std::uint32_t milliseconds);
-    // FREE_RUN: the next tick asks this of heart and breath (CRN_WIRE_RHYTHM_*); in LOCKSTEP the input itself does.
+    // FREE_RUN: the next tick asks this of heart and breath (CRN_WIRE_RHYTHM_*); in LOCKSTEP the input itself
+    // does.
     void ask_rhythm(std::uint8_t action, std::uint16_t value);
-    // FREE_RUN: stations of a lesion are held open from the next tick on (docs/lesions.md); `lesion` is 1 and its number. Throws LinkError.
+    // FREE_RUN: stations of a lesion are held open from the next tick on (docs/lesions.md); `lesion` is 1 and
+    // its number. Throws LinkError.
     void hold_open(const crn_wire_scaffold &scaffold);
     void place_strut(const crn_wire_strut &strut); // FREE_RUN: a ring of a stent's struts, as well
-    // The same ticks with their inputs, sensors and flags, also when it threw; and what happened since it was last asked.
+    // The same ticks with their inputs, sensors and flags, also when it threw; and what happened since it was
+    // last asked.
     const std::vector<crn_wire_live_tick> &live_ticks() const { return live_ticks_; }
     std::uint32_t ticks_lost() const { return live_.ticks_lost; }
     std::uint32_t ticks_missing() const

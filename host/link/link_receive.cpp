@@ -1,5 +1,5 @@
-// Frames from the device: found in its bytes, filed by their type, refusals thrown. Nothing that a device sends keeps the host
-// here for ever: bytes without a frame, frames without an answer and time are bounded.
+// Frames from the device: found in its bytes, filed by their type, refusals thrown. Nothing that a device
+// sends keeps the host here for ever: bytes without a frame, frames without an answer and time are bounded.
 #include "host/base/interrupt.hpp"
 #include "host/link/link.hpp"
 #include "host/link/link_text.hpp"
@@ -34,7 +34,8 @@ void Link::check_patience()
                waits_for_ != 0 ? crn_wire_message_name(waits_for_) : ""));
 }
 
-// A device that talks without end is as bad as a silent one: `frames` counts down to what no honest one says at once.
+// A device that talks without end is as bad as a silent one: `frames` counts down to what no honest one says
+// at once.
 bool Link::receive_one_of(std::uint32_t &frames)
 {
     if (!receive()) return false;
@@ -120,7 +121,8 @@ void Link::file_frame()
     }
 }
 
-// Ticks of a batch follow each other. A batch that came before is not taken twice; one that never came is counted.
+// Ticks of a batch follow each other. A batch that came before is not taken twice; one that never came is
+// counted.
 void Link::file_live()
 {
     crn_wire_live live;

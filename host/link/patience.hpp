@@ -1,7 +1,8 @@
-// How long a device may keep its host waiting, all waits of a conversation together. An honest one answers within
-// milliseconds. What a wait takes beyond `free` is taken from the budget, and every quick answer gives a little back: so a
-// device that is silent, that talks without answering, or that answers each request a little before some limit ends in the
-// same bounded time. From Ctrl-C on there is only what a healthy device needs for a clean end.
+// How long a device may keep its host waiting, all waits of a conversation together. An honest one answers
+// within milliseconds. What a wait takes beyond `free` is taken from the budget, and every quick answer gives
+// a little back: so a device that is silent, that talks without answering, or that answers each request a
+// little before some limit ends in the same bounded time. From Ctrl-C on there is only what a healthy device
+// needs for a clean end.
 #pragma once
 #include <chrono>
 #include <cstdint>
@@ -14,8 +15,9 @@ class Patience
   public:
     using Clock = std::chrono::steady_clock;
     using Span = std::chrono::milliseconds;
-    // What an honest device needs at most for an answer, and for each tick that it is asked for (a rig: 1 ms; its image in an
-    // emulator beside other work: 3 ms). The budget is for a scene's check, the longest single wait, once or twice.
+    // What an honest device needs at most for an answer, and for each tick that it is asked for (a rig: 1 ms;
+    // its image in an emulator beside other work: 3 ms). The budget is for a scene's check, the longest
+    // single wait, once or twice.
     static constexpr Span free{200}, free_per_tick{5}, budget_default{3500}, regained{2},
         after_interrupt{400};
 

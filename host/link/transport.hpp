@@ -20,7 +20,8 @@ class Transport
     virtual void pass_time_ms(std::uint32_t milliseconds) = 0;
     // How messages to the user call it: "the rig 'RIG-0001'".
     virtual std::string name() const { return "the device"; }
-    // False: it computes as fast as this machine lets it (sim port, emulator), so a slow answer is not its fault.
+    // False: it computes as fast as this machine lets it (sim port, emulator), so a slow answer is not its
+    // fault.
     virtual bool has_own_clock() const { return true; }
 };
 

@@ -52,7 +52,8 @@ std::string place_of(libusb_device *device)
     return text;
 }
 
-// libusb's own helper waits a second for each of its requests; USB 2.0 gives a device half a second (9.2.6.4).
+// libusb's own helper waits a second for each of its requests; USB 2.0 gives a device half a second
+// (9.2.6.4).
 int string_descriptor(libusb_device_handle *handle, std::uint8_t index, std::uint16_t language,
                       std::span<unsigned char> bytes)
 {
@@ -254,7 +255,8 @@ bool UsbWatch::wait_for(const std::string &serial, std::uint32_t milliseconds,
 {
     const Clock::time_point end = Clock::now() + std::chrono::milliseconds(milliseconds);
     for (;;) {
-        // A context learns of new devices from the system's device manager, and a container may have none: a fresh one looks.
+        // A context learns of new devices from the system's device manager, and a container may have none: a
+        // fresh one looks.
         const UsbContext fresh = usb_context();
         for (const UsbRig &rig : usb_rigs(fresh.get())) {
             if (rig.trouble.empty() && (serial.empty() || rig.serial == serial)) return true;

@@ -51,12 +51,12 @@ using UsbHandle = std::unique_ptr<libusb_device_handle, UsbHandleEnd>;
 UsbContext usb_context();
 std::vector<UsbRig> usb_rigs(libusb_context *context);
 
-// `serial` empty: the only one there is. Throws LinkError that tells which rigs are there, or what to do about a refusal;
-// DeviceLost when there is none.
+// `serial` empty: the only one there is. Throws LinkError that tells which rigs are there, or what to do
+// about a refusal; DeviceLost when there is none.
 UsbHandle usb_open(libusb_context *context, const std::string &serial);
 
-// A string of the device, printable ASCII only: it is shown on terminals, and a device may say anything. `error` gets libusb's
-// code when the device does not give it, else 0.
+// A string of the device, printable ASCII only: it is shown on terminals, and a device may say anything.
+// `error` gets libusb's code when the device does not give it, else 0.
 std::string usb_text(libusb_device_handle *handle, std::uint8_t index, int &error);
 
 // "ACCESS: the rig ... may not be opened by this user; ..." for a libusb error code.

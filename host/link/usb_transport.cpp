@@ -151,8 +151,8 @@ void UsbTransport::submit(Slot &slot)
     if (error != 0 && failure_ == 0) failure_ = error;
 }
 
-// As many as the ring has room for: a host that does not read holds the device, and nothing is lost. Transfers end in the
-// order in which they were submitted, so which slot is next does not matter.
+// As many as the ring has room for: a host that does not read holds the device, and nothing is lost.
+// Transfers end in the order in which they were submitted, so which slot is next does not matter.
 void UsbTransport::submit_reads()
 {
     const auto flying = std::count_if(reads_.begin(), reads_.end(),
@@ -191,7 +191,8 @@ void UsbTransport::on_write_done(Slot &slot)
     changed_.notify_all();
 }
 
-// A lock that fails is the only thing that could throw here, and C code is above us: then the program ends (noexcept).
+// A lock that fails is the only thing that could throw here, and C code is above us: then the program ends
+// (noexcept).
 void UsbTransport::read_done(libusb_transfer *transfer) noexcept
 {
     Slot &slot = *static_cast<Slot *>(transfer->user_data);
@@ -204,8 +205,8 @@ void UsbTransport::write_done(libusb_transfer *transfer) noexcept
     slot.owner->on_write_done(slot);
 }
 
-// Cancelled transfers come back through the thread; then it ends. Memory of one that never came back stays: the system could
-// still write there.
+// Cancelled transfers come back through the thread; then it ends. Memory of one that never came back stays:
+// the system could still write there.
 void UsbTransport::end()
 {
     bool all_are_back = true;

@@ -1,8 +1,8 @@
 // A rig on USB as a Transport: the bulk pair of docs/usb.md by libusb, several transfers waiting each way.
 //
-// One thread of its own serves libusb; callers see blocking reads and writes with time limits. Every wait ends: by bytes, by
-// its limit, because the device went (DeviceLost), or after_interrupt_ms after Ctrl-C. The destructor takes all transfers back and ends the thread.
-// Thread rules: one caller at a time.
+// One thread of its own serves libusb; callers see blocking reads and writes with time limits. Every wait
+// ends: by bytes, by its limit, because the device went (DeviceLost), or after_interrupt_ms after Ctrl-C. The
+// destructor takes all transfers back and ends the thread. Thread rules: one caller at a time.
 #pragma once
 #include "host/link/transport.hpp"
 #include "host/link/usb_devices.hpp"

@@ -1,6 +1,7 @@
 // The closed meshes that make the picture of the patient: skin, lungs, bones, heart, vessels.
 // A body names the body it lies in; its volume is then taken out of that parent, so nothing is counted twice.
-// Read from the BODY sections of an `X.bodies` file (docs/frames.md for the axes), with the tree of its vessels.
+// Read from the BODY sections of an `X.bodies` file (docs/frames.md for the axes), with the tree of its
+// vessels.
 #pragma once
 #include "host/model/vessel_tree.hpp"
 #include <Eigen/Core>
@@ -39,8 +40,9 @@ struct Bodies {
 // `bodies` is then untouched.
 bool read_bodies(const std::string &path, Bodies &bodies, std::string &error);
 
-// The same for whoever shows them together with a scene, which must be the one they were baked with: `bake` writes both at
-// once, and a tree of vessels over another lumen would be a silent lie. Without a scene (no path) any bodies will do.
+// The same for whoever shows them together with a scene, which must be the one they were baked with: `bake`
+// writes both at once, and a tree of vessels over another lumen would be a silent lie. Without a scene (no
+// path) any bodies will do.
 bool read_bodies_of(const std::string &scene_path, const std::string &path, Bodies &bodies,
                     std::string &error);
 

@@ -86,8 +86,8 @@ Range scaled(const Range &range, double factor, Bounds bounds)
             std::clamp(range.to * factor, bounds.low, bounds.high)};
 }
 
-// docs/instruments.md, "vcsim3-fit": the shaft gets the table's E and radius; along the instrument the ratios of the base
-// stay, because the table has no tip. Mass and friction stay too.
+// docs/instruments.md, "vcsim3-fit": the shaft gets the table's E and radius; along the instrument the ratios
+// of the base stay, because the table has no tip. Mass and friction stay too.
 void apply_thesis(const Place &place, const ThesisRow &thesis, std::vector<Section> &sections)
 {
     const double factor = thesis.bend_stiffness_N_m2() / sections.back().bend_N_m2.to;

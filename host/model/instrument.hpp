@@ -1,9 +1,9 @@
-// Instrument files (TOML, docs/instruments.md) -> the numbers of the wire's record `instrument`, the unloaded shape and
-// what the X-ray sees.
+// Instrument files (TOML, docs/instruments.md) -> the numbers of the wire's record `instrument`, the unloaded
+// shape and what the X-ray sees.
 //
-// One file describes one instrument from its tip to its hub, by one or more presets; "file.toml" is its preset `physical`,
-// "file.toml:vcsim3-fit" another one. Every value has its unit in the key and a source beside it. Errors name file, line,
-// preset, section and key.
+// One file describes one instrument from its tip to its hub, by one or more presets; "file.toml" is its
+// preset `physical`, "file.toml:vcsim3-fit" another one. Every value has its unit in the key and a source
+// beside it. Errors name file, line, preset, section and key.
 #pragma once
 #include "shared/wire/wire.h"
 #include <Eigen/Core>
@@ -24,7 +24,8 @@ struct InstrumentLayer {
     double radius_share = 1.0; // of the outer radius, 0 .. 1
 };
 
-// A stretch of constant rest curvature. Component 1 turns the tip towards the material axis d1, component 2 towards d2.
+// A stretch of constant rest curvature. Component 1 turns the tip towards the material axis d1, component 2
+// towards d2.
 struct InstrumentArc {
     std::string name;
     double arc_begin_m = 0.0; // from the distal tip
@@ -32,8 +33,9 @@ struct InstrumentArc {
     double curvature1_per_m = 0.0, curvature2_per_m = 0.0;
 };
 
-// One row of Table 5.1 of the VCSim3 thesis, with the powers of ten of its header applied. What the numbers are in SI
-// units is nowhere stated; docs/instruments.md says how they are read, and why they are no physical truth.
+// One row of Table 5.1 of the VCSim3 thesis, with the powers of ten of its header applied. What the numbers
+// are in SI units is nowhere stated; docs/instruments.md says how they are read, and why they are no physical
+// truth.
 struct ThesisRow {
     std::string row;
     double young_modulus = 0.0;         // "Eb (1x10^7)", read as Pa
@@ -73,21 +75,22 @@ struct Instrument {
     std::optional<ThesisRow> thesis;     // of a preset that was made from the table
 };
 
-// `path` may end in ":preset". Reads and checks every preset of the file whichever is asked for. Throws FileError.
+// `path` may end in ":preset". Reads and checks every preset of the file whichever is asked for. Throws
+// FileError.
 Instrument read_instrument(const std::string &path);
 
 // "a.toml:b" -> {"a.toml", "b"}; without a preset the second is empty.
 std::pair<std::string, std::string> split_preset(const std::string &path);
 
-// Nodes of the core's mesh (docs/rod.md) of one instrument, or of one line of several: it takes the finest tip and shaft,
-// the longest fine part and the longest instrument. At most CRN_NODE_MAX of the core.
+// Nodes of the core's mesh (docs/rod.md) of one instrument, or of one line of several: it takes the finest
+// tip and shaft, the longest fine part and the longest instrument. At most CRN_NODE_MAX of the core.
 inline constexpr int line_nodes_max = 384;
 int line_node_count(std::span<const crn_wire_instrument *const> tools);
 int line_node_count(const crn_wire_instrument &tool);
 
-// The unloaded centreline, tip first, every `step_m` and at every change of curvature, from the tip to `straight_m` behind
-// the last arc. The straight part lies on the x axis and ends (towards the hand) at the origin side: it enters along +x,
-// d1 is +y and d2 = t x d1 with t towards the hand, which is -z.
+// The unloaded centreline, tip first, every `step_m` and at every change of curvature, from the tip to
+// `straight_m` behind the last arc. The straight part lies on the x axis and ends (towards the hand) at the
+// origin side: it enters along +x, d1 is +y and d2 = t x d1 with t towards the hand, which is -z.
 struct ShapePoint {
     double arc_m = 0.0;
     Eigen::Vector3d position_m = Eigen::Vector3d::Zero();

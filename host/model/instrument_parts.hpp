@@ -1,4 +1,5 @@
-// The parts of an instrument file: sections of equal make, arcs of the rest shape, elements; and the profile they make.
+// The parts of an instrument file: sections of equal make, arcs of the rest shape, elements; and the profile
+// they make.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/model/instrument_toml.hpp"
@@ -6,8 +7,8 @@
 namespace crn::instrument_file
 {
 
-// A stretch between two arc lengths from the tip. Stiffness changes by equal ratios from its distal to its proximal end,
-// the rest linearly.
+// A stretch between two arc lengths from the tip. Stiffness changes by equal ratios from its distal to its
+// proximal end, the rest linearly.
 struct Section {
     std::string name;
     const toml::node *node = nullptr; // for errors

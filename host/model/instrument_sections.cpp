@@ -1,4 +1,5 @@
-// [[section]], [all], [[shape]] and [elements] of an instrument file. Bounds are those of the core (firmware/core/core.h).
+// [[section]], [all], [[shape]] and [elements] of an instrument file. Bounds are those of the core
+// (firmware/core/core.h).
 #include "host/model/instrument_parts.hpp"
 #include <algorithm>
 #include <cmath>

@@ -14,7 +14,8 @@ struct crn_scene;
 namespace crn
 {
 
-// Of one lesion that gives way: so many stations, so far apart along the healthy vessel, the lesion in their middle.
+// Of one lesion that gives way: so many stations, so far apart along the healthy vessel, the lesion in their
+// middle.
 struct LesionStations {
     std::size_t count = 0;
     double spacing_m = 0.0;
@@ -22,7 +23,8 @@ struct LesionStations {
 
 // Of a checked scene: lesion by lesion, the first of its tree's.
 std::vector<LesionStations> lesion_stations(const crn_scene &scene);
-// The PLAQUES section of a scene file. Nothing when it has none, or, with a message in `error`, when it cannot be read.
+// The PLAQUES section of a scene file. Nothing when it has none, or, with a message in `error`, when it
+// cannot be read.
 std::vector<LesionStations> read_lesion_stations(const std::string &scene_path, std::string &error);
 
 class LesionOpening
@@ -52,7 +54,8 @@ class LesionOpening
         return at(lesions_[lesion].points[point], lesions_open);
     }
 
-    // Points and radii of `now` within the lesions: on the way from those of `tree`, which this was made for, to the healthy ones.
+    // Points and radii of `now` within the lesions: on the way from those of `tree`, which this was made for,
+    // to the healthy ones.
     void open(const VesselTree &tree, std::span<const double> lesions_open, VesselTree &now) const;
 
   private:

@@ -108,7 +108,8 @@ LesionFoot LesionWall::foot(const Vector3d &place_m) const
     return foot;
 }
 
-// How much of the way a wall goes: all of it near the vessel and none far from it, nor where it is rather another vessel's.
+// How much of the way a wall goes: all of it near the vessel and none far from it, nor where it is rather
+// another vessel's.
 double LesionWall::share_of_way(const LesionFoot &foot, const Vector3d &place_m) const
 {
     const double fade =
@@ -127,8 +128,9 @@ Vector3d LesionWall::way_m(const Vector3d &healthy_m) const
     return share_of_way(at, healthy_m) * (there - healthy_m);
 }
 
-// Were the share s known: places with a foot at h on the healthy line came to lie about m = h + s (c - h), across the line as they did
-// before, so the foot is where x - m is across it, or at a corner where it is so for neither side. v = h + (x - m) / (1 - s (1 - left)).
+// Were the share s known: places with a foot at h on the healthy line came to lie about m = h + s (c - h),
+// across the line as they did before, so the foot is where x - m is across it, or at a corner where it is so
+// for neither side. v = h + (x - m) / (1 - s (1 - left)).
 LesionWall::Healthy LesionWall::back(const Vector3d &narrowed_m, double share) const
 {
     Healthy healthy{narrowed_m, 0};

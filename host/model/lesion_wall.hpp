@@ -1,5 +1,5 @@
-// The wall of a lesion, healthy and narrowed: one map both ways (docs/lesions.md). The baker takes healthy walls to narrowed ones, the
-// host takes them back as far as the core's lesion has given way.
+// The wall of a lesion, healthy and narrowed: one map both ways (docs/lesions.md). The baker takes healthy
+// walls to narrowed ones, the host takes them back as far as the core's lesion has given way.
 //
 //   const LesionWall wall(tree, 0);
 //   x += wall.way_m(x);                       // from the healthy vessel to the narrowed one
@@ -30,8 +30,8 @@ class LesionWall
   public:
     LesionWall(const VesselTree &tree, std::size_t lesion); // a checked tree
 
-    // A place where the wall of the healthy vessel is: its way to the narrowed one. 0 far away, and where it is rather another
-    // vessel's wall.
+    // A place where the wall of the healthy vessel is: its way to the narrowed one. 0 far away, and where it
+    // is rather another vessel's wall.
     Eigen::Vector3d way_m(const Eigen::Vector3d &healthy_m) const;
 
     struct Healthy {

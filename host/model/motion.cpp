@@ -41,8 +41,8 @@ MotionWeights motion_weights(const MotionMoment &moment)
 
 double motion_plane_weight(int corner, const Eigen::Vector3d &place)
 {
-    // A corner is on the path when the axes it has gone along have larger fractions than those it has not; what it counts is the difference
-    // between the smallest of the ones and the largest of the others.
+    // A corner is on the path when the axes it has gone along have larger fractions than those it has not;
+    // what it counts is the difference between the smallest of the ones and the largest of the others.
     double least = 1, most = 0;
     for (int k = 0; k < 3; ++k) {
         if ((corner >> k & 1) != 0)
@@ -130,8 +130,8 @@ Eigen::Vector3d Motion::pull(const Eigen::Vector3d &x_m, const MotionMoment &mom
 namespace
 {
 
-// x = X - w(x): w changes from place to place by less than places do, so that it goes to the fixed point; each round gains the
-// lattice's steepness, a third in a heart.
+// x = X - w(x): w changes from place to place by less than places do, so that it goes to the fixed point;
+// each round gains the lattice's steepness, a third in a heart.
 template <typename Way> Eigen::Vector3d undo(const Eigen::Vector3d &X_m, const Way &way)
 {
     constexpr int rounds_max = 40;

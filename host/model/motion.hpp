@@ -1,4 +1,5 @@
-// How a scene's vessels move, in SI doubles: the same lattice that the core looks up in fixed point (docs/heart.md).
+// How a scene's vessels move, in SI doubles: the same lattice that the core looks up in fixed point
+// (docs/heart.md).
 //
 //   const auto motion = read_motion("heart.scene", error);     // nullopt with an empty error: it stands still
 //   X = motion->pull(x, moment); x = motion->push(X, moment);
@@ -29,7 +30,8 @@ struct MotionMoment {
     bool operator==(const MotionMoment &) const = default;
 };
 
-// Three keyframe columns of a row and their weights (quadratic B-spline, periodic), and the depth of breath 0 .. 1.
+// Three keyframe columns of a row and their weights (quadratic B-spline, periodic), and the depth of breath 0
+// .. 1.
 struct MotionWeights {
     int first = 0;
     double weights[3] = {0.125, 0.75, 0.125};
@@ -37,12 +39,13 @@ struct MotionWeights {
 };
 MotionWeights motion_weights(const MotionMoment &moment);
 
-// Coefficients c, one per keyframe, of the periodic spline that passes through w: (c[k-1] + 6 c[k] + c[k+1]) / 8 = w[k]; Gauss-Seidel, a
-// factor of 9 in each of 20 rounds.
+// Coefficients c, one per keyframe, of the periodic spline that passes through w: (c[k-1] + 6 c[k] + c[k+1])
+// / 8 = w[k]; Gauss-Seidel, a factor of 9 in each of 20 rounds.
 void motion_prefilter(const double *w, double *c);
 
-// How much a corner of a cell (bits x, y, z) counts at a place in it (0 .. 1), where the way is plane in each of the cell's six tetrahedra: the path
-// from corner 0 goes along the axis of the largest fraction first (Kuhn; the field of breath).
+// How much a corner of a cell (bits x, y, z) counts at a place in it (0 .. 1), where the way is plane in each
+// of the cell's six tetrahedra: the path from corner 0 goes along the axis of the largest fraction first
+// (Kuhn; the field of breath).
 double motion_plane_weight(int corner, const Eigen::Vector3d &place);
 
 class Motion
@@ -53,7 +56,8 @@ class Motion
 
     // The reference pose's place of what is at x now.
     Eigen::Vector3d pull(const Eigen::Vector3d &x_m, const MotionMoment &moment) const;
-    // Where what the reference pose has at X is now; off by less than 1 um where the lattice does not fold over.
+    // Where what the reference pose has at X is now; off by less than 1 um where the lattice does not fold
+    // over.
     Eigen::Vector3d push(const Eigen::Vector3d &X_m, const MotionMoment &moment) const;
 
   private:
@@ -76,11 +80,13 @@ class Motion
     std::optional<Lattice> breath_;
 };
 
-// The MOTION section of a scene file. Nothing when it has none, or, with a message in `error`, when it cannot be read.
+// The MOTION section of a scene file. Nothing when it has none, or, with a message in `error`, when it cannot
+// be read.
 std::optional<Motion> read_motion(const std::string &scene_path, std::string &error);
 
-// Places that move with it: each is taken through the keyframes once, at rest and inhaled, then a moment costs a few products. Between keyframes that
-// is the spline of the moved places, within 0.05 mm of the lattice's own map.
+// Places that move with it: each is taken through the keyframes once, at rest and inhaled, then a moment
+// costs a few products. Between keyframes that is the spline of the moved places, within 0.05 mm of the
+// lattice's own map.
 class MovingPoints
 {
   public:
@@ -100,8 +106,8 @@ class MovingPoints
     std::vector<Eigen::Vector3d> reference_m_;
     std::vector<bool> moves_;
     bool breathes_;
-    // Per place, for keyframes 23, 0 .. 23, 0: its way at rest, and where it breathes what a full breath adds to that. Side by side, as a moment needs
-    // three neighbours.
+    // Per place, for keyframes 23, 0 .. 23, 0: its way at rest, and where it breathes what a full breath adds
+    // to that. Side by side, as a moment needs three neighbours.
     std::vector<float> coefficients_um_;
 };
 

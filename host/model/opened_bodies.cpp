@@ -16,7 +16,8 @@ Vector3d vertex_m(const Body &body, std::uint32_t index)
     return body.vertices_um[index].cast<double>() * 1e-6;
 }
 
-// Solid angle of the whole surface, seen from there, as a share of the sphere: 1 inside, 0 outside (Van Oosterom and Strackee 1983).
+// Solid angle of the whole surface, seen from there, as a share of the sphere: 1 inside, 0 outside (Van
+// Oosterom and Strackee 1983).
 bool is_inside(const Body &body, const Vector3d &place_m)
 {
     double sum = 0.0;
@@ -80,8 +81,8 @@ void OpenedBodies::find_wall(const Body &body, std::size_t lesion, const LesionW
     }
 }
 
-// Plaque does not lose volume: around the lumen that widens from r to R, what lay at a distance d of its middle goes to
-// sqrt(d^2 + R^2 - r^2), so that rings keep their area.
+// Plaque does not lose volume: around the lumen that widens from r to R, what lay at a distance d of its
+// middle goes to sqrt(d^2 + R^2 - r^2), so that rings keep their area.
 void OpenedBodies::find_calcium(const Body &body, std::size_t lesion, const LesionWall &wall,
                                 Opened &opened) const
 {
@@ -109,7 +110,8 @@ std::vector<int> OpenedBodies::bodies() const
     return bodies;
 }
 
-// The way from narrowed to healthy is straight, in every pose of the heart. Where two lesions meet their ways add up.
+// The way from narrowed to healthy is straight, in every pose of the heart. Where two lesions meet their ways
+// add up.
 void OpenedBodies::place(Opened &opened, std::span<const Eigen::Vector3i> narrow_um,
                          const MotionWeights &weights, std::span<const double> open)
 {

@@ -1,4 +1,5 @@
-// Meshes around lesions that have given way: the wall of blood goes back towards the healthy vessel, calcium is pushed outwards with it.
+// Meshes around lesions that have given way: the wall of blood goes back towards the healthy vessel, calcium
+// is pushed outwards with it.
 //
 //   OpenedBodies opened(bodies, opening, motion);
 //   for (const auto &body : opened.at(moment, wire.lesions_open, moving.at(moment))) ...
@@ -16,15 +17,16 @@ class LesionWall;
 class OpenedBodies
 {
   public:
-    // Finds the vertices: a body of blood that a lesion's vessel runs through, and the calcium that the baker made for it (the body
-    // LESION_calcium). `motion` may be null: everything stands still.
+    // Finds the vertices: a body of blood that a lesion's vessel runs through, and the calcium that the baker
+    // made for it (the body LESION_calcium). `motion` may be null: everything stands still.
     OpenedBodies(const Bodies &bodies, const LesionOpening &opening, const Motion *motion);
 
     bool is_empty() const { return opened_.empty(); }
     std::size_t vertex_count() const; // that go with lesions
     std::vector<int> bodies() const;  // that have some
 
-    // `moved`, what the heart moves at that moment, with the bodies of open lesions as they are. Valid until the next call.
+    // `moved`, what the heart moves at that moment, with the bodies of open lesions as they are. Valid until
+    // the next call.
     const std::vector<MovingBodies::Moved> &at(const MotionMoment &moment,
                                                std::span<const double> lesions_open,
                                                std::span<const MovingBodies::Moved> moved = {});

@@ -1,5 +1,5 @@
-// What is known of a patient besides the lumen that the core has: bodies with their tree of vessels, how they move, and which lesions
-// give way. One reader for pictures, contrast medium, stents and surfaces.
+// What is known of a patient besides the lumen that the core has: bodies with their tree of vessels, how they
+// move, and which lesions give way. One reader for pictures, contrast medium, stents and surfaces.
 #pragma once
 #include "host/model/bodies.hpp"
 #include "host/model/lesion_opening.hpp"
@@ -19,7 +19,8 @@ struct SceneAnatomy {
     const Motion *motion_or_null() const { return motion ? &*motion : nullptr; }
 };
 
-// Empty paths: no bodies; nothing moves. Throws std::runtime_error, also for bodies that were not baked with this scene.
+// Empty paths: no bodies; nothing moves. Throws std::runtime_error, also for bodies that were not baked with
+// this scene.
 SceneAnatomy read_scene_anatomy(const std::string &scene_path, const std::string &bodies_path);
 
 } // namespace crn

@@ -8,7 +8,8 @@
 namespace crn
 {
 
-// `use` sees the checked scene, whose bytes are gone after it. What it gives; without a scene (no path, or an error that names file and byte) `{}`.
+// `use` sees the checked scene, whose bytes are gone after it. What it gives; without a scene (no path, or an
+// error that names file and byte) `{}`.
 template <typename Result, typename Use>
 Result from_scene(const std::string &scene_path, std::string &error, Use use)
 {

@@ -9,7 +9,8 @@ namespace crn
 namespace
 {
 
-// Small letters, one space for any run of spaces, underscores and hyphens, without "artery" and "ostium" at the end.
+// Small letters, one space for any run of spaces, underscores and hyphens, without "artery" and "ostium" at
+// the end.
 std::string plain(std::string_view name)
 {
     std::string text;

@@ -1,13 +1,15 @@
-// Names and distances in a tree of vessels: which vessel a place lies in, how far along it, and how far it is from there to another one by
-// way of the vessels. Places are those of the reference pose; what moves with heart and breath is pulled there first (motion.hpp).
+// Names and distances in a tree of vessels: which vessel a place lies in, how far along it, and how far it is
+// from there to another one by way of the vessels. Places are those of the reference pose; what moves with
+// heart and breath is pulled there first (motion.hpp).
 //
 //   VesselMap map(bodies.vessels);
 //   const std::optional<std::size_t> goal = map.find("left main");
 //   const VesselPlace place = map.at(tip_m);
 //
-// A vessel of the map is a branch of the tree, called as its file with spaces for underscores. An aorta whose tree has the brachiocephalic and the left subclavian
-// artery is three vessels, as anatomists divide it: ascending aorta (to the origin of the brachiocephalic), aortic arch (to that of the
-// left subclavian), descending aorta.
+// A vessel of the map is a branch of the tree, called as its file with spaces for underscores. An aorta whose
+// tree has the brachiocephalic and the left subclavian artery is three vessels, as anatomists divide it:
+// ascending aorta (to the origin of the brachiocephalic), aortic arch (to that of the left subclavian),
+// descending aorta.
 #pragma once
 #include "host/model/vessel_tree.hpp"
 #include <cstdint>
@@ -54,14 +56,16 @@ class VesselMap
     const std::vector<MappedVessel> &vessels() const { return vessels_; }
     std::vector<std::string> names() const;
 
-    // Case, spaces, underscores and hyphens do not count, nor does "artery" at the end; the coronary arteries' usual long names are known.
+    // Case, spaces, underscores and hyphens do not count, nor does "artery" at the end; the coronary
+    // arteries' usual long names are known.
     std::optional<std::size_t> find(std::string_view name) const;
     // ", did you mean ...?" or the list of all names.
     std::string suggestion(std::string_view name) const;
 
     // The vessel that a place lies in, or the nearest one. Not for an empty map.
     VesselPlace at(const Eigen::Vector3d &reference_m) const;
-    // How far inside its vessel a place lies, from where the route from `start` comes in: the vessel's beginning, or the branch that it comes from.
+    // How far inside its vessel a place lies, from where the route from `start` comes in: the vessel's
+    // beginning, or the branch that it comes from.
     double inside_m(const VesselPlace &place, const VesselPlace &start) const;
     VesselWay way(const VesselPlace &place, const VesselPlace &start, std::size_t goal) const;
     // Radius of the lumen at the goal's mouth.

@@ -1,5 +1,6 @@
 // Vessels as a tree of centrelines with inscribed radii: where blood flows, and contrast medium with it.
-// Read from the TREE section of an `X.bodies` file with the bodies (bodies.hpp); written by bake. Patient frame, SI.
+// Read from the TREE section of an `X.bodies` file with the bodies (bodies.hpp); written by bake. Patient
+// frame, SI.
 #pragma once
 #include <Eigen/Core>
 #include <cstddef>
@@ -54,13 +55,13 @@ struct VesselFoot {
 };
 VesselFoot vessel_foot(const VesselBranch &branch, const Eigen::Vector3d &place_m);
 
-// How far along a branch it leaves its parent: where its centreline leaves the parent's lumen, or half of the parent's radius behind
-// a division; at most 0.8 of the branch. Blood of its own, and millimetres from its ostium, begin there. 0 for the root.
+// How far along a branch it leaves its parent: where its centreline leaves the parent's lumen, or half of the
+// parent's radius behind a division; at most 0.8 of the branch. Blood of its own, and millimetres from its
+// ostium, begin there. 0 for the root.
 double vessel_start_m(const VesselTree &tree, std::size_t branch);
 
-// What a reader of a file cannot promise: parents before children, places that exist, points and radii in range, lesions where there
-// is vessel.
-// False with a sentence that names the branch.
+// What a reader of a file cannot promise: parents before children, places that exist, points and radii in
+// range, lesions where there is vessel. False with a sentence that names the branch.
 bool check_vessel_tree(const VesselTree &tree, std::string &error);
 
 } // namespace crn

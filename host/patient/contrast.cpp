@@ -280,7 +280,8 @@ std::uint32_t PatientContrast::look_due() const
     return (injector_.first_tick() + look_every_ticks - 1) / look_every_ticks * look_every_ticks;
 }
 
-// To the frame's tick with the tools where they were looked at last; then, when it is time, a look at this frame.
+// To the frame's tick with the tools where they were looked at last; then, when it is time, a look at this
+// frame.
 void PatientContrast::advance(const WireFrame &wire)
 {
     const std::uint32_t now = wire.tick;
@@ -388,8 +389,9 @@ SweptPoint PatientContrast::stream_point(std::size_t cell, double narrowness) co
             contrast_share(mean / (width * width))};
 }
 
-// Two columns per vessel: what both layers have at least, over the whole width, and around the axis what the inner one has more.
-// More along the wall than around the axis is shown as if it were mixed. Where medium streams from the tip there is one, thinner.
+// Two columns per vessel: what both layers have at least, over the whole width, and around the axis what the
+// inner one has more. More along the wall than around the axis is shown as if it were mixed. Where medium
+// streams from the tip there is one, thinner.
 void PatientContrast::make_curves()
 {
     curves_.clear();
@@ -398,8 +400,8 @@ void PatientContrast::make_curves()
         for (bool is_core : {false, true}) make_curves_of(branch, is_core);
 }
 
-// A column begins at its cell's face. Where a vessel ends by dividing, its branches' cells begin outside of it, and their columns at
-// its end: else there was a gap.
+// A column begins at its cell's face. Where a vessel ends by dividing, its branches' cells begin outside of
+// it, and their columns at its end: else there was a gap.
 Vector3d PatientContrast::column_begin_m(std::size_t cell) const
 {
     const FlowCells &cells = flow_.cells();

@@ -1,6 +1,6 @@
-// Contrast medium in a session: what the syringe was asked for, where the tools are, and what of it the X-ray sees.
-// It follows from the commands and from the line's shape at ticks of its own (next_tick), so a replay shows the same, whatever
-// pictures were asked for. While no medium is in the vessels nothing is computed.
+// Contrast medium in a session: what the syringe was asked for, where the tools are, and what of it the X-ray
+// sees. It follows from the commands and from the line's shape at ticks of its own (next_tick), so a replay
+// shows the same, whatever pictures were asked for. While no medium is in the vessels nothing is computed.
 #pragma once
 #include "host/effects/injector.hpp"
 #include "host/model/instrument.hpp"
@@ -20,16 +20,16 @@ namespace crn
 inline constexpr double iodine_default_mg_per_ml =
     350.0; // of what is injected until a command says otherwise
 
-// The tool that an injection goes through, counted from the innermost: the one asked for (1 ...), or for 0 the outermost with
-// a lumen. Nothing: there is none.
+// The tool that an injection goes through, counted from the innermost: the one asked for (1 ...), or for 0
+// the outermost with a lumen. Nothing: there is none.
 std::optional<std::size_t> injecting_tool(const std::vector<Instrument> &tools, std::int32_t asked);
-// Why these tools cannot do what a command asks of the syringe, wherever they are; empty: they can, or it asks nothing. `iodine_mg_per_ml`:
-// the strength of what is injected.
+// Why these tools cannot do what a command asks of the syringe, wherever they are; empty: they can, or it
+// asks nothing. `iodine_mg_per_ml`: the strength of what is injected.
 std::string injection_refusal(const std::vector<Instrument> &tools, const RoomCommand &command,
                               double iodine_mg_per_ml);
 
-// Where medium leaves a tool whose tip is at that arc length of the line: the end hole first, then the side holes. Shares by
-// area: the lumen's resistance between the holes is left out.
+// Where medium leaves a tool whose tip is at that arc length of the line: the end hole first, then the side
+// holes. Shares by area: the lumen's resistance between the holes is left out.
 std::vector<CatheterMouth> catheter_mouths(const Instrument &tool, const WireFrame &wire, double tip_arc_m);
 
 // What it took, as seconds of the machine: beside the session's own, never in it.
@@ -43,16 +43,19 @@ class PatientContrast
   public:
     static constexpr std::uint32_t look_every_ticks = 40; // at the tools, while medium is in the vessels
 
-    // `motion`: how the vessels move with heart and breath; nullptr: they stand still. `opening`: which lesions give way.
+    // `motion`: how the vessels move with heart and breath; nullptr: they stand still. `opening`: which
+    // lesions give way.
     PatientContrast(const VesselTree &vessels, const std::vector<Instrument> &tools,
                     const Motion *motion = nullptr, LesionOpening opening = {});
 
     // Why a command cannot be carried out with medium of this strength; empty: it can.
     std::string refusal(const RoomCommand &command, double iodine_mg_per_ml) const;
-    // The same with the strength asked for last, and does it. Called when its tick is over, so that the tools are where they were then.
+    // The same with the strength asked for last, and does it. Called when its tick is over, so that the tools
+    // are where they were then.
     std::string command(std::uint32_t tick, const RoomCommand &command);
-    // The core's heart, every tick before the frame of that tick. Without it the heart beats evenly, 70 times a minute. An injection is
-    // refused at its tick when the tools that lie in the lumen then leave too little of it.
+    // The core's heart, every tick before the frame of that tick. Without it the heart beats evenly, 70 times
+    // a minute. An injection is refused at its tick when the tools that lie in the lumen then leave too
+    // little of it.
     void tick(const crn_wire_tick_state &state);
     // Injections of the session that were refused.
     const std::vector<Refusal> &refusals() const { return refusals_; }
@@ -66,7 +69,8 @@ class PatientContrast
     bool was_used() const { return injector_.injected_ml() > 0.0; }
     double injected_ml() const { return injector_.injected_ml(); }
     double flow_ml_s() const { return fluid_.flow_ml_s; } // injected at the moment
-    // What was injected after tick `from` up to tick `to`, as files tell it: volume and time in all, mean flow and strength.
+    // What was injected after tick `from` up to tick `to`, as files tell it: volume and time in all, mean
+    // flow and strength.
     std::optional<RunContrast> given(std::uint32_t from, std::uint32_t to) const;
     const ContrastFlow &flow() const { return flow_; }
     double received_mg(std::size_t branch) const { return flow_.received_mg()[branch]; } // iodine

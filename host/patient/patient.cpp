@@ -41,7 +41,8 @@ void Patient::command(std::uint32_t tick, const RoomCommand &command)
     carry_out_due();
 }
 
-// Medium and stents do what is asked at its own tick, with the tools where they are then, whoever passes commands on and when.
+// Medium and stents do what is asked at its own tick, with the tools where they are then, whoever passes
+// commands on and when.
 void Patient::carry_out_due()
 {
     for (; !asked_.empty() && asked_.front().tick <= state_.tick; asked_.pop_front())

@@ -1,14 +1,15 @@
-// The patient of a session: vessels with blood and contrast medium, stents, lesions that give way, heart and breath, and the X-ray that
-// is given, with its dose. Whoever runs a session (script, window, rig, replay) advances the patient tick by tick, and the patient says
-// what the core has to be told in the next tick. Pictures, reports and scores read the state and change nothing, so a session is
-// the same whatever is asked of it.
+// The patient of a session: vessels with blood and contrast medium, stents, lesions that give way, heart and
+// breath, and the X-ray that is given, with its dose. Whoever runs a session (script, window, rig, replay)
+// advances the patient tick by tick, and the patient says what the core has to be told in the next tick.
+// Pictures, reports and scores read the state and change nothing, so a session is the same whatever is asked
+// of it.
 //
 //   patient.command(tick, {RoomAction::inject, {...}});        in force from that tick on
-//   inputs carry patient.hold_order() and patient.strut_order(); every tick that was done goes to patient.tick()
-//   no later than patient.next_look(): patient.look(shape of the line at that tick)
+//   inputs carry patient.hold_order() and patient.strut_order(); every tick that was done goes to
+//   patient.tick() no later than patient.next_look(): patient.look(shape of the line at that tick)
 //
-// Everything follows from the commands, from what went into the core and came out of it, and from the line's shape at ticks of the
-// patient's own.
+// Everything follows from the commands, from what went into the core and came out of it, and from the line's
+// shape at ticks of the patient's own.
 #pragma once
 #include "host/effects/pulse.hpp"
 #include "host/model/instrument.hpp"
@@ -36,7 +37,8 @@ struct PatientSettings {
 class Patient
 {
   public:
-    // `tools` from the innermost. An empty anatomy is air without vessels. Throws std::runtime_error for a body of unknown material.
+    // `tools` from the innermost. An empty anatomy is air without vessels. Throws std::runtime_error for a
+    // body of unknown material.
     Patient(const SceneAnatomy &anatomy, const std::vector<Instrument> &tools,
             const PatientSettings &settings = {});
     ~Patient();
@@ -44,14 +46,15 @@ class Patient
     Patient &operator=(const Patient &) = delete;
 
     // --- what happens to it ---
-    // In force from that tick on; before the look at that tick. What cannot be done now is kept in refusals() or stents()->refusals(), and
-    // said by notice(). Throws std::runtime_error for what no room can do.
+    // In force from that tick on; before the look at that tick. What cannot be done now is kept in refusals()
+    // or stents()->refusals(), and said by notice(). Throws std::runtime_error for what no room can do.
     void command(std::uint32_t tick, const RoomCommand &command);
     // Every tick in order, with what went in and what came out.
     void tick(const crn_wire_encoders &input, const crn_wire_tick_state &state);
     // The next tick at which look() is needed; UINT32_MAX: none.
     std::uint32_t next_look() const;
-    // To the frame's tick. A rig that leads sends its shapes at its own times: pulses between two of them are made with the later one.
+    // To the frame's tick. A rig that leads sends its shapes at its own times: pulses between two of them are
+    // made with the later one.
     void look(const WireFrame &wire);
     // The same for vessels alone: of a replay that begins later, until it begins.
     std::uint32_t next_vessel_look() const;
@@ -59,7 +62,8 @@ class Patient
     // Its state depends on every tick since the first: a replay that begins later goes through all of them.
     bool needs_beginning() const { return stents_ != nullptr; }
 
-    // --- what the core has to be told in the next tick; asked for before each. In a replay nobody asks: it is in the recording. ---
+    // --- what the core has to be told in the next tick; asked for before each. In a replay nobody asks: it
+    // is in the recording. ---
     std::optional<crn_wire_scaffold> hold_order();
     std::optional<crn_wire_strut> strut_order();
 

@@ -214,7 +214,8 @@ std::size_t PatientStents::vessel_of(std::size_t branch)
     return walls_.size() - 1;
 }
 
-// The branch around the middle of the balloon, by radii off its middle line; nothing where no stent of this size could be held.
+// The branch around the middle of the balloon, by radii off its middle line; nothing where no stent of this
+// size could be held.
 std::optional<std::size_t> PatientStents::vessel_at(const BalloonPose &pose, const MotionMoment &moment)
 {
     if (pose.points.empty()) return {};
@@ -297,7 +298,8 @@ void PatientStents::note_stages(std::uint32_t tick)
     }
 }
 
-// What the core does not know yet. Orders that a device has not confirmed by a tick's input are asked for again.
+// What the core does not know yet. Orders that a device has not confirmed by a tick's input are asked for
+// again.
 void PatientStents::ask_for_holds(const WireFrame &wire)
 {
     const std::vector<std::vector<double>> opened = opened_lists(wire, stations_);

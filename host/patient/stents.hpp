@@ -1,7 +1,8 @@
-// Stents in a session: mounted on the balloon, opened by it, deployed, held by the wall; what the core has to know of them, and what the
-// X-ray sees. Everything follows from the commands and from the line's shape at ticks of its own, multiples of look_every_ticks,
-// whatever pictures were asked for. What the core is told goes through order(), becomes part of a tick's input and is recorded; a replay
-// feeds the core with what was recorded, and computes stents again for pictures and reports.
+// Stents in a session: mounted on the balloon, opened by it, deployed, held by the wall; what the core has to
+// know of them, and what the X-ray sees. Everything follows from the commands and from the line's shape at
+// ticks of its own, multiples of look_every_ticks, whatever pictures were asked for. What the core is told
+// goes through order(), becomes part of a tick's input and is recorded; a replay feeds the core with what was
+// recorded, and computes stents again for pictures and reports.
 //
 //   PatientStents stents(shelf, bodies.vessels, motion, stations, tools);
 //   stents.command(tick, {RoomAction::load_stent, {}});       the next one of the shelf onto the balloon

@@ -100,8 +100,8 @@ double value_at(const std::vector<std::uint32_t> &histogram, std::uint64_t count
     return static_cast<double>(histogram.size() - 1);
 }
 
-// All of the run but its darkest and brightest hundredth; what is beside the patient and fills the detector to the brim
-// (the largest value, one in 200 or more) is not counted.
+// All of the run but its darkest and brightest hundredth; what is beside the patient and fills the detector
+// to the brim (the largest value, one in 200 or more) is not counted.
 void set_window(XrayRun &run, std::vector<std::uint32_t> histogram)
 {
     if (run.window_width > 0.0) return;

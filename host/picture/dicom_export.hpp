@@ -1,6 +1,6 @@
-// The runs of a session as a folder of DICOM files: frames are put on the disk as they are made, and the files are written
-// at the end, when it is known what they hold. Names: run_01_fluoro.dcm, run_02_dsa.dcm; a long run goes on in
-// run_01_fluoro_2.dcm.
+// The runs of a session as a folder of DICOM files: frames are put on the disk as they are made, and the
+// files are written at the end, when it is known what they hold. Names: run_01_fluoro.dcm, run_02_dsa.dcm; a
+// long run goes on in run_01_fluoro_2.dcm.
 #pragma once
 #include "host/dicom/xa_file.hpp"
 #include "host/xray/run.hpp"
@@ -20,7 +20,8 @@ struct DicomSettings {
     std::string patient_name, patient_id, study_date; // empty: anonymous
 };
 
-// Throws UsageError when the folder cannot be one to export to, or when name, number or date cannot stand in a file.
+// Throws UsageError when the folder cannot be one to export to, or when name, number or date cannot stand in
+// a file.
 void check_dicom_settings(const DicomSettings &settings);
 
 struct ExportProgress {
@@ -48,12 +49,13 @@ class DicomExport
     // The mask of the run with this index, counted from 0. A run of more than one file keeps it in the first.
     void set_mask(std::size_t run, const RunMask &mask);
 
-    // What was injected while a file's frames were made, for each file: `given` is asked with the ticks of its first and last
-    // frame.
+    // What was injected while a file's frames were made, for each file: `given` is asked with the ticks of
+    // its first and last frame.
     void set_contrast(const std::function<std::optional<RunContrast>(std::uint32_t, std::uint32_t)> &given);
 
-    // Writes the files; the last call. `report` is called with what is done and says whether to go on. Returns the names of the files
-    // that are written: all of them, or those before the stop. Throws OutputError.
+    // Writes the files; the last call. `report` is called with what is done and says whether to go on.
+    // Returns the names of the files that are written: all of them, or those before the stop. Throws
+    // OutputError.
     std::vector<std::string> finish(const std::function<bool(const ExportProgress &)> &report);
 
   private:

@@ -1,4 +1,5 @@
-// The angiography display around a picture: geometry, mode, dose, instrument, orientation and heart, in an own bitmap font.
+// The angiography display around a picture: geometry, mode, dose, instrument, orientation and heart, in an
+// own bitmap font.
 #pragma once
 #include "host/effects/pulse.hpp"
 #include "host/picture/picture.hpp"
@@ -50,7 +51,8 @@ struct OverlayInfo {
 // the picture.
 Image compose_display(const XrayPicture &picture, const OverlayInfo &info);
 
-// Text in white with a dark rim; scale 1 is 5x7 points, 6 per letter. What does not fit is cut off at the picture's edge.
+// Text in white with a dark rim; scale 1 is 5x7 points, 6 per letter. What does not fit is cut off at the
+// picture's edge.
 struct Colour {
     std::uint8_t red, green, blue;
 };

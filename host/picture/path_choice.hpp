@@ -8,13 +8,14 @@
 namespace crn
 {
 
-// raster: the integer rasteriser. opengl: in the window its own context, else OSMesa, else EGL without a surface.
+// raster: the integer rasteriser. opengl: in the window its own context, else OSMesa, else EGL without a
+// surface.
 inline const std::vector<std::string> path_choices = {"raster", "opengl", "opengl-osmesa", "opengl-egl"};
 // A thread has one context: another library's would take the place of the window's.
 inline const std::vector<std::string> path_choices_window = {"raster", "opengl"};
 
-// `window_context` is empty where there is no window. The maker throws GlError, and says on standard error which OpenGL it
-// found.
+// `window_context` is empty where there is no window. The maker throws GlError, and says on standard error
+// which OpenGL it found.
 BodyPathsMaker paths_maker(const std::string &choice, const GlOpener &window_context);
 
 // What each library gives or why it does not, a line each, on standard output. False when none does.

@@ -24,9 +24,10 @@ std::vector<std::uint8_t> encode_png(const Image &image);
 bool write_png16(const std::string &path, int width, int height, const std::vector<std::uint16_t> &values,
                  std::string &error);
 
-// H.264 in yuv420p, every picture RGB of the same even size. The file has its name only after a successful finish();
-// what is unfinished is removed by the destructor (after SIGKILL "name.partPID-RANDOM" stays, never a half "name", and ffmpeg
-// goes with us). Open it in the thread that lives longest: the kernel ends ffmpeg when that thread ends.
+// H.264 in yuv420p, every picture RGB of the same even size. The file has its name only after a successful
+// finish(); what is unfinished is removed by the destructor (after SIGKILL "name.partPID-RANDOM" stays, never
+// a half "name", and ffmpeg goes with us). Open it in the thread that lives longest: the kernel ends ffmpeg
+// when that thread ends.
 class VideoWriter
 {
   public:

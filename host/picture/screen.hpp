@@ -1,5 +1,5 @@
-// A GLFW window that shows one square picture, as large as fits, in the middle. Every OpenGL function is asked for by
-// name: nothing of OpenGL is linked.
+// A GLFW window that shows one square picture, as large as fits, in the middle. Every OpenGL function is
+// asked for by name: nothing of OpenGL is linked.
 #pragma once
 #include "host/picture/picture.hpp"
 #include "host/xray/gl/gl_context.hpp"

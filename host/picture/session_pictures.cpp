@@ -254,7 +254,8 @@ void SessionPictures::finish()
     if (export_) finish_export();
 }
 
-// After Ctrl-C in the session what there is of it is written all the same; Ctrl-C from now on stops between two pieces.
+// After Ctrl-C in the session what there is of it is written all the same; Ctrl-C from now on stops between
+// two pieces.
 void SessionPictures::finish_export()
 {
     export_->end();

@@ -1,6 +1,7 @@
-// Pictures of a session: what the patient's X-ray room does is X-rayed, drawn and written here. Pictures read the patient and change
-// nothing. Everything follows from the patient, the shapes at the ticks asked for, and the seed. C-arm and table know what was asked
-// from the beginning also when a replay starts later (--from S); dose, runs and the following of the tip begin at S.
+// Pictures of a session: what the patient's X-ray room does is X-rayed, drawn and written here. Pictures read
+// the patient and change nothing. Everything follows from the patient, the shapes at the ticks asked for, and
+// the seed. C-arm and table know what was asked from the beginning also when a replay starts later (--from
+// S); dose, runs and the following of the tip begin at S.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/model/scene_anatomy.hpp"
@@ -43,7 +44,8 @@ struct PictureSettings {
     double balloon_iodine_mg_per_ml = 175.0; // what balloons are filled with
 };
 
-// The anatomy that the settings name, and a patient in it with the settings' stents. Throws std::runtime_error.
+// The anatomy that the settings name, and a patient in it with the settings' stents. Throws
+// std::runtime_error.
 SceneAnatomy read_anatomy(const PictureSettings &settings);
 std::unique_ptr<Patient> make_patient(const PictureSettings &settings, const SceneAnatomy &anatomy,
                                       const std::vector<Instrument> &tools);

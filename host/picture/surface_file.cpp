@@ -100,7 +100,8 @@ bool SurfaceSink::is_near(const Vector3d &place_m) const
     return here_m >= begin_m - settings_.around_mm * 1e-3 && here_m <= end_m + settings_.around_mm * 1e-3;
 }
 
-// Triangles all of whose corners are near, seen where they are as baked so that every moment has the same ones.
+// Triangles all of whose corners are near, seen where they are as baked so that every moment has the same
+// ones.
 SurfaceMesh SurfaceSink::mesh_of(int body, std::span<const Eigen::Vector3i> vertices_um) const
 {
     const Body &of = bodies_.bodies[static_cast<std::size_t>(body)];

@@ -1,4 +1,5 @@
-// The walls round a lesion at moments of a session, as an OBJ file: how the polygons go from stenosed to healthier.
+// The walls round a lesion at moments of a session, as an OBJ file: how the polygons go from stenosed to
+// healthier.
 //
 //   SurfaceSink sink(settings, ticks);
 //   replay_recording(device, recording, &sink, {});         // writes the file at its end

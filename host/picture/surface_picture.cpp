@@ -128,7 +128,8 @@ class Panel
             }
     }
 
-    // The far wall keeps its depth, so that what lies in it is drawn before it; the near one covers only what is behind it.
+    // The far wall keeps its depth, so that what lies in it is drawn before it; the near one covers only what
+    // is behind it.
     void paint(int x, int y, double depth, SurfaceKind kind, Side side, double shade, bool is_edge)
     {
         const std::size_t i = static_cast<std::size_t>(y) * samples_ + x;

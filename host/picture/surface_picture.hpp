@@ -1,4 +1,5 @@
-// Walls round a lesion as a picture: the lumen's polygons as glass, calcium and balloon in it, one panel for each moment side by side.
+// Walls round a lesion as a picture: the lumen's polygons as glass, calcium and balloon in it, one panel for
+// each moment side by side.
 #pragma once
 #include "host/picture/picture.hpp"
 #include <Eigen/Core>

@@ -1,6 +1,7 @@
-// MP4 by a pipe into the ffmpeg program. The child leaves our process group: Ctrl-C reaches only us, we close the pipe
-// or remove the file, so that ffmpeg always finishes in an orderly way. When we are killed the kernel kills it too. It gets the
-// file as a descriptor, and what it says goes into memory: no name of ours is opened a second time.
+// MP4 by a pipe into the ffmpeg program. The child leaves our process group: Ctrl-C reaches only us, we close
+// the pipe or remove the file, so that ffmpeg always finishes in an orderly way. When we are killed the
+// kernel kills it too. It gets the file as a descriptor, and what it says goes into memory: no name of ours
+// is opened a second time.
 #include "host/base/pending_file.hpp"
 #include "host/picture/picture.hpp"
 #include <algorithm>

@@ -50,7 +50,8 @@ void centred(Sheet &sheet, double x, int y, const std::string &text, int scale, 
     sheet.text(static_cast<int>(std::lround(x)) - Sheet::text_width(text, scale) / 2, y, text, scale, ink);
 }
 
-// --- figures -----------------------------------------------------------------------------------------------------
+// --- figures
+// -----------------------------------------------------------------------------------------------------
 
 void draw_figures(Sheet &sheet, const ListedInstrument &item, const Row &row)
 {
@@ -77,7 +78,8 @@ void draw_figures(Sheet &sheet, const ListedInstrument &item, const Row &row)
     }
 }
 
-// --- stiffness ---------------------------------------------------------------------------------------------------
+// --- stiffness
+// ---------------------------------------------------------------------------------------------------
 
 double profile_x(double arc_mm)
 {
@@ -128,7 +130,8 @@ void draw_profile(Sheet &sheet, const ListedInstrument &item, const Row &row)
     sheet.unclip();
 }
 
-// --- shape -------------------------------------------------------------------------------------------------------
+// --- shape
+// -------------------------------------------------------------------------------------------------------
 
 void draw_grid(Sheet &sheet, const Column &column, const Row &row, double px_per_mm, double step_mm)
 {
@@ -169,8 +172,8 @@ Bounds fitting(const std::vector<ShapePoint> &shape, double wide_mm, double high
     }
 }
 
-// The shape seen along d2: forward to the right, d1 upwards; its farthest point near the right edge, its height in the
-// middle.
+// The shape seen along d2: forward to the right, d1 upwards; its farthest point near the right edge, its
+// height in the middle.
 void draw_shape(Sheet &sheet, const Instrument &instrument, const Column &column, const Row &row,
                 double px_per_mm)
 {
@@ -195,7 +198,8 @@ void draw_shape(Sheet &sheet, const Instrument &instrument, const Column &column
     sheet.unclip();
 }
 
-// --- sheet -------------------------------------------------------------------------------------------------------
+// --- sheet
+// -------------------------------------------------------------------------------------------------------
 
 void draw_legend(Sheet &sheet, int y)
 {

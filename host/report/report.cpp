@@ -135,7 +135,8 @@ nlohmann::ordered_json lesion_report(const LesionFigures &f)
             {"ffr", f.ffr}};
 }
 
-// How narrow each lesion is, and what it does to the flow at rest and in hyperaemia: as baked, and "after", as open as it was at last.
+// How narrow each lesion is, and what it does to the flow at rest and in hyperaemia: as baked, and "after",
+// as open as it was at last.
 nlohmann::ordered_json lesions_report(const PatientContrast &contrast)
 {
     nlohmann::ordered_json report = nlohmann::ordered_json::array();

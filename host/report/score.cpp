@@ -65,7 +65,8 @@ double smaller(double a, double b)
     return std::min(a, b);
 }
 
-// What of the narrow lesions no stent covers, all of them together. Several stents on one lesion: the least that one of them leaves at either end.
+// What of the narrow lesions no stent covers, all of them together. Several stents on one lesion: the least
+// that one of them leaves at either end.
 Value geographic_miss_mm(const Json &report)
 {
     Value sum;

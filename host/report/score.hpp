@@ -1,5 +1,5 @@
-// What an angioplasty is worth: metrics with marks between two stated limits, from a session's report (docs/score.md). A metric that the
-// report knows nothing of is shown without marks and leaves the sum alone.
+// What an angioplasty is worth: metrics with marks between two stated limits, from a session's report
+// (docs/score.md). A metric that the report knows nothing of is shown without marks and leaves the sum alone.
 //   Json score = score_of(report);    write_score_page("score.html", report, score, pictures);
 #pragma once
 #include "host/picture/picture.hpp"
@@ -10,8 +10,9 @@
 namespace crn
 {
 
-// {"points", "of", "percent", "metrics": [{"name", "title", "value", "unit", "full_marks_at", "no_marks_at", "weight", "points", "remark"}]}.
-// `value` is null where it is not known; `points` is null there and where there is no weight. `report` is what write_report() writes.
+// {"points", "of", "percent", "metrics": [{"name", "title", "value", "unit", "full_marks_at", "no_marks_at",
+// "weight", "points", "remark"}]}. `value` is null where it is not known; `points` is null there and where
+// there is no weight. `report` is what write_report() writes.
 nlohmann::ordered_json score_of(const nlohmann::ordered_json &report);
 
 struct ScorePicture {

@@ -1,4 +1,5 @@
-// The end of a session, however it was led: figures on the terminal, as JSON and as a score. `run`, `view` and `replay` say the same.
+// The end of a session, however it was led: figures on the terminal, as JSON and as a score. `run`, `view`
+// and `replay` say the same.
 #pragma once
 #include "host/room/room_screen.hpp"
 #include "host/session/run.hpp"
@@ -19,8 +20,8 @@ void print_session(const RunResult &result, const std::vector<Instrument> &tools
 struct SessionFiles {
     std::string json, score, timing; // empty: none
 };
-// `session`: the script's name, or who led. `screen`: of whoever made pictures, which go onto the score's page; null: nobody. Throws
-// OutputError.
+// `session`: the script's name, or who led. `screen`: of whoever made pictures, which go onto the score's
+// page; null: nobody. Throws OutputError.
 void write_session_files(const SessionFiles &files, const RunResult &result, const std::string &scene,
                          const std::vector<Instrument> &tools, const std::string &session, Patient &patient,
                          const RoomScreen *screen);

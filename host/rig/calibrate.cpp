@@ -1,5 +1,6 @@
-// cournand rig calibrate: guided motion gives what one count is. Everything is measured first and written in one message,
-// which the device takes whole or not at all; so whoever stops in the middle has changed nothing.
+// cournand rig calibrate: guided motion gives what one count is. Everything is measured first and written in
+// one message, which the device takes whole or not at all; so whoever stops in the middle has changed
+// nothing.
 #include "host/base/output_files.hpp"
 #include "host/base/pending_file.hpp"
 #include "host/rig/rig.hpp"

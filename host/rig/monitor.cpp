@@ -1,4 +1,5 @@
-// cournand rig monitor: what the state reports say, as a table that stays in place, as plain lines, and as CSV.
+// cournand rig monitor: what the state reports say, as a table that stays in place, as plain lines, and as
+// CSV.
 #include "host/base/text.hpp"
 #include "host/rig/rig.hpp"
 #include <cerrno>

@@ -12,7 +12,8 @@ namespace crn
 class RigPedals
 {
   public:
-    // What changed since the last call: bit 0 is the X-ray pedal, bit 1 the cine pedal (docs/wire.md, `encoders`).
+    // What changed since the last call: bit 0 is the X-ray pedal, bit 1 the cine pedal (docs/wire.md,
+    // `encoders`).
     std::vector<RoomCommand> changes(std::uint32_t buttons)
     {
         std::vector<RoomCommand> commands;
@@ -29,7 +30,8 @@ class RigPedals
     std::uint32_t buttons_ = 0;
 };
 
-// The syringe's plunger: what it gave in 20 ms goes in during the next 20 ms. A count is 1 ul. Drawing back fills the syringe.
+// The syringe's plunger: what it gave in 20 ms goes in during the next 20 ms. A count is 1 ul. Drawing back
+// fills the syringe.
 class RigSyringe
 {
   public:

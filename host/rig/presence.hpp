@@ -1,6 +1,7 @@
-// A host that is busy with a picture is there all the same: the rig hears of it from another thread meanwhile, so that the forces in the
-// hand do not fade with every picture that takes longer than 30 ms. For half a second at most: a host that hangs is none.
-// Nobody else may use the link as long as such an object lives.
+// A host that is busy with a picture is there all the same: the rig hears of it from another thread
+// meanwhile, so that the forces in the hand do not fade with every picture that takes longer than 30 ms. For
+// half a second at most: a host that hangs is none. Nobody else may use the link as long as such an object
+// lives.
 #pragma once
 #include "host/link/link.hpp"
 #include <chrono>

@@ -64,12 +64,13 @@ int rig_monitor_hid(const HidApi &api, const std::string &serial, const RigOptio
 std::string state_name(unsigned state);
 std::string sensor_name(unsigned status);
 std::string serial_of(const crn_wire_hello_reply &hello);
-// In READY, so that settings may change: with `may_reset` by RESET. Throws LinkError that says what is under way.
+// In READY, so that settings may change: with `may_reset` by RESET. Throws LinkError that says what is under
+// way.
 void require_ready(Link &link, bool may_reset);
 
-// One track with a spring between hand and a straight tool in free space, whose seal rubs with `force_mN`: the hand feels
-// at most that much when it moves slowly, and nothing when it rests. Motors are powered between begin() and end(); the
-// rig's configuration comes back in end(), which the destructor calls.
+// One track with a spring between hand and a straight tool in free space, whose seal rubs with `force_mN`:
+// the hand feels at most that much when it moves slowly, and nothing when it rests. Motors are powered
+// between begin() and end(); the rig's configuration comes back in end(), which the destructor calls.
 class MotorTrial
 {
   public:
@@ -78,7 +79,8 @@ class MotorTrial
     MotorTrial(const MotorTrial &) = delete;
     MotorTrial &operator=(const MotorTrial &) = delete;
     void begin(); // ARM, ARM_MOTORS, CONFIRM, START
-    // 10 ms of FREE_RUN; the ticks that came. Throws LinkError with cause and remedy when the rig went into FAULT.
+    // 10 ms of FREE_RUN; the ticks that came. Throws LinkError with cause and remedy when the rig went into
+    // FAULT.
     const std::vector<crn_wire_live_tick> &run();
     void end();
 

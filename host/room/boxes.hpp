@@ -1,5 +1,5 @@
-// Gap between two boxes that stand at any angle, by separating axes (Gottschalk 1996): the largest of the gaps between their
-// shadows on fifteen axes. Never more than the true distance; negative when they overlap.
+// Gap between two boxes that stand at any angle, by separating axes (Gottschalk 1996): the largest of the
+// gaps between their shadows on fifteen axes. Never more than the true distance; negative when they overlap.
 #pragma once
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -1,5 +1,6 @@
-// What a person does in the X-ray room: pedals, geometry, modes, review. A session is a list of these with their ticks, and
-// nothing else decides what the room does: docs/room.md. Whole numbers, so that a recording holds them exactly.
+// What a person does in the X-ray room: pedals, geometry, modes, review. A session is a list of these with
+// their ticks, and nothing else decides what the room does: docs/room.md. Whole numbers, so that a recording
+// holds them exactly.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -48,8 +49,8 @@ struct Refusal {
     std::string why;
 };
 
-// Empty, or why no room can do this: unknown action or a value out of range. What passes may still be refused in a
-// situation (no run to review): Room says so then.
+// Empty, or why no room can do this: unknown action or a value out of range. What passes may still be refused
+// in a situation (no run to review): Room says so then.
 std::string refusal(const RoomCommand &command);
 
 // Limits that scripts, keys and recordings share.

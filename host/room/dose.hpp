@@ -1,5 +1,5 @@
-// Dose of a session, as IEC 60601-2-43 asks for it: reference air kerma, kerma-area product and time, per irradiation and in
-// total.
+// Dose of a session, as IEC 60601-2-43 asks for it: reference air kerma, kerma-area product and time, per
+// irradiation and in total.
 #pragma once
 #include "host/xray/run.hpp"
 #include "host/xray/xray.hpp"
@@ -29,7 +29,8 @@ struct Irradiation {
     Dose dose;
 };
 
-// Levels of reference air kerma at which the room speaks up: 2 Gy (skin may redden), 5 Gy (follow the patient up); ICRP 120.
+// Levels of reference air kerma at which the room speaks up: 2 Gy (skin may redden), 5 Gy (follow the patient
+// up); ICRP 120.
 inline constexpr double dose_alert_levels_Gy[] = {2.0, 5.0};
 inline constexpr std::uint32_t fluoro_reminder_ticks = 300'000; // every five minutes of fluoroscopy
 

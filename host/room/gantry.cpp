@@ -1,5 +1,6 @@
-// Motors: trapezoidal speed in steps of 1 ms. Interlock: before each step, the way on which everything would come to
-// rest is looked at. Sums, products, quotients and square roots only: the same bytes from every compiler.
+// Motors: trapezoidal speed in steps of 1 ms. Interlock: before each step, the way on which everything would
+// come to rest is looked at. Sums, products, quotients and square roots only: the same bytes from every
+// compiler.
 #include "host/room/gantry.hpp"
 #include "host/room/boxes.hpp"
 #include <algorithm>
@@ -12,11 +13,12 @@ namespace
 
 constexpr double tick_s = 1e-3;
 
-// Housings in metres. Table top: 42 cm wide, 6 cm thick with its mattress, its upper face 13 cm behind the patient's
-// origin, from the head end 85 cm above it to the pedestal 120 cm below it.
+// Housings in metres. Table top: 42 cm wide, 6 cm thick with its mattress, its upper face 13 cm behind the
+// patient's origin, from the head end 85 cm above it to the pedestal 120 cm below it.
 constexpr double table_half_width_m = 0.21, table_top_z_m = -0.13, table_thickness_m = 0.06;
 constexpr double table_foot_y_m = -1.20, table_head_y_m = 0.85;
-// Tube: 32 x 32 cm, from 20 cm behind the focal spot to 10 cm in front of it; its collimator: 20 x 20 cm, up to 25 cm.
+// Tube: 32 x 32 cm, from 20 cm behind the focal spot to 10 cm in front of it; its collimator: 20 x 20 cm, up
+// to 25 cm.
 constexpr double tube_half_m = 0.16, tube_behind_m = 0.20, tube_front_m = 0.10;
 constexpr double collimator_half_m = 0.10, collimator_front_m = 0.25;
 // Detector: 40 x 40 cm, its cover 2 cm in front of the image plane, 22 cm deep behind it.
@@ -128,7 +130,8 @@ CArm Gantry::carm(double field_m) const
     return carm_of(pose_, field_m);
 }
 
-// Smallest gap on the way when this tick goes at `speed` and every axis brakes from then on, each for its own time.
+// Smallest gap on the way when this tick goes at `speed` and every axis brakes from then on, each for its own
+// time.
 double Gantry::clearance_while_braking_m(const GantryPose &speed) const
 {
     constexpr int looks = 6;

@@ -1,5 +1,5 @@
-// C-arm and table as motors: every axis starts, runs and stops within its speed and acceleration, and none of them goes on
-// when tube or detector would come too near the table.
+// C-arm and table as motors: every axis starts, runs and stops within its speed and acceleration, and none of
+// them goes on when tube or detector would come too near the table.
 //
 //   Gantry gantry;
 //   gantry.place(pose);            // where the session begins: at once
@@ -30,13 +30,15 @@ inline constexpr int gantry_axes = 7;
 // Degrees, metres: primary, secondary, patient point at the isocentre (x, y, z), SID, SOD.
 using GantryPose = std::array<double, gantry_axes>;
 
-// Speeds per s and accelerations per s2, in degrees and metres. Typical of ceiling and floor mounted C-arms (assumption).
+// Speeds per s and accelerations per s2, in degrees and metres. Typical of ceiling and floor mounted C-arms
+// (assumption).
 struct AxisLimits {
     double speed, acceleration, low, high;
 };
 const std::array<AxisLimits, gantry_axes> &gantry_limits();
 
-// Smallest gap between the table and tube or detector housing, in metres; negative: they overlap. Boxes: docs/room.md.
+// Smallest gap between the table and tube or detector housing, in metres; negative: they overlap. Boxes:
+// docs/room.md.
 double table_clearance_m(const GantryPose &pose);
 
 class Gantry

@@ -202,7 +202,8 @@ void Room::move(std::uint32_t tick, const GantryPose &pose)
         notify(tick, "THE TABLE IS IN THE WAY HERE - only ways out are free");
 }
 
-// As a hand on the table does: nothing while the tip is well inside the field, then it is brought back to the middle.
+// As a hand on the table does: nothing while the tip is well inside the field, then it is brought back to the
+// middle.
 void Room::follow(std::uint32_t tick, const Eigen::Vector3d &tip)
 {
     if (tick == 0) return move(tick, with_table(gantry_.target(), tip));
@@ -220,7 +221,8 @@ void Room::follow(std::uint32_t tick, const Eigen::Vector3d &tip)
 
 // --- pedals ---
 
-// A run begins with a new press only: a pedal held over the end of another run does nothing until it is released.
+// A run begins with a new press only: a pedal held over the end of another run does nothing until it is
+// released.
 void Room::press_pedals(std::uint32_t tick)
 {
     if (beam_.is_on && beam_.is_acquired) return;

@@ -1,5 +1,5 @@
-// The X-ray room as a state machine: pedals, geometry, pulses, runs by number, dose. No window, no clock, no X-ray and no pictures of
-// its own: commands and ticks go in, requests for pulses and what happened come out.
+// The X-ray room as a state machine: pedals, geometry, pulses, runs by number, dose. No window, no clock, no
+// X-ray and no pictures of its own: commands and ticks go in, requests for pulses and what happened come out.
 //
 //   room.give(tick, command);                    // in force from that tick on, before it is carried out
 //   room.advance(tick, &tip);                    // every millisecond up to `tick`
@@ -7,8 +7,8 @@
 //   for (const RoomEvent &event : room.events()) ...      // for whoever makes pictures of it: room_screen.hpp
 //   room.forget_events();
 //
-// Stop at next_tick() at the latest, or pulses are missed. The same commands and bodies give the same pulses and the same dose,
-// whoever looks. See docs/room.md.
+// Stop at next_tick() at the latest, or pulses are missed. The same commands and bodies give the same pulses
+// and the same dose, whoever looks. See docs/room.md.
 #pragma once
 #include "host/room/command.hpp"
 #include "host/room/dose.hpp"
@@ -80,10 +80,11 @@ struct RoomNotice {
 class Room
 {
   public:
-    // Commands come in the order of their ticks; one of a tick already passed counts for the next. Returns why a
-    // command cannot be carried out at all, else empty.
+    // Commands come in the order of their ticks; one of a tick already passed counts for the next. Returns
+    // why a command cannot be carried out at all, else empty.
     std::string give(std::uint32_t tick, const RoomCommand &command);
-    // The next tick at which something is to be seen: a command, a pulse, or a look at the tip. UINT32_MAX: none.
+    // The next tick at which something is to be seen: a command, a pulse, or a look at the tip. UINT32_MAX:
+    // none.
     std::uint32_t next_tick() const;
     // `tip`: where the leading tip is at `tick`; nullptr: not known.
     void advance(std::uint32_t tick, const Eigen::Vector3d *tip);

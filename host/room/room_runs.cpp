@@ -10,8 +10,8 @@ namespace crn
 namespace
 {
 
-// What one frame of noise adds to the largest of many differences is taken off a roadmap: the median, which is background,
-// plus so many times the distance from the median to the lowest tenth.
+// What one frame of noise adds to the largest of many differences is taken off a roadmap: the median, which
+// is background, plus so many times the distance from the median to the lowest tenth.
 constexpr float roadmap_noise_steps = 2.0f;
 
 float background_of(const std::vector<float> &peak)
@@ -49,7 +49,8 @@ RunCollimator collimator_of(const XrayBeam &beam, int size)
     return open;
 }
 
-// How a viewer shows raw values at first: from the darkest to the brightest hundredth of those that the beam met.
+// How a viewer shows raw values at first: from the darkest to the brightest hundredth of those that the beam
+// met.
 void set_window(XrayRun &run, const std::vector<std::uint16_t> &raw)
 {
     std::vector<std::uint16_t> open;

@@ -1,4 +1,5 @@
-// What the screen shows: live picture, last image hold, loops; subtracted, with its roadmap; and the words around it.
+// What the screen shows: live picture, last image hold, loops; subtracted, with its roadmap; and the words
+// around it.
 #include "host/room/room_screen.hpp"
 #include "host/room/subtraction.hpp"
 #include <algorithm>

@@ -1,5 +1,6 @@
-// The screen of the X-ray room: live picture, last image hold, loops, subtraction, roadmap, and the runs' pictures. It only reads the
-// room: what happened there comes as events, in order, and the picture of every pulse from whoever makes it.
+// The screen of the X-ray room: live picture, last image hold, loops, subtraction, roadmap, and the runs'
+// pictures. It only reads the room: what happened there comes as events, in order, and the picture of every
+// pulse from whoever makes it.
 //
 //   RoomScreen screen(room);
 //   for (const RoomEvent &event : room.events())
@@ -53,7 +54,8 @@ class RoomScreen
 
     const Room &room() const { return room_; }
     RoomStatus status() const;
-    // The picture on the screen, size*size; black before the first pulse. False when it is the one of the last call.
+    // The picture on the screen, size*size; black before the first pulse. False when it is the one of the
+    // last call.
     bool compose(int size, std::vector<std::uint8_t> &grey);
     const RunStore &store() const { return store_; }
 

@@ -1,5 +1,5 @@
-// What the screen keeps of its pictures: acquired runs, and the last seconds of fluoroscopy. Bounded: when the memory given is
-// full, the oldest run's pictures go.
+// What the screen keeps of its pictures: acquired runs, and the last seconds of fluoroscopy. Bounded: when
+// the memory given is full, the oldest run's pictures go.
 #pragma once
 #include "host/xray/run.hpp"
 #include <cstddef>
@@ -28,11 +28,13 @@ class RunStore
   public:
     explicit RunStore(std::size_t bytes_max) : bytes_max_(bytes_max) {}
 
-    // A new run; frames are added to it until finish(). Whoever adds the first frame fills in the rest of its description.
+    // A new run; frames are added to it until finish(). Whoever adds the first frame fills in the rest of its
+    // description.
     void begin(int number, RunKind kind);
     // False when the memory is full of this run alone.
     bool add(RunFrame frame, std::vector<std::uint8_t> grey);
-    // A run without a frame is forgotten. A run that was made, but whose pictures found no memory, stays without them.
+    // A run without a frame is forgotten. A run that was made, but whose pictures found no memory, stays
+    // without them.
     void finish(bool was_made);
 
     // Fluoroscopy of the last `store_max_ms` stays for a while, as far as half the memory goes.

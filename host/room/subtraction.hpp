@@ -1,6 +1,6 @@
-// Differences of pictures: DSA against a mask, peak opacification, the roadmap. All on the logarithm of the raw values, because
-// there a contrasted vessel is as dark in front of bone as in front of lung. Pixels are row by row, row 0 on top.
-// Sums, products and the polynomials of float_math only.
+// Differences of pictures: DSA against a mask, peak opacification, the roadmap. All on the logarithm of the
+// raw values, because there a contrasted vessel is as dark in front of bone as in front of lung. Pixels are
+// row by row, row 0 on top. Sums, products and the polynomials of float_math only.
 #pragma once
 #include "host/xray/run.hpp"
 #include <cstdint>
@@ -19,7 +19,8 @@ std::vector<std::uint16_t> mean_frame(const XrayRun &run, const std::vector<int>
 // `mask` moved to the right by dx and up by dy pixels, linear in between; beyond its edge the edge's value.
 void shift_picture(const std::vector<float> &mask, int size, double dx, double dy, std::vector<float> &moved);
 
-// Density that came since the mask, in doublings of attenuation: mask - live; 0 outside the open field of either.
+// Density that came since the mask, in doublings of attenuation: mask - live; 0 outside the open field of
+// either.
 void subtract(const std::vector<float> &mask_log2, const std::vector<float> &live_log2,
               std::vector<float> &density);
 
@@ -30,8 +31,8 @@ void grey_of_density(const std::vector<float> &density, std::span<const std::uin
 // peak[i] = max(peak[i], density[i]); an empty peak becomes the density.
 void hold_peak(const std::vector<float> &density, std::vector<float> &peak);
 
-// The peak, smoothed by the mean over 3 x 3 and freed of noise below `floor` doublings, laid over a live picture in white; not
-// within three pixels of black: along the blades there is noise alone.
+// The peak, smoothed by the mean over 3 x 3 and freed of noise below `floor` doublings, laid over a live
+// picture in white; not within three pixels of black: along the blades there is noise alone.
 void lay_roadmap(const std::vector<float> &peak, int size, float floor, std::vector<std::uint8_t> &grey);
 
 } // namespace crn

@@ -14,8 +14,8 @@ std::int64_t divide_rounded(std::int64_t a, std::int64_t b)
     return a >= 0 ? (a + b / 2) / b : -((-a + b / 2) / b);
 }
 
-// Ticks of steady motion that equal the first t ticks of a ramp of r, times 2 r^3: t^3 (2 r - t), from the integral of
-// the smoothstep 3u^2 - 2u^3.
+// Ticks of steady motion that equal the first t ticks of a ramp of r, times 2 r^3: t^3 (2 r - t), from the
+// integral of the smoothstep 3u^2 - 2u^3.
 std::int64_t ramp_numerator(std::int64_t t, std::int64_t r)
 {
     return t * t * t * (2 * r - t);

@@ -1,5 +1,5 @@
-// How a hand moves: smooth start, steady speed, smooth stop. Integers only, so that a session gives the same encoder
-// counts on every machine.
+// How a hand moves: smooth start, steady speed, smooth stop. Integers only, so that a session gives the same
+// encoder counts on every machine.
 //
 //   speed      ______________
 //             /              \        ramps are smoothsteps of R = 200 ms (or shorter for short moves);

@@ -1,4 +1,5 @@
-// One line of a session script being read: words, numbers with units, choices; mistakes with their place and a suggestion.
+// One line of a session script being read: words, numbers with units, choices; mistakes with their place and
+// a suggestion.
 #pragma once
 #include "host/base/text.hpp"
 #include <charconv>

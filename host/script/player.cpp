@@ -88,7 +88,8 @@ void SessionPlayer::ask(const RoomCommand &command)
     buttons_ = command.values[0] == 1 ? buttons_ | pedal : buttons_ & ~pedal;
 }
 
-// Commands to the room and to heart and breath take effect at once; the first statement that takes time becomes the present one.
+// Commands to the room and to heart and breath take effect at once; the first statement that takes time
+// becomes the present one.
 void SessionPlayer::enter_statement()
 {
     for (; !is_done(); statement_++) {

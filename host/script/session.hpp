@@ -1,4 +1,5 @@
-// Session scripts (docs/session.md): what hands and C-arm do, as text -> encoder counts per tick and commands to the room.
+// Session scripts (docs/session.md): what hands and C-arm do, as text -> encoder counts per tick and commands
+// to the room.
 //
 //   Session session = read_session("aorta.session");
 //   SessionPlayer player(session, tool_count);
@@ -39,8 +40,8 @@ struct Inflation {
     std::int32_t kPa = 0, kPa_per_s = 100;
 };
 
-// One line of the script: moves of hands (together), a tool that is steered, a pause, the inflator's way, commands to the room, something asked
-// of heart and breath, or what must be true.
+// One line of the script: moves of hands (together), a tool that is steered, a pause, the inflator's way,
+// commands to the room, something asked of heart and breath, or what must be true.
 struct Statement {
     int line = 0;
     std::vector<HandMove> moves;
@@ -71,11 +72,13 @@ class SessionPlayer
     static constexpr std::uint32_t observe_every_ticks = 16;
     static constexpr std::uint32_t until_limit_ticks = 60000;
 
-    // Throws FileError when the script names a tool or a vessel that is not there. `vessels`: of the scene; nullptr: none is known.
+    // Throws FileError when the script names a tool or a vessel that is not there. `vessels`: of the scene;
+    // nullptr: none is known.
     SessionPlayer(const Session &session, std::size_t tool_count, const VesselMap *vessels = nullptr);
     bool is_done() const { return statement_ == session_.statements.size(); }
     crn_wire_encoders next(); // input of the next tick
-    // After each tick that is a multiple of observe_every_ticks. Tips and witness are needed only where wants_tips() says so.
+    // After each tick that is a multiple of observe_every_ticks. Tips and witness are needed only where
+    // wants_tips() says so.
     void observe(const SessionView &view);
     void observe(std::span<const double> inserted_m) { observe(SessionView{inserted_m, {}, nullptr}); }
     // The statement that is carried out asks where the tips are, or expects something.
@@ -87,7 +90,8 @@ class SessionPlayer
     const std::vector<int> &given_up_lines() const { return given_up_lines_; }
     const std::vector<SteeringResult> &steered() const { return steered_; }
     const std::vector<ExpectationResult> &expected() const { return expected_; }
-    // "FILE:LINE: what was not reached or not held, what was found; remedy". The script ends there. Empty: everything held.
+    // "FILE:LINE: what was not reached or not held, what was found; remedy". The script ends there. Empty:
+    // everything held.
     const std::vector<std::string> &failures() const { return failures_; }
 
   private:

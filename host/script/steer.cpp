@@ -11,8 +11,9 @@ namespace
 
 constexpr std::int64_t mm = 1000; // um
 
-// How a hand goes about it. Found by trying on the shipped aorta and heart, with friction, stiffness and the turn at the
-// beginning changed by some per cent (tools/check/test_sessions.py); nothing here is fitted to one session.
+// How a hand goes about it. Found by trying on the shipped aorta and heart, with friction, stiffness and the
+// turn at the beginning changed by some per cent (tools/check/test_sessions.py); nothing here is fitted to
+// one session.
 struct Habit {
     double speed_m_s, depth_m, limit_s;
     std::int64_t stall_um;    // pushed without coming nearer: the shaft buckles, or the tip is caught
@@ -136,16 +137,16 @@ void Steerer::stop_for(Stage next)
     after_ = next;
 }
 
-// A bent tip that catches at every angle runs past a mouth when the wire is spun between the fingers while it is pushed; not in both directions
-// alike, since the vessel bends.
+// A bent tip that catches at every angle runs past a mouth when the wire is spun between the fingers while it
+// is pushed; not in both directions alike, since the vessel bends.
 std::int64_t Steerer::spin_of(int attempt) const
 {
     if (what_.engages || attempt % 3 == 1) return 0;
     return attempt % 3 == 2 ? -spin_counts_per_s : spin_counts_per_s;
 }
 
-// Turned by the golden angle every orientation of a bent tip is soon tried. A guide is made to need little of a turn: small ones first, to both
-// sides.
+// Turned by the golden angle every orientation of a bent tip is soon tried. A guide is made to need little of
+// a turn: small ones first, to both sides.
 std::int64_t Steerer::next_angle()
 {
     const std::int64_t k = turns_++;

@@ -1,11 +1,11 @@
-// Statements that steer as a person does (docs/session.md): push, look where the tip is, turn, pull back and try again, until the tip lies
-// inside the vessel that was named.
+// Statements that steer as a person does (docs/session.md): push, look where the tip is, turn, pull back and
+// try again, until the tip lies inside the vessel that was named.
 //
 //   steer wire into ascending aorta at 60 mm/s until 30 mm within 90 s
 //   engage catheter left main ostium
 //
-// Every decision is one of integers, on the ticks at which a script looks, so one session gives the same counts whatever
-// pictures are made; what comes out is plain motion of a hand.
+// Every decision is one of integers, on the ticks at which a script looks, so one session gives the same
+// counts whatever pictures are made; what comes out is plain motion of a hand.
 #pragma once
 #include "host/script/hand_motion.hpp"
 #include "host/script/tip_places.hpp"
@@ -48,7 +48,8 @@ class Steerer
         std::int64_t translation = 0, rotation = 0;
     };
     Counts next(); // of the hand since the statement began, one tick later
-    // At the ticks that are multiples of SessionPlayer::observe_every_ticks. `inserted_um`: of the tool that is steered.
+    // At the ticks that are multiples of SessionPlayer::observe_every_ticks. `inserted_um`: of the tool that
+    // is steered.
     void observe(const TipPlace &tip, std::int64_t inserted_um);
 
     bool is_done() const { return stage_ == Stage::done; }

@@ -37,8 +37,8 @@ class TipPlaces
     std::optional<Motion> motion_;
 };
 
-// The vessels of a scene's bodies and how the scene moves them; an empty path, or bodies without a tree: no vessel is known. Throws
-// std::runtime_error.
+// The vessels of a scene's bodies and how the scene moves them; an empty path, or bodies without a tree: no
+// vessel is known. Throws std::runtime_error.
 std::unique_ptr<TipPlaces> read_tip_places(const std::string &bodies_path, const std::string &scene_path);
 
 } // namespace crn

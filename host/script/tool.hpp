@@ -7,7 +7,8 @@
 namespace crn
 {
 
-// Tools are numbered from the innermost, 0, as on the wire; a script says wire, catheter, guide, or tool 1 to 3.
+// Tools are numbered from the innermost, 0, as on the wire; a script says wire, catheter, guide, or tool 1
+// to 3.
 inline constexpr std::size_t session_tools_max = CRN_WIRE_TOOL_MAX;
 
 // Whom a statement moves.

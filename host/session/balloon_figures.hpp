@@ -1,5 +1,6 @@
-// What is said of a balloon after a session: how far it was inflated, how wide it was, how hard it pressed, for how long; and the same over
-// time, for curves. From every tick's state, so it is the same in a run, in FREE_RUN and in a replay.
+// What is said of a balloon after a session: how far it was inflated, how wide it was, how hard it pressed,
+// for how long; and the same over time, for curves. From every tick's state, so it is the same in a run, in
+// FREE_RUN and in a replay.
 #pragma once
 #include "shared/wire/wire.h"
 #include <cstdint>

@@ -1,4 +1,5 @@
-// What the wall bore in a session: the forces of all contacts, looked at every so many ticks, and their sum over time.
+// What the wall bore in a session: the forces of all contacts, looked at every so many ticks, and their sum
+// over time.
 #pragma once
 #include "shared/wire/wire.h"
 #include <algorithm>

@@ -35,8 +35,8 @@ class FreeRunSink
 class Device
 {
   public:
-    // `tools` from the innermost to the outermost. Throws LinkError with the device's reason and remedy, and the name of
-    // the tool at fault.
+    // `tools` from the innermost to the outermost. Throws LinkError with the device's reason and remedy, and
+    // the name of the tool at fault.
     Device(const SceneFile &scene, std::vector<Instrument> tools, const crn_wire_entry &entry,
            const crn_wire_rig &rig, const DeviceChoice &choice = {});
     // A rig gets back the configuration that it had.
@@ -51,14 +51,15 @@ class Device
     // Continue from a snapshot of the same session.
     void restore(std::span<const std::uint8_t> snapshot);
 
-    // Link::step for a session that outlives its cable (docs/rig.md, "Unplugged in a session"): when the device goes and
-    // comes back within the choice's `return_limit_ms`, the last snapshot is put back, the inputs since are done again and compared with
-    // what they gave before, and the session goes on bit for bit. Throws LinkError when it does not come back or differs.
+    // Link::step for a session that outlives its cable (docs/rig.md, "Unplugged in a session"): when the
+    // device goes and comes back within the choice's `return_limit_ms`, the last snapshot is put back, the
+    // inputs since are done again and compared with what they gave before, and the session goes on bit for
+    // bit. Throws LinkError when it does not come back or differs.
     std::span<const crn_wire_tick_state> step(std::span<const crn_wire_encoders> inputs, bool want_nodes);
     // Any other request of the link, with the same care.
     void ask(const std::function<void(Link &)> &request);
-    // What a recording holds besides the ticks. Of a rig they are compared with this machine's core first (witness.hpp), as are
-    // the ticks themselves; each throws LinkError when they differ.
+    // What a recording holds besides the ticks. Of a rig they are compared with this machine's core first
+    // (witness.hpp), as are the ticks themselves; each throws LinkError when they differ.
     Hash64 read_hash64();                      // of the last tick given or stepped
     std::optional<Hash64> last_hash64();       // that came by itself, of a tick up to that one
     std::vector<std::uint8_t> read_snapshot(); // LOCKSTEP
@@ -66,9 +67,10 @@ class Device
     // Its time passes without us, and it minds our silence.
     bool has_its_own_clock() const { return choice_.is_usb && pipe_ != nullptr; }
 
-    // FREE_RUN (the choice's free_run): `milliseconds` of a session that the device leads, or of a cable that is away. Every tick
-    // is given once and in order. After an unplug the session goes on from the last tick that came, with the hands where they are
-    // then (FreeRunSink::resumed). Throws LinkError with the cause when the device stopped, or does not come back.
+    // FREE_RUN (the choice's free_run): `milliseconds` of a session that the device leads, or of a cable that
+    // is away. Every tick is given once and in order. After an unplug the session goes on from the last tick
+    // that came, with the hands where they are then (FreeRunSink::resumed). Throws LinkError with the cause
+    // when the device stopped, or does not come back.
     void run_free(std::uint32_t milliseconds, FreeRunSink &sink);
     // No more ticks after this; the last ones are given.
     void stop_free(FreeRunSink &sink);
@@ -128,8 +130,8 @@ crn_wire_entry entry_of(const SceneFile &scene, std::size_t tool_count,
                         std::span<const std::uint32_t> inserted_um);
 inline constexpr std::uint32_t inserted_default_um = 20000;
 
-// The moment after a batch of steps, from the link's last nodes, the last tick's result and the input that led to it.
-// Before the first tick `state` is empty: no forces yet.
+// The moment after a batch of steps, from the link's last nodes, the last tick's result and the input that
+// led to it. Before the first tick `state` is empty: no forces yet.
 SessionFrame session_frame(Device &device, const crn_wire_tick_state &state, const crn_wire_encoders &input);
 
 // The worst of one tool.

@@ -1,9 +1,10 @@
-// Sessions that the device leads (FREE_RUN): its timer makes the ticks, its encoders are the hands. Every tick comes with its input,
-// so what is recorded replays in LOCKSTEP bit for bit.
+// Sessions that the device leads (FREE_RUN): its timer makes the ticks, its encoders are the hands. Every
+// tick comes with its input, so what is recorded replays in LOCKSTEP bit for bit.
 //
-// After an unplug the device has gone on without us, and part of what it did is lost. So the session goes back to the last tick
-// that came: set up, snapshot, the inputs since again in LOCKSTEP with every hash compared, then FREE_RUN with a new reference of
-// the hands. The state at that point is part of the recording.
+// After an unplug the device has gone on without us, and part of what it did is lost. So the session goes
+// back to the last tick that came: set up, snapshot, the inputs since again in LOCKSTEP with every hash
+// compared, then FREE_RUN with a new reference of the hands. The state at that point is part of the
+// recording.
 #include "host/base/interrupt.hpp"
 #include "host/link/usb_devices.hpp"
 #include "host/session/device.hpp"
@@ -22,7 +23,8 @@ constexpr std::uint32_t stop_ahead_ticks = 40, stop_limit_ms = 2000;
 // A coupling that all five situations of docs/haptics.md were found quiet with.
 constexpr std::uint32_t coupling_N_per_m = 800, coupling_uN_m_per_rad = 2000;
 
-// Four fifths of the stiffest spring that the device takes: gain above one x stiffness x (half a tick + lag of the actuator)
+// Four fifths of the stiffest spring that the device takes: gain above one x stiffness x (half a tick + lag
+// of the actuator)
 // <= own damping.
 std::uint32_t passive(std::uint32_t damping, const crn_wire_track &track, std::uint32_t wanted)
 {

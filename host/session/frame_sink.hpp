@@ -1,4 +1,5 @@
-// Whoever looks at a session without a part in it: pictures, referees. Given the line at the ticks it names, after the patient has come to that tick.
+// Whoever looks at a session without a part in it: pictures, referees. Given the line at the ticks it names,
+// after the patient has come to that tick.
 #pragma once
 #include "host/model/wire_frame.hpp"
 #include "shared/wire/wire.h"

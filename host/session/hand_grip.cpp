@@ -8,8 +8,9 @@ namespace crn
 namespace
 {
 
-// What a hand's axis bears, and how it gives way beyond: by the excess over a stiffness, as a finger's skin does (10 N/mm, 1 N m/rad),
-// which lets what is stiffer than that come back to the limit in some ticks, and no faster than a hand moves.
+// What a hand's axis bears, and how it gives way beyond: by the excess over a stiffness, as a finger's skin
+// does (10 N/mm, 1 N m/rad), which lets what is stiffer than that come back to the limit in some ticks, and
+// no faster than a hand moves.
 struct Limits {
     std::int64_t force;          // in the format of tick_state
     std::int64_t counts_per_one; // counts of slip for one newton or newton metre of excess

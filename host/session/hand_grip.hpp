@@ -1,7 +1,8 @@
-// The grip of a hand that a script or the keys move: rigid as far as fingers hold, then the tool slips through it. What a device is told is
-// the wanted hand less what has slipped, in encoder counts, so a recording has the slip in it and a replay needs nothing of this.
-// Integers only, and forces are looked at on ticks that depend on nothing but forces: the same script slips alike with and without
-// pictures, in batches of any size, on every machine.
+// The grip of a hand that a script or the keys move: rigid as far as fingers hold, then the tool slips
+// through it. What a device is told is the wanted hand less what has slipped, in encoder counts, so a
+// recording has the slip in it and a replay needs nothing of this. Integers only, and forces are looked at on
+// ticks that depend on nothing but forces: the same script slips alike with and without pictures, in batches
+// of any size, on every machine.
 #pragma once
 #include "shared/wire/wire.h"
 #include <array>

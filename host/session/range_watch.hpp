@@ -1,5 +1,6 @@
-// Did the physics stay in its range? Looks at every tick of a session: a number of the core at its format's limit, a tool too deep in
-// the wall or a line too long or too short mean that the shape is no longer that of the tools, and the session must not go on as if it were.
+// Did the physics stay in its range? Looks at every tick of a session: a number of the core at its format's
+// limit, a tool too deep in the wall or a line too long or too short mean that the shape is no longer that of
+// the tools, and the session must not go on as if it were.
 #pragma once
 #include "shared/wire/wire.h"
 #include <Eigen/Core>
@@ -21,7 +22,8 @@ struct RangeBreak {
     bool is_saturated = false;  // CRN_FAULT_SATURATED of the core
     double penetration_m = 0.0; // deepest contact
     double length_error = 0.0;  // of the free part of the line
-    // Soon after it, on a tick that every run and replay looks at: the node that the wall presses hardest; none: it touches nowhere.
+    // Soon after it, on a tick that every run and replay looks at: the node that the wall presses hardest;
+    // none: it touches nowhere.
     std::optional<Eigen::Vector3d> place_m{};
     std::string branch{}; // of the vessel around it; empty: not known
 };

@@ -4,8 +4,8 @@
 //   chunk  = kind u32 | bytes u32 | payload | CRC-32 u32 over kind, bytes and payload
 //   order  = HEAD, SIDE_HOLES, BALLOON and STENT, then TICKS, HASH, SNAPSHOT, RESUMED and ROOM as they happen, END when the session was closed properly
 //
-// A recorder writes chunk by chunk, so that a recording cut off by a crash is readable up to its last whole chunk.
-// A reader refuses what is not a recording, is of a newer version, or is damaged in the middle.
+// A recorder writes chunk by chunk, so that a recording cut off by a crash is readable up to its last whole
+// chunk. A reader refuses what is not a recording, is of a newer version, or is damaged in the middle.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/room/command.hpp"
@@ -90,8 +90,9 @@ class Recorder
     static constexpr std::uint32_t ticks_per_chunk = 500;
     static constexpr std::uint32_t snapshot_every_ticks = 5000;
 
-    // Throws RecordingError when the file cannot be written, now or later. Until it is finished or given up, the
-    // recording stands beside its name, as "path.partPID-RANDOM": a killed program leaves it there, and it can be replayed.
+    // Throws RecordingError when the file cannot be written, now or later. Until it is finished or given up,
+    // the recording stands beside its name, as "path.partPID-RANDOM": a killed program leaves it there, and
+    // it can be replayed.
     Recorder(const std::string &path, const RecordingHeader &header);
     ~Recorder(); // closes as a cut-off recording unless finish() was called
 

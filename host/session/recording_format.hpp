@@ -52,7 +52,8 @@ inline constexpr std::size_t hash_bytes = 4 + 8;         // HASH and END
 inline constexpr std::size_t view_bytes = 4 + 2 + 6 * 4; // of version 2
 inline constexpr std::size_t state_bytes_max = 4 + (1 << 20);
 
-// Can a chunk of this kind have so many bytes? A length that is none is damage, and no sign of a file that was cut off.
+// Can a chunk of this kind have so many bytes? A length that is none is damage, and no sign of a file that
+// was cut off.
 constexpr bool is_size_of(std::uint32_t kind, std::size_t bytes, std::size_t tool_count)
 {
     switch (kind) {

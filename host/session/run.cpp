@@ -129,7 +129,8 @@ class Runner
         look_when_due();
     }
 
-    // What the script decides by. What it expects of medium and stents is of this very tick, whatever pictures are made.
+    // What the script decides by. What it expects of medium and stents is of this very tick, whatever
+    // pictures are made.
     void look(bool has_nodes)
     {
         const std::vector<double> lengths_m = inserted();

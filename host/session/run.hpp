@@ -1,5 +1,5 @@
-// Carry out a session on a device and its patient: a script in LOCKSTEP, as fast as the machine allows, or what hands do at a rig in
-// FREE_RUN; recorded and pictured on the way.
+// Carry out a session on a device and its patient: a script in LOCKSTEP, as fast as the machine allows, or
+// what hands do at a rig in FREE_RUN; recorded and pictured on the way.
 #pragma once
 #include "host/patient/patient.hpp"
 #include "host/script/session.hpp"
@@ -39,19 +39,22 @@ struct RunResult {
 
 // The input of a tick with what the patient wants the core to know, if anything.
 crn_wire_encoders with_order(crn_wire_encoders input, Patient &patient);
-// The same in FREE_RUN: one message a round, because a device keeps few. What it does not take up is asked for again at the next look.
+// The same in FREE_RUN: one message a round, because a device keeps few. What it does not take up is asked
+// for again at the next look.
 void send_order(Link &link, Patient &patient);
 
 // `recorder` and `sink` may be nullptr. Throws LinkError, RecordingError.
 RunResult run_session(Device &device, Patient &patient, const Session &session, Recorder *recorder,
                       FrameSink *sink, const RunSettings &settings);
 
-// FREE_RUN: `seconds` of a session that the device leads, 0: until Ctrl-C, which ends it properly. The rig's first button is the
-// X-ray pedal, its second the cine pedal. `begin`: what the room is asked for at the start. A rig that stops ends it: `stopped_by` says why, and everything up to there is valid.
+// FREE_RUN: `seconds` of a session that the device leads, 0: until Ctrl-C, which ends it properly. The rig's
+// first button is the X-ray pedal, its second the cine pedal. `begin`: what the room is asked for at the
+// start. A rig that stops ends it: `stopped_by` says why, and everything up to there is valid.
 RunResult run_free_session(Device &device, Patient &patient, const std::vector<RoomCommand> &begin,
                            double seconds, Recorder *recorder, FrameSink *sink, const RunSettings &settings);
 
-// The figures of a session: the same for the same session, whatever else is asked for and whatever machine it runs on.
+// The figures of a session: the same for the same session, whatever else is asked for and whatever machine it
+// runs on.
 nlohmann::ordered_json report_of(const RunResult &result, const std::string &scene,
                                  const std::vector<Instrument> &tools, const std::string &session,
                                  Patient &patient);

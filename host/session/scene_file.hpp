@@ -16,8 +16,8 @@ struct SceneFile {
     std::string name;
 };
 
-// Throws FileError with the validator's words when the file is no valid scene. An empty path gives free space with
-// the entry at the origin, towards the head.
+// Throws FileError with the validator's words when the file is no valid scene. An empty path gives free space
+// with the entry at the origin, towards the head.
 SceneFile read_scene(const std::string &path);
 
 } // namespace crn

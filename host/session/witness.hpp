@@ -1,6 +1,7 @@
-// The session of a rig once more, on this machine's core beside it: what a rig says is only believed where both agree, so that no
-// hash, snapshot or picture of a device that lies, is broken, or computes with damaged memory gets into a recording.
-// It is what `replay --verify` would find out later, found out before it is written.
+// The session of a rig once more, on this machine's core beside it: what a rig says is only believed where
+// both agree, so that no hash, snapshot or picture of a device that lies, is broken, or computes with damaged
+// memory gets into a recording. It is what `replay --verify` would find out later, found out before it is
+// written.
 #pragma once
 #include "host/link/link.hpp"
 #include "host/link/sim_transport.hpp"
@@ -29,7 +30,8 @@ class Witness
     void tick(const crn_wire_encoders &input, const crn_wire_tick_state &state);
     // Of the present tick, or of one of the last hundreds.
     void hash(const Hash64 &told);
-    // Of the present tick, which the session may go on from. LOCKSTEP: every byte; else the core's state in it.
+    // Of the present tick, which the session may go on from. LOCKSTEP: every byte; else the core's state in
+    // it.
     void snapshot(std::uint32_t tick, std::span<const std::uint8_t> bytes, bool is_lockstep);
     void restore(std::span<const std::uint8_t> bytes);
     std::uint32_t tick() const { return link_.tick(); }

@@ -1,4 +1,5 @@
-// A balloon as the core gives it at a picture: balls along its tool, and a frame that goes along its axis without twist.
+// A balloon as the core gives it at a picture: balls along its tool, and a frame that goes along its axis
+// without twist.
 #pragma once
 #include <Eigen/Core>
 #include <limits>
@@ -7,13 +8,14 @@
 namespace crn
 {
 
-// One of its balls. Between two of them everything is linear; beyond the ends the axis goes on straight and there is no balloon.
+// One of its balls. Between two of them everything is linear; beyond the ends the axis goes on straight and
+// there is no balloon.
 struct BalloonPoint {
     double arc_mm = 0.0; // of the tool, from its tip: ascending
     Eigen::Vector3d centre_mm = Eigen::Vector3d::Zero();
     double radius_mm = 0.0;
-    double room_mm = std::numeric_limits<
-        double>::infinity(); // radius free of wall or catheter around; infinite: not known
+    double room_mm = std::numeric_limits<double>::infinity(); // radius free of wall or catheter around;
+                                                              // infinite: not known
 };
 
 struct BalloonPose {
@@ -23,7 +25,8 @@ struct BalloonPose {
 class BalloonAxis
 {
   public:
-    // `across` is where the frame's first axis lay in the picture before: it is carried on, so that nothing spins.
+    // `across` is where the frame's first axis lay in the picture before: it is carried on, so that nothing
+    // spins.
     BalloonAxis(const BalloonPose &pose, const Eigen::Vector3d &across);
     bool is_known() const { return points_.size() >= 2; }
 

@@ -81,8 +81,8 @@ StrutContact strut_contact(const StrutCapsule &strut, const std::array<Vector3d,
     StrutContact contact{0.0, -outward};
     if (ccdGJKPenetration(&capsule, &prism, &ccd, &depth, &direction, &position) != 0) return contact;
     contact.depth_mm = depth;
-    // libccd gives the way of the second body; the strut goes the other way. Out through the side of a small triangle
-    // it would meet the neighbour: that contact is the neighbour's.
+    // libccd gives the way of the second body; the strut goes the other way. Out through the side of a small
+    // triangle it would meet the neighbour: that contact is the neighbour's.
     const Vector3d way = -from_ccd(&direction);
     if (-way.dot(outward) > 0.5) {
         contact.direction = way;

@@ -1,5 +1,5 @@
-// Struts against the wall's triangles, by libccd: a strut is a capsule, a triangle is given the depth of some tissue behind it, so that
-// a strut is always pushed back towards the blood.
+// Struts against the wall's triangles, by libccd: a strut is a capsule, a triangle is given the depth of some
+// tissue behind it, so that a strut is always pushed back towards the blood.
 #pragma once
 #include <Eigen/Core>
 #include <array>

@@ -1,11 +1,13 @@
-// Stent files (TOML, docs/stent.md) -> what a stent is made of, and what its geometry alone says: height of a ring, foreshortening.
+// Stent files (TOML, docs/stent.md) -> what a stent is made of, and what its geometry alone says: height of a
+// ring, foreshortening.
 //
 //      tip <-- axis ----------------------------->      a ring is a zigzag of 2 N struts with N crowns on either side;
 //        /\  /\  /\        /\  /\  /\                   some crowns of neighbouring rings are joined by links:
 //       /  \/  \/  \ link /  \/  \/  \                  `facing`  crown to the crown opposite, rings mirrored
 //                                                       `offset`  crown to the same crown of the next ring, rings alike
 //
-// Lengths in mm, forces in N. Radii are those of the struts' axis: a balloon of radius r carries struts at r + thickness / 2.
+// Lengths in mm, forces in N. Radii are those of the struts' axis: a balloon of radius r carries struts at r
+// + thickness / 2.
 #pragma once
 #include <span>
 #include <string>
@@ -45,7 +47,8 @@ struct StentDesign {
     double foreshortening(double radius_mm) const { return 1 - length_at_mm(radius_mm) / length_mm; }
 };
 
-// Numbers of a stent with their keys in files and what they may be; a file's number is `per_file` of the design's (percent: 100).
+// Numbers of a stent with their keys in files and what they may be; a file's number is `per_file` of the
+// design's (percent: 100).
 struct StentNumber {
     const char *key;
     double StentDesign::*value;
@@ -65,7 +68,8 @@ struct StentFault {
     std::string key, text;
 };
 StentFault stent_fault(const StentDesign &stent);
-// All values in their ranges and possible together, as every design of a file is; for those that come from elsewhere.
+// All values in their ranges and possible together, as every design of a file is; for those that come from
+// elsewhere.
 bool is_possible(const StentDesign &stent);
 
 // Throws FileError: file, line, key, what is wrong and what to do.

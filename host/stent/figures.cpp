@@ -153,7 +153,8 @@ StentFigures stent_figures(const Stent &stent, const StentWall *wall)
 namespace
 {
 
-// What of a stent's ends lies along a vessel: the mean of the crowns of one side of its first and last ring. `along` says where a place lies.
+// What of a stent's ends lies along a vessel: the mean of the crowns of one side of its first and last ring.
+// `along` says where a place lies.
 template <class Along>
 StentCoverage coverage(const Stent &stent, const Along &along, double lesion_from_mm, double lesion_to_mm)
 {

@@ -1,5 +1,5 @@
-// What is said of a stent: how it lies on the wall, how wide it is, what it covers, how far it has stretched the vessel; and its struts
-// as lines with a radius, for the X-ray.
+// What is said of a stent: how it lies on the wall, how wide it is, what it covers, how far it has stretched
+// the vessel; and its struts as lines with a radius, for the X-ray.
 #pragma once
 #include "host/stent/stent.hpp"
 #include <string>
@@ -54,7 +54,8 @@ StentCoverage stent_coverage(const Stent &stent, std::span<const Eigen::Vector3d
 class VesselWall;
 StentCoverage stent_coverage(const Stent &stent, const VesselWall &vessel, std::size_t lesion);
 
-// Largest outside diameter that a ring has had on a balloon over the healthy vessel's there, less 1. 0 for a stent that was not opened.
+// Largest outside diameter that a ring has had on a balloon over the healthy vessel's there, less 1. 0 for a
+// stent that was not opened.
 double stent_stretch(const Stent &stent, std::span<const Eigen::Vector3d> centreline_mm,
                      std::span<const double> healthy_radius_mm);
 

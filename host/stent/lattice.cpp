@@ -9,8 +9,9 @@ namespace crn
 namespace
 {
 
-// Forces between points are hundredths of a newton: struts change by some micrometres. Real ones are fifty times stiffer, which nobody
-// would see and the relaxation would have to be paid for. Links are bent wires that give way along the axis.
+// Forces between points are hundredths of a newton: struts change by some micrometres. Real ones are fifty
+// times stiffer, which nobody would see and the relaxation would have to be paid for. Links are bent wires
+// that give way along the axis.
 constexpr double strut_stiffness_N_per_mm = 20.0, link_stiffness_N_per_mm = 2.0;
 // Of a brace, against a hinge: a stent is soft in bending.
 constexpr double brace_share = 0.5;

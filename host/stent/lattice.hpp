@@ -1,7 +1,7 @@
 // The points of a stent and the springs between them, made from its design (docs/stent.md, "Springs").
 //
-// Point (ring j, place k), k = 0 .. 2N-1 round the axis, lies at the angle k pi / N; even places of an even ring are its crowns towards
-// the tip. Springs join
+// Point (ring j, place k), k = 0 .. 2N-1 round the axis, lies at the angle k pi / N; even places of an even
+// ring are its crowns towards the tip. Springs join
 //   struts    k to k+1 of a ring                              hold their length
 //   hinges    k to k+2, k+4, k+N of a ring, of one side       what a crown's bending costs; yield
 //   links     a crown to a crown of the next ring             hold their length

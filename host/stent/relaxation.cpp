@@ -185,7 +185,8 @@ double StentRelaxation::sweep()
 
 // --- struts against triangles ---
 
-// What a strut can meet before it has slid far is found once, with a grid, and kept by name: the wall carries it along.
+// What a strut can meet before it has slid far is found once, with a grid, and kept by name: the wall carries
+// it along.
 void StentRelaxation::list_near()
 {
     const StentLattice &lattice = stent_.lattice_;
@@ -253,7 +254,8 @@ StrutContact StentRelaxation::deepest(std::size_t strut, const StrutCapsule &cap
     return worst;
 }
 
-// A strut is two capsules, to its middle and from there. Each is moved out of the triangle that it is deepest in. True when one was.
+// A strut is two capsules, to its middle and from there. Each is moved out of the triangle that it is deepest
+// in. True when one was.
 bool StentRelaxation::push_strut(std::size_t strut)
 {
     if (state_.near_begin[strut] == state_.near_begin[strut + 1]) return false;
@@ -269,7 +271,8 @@ bool StentRelaxation::push_strut(std::size_t strut)
         const Vector3d middle = (ends[0]->place_mm + ends[1]->place_mm) / 2 + bulge;
         const StrutContact worst = deepest(strut, {ends[half]->place_mm, middle, radius});
         if (worst.depth_mm <= slop_mm) continue;
-        // The capsule's middle lies at a quarter of the strut: shares 3/4 and 1/4 of its ends, of length 10/16.
+        // The capsule's middle lies at a quarter of the strut: shares 3/4 and 1/4 of its ends, of length
+        // 10/16.
         const Vector3d way = (worst.depth_mm - slop_mm / 2) * worst.direction / 0.625;
         ends[half]->place_mm += 0.75 * way;
         ends[1 - half]->place_mm += 0.25 * way;
@@ -281,7 +284,8 @@ bool StentRelaxation::push_strut(std::size_t strut)
 
 // --- what stays ---
 
-// A spring that is longer or shorter than its elastic range allows yields: without a load it would go back by the recoil alone.
+// A spring that is longer or shorter than its elastic range allows yields: without a load it would go back by
+// the recoil alone.
 void StentRelaxation::yield()
 {
     const double recoil = stent_.design_.recoil;
@@ -314,7 +318,8 @@ void StentRelaxation::bed()
             point.offset_mm = off;
             continue;
         }
-        // It slides, is pushed, or lies free: the place of the wall next to it, or next to where it lets go of the load.
+        // It slides, is pushed, or lies free: the place of the wall next to it, or next to where it lets go
+        // of the load.
         const bool slides = point.is_bedded && !is_pushed;
         const Vector3d place =
             slides ? Vector3d(point.place_mm - off * (bed_limit_N / pull_N)) : point.place_mm;

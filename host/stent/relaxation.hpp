@@ -1,5 +1,5 @@
-// One picture's worth of equilibrium of a stent that has been deployed: springs, bedding, wall, balloons inside; libccd for the struts;
-// then what has yielded or slid stays so.
+// One picture's worth of equilibrium of a stent that has been deployed: springs, bedding, wall, balloons
+// inside; libccd for the struts; then what has yielded or slid stays so.
 #pragma once
 #include "host/stent/contact.hpp"
 #include "host/stent/stent.hpp"

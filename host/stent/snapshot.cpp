@@ -1,4 +1,5 @@
-// A stent's state as bytes, in the machine's own order: for a replay on the same machine, as that of the contrast medium.
+// A stent's state as bytes, in the machine's own order: for a replay on the same machine, as that of the
+// contrast medium.
 #include "host/stent/stent.hpp"
 #include <cmath>
 #include <cstring>

@@ -68,7 +68,8 @@ double Stent::radius_on(const BalloonAxis &axis, double arc_mm, int ring, int si
     return std::max(free, design_.radius_on_mm(axis.at(arc_mm).radius_mm));
 }
 
-// Radii say how high rings are, heights where crowns lie, and where they lie what radius is there: a few rounds settle it.
+// Radii say how high rings are, heights where crowns lie, and where they lie what radius is there: a few
+// rounds settle it.
 Stent::Layout Stent::lay_out(const BalloonAxis &axis) const
 {
     constexpr int rounds = 3;
@@ -236,7 +237,8 @@ void Stent::carry(const StentWall &wall)
             is_bedded = is_bedded && point.is_bedded;
             if (point.foot.is_known()) carried.col(k) = wall.place(point.foot) + point.offset_mm;
         }
-        // What the wall does not hold goes along as a whole: widening of the vessel around it does not widen it.
+        // What the wall does not hold goes along as a whole: widening of the vessel around it does not widen
+        // it.
         Eigen::Matrix4d way = Eigen::Matrix4d::Identity();
         if (is_known && !is_bedded) way = Eigen::umeyama(before, carried, false);
         for (Eigen::Index k = 0; k < around; ++k) {

@@ -1,11 +1,12 @@
-// A balloon-expandable stent in a moving vessel: crimped, opened by its balloon, deployed, held by the wall. One step per picture.
+// A balloon-expandable stent in a moving vessel: crimped, opened by its balloon, deployed, held by the wall.
+// One step per picture.
 //
 //   Stent stent(read_stent("coronary_3_0x18.toml"), mount_arc_mm);
 //   stent.step({&wall, &pose, others, sleeves});     every picture, 15 to 60 a second
 //   stent.points(), stent.stage(), stent_lines(stent), stent_figures(stent, wall)
 //
-// Nothing depends on time but by the order of pictures: masses of micrograms follow at once. The same pictures give the same bits.
-// Lengths in mm, forces in N, patient frame. docs/stent.md
+// Nothing depends on time but by the order of pictures: masses of micrograms follow at once. The same
+// pictures give the same bits. Lengths in mm, forces in N, patient frame. docs/stent.md
 #pragma once
 #include "host/stent/balloon_axis.hpp"
 #include "host/stent/design.hpp"

@@ -1,13 +1,13 @@
-// A stretch of a vessel as a wall for stents: a tube of fine triangles round a branch of the tree, narrowed by its lesions as far as no
-// balloon has opened them, moving with the heart.
+// A stretch of a vessel as a wall for stents: a tube of fine triangles round a branch of the tree, narrowed
+// by its lesions as far as no balloon has opened them, moving with the heart.
 //
 //   VesselWall vessel(tree, branch, 5, 45, motion);      mm along the branch
 //   vessel.move(moment, opened);                         every picture
 //   stent.step({&vessel.wall(), ...});
 //
-// The bodies' meshes are made for pictures: their facets cut a coronary artery by a tenth of a millimetre, which is what a stent's
-// apposition is judged by. The tree has every inscribed sphere to some micrometres, and where the healthy vessel lies. Openings of side
-// branches are closed.
+// The bodies' meshes are made for pictures: their facets cut a coronary artery by a tenth of a millimetre,
+// which is what a stent's apposition is judged by. The tree has every inscribed sphere to some micrometres,
+// and where the healthy vessel lies. Openings of side branches are closed.
 #pragma once
 #include "host/model/motion.hpp"
 #include "host/model/vessel_tree.hpp"
@@ -24,12 +24,14 @@ namespace crn
 class VesselWall
 {
   public:
-    // It begins at the branch's ostium at the earliest. `motion` may be null: it stands still. Throws std::invalid_argument, saying what, for a stretch that the branch has not.
+    // It begins at the branch's ostium at the earliest. `motion` may be null: it stands still. Throws
+    // std::invalid_argument, saying what, for a stretch that the branch has not.
     VesselWall(const VesselTree &tree, std::size_t branch, double from_mm, double to_mm,
                const Motion *motion);
 
-    // `opened`: for each lesion of the tree, how far it is open at places evenly from its beginning to its end (the core's stations; one:
-    // everywhere): 0 as it is .. 1 healthy; above 1 it is stretched beyond. Shorter and empty lists: the rest as it is.
+    // `opened`: for each lesion of the tree, how far it is open at places evenly from its beginning to its
+    // end (the core's stations; one: everywhere): 0 as it is .. 1 healthy; above 1 it is stretched beyond.
+    // Shorter and empty lists: the rest as it is.
     void move(const MotionMoment &moment, std::span<const std::vector<double>> opened = {});
 
     const StentWall &wall() const { return wall_; }
@@ -39,7 +41,8 @@ class VesselWall
     std::span<const double> healthy_radius_mm() const { return healthy_radius_mm_; }
     // Of the healthy branch, from its first point.
     double along_mm(std::size_t row) const { return rows_[row].along_mm; }
-    // The first and the last place that `opened` is about lie elsewhere than a lesion's ends: so far apart, in the lesion's middle.
+    // The first and the last place that `opened` is about lie elsewhere than a lesion's ends: so far apart,
+    // in the lesion's middle.
     void set_places(std::size_t lesion, double span_mm);
     // Where a lesion begins and ends on it; empty when the branch has none of that number.
     struct Stretch {
@@ -58,7 +61,8 @@ class VesselWall
     // As baked and healthy, at a place along the branch; those of the ends beyond them.
     double narrow_radius_mm(double along_mm) const;
     double healthy_radius_mm(double along_mm) const;
-    // Place along the branch that is nearest to a place of the patient, and how far off its middle line that is.
+    // Place along the branch that is nearest to a place of the patient, and how far off its middle line that
+    // is.
     struct Foot {
         double along_mm = 0.0, off_mm = 0.0;
     };

@@ -50,7 +50,8 @@ Vector3d StentWall::place(const WallFoot &foot) const
     return on_plane(foot) - foot.height_mm * normal(static_cast<std::size_t>(foot.triangle));
 }
 
-// Closest point of a triangle by the regions of its corners, edges and face (Ericson, Real-Time Collision Detection, 5.1.5).
+// Closest point of a triangle by the regions of its corners, edges and face (Ericson, Real-Time Collision
+// Detection, 5.1.5).
 StentWall::Closest StentWall::closest(const Vector3d &p, std::size_t triangle) const
 {
     const Vector3d &a = corner_mm(triangle, 0), &b = corner_mm(triangle, 1), &c = corner_mm(triangle, 2);

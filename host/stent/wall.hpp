@@ -1,11 +1,13 @@
-// The wall that a stent lies on: a closed mesh around blood, whose vertices move from picture to picture and whose triangles stay.
+// The wall that a stent lies on: a closed mesh around blood, whose vertices move from picture to picture and
+// whose triangles stay.
 //
 //   StentWall wall(triangles, vertex_count);
 //   wall.move(vertices_um);                        every picture: that of the motion (host/model/motion.hpp)
 //   WallFoot foot = wall.walk(place, foot);        nearest place of the wall, from the one before
 //   place = wall.place(foot);                      where the wall has carried it
 //
-// A foot is a place that goes with the material: a triangle, where over its plane, and how far from that towards the blood. Lengths in mm.
+// A foot is a place that goes with the material: a triangle, where over its plane, and how far from that
+// towards the blood. Lengths in mm.
 #pragma once
 #include <Eigen/Core>
 #include <array>
@@ -49,7 +51,8 @@ class StentWall
     Eigen::Vector3d place(const WallFoot &foot) const;
     Eigen::Vector3d on_plane(const WallFoot &foot) const;
 
-    // Nearest place that can be reached from `from` over neighbouring triangles, each step nearer than the one before.
+    // Nearest place that can be reached from `from` over neighbouring triangles, each step nearer than the
+    // one before.
     WallFoot walk(const Eigen::Vector3d &place_mm, std::int32_t from) const;
     // Nearest of these triangles within a distance; none: no triangle.
     WallFoot nearest(const Eigen::Vector3d &place_mm, std::span<const std::uint32_t> among,
@@ -71,7 +74,8 @@ class StentWall
     bool is_placed_ = false;
 };
 
-// Which triangles of a patch may touch a box: cells of a grid with the triangles whose own boxes reach into them.
+// Which triangles of a patch may touch a box: cells of a grid with the triangles whose own boxes reach into
+// them.
 class WallGrid
 {
   public:

@@ -1,5 +1,5 @@
-// Gauss's quadrature over a spectrum: the orthogonal polynomials of the discrete weights by Stieltjes' recurrence, their
-// roots by bisection between the roots of the one before, the weights by Christoffel's sum.
+// Gauss's quadrature over a spectrum: the orthogonal polynomials of the discrete weights by Stieltjes'
+// recurrence, their roots by bisection between the roots of the one before, the weights by Christoffel's sum.
 #include "host/xray/beam_table.hpp"
 #include "host/xray/float_math.hpp"
 #include <cmath>
@@ -108,7 +108,8 @@ struct Part {
     std::vector<double> signal; // of the reference thickness, per table energy
 };
 
-// Materials with an edge among the energies have no smooth curve: the mean over the signal nearest to each energy, cell by cell.
+// Materials with an edge among the energies have no smooth curve: the mean over the signal nearest to each
+// energy, cell by cell.
 void average_cells(const Part &part, int material, BeamTable &table, const std::vector<double> &weights)
 {
     double sum = 0.0, mass = 0.0, border = 0.0, passed = 0.0;

@@ -1,13 +1,14 @@
-// What makes edges soft, each as a modulation transfer function (MTF) over spatial frequency at the detector, 1/mm:
+// What makes edges soft, each as a modulation transfer function (MTF) over spatial frequency at the detector,
+// 1/mm:
 //
 //   focal spot    |sinc(f a (m - 1))|, a its width, m = SID/SOD: a bright square seen through a point of the isocentre's plane
 //   pixel         |sinc(f p)|, p the pixel's width
 //   scintillator  1/(1 + H f^2), H = 0.5 mm2: Lorentzian fit of CsI, about .67/.33/.18 at 1/2/3 per mm as measured panels
 //                 behind their pixel's share
 //
-// Focal spot and pixel blur the expected signal, before photons are drawn; the scintillator's light spreads what each photon
-// gives, after it: so noise has the scintillator's texture. Both are symmetric kernels along rows and columns whose MTF meets
-// the curve up to 0.9 of half the sampling frequency.
+// Focal spot and pixel blur the expected signal, before photons are drawn; the scintillator's light spreads
+// what each photon gives, after it: so noise has the scintillator's texture. Both are symmetric kernels along
+// rows and columns whose MTF meets the curve up to 0.9 of half the sampling frequency.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -40,8 +41,8 @@ BlurKernel kernel_before_photons(const BlurGeometry &geometry);
 BlurKernel kernel_of_focal_spot(const BlurGeometry &geometry); // for what is averaged over each pixel already
 BlurKernel kernel_of_scintillator(double pixel_mm);
 
-// One row of a blurred picture of size*size; beyond the edges the picture goes on as at the edge. `scratch` has
-// size + 2 blur_radius_max values. Size is a multiple of 16.
+// One row of a blurred picture of size*size; beyond the edges the picture goes on as at the edge. `scratch`
+// has size + 2 blur_radius_max values. Size is a multiple of 16.
 void blur_row(const float *picture, int size, int row, const BlurKernel &kernel, float *scratch, float *out);
 void blur_row(const std::uint32_t *picture, int size, int row, const BlurKernel &kernel, float *scratch,
               float *out);

@@ -1,4 +1,5 @@
-// From path lengths to the signal at the detector: attenuation, blur, scatter, what automatic exposure measures.
+// From path lengths to the signal at the detector: attenuation, blur, scatter, what automatic exposure
+// measures.
 #include "host/xray/chain.hpp"
 #include "host/xray/float_math.hpp"
 #include "host/xray/paths/lanes.hpp"
@@ -203,11 +204,13 @@ float transmitted(const BeamTable &beam, const Exponents &exponent)
     return sum;
 }
 
-// Rays whose exponents differ by less count as one: the mean of the powers and the power of the mean differ by 1e-4 of it.
+// Rays whose exponents differ by less count as one: the mean of the powers and the power of the mean differ
+// by 1e-4 of it.
 constexpr float ray_spread_max = 0.1f;
 
-// Several rays through each pixel: what they let through is averaged, since a mean of lengths would let thin metal through
-// too little. Inside a wide column of contrast they are nearly the same, and their mean will do.
+// Several rays through each pixel: what they let through is averaged, since a mean of lengths would let thin
+// metal through too little. Inside a wide column of contrast they are nearly the same, and their mean will
+// do.
 float behind_tools(const XrayChain &chain, std::size_t touched)
 {
     const ToolPaths &tools = chain.paths.tools();
@@ -342,7 +345,8 @@ void attenuate_tools(XrayChain &chain)
             chain.tool_gain[i] = std::min(behind_tools(chain, i) / body, 1e3f) - 1.0f;
         }
     });
-    // Several rays per pixel have averaged over it; the bodies' own softness stays; the focal spot's shadow is left.
+    // Several rays per pixel have averaged over it; the bodies' own softness stays; the focal spot's shadow
+    // is left.
     chain.tool_blur.run(chain.size, tools.pixels, chain.tool_gain, chain.focal_kernel);
     const std::vector<std::int32_t> &pixels = chain.tool_blur.pixels();
     chain.tool_signal.resize(pixels.size());

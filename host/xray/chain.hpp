@@ -1,6 +1,7 @@
 // The signal chain's state between frames: from path lengths (paths.hpp) to the signal at the detector.
 //
-//     paths ─> transmission ─┬─> focal spot, pixel ─┬─> signal ─> photons ─> scintillator ─> lag ─> raw ─> shown ─> grey
+//     paths ─> transmission ─┬─> focal spot, pixel ─┬─> signal ─> photons ─> scintillator ─> lag ─> raw ─>
+//     shown ─> grey
 //                            └─> scatter ───────────┘   (here)    (detector, readout)
 #pragma once
 #include "host/xray/blur.hpp"
@@ -80,8 +81,8 @@ ExposureChoice settle_exposure(XrayChain &chain, const XraySettings &settings, c
 // Makes the bodies' signal for this technique; does nothing when it is there.
 void see_signal(XrayChain &chain, const XraySettings &settings, const XrayTechnique &technique);
 
-// Both, as one pulse: the technique that is fixed, else the one that control takes from `state`, which then follows what was seen; without a state the
-// one on which control comes to rest.
+// Both, as one pulse: the technique that is fixed, else the one that control takes from `state`, which then
+// follows what was seen; without a state the one on which control comes to rest.
 ExposureChoice expose_bodies(XrayChain &chain, const XraySettings &settings, ExposureState *state);
 
 // Signal behind the tools, for each pixel that their shadow touches: chain.tool_signal.

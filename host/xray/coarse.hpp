@@ -26,7 +26,8 @@ struct CoarseSums {
 };
 CoarseSums coarse_sums(const std::vector<float> &values, int size, const std::vector<OpenColumns> &open);
 
-// Means over about a tenth of the picture: two passes of five cells along both axes. Closed pixels have no weight.
+// Means over about a tenth of the picture: two passes of five cells along both axes. Closed pixels have no
+// weight.
 std::vector<float> slow_part(CoarseSums sums, int cells);
 
 // Row of the bilinear continuation of a grid to full size.

@@ -1,5 +1,6 @@
-// From path lengths to transmitted shares, and from expected to counted quanta. Single-precision sums, products, quotients and
-// square roots only, and integers: the same bytes from every compiler and thread count.
+// From path lengths to transmitted shares, and from expected to counted quanta. Single-precision sums,
+// products, quotients and square roots only, and integers: the same bytes from every compiler and thread
+// count.
 #pragma once
 #include "host/xray/beam_table.hpp"
 #include "host/xray/coarse.hpp"
@@ -15,8 +16,8 @@ namespace crn
 // Share of the open beam's signal that passes these path lengths (1/1024 mm per material).
 float transmission(const BeamTable &beam, const std::array<float, material_count> &path_q10mm);
 
-// One row of transmissions. paths[material] is the row's path lengths, or nullptr where the material is absent.
-// Size is a multiple of 16.
+// One row of transmissions. paths[material] is the row's path lengths, or nullptr where the material is
+// absent. Size is a multiple of 16.
 void transmission_row(const BeamTable &beam, const std::array<const std::int32_t *, material_count> &paths,
                       int size, float *share);
 

@@ -1,15 +1,22 @@
-// Generator and automatic exposure control: which tube voltage, current, pulse and copper filter a picture is taken with.
+// Generator and automatic exposure control: which tube voltage, current, pulse and copper filter a picture is
+// taken with.
 //
-// Control works as angiography systems do (AAPM Report 125; Rauch, Lin et al., Med. Phys. 39 (2012) 2826): from the
-// last pulse's signal it estimates the patient as centimetres of water, and looks the technique up on a fixed curve.
-// - Curve ("anti-isowatt"): voltage, current and pulse width rise together; at the current's limit or the tube's power limit
+// Control works as angiography systems do (AAPM Report 125; Rauch, Lin et al., Med. Phys. 39 (2012) 2826):
+// from the last pulse's signal it estimates the patient as centimetres of water, and looks the technique up
+// on a fixed curve.
+// - Curve ("anti-isowatt"): voltage, current and pulse width rise together; at the current's limit or the
+// tube's power limit
 //   ("isowatt") only the voltage rises further, to 125 kV.
-// - Filter: the thickest copper with which the voltage stays low enough for iodine (80 kV in fluoroscopy, 75 else);
-//   the thinnest one has the rest of the curve. A thicker one comes back only when 4 kV less are enough with it.
-// - Fluoroscopy never exceeds 88 mGy/min at the reference point (the limit of 21 CFR 1020.32); past a limit pictures are
+// - Filter: the thickest copper with which the voltage stays low enough for iodine (80 kV in fluoroscopy, 75
+// else);
+//   the thinnest one has the rest of the curve. A thicker one comes back only when 4 kV less are enough with
+//   it.
+// - Fluoroscopy never exceeds 88 mGy/min at the reference point (the limit of 21 CFR 1020.32); past a limit
+// pictures are
 //   underexposed, as real ones are.
-// - Half of the difference in thickness, at most 3 cm, is followed per pulse: a new view settles within about five pulses.
-// Which curve a maker uses is not published with numbers; those below are an assumption within the limits of such tubes.
+// - Half of the difference in thickness, at most 3 cm, is followed per pulse: a new view settles within about
+// five pulses. Which curve a maker uses is not published with numbers; those below are an assumption within
+// the limits of such tubes.
 #pragma once
 #include "host/xray/beam_table.hpp"
 #include <cstdint>
@@ -73,8 +80,8 @@ class Exposure
     // The same without delay, for a single picture.
     void jump(const XrayTechnique &technique, double signal_share, ExposureState &state);
 
-    // Quanta per mm2 of this beam that give the signal which `dose_nGy` gives in the beam that detector and control are
-    // calibrated with: 75 kV, 0.2 mm copper, behind 20 cm of tissue.
+    // Quanta per mm2 of this beam that give the signal which `dose_nGy` gives in the beam that detector and
+    // control are calibrated with: 75 kV, 0.2 mm copper, behind 20 cm of tissue.
     double wanted_quanta_mm2(double dose_nGy, const BeamTable &beam);
 
     // Voltage is taken to whole kilovolts, as generators do.

@@ -1,4 +1,5 @@
-// Powers and logarithms of two by sums and products only: equal bytes from every compiler, and loops over them vectorise.
+// Powers and logarithms of two by sums and products only: equal bytes from every compiler, and loops over
+// them vectorise.
 #pragma once
 #include <bit>
 #include <cstdint>
@@ -27,7 +28,8 @@ inline float exp2_negative(float x)
     return exp2_fraction(fraction) * scale;
 }
 
-// log2(x) for normal x > 0; absolute error <= 2e-5. Mantissa m in [1, 2) through atanh: s = (m - q)/(m + q), q = sqrt 2.
+// log2(x) for normal x > 0; absolute error <= 2e-5. Mantissa m in [1, 2) through atanh: s = (m - q)/(m + q),
+// q = sqrt 2.
 inline float log2_positive(float x)
 {
     const auto bits = std::bit_cast<std::int32_t>(x);
@@ -37,7 +39,8 @@ inline float log2_positive(float x)
     return exponent + 0.5f + s * (2.8853901f + s2 * (0.96179669f + s2 * (0.57707802f + s2 * 0.41219859f)));
 }
 
-// The same in double precision for tables, relative error <= 1e-12: 2^x for -1000 < x < 1000, log2(x) for normal x > 0.
+// The same in double precision for tables, relative error <= 1e-12: 2^x for -1000 < x < 1000, log2(x) for
+// normal x > 0.
 inline double exp2_double(double x)
 {
     const auto whole = static_cast<std::int64_t>(x < 0.0 ? x - 1.0 : x); // floor, or one less

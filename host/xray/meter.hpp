@@ -1,5 +1,6 @@
-// The measuring chamber behind the patient: which technique automatic exposure takes for a pulse, and the dose of it, without a picture.
-// What it sees has a size of its own, so that the dose of a session does not depend on which pictures are made of it.
+// The measuring chamber behind the patient: which technique automatic exposure takes for a pulse, and the
+// dose of it, without a picture. What it sees has a size of its own, so that the dose of a session does not
+// depend on which pictures are made of it.
 //
 //   XrayMeter meter(scene);
 //   const XrayExposure exposure = meter.expose(settings, bodies, MeterPace::follows);
@@ -28,8 +29,8 @@ struct XrayExposure {
     double kap_Gy_cm2 = 0.0;      // kerma times the area of the open field there
 };
 
-// Area of the open field at the reference point, in cm2. Kerma there times this is the kerma-area product, which is the same at
-// every distance.
+// Area of the open field at the reference point, in cm2. Kerma there times this is the kerma-area product,
+// which is the same at every distance.
 double reference_area_cm2(const CArm &carm, const XrayBeam &beam);
 
 class XrayMeter
@@ -42,7 +43,8 @@ class XrayMeter
     XrayMeter(const XrayMeter &) = delete;
     XrayMeter &operator=(const XrayMeter &) = delete;
 
-    // One pulse through the bodies as they are now; tools and medium are too small to count. Display and size of the settings are ignored.
+    // One pulse through the bodies as they are now; tools and medium are too small to count. Display and size
+    // of the settings are ignored.
     XrayExposure expose(const XraySettings &settings, std::span<const MovedBody> bodies, MeterPace pace);
 
   private:

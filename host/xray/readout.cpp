@@ -41,7 +41,8 @@ CRN_WIDE void quantise_row(const float *signal, int size, float gain, std::uint1
     }
 }
 
-// Log image, slow changes held down, then an S-curve: few photons (bone, metal) are dark. Then window and level.
+// Log image, slow changes held down, then an S-curve: few photons (bone, metal) are dark. Then window and
+// level.
 CRN_WIDE void display_row(const Curve &curve, const std::uint16_t *raw, const float *slow, int size,
                           std::uint16_t *shown, std::uint8_t *grey)
 {

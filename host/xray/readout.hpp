@@ -1,12 +1,13 @@
-// From counted quanta to raw values and to the screen: the scintillator's blur, lag, gain, display curve, window and level.
+// From counted quanta to raw values and to the screen: the scintillator's blur, lag, gain, display curve,
+// window and level.
 #pragma once
 #include "host/xray/chain.hpp"
 
 namespace crn
 {
 
-// Fills raw, shown and grey of a picture whose photons are counted. `memory` may be nullptr: no lag; else its traps fit
-// the picture's size.
+// Fills raw, shown and grey of a picture whose photons are counted. `memory` may be nullptr: no lag; else its
+// traps fit the picture's size.
 void read_out(const XrayChain &chain, const XrayDisplay &display, XrayMemory *memory, XrayPicture &picture);
 
 } // namespace crn

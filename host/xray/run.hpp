@@ -1,5 +1,5 @@
-// One run of the X-ray room as it was acquired: what cine loops, masks and files are made of. The room fills it frame by
-// frame, host/dicom writes it. Plain data.
+// One run of the X-ray room as it was acquired: what cine loops, masks and files are made of. The room fills
+// it frame by frame, host/dicom writes it. Plain data.
 #pragma once
 #include "host/xray/paths/carm.hpp"
 #include <cstdint>
@@ -38,7 +38,8 @@ struct RunFrame {
     std::vector<std::uint16_t> raw; // size*size, row 0 on top
 };
 
-// In the order in which the beam meets them. Words as in PS3.3 C.8.7.10, Filter Material: "copper", "aluminum".
+// In the order in which the beam meets them. Words as in PS3.3 C.8.7.10, Filter Material: "copper",
+// "aluminum".
 struct RunFilter {
     std::string material;
     double thickness_mm = 0.0;
@@ -79,8 +80,9 @@ struct XrayRun {
     std::vector<RunFrame> frames; // in order of time
 };
 
-// Raw values of a linear run with 16 bits become 65535/16 log2(1 + value), and its window with them: one step is 0.017 %
-// of the intensity, and a plain difference of two frames is what DSA wants, also in viewers that know nothing of logs.
+// Raw values of a linear run with 16 bits become 65535/16 log2(1 + value), and its window with them: one step
+// is 0.017 % of the intensity, and a plain difference of two frames is what DSA wants, also in viewers that
+// know nothing of logs.
 void make_logarithmic(XrayRun &run);
 // The table by which it does so, 65,536 entries, and the one back.
 const std::vector<std::uint16_t> &logarithm_table();

@@ -1,5 +1,5 @@
-// Blur of values that are zero but at some pixels, such as what tools take from the beam: its cost goes with those pixels and
-// not with the picture.
+// Blur of values that are zero but at some pixels, such as what tools take from the beam: its cost goes with
+// those pixels and not with the picture.
 #pragma once
 #include "host/xray/blur.hpp"
 #include <cstdint>
@@ -12,8 +12,9 @@ namespace crn
 class SparseBlur
 {
   public:
-    // Blurs along rows, then along columns. `pixels`: row*size + column, each once, with their values. Beyond its edges the
-    // picture goes on as at the edge. Sums have a fixed order, so the result is the same bits everywhere.
+    // Blurs along rows, then along columns. `pixels`: row*size + column, each once, with their values. Beyond
+    // its edges the picture goes on as at the edge. Sums have a fixed order, so the result is the same bits
+    // everywhere.
     void run(int size, std::span<const std::int32_t> pixels, std::span<const float> values,
              const BlurKernel &kernel);
 

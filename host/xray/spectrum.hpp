@@ -1,9 +1,10 @@
 // What leaves the X-ray tube: photons per energy for any tube voltage and filter.
 //
-// Model: Tucker, Barnes and Chakraborty, "Semiempirical model for generating tungsten target x-ray spectra", Med. Phys. 18
-// (1991) 402: bremsstrahlung and K lines of electrons that slow down in the anode (Thomson-Whiddington), seen through the
-// tungsten above them. Anode of 11 degrees. Its output is scaled by one factor to the kerma that spekpy 2.5.4 gives at
-// 80 kV behind 2.5 mm Al + 0.2 mm Cu. No libm: the same table on every compiler.
+// Model: Tucker, Barnes and Chakraborty, "Semiempirical model for generating tungsten target x-ray spectra",
+// Med. Phys. 18 (1991) 402: bremsstrahlung and K lines of electrons that slow down in the anode
+// (Thomson-Whiddington), seen through the tungsten above them. Anode of 11 degrees. Its output is scaled by
+// one factor to the kerma that spekpy 2.5.4 gives at 80 kV behind 2.5 mm Al + 0.2 mm Cu. No libm: the same
+// table on every compiler.
 #pragma once
 #include "host/xray/attenuation.hpp"
 #include <array>
@@ -26,8 +27,8 @@ Spectrum behind(const Spectrum &spectrum, Material material, double thickness_cm
 // Air kerma of these photons, uGy.
 double air_kerma_uGy(const Spectrum &photons_mm2);
 
-// Share of photons of this energy that the scintillator absorbs: 0.55 mm CsI at the crystal's density (a layer of
-// needles about 0.6 mm thick).
+// Share of photons of this energy that the scintillator absorbs: 0.55 mm CsI at the crystal's density (a
+// layer of needles about 0.6 mm thick).
 double scintillator_absorption(int energy_index);
 
 } // namespace crn

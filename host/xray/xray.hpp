@@ -1,4 +1,5 @@
-// X-ray pictures of bodies and tools: path lengths, tube spectrum, exposure control, scatter, blur, quantum noise, lag, display.
+// X-ray pictures of bodies and tools: path lengths, tube spectrum, exposure control, scatter, blur, quantum
+// noise, lag, display.
 //
 //   XrayScene scene; scene.set_bodies(bodies, error);
 //   Xray xray(scene, threads);
@@ -29,11 +30,12 @@ namespace crn
 
 struct XrayBeam {
     ExposureMode mode = ExposureMode::fluoro;
-    // Behind patient and grid, mean over the measuring field: what automatic exposure aims at and what the detector's gain is
-    // set for. Usual: fluoroscopy 20 .. 60, cine 100 .. 250, DSA 500 .. 3000.
+    // Behind patient and grid, mean over the measuring field: what automatic exposure aims at and what the
+    // detector's gain is set for. Usual: fluoroscopy 20 .. 60, cine 100 .. 250, DSA 500 .. 3000.
     double dose_per_frame_nGy = 40.0;
     double frame_period_ms = 1000.0 / 15.0; // for the limit of the dose rate
-    // Taken instead of automatic exposure: by hand, or locked while a DSA run is on. Held within the tube's limits.
+    // Taken instead of automatic exposure: by hand, or locked while a DSA run is on. Held within the tube's
+    // limits.
     std::optional<XrayTechnique> fixed_technique;
     bool noise = true;
     bool scatter = true;
@@ -46,7 +48,8 @@ struct XrayDisplay {
     double contrast = 1.0;   // slope of the display curve
     double brightness = 0.0; // -1 .. 1
     double harmonise = 0.65; // 0: plain log image; towards 1: slow changes of density are levelled out
-    // Of the 12-bit values `shown`, as DICOM PS3.3 C.11.2.1.2 defines them: those between level -+ window/2 get all greys.
+    // Of the 12-bit values `shown`, as DICOM PS3.3 C.11.2.1.2 defines them: those between level -+ window/2
+    // get all greys.
     double window = 4096.0;
     double level = 2048.0;
 };
@@ -135,8 +138,8 @@ class Xray
     void render(const XraySettings &settings, std::span<const RadiopaqueInstrument> tools,
                 const WireFrame &wire, std::uint64_t seed, XrayPicture &picture);
 
-    // The next picture of a sequence: exposure follows the pictures before, the detector lags. Without `memory` automatic
-    // exposure has settled and nothing lags.
+    // The next picture of a sequence: exposure follows the pictures before, the detector lags. Without
+    // `memory` automatic exposure has settled and nothing lags.
     void render(const XraySettings &settings, std::span<const RadiopaqueInstrument> tools,
                 const WireFrame &wire, std::uint64_t seed, XrayMemory &memory, XrayPicture &picture);
 

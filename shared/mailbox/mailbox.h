@@ -1,13 +1,14 @@
-/* USB tokens in shared memory: how an emulated device controller and an emulated host controller talk, in one process or
- * in two that map the same 64 KiB.
+/* USB tokens in shared memory: how an emulated device controller and an emulated host controller talk, in one
+ * process or in two that map the same 64 KiB.
  *
  *   host writes its half, then counts up `token` (or `bus`)  --->  device sees a new number, acts, writes its half
  *   host reads the answer when `token_done` has its number   <---  and then repeats the number in `token_done`
  *
- * One token is under way at a time, as on a real bus; the host never waits for a device that is busy for longer than
- * its deadline. Each half has one writer. Every field is a little-endian 32-bit word; numbers that order the exchange are
- * written with release and read with acquire. Neither side trusts the other: lengths are bounded after they are read
- * once. Lost handshakes are told by a flag, since memory loses nothing.
+ * One token is under way at a time, as on a real bus; the host never waits for a device that is busy for
+ * longer than its deadline. Each half has one writer. Every field is a little-endian 32-bit word; numbers
+ * that order the exchange are written with release and read with acquire. Neither side trusts the other:
+ * lengths are bounded after they are read once. Lost handshakes are told by a flag, since memory loses
+ * nothing.
  *
  * C11 (gcc, clang).
  */

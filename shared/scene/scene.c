@@ -115,8 +115,8 @@ crn_scene_span crn_scene_section_span(const uint8_t *bytes, uint32_t index)
     return span;
 }
 
-/* A body file ends with its bodies, or with one tree behind them, or with that tree's lesions behind it; and behind all of
- * these may be what names its scene. */
+/* A body file ends with its bodies, or with one tree behind them, or with that tree's lesions behind it; and
+ * behind all of these may be what names its scene. */
 static bool section_type_fits(const crn_scene_check *check, uint32_t index, uint32_t type)
 {
     static const uint32_t scene_types[5] = {CRN_SCENE_META, CRN_SCENE_ENTRY, CRN_SCENE_LUMEN,

@@ -4,8 +4,8 @@
  *   crn_scene_body()   one body of a body file
  *   crn_scene_branch() one vessel of its tree, where it has one
  *
- * A caller that replaces a scene opens the new bytes first, in another place, and changes over only on OK: a refused
- * scene leaves the old one as it was. docs/scene.md has every byte.
+ * A caller that replaces a scene opens the new bytes first, in another place, and changes over only on OK: a
+ * refused scene leaves the old one as it was. docs/scene.md has every byte.
  *
  * C11 and C++20.
  */
@@ -22,9 +22,9 @@ extern "C" {
 
 enum {
     CRN_SCENE_MAJOR = 1,
-    CRN_SCENE_MINOR =
-        5, /* written only into files that need it: 1 for a body that moves, a TREE; 2 for LESIONS; 3 for PLAQUES; 4 for MOTION and BREATH; 5 for PARTNER */
-    CRN_SCENE_ALIGNMENT = 16,       /* of sections in the file */
+    CRN_SCENE_MINOR = 5,      /* written only into files that need it: 1 for a body that moves, a TREE; 2 for
+                                 LESIONS; 3 for PLAQUES; 4 for MOTION and BREATH; 5 for PARTNER */
+    CRN_SCENE_ALIGNMENT = 16, /* of sections in the file */
     CRN_SCENE_ADDRESS_MULTIPLE = 4, /* of the bytes in memory */
     CRN_SCENE_HEADER_BYTES = 32,
     CRN_SCENE_TABLE_ROW_BYTES = 16,
@@ -118,20 +118,22 @@ typedef enum crn_scene_status {
     CRN_SCENE_CHILD_ROWS,      /* more rows refining coarse bricks than rows */
     CRN_SCENE_INDEX_BRICK,     /* an index entry names a brick that is not there */
     CRN_SCENE_INDEX_ROW,       /* an index entry names a child row that is not there or not allowed there */
-    CRN_SCENE_MOTION_LATTICE, /* node counts, spacing or keyframes out of range, or the lattice leaves the number range */
-    CRN_SCENE_MOTION_VALUE,  /* a displacement over 31 mm, or a row that contradicts itself */
-    CRN_SCENE_MOTION_STEEP,  /* neighbours differ so much that the vessel would fold over */
-    CRN_SCENE_MOTION_EDGE,   /* the lattice's boundary moves */
-    CRN_SCENE_MOTION_OLDER,  /* of a minor version before 4: breath and beat in one lattice */
-    CRN_SCENE_BODY_PARENT,   /* a parent that is not there, or bodies lying in each other in a circle */
-    CRN_SCENE_BODY_SIZE,     /* no triangles, or too many in all */
-    CRN_SCENE_BODY_VERTEX,   /* a vertex beyond 2 m */
-    CRN_SCENE_BODY_TRIANGLE, /* a triangle names a vertex that is not there, or one twice */
-    CRN_SCENE_TREE_SIZE,     /* no branches or points, or too many */
+    CRN_SCENE_MOTION_LATTICE,  /* node counts, spacing or keyframes out of range, or the lattice leaves the
+                                  number range */
+    CRN_SCENE_MOTION_VALUE,    /* a displacement over 31 mm, or a row that contradicts itself */
+    CRN_SCENE_MOTION_STEEP,    /* neighbours differ so much that the vessel would fold over */
+    CRN_SCENE_MOTION_EDGE,     /* the lattice's boundary moves */
+    CRN_SCENE_MOTION_OLDER,    /* of a minor version before 4: breath and beat in one lattice */
+    CRN_SCENE_BODY_PARENT,     /* a parent that is not there, or bodies lying in each other in a circle */
+    CRN_SCENE_BODY_SIZE,       /* no triangles, or too many in all */
+    CRN_SCENE_BODY_VERTEX,     /* a vertex beyond 2 m */
+    CRN_SCENE_BODY_TRIANGLE,   /* a triangle names a vertex that is not there, or one twice */
+    CRN_SCENE_TREE_SIZE,       /* no branches or points, or too many */
     CRN_SCENE_TREE_BRANCH, /* a branch of one that does not come before it, or of a place that is not there */
     CRN_SCENE_TREE_POINT,  /* a point beyond 2 m or where the last one was, or a radius out of range */
     CRN_SCENE_LESION_SIZE, /* no lesions, or too many */
-    CRN_SCENE_LESION_PLACE, /* a lesion on a branch or at points that are not there, or healthy points or radii out of range */
+    CRN_SCENE_LESION_PLACE, /* a lesion on a branch or at points that are not there, or healthy points or
+                               radii out of range */
     CRN_SCENE_PLAQUE, /* no plaques, too many, or one whose stations, radii or pressures are out of range */
     CRN_SCENE_STATUS_COUNT,
 } crn_scene_status;
@@ -147,8 +149,8 @@ typedef struct crn_scene_lumen {
     const int8_t *samples;
 } crn_scene_lumen;
 
-/* How it moves, as firmware/core's crn_motion wants it: of the beat rows of CRN_SCENE_MOTION_ROW numbers, of breath one number, for each of
- * a node's three components. */
+/* How it moves, as firmware/core's crn_motion wants it: of the beat rows of CRN_SCENE_MOTION_ROW numbers, of
+ * breath one number, for each of a node's three components. */
 typedef struct crn_scene_motion {
     int32_t origin_m_q30[3];
     uint16_t node_count_xyz[3];
@@ -201,7 +203,8 @@ typedef enum crn_scene_bed {
     CRN_SCENE_BED_COUNT,
 } crn_scene_bed;
 
-/* A vessel from where it leaves its parent to its end. Branch 0 is the root: blood enters at its first point. */
+/* A vessel from where it leaves its parent to its end. Branch 0 is the root: blood enters at its first point.
+ */
 typedef struct crn_scene_branch_view {
     const char *name;
     int32_t parent;        /* an earlier branch; -1: the root */
@@ -226,12 +229,12 @@ typedef struct crn_scene_plaque_view {
     int32_t low_m_q30[3], high_m_q30[3], chord_q30[3], stretch_q28;
     uint32_t spacing_log2_q30, station_count;
     int32_t yield_Pa, full_Pa, recoil_q30, pace_q30;
-    const uint8_t *
-        stations; /* 12 words each: healthy i32[3] and radius i32, channel i32[3] and radius i32, along i32[3], 0 */
+    const uint8_t *stations; /* 12 words each: healthy i32[3] and radius i32, channel i32[3] and radius i32,
+                                along i32[3], 0 */
 } crn_scene_plaque_view;
 
-/* Check everything. On OK fills *scene; otherwise leaves it alone and, when where_byte is not NULL, says at which byte
- * of the file the fault stands. Time is linear in size; no memory, no recursion. */
+/* Check everything. On OK fills *scene; otherwise leaves it alone and, when where_byte is not NULL, says at
+ * which byte of the file the fault stands. Time is linear in size; no memory, no recursion. */
 crn_scene_status crn_scene_open(const uint8_t *bytes, size_t size, crn_scene *scene, uint32_t *where_byte);
 
 /* What a status means and what to do about it, one line without full stop. */

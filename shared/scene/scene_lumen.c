@@ -1,5 +1,5 @@
-/* Checking the LUMEN section. The child rows form two ranks: rows that refine coarse bricks come first and may name
- * rows of the second rank, which name none. So no walk is needed to see that refinement ends. */
+/* Checking the LUMEN section. The child rows form two ranks: rows that refine coarse bricks come first and
+ * may name rows of the second rank, which name none. So no walk is needed to see that refinement ends. */
 #include "shared/scene/scene_check.h"
 
 enum { OUTSIDE_AND_INSIDE = 2, REFINED = 0x8000 };

@@ -1,5 +1,6 @@
-/* Checking the MOTION and BREATH sections: every number within what the core's arithmetic is proved for, neighbours close enough that the map
- * is one to one for any wall that a heart has, and a boundary that stands still, where a lattice ends. */
+/* Checking the MOTION and BREATH sections: every number within what the core's arithmetic is proved for,
+ * neighbours close enough that the map is one to one for any wall that a heart has, and a boundary that
+ * stands still, where a lattice ends. */
 #include "shared/scene/scene_check.h"
 
 enum { COMPONENTS = 3, COPIES = 2 };

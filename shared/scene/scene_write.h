@@ -18,7 +18,8 @@ typedef struct crn_scene_part {
 /* Bytes of a file with these sections; 0 when it would exceed 2^31. */
 size_t crn_scene_write_bytes(const crn_scene_part *parts, uint32_t part_count);
 
-/* Write them. Returns the bytes written, or 0 when `capacity` is too small. Contents are not checked: open the result. */
+/* Write them. Returns the bytes written, or 0 when `capacity` is too small. Contents are not checked: open
+ * the result. */
 size_t crn_scene_write(crn_scene_kind kind, const crn_scene_part *parts, uint32_t part_count, uint8_t *file,
                        size_t capacity);
 

@@ -1,7 +1,8 @@
 /* CRC-32, COBS and frames. */
 #include "shared/wire/wire_frame.h"
 
-/* The remainder of each byte, polynomial 0xedb88320: 1 kB of flash; with a table of 16 entries a byte takes four instructions more. */
+/* The remainder of each byte, polynomial 0xedb88320: 1 kB of flash; with a table of 16 entries a byte takes
+ * four instructions more. */
 static const uint32_t crc_of[256] = {
     0x00000000u, 0x77073096u, 0xee0e612cu, 0x990951bau, 0x076dc419u, 0x706af48fu, 0xe963a535u, 0x9e6495a3u,
     0x0edb8832u, 0x79dcb8a4u, 0xe0d5e91eu, 0x97d2d988u, 0x09b64c2bu, 0x7eb17cbdu, 0xe7b82d07u, 0x90bf1d91u,

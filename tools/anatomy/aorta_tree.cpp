@@ -1,5 +1,6 @@
-/* The shipped arterial tree, access at the right groin to the three branches of the arch. Courses follow the skeleton of
- * skeleton_spine.cpp (same frame: +x patient left, +y head, +z front, origin between T12 and L1); diameters are means for men. */
+/* The shipped arterial tree, access at the right groin to the three branches of the arch. Courses follow the
+ * skeleton of skeleton_spine.cpp (same frame: +x patient left, +y head, +z front, origin between T12 and L1);
+ * diameters are means for men. */
 #include "tools/anatomy/vessels.hpp"
 
 namespace anatomy
@@ -84,7 +85,8 @@ Vessel left_iliac()
             }};
 }
 
-/* Both ostia between L1 and L2, the right one a little higher and pointing further down (Eur Radiol 1999;9:1330). */
+/* Both ostia between L1 and L2, the right one a little higher and pointing further down (Eur Radiol
+ * 1999;9:1330). */
 std::vector<Vessel> renals()
 {
     return {{"right renal artery",
@@ -150,8 +152,8 @@ std::vector<Vessel> arch_branches()
              }}};
 }
 
-/* Mean flows at rest, rounded means of what textbooks give for a man of 70 kg (assumed). The arteries of gut, liver and
- * trunk are not modelled, so the aorta carries what these need and no more. */
+/* Mean flows at rest, rounded means of what textbooks give for a man of 70 kg (assumed). The arteries of gut,
+ * liver and trunk are not modelled, so the aorta carries what these need and no more. */
 double resting_flow_ml_min(const std::string &vessel)
 {
     if (vessel.find("renal") != std::string::npos) return 550;

@@ -12,7 +12,8 @@ namespace
 
 /* Least distance kept between neighbouring bodies, above what simplification may move both. */
 constexpr double GAP_MM = 0.9, SHELL_MM = 1.0;
-/* Thin bones are simplified less: where a wing of 2 mm of cortex is seen edge-on, a slope that is 3 degrees off is a streak. */
+/* Thin bones are simplified less: where a wing of 2 mm of cortex is seen edge-on, a slope that is 3 degrees
+ * off is a streak. */
 constexpr double BONE_ERROR_MM = 0.16, THIN_BONE_ERROR_MM = 0.1;
 /* Unevenness of the inside of the cortex, seen as grain. */
 constexpr double GRAIN_MM = 0.12, THIN_BONE_GRAIN_MM = 0.05;
@@ -32,7 +33,8 @@ LocalDistance local(const Solid &solid)
     };
 }
 
-// --- bones ------------------------------------------------------------------------------------------------------
+// --- bones
+// ------------------------------------------------------------------------------------------------------
 
 struct BoneGroup {
     const char *name;

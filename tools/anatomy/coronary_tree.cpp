@@ -1,6 +1,7 @@
-/* The coronary arteries of the shipped heart at the end of diastole, right dominant: courses in the grooves between its chambers,
- * given by height and angle about the left ventricle's axis (heart_beat.hpp) and laid onto the heart's surface. Names and numbers of
- * branches are the usual ones; courses are assumed, nobody's angiogram. */
+/* The coronary arteries of the shipped heart at the end of diastole, right dominant: courses in the grooves
+ * between its chambers, given by height and angle about the left ventricle's axis (heart_beat.hpp) and laid
+ * onto the heart's surface. Names and numbers of branches are the usual ones; courses are assumed, nobody's
+ * angiogram. */
 #include "tools/anatomy/heart_beat.hpp"
 #include "tools/anatomy/organs.hpp"
 #include "tools/anatomy/vessels.hpp"
@@ -22,7 +23,8 @@ struct Mark {
     const char *name, *source;
 };
 
-/* Where the way straight out from the axis leaves the heart, and a little further: arteries lie half in their grooves. */
+/* Where the way straight out from the axis leaves the heart, and a little further: arteries lie half in their
+ * grooves. */
 Vec3 on_heart(const Solid &heart, double height, double angle_deg)
 {
     constexpr double LIFT_MM = 0.5, FAR_MM = 90.0, STEP_MM = 0.5;
@@ -40,7 +42,8 @@ Vec3 on_heart(const Solid &heart, double height, double angle_deg)
     return start + outside * out;
 }
 
-/* The artery that begins with the given stations, if any, and then follows the marks; the surface is met every few millimetres. */
+/* The artery that begins with the given stations, if any, and then follows the marks; the surface is met
+ * every few millimetres. */
 Vessel artery(const char *name, std::vector<Station> stations, const std::vector<Mark> &marks)
 {
     constexpr double APART_MM = 4.0;
@@ -79,7 +82,8 @@ Vessel artery(const char *name, std::vector<Station> stations, const std::vector
 namespace
 {
 
-/* Mean flows at rest out of the ends, assumed: the LAD with its diagonals carries 56 ml/min (40 to 80 are usual), 92 the left main. */
+/* Mean flows at rest out of the ends, assumed: the LAD with its diagonals carries 56 ml/min (40 to 80 are
+ * usual), 92 the left main. */
 double resting_flow_ml_min(const std::string &artery)
 {
     const std::pair<const char *, double> flows[] = {{"LAD", 28}, {"D1", 16},  {"D2", 12},

@@ -161,7 +161,8 @@ HeartBeat::Place HeartBeat::place(const Vec3 &point) const
 Vec3 HeartBeat::moved(const Place &here, double phase) const
 {
     const HeartAxes &axes = heart_axes();
-    // Counter-clockwise as seen from the apex is right-handed about the direction that points down to the viewer.
+    // Counter-clockwise as seen from the apex is right-handed about the direction that points down to the
+    // viewer.
     const Eigen::AngleAxisd turn(here.turn_rad * twist_.at(phase), -axes.up);
     const Vec3 across = turn * here.across * (1.0 - here.inward * radial_.at(phase));
     const Vec3 way = across - here.across - axes.up * (here.descent_mm * longitudinal_.at(phase));

@@ -1,12 +1,15 @@
-/* How the heart moves over one beat: a smooth map from the end of diastole to any phase, in the axes of the left ventricle.
+/* How the heart moves over one beat: a smooth map from the end of diastole to any phase, in the axes of the
+ * left ventricle.
  *
  *     base  s = 1 and beyond: atria, roots of the great vessels      s = 0: apex
  *
- * What is modelled: the base goes to the apex, which hardly moves; walls go to the axis, inner ones further than outer ones, so that
- * they thicken; the base turns clockwise and the apex counter-clockwise as seen from the apex. Length, radius and twist have courses of
- * their own, so the centre towards which walls move is not one place. Directions and sizes: Inv. Radiol. 1984 (91 % of wall motion is
- * radial to one moving centre); base descent 12 to 15 mm, twist 10 to 15 degrees, right coronary artery 20 to 30 mm: common figures,
- * assumed. Courses over time are assumed, and set so that measured volumes and rest periods (heart_figures.hpp) are those of a man at 70 beats per minute. */
+ * What is modelled: the base goes to the apex, which hardly moves; walls go to the axis, inner ones further
+ * than outer ones, so that they thicken; the base turns clockwise and the apex counter-clockwise as seen from
+ * the apex. Length, radius and twist have courses of their own, so the centre towards which walls move is not
+ * one place. Directions and sizes: Inv. Radiol. 1984 (91 % of wall motion is radial to one moving centre);
+ * base descent 12 to 15 mm, twist 10 to 15 degrees, right coronary artery 20 to 30 mm: common figures,
+ * assumed. Courses over time are assumed, and set so that measured volumes and rest periods
+ * (heart_figures.hpp) are those of a man at 70 beats per minute. */
 #pragma once
 #include "tools/anatomy/shapes.hpp"
 
@@ -38,12 +41,13 @@ class HeartBeat
 {
   public:
     HeartBeat();
-    /* Where what rests at `point` at the end of diastole (and of expiration) is in each frame; frame k at k / BEAT_FRAMES of BEAT_MS. */
+    /* Where what rests at `point` at the end of diastole (and of expiration) is in each frame; frame k at k /
+     * BEAT_FRAMES of BEAT_MS. */
     std::vector<Vec3> frames(const Vec3 &point) const;
     /* Where it is at the end of inspiration, at the end of diastole. */
     Vec3 inhaled(const Vec3 &point) const;
-    /* Smallest ratio of a small volume in any frame to its volume at rest, on a grid through and around the heart: above 0 nothing
-     * folds over, and what does not cross at rest does not cross later. */
+    /* Smallest ratio of a small volume in any frame to its volume at rest, on a grid through and around the
+     * heart: above 0 nothing folds over, and what does not cross at rest does not cross later. */
     double least_volume_factor() const;
 
   private:

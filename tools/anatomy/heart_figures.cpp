@@ -59,7 +59,8 @@ Slice slice_of(const MovingBody &body, double low, double high, size_t frame)
     return slice;
 }
 
-/* The place towards which steps lead best, by least squares of their parts across, and the share of the squared steps along. */
+/* The place towards which steps lead best, by least squares of their parts across, and the share of the
+ * squared steps along. */
 struct Centre {
     Vec3 place = Vec3::Zero();
     double radial_share = 0.0;
@@ -91,8 +92,9 @@ Centre centre_of(const std::vector<Vec3> &from, const std::vector<Vec3> &to)
     return centre;
 }
 
-/* Longest time without a point of the curve further than `within_mm` from where it was at the time's beginning or anywhere in it.
- * Frames are joined by straight ways. Only windows whose middle lies in [from, to) of the beat count. */
+/* Longest time without a point of the curve further than `within_mm` from where it was at the time's
+ * beginning or anywhere in it. Frames are joined by straight ways. Only windows whose middle lies in [from,
+ * to) of the beat count. */
 double rest_ms(const std::vector<Curve> &frames, double within_mm, double from, double to)
 {
     constexpr int FINE = 240;

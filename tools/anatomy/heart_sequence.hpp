@@ -1,5 +1,5 @@
-/* The heart over one beat: bodies with one set of triangles and their vertices in every frame, the arteries' centrelines, and
- * what is measured on them. */
+/* The heart over one beat: bodies with one set of triangles and their vertices in every frame, the arteries'
+ * centrelines, and what is measured on them. */
 #pragma once
 #include "tools/anatomy/build.hpp"
 #include "tools/anatomy/heart_beat.hpp"
@@ -55,10 +55,12 @@ struct HeartFigures {
 /* Throws std::runtime_error when a ventricle or a vessel is missing. */
 HeartFigures heart_figures(const HeartSequence &sequence);
 
-/* FOLDER/lumen_00.ply ... of one mesh in every frame, and FOLDER_inhaled.ply beside the folder: what bake fits a lattice to. */
+/* FOLDER/lumen_00.ply ... of one mesh in every frame, and FOLDER_inhaled.ply beside the folder: what bake
+ * fits a lattice to. */
 void write_lumen_frames(const std::filesystem::path &folder, const Mesh &rest, const HeartBeat &beat);
 
-/* FOLDER_inhaled.obj beside FOLDER/frame_00.obj ... frame_23.obj with one object per body, centrelines_00.mrk.json ... beside them. */
+/* FOLDER_inhaled.obj beside FOLDER/frame_00.obj ... frame_23.obj with one object per body,
+ * centrelines_00.mrk.json ... beside them. */
 void write_sequence(const std::filesystem::path &folder, const HeartSequence &sequence);
 std::string figures_json(const HeartFigures &figures);
 

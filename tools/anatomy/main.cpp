@@ -227,7 +227,8 @@ int check(const std::filesystem::path &folder)
     return is_good ? 0 : 1;
 }
 
-/* One line per stated diameter: where it holds and where it comes from. Tab separated, so that scripts can read it. */
+/* One line per stated diameter: where it holds and where it comes from. Tab separated, so that scripts can
+ * read it. */
 int list(const VesselTree &tree)
 {
     std::printf("vessel\tstation\tdiameter_mm\tx_mm\ty_mm\tz_mm\ttangent_x\ttangent_y\ttangent_z\tsource\n");

@@ -29,8 +29,9 @@ Box block_box(const openvdb::Coord &origin, double voxel_mm)
     return box;
 }
 
-/* Fills one leaf from the distance function. The surface needs exact values beside it only: a group of points whose middle lies so far
- * off that none of them has a neighbour beyond it takes the band's, with the middle's sign. */
+/* Fills one leaf from the distance function. The surface needs exact values beside it only: a group of points
+ * whose middle lies so far off that none of them has a neighbour beyond it takes the band's, with the
+ * middle's sign. */
 void fill_block(openvdb::FloatGrid::Accessor &access, const openvdb::Coord &origin,
                 const MeshRequest &request)
 {

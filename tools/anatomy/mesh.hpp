@@ -1,4 +1,5 @@
-/* Closed triangle meshes of solids: OpenVDB level set, its surface, and a simplification that keeps the surface closed. */
+/* Closed triangle meshes of solids: OpenVDB level set, its surface, and a simplification that keeps the
+ * surface closed. */
 #pragma once
 #include "tools/anatomy/shapes.hpp"
 #include <array>
@@ -15,11 +16,13 @@ struct Mesh {
     std::vector<std::array<uint32_t, 3>> triangles; // counter-clockwise seen from outside
 };
 
-/* Gives a distance function for points inside a box, correct where its value is below reach_mm: near one place only few of
- * a body's shapes matter, and finding them once per block makes meshing many times faster. */
+/* Gives a distance function for points inside a box, correct where its value is below reach_mm: near one
+ * place only few of a body's shapes matter, and finding them once per block makes meshing many times faster.
+ */
 using LocalDistance = std::function<Distance(const Box &box, double reach_mm)>;
 
-/* What is meshed and how finely. error_mm is how far simplification may move the surface (0: no simplification). */
+/* What is meshed and how finely. error_mm is how far simplification may move the surface (0: no
+ * simplification). */
 struct MeshRequest {
     Box bounds;
     LocalDistance distance_in;

@@ -1,5 +1,5 @@
-/* Skin, lungs with their vessels, heart, airway and gas of the shipped patient. All shapes are assumed, set by eye against
- * what a chest and abdomen look like under X-ray; none carries a measured dimension. */
+/* Skin, lungs with their vessels, heart, airway and gas of the shipped patient. All shapes are assumed, set
+ * by eye against what a chest and abdomen look like under X-ray; none carries a measured dimension. */
 #pragma once
 #include "tools/anatomy/shapes.hpp"
 
@@ -12,11 +12,13 @@ Solid skin();
 /* How deep under the skin's outside muscle begins: skin and the fat under it. */
 double flesh_depth_mm(const Vec3 &p);
 
-/* Chest cavity of one side down to the diaphragm (sign -1 right, +1 left), before anything is taken out of it. */
+/* Chest cavity of one side down to the diaphragm (sign -1 right, +1 left), before anything is taken out of
+ * it. */
 Distance lung_cavity(double sign);
 Box lung_bounds(double sign);
 
-/* What the lungs leave free in the middle of the chest besides bones and aorta: heart, great veins, hila, soft tissue. */
+/* What the lungs leave free in the middle of the chest besides bones and aorta: heart, great veins, hila,
+ * soft tissue. */
 Solid mediastinum();
 
 /* One chamber of the heart as a distance, clear of the chambers before it. */
@@ -30,7 +32,8 @@ Solid heart_outline();                 // a little inside what the lungs leave f
 std::vector<Chamber> heart_chambers(); // ventricles and atria, walls of 2.5 to 10 mm between them
 Solid airway();                        // trachea and main bronchi (air)
 
-/* The belly's room from the diaphragm to the pelvic floor, before chest, bones and psoas are taken out of it. */
+/* The belly's room from the diaphragm to the pelvic floor, before chest, bones and psoas are taken out of it.
+ */
 double belly_outline(const Vec3 &p);
 Box belly_bounds();
 Solid kidney_nests(); // room for the kidneys with fat around them, beside the spine

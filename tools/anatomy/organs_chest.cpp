@@ -78,7 +78,8 @@ namespace
 /* direction: not -x */
 Eigen::Matrix3d axis_to(const Vec3 &direction)
 {
-    // The shortest turn from +x. Eigen's FromTwoVectors compiles a singular value decomposition for the opposite direction, 8 s.
+    // The shortest turn from +x. Eigen's FromTwoVectors compiles a singular value decomposition for the
+    // opposite direction, 8 s.
     const Vec3 to = direction.normalized();
     const double w = std::sqrt(2.0 * (1.0 + to.x())); // twice the cosine of half the angle
     const Vec3 axis = Vec3(0.0, -to.z(), to.y()) / w;
@@ -185,7 +186,8 @@ Solid airway()
     return solid;
 }
 
-// --- vessels of the lungs -----------------------------------------------------------------------------------------
+// --- vessels of the lungs
+// -----------------------------------------------------------------------------------------
 
 namespace
 {

@@ -1,5 +1,5 @@
-/* Files of an anatomy: binary PLY meshes, 3D Slicer centrelines, the scene text that `bake` reads. Each function throws
- * std::runtime_error naming the file when it cannot be written. */
+/* Files of an anatomy: binary PLY meshes, 3D Slicer centrelines, the scene text that `bake` reads. Each
+ * function throws std::runtime_error naming the file when it cannot be written. */
 #pragma once
 #include "tools/anatomy/build.hpp"
 #include <filesystem>
@@ -12,7 +12,8 @@ namespace anatomy
 /* Little-endian binary PLY with 32-bit float coordinates in millimetres of the patient frame. */
 void write_ply(const std::filesystem::path &file, const Mesh &mesh, const std::string &comment);
 
-/* One open curve with a "Radius" measurement per control point, in LPS as the file declares (L = +x, P = -z, S = +y). */
+/* One open curve with a "Radius" measurement per control point, in LPS as the file declares (L = +x, P = -z,
+ * S = +y). */
 void write_centreline(const std::filesystem::path &file, const Vessel &vessel);
 
 struct NamedCurve {

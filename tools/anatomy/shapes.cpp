@@ -40,7 +40,8 @@ double smooth_max(double a, double b, double blend_mm)
     return -smooth_min(-a, -b, blend_mm);
 }
 
-// --- tube -------------------------------------------------------------------------------------------------------
+// --- tube
+// -------------------------------------------------------------------------------------------------------
 
 Tube::Tube(const Curve &curve)
 {
@@ -93,7 +94,8 @@ double Tube::section_distance(const Vec3 &point, const Segment &segment, double 
 
 double Tube::distance(const Vec3 &point) const
 {
-    // A flat section is looked up at the nearest point of the axis; a round one is the minimum over all segments.
+    // A flat section is looked up at the nearest point of the axis; a round one is the minimum over all
+    // segments.
     constexpr double FAR = 1e9;
     double best = FAR, best_t = 0.0;
     const Segment *nearest = nullptr;
@@ -116,7 +118,8 @@ double Tube::distance(const Vec3 &point) const
     return round || !nearest ? best : section_distance(point, *nearest, best_t);
 }
 
-// --- other shapes -----------------------------------------------------------------------------------------------
+// --- other shapes
+// -----------------------------------------------------------------------------------------------
 
 double ellipsoid_distance(const Vec3 &local, const Vec3 &half_axes_mm)
 {
@@ -199,7 +202,8 @@ Formula::Formula(std::function<double(const Vec3 &)> function, const Box &where)
     bounds = where;
 }
 
-// --- part and solid ---------------------------------------------------------------------------------------------
+// --- part and solid
+// ---------------------------------------------------------------------------------------------
 
 Tube &Part::rod(const std::vector<Vec3> &points, const std::vector<double> &radii_mm, double cortex_mm)
 {
@@ -248,7 +252,8 @@ double Part::distance(const Vec3 &point) const
 
 double Part::marrow_distance(const Vec3 &point) const
 {
-    // Smooth joining may thin the shell; it never gets thinner than this, so the marrow stays inside the bone.
+    // Smooth joining may thin the shell; it never gets thinner than this, so the marrow stays inside the
+    // bone.
     constexpr double SHELL_LEAST_MM = 0.7;
     return std::max(evaluate(point, 1.0), evaluate(point, 0.0) + SHELL_LEAST_MM);
 }

@@ -1,6 +1,7 @@
-/* Solids from which bodies are built: each knows (nearly) its signed distance in millimetres, negative inside, and its
- * bounds. A Part joins shapes smoothly, as one bone is; a Solid is the plain union of parts. Bones carry the thickness of
- * their cortical shell, so the same Solid also answers for the marrow space inside. */
+/* Solids from which bodies are built: each knows (nearly) its signed distance in millimetres, negative
+ * inside, and its bounds. A Part joins shapes smoothly, as one bone is; a Solid is the plain union of parts.
+ * Bones carry the thickness of their cortical shell, so the same Solid also answers for the marrow space
+ * inside. */
 #pragma once
 #include "tools/anatomy/spline.hpp"
 #include <Eigen/Geometry>
@@ -33,8 +34,9 @@ class Shape
     std::shared_ptr<Shape> marrow; // or the marrow space itself
 };
 
-/* Tube around a curve. Without `flat` the section is a circle of the curve's radius; with it the section is an ellipse whose
- * half-height along the given direction is the curve's radius and whose other half-axis is radius * thinness. */
+/* Tube around a curve. Without `flat` the section is a circle of the curve's radius; with it the section is
+ * an ellipse whose half-height along the given direction is the curve's radius and whose other half-axis is
+ * radius * thinness. */
 class Tube : public Shape
 {
   public:
@@ -73,7 +75,8 @@ class Ellipsoid : public Shape
     Eigen::Matrix3d inverse_;
 };
 
-/* Triangle thickened by half_thickness_mm, which may differ from corner to corner: flat bone (ilium, scapula, laminae). */
+/* Triangle thickened by half_thickness_mm, which may differ from corner to corner: flat bone (ilium, scapula,
+ * laminae). */
 class Plate : public Shape
 {
   public:
@@ -85,7 +88,8 @@ class Plate : public Shape
     Vec3 a_, b_, c_, half_thickness_mm_;
 };
 
-/* Vertebral body: a waisted drum with slightly hollow end plates and a flattened back. Axis y of the frame points up. */
+/* Vertebral body: a waisted drum with slightly hollow end plates and a flattened back. Axis y of the frame
+ * points up. */
 class Drum : public Shape
 {
   public:

@@ -10,8 +10,9 @@ struct SheetPoint {
     double half_thickness_mm;
 };
 
-/* Rows of equally many points, at least two each way; four neighbours are joined by two plates. Points should lie 2 to 3 mm
- * apart: plates then meet almost flat. Where a sheet is seen edge-on, X-rays show a kink of a few degrees as a streak. */
+/* Rows of equally many points, at least two each way; four neighbours are joined by two plates. Points should
+ * lie 2 to 3 mm apart: plates then meet almost flat. Where a sheet is seen edge-on, X-rays show a kink of a
+ * few degrees as a streak. */
 class Sheet : public Shape
 {
   public:

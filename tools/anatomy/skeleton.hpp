@@ -21,6 +21,7 @@ Solid spine_bones();    // C5-L5, sacrum, coccyx
 Solid rib_bones();      // twelve pairs, sternum
 Solid pelvis_bones();   // both hip bones
 Solid femur_bones();    // upper thirds
-Solid shoulder_bones(); // clavicles, shoulder blades, heads of the humerus (arms raised, as for a lateral view)
+Solid shoulder_bones(); // clavicles, shoulder blades, heads of the humerus (arms raised, as for a lateral
+                        // view)
 
 } // namespace anatomy

@@ -1,4 +1,5 @@
-/* Ribs, sternum, clavicles, shoulder blades and heads of the humerus. All dimensions assumed, from a chest 280 mm wide inside. */
+/* Ribs, sternum, clavicles, shoulder blades and heads of the humerus. All dimensions assumed, from a chest
+ * 280 mm wide inside. */
 #include "tools/anatomy/sheet.hpp"
 #include "tools/anatomy/skeleton.hpp"
 #include <cmath>
@@ -9,7 +10,8 @@ namespace anatomy
 namespace
 {
 
-/* One rib: half-width of its loop, fall from head to front end, depth of its angle, depth of its widest point, front end. */
+/* One rib: half-width of its loop, fall from head to front end, depth of its angle, depth of its widest
+ * point, front end. */
 struct RibShape {
     double half_width, fall, z_angle, z_side, front_x, front_z, height, angle_share;
 };
@@ -71,7 +73,8 @@ Part sternum_part()
     return part;
 }
 
-/* The blade between its medial border and its neck and lateral border, from the superior angle down to the inferior one. */
+/* The blade between its medial border and its neck and lateral border, from the superior angle down to the
+ * inferior one. */
 Sheet blade(double s)
 {
     constexpr size_t DOWN = 55, ACROSS = 25;

@@ -1,5 +1,6 @@
-/* Spine. Vertebral and lumbar disc heights are rounded from common morphometry (lumbar heights near Gilad and Nissan 1985, J Anat
- * 143:115; thoracic discs 2.7-5.4 mm from Fletcher 2016, Eur Spine J 25:2999); single values are assumed. */
+/* Spine. Vertebral and lumbar disc heights are rounded from common morphometry (lumbar heights near Gilad and
+ * Nissan 1985, J Anat 143:115; thoracic discs 2.7-5.4 mm from Fletcher 2016, Eur Spine J 25:2999); single
+ * values are assumed. */
 #include "tools/anatomy/skeleton.hpp"
 #include <cmath>
 
@@ -24,7 +25,8 @@ const Size SIZES[] = {
     {"L4", 27.5, 49, 34, 12.5}, {"L5", 27, 51, 34, 11.0},
 };
 
-/* Sagittal course through the vertebral centres: kyphosis with its back at T7, lordosis with its front at L3. */
+/* Sagittal course through the vertebral centres: kyphosis with its back at T7, lordosis with its front at L3.
+ */
 double course_z_mm(double y_mm)
 {
     static const Spline course({-205, -188, -165, -130, -90, -45, 0, 45, 100, 150, 200, 250, 300, 360},

@@ -9,13 +9,15 @@ namespace
 
 constexpr double SOFT_ERROR_MM = 0.3;
 
-/* Voxel of a body that has little room in its parent: a coarse anatomy keeps it fine, so that it stays inside. */
+/* Voxel of a body that has little room in its parent: a coarse anatomy keeps it fine, so that it stays
+ * inside. */
 double tight_mm(double voxel_mm, double scale)
 {
     return voxel_mm * std::min(scale, 1.2);
 }
 
-// --- layers ---------------------------------------------------------------------------------------------------------
+// --- layers
+// ---------------------------------------------------------------------------------------------------------
 
 /* The skin's outside: it passes every bone with some flesh between. */
 LocalDistance outline_distance(const Solid &bones)
@@ -69,7 +71,8 @@ std::vector<Body> layer_bodies(const Solid &bones, double scale)
     };
 }
 
-// --- chest ----------------------------------------------------------------------------------------------------------
+// --- chest
+// ----------------------------------------------------------------------------------------------------------
 
 namespace
 {
@@ -217,7 +220,8 @@ std::vector<Body> chest_bodies(const Solid &bones, const HeartVessels &vessels, 
     return bodies;
 }
 
-// --- belly ----------------------------------------------------------------------------------------------------------
+// --- belly
+// ----------------------------------------------------------------------------------------------------------
 
 namespace
 {
@@ -246,7 +250,8 @@ LocalDistance belly_distance(const Solid &bones)
     };
 }
 
-/* An organ: its shape within the belly, clear of the organs before it. `shape` may be larger than what is left of it. */
+/* An organ: its shape within the belly, clear of the organs before it. `shape` may be larger than what is
+ * left of it. */
 LocalDistance organ_distance(const Solid &shape, const LocalDistance &belly, const Solid &before,
                              double inset_mm)
 {

@@ -51,7 +51,8 @@ double Spline::at(double parameter) const
 MonotoneCubic::MonotoneCubic(std::vector<double> parameters, std::vector<double> values)
     : parameters_(std::move(parameters)), values_(std::move(values)), slopes_(values_.size(), 0.0)
 {
-    // The harmonic mean of neighbouring chord slopes keeps each span monotone; a local extremum gets slope zero.
+    // The harmonic mean of neighbouring chord slopes keeps each span monotone; a local extremum gets slope
+    // zero.
     for (size_t i = 1; i + 1 < values_.size(); i++) {
         const double before = (values_[i] - values_[i - 1]) / (parameters_[i] - parameters_[i - 1]);
         const double after = (values_[i + 1] - values_[i]) / (parameters_[i + 1] - parameters_[i]);

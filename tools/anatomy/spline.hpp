@@ -1,5 +1,6 @@
-/* Smooth curves through given points: positions by a natural cubic spline over chord length (continuous curvature), radii by
- * a monotone cubic (no overshoot between two stated diameters). Used by vessels, ribs and the spine. Millimetres. */
+/* Smooth curves through given points: positions by a natural cubic spline over chord length (continuous
+ * curvature), radii by a monotone cubic (no overshoot between two stated diameters). Used by vessels, ribs
+ * and the spine. Millimetres. */
 #pragma once
 #include <Eigen/Core>
 #include <vector>
@@ -40,8 +41,8 @@ class MonotoneCubic
     std::vector<double> parameters_, values_, slopes_;
 };
 
-/* Samples the curve through `points` with `radii_mm` (same count, at least two) about every step_mm; both ends included, and
- * every given point is one of the samples. */
+/* Samples the curve through `points` with `radii_mm` (same count, at least two) about every step_mm; both
+ * ends included, and every given point is one of the samples. */
 Curve sample_curve(const std::vector<Vec3> &points, const std::vector<double> &radii_mm, double step_mm);
 
 /* Unit tangent of a sampled curve at a sample. */

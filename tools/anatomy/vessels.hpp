@@ -1,4 +1,5 @@
-/* Vessels of the shipped anatomies: centrelines through named stations with stated diameters and where each comes from. */
+/* Vessels of the shipped anatomies: centrelines through named stations with stated diameters and where each
+ * comes from. */
 #pragma once
 #include "tools/anatomy/shapes.hpp"
 #include <string>
@@ -39,7 +40,8 @@ VesselTree access_tree(); // the phantom with a winding access
 
 Curve vessel_curve(const Vessel &vessel, double step_mm);
 
-/* The mouth of the sheath: the farthest sample, every millimetre along the second vessel, that is above `y_mm`; it enters against the vessel's course. */
+/* The mouth of the sheath: the farthest sample, every millimetre along the second vessel, that is above
+ * `y_mm`; it enters against the vessel's course. */
 void put_mouth(VesselTree &tree, double y_mm);
 
 /* Blood space of the whole tree, enlarged by wall_mm. */

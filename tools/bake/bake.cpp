@@ -41,7 +41,8 @@ CurvePoint entry_of(const SceneText &text, const TriangleTree &tree)
     return entry;
 }
 
-// Disease narrows the lumen, and bodies of its blood with it. Which vertices moved; none are named where there is no lesion.
+// Disease narrows the lumen, and bodies of its blood with it. Which vertices moved; none are named where
+// there is no lesion.
 std::vector<bool> narrow(Mesh &mesh, const VesselTree &tree)
 {
     if (tree.lesions.empty()) return {};
@@ -79,7 +80,8 @@ std::vector<BakedBody> bodies_of(const SceneText &text, const Mesh &lumen, const
     return bodies;
 }
 
-// Centrelines of a lumen that were not given as a tree may be none: then there is none, and the report says why.
+// Centrelines of a lumen that were not given as a tree may be none: then there is none, and the report says
+// why.
 VesselTree tree_of(const SceneText &text, std::string &report)
 try {
     if (text.tree.centrelines.empty()) return {};
@@ -184,7 +186,8 @@ std::string entry_report(const Motion &motion, const Eigen::Vector3d &entry_mm)
         place_text(entry_mm).c_str(), way_mm);
 }
 
-// Bodies that move, and the tree, from keyframe 0, where they are described, to the pose from which all motion starts.
+// Bodies that move, and the tree, from keyframe 0, where they are described, to the pose from which all
+// motion starts.
 void to_reference(const Motion &motion, std::vector<BakedBody> &bodies)
 {
     for (BakedBody &body : bodies)

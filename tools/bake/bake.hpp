@@ -19,8 +19,8 @@ struct Options {
 // The lumen's surface, checked and closed. `report` gets a line for each thing that was repaired.
 Mesh lumen_surface(const SceneText &text, std::string &report, Progress &progress);
 
-// Bake, write, and return the report (docs/scene.md). Throws Fault, or UsageError when an output would overwrite an input;
-// then no file was changed.
+// Bake, write, and return the report (docs/scene.md). Throws Fault, or UsageError when an output would
+// overwrite an input; then no file was changed.
 std::string bake(const Options &options, Progress &progress);
 
 } // namespace crn::bake

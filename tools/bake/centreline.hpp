@@ -1,4 +1,5 @@
-// Centrelines with radii (files of tools/centreline) in the patient, and the surface of the vessel they describe.
+// Centrelines with radii (files of tools/centreline) in the patient, and the surface of the vessel they
+// describe.
 #pragma once
 #include "tools/bake/mesh.hpp"
 #include "tools/centreline/tree.hpp"
@@ -14,12 +15,14 @@ struct Centreline {
     std::vector<double> radii_mm;
 };
 
-// Reads every curve of a .mrk.json, .vtp, .csv or .obj file; `read_centreline` gives the first. What a file says of its axes is
-// ignored: `placement.axes` says what they are. A branch of many is called FILE/BRANCH. Throws Fault naming file, point and field.
+// Reads every curve of a .mrk.json, .vtp, .csv or .obj file; `read_centreline` gives the first. What a file
+// says of its axes is ignored: `placement.axes` says what they are. A branch of many is called FILE/BRANCH.
+// Throws Fault naming file, point and field.
 std::vector<Centreline> read_centrelines(const std::filesystem::path &file, const Placement &placement);
 Centreline read_centreline(const std::filesystem::path &file, const Placement &placement);
 
-// Position and unit tangent at a distance along the curve from its first or last point, looking into the curve.
+// Position and unit tangent at a distance along the curve from its first or last point, looking into the
+// curve.
 struct CurvePoint {
     Eigen::Vector3d position_mm, direction;
 };

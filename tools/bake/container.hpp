@@ -16,8 +16,8 @@ struct BakedBody {
     bool moves = false; // with the lumen
 };
 
-// Both are opened by shared/scene before they are returned; a refusal is a Fault. `motion` nullptr: the lumen stands still; `tree` nullptr: no
-// lesion of it gives way, else as it lies in the field.
+// Both are opened by shared/scene before they are returned; a refusal is a Fault. `motion` nullptr: the lumen
+// stands still; `tree` nullptr: no lesion of it gives way, else as it lies in the field.
 Bytes scene_bytes(const SceneText &text, const Eigen::Vector3d &entry_mm, const Eigen::Vector3d &direction,
                   const Field &field, const Motion *motion = nullptr, const VesselTree *tree = nullptr);
 // `scene`: the bytes of the scene they belong to, which they name; empty: of none.

@@ -1,4 +1,5 @@
-// A reason why a scene cannot be baked: one sentence with file, element and remedy. bake's main prints it and ends with 1.
+// A reason why a scene cannot be baked: one sentence with file, element and remedy. bake's main prints it and
+// ends with 1.
 #pragma once
 #include "tools/mesh/fault.hpp"
 

@@ -1,4 +1,5 @@
-// Making the field: see field.hpp. Bricks are made level by level, so that a finer grid exists only when it is needed.
+// Making the field: see field.hpp. Bricks are made level by level, so that a finer grid exists only when it
+// is needed.
 #include "tools/bake/field.hpp"
 #include "shared/scene/scene.h"
 #include "tools/bake/fault.hpp"
@@ -49,9 +50,9 @@ openvdb::FloatGrid::Ptr distances(const Mesh &mesh, int level, Progress &progres
     return grid;
 }
 
-// OpenVDB keeps one triangle per voxel while it spreads distances, which is 0.03 mm too far where triangles are smaller
-// than voxels. So near the wall, and where bricks are wanted, distances are made exact. Leaves are 8^3 voxels: a brick and
-// its neighbours.
+// OpenVDB keeps one triangle per voxel while it spreads distances, which is 0.03 mm too far where triangles
+// are smaller than voxels. So near the wall, and where bricks are wanted, distances are made exact. Leaves
+// are 8^3 voxels: a brick and its neighbours.
 void make_exact(openvdb::FloatGrid &grid, const std::vector<Brick> &bricks, int level,
                 const TriangleTree &tree, Progress &progress)
 {
@@ -84,7 +85,8 @@ void make_exact(openvdb::FloatGrid &grid, const std::vector<Brick> &bricks, int 
     progress.finish();
 }
 
-// --- prefilter: the inverse of (1/8, 3/4, 1/8) is c z^|n| with z = 2 sqrt 2 - 3; cut off and scaled to sum one ---
+// --- prefilter: the inverse of (1/8, 3/4, 1/8) is c z^|n| with z = 2 sqrt 2 - 3; cut off and scaled to sum
+// one ---
 std::array<double, 2 * filter_reach + 1> prefilter()
 {
     const double z = 2 * std::sqrt(2.0) - 3;
@@ -182,7 +184,8 @@ double spline(const std::vector<std::int8_t> &c, const Eigen::Vector3d &x)
     return sum / 32;
 }
 
-// Is the brick wrong by more than the tolerance anywhere on a lattice of points near the wall, and may there be a finer one?
+// Is the brick wrong by more than the tolerance anywhere on a lattice of points near the wall, and may there
+// be a finer one?
 bool is_wrong(const Brick &brick, int level, const TriangleTree &tree, const FieldText &text)
 {
     const double voxel = voxel_mm(level);

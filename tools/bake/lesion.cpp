@@ -47,8 +47,9 @@ Axis axis_at(const VesselBranch &branch, const std::vector<double> &arcs, double
             branch.radii_m[i] + share * (branch.radii_m[i + 1] - branch.radii_m[i])};
 }
 
-// Directions across the healthy vessel at a lesion's points. Its front is looked for in the lesion's middle (the patient's left where the
-// vessel itself runs forwards there) and carried along the vessel without twist, so that plaque stays on its side in a bend.
+// Directions across the healthy vessel at a lesion's points. Its front is looked for in the lesion's middle
+// (the patient's left where the vessel itself runs forwards there) and carried along the vessel without
+// twist, so that plaque stays on its side in a bend.
 class Across
 {
   public:
@@ -99,7 +100,8 @@ std::size_t branch_of(const VesselTree &tree, const LesionText &text)
                 (names.empty() ? "the scene has no [tree]" : "there are " + names));
 }
 
-// The branch with points every half a millimetre from `begin_m` to `end_m`; the others stay, and so do the places where vessels leave.
+// The branch with points every half a millimetre from `begin_m` to `end_m`; the others stay, and so do the
+// places where vessels leave.
 VesselLesion divide(VesselTree &tree, std::size_t index, double begin_m, double end_m)
 {
     const VesselBranch old = tree.branches[index];
@@ -159,7 +161,8 @@ void narrow(VesselBranch &branch, const VesselLesion &lesion, const LesionText &
     }
 }
 
-// Points for one lesion in a tree that none has narrowed yet: places are those of the healthy vessel, in whatever order lesions come.
+// Points for one lesion in a tree that none has narrowed yet: places are those of the healthy vessel, in
+// whatever order lesions come.
 void place(VesselTree &tree, const LesionText &text)
 {
     const std::size_t index = branch_of(tree, text);

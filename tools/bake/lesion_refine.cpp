@@ -77,7 +77,8 @@ class Divider
         mesh_.vertices_mm.push_back(0.5 * (a_mm + b_mm));
     }
 
-    // One to four triangles, by how many edges are divided; neighbours see the same middles, so no crack opens.
+    // One to four triangles, by how many edges are divided; neighbours see the same middles, so no crack
+    // opens.
     void divide(const Triangle &t, std::vector<Triangle> &out) const
     {
         std::array<std::int64_t, 3> middle; // of the edge behind a corner, -1: not divided

@@ -179,8 +179,9 @@ bool draw_pose(const TriangleTree &tree, const SurfacePoints &surface, double ra
     return true;
 }
 
-// Radius of the largest ball that touches the wall at p along its inward normal with no wall inside it, made smaller step
-// by step (shrinking balls: Ma, Bae & Choi 2012). `limit` and more when it touches nothing, or nothing opposite.
+// Radius of the largest ball that touches the wall at p along its inward normal with no wall inside it, made
+// smaller step by step (shrinking balls: Ma, Bae & Choi 2012). `limit` and more when it touches nothing, or
+// nothing opposite.
 double ball_radius(const TriangleTree &tree, const Eigen::Vector3d &p, const Eigen::Vector3d &inward,
                    double limit)
 {

@@ -1,5 +1,5 @@
-// How good a baked lumen is: its field against exact distances, its two samplers against each other, its contact depth
-// against libccd. All randomness comes from the seed that is printed.
+// How good a baked lumen is: its field against exact distances, its two samplers against each other, its
+// contact depth against libccd. All randomness comes from the seed that is printed.
 #pragma once
 #include "tools/bake/field.hpp"
 
@@ -33,13 +33,13 @@ struct Referee {
     Worst disagreement;
 };
 
-// Random capsules whose axis lies in the lumen and which reach the wall: depth by the core (largest phi + r along the axis)
-// against the deepest penetration that libccd finds with the triangles around.
+// Random capsules whose axis lies in the lumen and which reach the wall: depth by the core (largest phi + r
+// along the axis) against the deepest penetration that libccd finds with the triangles around.
 Referee measure_contact(const crn_lumen *lumen, const TriangleTree &tree, std::size_t poses,
                         std::uint64_t seed, Progress &progress);
 
-// Radius of the smallest ball that touches two opposite walls (at least 120 degrees apart seen from its centre), over up
-// to `points` places of the surface.
+// Radius of the smallest ball that touches two opposite walls (at least 120 degrees apart seen from its
+// centre), over up to `points` places of the surface.
 Worst smallest_radius(const TriangleTree &tree, std::size_t points);
 
 } // namespace crn::bake

@@ -1,5 +1,5 @@
-// A mesh file as plain data: what it declares is held against its size, assimp reads it in a child process with limits
-// (host/base/guarded_read.hpp), and every index and number that comes back is checked here.
+// A mesh file as plain data: what it declares is held against its size, assimp reads it in a child process
+// with limits (host/base/guarded_read.hpp), and every index and number that comes back is checked here.
 #pragma once
 #include <Eigen/Core>
 #include <array>
@@ -40,8 +40,8 @@ struct Declared {
     std::int64_t vertices = -1, faces = -1;
 };
 
-// A strict reading of the whole file: counts fit its size, indices name vertices that are there, numbers are numbers. Throws
-// Fault. `folder` is where a .gltf's other files are.
+// A strict reading of the whole file: counts fit its size, indices name vertices that are there, numbers are
+// numbers. Throws Fault. `folder` is where a .gltf's other files are.
 Declared check_ply(std::string_view bytes, const std::string &file);
 Declared check_stl(std::string_view bytes, const std::string &file);
 Declared check_obj(std::string_view bytes, const std::string &file);

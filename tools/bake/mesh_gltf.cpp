@@ -1,5 +1,5 @@
-// What a glTF file declares, held against what it holds, before assimp follows it: buffers, views, accessors, nodes.
-// glTF 2.0 specification, sections 3.5 to 3.7 and 4.4 (binary form).
+// What a glTF file declares, held against what it holds, before assimp follows it: buffers, views, accessors,
+// nodes. glTF 2.0 specification, sections 3.5 to 3.7 and 4.4 (binary form).
 #include "tools/bake/mesh_file.hpp"
 #include "tools/bake/mesh_words.hpp"
 #include "tools/mesh/json_depth.hpp"

@@ -1,4 +1,5 @@
-// What a mesh is held against when it comes back from its reader: no index without its vertex, no coordinate that is no number.
+// What a mesh is held against when it comes back from its reader: no index without its vertex, no coordinate
+// that is no number.
 #include "tools/bake/fault.hpp"
 #include "tools/bake/mesh_file.hpp"
 #include <cmath>

@@ -1,4 +1,5 @@
-// Strict readings of STL and OBJ before assimp sees them: it guesses where a text is damaged, and gives another mesh.
+// Strict readings of STL and OBJ before assimp sees them: it guesses where a text is damaged, and gives
+// another mesh.
 #include "tools/bake/mesh_file.hpp"
 #include "tools/bake/mesh_words.hpp"
 
@@ -51,7 +52,8 @@ void facet(Words &words)
     expect(words, "endfacet");
 }
 
-// --- OBJ -------------------------------------------------------------------------------------------------------------
+// --- OBJ
+// -------------------------------------------------------------------------------------------------------------
 class Obj
 {
   public:

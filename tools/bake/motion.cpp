@@ -89,7 +89,8 @@ struct Moving {
     }
 };
 
-// A box around everything that moves, wide enough that the motion can fade out, its corner on a multiple of the spacing.
+// A box around everything that moves, wide enough that the motion can fade out, its corner on a multiple of
+// the spacing.
 Lattice lattice_for(const Moving &moving, double spacing_mm, double reach_spacings)
 {
     Lattice lattice;
@@ -113,7 +114,8 @@ Lattice lattice_for(const Moving &moving, double spacing_mm, double reach_spacin
     return lattice;
 }
 
-// Bending and tension over the free nodes, by the graph Laplacian: each against the mean of its six neighbours (those of the boundary are 0).
+// Bending and tension over the free nodes, by the graph Laplacian: each against the mean of its six
+// neighbours (those of the boundary are 0).
 Sparse smoothing(const Lattice &lattice)
 {
     std::vector<Eigen::Triplet<double>> entries;

@@ -41,7 +41,8 @@ std::vector<Eigen::Vector3d> frame_vertices(const std::filesystem::path &file, c
     return mesh.vertices_mm;
 }
 
-// A vertex goes from frame to frame, also from the last to the first, by no more than a wall can in 1/24 of a beat.
+// A vertex goes from frame to frame, also from the last to the first, by no more than a wall can in 1/24 of a
+// beat.
 void check_jumps(const Sequence &frames, const std::vector<std::filesystem::path> &files)
 {
     constexpr double jump_mm = 8.0; // faster than any wall: 0.2 m/s over 1/24 s

@@ -1,4 +1,5 @@
-// Progress of long work on standard error, and the wish to stop (Ctrl-C). Silent for work that takes less than a second.
+// Progress of long work on standard error, and the wish to stop (Ctrl-C). Silent for work that takes less
+// than a second.
 #pragma once
 #include <chrono>
 #include <cstddef>
@@ -10,8 +11,8 @@ namespace crn::bake
 class Progress
 {
   public:
-    // From now on Ctrl-C and SIGTERM make `step` throw a Fault, so that everything half done is undone on the way out;
-    // the second one ends the program.
+    // From now on Ctrl-C and SIGTERM make `step` throw a Fault, so that everything half done is undone on the
+    // way out; the second one ends the program.
     static void catch_interrupts();
     static bool interrupted();
 

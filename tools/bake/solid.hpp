@@ -1,5 +1,6 @@
-// A body's surface made anew from a level set: pieces that overlap become one solid, cracks and faults of the mesh vanish,
-// surfaces at a distance inside or outside come from the same field, and so do the voxels inside.
+// A body's surface made anew from a level set: pieces that overlap become one solid, cracks and faults of the
+// mesh vanish, surfaces at a distance inside or outside come from the same field, and so do the voxels
+// inside.
 #pragma once
 #include "tools/bake/mesh.hpp"
 
@@ -8,12 +9,13 @@ namespace crn::bake
 
 constexpr double solid_voxels_max = 3e8; // of the box around a mesh: a finer level set would take minutes
 
-// The closed surface `offset_mm` outside (negative: inside) that of the mesh, whose openings are capped, on a grid of
-// `voxel_mm`. Flat details thinner than about a voxel are lost. Empty when nothing lies that deep. Throws Fault when the grid
-// would be too large.
+// The closed surface `offset_mm` outside (negative: inside) that of the mesh, whose openings are capped, on a
+// grid of `voxel_mm`. Flat details thinner than about a voxel are lost. Empty when nothing lies that deep.
+// Throws Fault when the grid would be too large.
 Mesh offset_surface(const Mesh &mesh, double voxel_mm, double offset_mm);
 
-// Blown up by `close_mm` and shrunk again: hollows and gaps up to twice as wide are filled, the outside stays.
+// Blown up by `close_mm` and shrunk again: hollows and gaps up to twice as wide are filled, the outside
+// stays.
 Mesh closed_surface(const Mesh &mesh, double voxel_mm, double close_mm);
 
 // What of `mesh` lies in the box.

@@ -79,7 +79,8 @@ void TriangleTree::build(std::uint32_t node, std::uint32_t first, std::uint32_t 
     build(children + 1, first + half, count - half);
 }
 
-// Closest point of a triangle by the regions of its corners and edges (Ericson, Real-Time Collision Detection, 5.1.5).
+// Closest point of a triangle by the regions of its corners and edges (Ericson, Real-Time Collision
+// Detection, 5.1.5).
 TriangleTree::Hit TriangleTree::closest_on(std::uint32_t triangle, const Eigen::Vector3d &p) const
 {
     const Triangle &t = mesh_.triangles[triangle];
@@ -141,8 +142,9 @@ TriangleTree::Nearest TriangleTree::nearest(const Eigen::Vector3d &p_mm, double 
     return {normal.dot(p_mm - hit.point) < 0 ? -distance : distance, hit.point, hit.triangle};
 }
 
-// +1 or -1 where the ray from p along +z leaves or enters through the triangle, else 0. A place on an edge or corner belongs to
-// one of the triangles there (half-open intervals; an edge is computed alike for both its triangles).
+// +1 or -1 where the ray from p along +z leaves or enters through the triangle, else 0. A place on an edge or
+// corner belongs to one of the triangles there (half-open intervals; an edge is computed alike for both its
+// triangles).
 int TriangleTree::crossing(std::uint32_t triangle, const Eigen::Vector3d &p) const
 {
     const Triangle &t = mesh_.triangles[triangle];

@@ -1,5 +1,6 @@
-// Exact geometry of a closed triangle mesh: signed distance (sign by angle-weighted normals of the nearest feature,
-// Baerentzen & Aanaes 2005) and the triangles near a box. The referee for everything the baker approximates.
+// Exact geometry of a closed triangle mesh: signed distance (sign by angle-weighted normals of the nearest
+// feature, Baerentzen & Aanaes 2005) and the triangles near a box. The referee for everything the baker
+// approximates.
 #pragma once
 #include "tools/bake/mesh.hpp"
 
@@ -22,8 +23,9 @@ class TriangleTree
     // `bound_mm`: no smaller than the distance (faster), or infinite.
     Nearest nearest(const Eigen::Vector3d &p_mm, double bound_mm = INFINITY) const;
 
-    // How often the surface goes around a place: 1 inside, 0 outside. Counted along a ray, so that it is right where a thin sheet
-    // is folded over at its edge and the sign of nearest() is not, as far away as the fold is the nearest place.
+    // How often the surface goes around a place: 1 inside, 0 outside. Counted along a ray, so that it is
+    // right where a thin sheet is folded over at its edge and the sign of nearest() is not, as far away as
+    // the fold is the nearest place.
     int winding(const Eigen::Vector3d &p_mm) const;
 
     // Triangles whose box meets the given box.

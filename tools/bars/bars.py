@@ -9,6 +9,7 @@ with its ratio to the bar and never fails. Writes out/bars.tsv. The last lines a
 when a bar is red or could not be measured. --tap prints one line of TAP per bar instead, without times and without what other commands
 measure.
 """
+
 import argparse
 import collections
 import os
@@ -52,7 +53,9 @@ def run(command, limit_s=600):
     except (OSError, subprocess.TimeoutExpired) as problem:
         raise CannotMeasure("%s: %s" % (command[0], problem)) from problem
     if done.returncode != 0:
-        raise CannotMeasure("%s: exit code %d: %s" % (" ".join(command), done.returncode, (done.stderr or done.stdout).strip()[-300:]))
+        raise CannotMeasure(
+            "%s: exit code %d: %s" % (" ".join(command), done.returncode, (done.stderr or done.stdout).strip()[-300:])
+        )
     return done.stdout
 
 
@@ -100,8 +103,13 @@ def validation_values(text):
 
 def from_validate(options, _):
     with tempfile.TemporaryDirectory() as folder:
-        subprocess.run([os.path.join(options.build, "bin", "validate"), "--quick", "--jobs", str(options.jobs), "-o", folder], cwd=ROOT,
-                       capture_output=True, timeout=600, check=False)
+        subprocess.run(
+            [os.path.join(options.build, "bin", "validate"), "--quick", "--jobs", str(options.jobs), "-o", folder],
+            cwd=ROOT,
+            capture_output=True,
+            timeout=600,
+            check=False,
+        )
         path = os.path.join(folder, "validation.tsv")
         if not os.path.exists(path):
             raise CannotMeasure("build/bin/validate wrote no validation.tsv")
@@ -112,8 +120,14 @@ def from_validate(options, _):
 def from_golden(options, _):
     with tempfile.TemporaryDirectory() as folder:
         program = os.path.join(folder, "hash")
-        sources = [os.path.join(ROOT, "tools/check", name) for name in ("core_hash.c", "core_scenes.c", "console_stdio.c")]
-        run(["gcc", "-std=c11", "-O2", "-I" + ROOT] + sources + [os.path.join(options.build, "lib", "libfirmware_core.a"), "-o", program])
+        sources = [
+            os.path.join(ROOT, "tools/check", name) for name in ("core_hash.c", "core_scenes.c", "console_stdio.c")
+        ]
+        run(
+            ["gcc", "-std=c11", "-O2", "-I" + ROOT]
+            + sources
+            + [os.path.join(options.build, "lib", "libfirmware_core.a"), "-o", program]
+        )
         now = run([program]).splitlines()
     with open(os.path.join(ROOT, "tools/check/core_hash.golden"), encoding="utf-8") as file:
         golden = file.read().splitlines()
@@ -125,8 +139,10 @@ def counted_values(counts):
     """As hil's own table: the median, the value that 1 tick in 1,000 exceeds, and the largest."""
     counts = sorted(counts)
     last = len(counts) - 1
-    return {"hil.m7_instructions_per_tick " + name: counts[int(share * last + 0.5)]
-            for name, share in (("median", 0.5), ("p99.9", 0.999), ("max", 1.0))}
+    return {
+        "hil.m7_instructions_per_tick " + name: counts[int(share * last + 0.5)]
+        for name, share in (("median", 0.5), ("p99.9", 0.999), ("max", 1.0))
+    }
 
 
 def aorta_ticks(options, what):
@@ -143,7 +159,10 @@ def aorta_ticks(options, what):
 def checked_ticks(values):
     """A short session, or ticks that cost nothing, would hold every bar."""
     if len(values) < SESSION_TICKS or min(values) <= 0:
-        raise CannotMeasure("the aorta session gave %d ticks (at least %d), the cheapest %g" % (len(values), SESSION_TICKS, min(values, default=0)))
+        raise CannotMeasure(
+            "the aorta session gave %d ticks (at least %d), the cheapest %g"
+            % (len(values), SESSION_TICKS, min(values, default=0))
+        )
     return values
 
 
@@ -152,7 +171,10 @@ def from_counts(options, _):
 
 
 def overrun_values(edges_us):
-    return {"hil.edges_over_1_ms at=500_mips": sum(us > 1000 for us in edges_us), "hil.edge_us_max at=500_mips": max(edges_us)}
+    return {
+        "hil.edges_over_1_ms at=500_mips": sum(us > 1000 for us in edges_us),
+        "hil.edge_us_max at=500_mips": max(edges_us),
+    }
 
 
 def from_overruns(options, _):
@@ -176,9 +198,15 @@ def from_file(path, wanted):
 
 def measure(source, wanted, options):
     if source.startswith("file:"):
-        return from_file(source[len("file:"):], wanted)
-    known = {"budget": from_budget, "bench": from_bench, "validate": from_validate, "golden": from_golden, "counts": from_counts,
-             "overruns": from_overruns}
+        return from_file(source[len("file:") :], wanted)
+    known = {
+        "budget": from_budget,
+        "bench": from_bench,
+        "validate": from_validate,
+        "golden": from_golden,
+        "counts": from_counts,
+        "overruns": from_overruns,
+    }
     return known[source.split(":")[0]](options, wanted)
 
 
@@ -211,9 +239,18 @@ def values_of(source, bars, options):
 
 def text_of_bar(bar, value, width):
     verdict = judge(bar, value)
-    note = "  (%s)" % bar.source[len("file:"):] if verdict == "not measured here" else ""
-    return ("%-*s %s %-10s now %-10s ratio %-5s since %s  %s%s"
-            % (width, bar.name, bar.op, text_of(bar.limit), text_of(value), ratio_of(bar, value), bar.since, verdict, note))
+    note = "  (%s)" % bar.source[len("file:") :] if verdict == "not measured here" else ""
+    return "%-*s %s %-10s now %-10s ratio %-5s since %s  %s%s" % (
+        width,
+        bar.name,
+        bar.op,
+        text_of(bar.limit),
+        text_of(value),
+        ratio_of(bar, value),
+        bar.since,
+        verdict,
+        note,
+    )
 
 
 def print_tap(bars, options):
@@ -243,7 +280,19 @@ def report(bars, options):
         verdict = judge(bar, value)
         verdicts[verdict] += 1
         print(text_of_bar(bar, value, width))
-        rows.append((bar.name, bar.op + text_of(bar.limit), text_of(value), ratio_of(bar, value), bar.asked, bar.issue, bar.since, bar.kind, verdict))
+        rows.append(
+            (
+                bar.name,
+                bar.op + text_of(bar.limit),
+                text_of(value),
+                ratio_of(bar, value),
+                bar.asked,
+                bar.issue,
+                bar.since,
+                bar.kind,
+                verdict,
+            )
+        )
     os.makedirs(os.path.join(ROOT, "out"), exist_ok=True)
     with open(os.path.join(ROOT, TABLE), "w", encoding="utf-8") as file:
         file.write("name\tbar\tnow\tratio\tasked\tissue\tsince\tkind\tverdict\n")
@@ -261,11 +310,17 @@ def main():
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="of validate (default: cores)")
     parser.add_argument("--only", default="", help="only bars with this text in their name or source")
     parser.add_argument("--scene", default=SCENE, help="of the aorta session (default: %s)" % SCENE)
-    parser.add_argument("--tap", action="store_true", help="TAP of what is measured here and fails, and no out/bars.tsv")
+    parser.add_argument(
+        "--tap", action="store_true", help="TAP of what is measured here and fails, and no out/bars.tsv"
+    )
     options = parser.parse_args()
     try:
-        bars = [bar for bar in read_bars() if (options.only in bar.name or options.only in bar.source)
-                and not (options.tap and (bar.source.startswith("file:") or bar.kind == "time"))]
+        bars = [
+            bar
+            for bar in read_bars()
+            if (options.only in bar.name or options.only in bar.source)
+            and not (options.tap and (bar.source.startswith("file:") or bar.kind == "time"))
+        ]
     except CannotMeasure as problem:
         print("bars: %s" % problem, file=sys.stderr)
         return 1

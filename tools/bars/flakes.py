@@ -7,6 +7,7 @@ The tests are those of tools/bars/flakes.txt, run as `make test` runs them. Writ
 interrupted run keeps what it has; what a failed test said is kept in out/flakes. The last line is `flakes.failed<TAB>N`, the number of
 failed runs; ends with 1 when there is one.
 """
+
 import argparse
 import collections
 import concurrent.futures

@@ -8,6 +8,7 @@ compiler's call graph; sizes are those of the objects. Ends with 1 when a row is
 row is missing there, or when the image calls a soft-float or divide helper or a heap. --accept writes the tracked file.
 --profile prints where the instructions of two ticks of a case go, function by function, and measures nothing else.
 """
+
 import argparse
 import bisect
 import collections
@@ -22,12 +23,25 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 BUDGET = os.path.join("firmware", "bench", "budget.tsv")
 OVER = 1.03
 TIME_LIMIT_S = 600
-QEMU = ["qemu-system-arm", "-M", "mps2-an500", "-nographic", "-monitor", "none", "-serial", "none", "-icount", "shift=0"]
+QEMU = [
+    "qemu-system-arm",
+    "-M",
+    "mps2-an500",
+    "-nographic",
+    "-monitor",
+    "none",
+    "-serial",
+    "none",
+    "-icount",
+    "shift=0",
+]
 # Entry points whose worst stack is reported.
 ROOTS = ("crn_step", "crn_state_restore", "crn_model_build")
 MEMORY = re.compile(r"^(__aeabi_)?mem(cpy|set|move|cmp|clr)(4|8)?$")
-FORBIDDEN = re.compile(r"^(__aeabi_([dfil]|u?[il]div|ul|uldiv).*|__.*(div|mod)[sdt]i\d|__(add|sub|mul|div|fix|float|cmp|eq|lt|gt)\w*[sd]f\w*|"
-                       r"malloc|calloc|realloc|free|_sbrk)$")
+FORBIDDEN = re.compile(
+    r"^(__aeabi_([dfil]|u?[il]div|ul|uldiv).*|__.*(div|mod)[sdt]i\d|__(add|sub|mul|div|fix|float|cmp|eq|lt|gt)\w*[sd]f\w*|"
+    r"malloc|calloc|realloc|free|_sbrk)$"
+)
 ALLOWED_HELPERS = re.compile(r"^__aeabi_l(lsl|lsr|asr|mul)$")  # 64-bit shifts and products: a few instructions, no loop
 HASHED_CASE = "elements=256 contacts=all"
 INSTRUCTIONS_PER_COUNT = 40  # of SysTick: firmware/port/mps2_an500/systick.h
@@ -42,21 +56,39 @@ class CannotMeasure(Exception):
 
 def run(command, text=None, check=True):
     try:
-        done = subprocess.run(command, cwd=ROOT, input=text, stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False,
-                              timeout=TIME_LIMIT_S, universal_newlines=True)
+        done = subprocess.run(
+            command,
+            cwd=ROOT,
+            input=text,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            check=False,
+            timeout=TIME_LIMIT_S,
+            universal_newlines=True,
+        )
     except FileNotFoundError as error:
         raise CannotMeasure("%s is missing: `make budget` installs it" % command[0]) from error
     if check and done.returncode != 0:
-        raise CannotMeasure("%s: exit code %d: %s" % (" ".join(command), done.returncode,
-                                                      (done.stdout + done.stderr).strip()[-400:]))
+        raise CannotMeasure(
+            "%s: exit code %d: %s" % (" ".join(command), done.returncode, (done.stdout + done.stderr).strip()[-400:])
+        )
     return done.stdout
 
 
 # --- instructions ---------------------------------------------------------------------------------------------------
 def emulate(image, case_file):
     """What the image prints, as a table of numbers."""
-    text = run(QEMU + ["-chardev", "stdio,id=console", "-semihosting-config",
-                       "enable=on,target=native,chardev=console,arg=budget_image,arg=" + case_file, "-kernel", image])
+    text = run(
+        QEMU
+        + [
+            "-chardev",
+            "stdio,id=console",
+            "-semihosting-config",
+            "enable=on,target=native,chardev=console,arg=budget_image,arg=" + case_file,
+            "-kernel",
+            image,
+        ]
+    )
     return {line.split()[0]: int(line.split()[1]) for line in text.splitlines()}
 
 
@@ -88,16 +120,30 @@ def profile(build, number, folder):
     make, image = os.path.join(build, "bench", "budget_make"), os.path.join(build, "m7", "budget_image.elf")
     path, log = os.path.join(folder, "case"), os.path.join(folder, "log")
     run([make, "make", number, path])
-    found = sorted((int(a, 16), name) for a, kind, name in
-                   (line.split() for line in run(["arm-none-eabi-nm", image]).splitlines()) if kind in "tT")
+    found = sorted(
+        (int(a, 16), name)
+        for a, kind, name in (line.split() for line in run(["arm-none-eabi-nm", image]).splitlines())
+        if kind in "tT"
+    )
     starts = [address for address, _ in found]
     step = next(address for address, name in found if name == "crn_step")
     os.mkfifo(log)
     counts, ticks = collections.Counter(), 0
-    command = QEMU + ["-singlestep", "-d", "exec,nochain", "-D", log, "-semihosting-config",
-                      "enable=on,target=native,arg=budget_image,arg=" + path, "-kernel", image]
-    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as qemu, \
-            open(log, encoding="ascii") as lines:
+    command = QEMU + [
+        "-singlestep",
+        "-d",
+        "exec,nochain",
+        "-D",
+        log,
+        "-semihosting-config",
+        "enable=on,target=native,arg=budget_image,arg=" + path,
+        "-kernel",
+        image,
+    ]
+    with (
+        subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as qemu,
+        open(log, encoding="ascii") as lines,
+    ):
         for line in lines:
             match = re.search(r"/([0-9a-f]{8})/", line)
             address = int(match.group(1), 16) if match else 0
@@ -118,7 +164,9 @@ def call_graph(folder):
     for path in glob.glob(os.path.join(folder, "**", "*.ci"), recursive=True):
         with open(path, encoding="utf-8") as file:
             text = file.read()
-        for title, size, kind in re.findall(r'node: \{ title: "([^"]+)" label: "[^"]*\\n(\d+) bytes \(([^)]*)\)"', text):
+        for title, size, kind in re.findall(
+            r'node: \{ title: "([^"]+)" label: "[^"]*\\n(\d+) bytes \(([^)]*)\)"', text
+        ):
             if kind != "static":
                 raise CannotMeasure("%s: its stack is %s, not static" % (title, kind))
             frame[title] = int(size)
@@ -172,12 +220,30 @@ def sizes(build):
 
 def memory_sizes():
     """sizeof of model and state for a line of 256 elements, by the compiler for the Cortex-M7."""
-    text = ('#include "firmware/core/core_state.h"\nchar model_bytes[sizeof(crn_model)];\n'
-            'char state_bytes[sizeof(crn_state)];\nchar words_bytes[sizeof(crn_state_words)];\n')
+    text = (
+        '#include "firmware/core/core_state.h"\nchar model_bytes[sizeof(crn_model)];\n'
+        "char state_bytes[sizeof(crn_state)];\nchar words_bytes[sizeof(crn_state_words)];\n"
+    )
     with tempfile.TemporaryDirectory() as folder:
         target = os.path.join(folder, "sizes.o")
-        run(["arm-none-eabi-gcc", "-mcpu=cortex-m7", "-mthumb", "-std=c11", "-I.", "-DCRN_NODE_MAX=260", "-x", "c", "-c",
-             "-fno-common", "-", "-o", target], text=text)
+        run(
+            [
+                "arm-none-eabi-gcc",
+                "-mcpu=cortex-m7",
+                "-mthumb",
+                "-std=c11",
+                "-I.",
+                "-DCRN_NODE_MAX=260",
+                "-x",
+                "c",
+                "-c",
+                "-fno-common",
+                "-",
+                "-o",
+                target,
+            ],
+            text=text,
+        )
         for line in run(["arm-none-eabi-nm", "-S", target]).splitlines():
             _, size, _, name = line.split()
             yield "rod.m7_" + name, int(size, 16), "bytes", "elements=256 tools=3"
@@ -219,17 +285,26 @@ def innermost_loops(lines):
 
 def estimate(body):
     """Cycles per pass as llvm-mca sees them: in order of address, no cache misses, branches dropped."""
-    kept = [text for text in body if not re.match(r"(b|bl|blx|bx|b(eq|ne|cs|cc|mi|pl|vs|vc|hi|ls|ge|lt|gt|le)|cbn?z)(\.[nw])?\s", text)]
+    kept = [
+        text
+        for text in body
+        if not re.match(r"(b|bl|blx|bx|b(eq|ne|cs|cc|mi|pl|vs|vc|hi|ls|ge|lt|gt|le)|cbn?z)(\.[nw])?\s", text)
+    ]
     kept = [re.sub(r"<[^>]*>", "", text) for text in kept]
-    report = run(["llvm-mca", "-mtriple=thumbv7em-none-eabi", "-mcpu=cortex-m7", "-iterations=100"], check=False,
-                 text="\n".join(kept) + "\n")
+    report = run(
+        ["llvm-mca", "-mtriple=thumbv7em-none-eabi", "-mcpu=cortex-m7", "-iterations=100"],
+        check=False,
+        text="\n".join(kept) + "\n",
+    )
     match = re.search(r"Total Cycles:\s+(\d+)", report)
     return (len(kept), int(match.group(1)) / 100) if match else None
 
 
 def print_estimates(build):
-    print("\nstatic estimate by llvm-mca (cortex-m7), NOT measured: cycles per pass through the longest loop of a function, in order "
-          "of\naddress, without cache misses and branches")
+    print(
+        "\nstatic estimate by llvm-mca (cortex-m7), NOT measured: cycles per pass through the longest loop of a function, in order "
+        "of\naddress, without cache misses and branches"
+    )
     rows = []
     for path in sorted(glob.glob(os.path.join(build, "m7", "obj", "firmware", "core", "*.o"))):
         text = run(["arm-none-eabi-objdump", "-d", "--no-show-raw-insn", path])
@@ -297,8 +372,14 @@ def main():
             print("%-28s %9d %-12s %s%s%s" % (*row, change, "  FAILED: " + wrong if wrong else ""))
         found = forbidden_symbols(os.path.join(options.build, "m7", "budget_image.elf"))
         failed += bool(found)
-        print("ELF: " + ("FAILED: the image holds " + ", ".join(found) if found else
-                         "no soft-float, no divide helper, no heap in the image"))
+        print(
+            "ELF: "
+            + (
+                "FAILED: the image holds " + ", ".join(found)
+                if found
+                else "no soft-float, no divide helper, no heap in the image"
+            )
+        )
         print_estimates(options.build)
     except CannotMeasure as problem:
         print("budget: %s" % problem, file=sys.stderr)

@@ -5,6 +5,7 @@
 
 Without --write only compares; ends with 1 when the page is not what the budget says.
 """
+
 import os
 import sys
 
@@ -16,15 +17,20 @@ PAGE = os.path.join(ROOT, "docs", "bench.md")
 BEGIN, END = "<!-- begin: written by `make budget-docs` -->\n", "<!-- end -->\n"
 MEAN, WORST = "rod.m7_instructions", "rod.m7_instructions_worst"
 # case, row of the budget, first version with three tools, goal
-ROWS = (("100 contacts (122 in the case)", MEAN, "elements=256 contacts=100+", "1,298 k", "400 k"),
-        ("all in contact", MEAN, "elements=256 contacts=all", "1,388 k", "470 k"),
-        ("three tools sliding, all in contact", MEAN, "elements=256 contacts=all tools=3 sliding", "1,696 k", ""),
-        ("128 elements", MEAN, "elements=128 contacts=20+", "497 k", "190 k"),
-        ("worst tick that missed a contact", WORST, "elements=256 second_solve", "1,874 k", "800 k"))
+ROWS = (
+    ("100 contacts (122 in the case)", MEAN, "elements=256 contacts=100+", "1,298 k", "400 k"),
+    ("all in contact", MEAN, "elements=256 contacts=all", "1,388 k", "470 k"),
+    ("three tools sliding, all in contact", MEAN, "elements=256 contacts=all tools=3 sliding", "1,696 k", ""),
+    ("128 elements", MEAN, "elements=128 contacts=20+", "497 k", "190 k"),
+    ("worst tick that missed a contact", WORST, "elements=256 second_solve", "1,874 k", "800 k"),
+)
 
 
 def table(rows):
-    lines = ["| Cortex-M7, 256 elements where not said otherwise | first version with three tools | now | goal |\n", "|---|---|---|---|\n"]
+    lines = [
+        "| Cortex-M7, 256 elements where not said otherwise | first version with three tools | now | goal |\n",
+        "|---|---|---|---|\n",
+    ]
     for case, name, context, first, goal in ROWS:
         lines.append("| %s | %s | {:,} k | %s |\n".format(round(rows[name, context] / 1000)) % (case, first, goal))
     return "".join(lines)
@@ -48,7 +54,10 @@ def main():
             file.write(new)
         return 0
     if new != text:
-        print("docs/bench.md is not what firmware/bench/budget.tsv says: `make budget-docs` writes it anew", file=sys.stderr)
+        print(
+            "docs/bench.md is not what firmware/bench/budget.tsv says: `make budget-docs` writes it anew",
+            file=sys.stderr,
+        )
     return int(new != text)
 
 

@@ -7,6 +7,7 @@ The stack is the longest path through the compiler's call graph from main(), plu
 address are the port's functions, which are named here. Ends with 1 when RAM or stack are over their limits, or when a
 forbidden name is in the image.
 """
+
 import argparse
 import sys
 
@@ -18,8 +19,21 @@ STACK_MAX_BYTES = 16 * 1024
 # polling: that whole depth is added once, whichever of the two the deepest path goes through.
 BY_ADDRESS = {
     "mps2_an500": ("transmit", "transmit_room", "rig_inputs_read", "rig_outputs_write", "now_us"),
-    "imxrt1062": ("crn_rig_usb_transmit", "crn_rig_usb_room", "rig_inputs", "rig_outputs", "clocks_now_us", "udc_connect",
-                  "udc_set_address", "udc_open", "udc_close", "udc_arm", "udc_stall", "udc_test", "udc_poll"),
+    "imxrt1062": (
+        "crn_rig_usb_transmit",
+        "crn_rig_usb_room",
+        "rig_inputs",
+        "rig_outputs",
+        "clocks_now_us",
+        "udc_connect",
+        "udc_set_address",
+        "udc_open",
+        "udc_close",
+        "udc_arm",
+        "udc_stall",
+        "udc_test",
+        "udc_poll",
+    ),
 }
 EXCEPTION_BYTES = 32 + 4  # eight registers, aligned to 8
 
@@ -55,7 +69,10 @@ def report(image, objects, port):
     left = names["stack_bytes"][0]
     print("%s" % image)
     print("  code and constants  %7d bytes" % code)
-    print("  RAM without scenes  %7d bytes: %d static (app %d) + %d stack at most" % (static + stack, static, names["app"][1], stack))
+    print(
+        "  RAM without scenes  %7d bytes: %d static (app %d) + %d stack at most"
+        % (static + stack, static, names["app"][1], stack)
+    )
     print("  scene slots         %7d bytes" % size.get(".scenes", 0))
     print("  deepest calls       %s" % " > ".join(path))
     wrong = []

@@ -10,6 +10,7 @@ The step of 0.2 us is stable and 0.25 us is not (within 8,000 steps length_error
 second takes minutes, so the rod is timed while it starts to fall and is not brought to rest: its tip is `nan`, its
 accuracy is taken as perfect.
 """
+
 import importlib.metadata
 import math
 import sys
@@ -30,8 +31,16 @@ class Simulator(elastica.BaseSystemCollection, elastica.Constraints, elastica.Fo
 def make_rod(step_s):
     simulator = Simulator()
     rod = elastica.CosseratRod.straight_rod(
-        ELEMENTS, numpy.zeros(3), numpy.array([1.0, 0, 0]), numpy.array([0, 0, 1.0]), LENGTH_M, RADIUS_M, DENSITY_KG_M3,
-        youngs_modulus=YOUNG_PA, shear_modulus=YOUNG_PA / (2 * (1 + POISSON)))
+        ELEMENTS,
+        numpy.zeros(3),
+        numpy.array([1.0, 0, 0]),
+        numpy.array([0, 0, 1.0]),
+        LENGTH_M,
+        RADIUS_M,
+        DENSITY_KG_M3,
+        youngs_modulus=YOUNG_PA,
+        shear_modulus=YOUNG_PA / (2 * (1 + POISSON)),
+    )
     simulator.append(rod)
     simulator.constrain(rod).using(elastica.OneEndFixedBC, constrained_position_idx=(0,), constrained_director_idx=(0,))
     simulator.add_forcing_to(rod).using(elastica.GravityForces, acc_gravity=numpy.array([0, 0, -9.81]))
@@ -52,11 +61,22 @@ def run(warm, timed, step_us):
         for _ in range(CHUNK_STEPS):
             now = stepper.step(simulator, now, step_s)
         per_ms_us.append((time.perf_counter_ns() - start) / 1e3 / CHUNK_STEPS * (1000 / step_us))
-    print("code=pyelastica version=%s scene=free step_us=%g us_per_ms_min=%.4f us_per_ms_median=%.4f contacts=0 "
-          "length_error_pct=%.5f tip_x_mm=nan tip_z_mm=nan elements=%d bend_N_m2=%.6g mass_g_per_m=%.5g friction=nan "
-          "drag_per_s=%g" % (importlib.metadata.version("pyelastica"), step_us, min(per_ms_us), numpy.median(per_ms_us),
-                             (rod.lengths.sum() / LENGTH_M - 1) * 100, ELEMENTS, YOUNG_PA * math.pi * RADIUS_M ** 4 / 4,
-                             DENSITY_KG_M3 * math.pi * RADIUS_M ** 2 * 1e3, DRAG_PER_S))
+    print(
+        "code=pyelastica version=%s scene=free step_us=%g us_per_ms_min=%.4f us_per_ms_median=%.4f contacts=0 "
+        "length_error_pct=%.5f tip_x_mm=nan tip_z_mm=nan elements=%d bend_N_m2=%.6g mass_g_per_m=%.5g friction=nan "
+        "drag_per_s=%g"
+        % (
+            importlib.metadata.version("pyelastica"),
+            step_us,
+            min(per_ms_us),
+            numpy.median(per_ms_us),
+            (rod.lengths.sum() / LENGTH_M - 1) * 100,
+            ELEMENTS,
+            YOUNG_PA * math.pi * RADIUS_M**4 / 4,
+            DENSITY_KG_M3 * math.pi * RADIUS_M**2 * 1e3,
+            DRAG_PER_S,
+        )
+    )
 
 
 def main():

@@ -10,6 +10,7 @@ this rod at 1 ms) and the Newton solver (the fastest here); the tube is eight pl
 and exact for a straight tube; rest, so the solver's warm start is perfect. Length is held by edge equalities. With the
 default impedance the hanging rod is 8 % too long; with `solimp` below the error is 0.07 % at the same speed.
 """
+
 import math
 import sys
 import time
@@ -22,7 +23,7 @@ YOUNG_PA, POISSON, DENSITY_KG_M3, FRICTION, DRAG_PER_S, STEP_S = 60e9, 0.3, 7850
 PLANES = 8
 # The first edge is clamped, so bending begins in its middle: that point is put at x = 0.
 SPACING_M = LENGTH_M / (ELEMENTS - 0.5)
-MASS_KG_M = DENSITY_KG_M3 * math.pi * RADIUS_M ** 2
+MASS_KG_M = DENSITY_KG_M3 * math.pi * RADIUS_M**2
 EDGE = 'solref="0.002 1" solimp="0.999 0.9999 0.001 0.5 2"'
 CONTACT = 'condim="3" friction="%g 0 0" solref="0.002 1"' % FRICTION
 
@@ -34,7 +35,10 @@ def tube_planes():
         normal = (0.0, math.sin(angle), math.cos(angle))
         place = " ".join("%.9g" % (-TUBE_RADIUS_M * n) for n in normal)
         yield '<geom type="plane" size="1 1 0.1" pos="%s" zaxis="%s" %s/>' % (
-            place, " ".join("%.9g" % n for n in normal), CONTACT)
+            place,
+            " ".join("%.9g" % n for n in normal),
+            CONTACT,
+        )
 
 
 def make_model(in_tube):
@@ -45,9 +49,19 @@ def make_model(in_tube):
       <pin id="0 1"/><edge equality="true" %s/>
       <elasticity young="%g" poisson="%g"/><contact selfcollide="none" %s/>
     </flexcomp>
-  </worldbody></mujoco>""" % (STEP_S, "".join(tube_planes()) if in_tube else "", ELEMENTS + 1, SPACING_M,
-                              SPACING_M * (ELEMENTS - 1) / 2, RADIUS_M, MASS_KG_M * SPACING_M * (ELEMENTS + 1), EDGE,
-                              YOUNG_PA, POISSON, CONTACT)
+  </worldbody></mujoco>""" % (
+        STEP_S,
+        "".join(tube_planes()) if in_tube else "",
+        ELEMENTS + 1,
+        SPACING_M,
+        SPACING_M * (ELEMENTS - 1) / 2,
+        RADIUS_M,
+        MASS_KG_M * SPACING_M * (ELEMENTS + 1),
+        EDGE,
+        YOUNG_PA,
+        POISSON,
+        CONTACT,
+    )
     model = mujoco.MjModel.from_xml_string(text)
     # Half an element belongs to the tip node; the drag of 20/s acts on every node, not on the twist.
     tip = model.flex_vertbodyid[ELEMENTS]
@@ -73,11 +87,27 @@ def run(scene, settle, timed):
     edges = numpy.asarray(data.flexedge_length)
     # Positions belong to the state before the last step; at rest that is the same place.
     tip_mm = numpy.asarray(data.flexvert_xpos)[ELEMENTS] * 1e3
-    print("code=mujoco version=%s scene=%s step_us=%g us_per_ms_min=%.4f us_per_ms_median=%.4f contacts=%d "
-          "length_error_pct=%.5f tip_x_mm=%.4f tip_z_mm=%.4f elements=%d bend_N_m2=%.6g mass_g_per_m=%.5g friction=%g "
-          "drag_per_s=%g" % (mujoco.__version__, scene, STEP_S * 1e6, min(times_us), numpy.median(times_us), data.ncon,
-                             (edges.sum() / (ELEMENTS * SPACING_M) - 1) * 100, tip_mm[0], tip_mm[2], ELEMENTS,
-                             YOUNG_PA * math.pi * RADIUS_M ** 4 / 4, MASS_KG_M * 1e3, FRICTION, DRAG_PER_S))
+    print(
+        "code=mujoco version=%s scene=%s step_us=%g us_per_ms_min=%.4f us_per_ms_median=%.4f contacts=%d "
+        "length_error_pct=%.5f tip_x_mm=%.4f tip_z_mm=%.4f elements=%d bend_N_m2=%.6g mass_g_per_m=%.5g friction=%g "
+        "drag_per_s=%g"
+        % (
+            mujoco.__version__,
+            scene,
+            STEP_S * 1e6,
+            min(times_us),
+            numpy.median(times_us),
+            data.ncon,
+            (edges.sum() / (ELEMENTS * SPACING_M) - 1) * 100,
+            tip_mm[0],
+            tip_mm[2],
+            ELEMENTS,
+            YOUNG_PA * math.pi * RADIUS_M**4 / 4,
+            MASS_KG_M * 1e3,
+            FRICTION,
+            DRAG_PER_S,
+        )
+    )
 
 
 def main():

@@ -6,6 +6,7 @@
 Writes out/bench.tsv (name, value, unit, context, separated by tabs) and prints it as a table. With --cases only the
 cases whose name contains TEXT run, and the file is left alone. Ends with 1 when a case could not be measured.
 """
+
 import argparse
 import json
 import os
@@ -29,8 +30,14 @@ class CannotMeasure(Exception):
 def run(command):
     """Standard output of a command that must succeed."""
     try:
-        done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                              timeout=TIME_LIMIT_S, check=False)
+        done = subprocess.run(
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            timeout=TIME_LIMIT_S,
+            check=False,
+        )
     except FileNotFoundError as error:
         raise CannotMeasure("%s is missing: `make bench` builds and installs what it needs" % command[0]) from error
     except subprocess.TimeoutExpired as error:
@@ -73,8 +80,17 @@ def count_instructions(program, number, function, calls):
     """Instructions per call of `function` and what it calls."""
     with tempfile.TemporaryDirectory() as folder:
         profile_path = os.path.join(folder, "callgrind.out")
-        run(["valgrind", "--tool=callgrind", "--toggle-collect=" + function, "--callgrind-out-file=" + profile_path,
-             program, "run", str(number)])
+        run(
+            [
+                "valgrind",
+                "--tool=callgrind",
+                "--toggle-collect=" + function,
+                "--callgrind-out-file=" + profile_path,
+                program,
+                "run",
+                str(number),
+            ]
+        )
         with open(profile_path, encoding="utf-8", errors="replace") as file:
             profile = file.read()
     totals = re.search(r"^(?:totals|summary): (\d+)", profile, re.M)
@@ -82,8 +98,9 @@ def count_instructions(program, number, function, calls):
         raise CannotMeasure("callgrind saw no call of %s in %s: was it inlined?" % (function, program))
     seen = count_calls(profile, function)
     if seen != calls:
-        raise CannotMeasure("%s run %d: callgrind saw %d calls of %s, the case states %d"
-                            % (program, number, seen, function, calls))
+        raise CannotMeasure(
+            "%s run %d: callgrind saw %d calls of %s, the case states %d" % (program, number, seen, function, calls)
+        )
     return int(totals.group(1)) / calls
 
 
@@ -109,9 +126,22 @@ def realtime_factor(options, picture_arguments):
             raise CannotMeasure("%s does not exist: `make run` makes what is missing" % path)
     with tempfile.TemporaryDirectory() as folder:
         timing = os.path.join(folder, "timing.json")
-        run([os.path.join(options.build, "bin", "cournand"), "run", "--scene", options.scene, "--instrument",
-             options.instrument, "--session", options.session, "--quiet", "--timing", timing]
-            + [argument.replace("FOLDER", folder) for argument in picture_arguments])
+        run(
+            [
+                os.path.join(options.build, "bin", "cournand"),
+                "run",
+                "--scene",
+                options.scene,
+                "--instrument",
+                options.instrument,
+                "--session",
+                options.session,
+                "--quiet",
+                "--timing",
+                timing,
+            ]
+            + [argument.replace("FOLDER", folder) for argument in picture_arguments]
+        )
         with open(timing, encoding="utf-8") as file:
             return float(json.load(file)["realtime_factor"])
 
@@ -127,13 +157,39 @@ def make_calibration(options, folder):
     phantom = os.path.join(folder, "phantom")
     run([os.path.join(options.build, "bin", "anatomy"), "phantom", "-o", phantom, "--no-bodies", "--quiet"])
     text = os.path.join(phantom, "scene.toml")
-    run([os.path.join(options.build, "bin", "bake"), text, "-o", os.path.join(folder, "phantom.scene"), "--points", "1000", "--poses", "0"])
+    run(
+        [
+            os.path.join(options.build, "bin", "bake"),
+            text,
+            "-o",
+            os.path.join(folder, "phantom.scene"),
+            "--points",
+            "1000",
+            "--poses",
+            "0",
+        ]
+    )
     with open(text, encoding="utf-8") as file:
         entry = dict(re.findall(r"^(position_mm|direction) = (\[.*\])", file.read(), re.M))
-    lines = ["format = 1", 'name = "bench"', 'scene = "phantom.scene"', "mouth_mm = " + entry["position_mm"], "direction = " + entry["direction"],
-             'instrument = "%s"' % os.path.abspath(CALIBRATED), "friction_kinetic = 0.1", "friction_static = 0.1", "speed_mm_per_s = 20"]
+    lines = [
+        "format = 1",
+        'name = "bench"',
+        'scene = "phantom.scene"',
+        "mouth_mm = " + entry["position_mm"],
+        "direction = " + entry["direction"],
+        'instrument = "%s"' % os.path.abspath(CALIBRATED),
+        "friction_kinetic = 0.1",
+        "friction_static = 0.1",
+        "speed_mm_per_s = 20",
+    ]
     for number, inserted_mm in enumerate((240, 300), 1):
-        lines += ["[[depth]]", 'name = "%d mm"' % inserted_mm, "inserted_mm = %d" % inserted_mm, "turn_deg = 0", 'centreline = "depth_%d.csv"' % number]
+        lines += [
+            "[[depth]]",
+            'name = "%d mm"' % inserted_mm,
+            "inserted_mm = %d" % inserted_mm,
+            "turn_deg = 0",
+            'centreline = "depth_%d.csv"' % number,
+        ]
         with open(os.path.join(folder, "depth_%d.csv" % number), "w", encoding="utf-8") as file:
             file.write("x_mm,y_mm,z_mm\n0,0,0\n1,0,0\n")
     with open(os.path.join(folder, "case.toml"), "w", encoding="utf-8") as file:
@@ -145,9 +201,23 @@ def calibration_rate(options, threads):
     """Insertions per second, as calibrate says them."""
     with tempfile.TemporaryDirectory() as folder:
         make_calibration(options, folder)
-        command = [os.path.join(options.build, "bin", "calibrate"), folder, "-o", os.path.join(folder, "fit"), "--threads", str(threads),
-                   "--population", "16", "--generations", "4", "--no-ranges", "--no-page"]
-        done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=TIME_LIMIT_S, check=False)
+        command = [
+            os.path.join(options.build, "bin", "calibrate"),
+            folder,
+            "-o",
+            os.path.join(folder, "fit"),
+            "--threads",
+            str(threads),
+            "--population",
+            "16",
+            "--generations",
+            "4",
+            "--no-ranges",
+            "--no-page",
+        ]
+        done = subprocess.run(
+            command, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=TIME_LIMIT_S, check=False
+        )
         rate = re.search(r"([0-9.]+) per s$", done.stderr, re.M)
         if done.returncode != 0 or rate is None:
             raise CannotMeasure("%s: %s" % (" ".join(command), done.stderr.strip()[-300:]))
@@ -156,8 +226,12 @@ def calibration_rate(options, threads):
 
 def calibration_cases(options):
     for threads in sorted({1, os.cpu_count() or 1}):
-        yield ("calibrate.evaluations_per_s", "1/s", "threads=%d inserted_mm=300" % threads,
-               lambda threads=threads: calibration_rate(options, threads))
+        yield (
+            "calibrate.evaluations_per_s",
+            "1/s",
+            "threads=%d inserted_mm=300" % threads,
+            lambda threads=threads: calibration_rate(options, threads),
+        )
 
 
 def budget_rows(options):
@@ -215,11 +289,17 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", default="build", help="build folder (default: build)")
     parser.add_argument("--cases", default="", help="only cases whose name contains this text (default: all)")
-    parser.add_argument("--quick", action="store_true", help="only what takes seconds; says what it leaves out, leaves the file alone")
+    parser.add_argument(
+        "--quick", action="store_true", help="only what takes seconds; says what it leaves out, leaves the file alone"
+    )
     parser.add_argument("--scene", default="out/aorta.scene", help="of the session (default: %(default)s)")
-    parser.add_argument("--instrument", default="shared/examples/instruments/bentson.toml", help="(default: %(default)s)")
+    parser.add_argument(
+        "--instrument", default="shared/examples/instruments/bentson.toml", help="(default: %(default)s)"
+    )
     parser.add_argument("--session", default="shared/examples/sessions/demo.session", help="(default: %(default)s)")
-    parser.add_argument("--only-programs", action="store_true", help="leave out %s and the Cortex-M7's budget" % SESSION)
+    parser.add_argument(
+        "--only-programs", action="store_true", help="leave out %s and the Cortex-M7's budget" % SESSION
+    )
     parser.add_argument("programs", nargs="+", metavar="PROGRAM")
     options = parser.parse_args()
     cases = []

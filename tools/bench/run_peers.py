@@ -8,6 +8,7 @@ slow minute of the machine meets all of them. Ours and MuJoCo are timed per 1 ms
 millisecond. The peers are installed into a virtual environment of their own (tools/bench/peers.txt). Ends with 1 when
 a code cannot be measured, when a peer is more accurate than ours, or when a bar is missed.
 """
+
 import argparse
 import math
 import os
@@ -17,14 +18,29 @@ import sys
 
 FOLDER = os.path.dirname(os.path.abspath(__file__))
 TIME_LIMIT_S = 600
-NUMBERS = ("step_us", "us_per_ms_min", "us_per_ms_median", "contacts", "length_error_pct", "tip_x_mm", "tip_z_mm",
-           "elements", "bend_N_m2", "mass_g_per_m", "friction", "drag_per_s")
+NUMBERS = (
+    "step_us",
+    "us_per_ms_min",
+    "us_per_ms_median",
+    "contacts",
+    "length_error_pct",
+    "tip_x_mm",
+    "tip_z_mm",
+    "elements",
+    "bend_N_m2",
+    "mass_g_per_m",
+    "friction",
+    "drag_per_s",
+)
 # The rod hangs for 3 s, or lies in the tube for 1.5 s, before its steps are timed.
 SETTLE = {"free": 3000, "tube": 1500}
 TIMED_TICKS, WARM_STEPS, TIMED_STEPS = 500, 1000, 2000
 # (scene of the peer, peer, scene of ours, bar)
-COMPARISONS = (("tube", "mujoco", "tube", 10.0), ("free", "mujoco", "free", None),
-               ("free", "pyelastica", "free", 1000.0))
+COMPARISONS = (
+    ("tube", "mujoco", "tube", 10.0),
+    ("free", "mujoco", "free", None),
+    ("free", "pyelastica", "free", 1000.0),
+)
 LENGTH_mm, GRAVITY_m_s2 = 500.0, 9.81
 
 
@@ -38,14 +54,24 @@ def tail(text, lines=4):
 
 def run(command):
     try:
-        done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                              errors="replace", timeout=TIME_LIMIT_S, check=False)
+        done = subprocess.run(
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            errors="replace",
+            timeout=TIME_LIMIT_S,
+            check=False,
+        )
     except FileNotFoundError as error:
         raise CannotMeasure("%s is missing: run `make bench-peers`" % command[0]) from error
     except subprocess.TimeoutExpired as error:
         raise CannotMeasure("%s: still running after %d s" % (" ".join(command), TIME_LIMIT_S)) from error
     if done.returncode != 0:
-        raise CannotMeasure("%s: exit code %d: %s" % (" ".join(command), done.returncode, tail(done.stderr or done.stdout)))
+        raise CannotMeasure(
+            "%s: exit code %d: %s" % (" ".join(command), done.returncode, tail(done.stderr or done.stdout))
+        )
     return done.stdout
 
 
@@ -54,14 +80,26 @@ def fetch(environment, imports, announcement, packages, refusal):
     says what that takes."""
     python = os.path.join(environment, "bin", "python")
     probe = [python, "-c", "import " + imports]
-    if os.path.exists(python) and subprocess.run(probe, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-                                                 check=False).returncode == 0:
+    if (
+        os.path.exists(python)
+        and subprocess.run(probe, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False).returncode == 0
+    ):
         return python
     print("Fetching %s" % announcement, flush=True)
     try:
         run([sys.executable, "-m", "venv", environment])
-        run([python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "-r",
-             os.path.join(FOLDER, packages)])
+        run(
+            [
+                python,
+                "-m",
+                "pip",
+                "install",
+                "--quiet",
+                "--disable-pip-version-check",
+                "-r",
+                os.path.join(FOLDER, packages),
+            ]
+        )
         run(probe)
     except CannotMeasure as problem:
         raise CannotMeasure("%s\n%s" % (refusal, problem)) from problem
@@ -70,9 +108,14 @@ def fetch(environment, imports, announcement, packages, refusal):
 
 def prepare(environment):
     """The python of a virtual environment that has the peers; fetches them when they are not there."""
-    return fetch(environment, "mujoco, elastica", "MuJoCo and PyElastica into %s (about 500 MB)" % environment, "peers.txt",
-                 "the other simulators cannot be installed into %s: it takes a network and Python's venv module (Debian: "
-                 "python3-venv). Nothing else of the project needs them." % environment)
+    return fetch(
+        environment,
+        "mujoco, elastica",
+        "MuJoCo and PyElastica into %s (about 500 MB)" % environment,
+        "peers.txt",
+        "the other simulators cannot be installed into %s: it takes a network and Python's venv module (Debian: "
+        "python3-venv). Nothing else of the project needs them." % environment,
+    )
 
 
 def parse(line, source):
@@ -131,7 +174,7 @@ def hanging_tip_mm(bend_N_m2, mass_g_per_m):
             angle += h * half
         return curvature, x * 1e3, z * 1e3
 
-    low, high = 0.0, weight * length ** 2 / bend_N_m2
+    low, high = 0.0, weight * length**2 / bend_N_m2
     for _ in range(50):
         middle = (low + high) / 2
         low, high = (low, middle) if shoot(middle)[0] > 0 else (middle, high)
@@ -168,7 +211,13 @@ def compare(rows):
                 finding = "%s: below the bar of %g" % (text, bar)
         for key in ("length_error_pct", "tip_error_pct"):
             if abs(theirs[key]) + 0.005 < abs(ours[key]):
-                finding = "%s, %s: %s is %.4f, ours %.4f: not at equal accuracy" % (peer, scene, key, theirs[key], ours[key])
+                finding = "%s, %s: %s is %.4f, ours %.4f: not at equal accuracy" % (
+                    peer,
+                    scene,
+                    key,
+                    theirs[key],
+                    ours[key],
+                )
         yield text, finding
 
 
@@ -186,12 +235,25 @@ def percent(value):
 
 
 def print_table(rows):
-    print("%-11s %-8s %-5s %8s %13s %13s %9s %10s %9s" % ("code", "version", "scene", "step us", "us/ms minimum",
-                                                        "us/ms median", "contacts", "length err", "tip err"))
+    print(
+        "%-11s %-8s %-5s %8s %13s %13s %9s %10s %9s"
+        % ("code", "version", "scene", "step us", "us/ms minimum", "us/ms median", "contacts", "length err", "tip err")
+    )
     for row in rows.values():
-        print("%-11s %-8s %-5s %8g %13.1f %13.1f %9d %10s %9s"
-              % (row["code"], row["version"], row["scene"], row["step_us"], row["us_per_ms_min"], row["us_per_ms_median"],
-                 row["contacts"], percent(row["length_error_pct"]), percent(row["tip_error_pct"])))
+        print(
+            "%-11s %-8s %-5s %8g %13.1f %13.1f %9d %10s %9s"
+            % (
+                row["code"],
+                row["version"],
+                row["scene"],
+                row["step_us"],
+                row["us_per_ms_min"],
+                row["us_per_ms_median"],
+                row["contacts"],
+                percent(row["length_error_pct"]),
+                percent(row["tip_error_pct"]),
+            )
+        )
 
 
 def run_rounds(ours, python, repeats):
@@ -232,9 +294,13 @@ def status_of(name, work):
 def main():
     parser = argparse.ArgumentParser(description="Time one rod in our core and in other simulators.")
     parser.add_argument("--ours", required=True, help="our program: build/bench/peer_rod")
-    parser.add_argument("--environment", default=os.path.join("build", "peers"), help="virtual environment of the peers")
+    parser.add_argument(
+        "--environment", default=os.path.join("build", "peers"), help="virtual environment of the peers"
+    )
     parser.add_argument("--repeats", type=int, default=5, help="rounds (default 5)")
-    parser.add_argument("--output", default=os.path.join("out", "bench_peers.tsv"), help="table (default out/bench_peers.tsv)")
+    parser.add_argument(
+        "--output", default=os.path.join("out", "bench_peers.tsv"), help="table (default out/bench_peers.tsv)"
+    )
     options = parser.parse_args()
     if options.repeats < 1:
         parser.error("--repeats is at least 1")

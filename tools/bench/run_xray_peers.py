@@ -9,6 +9,7 @@ longer the peer takes for a picture; ours is the whole picture with scatter, noi
 processor time of all threads; the second is judged, since other work on the machine does not change it. The peer is installed
 into a virtual environment of its own (tools/bench/xray_peers.txt). Ends with 1 when a bar is missed or nothing could be measured.
 """
+
 import argparse
 import array
 import os
@@ -25,9 +26,14 @@ NUMBERS = ("ms_min", "ms_median", "processor_ms_median")
 
 def prepare(environment):
     """The python of a virtual environment that has the peer; fetches it when it is not there."""
-    return run_peers.fetch(environment, "numpy, gvxrPython3", "gVirtualXray into %s (about 150 MB)" % environment, "xray_peers.txt",
-                           "gVirtualXray cannot be installed into %s: it takes a network, Python's venv module and the libraries of "
-                           "section [xraypeers] in tools/packages.txt. Nothing else of the project needs it." % environment)
+    return run_peers.fetch(
+        environment,
+        "numpy, gvxrPython3",
+        "gVirtualXray into %s (about 150 MB)" % environment,
+        "xray_peers.txt",
+        "gVirtualXray cannot be installed into %s: it takes a network, Python's venv module and the libraries of "
+        "section [xraypeers] in tools/packages.txt. Nothing else of the project needs it." % environment,
+    )
 
 
 def measure(command):
@@ -38,7 +44,9 @@ def measure(command):
         try:
             pairs[key] = float(pairs[key])
         except (KeyError, ValueError) as error:
-            raise CannotMeasure("%s: no figure %s in '%s'" % (" ".join(command), key, lines[-1] if lines else "")) from error
+            raise CannotMeasure(
+                "%s: no figure %s in '%s'" % (" ".join(command), key, lines[-1] if lines else "")
+            ) from error
         if pairs[key] <= 0:
             raise CannotMeasure("%s: %s=%g" % (" ".join(command), key, pairs[key]))
     return pairs
@@ -73,7 +81,9 @@ def difference_pct(ours, theirs):
 def compare(folder, views, size):
     rows = []
     for view in range(views):
-        pictures = [read_picture(os.path.join(folder, "%s_%d.f32" % (code, view)), size * size) for code in ("ours", "gvxr")]
+        pictures = [
+            read_picture(os.path.join(folder, "%s_%d.f32" % (code, view)), size * size) for code in ("ours", "gvxr")
+        ]
         rows.append((view,) + difference_pct(*pictures))
     return rows
 
@@ -83,8 +93,17 @@ def report(rows, ours, theirs, size, output):
     lines = ["view %d: mean relative difference of transmission %.3f %% over %d pixels" % row for row in rows]
     ratios = {key: theirs[key] / ours[key] for key in NUMBERS}
     lines.append("all views: %.3f %% (bar %g %%)" % (total, DIFFERENCE_MAX_PCT))
-    lines.append("gvxr %s / cournand, %d^2: %.1f by processor time (bar %g), %.1f by medians of the clock, %.1f by minima"
-                 % (theirs.get("version", "?"), size, ratios["processor_ms_median"], RATIO_MIN, ratios["ms_median"], ratios["ms_min"]))
+    lines.append(
+        "gvxr %s / cournand, %d^2: %.1f by processor time (bar %g), %.1f by medians of the clock, %.1f by minima"
+        % (
+            theirs.get("version", "?"),
+            size,
+            ratios["processor_ms_median"],
+            RATIO_MIN,
+            ratios["ms_median"],
+            ratios["ms_min"],
+        )
+    )
     os.makedirs(os.path.dirname(output) or ".", exist_ok=True)
     with open(output, "w", encoding="utf-8") as file:
         file.write("code\tsize\t%s\tdifference_pct\n" % "\t".join(NUMBERS))
@@ -103,10 +122,14 @@ def main():
     parser = argparse.ArgumentParser(description="Compare our transmission pictures with gVirtualXray's.")
     parser.add_argument("--ours", required=True, help="our program: build/bench/peer_xray")
     parser.add_argument("--bodies", required=True, help="the patient: out/aorta.bodies")
-    parser.add_argument("--environment", default=os.path.join("build", "xray_peers"), help="virtual environment of the peer")
+    parser.add_argument(
+        "--environment", default=os.path.join("build", "xray_peers"), help="virtual environment of the peer"
+    )
     parser.add_argument("--size", type=int, default=512, help="pixels along each edge, a multiple of 16 (default 512)")
     parser.add_argument("--rounds", type=int, default=5, help="pictures of each view that are timed (default 5)")
-    parser.add_argument("--output", default=os.path.join("out", "bench_xray_peers.tsv"), help="table (default out/bench_xray_peers.tsv)")
+    parser.add_argument(
+        "--output", default=os.path.join("out", "bench_xray_peers.tsv"), help="table (default out/bench_xray_peers.tsv)"
+    )
     options = parser.parse_args()
     if options.rounds < 1 or not 64 <= options.size <= 2048 or options.size % 16:
         parser.error("--rounds is at least 1, --size a multiple of 16 from 64 to 2048")

@@ -1,6 +1,7 @@
-// The state of a search as a file, so that a search that was stopped goes on, here or on another machine, as if it had not been.
-// A text: a head with version, hash and settings, every trial as hexadecimal doubles (exact), pagmo's archive, and a last line
-// without which the file is not whole. It is written under another name and renamed, after every generation.
+// The state of a search as a file, so that a search that was stopped goes on, here or on another machine, as
+// if it had not been. A text: a head with version, hash and settings, every trial as hexadecimal doubles
+// (exact), pagmo's archive, and a last line without which the file is not whole. It is written under another
+// name and renamed, after every generation.
 #pragma once
 #include "tools/calibrate/search.hpp"
 
@@ -27,7 +28,8 @@ class Hash
     std::uint64_t value_ = 14695981039346656037u;
 };
 
-// The case with all its files, the evaluator, the judge and the search, but not the number of generations: a search may be prolonged.
+// The case with all its files, the evaluator, the judge and the search, but not the number of generations: a
+// search may be prolonged.
 std::uint64_t hash_of(const insertion::Case &c, const Evaluator &evaluator, const Judge &judge,
                       const SearchSettings &settings);
 

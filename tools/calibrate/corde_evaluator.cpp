@@ -12,7 +12,8 @@ namespace
 
 // Bounds hold the file's value and that of Table 5.1 with so much room on either side.
 constexpr double room = 3.0, radius_room = 1.25, alpha_factor = 10.0, alpha_max = 4.0;
-// Nominal Kp / EI: directors follow bends that are long against 2.2 mm. More costs mass, since the step is what it is.
+// Nominal Kp / EI: directors follow bends that are long against 2.2 mm. More costs mass, since the step is
+// what it is.
 constexpr double parallel_over_bend_per_m2 = 2e5;
 constexpr double newton_per_kp = 1e-2; // of the table, as tools/vcsim3/preset.hpp reads it
 constexpr double outside_mm = 30.0;    // held behind the mouth at the deepest place

@@ -1,7 +1,8 @@
 // The thesis' rod as an evaluator: the baseline beside ours, fitted by the same search.
 //
-// Five numbers are fitted, as in the thesis (5.3.3): Young's modulus of the shaft, alpha (that of the tip over it), radius, density and
-// Kp. How stiffness goes from tip to shaft, GJ over EI and the tip's shape are the instrument file's; friction and gravity the case's.
+// Five numbers are fitted, as in the thesis (5.3.3): Young's modulus of the shaft, alpha (that of the tip
+// over it), radius, density and Kp. How stiffness goes from tip to shaft, GJ over EI and the tip's shape are
+// the instrument file's; friction and gravity the case's.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "tools/calibrate/corde_rod.hpp"
@@ -14,7 +15,8 @@ namespace crn::calibrate
 CordeSettings corde_settings();
 CordeSettings careful_corde_settings();
 
-// The file's numbers as those of a solid round wire, with a Kp that makes the directors follow waves longer than some millimetres.
+// The file's numbers as those of a solid round wire, with a Kp that makes the directors follow waves longer
+// than some millimetres.
 CordeValues nominal_corde_values(const Instrument &instrument);
 
 class CordeEvaluator final : public Evaluator

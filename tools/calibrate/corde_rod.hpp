@@ -1,5 +1,5 @@
-// The thesis' rod (tools/vcsim3) as an instrument in a hand: stiffness along it and the shape of its tip from the instrument's file, the
-// rest from the five numbers that the thesis fits.
+// The thesis' rod (tools/vcsim3) as an instrument in a hand: stiffness along it and the shape of its tip from
+// the instrument's file, the rest from the five numbers that the thesis fits.
 #pragma once
 #include "shared/wire/wire.h"
 #include "tools/calibrate/hand.hpp"
@@ -8,7 +8,8 @@
 namespace crn::calibrate
 {
 
-// A round wire: EI = E pi r^4 / 4 at the shaft, E of the tip over that of the shaft, mass per length = density pi r^2.
+// A round wire: EI = E pi r^4 / 4 at the shaft, E of the tip over that of the shaft, mass per length =
+// density pi r^2.
 struct CordeValues {
     double young_Pa = 0.0, tip_over_shaft = 0.0, radius_mm = 0.0, density_kg_m3 = 0.0, parallel_N = 0.0;
 
@@ -16,8 +17,8 @@ struct CordeValues {
     double bend_N_m2() const;
 };
 
-// Explicit integration is stable while the steps are short against the fastest motion; a rod that needs more of them than `substeps_max`
-// gets more mass. All are measured: docs/calibrate.md, "The thesis' rod".
+// Explicit integration is stable while the steps are short against the fastest motion; a rod that needs more
+// of them than `substeps_max` gets more mass. All are measured: docs/calibrate.md, "The thesis' rod".
 struct CordeSettings : InsertionSettings {
     double element_mm = 3.0; // with element_factor 1
     int substeps_max = 8;    // per tick of 1 ms
@@ -35,8 +36,8 @@ struct CordeModel {
 CordeModel corde_model(const crn_wire_instrument &table, const CordeValues &values, const insertion::Case &c,
                        const CordeSettings &settings, double length_mm);
 
-// Where the first axis of the instrument's frame is while the hand is not turned, as in the core: across the direction and the axis
-// of the world that is most across it.
+// Where the first axis of the instrument's frame is while the hand is not turned, as in the core: across the
+// direction and the axis of the world that is most across it.
 Vector3d zero_turn_axis(const Vector3d &direction);
 
 class CordeRod final : public HeldRod

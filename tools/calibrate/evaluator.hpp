@@ -1,5 +1,6 @@
-// What is fitted, and what one trial of it gives. A trial is an insertion of the virtual instrument by the case's protocol; who
-// inserts it is behind `Evaluator`, so that another rod than ours (the thesis' CoRdE) is fitted by the same search.
+// What is fitted, and what one trial of it gives. A trial is an insertion of the virtual instrument by the
+// case's protocol; who inserts it is behind `Evaluator`, so that another rod than ours (the thesis' CoRdE) is
+// fitted by the same search.
 #pragma once
 #include "tools/case/case.hpp"
 #include <Eigen/Core>
@@ -12,8 +13,8 @@ namespace crn::calibrate
 
 using Eigen::Vector3d;
 
-// One number to fit, above 0. The search sees it as a share 0 .. 1 of the way from `low` to `high` along the logarithm: a factor is
-// what counts.
+// One number to fit, above 0. The search sees it as a share 0 .. 1 of the way from `low` to `high` along the
+// logarithm: a factor is what counts.
 struct Parameter {
     std::string name, unit, text; // "bend_shaft", "N m^2", what it is
     double low = 0.1, high = 10.0, nominal = 1.0;
@@ -56,7 +57,8 @@ class Evaluator
     virtual Insertion insert(const std::vector<double> &values, std::size_t depth_count) const = 0;
     // All that changes its answers, as text: it is part of the checkpoint's hash.
     virtual std::string settings_text() const = 0;
-    // The instrument's file with these values and `source` behind them; empty when our simulator has no such rod.
+    // The instrument's file with these values and `source` behind them; empty when our simulator has no such
+    // rod.
     virtual std::string instrument_text(const std::vector<double> &values,
                                         const std::string &source) const = 0;
 

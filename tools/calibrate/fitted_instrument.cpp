@@ -29,7 +29,8 @@ toml::table value_of(double from, double to, const std::string &source)
     return value;
 }
 
-// A whole number of the wire's small units as a decimal of the file's: 14500 nN m^2 is 1.45e-05 exactly as read.
+// A whole number of the wire's small units as a decimal of the file's: 14500 nN m^2 is 1.45e-05 exactly as
+// read.
 double decimal(std::uint32_t value, double units)
 {
     return static_cast<double>(value) / units;

@@ -71,7 +71,8 @@ class Hand
                         std::max(settings_.approach_mm_per_s, case_.speed_mm_per_s));
     }
 
-    // Of every node, over the next ticks; nothing where their number changes, as it does while the rod follows the hand.
+    // Of every node, over the next ticks; nothing where their number changes, as it does while the rod
+    // follows the hand.
     std::vector<Vector3d> mean_over_window()
     {
         const double turn_deg = case_.turn_deg_at(hand_mm_);

@@ -1,6 +1,7 @@
-// One number at a time is moved away from the optimum, over a ladder of doubling steps and then by halving between the last step
-// that noise explains and the first that it does not. That misses numbers that make up for each other; trials of the search that
-// are as good as the best one show those, so the range is widened to them.
+// One number at a time is moved away from the optimum, over a ladder of doubling steps and then by halving
+// between the last step that noise explains and the first that it does not. That misses numbers that make up
+// for each other; trials of the search that are as good as the best one show those, so the range is widened
+// to them.
 #include "tools/calibrate/identify.hpp"
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
-// How well each number is determined: how far it can go, the others as they are or as the search has varied them, while the objective
-// rises by less than what noise explains.
+// How well each number is determined: how far it can go, the others as they are or as the search has varied
+// them, while the objective rises by less than what noise explains.
 #pragma once
 #include "tools/calibrate/search.hpp"
 

@@ -1,4 +1,5 @@
-// How far an insertion is from what was scanned and felt: equation 19 of the thesis at each depth, and the force trace.
+// How far an insertion is from what was scanned and felt: equation 19 of the thesis at each depth, and the
+// force trace.
 #pragma once
 #include "tools/calibrate/evaluator.hpp"
 #include <span>
@@ -14,9 +15,9 @@ struct Distances {
 double distance_to_line_mm(const Vector3d &point, std::span<const Vector3d> line);
 Distances distances_of(std::span<const Vector3d> nodes_mm, std::span<const Vector3d> reference_mm);
 
-// Relative RMS of the difference of two force traces: sqrt(sum (F - F_ref)^2 / sum F_ref^2) over the samples of the reference
-// from `from_mm` to `to_mm`; both are medians over `smooth_mm` around each, since a
-// tip that snaps past an edge gives a peak that another model has elsewhere. Nothing when there is no such sample.
+// Relative RMS of the difference of two force traces: sqrt(sum (F - F_ref)^2 / sum F_ref^2) over the samples
+// of the reference from `from_mm` to `to_mm`; both are medians over `smooth_mm` around each, since a tip that
+// snaps past an edge gives a peak that another model has elsewhere. Nothing when there is no such sample.
 std::optional<double> force_error(std::span<const insertion::ForceSample> simulated,
                                   std::span<const insertion::ForceSample> reference, double from_mm,
                                   double to_mm, double smooth_mm);
@@ -24,8 +25,9 @@ std::optional<double> force_error(std::span<const insertion::ForceSample> simula
 std::optional<double> force_at(std::span<const insertion::ForceSample> trace, double inserted_mm,
                                double smooth_mm);
 
-// What the search minimises: mean RMS over the depths that are fitted, in mm, plus `force_weight_mm` times the relative RMS of the
-// force. Forces scale with EI in a rigid lumen, so a scale that is 10 % off costs a tenth of the weight.
+// What the search minimises: mean RMS over the depths that are fitted, in mm, plus `force_weight_mm` times
+// the relative RMS of the force. Forces scale with EI in a rigid lumen, so a scale that is 10 % off costs a
+// tenth of the weight.
 struct JudgeSettings {
     std::size_t fit_depths = 2; // the first ones; the others are for validation
     double force_weight_mm = 1.0;

@@ -1,4 +1,5 @@
-// What a calibration has found, before it is written: the same for any number of workers, so nothing of the machine or the clock.
+// What a calibration has found, before it is written: the same for any number of workers, so nothing of the
+// machine or the clock.
 #pragma once
 #include "tools/calibrate/identify.hpp"
 #include "tools/vcsim3/lumen.hpp"
@@ -13,8 +14,8 @@ struct DepthResult {
     Distances distances;
     std::optional<double> force_error; // relative, from the mouth to here
     int settle_ticks = 0;
-    std::optional<double>
-        short_cuts_mm; // RMS distance to the same insertion made without them; absent where that cannot be made
+    std::optional<double> short_cuts_mm; // RMS distance to the same insertion made without them; absent where
+                                         // that cannot be made
     std::vector<Vector3d> simulated_mm, reference_mm;
 };
 

@@ -11,8 +11,8 @@ namespace crn::calibrate
 namespace
 {
 
-// Bounds: EI a decade either way, alpha a decade below and above, but never a tip four times as stiff as the shaft; radius within a quarter,
-// density from an eighth to eight times. Those of the core hold behind them.
+// Bounds: EI a decade either way, alpha a decade below and above, but never a tip four times as stiff as the
+// shaft; radius within a quarter, density from an eighth to eight times. Those of the core hold behind them.
 constexpr double bend_factor = 10.0, alpha_factor = 10.0, radius_factor = 1.25, density_factor = 8.0;
 constexpr double alpha_max = 4.0;
 constexpr double outside_mm =
@@ -136,7 +136,8 @@ RodValues RodEvaluator::values_of(const std::vector<double> &values) const
     return all;
 }
 
-// The core with elements of the wanted length; longer ones where stiffness and mass leave its number format with short ones.
+// The core with elements of the wanted length; longer ones where stiffness and mass leave its number format
+// with short ones.
 std::unique_ptr<CoreRod> RodEvaluator::make_rod(const crn_wire_instrument &table) const
 {
     for (double factor = settings_.element_factor;; factor *= coarser) {

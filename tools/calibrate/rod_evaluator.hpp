@@ -1,7 +1,8 @@
 // Our own rod as an evaluator: the firmware core, fed into the case's lumen as the device feeds it.
 //
-// Four numbers are fitted: EI of the shaft, alpha (EI of the tip over that), the outer radius and the density. The friction, the
-// shape and the mesh are the case's and the instrument file's. An instrument whose tip is as stiff as its shaft has no alpha.
+// Four numbers are fitted: EI of the shaft, alpha (EI of the tip over that), the outer radius and the
+// density. The friction, the shape and the mesh are the case's and the instrument file's. An instrument whose
+// tip is as stiff as its shaft has no alpha.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "tools/calibrate/core_rod.hpp"
@@ -10,7 +11,8 @@
 namespace crn::calibrate
 {
 
-// Without short cuts: the case's speed all the way, elements 0.35 times the file's where the core takes them, and a long rest.
+// Without short cuts: the case's speed all the way, elements 0.35 times the file's where the core takes them,
+// and a long rest.
 InsertionSettings careful_settings();
 
 // Values of the four; a missing parameter has its nominal value.
@@ -21,8 +23,8 @@ struct RodValues {
 // kg/m over the metal's cross-section at the shaft.
 double density_of(const crn_wire_instrument &table, double radius_mm);
 RodValues nominal_values(const crn_wire_instrument &table);
-// The nominal table with these values: EI and GJ by tools/case/stiffness.hpp, radius and mass by a factor along the whole
-// instrument, the case's friction everywhere.
+// The nominal table with these values: EI and GJ by tools/case/stiffness.hpp, radius and mass by a factor
+// along the whole instrument, the case's friction everywhere.
 crn_wire_instrument virtual_instrument(const crn_wire_instrument &nominal, const RodValues &values,
                                        const insertion::Case &c);
 

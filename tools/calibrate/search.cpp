@@ -58,7 +58,8 @@ pagmo::algorithm fresh_algorithm(const SearchSettings &settings)
 {
     switch (settings.method) {
     case Method::genetic:
-        // Crossover 0.9 of pairs drawn by tournament, mutation of each number by 1/20, the best of parents and children live on.
+        // Crossover 0.9 of pairs drawn by tournament, mutation of each number by 1/20, the best of parents
+        // and children live on.
         return pagmo::algorithm(
             pagmo::sga(1, 0.9, 10.0, 0.05, 10.0, 2, "sbx", "polynomial", "tournament", settings.seed));
     case Method::differential:

@@ -9,6 +9,7 @@ Every finished step leaves a file NAME.done with its commands and is not made ag
 goes on from its last generation. An instrument that fails is named on the page and the others go on. The page is renewed
 after every instrument. Ends with 0 when everything was made, 1 when something failed or was stopped, 2 on a usage error.
 """
+
 import argparse
 import functools
 import hashlib
@@ -26,12 +27,33 @@ import table51_page
 # How much is done. `population` and `generations`: None is calibrate's own, 2,500 trials. `short_cuts`: of the insertions, beside calibrate's own (docs/calibrate.md). `rangeless`: fits that do not ask how well
 # each number is determined.
 PRESETS = {
-    "full": {"scans": True, "population": None, "generations": None, "instruments": None, "short_cuts": [], "rangeless": (), "truth": []},
-    "quick": {"scans": False, "population": 16, "generations": 20, "instruments": None,
-              "short_cuts": [], "rangeless": (), "truth": []},
-    "fast": {"scans": False, "population": 8, "generations": 8, "instruments": ["amplatz_super_stiff"],
-             "short_cuts": ["--speed-mm-s", "100", "--approach-mm", "3", "--element-factor", "1.5"], "rangeless": tuple(table51_data.FITS),
-             "truth": ["--edge-tip-mm", "0.5", "--edge-shaft-mm", "2", "--feed-step-mm", "1"]},
+    "full": {
+        "scans": True,
+        "population": None,
+        "generations": None,
+        "instruments": None,
+        "short_cuts": [],
+        "rangeless": (),
+        "truth": [],
+    },
+    "quick": {
+        "scans": False,
+        "population": 16,
+        "generations": 20,
+        "instruments": None,
+        "short_cuts": [],
+        "rangeless": (),
+        "truth": [],
+    },
+    "fast": {
+        "scans": False,
+        "population": 8,
+        "generations": 8,
+        "instruments": ["amplatz_super_stiff"],
+        "short_cuts": ["--speed-mm-s", "100", "--approach-mm", "3", "--element-factor", "1.5"],
+        "rangeless": tuple(table51_data.FITS),
+        "truth": ["--edge-tip-mm", "0.5", "--edge-shaft-mm", "2", "--feed-step-mm", "1"],
+    },
 }
 SHAPE_NOISE_MM = 0.02  # as far as a segmented scan is off: docs/ct.md
 # Population and generations of the CoRdE baseline, whose insertions take seven times as long; without them it is left out.
@@ -61,7 +83,9 @@ def run(command, log):
     if code != 0:
         with open(log, encoding="utf-8", errors="replace") as out:
             last = [line for line in out.read().splitlines() if line.strip()][-1]
-        raise Failed("%s ended with %d%s" % (command[0], code, ": " + last if not last.startswith("$") else ", see above"))
+        raise Failed(
+            "%s ended with %d%s" % (command[0], code, ": " + last if not last.startswith("$") else ", see above")
+        )
 
 
 def remove(path):
@@ -119,32 +143,68 @@ class Chain:
         self.preset = dict(PRESETS[options.preset])
         if options.scans is not None:
             self.preset["scans"] = options.scans
-        self.has_corde = "--rod" in subprocess.run([self.program("calibrate"), "--help"], stdout=subprocess.PIPE, text=True,
-                                                   check=False).stdout
+        self.has_corde = (
+            "--rod"
+            in subprocess.run(
+                [self.program("calibrate"), "--help"], stdout=subprocess.PIPE, text=True, check=False
+            ).stdout
+        )
 
     def program(self, name):
         return os.path.join(self.options.build, "bin", name)
 
     def case_steps(self, row, case):
         """(name, what is told, command): the truth, and what calibrate may see of it."""
-        depths = [word for (inserted, name), turn in zip(self.depths, row["turns_deg"])
-                  for word in ("--depth", "%s:%g:%g" % (name, inserted, turn))]
-        truth = [self.program("reference_rod"), "--instrument", "shared/examples/instruments/%s.toml" % row["stem"], "--name", row["name"],
-                 "--scene", self.options.scene, "--surface", self.options.surface, *depths,
-                 "--shaft-factor", "%g" % row["shaft_factor"], "--tip-factor", "%g" % row["tip_factor"],
-                 *self.preset["truth"], "-o", case]
+        depths = [
+            word
+            for (inserted, name), turn in zip(self.depths, row["turns_deg"])
+            for word in ("--depth", "%s:%g:%g" % (name, inserted, turn))
+        ]
+        truth = [
+            self.program("reference_rod"),
+            "--instrument",
+            "shared/examples/instruments/%s.toml" % row["stem"],
+            "--name",
+            row["name"],
+            "--scene",
+            self.options.scene,
+            "--surface",
+            self.options.surface,
+            *depths,
+            "--shaft-factor",
+            "%g" % row["shaft_factor"],
+            "--tip-factor",
+            "%g" % row["tip_factor"],
+            *self.preset["truth"],
+            "-o",
+            case,
+        ]
         if not self.preset["scans"]:
-            return [("truth", "truth, and its centrelines with noise", truth + ["--shape-noise-mm", "%g" % SHAPE_NOISE_MM])]
-        return [("truth", "truth", truth), ("scans", "virtual scans", [self.program("ct"), "simulate", case]),
-                ("segmentation", "segmentation", [self.program("ct"), "segment", case])]
+            return [
+                ("truth", "truth, and its centrelines with noise", truth + ["--shape-noise-mm", "%g" % SHAPE_NOISE_MM])
+            ]
+        return [
+            ("truth", "truth", truth),
+            ("scans", "virtual scans", [self.program("ct"), "simulate", case]),
+            ("segmentation", "segmentation", [self.program("ct"), "segment", case]),
+        ]
 
     def kinds(self):
         """Fits to make. An older calibrate has no baseline."""
-        return [kind for kind in self.options.fits if kind != "corde" or (self.has_corde and CORDE[self.options.preset])]
+        return [
+            kind for kind in self.options.fits if kind != "corde" or (self.has_corde and CORDE[self.options.preset])
+        ]
 
     def fit_command(self, row_folder, kind):
-        command = [self.program("calibrate"), os.path.join(row_folder, "case"), "-o", os.path.join(row_folder, kind), "--resume",
-                   "--method", *self.options.methods]
+        command = [
+            self.program("calibrate"),
+            os.path.join(row_folder, "case"),
+            "-o",
+            os.path.join(row_folder, kind),
+            "--resume",
+            "--method",
+            *self.options.methods,
+        ]
         sizes = {name: self.preset[name] for name in ("population", "generations")}
         if kind == "corde":
             sizes = dict(zip(sizes, CORDE[self.options.preset]))
@@ -194,8 +254,13 @@ class Chain:
             remove(os.path.join(row_folder, kind + ".done"))
             shutil.rmtree(os.path.join(row_folder, kind), ignore_errors=True)
         write(begun, search)
-        step(row_folder, kind, command, lambda: say("fit: " + table51_data.FITS[kind]),
-             ["--threads", "%d" % self.options.threads] if self.options.threads else [])
+        step(
+            row_folder,
+            kind,
+            command,
+            lambda: say("fit: " + table51_data.FITS[kind]),
+            ["--threads", "%d" % self.options.threads] if self.options.threads else [],
+        )
 
     def make_row(self, row, say):
         """All that can be made of one instrument; True if nothing failed."""
@@ -217,14 +282,29 @@ class Chain:
 
     def by_other_builds(self, rows):
         """What was made before its program was built anew: "Rosen: shape"."""
-        programs = {"truth": "reference_rod", "scans": "ct", "segmentation": "ct", **dict.fromkeys(table51_data.FITS, "calibrate")}
-        return ["%s: %s" % (row["name"], name) for row in rows for name, program in programs.items()
-                if text_of(os.path.join(self.options.output, row["stem"], name + ".program")) not in (None, digest(self.program(program)))]
+        programs = {
+            "truth": "reference_rod",
+            "scans": "ct",
+            "segmentation": "ct",
+            **dict.fromkeys(table51_data.FITS, "calibrate"),
+        }
+        return [
+            "%s: %s" % (row["name"], name)
+            for row in rows
+            for name, program in programs.items()
+            if text_of(os.path.join(self.options.output, row["stem"], name + ".program"))
+            not in (None, digest(self.program(program)))
+        ]
 
     def settings(self, rows):
-        return {"by_other_builds": self.by_other_builds(rows), "preset": self.options.preset, "scans": self.preset["scans"], "rangeless": list(self.preset["rangeless"]),
-                "shape_noise_mm": None if self.preset["scans"] else SHAPE_NOISE_MM,
-                "depths": [{"inserted_mm": inserted, "name": name} for inserted, name in self.depths]}
+        return {
+            "by_other_builds": self.by_other_builds(rows),
+            "preset": self.options.preset,
+            "scans": self.preset["scans"],
+            "rangeless": list(self.preset["rangeless"]),
+            "shape_noise_mm": None if self.preset["scans"] else SHAPE_NOISE_MM,
+            "depths": [{"inserted_mm": inserted, "name": name} for inserted, name in self.depths],
+        }
 
 
 def write_page(chain, rows):
@@ -249,11 +329,20 @@ def parse(arguments):
     parser.add_argument("--build", default="build", help="folder of the programs (default: %(default)s)")
     parser.add_argument("--population", type=int, help="trials per generation, instead of the preset's")
     parser.add_argument("--generations", type=int, help="instead of the preset's")
-    parser.add_argument("--fits", nargs="+", choices=table51_data.FITS, default=list(table51_data.FITS),
-                        help="our rod by shape alone, with the force trace, and CoRdE (default: all)")
+    parser.add_argument(
+        "--fits",
+        nargs="+",
+        choices=table51_data.FITS,
+        default=list(table51_data.FITS),
+        help="our rod by shape alone, with the force trace, and CoRdE (default: all)",
+    )
     parser.add_argument("--methods", nargs="+", default=["cmaes"], help="of calibrate: cmaes, genetic, differential")
-    parser.add_argument("--scans", action=argparse.BooleanOptionalAction, help="virtual scans and their segmentation, or the "
-                        "truth's centrelines with noise, instead of what the preset does")
+    parser.add_argument(
+        "--scans",
+        action=argparse.BooleanOptionalAction,
+        help="virtual scans and their segmentation, or the "
+        "truth's centrelines with noise, instead of what the preset does",
+    )
     parser.add_argument("--keep-scans", action="store_true", help="keep the volumes (30 MB for each depth)")
     parser.add_argument("--threads", type=int, help="of calibrate (default: one per core)")
     parser.add_argument("--page-only", action="store_true", help="make nothing, write the page of what is there")
@@ -282,8 +371,10 @@ def main(arguments):
     failed = []
     try:
         for index, row in enumerate([] if options.page_only else wanted, 1):
+
             def say(what, index=index, row=row):
                 print("[%d/%d] %s: %s" % (index, len(wanted), row["name"], what), flush=True)
+
             if not chain.make_row(row, say):
                 failed.append(row["name"])
             write_page(chain, shown)

@@ -1,5 +1,6 @@
 """What `make table51` knows: the rows of table51.txt, and what the fits of a row have left in its folder.
 Imported by table51.py and table51_page.py."""
+
 import csv
 import json
 import math
@@ -8,9 +9,13 @@ import os
 FOLDER = os.path.dirname(os.path.abspath(__file__))
 TABLE = os.path.join(FOLDER, "table51.txt")
 # Figures of Table 5.1 in its order: key, head, and what result.json has for it on average.
-FIGURES = (("depth3_rms_mm", "RMS at depth 3", None), ("average_rms_mm", "average RMS", "rms_mm"),
-           ("mean_mm", "mean distance", "mean_mm"), ("deviation_mm", "standard deviation", "deviation_mm"),
-           ("max_mm", "maximum", "max_mm"))
+FIGURES = (
+    ("depth3_rms_mm", "RMS at depth 3", None),
+    ("average_rms_mm", "average RMS", "rms_mm"),
+    ("mean_mm", "mean distance", "mean_mm"),
+    ("deviation_mm", "standard deviation", "deviation_mm"),
+    ("max_mm", "maximum", "max_mm"),
+)
 THESIS_PARAMETERS = ("young_1e7", "radius_1e3", "density_1e5", "kp_1e3")
 # Fits of a row, each a folder: what stands above its column.
 FITS = {"shape": "our rod, shape alone", "force": "our rod, with the force trace", "corde": "CoRdE, shape alone"}
@@ -30,8 +35,15 @@ def _row(cells):
     if len(truth) != 2 or len(thesis) != len(FIGURES) + len(THESIS_PARAMETERS):
         raise ValueError("wants 2 factors of the truth and 9 figures of the thesis")
     figures = dict(zip([key for key, _, _ in FIGURES], thesis))
-    figures["parameters"] = dict(zip(THESIS_PARAMETERS, thesis[len(FIGURES):]))
-    return {"stem": stem, "name": name, "shaft_factor": truth[0], "tip_factor": truth[1], "turns_deg": turns, "thesis": figures}
+    figures["parameters"] = dict(zip(THESIS_PARAMETERS, thesis[len(FIGURES) :]))
+    return {
+        "stem": stem,
+        "name": name,
+        "shaft_factor": truth[0],
+        "tip_factor": truth[1],
+        "turns_deg": turns,
+        "thesis": figures,
+    }
 
 
 def read_table(path=TABLE):
@@ -89,8 +101,13 @@ def recovery_of(result, truth):
     for parameter in result["parameters"]:
         true = truth.get(TRUE_NAMES.get(parameter["name"]))
         if true:
-            found[parameter["name"]] = {"true": true, "fitted": parameter["fitted"], "fitted_over_true": parameter["fitted"] / true,
-                                        "nominal_over_true": parameter["nominal"] / true, "determined": parameter["determined"]}
+            found[parameter["name"]] = {
+                "true": true,
+                "fitted": parameter["fitted"],
+                "fitted_over_true": parameter["fitted"] / true,
+                "nominal_over_true": parameter["nominal"] / true,
+                "determined": parameter["determined"],
+            }
     return found
 
 
@@ -125,7 +142,11 @@ def collect(rows, output):
 
 def averages(rows, kind):
     """Means of the five figures over the rows that have them: (figures, number of rows). `kind`: a fit, or "thesis"."""
-    sets = [row["thesis"] if kind == "thesis" else row["fits"][kind]["figures"] for row in rows if kind == "thesis" or kind in row["fits"]]
+    sets = [
+        row["thesis"] if kind == "thesis" else row["fits"][kind]["figures"]
+        for row in rows
+        if kind == "thesis" or kind in row["fits"]
+    ]
     if not sets:
         return {}, 0
     return {key: math.fsum(figures[key] for figures in sets) / len(sets) for key, _, _ in FIGURES}, len(sets)
@@ -141,12 +162,21 @@ def to_json(rows, settings):
     """The whole table as one object: what the page shows, in numbers."""
     out = {"settings": settings, "rows": [], "averages": {}}
     for row in rows:
-        entry = {"instrument": row["stem"], "name": row["name"], "truth_factors": {"bend_shaft": row["shaft_factor"], "alpha": row["tip_factor"]},
-                 "thesis": row["thesis"], "missing": row["notes"]}
+        entry = {
+            "instrument": row["stem"],
+            "name": row["name"],
+            "truth_factors": {"bend_shaft": row["shaft_factor"], "alpha": row["tip_factor"]},
+            "thesis": row["thesis"],
+            "missing": row["notes"],
+        }
         for kind, fit in row["fits"].items():
             keys = ("name", "unit", "fitted", "nominal", "bounds", "range", "range_share", "determined")
-            entry[kind] = dict(fit["figures"], recovery=fit["recovery"], evaluations=fit["result"]["evaluations"],
-                               parameters=[{key: p[key] for key in keys} for p in fit["result"]["parameters"]])
+            entry[kind] = dict(
+                fit["figures"],
+                recovery=fit["recovery"],
+                evaluations=fit["result"]["evaluations"],
+                parameters=[{key: p[key] for key in keys} for p in fit["result"]["parameters"]],
+            )
         out["rows"].append(entry)
     for kind in (*FITS, "thesis"):
         figures, count = averages(rows, kind)
@@ -157,11 +187,20 @@ def to_json(rows, settings):
 def write_csv(rows, path):
     """One line per instrument and one of averages; cells of what was not run are empty."""
     kinds = (*FITS, "thesis")
-    names = {kind: ("young", "alpha", "radius", "density", "kp") if kind == "corde" else ("bend_shaft", "alpha", "radius", "density") for kind in FITS}
+    names = {
+        kind: ("young", "alpha", "radius", "density", "kp")
+        if kind == "corde"
+        else ("bend_shaft", "alpha", "radius", "density")
+        for kind in FITS
+    }
     with open(path, "w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)
-        writer.writerow(["instrument"] + [kind + "_" + key for kind in kinds for key, _, _ in FIGURES]
-                        + [kind + "_" + name for kind in FITS for name in names[kind]] + ["thesis_" + name for name in THESIS_PARAMETERS])
+        writer.writerow(
+            ["instrument"]
+            + [kind + "_" + key for kind in kinds for key, _, _ in FIGURES]
+            + [kind + "_" + name for kind in FITS for name in names[kind]]
+            + ["thesis_" + name for name in THESIS_PARAMETERS]
+        )
         for row in rows:
             cells = [row["name"]]
             for kind in kinds:

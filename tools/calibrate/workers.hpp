@@ -1,5 +1,5 @@
-// Who evaluates the trials of a generation: threads of this process, or ranks of an MPI job. What comes back does not depend on
-// who did it or in which order: verdict i belongs to trial i.
+// Who evaluates the trials of a generation: threads of this process, or ranks of an MPI job. What comes back
+// does not depend on who did it or in which order: verdict i belongs to trial i.
 #pragma once
 #include "tools/calibrate/judge.hpp"
 #include <functional>

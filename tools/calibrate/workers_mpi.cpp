@@ -1,5 +1,5 @@
-// Trials over the ranks of an MPI job. The only file that knows MPI. Only the first thread of a rank talks to the others; it looks
-// for messages and sleeps in between, since the calls of MPI that wait burn a core.
+// Trials over the ranks of an MPI job. The only file that knows MPI. Only the first thread of a rank talks to
+// the others; it looks for messages and sleeps in between, since the calls of MPI that wait burn a core.
 //   trial    rank 0 -> r   { index, values... }
 //   verdict  r -> rank 0   { index, objective, error, force error }
 //   threads  r -> rank 0   { how many trials r takes at a time }

@@ -1,11 +1,13 @@
-// One instrument in one phantom: what a scan, or the virtual scanner, leaves for the calibration. A folder with
+// One instrument in one phantom: what a scan, or the virtual scanner, leaves for the calibration. A folder
+// with
 //   case.toml      phantom, instrument, friction, depths, names of the files below
 //   depth_N.csv    the instrument's centreline at each depth, from the mouth to the tip
 //   force.csv      the hand's force during the insertion, where it was measured
 // All places are in the scene's axes and in mm. docs/ct.md has the format.
 //
-// The protocol of an insertion is part of it: the hand feeds at `speed_mm_per_s` and turns evenly with the feed, from the
-// turn of one depth to that of the next (the first depth's turn holds from the mouth on); at each depth it rests.
+// The protocol of an insertion is part of it: the hand feeds at `speed_mm_per_s` and turns evenly with the
+// feed, from the turn of one depth to that of the next (the first depth's turn holds from the mouth on); at
+// each depth it rests.
 #pragma once
 #include <Eigen/Core>
 #include <filesystem>
@@ -61,17 +63,19 @@ struct Case {
     double turn_deg_at(double inserted_mm) const;
 };
 
-// What a case must have: all; or what is known with scans alone, to which `ct segment` adds scene, surface and mouth.
+// What a case must have: all; or what is known with scans alone, to which `ct segment` adds scene, surface
+// and mouth.
 enum class CaseParts { all, before_segmentation };
 // FOLDER/case.toml, or the file itself. Throws CaseError.
 Case read_case(const std::filesystem::path &folder_or_file, CaseParts wanted = CaseParts::all);
 // Writes FOLDER/case.toml. Throws crn::OutputError.
 void write_case(const Case &c);
-// Adds scene, surface, mouth_mm and direction where FOLDER/case.toml lacks them, and leaves the rest of its text as a person
-// wrote it. Throws CaseError, crn::OutputError.
+// Adds scene, surface, mouth_mm and direction where FOLDER/case.toml lacks them, and leaves the rest of its
+// text as a person wrote it. Throws CaseError, crn::OutputError.
 void complete_case(const Case &c);
 
-// Ordered points in mm, header x_mm,y_mm,z_mm; further columns are passed over. At least two. Throws CaseError.
+// Ordered points in mm, header x_mm,y_mm,z_mm; further columns are passed over. At least two. Throws
+// CaseError.
 std::vector<Eigen::Vector3d> read_centreline(const std::filesystem::path &file);
 void write_centreline(const std::filesystem::path &file, const std::vector<Eigen::Vector3d> &points_mm);
 

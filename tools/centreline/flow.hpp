@@ -15,8 +15,9 @@ struct FlowSettings {
 // Resistance of the tube between two spheres whose radius changes linearly, Pa s / mm^3.
 double tube_resistance(const Sphere &a, const Sphere &b, double viscosity_mPa_s);
 
-// Sets speed_mm_s of every sphere, and returns the flow of every branch behind its first sphere, ml/min. Each outlet ends in a
-// bed of resistance K / r^3 (Murray), with one K for which the given inlet flow falls by the given pressure in the beds alone.
+// Sets speed_mm_s of every sphere, and returns the flow of every branch behind its first sphere, ml/min. Each
+// outlet ends in a bed of resistance K / r^3 (Murray), with one K for which the given inlet flow falls by the
+// given pressure in the beds alone.
 std::vector<double> set_flow(Tree &tree, const FlowSettings &settings);
 
 } // namespace crn::centreline

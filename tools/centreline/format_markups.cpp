@@ -1,5 +1,6 @@
-// 3D Slicer's markups (.mrk.json): every curve is a branch, with a measurement 'Radius' per control point. Where a branch leaves
-// another stands in the description of its first control point, which 3D Slicer shows and keeps.
+// 3D Slicer's markups (.mrk.json): every curve is a branch, with a measurement 'Radius' per control point.
+// Where a branch leaves another stands in the description of its first control point, which 3D Slicer shows
+// and keeps.
 #include "tools/centreline/formats.hpp"
 #include "tools/mesh/json_depth.hpp"
 

@@ -1,5 +1,5 @@
-// VTK's polydata (.vtp) as VMTK makes centrelines: every line is a branch, MaximumInscribedSphereRadius at its points. Ours adds
-// to each line where it leaves which other.
+// VTK's polydata (.vtp) as VMTK makes centrelines: every line is a branch, MaximumInscribedSphereRadius at
+// its points. Ours adds to each line where it leaves which other.
 #include "tools/centreline/vtk_array.hpp"
 
 #include <cmath>

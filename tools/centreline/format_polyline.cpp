@@ -1,4 +1,5 @@
-// Lines of a Wavefront OBJ: an object per branch. OBJ knows no radius, so ours stands in a comment behind each point.
+// Lines of a Wavefront OBJ: an object per branch. OBJ knows no radius, so ours stands in a comment behind
+// each point.
 #include "tools/centreline/formats.hpp"
 
 #include <cmath>

@@ -1,4 +1,5 @@
-// Trees as files: 3D Slicer's .mrk.json, VMTK's .vtp, and our .csv and .obj. docs/centreline.md has their fields.
+// Trees as files: 3D Slicer's .mrk.json, VMTK's .vtp, and our .csv and .obj. docs/centreline.md has their
+// fields.
 #pragma once
 #include "tools/centreline/tree.hpp"
 
@@ -10,8 +11,9 @@ namespace crn::centreline
 
 constexpr std::size_t file_bytes_max = std::size_t{256} << 20;
 
-// Reads a tree by the ending of its name. Branches whose file does not say where they begin come as roots: see `joined`. Throws
-// Fault naming file, line or element, field and remedy. `needs_radii` false: an .obj without radii gives spheres of 1 um.
+// Reads a tree by the ending of its name. Branches whose file does not say where they begin come as roots:
+// see `joined`. Throws Fault naming file, line or element, field and remedy. `needs_radii` false: an .obj
+// without radii gives spheres of 1 um.
 Tree read_tree(const std::filesystem::path &file, bool needs_radii = true);
 
 // Writes by the ending of the name; the file appears when it is whole. Throws Fault or crn::OutputError.

@@ -11,7 +11,8 @@ namespace
 
 // As long as a curve stays so near to its parent's line, in radii of the parent, it has not left it.
 constexpr double along_share = 0.3;
-// Farthest that a curve may begin outside a tube and still belong to it, in its own radii: tools stop at the wall.
+// Farthest that a curve may begin outside a tube and still belong to it, in its own radii: tools stop at the
+// wall.
 constexpr double outside_share = 0.5;
 
 double mean_radius_mm(const Branch &branch)

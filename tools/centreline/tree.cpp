@@ -86,8 +86,8 @@ double length_mm(const Branch &branch)
     return sum;
 }
 
-// With the axis coordinate s of p and its distance q from the axis, the side of the hull is the cone that touches both
-// spheres; where the foot of the normal passes an end, the sphere of that end is nearer.
+// With the axis coordinate s of p and its distance q from the axis, the side of the hull is the cone that
+// touches both spheres; where the foot of the normal passes an end, the sphere of that end is nearer.
 double tapered_capsule_distance(const Eigen::Vector3d &p, const Eigen::Vector3d &a, double radius_a,
                                 const Eigen::Vector3d &b, double radius_b)
 {

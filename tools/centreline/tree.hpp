@@ -1,5 +1,6 @@
-// A vessel tree as ordered inscribed spheres, grouped into branches: what the centreline tool makes, files hold, and `bake` and
-// the contrast's flow read. Millimetres; the axes are those of the mesh it was made from.
+// A vessel tree as ordered inscribed spheres, grouped into branches: what the centreline tool makes, files
+// hold, and `bake` and the contrast's flow read. Millimetres; the axes are those of the mesh it was made
+// from.
 #pragma once
 #include "tools/mesh/fault.hpp"
 
@@ -43,7 +44,8 @@ void check_tree(const Tree &tree, const std::string &name);
 std::size_t sphere_count(const Tree &tree);
 double length_mm(const Branch &branch);
 
-// Distance to a capsule whose radius changes linearly from a to b (the hull of the two spheres), negative inside.
+// Distance to a capsule whose radius changes linearly from a to b (the hull of the two spheres), negative
+// inside.
 double tapered_capsule_distance(const Eigen::Vector3d &p, const Eigen::Vector3d &a, double radius_a,
                                 const Eigen::Vector3d &b, double radius_b);
 
@@ -60,13 +62,14 @@ struct LinePlace {
 };
 LinePlace line_place(const Branch &branch, const Eigen::Vector3d &p_mm);
 
-// First sphere of the branch whose centre lies outside its parent's tube: before it the branch is only the way from the
-// parent's middle to the wall. 0 for a root.
+// First sphere of the branch whose centre lies outside its parent's tube: before it the branch is only the
+// way from the parent's middle to the wall. 0 for a root.
 std::size_t first_own_sphere(const Tree &tree, std::size_t branch);
 
-// Roots that begin inside another branch's tube become its branches; what runs along that branch's line is cut off. Curves as
-// 3D Slicer and VMTK store them, one per file or per outlet, become a tree. Its trunk is the curve that has an end nearest to
-// `inlet_mm`, else the widest. A tree whose file says who leaves whom, and a lone curve, stay as they are.
+// Roots that begin inside another branch's tube become its branches; what runs along that branch's line is
+// cut off. Curves as 3D Slicer and VMTK store them, one per file or per outlet, become a tree. Its trunk is
+// the curve that has an end nearest to `inlet_mm`, else the widest. A tree whose file says who leaves whom,
+// and a lone curve, stay as they are.
 Tree joined(const Tree &tree, const Eigen::Vector3d *inlet_mm = nullptr);
 
 // Branches end where others leave, as VMTK's do: afterwards every parent_sphere is the parent's last sphere.

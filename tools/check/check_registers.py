@@ -5,6 +5,7 @@ says: the crate imxrt-ral, fetched by cargo into build/registers (register_descr
 When all agree, the digests of the port's files are written to firmware/port/imxrt1062/registers.checked, which `make test` compares
 (test_registers.py): a test needs no network, and no file changes without this check. What the crate does not describe is listed
 in docs/porting.md, "What no script has checked"."""
+
 import os
 import re
 
@@ -71,19 +72,21 @@ def check_pad(iomux, name, value):
     """PAD_<pad>_<function> mux, mode, pad register; DAISY_<input>_<pad> register, value."""
     kind, rest = name.split("_", 1)
     if kind == "PAD":
-        for pad in (rest[:m.start()] for m in re.finditer("_", rest)):
+        for pad in (rest[: m.start()] for m in re.finditer("_", rest)):
             mux, control = "SW_MUX_CTL_PAD_GPIO_" + pad, "SW_PAD_CTL_PAD_GPIO_" + pad
             if mux in iomux.registers:
                 said = iomux.values[mux]["MUX_MODE"].get(value[1], "")
                 right = (iomux.registers[mux][0], value[1], iomux.registers[control][0])
                 port = re.search(r"port: (\w+)", said)
-                return value == right and port is not None and port.group(1) == rest[len(pad) + 1:]
+                return value == right and port is not None and port.group(1) == rest[len(pad) + 1 :]
     else:
-        for entry in (rest[:m.start()] for m in re.finditer("_", rest)):
+        for entry in (rest[: m.start()] for m in re.finditer("_", rest)):
             register = entry + "_SELECT_INPUT"
             if register in iomux.registers:
                 said = iomux.values[register]["DAISY"].get(value[1], "")
-                return value[0] == iomux.registers[register][0] and re.search(r"Pad: ?GPIO_%s for" % rest[len(entry) + 1:], said)
+                return value[0] == iomux.registers[register][0] and re.search(
+                    r"Pad: ?GPIO_%s for" % rest[len(entry) + 1 :], said
+                )
     return False
 
 
@@ -97,7 +100,7 @@ def check_line(header, description, name, value):
     instance = header.instance(name)
     if instance is None:
         return "no BASE_ line of its module"
-    block, rest = description.block(instance), name[len(module_of(instance)) + 1:]
+    block, rest = description.block(instance), name[len(module_of(instance)) + 1 :]
     if rest.startswith("STRIDE_"):
         right = stride(block, rest[7:])
         return None if right == value[0] else "the description has %s" % right
@@ -107,7 +110,7 @@ def check_line(header, description, name, value):
         return None if right == value[0] else "the description has %s" % (right if right is None else hex(right))
     for split in (m.start() for m in re.finditer("_", rest)):
         register = find_register(block, rest[:split])
-        field = block.fields.get(register.split("[")[0], {}).get(rest[split + 1:]) if register else None
+        field = block.fields.get(register.split("[")[0], {}).get(rest[split + 1 :]) if register else None
         if field is not None:
             return None if field == value else "the description has %d, %d" % field
     return "the description has no such field"
@@ -129,7 +132,7 @@ def check_access(path, text, header, description):
         place = "%s:%d" % (path, tree.line_of(text, match.start()))
         instance = header.instance(name)
         block = description.block(instance) if instance else None
-        register = find_register(block, name[len(module_of(instance)) + 1:]) if block else None
+        register = find_register(block, name[len(module_of(instance)) + 1 :]) if block else None
         if register is None:
             yield "%s: %s is no register of %s" % (place, name, HEADER)
         elif block.registers[register][1] != bits:
@@ -141,7 +144,9 @@ def check_access(path, text, header, description):
 def used_names(text, sources):
     """Every name of the header is used: the header holds only what is needed."""
     code = " ".join(tree.TOKENS.sub(tree.blank, source) for source in sources)
-    words = set(re.findall(r"\w+", code)) | {"IOMUXC_SW_PAD_CTL_PAD_GPIO_EMC_24_" + f for f in re.findall(r"PAD_FIELD\((\w+)", code)}
+    words = set(re.findall(r"\w+", code)) | {
+        "IOMUXC_SW_PAD_CTL_PAD_GPIO_EMC_24_" + f for f in re.findall(r"PAD_FIELD\((\w+)", code)
+    }
     for number, name, _ in Header(text).lines:
         if name not in words:
             yield "%s:%d: %s is not used" % (HEADER, number, name)
@@ -157,12 +162,19 @@ def self_test(report, description, text):
     report.catches("an unknown register is caught", broken("CCM_CBCDR 0x14u", "CCM_CBCDX 0x14u"))
     report.catches("a wrong stride is caught", broken("PWM_STRIDE_SMCTRL 0x60u", "PWM_STRIDE_SMCTRL 0x40u"))
     report.catches("a wrong mux mode is caught", broken("XBAR1_INOUT06 0x24u, 3,", "XBAR1_INOUT06 0x24u, 1,"))
-    report.catches("a wrong input selection is caught", broken("DAISY_XBAR1_IN14_B1_00 0x644u, 1", "DAISY_XBAR1_IN14_B1_00 0x644u, 0"))
+    report.catches(
+        "a wrong input selection is caught",
+        broken("DAISY_XBAR1_IN14_B1_00 0x644u, 1", "DAISY_XBAR1_IN14_B1_00 0x644u, 0"),
+    )
     header = Header(text)
-    report.catches("a 16-bit register used with 32 bits is caught",
-                   check_access("x.c", "R32(BASE_WDOG1, WDOG_WCR) = 0;", header, description))
-    report.catches("a register at another module's base is caught",
-                   check_access("x.c", "R16(BASE_ENC1, WDOG_WCR) = 0;", header, description))
+    report.catches(
+        "a 16-bit register used with 32 bits is caught",
+        check_access("x.c", "R32(BASE_WDOG1, WDOG_WCR) = 0;", header, description),
+    )
+    report.catches(
+        "a register at another module's base is caught",
+        check_access("x.c", "R16(BASE_ENC1, WDOG_WCR) = 0;", header, description),
+    )
     report.catches("a name that is not used is caught", used_names(text, ["BASE_CCM"]))
 
 
@@ -171,7 +183,8 @@ def main():
     text = tree.read(HEADER)
     try:
         description = register_description.Description(
-            register_description.fetch(os.path.join(tree.ROOT, "build", "registers")))
+            register_description.fetch(os.path.join(tree.ROOT, "build", "registers"))
+        )
     except register_description.CannotRead as problem:
         report.check("the description of the i.MX RT1062 can be read", [str(problem)])
         report.end()
@@ -180,10 +193,14 @@ def main():
     paths = [path for path in tree.files(".c", ".h") if path.startswith(PORT) and path != HEADER]
     sources = {path: tree.read(path) for path in paths}
     header = Header(text)
-    report.check("%d lines of the register header are what the chip's description says" % len(header.lines),
-                 check_header(text, description))
-    report.check("every register is used in its own width, at its own module's base",
-                 (f for path in paths for f in check_access(path, sources[path], header, description)))
+    report.check(
+        "%d lines of the register header are what the chip's description says" % len(header.lines),
+        check_header(text, description),
+    )
+    report.check(
+        "every register is used in its own width, at its own module's base",
+        (f for path in paths for f in check_access(path, sources[path], header, description)),
+    )
     report.check("every register of the header is used", used_names(text, sources.values()))
     if report.failed == 0:
         register_stamp.write("%s %s" % (register_description.CRATE, register_description.VERSION))

@@ -1,6 +1,7 @@
-/* Drives the core through the scenes of core_scenes.c and prints its state hashes: every compiler, optimisation level and
- * machine must print the same lines (tools/check/test_compilers.sh, tools/check/matrix.py). To find where two machines part,
- * it also prints a hash per tick and subsystem, and every word of one tick.
+/* Drives the core through the scenes of core_scenes.c and prints its state hashes: every compiler,
+ * optimisation level and machine must print the same lines (tools/check/test_compilers.sh,
+ * tools/check/matrix.py). To find where two machines part, it also prints a hash per tick and subsystem, and
+ * every word of one tick.
  *
  * Freestanding, with its memory in itself: runs on a bare Cortex-M7 as on a PC. */
 #include "tools/check/console.h"
@@ -11,7 +12,8 @@ enum { TICKS_PER_LINE = 500, NONE = 0x7fffffff };
 static crn_model model;
 static crn_state state;
 
-/* --- what of the state belongs to which part of a tick, in the order of core_step.c --------------------------------- */
+/* --- what of the state belongs to which part of a tick, in the order of core_step.c
+ * --------------------------------- */
 
 typedef struct part {
     const char *name;
@@ -60,7 +62,8 @@ static uint32_t hash_part(const part *p, uint32_t hash)
     return hash;
 }
 
-/* --- text -------------------------------------------------------------------------------------------------------- */
+/* --- text
+ * -------------------------------------------------------------------------------------------------------- */
 
 static void write_hex(uint64_t value, int digits)
 {
@@ -141,7 +144,8 @@ static void write_hash(const core_scene *scene, const crn_output *output)
     console_write("\n");
 }
 
-/* --- the program --------------------------------------------------------------------------------------------------- */
+/* --- the program
+ * --------------------------------------------------------------------------------------------------- */
 
 typedef struct options {
     bool trace;
@@ -149,7 +153,8 @@ typedef struct options {
     const char *flip_part, *scene; /* NULL: every scene */
 } options;
 
-/* Changes the lowest bit of one word as a wrong machine would, and of the node's position, which follows from it. */
+/* Changes the lowest bit of one word as a wrong machine would, and of the node's position, which follows from
+ * it. */
 static void flip(const options *o, uint32_t tick)
 {
     for (uint32_t p = 0; p < PART_COUNT && tick == o->flip_tick; p++) {

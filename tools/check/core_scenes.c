@@ -1,18 +1,20 @@
 /* The scenes of core_hash.c; core_scenes.h says what they are for.
  *
- * tube: a J wire enters a square tube, 8 mm wide and 120 mm long, touches, turns, is pushed against the end wall until it
- * buckles, and is pulled back.
+ * tube: a J wire enters a square tube, 8 mm wide and 120 mm long, touches, turns, is pushed against the end
+ * wall until it buckles, and is pulled back.
  *
  *      entry -> ================================|   y = 120 mm
  *               8 mm                            |
  *               ================================|
  *
- * fine: a stiff uniform wire in the same tube made of refined bricks, 4 mm wide, pushed, pulled and turned as fast as the
- * core allows, so that limits act. air: a floppy shaped wire without a lumen, hanging and turned. coaxial: the J wire in two
- * shaped catheters in the tube; every tool leads once, slides and turns against the others. beating: the J wire in the tube, whose
- * middle goes to and fro by 3.6 mm with a heart that is asked for everything once, and breathes. balloon: a wire in a balloon catheter in the
- * fine tube, which its balloon fills and opens at a lesion; pulled while it is up, pushed after it is down, the lesion held open, and burst.
- * stented: the J wire in the beating tube goes to and fro through and beside a stent that lies on nothing, is widened later, and loses half of its rings. */
+ * fine: a stiff uniform wire in the same tube made of refined bricks, 4 mm wide, pushed, pulled and turned as
+ * fast as the core allows, so that limits act. air: a floppy shaped wire without a lumen, hanging and turned.
+ * coaxial: the J wire in two shaped catheters in the tube; every tool leads once, slides and turns against
+ * the others. beating: the J wire in the tube, whose middle goes to and fro by 3.6 mm with a heart that is
+ * asked for everything once, and breathes. balloon: a wire in a balloon catheter in the fine tube, which its
+ * balloon fills and opens at a lesion; pulled while it is up, pushed after it is down, the lesion held open,
+ * and burst. stented: the J wire in the beating tube goes to and fro through and beside a stent that lies on
+ * nothing, is widened later, and loses half of its rings. */
 #include "tools/check/core_scenes.h"
 
 enum { TUBE, FINE, AIR, COAXIAL, BEATING, BALLOON, STENTED };
@@ -359,7 +361,8 @@ static crn_rhythm_order order_at(uint32_t tick)
     }
 }
 
-/* Up to 12 bar and down, twice, then beyond what the balloon bears; the catheter goes back and forth by 5 mm. */
+/* Up to 12 bar and down, twice, then beyond what the balloon bears; the catheter goes back and forth by 5 mm.
+ */
 static crn_input inflated(uint32_t tick, uint32_t variant)
 {
     const uint32_t phase = tick % 1200, pulled = phase < 400 ? 0 : (phase < 650 ? phase - 400 : 250);

@@ -6,6 +6,7 @@
 Prints `name<TAB>value<TAB>unit<TAB>context` lines, and what stands behind every value that is not 0 as comments. --write appends the lines
 to FILE (out/bench.tsv) in place of older ones of the same names. Ends with 0.
 """
+
 import argparse
 import collections
 import os
@@ -45,7 +46,11 @@ def reached(graph, start):
 def circles(graph):
     """Rooms that reach each other, each circle once."""
     reach = {room: reached(graph, room) for room in graph}
-    found = {frozenset(other for other in reach if other in reach[room] and room in reach[other]) for room in graph if room in reach[room]}
+    found = {
+        frozenset(other for other in reach if other in reach[room] and room in reach[other])
+        for room in graph
+        if room in reach[room]
+    }
     return [", ".join(sorted(circle)) for circle in found]
 
 
@@ -55,8 +60,13 @@ def crowded():
 
 
 def leaning():
-    return ["%s includes %s" % (path, included) for path in tree.files(*tree.C_SUFFIXES) if not path.startswith("host/app/")
-            for included in INCLUDE.findall(tree.read(path)) if included.startswith("host/app/")]
+    return [
+        "%s includes %s" % (path, included)
+        for path in tree.files(*tree.C_SUFFIXES)
+        if not path.startswith("host/app/")
+        for included in INCLUDE.findall(tree.read(path))
+        if included.startswith("host/app/")
+    ]
 
 
 def largest_struct():
@@ -78,10 +88,17 @@ def over(rule, suffixes):
 def figures():
     """(name, value, unit, context, what stands behind it)"""
     members, struct = largest_struct()
-    for name, unit, behind in (("house.rooms_circles", "circles", circles(rooms_graph())),
-                               ("house.functions_over_70", "functions", over(test_style.long_functions, tree.C_SUFFIXES + (".py",))),
-                               ("house.files_over_600", "files", over(test_style.long_file, tree.C_SUFFIXES + (".py", ".sh", "Makefile", ".mk", ".def"))),
-                               ("house.folders_over_40", "folders", crowded()), ("house.tools_on_program", "includes", leaning())):
+    for name, unit, behind in (
+        ("house.rooms_circles", "circles", circles(rooms_graph())),
+        ("house.functions_over_70", "functions", over(test_style.long_functions, tree.C_SUFFIXES + (".py",))),
+        (
+            "house.files_over_600",
+            "files",
+            over(test_style.long_file, tree.C_SUFFIXES + (".py", ".sh", "Makefile", ".mk", ".def")),
+        ),
+        ("house.folders_over_40", "folders", crowded()),
+        ("house.tools_on_program", "includes", leaning()),
+    ):
         yield name, len(behind), unit, "", behind
     yield "house.struct_members_max", members, "members", "struct=" + struct, []
 

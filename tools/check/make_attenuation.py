@@ -10,6 +10,7 @@ Mass attenuation is xraylib's CS_Total, mass energy absorption its CS_Energy (Sc
 are ICRU 44's (tissues), of the substances (metals), or nominal (products), see MATERIALS. Tube spectra, filters and the
 choice of energies for pictures are not made here but in host/xray/spectrum.cpp and host/xray/beam_table.cpp.
 """
+
 import ctypes
 import sys
 import textwrap
@@ -28,7 +29,12 @@ MATERIALS = [
     ("lung", "Lung (ICRP)", 0.26, "ICRP 23, inflated"),
     ("adipose", "Adipose Tissue (ICRP)", 0.92, "ICRP 23"),
     ("bone_cortical", "Bone, Cortical (ICRP)", 1.85, "ICRP 23"),
-    ("bone_spongy", {"Bone, Cortical (ICRP)": 0.32, "Adipose Tissue (ICRP)": 0.68}, 1.13, "nominal marrow and trabeculae"),
+    (
+        "bone_spongy",
+        {"Bone, Cortical (ICRP)": 0.32, "Adipose Tissue (ICRP)": 0.68},
+        1.13,
+        "nominal marrow and trabeculae",
+    ),
     ("iohexol_350", {"C19H26I3N3O9": 0.5416, "H2O": 0.4584}, 1.406, "755 mg iohexol per ml, the label's density"),
     ("steel", {"Fe": 0.705, "Cr": 0.19, "Ni": 0.095, "Mn": 0.01}, 7.93, "AISI 304"),
     ("nitinol", {"Ni": 0.557, "Ti": 0.443}, 6.45, "ASTM F2063"),
@@ -43,17 +49,20 @@ MATERIALS = [
 
 class Compound(ctypes.Structure):
     """struct compoundData of xraylib-parser.h, as far as it is read."""
+
     _fields_ = [("element_count", ctypes.c_int), ("atoms", ctypes.c_double), ("elements", ctypes.POINTER(ctypes.c_int))]
 
 
 class Mixture(ctypes.Structure):
     """struct compoundDataNIST of xraylib-nist-compounds.h, as far as it is read."""
+
     _fields_ = [("name", ctypes.c_char_p), ("element_count", ctypes.c_int), ("elements", ctypes.POINTER(ctypes.c_int))]
 
 
 class Xraylib:
     """The functions of the C library that are used here; energies in keV, cross-sections in cm2/g. Every one takes a place
     for an error as its last argument, and gives 0 with none when it is null."""
+
     K_SHELL = 0
 
     def __init__(self):
@@ -74,6 +83,7 @@ class Xraylib:
             if result is ctypes.c_double and got <= 0.0:
                 sys.exit(f"make_attenuation: {symbol.__name__}{values} has no value in {LIBRARY}")
             return got
+
         return call
 
     def elements_of(self, part):
@@ -81,7 +91,7 @@ class Xraylib:
         found = self.parse(part) or self.mixture(part)
         if not found:
             sys.exit(f"make_attenuation: {LIBRARY} knows neither a formula nor a mixture {part}")
-        return found.contents.elements[:found.contents.element_count]
+        return found.contents.elements[: found.contents.element_count]
 
 
 try:
@@ -95,8 +105,10 @@ def parts_of(composition):
 
 
 def linear_per_cm(composition, density):
-    return [sum(share * xrl.cs_total_cp(part, e) for part, share in parts_of(composition).items()) * density
-            for e in ENERGIES_keV]
+    return [
+        sum(share * xrl.cs_total_cp(part, e) for part, share in parts_of(composition).items()) * density
+        for e in ENERGIES_keV
+    ]
 
 
 def edge_keV(composition):
@@ -106,8 +118,14 @@ def edge_keV(composition):
 
 
 def array(values):
-    return "\n".join(textwrap.wrap(", ".join("%.5gf" % v if "." in "%.5g" % v or "e" in "%.5g" % v else "%.5g.0f" % v
-                                            for v in values), 104, initial_indent="     ", subsequent_indent="     "))
+    return "\n".join(
+        textwrap.wrap(
+            ", ".join("%.5gf" % v if "." in "%.5g" % v or "e" in "%.5g" % v else "%.5g.0f" % v for v in values),
+            104,
+            initial_indent="     ",
+            subsequent_indent="     ",
+        )
+    )
 
 
 def main():
@@ -122,11 +140,13 @@ const float attenuation_per_cm[material_count][energy_count] = {{""")
         print(f"    // {name}: {density:g} g/cm3, {source}\n    {{\n{array(linear_per_cm(composition, density))}}},")
     print("};\n")
     print("const float edge_keV[material_count] = {\n%s};\n" % array(edge_keV(m[1]) for m in MATERIALS))
-    rows = (("aluminium_per_cm", (xrl.cs_total(13, e) * 2.699 for e in ENERGIES_keV)),
-            ("copper_per_cm", (xrl.cs_total(29, e) * 8.96 for e in ENERGIES_keV)),
-            ("caesium_iodide_per_cm", (xrl.cs_total_cp("CsI", e) * 4.51 for e in ENERGIES_keV)),
-            ("anode_cm2_per_g", (xrl.cs_total(74, e) for e in ENERGIES_keV)),
-            ("air_absorption_cm2_per_g", (xrl.cs_energy_cp(AIR, e) for e in ENERGIES_keV)))
+    rows = (
+        ("aluminium_per_cm", (xrl.cs_total(13, e) * 2.699 for e in ENERGIES_keV)),
+        ("copper_per_cm", (xrl.cs_total(29, e) * 8.96 for e in ENERGIES_keV)),
+        ("caesium_iodide_per_cm", (xrl.cs_total_cp("CsI", e) * 4.51 for e in ENERGIES_keV)),
+        ("anode_cm2_per_g", (xrl.cs_total(74, e) for e in ENERGIES_keV)),
+        ("air_absorption_cm2_per_g", (xrl.cs_energy_cp(AIR, e) for e in ENERGIES_keV)),
+    )
     for name, values in rows:
         print("const float %s[energy_count] = {\n%s};\n" % (name, array(values)))
     print("// clang-format on\n} // namespace crn")

@@ -8,6 +8,7 @@ Lines: on each interval the chord of the convex function, lowered by half its la
 straight line with the smallest worst error. One Newton step in fixed.h then doubles the number of right bits.
 Polynomial: interpolation in the Chebyshev points of the interval, which is within a factor of about two of the best.
 """
+
 import math
 import os
 import sys

@@ -9,6 +9,7 @@ first part of that tick (feed, stretch, twist, contact, force, solve, angle, fri
 differ. --short runs one variant per machine and writes no table. --break flips one bit in one variant, to show the search.
 Exit code: 0 one hash, 1 otherwise, 2 usage.
 """
+
 import argparse
 import concurrent.futures
 import glob
@@ -22,8 +23,18 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 TABLE = os.path.join("out", "matrix.tsv")
 TIME_LIMIT_S = 600
 M7_FLAGS = ["-mcpu=cortex-m7", "-mthumb", "-mfloat-abi=soft"]
-M7_RUN = ["qemu-system-arm", "-M", "mps2-an500", "-nographic", "-monitor", "none", "-serial", "none",
-          "-chardev", "stdio,id=console"]
+M7_RUN = [
+    "qemu-system-arm",
+    "-M",
+    "mps2-an500",
+    "-nographic",
+    "-monitor",
+    "none",
+    "-serial",
+    "none",
+    "-chardev",
+    "stdio,id=console",
+]
 
 # Machine -> gcc, clang's target, how to run a program.
 MACHINES = {
@@ -66,8 +77,15 @@ def variants(short):
 
 def run(command, time_limit_s=TIME_LIMIT_S):
     """(exit code, standard output, standard error) as text."""
-    done = subprocess.run(command, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                          timeout=time_limit_s, check=False)
+    done = subprocess.run(
+        command,
+        cwd=ROOT,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        timeout=time_limit_s,
+        check=False,
+    )
     return done.returncode, done.stdout.decode("utf-8", "replace"), done.stderr.decode("utf-8", "replace")
 
 
@@ -76,20 +94,33 @@ def compile_commands(variant, program):
     gcc, target, _ = MACHINES[variant.machine]
     bare = variant.machine == "Cortex-M7"
     machine_flags = M7_FLAGS if bare else []
-    checked = sorted(glob.glob("firmware/core/*.c", root_dir=ROOT)) + ["tools/check/core_hash.c",
-                                                                      "tools/check/core_scenes.c"]
+    checked = sorted(glob.glob("firmware/core/*.c", root_dir=ROOT)) + [
+        "tools/check/core_hash.c",
+        "tools/check/core_scenes.c",
+    ]
     compiler = [gcc] if variant.compiler == "gcc" else ["clang", "--target=" + target]
     if bare and variant.compiler == "clang":
         compiler.append("-fshort-enums")  # as the ABI of the bare gcc has it
     objects = []
     for source in checked:
         objects.append("%s.%s.o" % (program, os.path.basename(source)))
-        yield (compiler + machine_flags + variant.flags + ["-std=c11", "-Wall", "-Wextra", "-Werror", "-ffreestanding",
-                                                           "-I.", "-c", source, "-o", objects[-1]])
+        yield (
+            compiler
+            + machine_flags
+            + variant.flags
+            + ["-std=c11", "-Wall", "-Wextra", "-Werror", "-ffreestanding", "-I.", "-c", source, "-o", objects[-1]]
+        )
     link = [gcc] + machine_flags + ["-std=c11", "-O2", "-I."] + objects
     if bare:
-        link += ["-ffreestanding", "-fno-tree-loop-distribute-patterns", "-nostdlib", "-Wl,--no-warn-execstack", "-T",
-                 "firmware/port/mps2_an500/image.ld", "tools/check/console_semihost.c"]
+        link += [
+            "-ffreestanding",
+            "-fno-tree-loop-distribute-patterns",
+            "-nostdlib",
+            "-Wl,--no-warn-execstack",
+            "-T",
+            "firmware/port/mps2_an500/image.ld",
+            "tools/check/console_semihost.c",
+        ]
         link += sorted(glob.glob("firmware/port/mps2_an500/*.c", root_dir=ROOT)) + ["-lgcc"]
     else:
         link += ["-static", "tools/check/console_stdio.c"]
@@ -154,14 +185,21 @@ def locate(reference, variant):
     scene, tick = left[1], left[2]
     part = next((a for a, b in zip(left[3:], right[3:]) if a != b), "=").split("=")[0]
     question = ["scene", scene, "nodes", tick]
-    expected, got = ([line for line in ask(v, question).splitlines() if line.split()[3:4] == [part]]
-                     for v in (reference, variant))
+    expected, got = (
+        [line for line in ask(v, question).splitlines() if line.split()[3:4] == [part]] for v in (reference, variant)
+    )
     index = first_difference(expected, got)
     if index is None:
         return "scene %s, tick %s, %s" % (scene, tick, part)
     left, right = expected[index].split(), got[index].split()
-    return "scene %s, tick %s, %s, node %s: %s instead of %s" % (scene, tick, part, left[4], " ".join(right[5:]),
-                                                                " ".join(left[5:]))
+    return "scene %s, tick %s, %s, node %s: %s instead of %s" % (
+        scene,
+        tick,
+        part,
+        left[4],
+        " ".join(right[5:]),
+        " ".join(left[5:]),
+    )
 
 
 def judge(reference, variant):

@@ -1,4 +1,5 @@
 """The i.MX RT1062's registers as the crate imxrt-ral describes them: fetched by cargo, read as data, kept under build/ only."""
+
 import os
 import re
 import shutil
@@ -18,7 +19,12 @@ path = "lib.rs"
 TIME_LIMIT_S = 180
 # Debian 12's cargo (1.65) reads the registry's index from a git repository unless told so; later ones read it from the registry.
 SPARSE_SINCE = (1, 68)
-SPARSE = ["--config", 'source.crates-io.replace-with="sparse"', "--config", 'source.sparse.registry="sparse+https://index.crates.io/"']
+SPARSE = [
+    "--config",
+    'source.crates-io.replace-with="sparse"',
+    "--config",
+    'source.sparse.registry="sparse+https://index.crates.io/"',
+]
 
 
 class CannotRead(Exception):
@@ -31,7 +37,9 @@ def vendor_command():
     version = tuple(int(n) for n in re.findall(r"\d+", text)[:2])
     if version >= SPARSE_SINCE:
         return ["cargo", "vendor", "--quiet", "vendor"], dict(os.environ)
-    return ["cargo", "-Z", "sparse-registry", "vendor", "--quiet"] + SPARSE + ["vendor"], dict(os.environ, RUSTC_BOOTSTRAP="1")
+    return ["cargo", "-Z", "sparse-registry", "vendor", "--quiet"] + SPARSE + ["vendor"], dict(
+        os.environ, RUSTC_BOOTSTRAP="1"
+    )
 
 
 def fetch(folder):
@@ -47,20 +55,32 @@ def fetch(folder):
             file.write(text)
     try:
         command, environment = vendor_command()
-        done = subprocess.run(command, env=environment, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=TIME_LIMIT_S,
-                              check=False, universal_newlines=True)
+        done = subprocess.run(
+            command,
+            env=environment,
+            cwd=folder,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            timeout=TIME_LIMIT_S,
+            check=False,
+            universal_newlines=True,
+        )
     except subprocess.TimeoutExpired as error:
         raise CannotRead("cargo vendor took more than %d s: is crates.io reachable?" % TIME_LIMIT_S) from error
     if done.returncode != 0 or not os.path.isdir(source):
-        raise CannotRead("cargo vendor could not fetch %s %s; is crates.io reachable? It says: %s" %
-                         (CRATE, VERSION, done.stdout.strip()[-300:]))
+        raise CannotRead(
+            "cargo vendor could not fetch %s %s; is crates.io reachable? It says: %s"
+            % (CRATE, VERSION, done.stdout.strip()[-300:])
+        )
     return source
 
 
 # --- the generated Rust source: modules with constants and a RegisterBlock each -----------------------------------------
 MODULE = re.compile(r"^(\s*)pub mod (\w+) \{$")
-MEMBER = re.compile(r"^\s*(?:pub )?(\w+): (?:crate::\w+Register<u(8|16|32)>|\[u8; (\w+)\]|\[crate::\w+Register<u(8|16|32)>; (\d+)usize\]|"
-                    r"\[(\w+)::RegisterBlock; (\d+)usize\]|(\w+)::RegisterBlock),$")
+MEMBER = re.compile(
+    r"^\s*(?:pub )?(\w+): (?:crate::\w+Register<u(8|16|32)>|\[u8; (\w+)\]|\[crate::\w+Register<u(8|16|32)>; (\d+)usize\]|"
+    r"\[(\w+)::RegisterBlock; (\d+)usize\]|(\w+)::RegisterBlock),$"
+)
 VALUE = re.compile(r"pub const (\w+): u(?:8|16|32) = (.+?)(?: << offset)?;")
 DOC = re.compile(r'#\[doc = "(.*)"\]')
 
@@ -103,7 +123,9 @@ class Block:
     def take_value(self, path, name, text, doc):
         if len(path) >= 2 and name in ("offset", "mask"):
             shift, mask = self.fields.setdefault(path[-2], {}).get(path[-1], (0, 0))
-            self.fields[path[-2]][path[-1]] = (number(text), mask) if name == "offset" else (shift, number(text).bit_length())
+            self.fields[path[-2]][path[-1]] = (
+                (number(text), mask) if name == "offset" else (shift, number(text).bit_length())
+            )
         elif len(path) >= 3 and path[-1] in ("R", "W", "RW"):
             self.values.setdefault(path[-3], {}).setdefault(path[-2], {})[number(text)] = doc
 

@@ -1,4 +1,5 @@
 """Which files of the board's port were held against the chip's description, by their digests (check_registers.py writes it)."""
+
 import hashlib
 import os
 
@@ -10,7 +11,11 @@ STAMP = PORT + "registers.checked"
 
 def digests():
     """{path: SHA-256} of every C file and header of the port."""
-    return {path: hashlib.sha256(tree.read(path).encode()).hexdigest() for path in tree.files(".c", ".h") if path.startswith(PORT)}
+    return {
+        path: hashlib.sha256(tree.read(path).encode()).hexdigest()
+        for path in tree.files(".c", ".h")
+        if path.startswith(PORT)
+    }
 
 
 def write(description):

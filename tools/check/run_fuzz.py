@@ -10,6 +10,7 @@ BUILD/test/NAME is the fuzz program, BUILD/test/NAME_seeds DIRECTORY writes its 
 run found: one input per line, in base64. What the fuzzer learns is kept in BUILD/corpus/NAME; an input that crashes is kept
 under out/fuzz and the command to reproduce it is printed.
 """
+
 import argparse
 import base64
 import concurrent.futures
@@ -58,15 +59,19 @@ def keep_corpus(build, name):
     with tempfile.TemporaryDirectory() as folder:
         control, merged = os.path.join(folder, "control"), os.path.join(folder, "merged")
         os.mkdir(merged)
-        done = subprocess.run([program, "-merge=1", "-merge_control_file=" + control, "-max_len=%d" % INPUT_BYTES_MAX,
-                               merged, learnt],
-                              stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+        done = subprocess.run(
+            [program, "-merge=1", "-merge_control_file=" + control, "-max_len=%d" % INPUT_BYTES_MAX, merged, learnt],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            check=False,
+        )
         if done.returncode != 0:
             return False, done.stdout.decode("utf-8", "replace")
         with open(control, encoding="utf-8") as file:
             lines = file.read().splitlines()
-        files = lines[2:2 + int(lines[0])]
-        for words in (line.split() for line in lines[2 + len(files):]):
+        files = lines[2 : 2 + int(lines[0])]
+        for words in (line.split() for line in lines[2 + len(files) :]):
             if words[0] != "COV" or len(words) < 3:
                 continue
             with open(files[int(words[1])], "rb") as file:
@@ -87,12 +92,20 @@ def show_coverage(build, name):
         if problem:
             return False, problem
         write_corpus(name, corpus)
-        steps = [[program, "-runs=0", "-max_len=%d" % INPUT_BYTES_MAX, corpus],
-                 ["llvm-profdata", "merge", "-o", counts, counts + ".raw"],
-                 ["llvm-cov", "export", "-summary-only", "-instr-profile=" + counts, program]]
+        steps = [
+            [program, "-runs=0", "-max_len=%d" % INPUT_BYTES_MAX, corpus],
+            ["llvm-profdata", "merge", "-o", counts, counts + ".raw"],
+            ["llvm-cov", "export", "-summary-only", "-instr-profile=" + counts, program],
+        ]
         for step in steps:
-            done = subprocess.run(step, env=dict(os.environ, LLVM_PROFILE_FILE=counts + ".raw"), stdin=subprocess.DEVNULL,
-                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False)
+            done = subprocess.run(
+                step,
+                env=dict(os.environ, LLVM_PROFILE_FILE=counts + ".raw"),
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                check=False,
+            )
             if done.returncode != 0:
                 return False, "%s: %s" % (" ".join(step), done.stderr.decode("utf-8", "replace"))
         inputs = len(os.listdir(corpus))
@@ -123,15 +136,28 @@ def run_target(build, name, seconds, executions=0):
     write_corpus(name, corpus)
     limit = "-runs=%d" % executions if executions else "-max_total_time=%d" % seconds
     prefix = os.path.join(CRASH_FOLDER, os.path.basename(name) + "-")
-    command = [program, limit, "-max_len=%d" % INPUT_BYTES_MAX, "-entropic_scale_per_exec_time=1",
-               "-timeout=%d" % INPUT_TIME_LIMIT_S, "-print_final_stats=1",
-               "-rss_limit_mb=%d" % RSS_LIMIT_MB, "-artifact_prefix=" + prefix, corpus]
-    done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+    command = [
+        program,
+        limit,
+        "-max_len=%d" % INPUT_BYTES_MAX,
+        "-entropic_scale_per_exec_time=1",
+        "-timeout=%d" % INPUT_TIME_LIMIT_S,
+        "-print_final_stats=1",
+        "-rss_limit_mb=%d" % RSS_LIMIT_MB,
+        "-artifact_prefix=" + prefix,
+        corpus,
+    ]
+    done = subprocess.run(
+        command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False
+    )
     lines = done.stdout.decode("utf-8", "replace").splitlines()
     if done.returncode == 0:
         runs = [line.rsplit(":", 1)[1].strip() for line in lines if "number_of_executed_units" in line]
         edges = [found.group(1) for found in (re.search(r" cov: (\d+) ", line) for line in lines) if found]
-        return True, "%s inputs, nothing found, %s edges reached" % (runs[0] if runs else "?", edges[-1] if edges else "?")
+        return True, "%s inputs, nothing found, %s edges reached" % (
+            runs[0] if runs else "?",
+            edges[-1] if edges else "?",
+        )
     text = lines[-OUTPUT_LINES:]
     for line in lines:
         written = re.search(r"Test unit written to (\S+)", line)
@@ -144,15 +170,20 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", default="build/fuzz", help="build folder (default: build/fuzz)")
     parser.add_argument("--seconds", type=int, default=60, help="time per target (default: 60)")
-    parser.add_argument("--executions", type=int, default=0, help="inputs per target instead of a time (default: 0, none)")
+    parser.add_argument(
+        "--executions", type=int, default=0, help="inputs per target instead of a time (default: 0, none)"
+    )
     parser.add_argument("--coverage", action="store_true", help="only show what the committed corpus reaches")
     parser.add_argument("--keep", action="store_true", help="only write what was learnt to NAME.corpus")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="targets at a time (default: cores)")
     parser.add_argument("names", nargs="*", metavar="NAME")
     options = parser.parse_args()
     if options.seconds < 1 or options.executions < 0:
-        print("run_fuzz: --seconds must be at least 1 and --executions at least 0, not %d and %d"
-              % (options.seconds, options.executions), file=sys.stderr)
+        print(
+            "run_fuzz: --seconds must be at least 1 and --executions at least 0, not %d and %d"
+            % (options.seconds, options.executions),
+            file=sys.stderr,
+        )
         return 2
     if not options.names:
         print("run_fuzz: no fuzz targets (fuzz_*.c) found", file=sys.stderr)
@@ -164,8 +195,10 @@ def main():
     with concurrent.futures.ThreadPoolExecutor(max(1, options.jobs)) as pool:
         futures = {pool.submit(work, options.build, name, *arguments): name for name in options.names}
         each = "%d inputs each" % options.executions if options.executions else "%d s each" % options.seconds
-        print("%d targets, %s, %d at a time" % (len(futures), each if arguments else "corpus only", max(1, options.jobs)),
-              flush=True)
+        print(
+            "%d targets, %s, %d at a time" % (len(futures), each if arguments else "corpus only", max(1, options.jobs)),
+            flush=True,
+        )
         for future in concurrent.futures.as_completed(futures):
             ok, text = future.result()
             found += not ok

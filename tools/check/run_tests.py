@@ -8,6 +8,7 @@ BUILD/fuzz/test/NAME for --fuzz). Every program and script prints TAP: a plan `1
 that is missing, crashes, runs past its time or breaks its plan counts as one failed test, whatever else it said.
 Lines that begin with `#- ` are figures, shown below their program's line. The last line is `N passed, N failed, N skipped`; the exit code is 1 when something failed or nothing ran.
 """
+
 import argparse
 import concurrent.futures
 import os
@@ -103,8 +104,14 @@ def run_program(title, command, environment, time_limit_s=TIME_LIMIT_S):
     if not os.access(command[0], os.X_OK):
         outcome.fail("(did not build, or is not executable: %s)" % command[0])
         return outcome
-    with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                          env=environment, start_new_session=True) as process:
+    with subprocess.Popen(
+        command,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        env=environment,
+        start_new_session=True,
+    ) as process:
         try:
             output, _ = process.communicate(timeout=time_limit_s)
             ended = True
@@ -142,9 +149,13 @@ def make_jobs(options):
     environment = dict(os.environ, BUILD=options.build, CMOCKA_MESSAGE_OUTPUT="TAP", PACKAGES="skip")
     for variable in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL", "CMOCKA_XML_FILE"):
         environment.pop(variable, None)
-    sanitized = dict(environment, BUILD=os.path.join(options.build, "san"),
-                     ASAN_OPTIONS="detect_stack_use_after_return=1:strict_string_checks=1",
-                     UBSAN_OPTIONS="print_stacktrace=1", CRN_SANITIZED="1")
+    sanitized = dict(
+        environment,
+        BUILD=os.path.join(options.build, "san"),
+        ASAN_OPTIONS="detect_stack_use_after_return=1:strict_string_checks=1",
+        UBSAN_OPTIONS="print_stacktrace=1",
+        CRN_SANITIZED="1",
+    )
     jobs = [(run_program, (path, [os.path.join(".", path)], environment)) for path in options.scripts]
     for name in options.programs:
         jobs.append((run_program, (name, [os.path.join(options.build, "test", name)], environment)))

@@ -1,4 +1,5 @@
 """Runs shipped sessions for tests that print TAP: with their turns, and with these left out."""
+
 import os
 import re
 import shutil
@@ -55,8 +56,9 @@ class Sessions:
 
     def call(self, program, *words):
         """Exit code and everything said."""
-        done = subprocess.run([f"{BUILD}/bin/{program}", *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                              text=True, check=False)
+        done = subprocess.run(
+            [f"{BUILD}/bin/{program}", *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False
+        )
         return done.returncode, done.stdout
 
     def scene(self, anatomy, lesion=None):
@@ -109,8 +111,17 @@ class Sessions:
         path = f"{self.folder}/{change}.toml"
         with open(path, "w", encoding="utf-8") as file:
             file.write(text)
-        code, said = self.call("cournand", "run", "--quiet", "--scene", scene, "--tool", path, "--session",
-                               f"shared/examples/{name}.session")
+        code, said = self.call(
+            "cournand",
+            "run",
+            "--quiet",
+            "--scene",
+            scene,
+            "--tool",
+            path,
+            "--session",
+            f"shared/examples/{name}.session",
+        )
         self.result(code == 0, f"{name.split('/')[1]}_reaches_its_end_with_{change}", said)
 
     def end(self):

@@ -1,4 +1,5 @@
 """Runs functions that return whether their claim holds, for tests that print TAP."""
+
 import sys
 
 

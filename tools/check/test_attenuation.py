@@ -3,6 +3,7 @@
 
 Nothing is skipped: without the library (Debian's libxrl11, section [test] of tools/packages.txt) the test fails and says so.
 """
+
 import difflib
 import subprocess
 import sys
@@ -24,8 +25,10 @@ def main():
     run = subprocess.run([sys.executable, SCRIPT], cwd=tree.ROOT, capture_output=True, text=True, timeout=60)
     faults = differences(stored, run.stdout) if run.returncode == 0 else (run.stderr or "no message").splitlines()[-3:]
     report.check("the attenuation tables are those that their script makes", faults)
-    report.check("one changed digit is found", [] if differences(stored.replace("1.4247f", "1.4248f", 1), stored)
-                 else ["nothing said of a changed value"])
+    report.check(
+        "one changed digit is found",
+        [] if differences(stored.replace("1.4247f", "1.4248f", 1), stored) else ["nothing said of a changed value"],
+    )
     report.end()
 
 

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """tools/bench/run_peers.py compares what its programs print and says what is wrong. Shown with small programs in place of
 ours and of the peers', and with a package index that cannot be reached. Prints TAP."""
+
 import os
 import subprocess
 import tempfile
@@ -8,8 +9,10 @@ import tempfile
 import tree
 
 RUN_PEERS = os.path.join(tree.ROOT, "tools", "bench", "run_peers.py")
-LINE = ("code=%s version=1 scene=%s step_us=1000 us_per_ms_min=%s us_per_ms_median=%s contacts=9 length_error_pct=%s "
-        "tip_x_mm=460.96 tip_z_mm=-180.83 elements=256 bend_N_m2=0.00184791 mass_g_per_m=4.8836 friction=0.2 drag_per_s=20")
+LINE = (
+    "code=%s version=1 scene=%s step_us=1000 us_per_ms_min=%s us_per_ms_median=%s contacts=9 length_error_pct=%s "
+    "tip_x_mm=460.96 tip_z_mm=-180.83 elements=256 bend_N_m2=0.00184791 mass_g_per_m=4.8836 friction=0.2 drag_per_s=20"
+)
 
 
 def line(code, scene, time_us, length_error_pct="0.01"):
@@ -17,8 +20,11 @@ def line(code, scene, time_us, length_error_pct="0.01"):
 
 
 OURS = {"free": line("cournand", "free", 40), "tube": line("cournand", "tube", 50)}
-PEERS = {("peer_mujoco.py", "free"): line("mujoco", "free", 900), ("peer_mujoco.py", "tube"): line("mujoco", "tube", 1000),
-         ("peer_elastica.py", "free"): line("pyelastica", "free", 90000)}
+PEERS = {
+    ("peer_mujoco.py", "free"): line("mujoco", "free", 900),
+    ("peer_mujoco.py", "tube"): line("mujoco", "tube", 1000),
+    ("peer_elastica.py", "free"): line("pyelastica", "free", 90000),
+}
 
 
 def write_program(path, text):
@@ -31,12 +37,32 @@ def write_program(path, text):
 def run(ours, peers, environment=None):
     """Exit code, output and table of run_peers.py with stand-ins that print the given lines."""
     with tempfile.TemporaryDirectory() as folder:
-        write_program(folder + "/ours", "case $1 in %s esac" % "".join("%s) echo '%s';;" % item for item in ours.items()))
-        write_program(folder + "/peers/bin/python", "case $1:$2 in -c:*) ;; %s esac" % "".join(
-            "*%s:%s) echo '%s';;" % (name, scene, text) for (name, scene), text in peers.items()))
-        done = subprocess.run([RUN_PEERS, "--ours", folder + "/ours", "--environment", environment or folder + "/peers",
-                               "--repeats", "2", "--output", folder + "/table.tsv"], stdout=subprocess.PIPE,
-                              stderr=subprocess.STDOUT, text=True, check=False, env=dict(os.environ, PIP_NO_INDEX="1"))
+        write_program(
+            folder + "/ours", "case $1 in %s esac" % "".join("%s) echo '%s';;" % item for item in ours.items())
+        )
+        write_program(
+            folder + "/peers/bin/python",
+            "case $1:$2 in -c:*) ;; %s esac"
+            % "".join("*%s:%s) echo '%s';;" % (name, scene, text) for (name, scene), text in peers.items()),
+        )
+        done = subprocess.run(
+            [
+                RUN_PEERS,
+                "--ours",
+                folder + "/ours",
+                "--environment",
+                environment or folder + "/peers",
+                "--repeats",
+                "2",
+                "--output",
+                folder + "/table.tsv",
+            ],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            check=False,
+            env=dict(os.environ, PIP_NO_INDEX="1"),
+        )
         table = tree.read(folder + "/table.tsv") if os.path.exists(folder + "/table.tsv") else ""
     return done.returncode, done.stdout, table
 
@@ -50,24 +76,60 @@ def expect(report, name, got, code, *texts):
 
 def main():
     report = tree.Report()
-    expect(report, "the ratio of every peer is printed and the figures are written", run(OURS, PEERS), 0,
-           "mujoco / cournand, tube: 19.6 by medians, 20.0 by minima (bar 10)",
-           "pyelastica / cournand, free: 2195.1 by medians, 2250.0 by minima (bar 1000)", "mujoco\t1\ttube\t1000\t1000\t1001")
-    expect(report, "a ratio below its bar fails",
-           run(dict(OURS, tube=line("cournand", "tube", 150)), PEERS), 1, "below the bar of 10")
-    expect(report, "a peer that is more accurate than ours fails",
-           run(dict(OURS, tube=line("cournand", "tube", 50, "-0.5")), PEERS), 1, "not at equal accuracy")
-    expect(report, "codes that simulate different rods fail",
-           run(dict(OURS, free=OURS["free"].replace("elements=256", "elements=128")), PEERS), 1,
-           "elements is not the same for all codes: 128, 256")
-    expect(report, "a line without a figure is named", run(dict(OURS, free=OURS["free"].replace("contacts=9", "")), PEERS), 1,
-           "has no contacts")
-    expect(report, "a figure that is no number is named",
-           run(dict(OURS, free=OURS["free"].replace("contacts=9", "contacts=many")), PEERS), 1, "contacts=many is no number")
+    expect(
+        report,
+        "the ratio of every peer is printed and the figures are written",
+        run(OURS, PEERS),
+        0,
+        "mujoco / cournand, tube: 19.6 by medians, 20.0 by minima (bar 10)",
+        "pyelastica / cournand, free: 2195.1 by medians, 2250.0 by minima (bar 1000)",
+        "mujoco\t1\ttube\t1000\t1000\t1001",
+    )
+    expect(
+        report,
+        "a ratio below its bar fails",
+        run(dict(OURS, tube=line("cournand", "tube", 150)), PEERS),
+        1,
+        "below the bar of 10",
+    )
+    expect(
+        report,
+        "a peer that is more accurate than ours fails",
+        run(dict(OURS, tube=line("cournand", "tube", 50, "-0.5")), PEERS),
+        1,
+        "not at equal accuracy",
+    )
+    expect(
+        report,
+        "codes that simulate different rods fail",
+        run(dict(OURS, free=OURS["free"].replace("elements=256", "elements=128")), PEERS),
+        1,
+        "elements is not the same for all codes: 128, 256",
+    )
+    expect(
+        report,
+        "a line without a figure is named",
+        run(dict(OURS, free=OURS["free"].replace("contacts=9", "")), PEERS),
+        1,
+        "has no contacts",
+    )
+    expect(
+        report,
+        "a figure that is no number is named",
+        run(dict(OURS, free=OURS["free"].replace("contacts=9", "contacts=many")), PEERS),
+        1,
+        "contacts=many is no number",
+    )
     expect(report, "a program that prints nothing is named", run({}, PEERS), 1, "has no code")
     with tempfile.TemporaryDirectory() as folder:
-        expect(report, "without a network it says what is missing and that nothing else needs it",
-               run(OURS, PEERS, folder + "/none"), 1, "it takes a network", "Nothing else of the project needs them")
+        expect(
+            report,
+            "without a network it says what is missing and that nothing else needs it",
+            run(OURS, PEERS, folder + "/none"),
+            1,
+            "it takes a network",
+            "Nothing else of the project needs them",
+        )
     report.end()
 
 

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """tools/bench/run_xray_peers.py compares pictures and times and says what is wrong. Shown with small programs in place of ours
 and of the peer's, and with a package index that cannot be reached. Prints TAP."""
+
 import os
 import struct
 import subprocess
@@ -30,12 +31,34 @@ def run(theirs, ours_ms=10.0, theirs_ms=200.0, ours_values=None, environment=Non
     with tempfile.TemporaryDirectory() as folder:
         write_picture(folder + "/a", ours_values or [0.5] * PIXELS)
         write_picture(folder + "/b", theirs)
-        write_program(folder + "/ours", "cp %s/a $2/ours_0.f32; echo '%s'" % (folder, LINE % ("cournand", 9, 10, ours_ms)))
-        write_program(folder + "/peers/bin/python", "case $1 in -c) ;; *) cp %s/b $2/gvxr_0.f32; echo noise; echo '%s';; esac"
-                      % (folder, LINE % ("gvxr", 90, 100, theirs_ms)))
-        done = subprocess.run([RUN, "--ours", folder + "/ours", "--bodies", "none", "--size", "64", "--environment",
-                               environment or folder + "/peers", "--output", folder + "/table.tsv"], stdout=subprocess.PIPE,
-                              stderr=subprocess.STDOUT, text=True, check=False, env=dict(os.environ, PIP_NO_INDEX="1"))
+        write_program(
+            folder + "/ours", "cp %s/a $2/ours_0.f32; echo '%s'" % (folder, LINE % ("cournand", 9, 10, ours_ms))
+        )
+        write_program(
+            folder + "/peers/bin/python",
+            "case $1 in -c) ;; *) cp %s/b $2/gvxr_0.f32; echo noise; echo '%s';; esac"
+            % (folder, LINE % ("gvxr", 90, 100, theirs_ms)),
+        )
+        done = subprocess.run(
+            [
+                RUN,
+                "--ours",
+                folder + "/ours",
+                "--bodies",
+                "none",
+                "--size",
+                "64",
+                "--environment",
+                environment or folder + "/peers",
+                "--output",
+                folder + "/table.tsv",
+            ],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            check=False,
+            env=dict(os.environ, PIP_NO_INDEX="1"),
+        )
     return done.returncode, done.stdout
 
 
@@ -47,16 +70,35 @@ def expect(report, name, got, code, *texts):
 
 def main():
     report = tree.Report()
-    expect(report, "difference and ratios are printed", run([0.502] * PIXELS), 0, "0.400 % over 4096 pixels",
-           "20.0 by processor time (bar 10), 10.0 by medians of the clock")
+    expect(
+        report,
+        "difference and ratios are printed",
+        run([0.502] * PIXELS),
+        0,
+        "0.400 % over 4096 pixels",
+        "20.0 by processor time (bar 10), 10.0 by medians of the clock",
+    )
     expect(report, "a difference above the bar fails", run([0.51] * PIXELS), 1, "view 0 differs by 2.00 %")
-    expect(report, "a ratio below the bar fails", run([0.5] * PIXELS, theirs_ms=90.0), 1, "9.0 times faster, the bar is 10")
-    expect(report, "pixels outside the patient and black ones do not count",
-           run([0.5] + [0.7] * (PIXELS - 1), ours_values=[0.5] + [1.0] * 99 + [5e-5] * (PIXELS - 100)), 0, "0.000 % over 1 pixels")
+    expect(
+        report, "a ratio below the bar fails", run([0.5] * PIXELS, theirs_ms=90.0), 1, "9.0 times faster, the bar is 10"
+    )
+    expect(
+        report,
+        "pixels outside the patient and black ones do not count",
+        run([0.5] + [0.7] * (PIXELS - 1), ours_values=[0.5] + [1.0] * 99 + [5e-5] * (PIXELS - 100)),
+        0,
+        "0.000 % over 1 pixels",
+    )
     expect(report, "a picture of another size is named", run([0.5] * 7), 1, "7 pixels, expected 4096")
     with tempfile.TemporaryDirectory() as folder:
-        expect(report, "without a network it says what is missing and that nothing else needs it",
-               run([0.5] * PIXELS, environment=folder + "/none"), 1, "it takes a network", "Nothing else of the project needs it")
+        expect(
+            report,
+            "without a network it says what is missing and that nothing else needs it",
+            run([0.5] * PIXELS, environment=folder + "/none"),
+            1,
+            "it takes a network",
+            "Nothing else of the project needs it",
+        )
     report.end()
 
 

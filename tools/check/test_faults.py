@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Every fault of shared/wire/wire_faults.def names a test, and that test is there and runs. Prints TAP."""
+
 import re
 
 import tree
@@ -52,7 +53,9 @@ def main():
     faults = faults_of(text)
     tests = tests_of(tree.read(path) for path in tree.files(".c") if path.startswith("firmware/tests/"))
     count = len(re.findall(r"^FAULT\(", text, re.M))
-    report.check("all %d faults of the table were read" % count, [] if len(faults) == count else ["%d read" % len(faults)])
+    report.check(
+        "all %d faults of the table were read" % count, [] if len(faults) == count else ["%d read" % len(faults)]
+    )
     report.check("every fault has its test", missing_tests(faults, tests))
     report.check("every time to safe is within its bar", slow_faults(faults))
     report.end()

@@ -3,6 +3,7 @@
 
 The scene is that of `make coronary`, without what is only seen; that of the angioplasty has its lesion too.
 """
+
 import sessions
 
 if __name__ == "__main__":
@@ -10,6 +11,10 @@ if __name__ == "__main__":
         scene = run.scene("heart")
         run.session("sessions/coronary", scene, ["j_wire", "guide_jl3_6f"])
         run.session("sessions/coronary_right", scene, ["j_wire", "guide_ntr_6f"])
-        run.session("sessions/pci_lad", run.scene("heart", "lad_middle"), ["coronary_014", "balloon_3x20", "guide_jl3_6f"],
-                    "coronary_3_0x18")
+        run.session(
+            "sessions/pci_lad",
+            run.scene("heart", "lad_middle"),
+            ["coronary_014", "balloon_3x20", "guide_jl3_6f"],
+            "coronary_3_0x18",
+        )
         run.end()

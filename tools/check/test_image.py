@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The device's images as `make test` built them: no soft-float, no divide helper, no heap, RAM and stack within their limits. The
 same rules as `make firmware`, which also prints the figures. BUILD is the folder with the build. Prints TAP."""
+
 import contextlib
 import io
 import os
@@ -24,8 +25,24 @@ def linked_sample(text):
     """Forbidden names in a C text linked for the Cortex-M7."""
     with tempfile.TemporaryDirectory() as folder:
         image = os.path.join(folder, "sample.elf")
-        subprocess.run(["arm-none-eabi-gcc", "-mcpu=cortex-m7", "-mthumb", "-O2", "-ffreestanding", "-nostdlib", "-x", "c", "-", "-o",
-                        image, "-lgcc"], input=text.encode(), check=True)
+        subprocess.run(
+            [
+                "arm-none-eabi-gcc",
+                "-mcpu=cortex-m7",
+                "-mthumb",
+                "-O2",
+                "-ffreestanding",
+                "-nostdlib",
+                "-x",
+                "c",
+                "-",
+                "-o",
+                image,
+                "-lgcc",
+            ],
+            input=text.encode(),
+            check=True,
+        )
         return budget.forbidden_symbols(image)
 
 

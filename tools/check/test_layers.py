@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """The include graph has only the arrows listed here (DESIGN: layers point one way). Prints TAP."""
+
 import os
 import re
 
@@ -7,12 +8,30 @@ import tree
 
 # Folder -> what its files may include besides their own folder. The longest matching row counts. An entry is a folder
 # (and below) or one file. CORE_PUBLIC is what the core shows to tools and host.
-CORE_PUBLIC = ["firmware/core/core.h", "firmware/core/lumen.h", "firmware/core/vector.h", "firmware/core/fixed.h",
-               "firmware/core/rhythm.h", "firmware/core/motion.h", "firmware/core/lesion.h"]
+CORE_PUBLIC = [
+    "firmware/core/core.h",
+    "firmware/core/lumen.h",
+    "firmware/core/vector.h",
+    "firmware/core/fixed.h",
+    "firmware/core/rhythm.h",
+    "firmware/core/motion.h",
+    "firmware/core/lesion.h",
+]
 # What the command line of every tool shares.
-COMMAND_LINE = ["host/base/command_values.hpp", "host/base/version.hpp", "host/base/output_files.hpp", "host/base/terminal.hpp"]
+COMMAND_LINE = [
+    "host/base/command_values.hpp",
+    "host/base/version.hpp",
+    "host/base/output_files.hpp",
+    "host/base/terminal.hpp",
+]
 # Tests of a room may use every other; test_usb has a bus of sim ports.
-HOST_TESTS = ["host", "shared", "firmware/port/sim/sim.h", "firmware/core/core.h", "firmware/tests/reference/long_run.h"]
+HOST_TESTS = [
+    "host",
+    "shared",
+    "firmware/port/sim/sim.h",
+    "firmware/core/core.h",
+    "firmware/tests/reference/long_run.h",
+]
 ALLOWED = {
     "firmware/core": [],
     "firmware/app": ["firmware/core", "shared", "firmware/port/port.h"],
@@ -23,12 +42,31 @@ ALLOWED = {
     "firmware/port/mailbox": ["firmware/port/udc.h", "shared/mailbox"],
     "firmware/port/sim": ["firmware/app", "firmware/port/port.h"],
     "firmware/port/mps2_an500": [],
-    "firmware/port/mps2_an500/device": ["firmware/app", "firmware/port/port.h", "firmware/port/console_digits.h", "firmware/port/mps2_an500", "firmware/port/usb",
-                                        "firmware/port/mailbox", "shared/mailbox"],
-    "firmware/port/imxrt1062": ["firmware/app", "firmware/port/port.h", "firmware/port/console_digits.h", "firmware/port/udc.h", "firmware/port/usb"],
+    "firmware/port/mps2_an500/device": [
+        "firmware/app",
+        "firmware/port/port.h",
+        "firmware/port/console_digits.h",
+        "firmware/port/mps2_an500",
+        "firmware/port/usb",
+        "firmware/port/mailbox",
+        "shared/mailbox",
+    ],
+    "firmware/port/imxrt1062": [
+        "firmware/app",
+        "firmware/port/port.h",
+        "firmware/port/console_digits.h",
+        "firmware/port/udc.h",
+        "firmware/port/usb",
+    ],
     "firmware/port/libc": [],
     "firmware/tests": ["firmware", "shared"],
-    "firmware/tests/reference": ["firmware/core", "firmware/app", "firmware/port/sim/sim.h", "firmware/port/port.h", "shared"],
+    "firmware/tests/reference": [
+        "firmware/core",
+        "firmware/app",
+        "firmware/port/sim/sim.h",
+        "firmware/port/port.h",
+        "shared",
+    ],
     "firmware/bench": ["firmware", "shared"],
     "shared": [],  # version.h
     "shared/wire": [],
@@ -51,9 +89,39 @@ ALLOWED = {
     "host/rig": ["host/link", "host/room/command.hpp", "host/base", "shared"],
     "host/script": ["host/patient", "host/room", "host/effects", "host/model", "host/base", "shared"],
     # Recordings hold the wire's own records.
-    "host/session": ["host/script", "host/rig", "host/patient", "host/room", "host/stent", "host/effects/pulse.hpp", "host/link", "host/model", "host/base", "shared"],
-    "host/picture": ["host/session/frame_sink.hpp", "host/patient", "host/room", "host/dicom", "host/effects", "host/xray", "host/model", "host/base"],
-    "host/report": ["host/picture/picture.hpp", "host/picture/canvas.hpp", "host/session", "host/patient", "host/room", "host/effects", "host/model", "host/base", "shared"],
+    "host/session": [
+        "host/script",
+        "host/rig",
+        "host/patient",
+        "host/room",
+        "host/stent",
+        "host/effects/pulse.hpp",
+        "host/link",
+        "host/model",
+        "host/base",
+        "shared",
+    ],
+    "host/picture": [
+        "host/session/frame_sink.hpp",
+        "host/patient",
+        "host/room",
+        "host/dicom",
+        "host/effects",
+        "host/xray",
+        "host/model",
+        "host/base",
+    ],
+    "host/report": [
+        "host/picture/picture.hpp",
+        "host/picture/canvas.hpp",
+        "host/session",
+        "host/patient",
+        "host/room",
+        "host/effects",
+        "host/model",
+        "host/base",
+        "shared",
+    ],
     "host/app": ["host", "shared", "firmware/core/core.h"],  # the command line and the window
     "host/bench": ["host", "firmware/bench/bench.h"],
     "host/base/tests": HOST_TESTS,
@@ -70,43 +138,126 @@ ALLOWED = {
     "host/session/tests": HOST_TESTS,
     "host/stent/tests": HOST_TESTS,
     "host/xray/tests": HOST_TESTS,
-    "tools/bake": ["shared", "host/model", "host/base", "tools/mesh", "tools/centreline/tree.hpp", "tools/centreline/formats.hpp"] + CORE_PUBLIC,
+    "tools/bake": [
+        "shared",
+        "host/model",
+        "host/base",
+        "tools/mesh",
+        "tools/centreline/tree.hpp",
+        "tools/centreline/formats.hpp",
+    ]
+    + CORE_PUBLIC,
     "tools/centreline": ["tools/mesh", "host/base/pending_file.hpp", "host/base/guarded_read.hpp"],
     # The window and pictures are the host's, which know nothing of it.
-    "tools/centreline/fit": ["tools/centreline", "tools/bake", "tools/mesh", "host/model", "host/base", "host/picture/picture.hpp",
-                             "host/picture/canvas.hpp", "host/picture/screen.hpp"],
+    "tools/centreline/fit": [
+        "tools/centreline",
+        "tools/bake",
+        "tools/mesh",
+        "host/model",
+        "host/base",
+        "host/picture/picture.hpp",
+        "host/picture/canvas.hpp",
+        "host/picture/screen.hpp",
+    ],
     "tools/centreline/tests": ["tools/centreline", "tools/bake", "tools/mesh", "host/model", "host/base"],
     "tools/anatomy": ["shared", "host/model", "host/base", "tools/mesh", "tools/bake/mesh.hpp"] + CORE_PUBLIC,
     # The readers of all tools, asked by one program for make importers.
-    "tools/importers": ["host/base/version.hpp", "host/base/toml.hpp", "tools/bake/mesh_file.hpp", "tools/centreline/formats.hpp", "tools/ct/volume_io.hpp"],
+    "tools/importers": [
+        "host/base/version.hpp",
+        "host/base/toml.hpp",
+        "tools/bake/mesh_file.hpp",
+        "tools/centreline/formats.hpp",
+        "tools/ct/volume_io.hpp",
+    ],
     "tools/case": ["host/base/toml.hpp", "host/base/pending_file.hpp", "shared/wire/wire.h"],
-    "tools/reference_rod": COMMAND_LINE + ["tools/case", "tools/vcsim3/lumen.hpp", "host/model/instrument.hpp", "host/base/pending_file.hpp", "shared/wire/wire.h"],
+    "tools/reference_rod": COMMAND_LINE
+    + [
+        "tools/case",
+        "tools/vcsim3/lumen.hpp",
+        "host/model/instrument.hpp",
+        "host/base/pending_file.hpp",
+        "shared/wire/wire.h",
+    ],
     "tools/reference_rod/tests": ["tools/reference_rod", "tools/validate/elastica.hpp", "firmware/tests/reference"],
     "tools/case/tests": ["tools/case", "host/base/tests/folder.hpp"],
     # Pictures, tables and the reader of scenes are those of the thesis' baseline; core_rod.cpp owns the core's memory.
-    "tools/calibrate": ["tools/case", "tools/vcsim3", "shared/wire", "host/model", "host/base",
-                        "host/base/progress_line.hpp"] + CORE_PUBLIC,
+    "tools/calibrate": [
+        "tools/case",
+        "tools/vcsim3",
+        "shared/wire",
+        "host/model",
+        "host/base",
+        "host/base/progress_line.hpp",
+    ]
+    + CORE_PUBLIC,
     "tools/calibrate/tests": ["tools/calibrate", "tools/case", "host/model", "host/base", "host/base/tests/folder.hpp"],
-    "tools/ct": ["tools/case", "tools/reference_rod/truth.hpp", "tools/reference_rod/truth_options.hpp", "tools/bake", "tools/mesh", "host/model", "host/base", "host/xray", "host/picture/canvas.hpp"],
+    "tools/ct": [
+        "tools/case",
+        "tools/reference_rod/truth.hpp",
+        "tools/reference_rod/truth_options.hpp",
+        "tools/bake",
+        "tools/mesh",
+        "host/model",
+        "host/base",
+        "host/xray",
+        "host/picture/canvas.hpp",
+    ],
     "tools/ct/tests": ["tools/ct", "tools/case", "tools/bake", "tools/mesh", "host/base/tests/folder.hpp"],
     "tools/mesh": [],
     # core_hash.c owns the core's memory and looks into it; it also runs on a bare board.
-    "tools/validate": COMMAND_LINE + ["firmware/core", "host/base/format.hpp", "host/base/pending_file.hpp"],  # owns the memory of models and states (rig.cpp)
+    "tools/validate": COMMAND_LINE
+    + [
+        "firmware/core",
+        "host/base/format.hpp",
+        "host/base/pending_file.hpp",
+    ],  # owns the memory of models and states (rig.cpp)
     "tools/check": CORE_PUBLIC + ["firmware/core/core_state.h", "firmware/port/mps2_an500"],
     "tools/docs": ["shared/version.h", "shared/wire", "firmware/app/usb/usb_table.def"],
     # Pictures are written by the host's two files for that, which know nothing else of the host.
-    "tools/vcsim3": COMMAND_LINE + ["shared/scene", "host/base/interrupt.hpp", "host/base/pending_file.hpp", "host/picture/picture.hpp", "host/picture/font.hpp"] + CORE_PUBLIC,
+    "tools/vcsim3": COMMAND_LINE
+    + [
+        "shared/scene",
+        "host/base/interrupt.hpp",
+        "host/base/pending_file.hpp",
+        "host/picture/picture.hpp",
+        "host/picture/font.hpp",
+    ]
+    + CORE_PUBLIC,
     "tools/vcsim3/tests": ["tools/vcsim3", "firmware/tests/reference"] + CORE_PUBLIC,
     "hil_tests/plant": ["firmware/port/port.h"],
-    "hil_tests/l0": ["firmware/port/port.h", "firmware/port/sim/sim.h", "hil_tests/plant", "hil_tests/cases/bench.hpp", "host/link"],
-    "hil_tests/l1": ["firmware/port/port.h", "firmware/port/mps2_an500/rig_page.h", "hil_tests/plant", "hil_tests/cases/bench.hpp",
-                     "host/link"],
-    "hil_tests/cases": ["hil_tests/plant", "hil_tests/l0", "hil_tests/l1", "host", "shared", "firmware/tests/reference"],
+    "hil_tests/l0": [
+        "firmware/port/port.h",
+        "firmware/port/sim/sim.h",
+        "hil_tests/plant",
+        "hil_tests/cases/bench.hpp",
+        "host/link",
+    ],
+    "hil_tests/l1": [
+        "firmware/port/port.h",
+        "firmware/port/mps2_an500/rig_page.h",
+        "hil_tests/plant",
+        "hil_tests/cases/bench.hpp",
+        "host/link",
+    ],
+    "hil_tests/cases": [
+        "hil_tests/plant",
+        "hil_tests/l0",
+        "hil_tests/l1",
+        "host",
+        "shared",
+        "firmware/tests/reference",
+    ],
     "hil_tests/cases/tests": ["hil_tests", "host", "firmware/tests/reference/long_run.h"],
     "hil_tests/campaign": ["hil_tests/cases", "hil_tests/l0", "hil_tests/l1", "hil_tests/plant", "host", "shared"],
     "hil_tests/campaign/tests": ["hil_tests"],
     # Whole commands from their command line to their exit code, with the tests' own bus in libusb's place.
-    "hil_tests/lies": ["hil_tests/campaign/faulty_pipe.hpp", "hil_tests/cases/conversation.hpp", "host", "shared", "firmware/port/sim/sim.h"],
+    "hil_tests/lies": [
+        "hil_tests/campaign/faulty_pipe.hpp",
+        "hil_tests/cases/conversation.hpp",
+        "host",
+        "shared",
+        "firmware/port/sim/sim.h",
+    ],
     "hil_tests/lies/tests": ["hil_tests/lies", "firmware/tests/reference/long_run.h"],
     "hil_tests/soak": ["host", "shared"],
     "hil_tests/soak/tests": ["hil_tests/soak", "host"],
@@ -114,7 +265,14 @@ ALLOWED = {
     "hil_tests/plant/tests": ["hil_tests/plant"],
     # Bytes only: reference/client.h is the smallest host, host/app the whole one; tools/bake has the exact referee.
     # test_angioplasty has a sim whose inflator it moves.
-    "hil_tests": ["shared", "hil_tests/usb", "firmware/tests/reference", "firmware/port/sim/sim.h", "host", "tools/bake"],
+    "hil_tests": [
+        "shared",
+        "hil_tests/usb",
+        "firmware/tests/reference",
+        "firmware/port/sim/sim.h",
+        "host",
+        "tools/bake",
+    ],
     "hil_tests/rig": ["hil_tests/plant", "hil_tests/l1", "host"],
     "hil_tests/l2": ["hil_tests/usb"],
     "hil_tests/l3": ["hil_tests/usb"],
@@ -162,11 +320,16 @@ def includes(text):
 
 def check_quoted(path, line, target, row, exists):
     if not exists(target):
-        return "%s:%d: \"%s\" does not exist from the root: includes are root-relative" % (path, line, target)
+        return '%s:%d: "%s" does not exist from the root: includes are root-relative' % (path, line, target)
     if row_of(target, ALLOWED) == row or any(is_below(target, place) for place in ALLOWED[row]):
         return None
-    return "%s:%d: %s may not include %s; allowed: itself%s" % (path, line, row, target,
-                                                            "".join(", " + place for place in ALLOWED[row]))
+    return "%s:%d: %s may not include %s; allowed: itself%s" % (
+        path,
+        line,
+        row,
+        target,
+        "".join(", " + place for place in ALLOWED[row]),
+    )
 
 
 def check_file(path, text, exists):
@@ -210,21 +373,33 @@ def self_test(report):
     def sample(path, text):
         return check_file(path, text, lambda target: True)
 
-    report.catches("an include from core into app is caught", sample("firmware/core/x.c", '#include "firmware/app/app.h"'))
-    report.catches("an include from model into xray is caught", sample("host/model/x.hpp", '\n# include "host/xray/a.hpp"'))
-    report.catches("an include of the core's private header by a tool is caught",
-                   sample("tools/bake/x.cpp", '#include "firmware/core/core_state.h"'))
-    report.catches("an include of one shared library by the other is caught",
-                   sample("shared/wire/x.c", '#include "shared/scene/scene.h"'))
+    report.catches(
+        "an include from core into app is caught", sample("firmware/core/x.c", '#include "firmware/app/app.h"')
+    )
+    report.catches(
+        "an include from model into xray is caught", sample("host/model/x.hpp", '\n# include "host/xray/a.hpp"')
+    )
+    report.catches(
+        "an include of the core's private header by a tool is caught",
+        sample("tools/bake/x.cpp", '#include "firmware/core/core_state.h"'),
+    )
+    report.catches(
+        "an include of one shared library by the other is caught",
+        sample("shared/wire/x.c", '#include "shared/scene/scene.h"'),
+    )
     report.catches("a libc header in the core is caught", sample("firmware/core/x.c", "#include <math.h>"))
     report.catches("a file in an unlisted folder is caught", sample("firmware/new/x.c", ""))
-    report.catches("an include that is not root-relative is caught",
-                   check_file("firmware/core/x.c", '#include "fixed.h"', lambda target: False))
+    report.catches(
+        "an include that is not root-relative is caught",
+        check_file("firmware/core/x.c", '#include "fixed.h"', lambda target: False),
+    )
     report.catches("a cycle of headers is caught", check_cycles({"a.h": ["b.h"], "b.h": ["a.h"]}))
-    report.accepts("allowed arrows and a commented include are accepted",
-                   list(sample("firmware/app/x.c", '#include "firmware/core/core.h"\n#include <string.h>')) +
-                   list(sample("firmware/core/x.c", '/*\n#include <math.h>\n*/')) +
-                   list(check_cycles({"a.h": ["b.h"], "b.h": []})))
+    report.accepts(
+        "allowed arrows and a commented include are accepted",
+        list(sample("firmware/app/x.c", '#include "firmware/core/core.h"\n#include <string.h>'))
+        + list(sample("firmware/core/x.c", "/*\n#include <math.h>\n*/"))
+        + list(check_cycles({"a.h": ["b.h"], "b.h": []})),
+    )
 
 
 def main():
@@ -239,7 +414,10 @@ def main():
     report.check("every include is an arrow listed in the table of layers", findings)
     report.check("no header includes itself", check_cycles(include_graph(paths)))
     lines = tree.read("firmware/port/port.h").count("\n")
-    report.check("what a port implements fits into less than 100 lines", ["firmware/port/port.h has %d" % lines] if lines >= 100 else [])
+    report.check(
+        "what a port implements fits into less than 100 lines",
+        ["firmware/port/port.h has %d" % lines] if lines >= 100 else [],
+    )
     report.end()
 
 

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """tools/check/matrix.py in its short form: five machines, 32 and 64 bits, both byte orders, one hash; and a machine that
 computes one bit differently is found, with its tick, part and node. The long form is `make matrix`. Prints TAP."""
+
 import os
 import subprocess
 
@@ -12,8 +13,9 @@ BREAKS = [("1203", "feed", "0"), ("2", "solve", "7"), ("3001", "friction", "9")]
 
 def matrix(*arguments):
     """(exit code, table lines, everything printed)"""
-    done = subprocess.run([MATRIX] + list(arguments), cwd=tree.ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                          check=False)
+    done = subprocess.run(
+        [MATRIX] + list(arguments), cwd=tree.ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False
+    )
     text = done.stdout.decode("utf-8", "replace")
     return done.returncode, text.splitlines(), text
 
@@ -41,8 +43,10 @@ def main():
     report = tree.Report()
     report.check("x86-64, x86-32, Cortex-M7, s390x and riscv64 give one hash", same_hash())
     for tick, part, node in BREAKS:
-        report.check("one wrong bit at tick %s in '%s' of node %s is found there" % (tick, part, node),
-                     break_is_found(tick, part, node))
+        report.check(
+            "one wrong bit at tick %s in '%s' of node %s is found there" % (tick, part, node),
+            break_is_found(tick, part, node),
+        )
     report.check("a variant that does not exist is a usage error", usage_error())
     report.end()
 

@@ -4,6 +4,7 @@ state; and every generated file is what its generator writes. Prints TAP.
 
 The core is compiled three ways into a temporary folder: 64-bit x86 (gcc -O3, as shipped), 32-bit x86 and Cortex-M7
 (clang, -O2), since 64-bit machines hide a division that a 32-bit one does by calling a helper."""
+
 import os
 import re
 import subprocess
@@ -27,8 +28,13 @@ def compile_to(folder, command, sources):
     objects, findings = [], []
     for source in sources:
         target = os.path.join(folder, source.replace("/", "_") + ".o")
-        done = subprocess.run(command + FLAGS + [source, "-o", target], cwd=tree.ROOT, stdout=subprocess.PIPE,
-                              stderr=subprocess.STDOUT, check=False)
+        done = subprocess.run(
+            command + FLAGS + [source, "-o", target],
+            cwd=tree.ROOT,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            check=False,
+        )
         if done.returncode == 0:
             objects.append(target)
         else:
@@ -71,21 +77,51 @@ def check_sample(report, name, text, rule, command):
 
 def self_test(report):
     head = "#include <stdint.h>\n"
-    check_sample(report, "a 64-bit division is caught on x86-32",
-                 head + "uint64_t f(uint64_t a, uint64_t b) { return a / b; }\n", foreign_calls, TARGETS["x86-32"])
-    check_sample(report, "a 64-bit division is caught on Cortex-M7",
-                 head + "int64_t f(int64_t a, int64_t b) { return a / b; }\n", foreign_calls, TARGETS["Cortex-M7"])
-    check_sample(report, "soft double arithmetic is caught on Cortex-M7", "double f(double a) { return a * 3.0; }\n",
-                 foreign_calls, TARGETS["Cortex-M7"][:2] + ["-mfloat-abi=soft", "-O2"])
-    check_sample(report, "a call of libm is caught", "extern int sqrtf_like(int);\nint f(int a) { return sqrtf_like(a); }\n",
-                 foreign_calls, TARGETS["x86-64"])
-    check_sample(report, "writable global data is caught", "static int count;\nint f(void) { return ++count; }\n",
-                 global_state, TARGETS["x86-64"])
+    check_sample(
+        report,
+        "a 64-bit division is caught on x86-32",
+        head + "uint64_t f(uint64_t a, uint64_t b) { return a / b; }\n",
+        foreign_calls,
+        TARGETS["x86-32"],
+    )
+    check_sample(
+        report,
+        "a 64-bit division is caught on Cortex-M7",
+        head + "int64_t f(int64_t a, int64_t b) { return a / b; }\n",
+        foreign_calls,
+        TARGETS["Cortex-M7"],
+    )
+    check_sample(
+        report,
+        "soft double arithmetic is caught on Cortex-M7",
+        "double f(double a) { return a * 3.0; }\n",
+        foreign_calls,
+        TARGETS["Cortex-M7"][:2] + ["-mfloat-abi=soft", "-O2"],
+    )
+    check_sample(
+        report,
+        "a call of libm is caught",
+        "extern int sqrtf_like(int);\nint f(int a) { return sqrtf_like(a); }\n",
+        foreign_calls,
+        TARGETS["x86-64"],
+    )
+    check_sample(
+        report,
+        "writable global data is caught",
+        "static int count;\nint f(void) { return ++count; }\n",
+        global_state,
+        TARGETS["x86-64"],
+    )
 
 
 def stale(script):
-    done = subprocess.run([os.path.join(tree.ROOT, script), "--check"], cwd=tree.ROOT, stdout=subprocess.PIPE,
-                          stderr=subprocess.STDOUT, check=False)
+    done = subprocess.run(
+        [os.path.join(tree.ROOT, script), "--check"],
+        cwd=tree.ROOT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        check=False,
+    )
     if done.returncode != 0:
         yield done.stdout.decode("utf-8", "replace").strip()
 
@@ -101,7 +137,9 @@ def main():
             report.check("the core compiles freestanding for " + name, findings)
             report.check("the core calls nothing but itself and memcpy on " + name, foreign_calls(objects))
             report.check("the core has no writable global data on " + name, global_state(objects))
-    report.check("the tables of the core are what tools/check/make_tables.py writes", stale("tools/check/make_tables.py"))
+    report.check(
+        "the tables of the core are what tools/check/make_tables.py writes", stale("tools/check/make_tables.py")
+    )
     report.end()
 
 

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """What the documents show of a program's output is what it prints, and versions that they name are today's."""
+
 import os
 import re
 import sys
@@ -46,7 +47,11 @@ def main():
     cut = mark + "    $ %s\n    version 14\n    ...\n    last 3\n" % command
     claim(examined(cut) == (cut, []), "lines may be left out between those that are shown")
     claim(len(examined(good.replace("    last 3\n", ""))[1]) == 1, "a line that is missing at the end is found")
-    claim(named_cores("    core version 3\ntext of core version 4\n    a: core 14, protocol 4.0") == [("3", ""), ("", "14")], "versions in transcripts are seen")
+    claim(
+        named_cores("    core version 3\ntext of core version 4\n    a: core 14, protocol 4.0")
+        == [("3", ""), ("", "14")],
+        "versions in transcripts are seen",
+    )
 
     found, blocks, cores = [], 0, []
     for name in ["README.md"] + sorted("docs/" + n for n in os.listdir("docs") if n.endswith(".md")):
@@ -54,8 +59,14 @@ def main():
             text = file.read()
         blocks += len(list(printed.blocks(text.split("\n"))))
         found += printed.examine(name, os.environ.get("BUILD", "build"))[1]
-        cores += ["%s names core %s" % (name, a or b) for a, b in named_cores(text) if (a or b) != pictures.core_version()]
-    claim(blocks > 0 and not found, "every marked block of the documents is what its command prints", "\n".join(found) or "no block")
+        cores += [
+            "%s names core %s" % (name, a or b) for a, b in named_cores(text) if (a or b) != pictures.core_version()
+        ]
+    claim(
+        blocks > 0 and not found,
+        "every marked block of the documents is what its command prints",
+        "\n".join(found) or "no block",
+    )
     claim(not cores, "transcripts name today's core", "\n".join(cores))
     print("1..%d" % count)
     return 1 if failed else 0

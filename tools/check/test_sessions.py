@@ -4,6 +4,7 @@
 Anatomy and scene are made as `make run` makes them, but for what is only seen: the scene is the same to the byte. The renal angioplasty has a scene of its own, with its lesion. The sessions of the heart are run by
 test_heart_sessions.py, the short angioplasties by hil_tests/test_pci.cpp.
 """
+
 import sessions
 
 AORTA = ["j_wire"]
@@ -23,7 +24,11 @@ CASES = {  # session: tools
 CHANGES = {
     "a_tenth_more_friction": {"value = 0.1,": "value = 0.11,", "value = 0.12,": "value = 0.132,"},
     "a_stiffer_shaft": {"2.9e-4,": "3.1e-4,"},
-    "a_softer_shaft_with_less_friction": {"2.9e-4,": "2.7e-4,", "value = 0.1,": "value = 0.09,", "value = 0.12,": "value = 0.108,"},
+    "a_softer_shaft_with_less_friction": {
+        "2.9e-4,": "2.7e-4,",
+        "value = 0.1,": "value = 0.09,",
+        "value = 0.12,": "value = 0.108,",
+    },
 }
 
 if __name__ == "__main__":
@@ -32,8 +37,12 @@ if __name__ == "__main__":
         run.session("sessions/free_space", "", AORTA)
         for name, tools in CASES.items():
             run.session(name, scene, tools)
-        run.session("sessions/pci_renal", run.scene("aorta", "renal_ostium"), ["terumo_stiff_angled", "balloon_6x20", "guide_jr4_6f"],
-                    "renal_6_0x18")
+        run.session(
+            "sessions/pci_renal",
+            run.scene("aorta", "renal_ostium"),
+            ["terumo_stiff_angled", "balloon_6x20", "guide_jr4_6f"],
+            "renal_6_0x18",
+        )
         for name, changes in CHANGES.items():
             run.changed("sessions/demo", scene, "j_wire", name, changes)
         run.end()

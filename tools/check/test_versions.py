@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Every program says its version, and the changelog has it. Prints TAP."""
+
 import os
 import re
 import subprocess
@@ -7,8 +8,20 @@ import subprocess
 import tree
 
 BUILD = os.path.join(tree.ROOT, os.environ.get("BUILD", "build"), "bin")
-NAMES = ("cournand", "anatomy", "bake", "calibrate", "centreline", "ct", "docs", "reference_rod", "validate", "vcsim3", "hil",
-         "hil_rig")
+NAMES = (
+    "cournand",
+    "anatomy",
+    "bake",
+    "calibrate",
+    "centreline",
+    "ct",
+    "docs",
+    "reference_rod",
+    "validate",
+    "vcsim3",
+    "hil",
+    "hil_rig",
+)
 
 
 def version():
@@ -18,8 +31,14 @@ def version():
 def answer(name):
     """What a program says; a sentence where it says nothing."""
     try:
-        done = subprocess.run([os.path.join(BUILD, name), "--version"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                              timeout=60, check=False)
+        done = subprocess.run(
+            [os.path.join(BUILD, name), "--version"],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            timeout=60,
+            check=False,
+        )
     except OSError as error:
         return str(error)
     return done.stdout.strip() if done.returncode == 0 else "exit code %d: %s" % (done.returncode, done.stdout.strip())
@@ -29,10 +48,15 @@ def main():
     report = tree.Report()
     for name in NAMES:
         said = answer(name)
-        report.check("%s says its version and ends with 0" % name, [] if said.startswith("%s %s (Cournand)" % (name, version())) else [said])
+        report.check(
+            "%s says its version and ends with 0" % name,
+            [] if said.startswith("%s %s (Cournand)" % (name, version())) else [said],
+        )
     core = re.search(r"CRN_CORE_VERSION = (\d+)", tree.read("firmware/core/core.h")).group(1)
-    report.check("cournand says which recordings it replays, and which rigs it talks to",
-                 [] if re.search(r", core %s, protocol \d+\.\d+$" % core, answer("cournand")) else [answer("cournand")])
+    report.check(
+        "cournand says which recordings it replays, and which rigs it talks to",
+        [] if re.search(r", core %s, protocol \d+\.\d+$" % core, answer("cournand")) else [answer("cournand")],
+    )
     first = re.search(r"^## (\S+)", tree.read("docs/CHANGELOG.md"), re.M).group(1)
     report.check("the changelog begins with this version", [] if first == version() else ["it begins with %s" % first])
     report.end()

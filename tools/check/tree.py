@@ -1,5 +1,6 @@
 """What the checks of the tree share: which files there are, what is code in them, and TAP output.
 Imported by tools/check/test_*.py."""
+
 import os
 import re
 import subprocess
@@ -16,8 +17,13 @@ def read(path):
 
 def files(*suffixes):
     """Tracked and untracked, not ignored files of the repository that end so, sorted."""
-    listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard", "-z"], cwd=ROOT, check=True,
-                            stdout=subprocess.PIPE).stdout.decode().split("\0")
+    listed = (
+        subprocess.run(
+            ["git", "ls-files", "-co", "--exclude-standard", "-z"], cwd=ROOT, check=True, stdout=subprocess.PIPE
+        )
+        .stdout.decode()
+        .split("\0")
+    )
     return sorted({p for p in listed if p and p.endswith(suffixes) and os.path.isfile(os.path.join(ROOT, p))})
 
 
@@ -28,7 +34,9 @@ def blank(match):
     return text[0] + inside[1:-1] + text[-1] if text[0] in "\"'" and len(text) > 1 else inside
 
 
-TOKENS = re.compile(r'//(?:\\\n|[^\n])*|/\*.*?\*/|R"\((?:.*?)\)"|"(?:\\.|[^"\\\n])*"|(?<![0-9a-fA-F])\'(?:\\.|[^\'\\\n])+\'', re.S)
+TOKENS = re.compile(
+    r'//(?:\\\n|[^\n])*|/\*.*?\*/|R"\((?:.*?)\)"|"(?:\\.|[^"\\\n])*"|(?<![0-9a-fA-F])\'(?:\\.|[^\'\\\n])+\'', re.S
+)
 
 
 def code_only(text):

@@ -177,8 +177,9 @@ std::vector<LinePoint> to_the_tip(const LineFit &fit, const std::vector<LinePoin
     return result;
 }
 
-// What shifts the whole section is not in the fit's residuals: the blur of a bend draws it inwards, and of a line that lies in
-// the slice only a slice or two tell the height. Weights from virtual scans of bends of 3 mm radius and 1 mm slices.
+// What shifts the whole section is not in the fit's residuals: the blur of a bend draws it inwards, and of a
+// line that lies in the slice only a slice or two tell the height. Weights from virtual scans of bends of 3
+// mm radius and 1 mm slices.
 void doubt_bends_and_slices(std::vector<LinePoint> &points, const Volume &volume)
 {
     constexpr double bend_mm2 = 0.4, slice_share = 0.12, flat = 0.5; // flat: sine of the angle to the slice
@@ -196,7 +197,8 @@ void doubt_bends_and_slices(std::vector<LinePoint> &points, const Volume &volume
         if (doubt > doubtful_mm && points[i].why.empty())
             points[i].why = in_slice > 0.5 ? "lies in the slice" : "bends sharply";
     }
-    // The tip and what is beside it are as doubtful as what leads there; along the line a tip in the slice ends anywhere in it.
+    // The tip and what is beside it are as doubtful as what leads there; along the line a tip in the slice
+    // ends anywhere in it.
     const double leads = points[points.size() - std::min<std::size_t>(points.size(), 3)].unsure_mm;
     const Vector3d end = points.back().place_mm - points[points.size() - 2].place_mm;
     const double in_slice = std::max(0.0, 1 - std::abs(end.normalized().dot(across_slices)) / flat);

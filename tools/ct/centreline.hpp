@@ -1,5 +1,5 @@
-// The instrument in a scan: which voxels, in which order, and where its middle line runs between them (docs/ct.md,
-// "The centreline").
+// The instrument in a scan: which voxels, in which order, and where its middle line runs between them
+// (docs/ct.md, "The centreline").
 #pragma once
 #include "tools/ct/scanner.hpp"
 #include "tools/ct/volume.hpp"
@@ -36,12 +36,14 @@ struct InstrumentLine {
 // Voxels of the one instrument (1 inside). Throws Fault: no instrument, two instruments.
 Volume find_instrument(const Volume &volume, LineOptions &options);
 
-// The whole line in the scan, also behind the mouth. Throws Fault: two instruments that touch, one that is too short.
+// The whole line in the scan, also behind the mouth. Throws Fault: two instruments that touch, one that is
+// too short.
 InstrumentLine trace_instrument(const Volume &volume, const Volume &mask, const LineOptions &options,
                                 const Report &report);
 
-// --- parts, for tests ---------------------------------------------------------------------------------------------------
-// Points of a line at even distances of about step_mm.
+// --- parts, for tests
+// --------------------------------------------------------------------------------------------------- Points
+// of a line at even distances of about step_mm.
 std::vector<Eigen::Vector3d> resampled(const std::vector<Eigen::Vector3d> &line, double step_mm);
 // Distance from a line, and from which place on it (arc length).
 struct LineDistance {

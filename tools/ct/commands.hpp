@@ -34,8 +34,8 @@ struct SimulateOptions {
     reference::TruthRequest truth; // with an instrument: the case is made first, in this folder
 };
 
-// Scans every depth of a case whose truth/ is there, and writes the scans' names into case.toml. Throws Fault, CaseError, and what
-// reference::make_case throws.
+// Scans every depth of a case whose truth/ is there, and writes the scans' names into case.toml. Throws
+// Fault, CaseError, and what reference::make_case throws.
 void command_simulate(SimulateOptions options);
 
 struct SegmentCommand {

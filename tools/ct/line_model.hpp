@@ -1,6 +1,6 @@
 // The blurred instrument as a model of voxels, and its fit across the line at one place.
-// Across a straight round line the blurred picture is a Gaussian whose covariance is the point spread's plus the instrument's
-// own section, seen along the line; the scale cuts it off at the top.
+// Across a straight round line the blurred picture is a Gaussian whose covariance is the point spread's plus
+// the instrument's own section, seen along the line; the scale cuts it off at the top.
 #pragma once
 #include "tools/ct/centreline.hpp"
 

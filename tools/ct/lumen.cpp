@@ -128,8 +128,8 @@ struct Grower {
     }
 };
 
-// Voxels that may be fluid, opened by a ball so that no hole of a streak in the wall leads out; what hangs together with the
-// line; then what that encloses.
+// Voxels that may be fluid, opened by a ball so that no hole of a streak in the wall leads out; what hangs
+// together with the line; then what that encloses.
 Volume grown(const Volume &restored, const Volume &distance, double fluid, double limit)
 {
     Volume dim = restored.like(0);
@@ -185,7 +185,8 @@ void close_cracks(Volume &mask, const Volume &distance)
             mask.hu[i] = 1;
 }
 
-// The level between voxels, from their values: where they pass the limit. What is enclosed and bright stays inside.
+// The level between voxels, from their values: where they pass the limit. What is enclosed and bright stays
+// inside.
 Volume level_of(const Volume &mask, const Volume &restored, double limit, double slope_HU_per_mm)
 {
     Volume level = signed_distance(mask);

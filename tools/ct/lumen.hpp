@@ -37,12 +37,13 @@ struct Lumen {
     std::vector<std::string> notes;
 };
 
-// The scans show the same phantom at the same place, each with the instrument elsewhere: what metal or streaks hide in one is
-// taken from the others. Throws Fault where no space with a wall is around the line.
+// The scans show the same phantom at the same place, each with the instrument elsewhere: what metal or
+// streaks hide in one is taken from the others. Throws Fault where no space with a wall is around the line.
 Lumen find_lumen(const std::vector<LumenScan> &scans, const LumenOptions &options, const Report &report);
 
-// --- parts, for tests ---------------------------------------------------------------------------------------------------
-// One picture of all scans, without the instrument, on the first one's grid.
+// --- parts, for tests
+// --------------------------------------------------------------------------------------------------- One
+// picture of all scans, without the instrument, on the first one's grid.
 struct Merged {
     Volume filled;   // where nothing was seen, what is around it
     Volume distance; // of the nearest line in the lumen, cut off

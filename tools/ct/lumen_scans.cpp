@@ -13,8 +13,8 @@ namespace
 
 constexpr double noise_least_HU = 4;
 
-// Standard deviation of noise and streaks, which differ from place to place: in blocks of every slice, from the median difference
-// of voxels two apart. Walls are too thin to change a median.
+// Standard deviation of noise and streaks, which differ from place to place: in blocks of every slice, from
+// the median difference of voxels two apart. Walls are too thin to change a median.
 class LocalNoise
 {
   public:

@@ -98,8 +98,9 @@ class Scan
         return static_cast<int>(std::ceil(std::hypot(x, y) / pitch_mm)) + 6;
     }
 
-    // Share of the signal on rays that meet an instrument, -1 on the others; empty where none does. The mean over aperture and
-    // slice is that of the signal, not of the lengths: this is what makes thin metal bloom and streak.
+    // Share of the signal on rays that meet an instrument, -1 on the others; empty where none does. The mean
+    // over aperture and slice is that of the signal, not of the lengths: this is what makes thin metal bloom
+    // and streak.
     std::vector<float> through_instruments(double height, const std::vector<float> &water) const
     {
         const std::size_t materials = beam_.material_count(), block = slice_planes * rays_per_bin * materials;

@@ -1,9 +1,11 @@
-// The virtual scanner: a silicone phantom with an instrument in it, as an axial CT sees it (docs/ct.md, "The scanner").
+// The virtual scanner: a silicone phantom with an instrument in it, as an axial CT sees it (docs/ct.md, "The
+// scanner").
 //
-// For every slice it computes the line integrals of parallel beams exactly (chords of the cut meshes, chords of the
-// instrument's tube), averages them over the detector's aperture and the slice's profile, attenuates a polychromatic beam,
-// counts photons, corrects for the hardening by water as scanners do, and reconstructs by filtered back-projection. Blooming,
-// streaks and starved photons come out of that; nothing is painted. Left out: scatter, the fan's and the helix' geometry.
+// For every slice it computes the line integrals of parallel beams exactly (chords of the cut meshes, chords
+// of the instrument's tube), averages them over the detector's aperture and the slice's profile, attenuates a
+// polychromatic beam, counts photons, corrects for the hardening by water as scanners do, and reconstructs by
+// filtered back-projection. Blooming, streaks and starved photons come out of that; nothing is painted. Left
+// out: scatter, the fan's and the helix' geometry.
 #pragma once
 #include "host/xray/paths/materials.hpp"
 #include "tools/bake/mesh.hpp"
@@ -15,7 +17,8 @@
 namespace crn::ct
 {
 
-// Hounsfield units of what the phantom is made of, at 120 kV (xraylib's cross-sections at 70 keV: docs/ct.md).
+// Hounsfield units of what the phantom is made of, at 120 kV (xraylib's cross-sections at 70 keV:
+// docs/ct.md).
 struct PhantomMaterials {
     double fluid_HU = 80;     // water with 40 % glycerol, 1.10 g/cm3
     double silicone_HU = 230; // PDMS, 1.10 g/cm3
@@ -55,7 +58,8 @@ struct ScannerSettings {
 // Tells how much is done, 0 .. 1; throws to stop.
 using Report = std::function<void(const std::string &stage, double share)>;
 
-// `lumen` is closed, in the scene's mm. Same settings, same volume, whatever the threads. Throws Fault for sizes that cannot be.
+// `lumen` is closed, in the scene's mm. Same settings, same volume, whatever the threads. Throws Fault for
+// sizes that cannot be.
 Volume simulate_scan(const bake::Mesh &lumen, const PhantomMaterials &phantom,
                      const std::vector<ScanInstrument> &instruments, const ScannerSettings &settings,
                      const Report &report);

@@ -1,5 +1,5 @@
-// The parts of the virtual scanner: planes through the phantom, chords of the instrument, the beam, the reconstruction.
-// Inside a part lengths are mm in LPS with the scanner's axis through `centre`.
+// The parts of the virtual scanner: planes through the phantom, chords of the instrument, the beam, the
+// reconstruction. Inside a part lengths are mm in LPS with the scanner's axis through `centre`.
 #pragma once
 #include "tools/ct/scanner.hpp"
 #include <array>
@@ -8,7 +8,8 @@
 namespace crn::ct
 {
 
-// Parallel rays of one slice: view v looks along (-sin, cos), ray i lies at s = (i + 0.5 - bins / 2) pitch along (cos, sin).
+// Parallel rays of one slice: view v looks along (-sin, cos), ray i lies at s = (i + 0.5 - bins / 2) pitch
+// along (cos, sin).
 struct Rays {
     Rays(int views, int bins, double pitch_mm);
     int views, bins;

@@ -180,7 +180,8 @@ void PhantomPlanes::outline_wall(double height_mm, double value, std::vector<Edg
     };
     for (int j = 0; j + 1 < field_size_[1]; ++j)
         for (int i = 0; i + 1 < field_size_[0]; ++i) {
-            // Corners counter-clockwise; an edge enters where the level falls below 0 and leaves where it rises.
+            // Corners counter-clockwise; an edge enters where the level falls below 0 and leaves where it
+            // rises.
             const int di[4] = {0, 1, 1, 0}, dj[4] = {0, 0, 1, 1};
             double v[4];
             int inside = 0;
@@ -222,8 +223,8 @@ Vector2d PhantomPlanes::middle_at(double height_mm) const
     return area > 1 ? Vector2d(sum / area) : Vector2d::Zero();
 }
 
-// Chord = sum over edges of -t sign(ds): those below enter, those above leave. Along an edge t is linear in s, so that the
-// mean over a bin is that at the middle of what the edge covers of it.
+// Chord = sum over edges of -t sign(ds): those below enter, those above leave. Along an edge t is linear in
+// s, so that the mean over a bin is that at the middle of what the edge covers of it.
 void add_chords(const std::vector<Edge> &edges, const Rays &rays, double weight, std::vector<float> &sums)
 {
     const double per_bin = 1 / rays.pitch_mm, half = 0.5 * rays.bins;

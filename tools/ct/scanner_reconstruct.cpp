@@ -32,7 +32,8 @@ Rays::Rays(int views_wanted, int bins_wanted, double pitch)
     }
 }
 
-// The aperture (a box of one pitch) and the interpolation (a triangle) blur by themselves; the roll-off adds what is left.
+// The aperture (a box of one pitch) and the interpolation (a triangle) blur by themselves; the roll-off adds
+// what is left.
 Reconstruction::Reconstruction(const Rays &rays, double blur_mm) : rays_(rays)
 {
     const double pitch = rays.pitch_mm;
@@ -52,8 +53,8 @@ Reconstruction::Reconstruction(const Rays &rays, double blur_mm) : rays_(rays)
             frequency[static_cast<std::size_t>(i)].real() *
             static_cast<float>(std::exp(-2 * pi * pi * left * cycles_per_mm * cycles_per_mm)));
     }
-    // Gain of white noise: the mean of |response|^2, and 2/3 of it by a linear interpolation of any share (neighbours of a ramp's
-    // noise are hardly alike; the noise that comes out is measured by a test).
+    // Gain of white noise: the mean of |response|^2, and 2/3 of it by a linear interpolation of any share
+    // (neighbours of a ramp's noise are hardly alike; the noise that comes out is measured by a test).
     for (const float value : response_) row_gain_ += static_cast<double>(value * value) / size;
     row_gain_ *= 2.0 / 3;
 }

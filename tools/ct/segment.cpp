@@ -250,8 +250,8 @@ Apart lines_apart(const std::vector<Vector3d> &line, const std::vector<Vector3d>
     return apart;
 }
 
-// The mean is over the surface, not over its vertices, which lie closer where it bends: every triangle is asked at places of a
-// grid on it, none wider than this.
+// The mean is over the surface, not over its vertices, which lie closer where it bends: every triangle is
+// asked at places of a grid on it, none wider than this.
 Apart surfaces_apart(const bake::Mesh &surface, const bake::Mesh &reference)
 {
     constexpr double grid_mm = 1.0;

@@ -27,7 +27,8 @@ struct LumenSurface {
     Lumen lumen;
     std::vector<std::string> notes;
 };
-// The lumen of scans of the same phantom at the same place: lumen.ply and pictures into the page's folder. Throws Fault.
+// The lumen of scans of the same phantom at the same place: lumen.ply and pictures into the page's folder.
+// Throws Fault.
 LumenSurface segment_lumen(const std::vector<LumenScan> &scans, const LumenOptions &options, Page &page,
                            const Report &report);
 std::string lumen_facts(const LumenSurface &surface);

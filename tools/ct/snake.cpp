@@ -102,7 +102,8 @@ Volume evolve_snake(const Volume &level, const Volume &speed, const SnakeWeights
     filter->SetCurvatureScaling(static_cast<float>(weights.curvature));
     filter->SetAdvectionScaling(static_cast<float>(weights.advection));
     filter->SetMaximumRMSError(0.001);
-    // Wider, as is usual, the speed's valley at one wall runs into that of its other side, and the snake goes there.
+    // Wider, as is usual, the speed's valley at one wall runs into that of its other side, and the snake goes
+    // there.
     filter->SetDerivativeSigma(0.3);
     filter->SetNumberOfIterations(static_cast<unsigned>(weights.iterations));
     return run(level, filter);

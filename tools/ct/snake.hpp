@@ -1,6 +1,6 @@
-// Level sets on a volume's grid, by ITK behind a header that knows nothing of it: smoothing, edges, distance, and the geodesic
-// active contour (Caselles, Kimmel and Sapiro 1997) that ITK-SNAP calls a snake.
-// A level is a volume whose values are mm from the surface, negative inside.
+// Level sets on a volume's grid, by ITK behind a header that knows nothing of it: smoothing, edges, distance,
+// and the geodesic active contour (Caselles, Kimmel and Sapiro 1997) that ITK-SNAP calls a snake. A level is
+// a volume whose values are mm from the surface, negative inside.
 #pragma once
 #include "tools/ct/volume.hpp"
 

@@ -16,7 +16,8 @@ namespace
 
 using Eigen::Vector3d;
 
-// A cube as six tetrahedra around its diagonal from corner 0 to corner 7 (bit 0: i, 1: j, 2: k): neighbours share faces.
+// A cube as six tetrahedra around its diagonal from corner 0 to corner 7 (bit 0: i, 1: j, 2: k): neighbours
+// share faces.
 constexpr int tetrahedra[6][4] = {{0, 1, 3, 7}, {0, 3, 2, 7}, {0, 2, 6, 7},
                                   {0, 6, 4, 7}, {0, 4, 5, 7}, {0, 5, 1, 7}};
 // Vertices stay so far from the voxels that no triangle has less than a grain of area.

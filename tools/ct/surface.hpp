@@ -7,8 +7,9 @@
 namespace crn::ct
 {
 
-// Marching tetrahedra: vertices where the level is 0 between two voxels, by linear interpolation; closed and without crossings,
-// normals outwards, in the scene's mm. What is inside at the volume's border is closed there.
+// Marching tetrahedra: vertices where the level is 0 between two voxels, by linear interpolation; closed and
+// without crossings, normals outwards, in the scene's mm. What is inside at the volume's border is closed
+// there.
 bake::Mesh surface_of(const Volume &level, const std::string &name);
 
 // Pieces of less than `share` of the largest are dropped.

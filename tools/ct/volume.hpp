@@ -1,7 +1,7 @@
 // A CT volume: Hounsfield units on a grid with spacing, origin and direction.
-// Three frames: voxel (whole numbers are the middles of voxels), LPS (what scanners and ITK use: +x patient left, +y back,
-// +z head, mm) and the scene's (+x left, +y head, +z front, mm). Only the two functions below know how the last two go
-// together.
+// Three frames: voxel (whole numbers are the middles of voxels), LPS (what scanners and ITK use: +x patient
+// left, +y back, +z head, mm) and the scene's (+x left, +y head, +z front, mm). Only the two functions below
+// know how the last two go together.
 #pragma once
 #include <Eigen/Core>
 #include <array>
@@ -63,7 +63,8 @@ struct Volume {
     Volume like(float fill) const;
 };
 
-// A left-handed grid turned right-handed: the third axis is counted from its other end. Every place keeps its value.
+// A left-handed grid turned right-handed: the third axis is counted from its other end. Every place keeps its
+// value.
 void make_right_handed(Volume &volume);
 
 // The box [low, high) of voxels as a volume of its own.

@@ -1,5 +1,5 @@
-// A volume read in a process of its own (host/base/guarded_read.hpp): ITK believes headers, and Debian's GDCM is built with its
-// assertions. Here only the child ends, and the parent says which file is damaged.
+// A volume read in a process of its own (host/base/guarded_read.hpp): ITK believes headers, and Debian's GDCM
+// is built with its assertions. Here only the child ends, and the parent says which file is damaged.
 #include "host/base/guarded_read.hpp"
 #include "tools/ct/volume_io.hpp"
 #include <algorithm>

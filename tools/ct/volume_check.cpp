@@ -74,7 +74,8 @@ void check_nifti_length(const std::string &file, std::uint64_t value_bytes)
                     " or more; copy or export it again");
 }
 
-// The pixels are an element with its length before it (explicit or implicit, little end first). Packed pixels have none.
+// The pixels are an element with its length before it (explicit or implicit, little end first). Packed pixels
+// have none.
 void check_dicom_length(const std::filesystem::path &file)
 {
     std::ifstream stream(file, std::ios::binary);

@@ -1,4 +1,5 @@
-// NRRD, MetaImage and NIfTI headers. teem.sourceforge.net/nrrd/format.html; itk.org/Wiki/MetaIO/Documentation; nifti1.h.
+// NRRD, MetaImage and NIfTI headers. teem.sourceforge.net/nrrd/format.html;
+// itk.org/Wiki/MetaIO/Documentation; nifti1.h.
 #include "tools/ct/volume_declared.hpp"
 #include <algorithm>
 #include <bit>
@@ -143,7 +144,8 @@ void take_spacing(DeclaredVolume &declared, const Field &field, const std::vecto
     }
 }
 
-// --- NRRD ------------------------------------------------------------------------------------------------------------
+// --- NRRD
+// ------------------------------------------------------------------------------------------------------------
 std::uint64_t nrrd_bytes(const Field &type)
 {
     static const std::map<std::string, std::uint64_t> stems = {
@@ -219,7 +221,8 @@ void nrrd_scale(DeclaredVolume &declared, const Fields &fields)
                                  : without_inner_blanks(*origin).words()[0]);
 }
 
-// --- MetaImage -------------------------------------------------------------------------------------------------------
+// --- MetaImage
+// -------------------------------------------------------------------------------------------------------
 std::uint64_t meta_bytes(const Field &type)
 {
     static const std::map<std::string, std::uint64_t> types = {
@@ -240,7 +243,8 @@ bool is_true(const Field *field)
     field->fail("True or False is needed");
 }
 
-// --- NIfTI -----------------------------------------------------------------------------------------------------------
+// --- NIfTI
+// -----------------------------------------------------------------------------------------------------------
 // Numbers of a header in either byte order.
 struct Binary {
     std::string_view head;
@@ -294,7 +298,8 @@ std::string first_bytes(const fs::path &path)
     return head;
 }
 
-// That packed values can be unpacked, are as many as declared, and have their checksum: ITK looks at none of it.
+// That packed values can be unpacked, are as many as declared, and have their checksum: ITK looks at none of
+// it.
 void check_packed(const DeclaredVolume &declared, std::uint64_t bytes, const fs::path &data,
                   const std::string &file)
 {

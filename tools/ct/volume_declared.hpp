@@ -1,5 +1,6 @@
-// What a volume's file says of itself, read strictly and without ITK: ITK takes what it does not understand as 1 mm, believes every
-// number of dimensions and reserves what is declared. Its reading is held against this one.
+// What a volume's file says of itself, read strictly and without ITK: ITK takes what it does not understand
+// as 1 mm, believes every number of dimensions and reserves what is declared. Its reading is held against
+// this one.
 #pragma once
 #include "tools/mesh/fault.hpp"
 #include <Eigen/Core>

@@ -1,5 +1,6 @@
-// Volumes from files: NRRD, NIfTI and MetaImage, and DICOM series slice by slice, by ITK's ImageIO classes. They are asked
-// directly, without ITK's image and pipeline templates, which would take a minute to compile and tell less of what is wrong.
+// Volumes from files: NRRD, NIfTI and MetaImage, and DICOM series slice by slice, by ITK's ImageIO classes.
+// They are asked directly, without ITK's image and pipeline templates, which would take a minute to compile
+// and tell less of what is wrong.
 #include "tools/ct/volume_declared.hpp"
 #include "tools/ct/volume_io.hpp"
 #include <algorithm>
@@ -181,7 +182,8 @@ void read_file(const fs::path &path, const TakeHead &take_head, const TakeValues
     }
 }
 
-// --- DICOM -----------------------------------------------------------------------------------------------------------
+// --- DICOM
+// -----------------------------------------------------------------------------------------------------------
 struct Slice {
     std::string name; // the file's, without folders
     fs::path file;

@@ -90,7 +90,8 @@ void put(itk::MetaDataDictionary &tags, const std::string &tag, const std::strin
     itk::EncapsulateMetaData<std::string>(tags, tag, value);
 }
 
-// Numbers under the arc for identifiers made from UUIDs; here from the volume, so that the same scan has the same.
+// Numbers under the arc for identifiers made from UUIDs; here from the volume, so that the same scan has the
+// same.
 std::string uid_of(const Volume &volume, std::uint64_t kind, std::uint64_t number)
 {
     std::uint64_t hash = 1469598103934665603u;

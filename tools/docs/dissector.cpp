@@ -5,7 +5,8 @@
 namespace
 {
 
-// A Lua string: the texts hold neither control characters nor bytes beyond ASCII, but quotes and backslashes may come.
+// A Lua string: the texts hold neither control characters nor bytes beyond ASCII, but quotes and backslashes
+// may come.
 std::string quoted(const char *text)
 {
     std::string result = "\"";

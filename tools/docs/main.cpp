@@ -1,4 +1,5 @@
-// Writes the generated tables of docs/wire.md, docs/usb.md and docs/faults.md from the one definition of each.
+// Writes the generated tables of docs/wire.md, docs/usb.md and docs/faults.md from the one definition of
+// each.
 //   docs --write    puts the tables between the marks in the documents
 //   docs --check    exit 1 when a document is not current
 //   docs --dissector FILE   writes the Wireshark dissector
@@ -115,7 +116,8 @@ std::string read_file(const std::string &path)
     return text.str();
 }
 
-// The document with everything between "<!-- begin NAME -->" and "<!-- end NAME -->" replaced; empty without marks.
+// The document with everything between "<!-- begin NAME -->" and "<!-- end NAME -->" replaced; empty without
+// marks.
 std::string with_table(const std::string &document, const std::string &name, const std::string &table)
 {
     const std::string begin = "<!-- begin " + name + " -->\n", end = "<!-- end " + name + " -->";

@@ -10,6 +10,7 @@ core (version at that time), command, inputs (hash over the entry, sessions, too
 ended, as the session's report says). A picture of a session is old when core or inputs differ from today's, any other one when inputs do. One that is
 `kept` from an older core is shown with a caption that says which.
 """
+
 import argparse
 import hashlib
 import json
@@ -56,7 +57,7 @@ def jpeg_segments(data):
     """(marker, begin, end) of every segment before the scan."""
     at = 2
     while at + 4 <= len(data) and data[at] == 0xFF and data[at + 1] != 0xDA:
-        end = at + 2 + struct.unpack(">H", data[at + 2:at + 4])[0]
+        end = at + 2 + struct.unpack(">H", data[at + 2 : at + 4])[0]
         yield data[at + 1], at, end
         at = end
 
@@ -64,7 +65,7 @@ def jpeg_segments(data):
 def png_chunks(data):
     at = 8
     while at + 8 <= len(data):
-        length, kind = struct.unpack(">I4s", data[at:at + 8])
+        length, kind = struct.unpack(">I4s", data[at : at + 8])
         yield kind, at, at + 12 + length
         at += 12 + length
 
@@ -75,12 +76,12 @@ def read_stamp(path):
         data = file.read()
     if data[:2] == b"\xff\xd8":
         for marker, begin, end in jpeg_segments(data):
-            if marker == 0xFE and data[begin + 4:end].startswith(b"core: "):
-                return stamp_fields(data[begin + 4:end].decode("utf-8"))
+            if marker == 0xFE and data[begin + 4 : end].startswith(b"core: "):
+                return stamp_fields(data[begin + 4 : end].decode("utf-8"))
     elif data[:8] == b"\x89PNG\r\n\x1a\n":
         for kind, begin, end in png_chunks(data):
-            if kind == b"tEXt" and data[begin + 8:end - 4].startswith(b"Comment\0core: "):
-                return stamp_fields(data[begin + 16:end - 4].decode("latin-1"))
+            if kind == b"tEXt" and data[begin + 8 : end - 4].startswith(b"Comment\0core: "):
+                return stamp_fields(data[begin + 16 : end - 4].decode("latin-1"))
     else:
         raise PictureError("%s: neither JPEG nor PNG" % path)
     return {}
@@ -128,14 +129,27 @@ def film_command(name, film, build="build"):
         words += ["--tool", tool]
     for stent in film.get("stents", []):
         words += ["--stent", stent]
-    words += ["--session", film["session"], "--size", str(film.get("size", 512)), "--quiet",
-              "--record", "%s/%s.rec" % (WORK, name), "--json", "%s/%s.json" % (WORK, name), "--mp4", "%s/%s.mp4" % (WORK, name)]
+    words += [
+        "--session",
+        film["session"],
+        "--size",
+        str(film.get("size", 512)),
+        "--quiet",
+        "--record",
+        "%s/%s.rec" % (WORK, name),
+        "--json",
+        "%s/%s.json" % (WORK, name),
+        "--mp4",
+        "%s/%s.mp4" % (WORK, name),
+    ]
     return words + film.get("options", [])
 
 
 def command_of(manifest, picture):
     """What a reader types to get the same."""
-    return picture.get("command") or "make docs-pictures NAMES=%s" % os.path.splitext(os.path.basename(picture["file"]))[0]
+    return (
+        picture.get("command") or "make docs-pictures NAMES=%s" % os.path.splitext(os.path.basename(picture["file"]))[0]
+    )
 
 
 def problems(manifest, linked, core):
@@ -168,12 +182,16 @@ def problems(manifest, linked, core):
 
 def unsaid(path, kept, stamp):
     """A picture that is kept from an older core: every caption has to say so."""
-    found = [] if stamp.get("core") == str(kept) else ["%s: its stamp says core %s, %s says %d" % (path, stamp.get("core"), MANIFEST, kept)]
+    found = (
+        []
+        if stamp.get("core") == str(kept)
+        else ["%s: its stamp says core %s, %s says %d" % (path, stamp.get("core"), MANIFEST, kept)]
+    )
     for document in documents():
         with open(document, encoding="utf-8") as file:
             text = file.read()
         at = text.find("](%s)" % os.path.relpath(path, os.path.dirname(document) or "."))
-        if at >= 0 and "core %d" % kept not in text[at:at + CAPTION_LETTERS]:
+        if at >= 0 and "core %d" % kept not in text[at : at + CAPTION_LETTERS]:
             found.append("%s: %s shows it without saying that core %d made it" % (path, document, kept))
     return found
 
@@ -198,7 +216,9 @@ def documents():
 def run(words, what):
     done = subprocess.run(words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     if done.returncode != 0:
-        raise PictureError("%s failed (exit code %d): %s\n%s" % (what, done.returncode, " ".join(words), done.stdout[-2000:]))
+        raise PictureError(
+            "%s failed (exit code %d): %s\n%s" % (what, done.returncode, " ".join(words), done.stdout[-2000:])
+        )
 
 
 class Maker:
@@ -229,8 +249,15 @@ class Maker:
             self.compose(picture)
         for line in picture.get("shell", []):
             run(["bash", "-euo", "pipefail", "-c", line], picture["file"])
-        put_stamp(picture["file"], {"core": core_version(), "command": command_of(self.manifest, picture),
-                                    "inputs": inputs_hash(self.manifest, picture), "shows": shows})
+        put_stamp(
+            picture["file"],
+            {
+                "core": core_version(),
+                "command": command_of(self.manifest, picture),
+                "inputs": inputs_hash(self.manifest, picture),
+                "shows": shows,
+            },
+        )
         print("  %s" % picture["file"], flush=True)
 
     def compose(self, picture):
@@ -245,7 +272,10 @@ class Maker:
                 self.film(frame["film"])
                 source = "%s/%s.mp4" % (WORK, frame["film"])
             words += ["-ss", "%.3f" % at_s, "-i", source]
-            parts.append("[%d:v]trim=end_frame=1%s[p%d]" % (number, "," + picture["filter"] if "filter" in picture else "", number))
+            parts.append(
+                "[%d:v]trim=end_frame=1%s[p%d]"
+                % (number, "," + picture["filter"] if "filter" in picture else "", number)
+            )
         joined = "".join("[p%d]" % number for number in range(len(parts)))
         graph = ";".join(parts) + ";" + joined + ("hstack=%d" % len(parts) if len(parts) > 1 else "null")
         os.makedirs(os.path.dirname(picture["file"]), exist_ok=True)
@@ -256,8 +286,10 @@ class Maker:
         report = self.film(frame["film"] if isinstance(frame, dict) and "film" in frame else picture["film"])
         at_s, end_s = seconds_of(wanted, report), report["ticks"] * 1e-3
         if at_s > end_s:
-            raise PictureError("%s: no frame at %s, its film ends after %.1f s; give `frames` of %s in %s anew" %
-                               (picture["file"], wanted, end_s, picture["file"], MANIFEST))
+            raise PictureError(
+                "%s: no frame at %s, its film ends after %.1f s; give `frames` of %s in %s anew"
+                % (picture["file"], wanted, end_s, picture["file"], MANIFEST)
+            )
         # The last picture of a film stands for its last fifteenth of a second.
         return max(min(at_s, end_s - 0.1), 0.0)
 
@@ -275,7 +307,9 @@ def seconds_of(wanted, report):
         for one in report["room"]["irradiations"]:
             if one["run"] == int(words[1]) and one["begin_s"] + float(words[3]) <= one["end_s"]:
                 return one["begin_s"] + float(words[3])
-        raise PictureError("no X-ray run %s that lasts %s s; see `irradiations` of the film's report" % (words[1], words[3]))
+        raise PictureError(
+            "no X-ray run %s that lasts %s s; see `irradiations` of the film's report" % (words[1], words[3])
+        )
     raise PictureError("'%s' is no moment: seconds, end, expect N or run N at S" % wanted)
 
 

@@ -8,6 +8,7 @@ A block is marked by a line `<!-- printed by: COMMAND -->`; the indented lines b
 standard output. A line `...` stands for lines that are left out up to the next line that is shown, or up to the end. COMMAND runs in the root folder; `cournand` in
 it is build/bin/cournand.
 """
+
 import argparse
 import os
 import re
@@ -34,7 +35,14 @@ def blocks(lines):
 
 def output_of(command, build):
     words = command.replace("cournand ", os.path.join(build, "bin", "cournand") + " ", 1)
-    done = subprocess.run(["bash", "-c", words], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=60)
+    done = subprocess.run(
+        ["bash", "-c", words],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        timeout=60,
+    )
     if done.returncode != 0:
         raise RuntimeError("'%s' ended with %d: %s" % (command, done.returncode, done.stderr.strip()))
     return [line.rstrip() for line in done.stdout.splitlines()]
@@ -54,8 +62,12 @@ def renewed(shown, printed):
             result.append("...")
             # The first word says where the program's lines go on.
             first = part[0].split()[:1] if part else []
-            at = next((i for i in range(at, len(printed)) if printed[i].split()[:1] == first), len(printed)) if part else at
-        result += printed[at:at + len(part)]
+            at = (
+                next((i for i in range(at, len(printed)) if printed[i].split()[:1] == first), len(printed))
+                if part
+                else at
+            )
+        result += printed[at : at + len(part)]
         at += len(part)
     if len(parts) == 1 and len(printed) > len(shown):
         result += printed[at:]
@@ -68,9 +80,11 @@ def examine(path, build):
         lines = file.read().split("\n")
     differences, pieces, last = [], [], 0
     for command, begin, end in blocks(lines):
-        shown = [line[len(SHOWN):].rstrip() for line in lines[begin:end]]
+        shown = [line[len(SHOWN) :].rstrip() for line in lines[begin:end]]
         title = "$ " + command
-        wanted = [title] + renewed(shown[1:] if shown and shown[0].startswith("$ ") else shown, output_of(command, build))
+        wanted = [title] + renewed(
+            shown[1:] if shown and shown[0].startswith("$ ") else shown, output_of(command, build)
+        )
         if wanted != shown:
             differences.append("%s:%d: '%s' prints something else now; run: make docs" % (path, begin + 1, command))
         pieces += lines[last:begin] + [(SHOWN + line).rstrip() for line in wanted]

@@ -6,6 +6,7 @@
 Prints `NUMBER<TAB>FILE<TAB>SENTENCE`, one line each: the same for the same seed and the same tree. Whoever reads them marks every sentence that
 needs a second reading (docs/testing.md, "Plain English").
 """
+
 import argparse
 import os
 import random
@@ -20,7 +21,9 @@ COMMENT = re.compile(r"//[^\n]*(?:\n[ \t]*//[^\n]*)*|/\*.*?\*/|\"\"\".*?\"\"\"",
 
 
 def files(*patterns):
-    listed = subprocess.run(["git", "ls-files", "--"] + list(patterns), cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout
+    listed = subprocess.run(
+        ["git", "ls-files", "--"] + list(patterns), cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True
+    ).stdout
     return listed.split("\n")[:-1]
 
 
@@ -28,7 +31,7 @@ def split(text):
     """Sentences of a paragraph."""
     begin, found = 0, []
     for end in ENDS.finditer(text):
-        found.append(" ".join(text[begin:end.end()].split()))
+        found.append(" ".join(text[begin : end.end()].split()))
         begin = end.end()
     return [one for one in found if len(one.split()) >= WORDS_MIN]
 

@@ -7,6 +7,7 @@ Files are mutations of valid ones (seeded: --seed) and a list made by hand. The 
 accepts is read again by strict.py, and both must understand the same: otherwise it was silently wrong. Rows: importers.files,
 importers.crashes (the program ended, or a sanitizer found something in our code), importers.over_20s, importers.over_2GB,
 importers.silently_wrong. Exit code 1 unless all but the first are 0."""
+
 import argparse
 import glob
 import json
@@ -34,10 +35,17 @@ class Reader:
         self.program, self.folder, self.process, self.MiB_before = program, folder, None, 0
 
     def start(self):
-        options = "log_path=%s:abort_on_error=0:detect_leaks=0:allocator_may_return_null=1" % os.path.join(self.folder, "report")
+        options = "log_path=%s:abort_on_error=0:detect_leaks=0:allocator_may_return_null=1" % os.path.join(
+            self.folder, "report"
+        )
         self.noise = open(os.path.join(self.folder, "stderr"), "ab")
-        self.process = subprocess.Popen([self.program, "read"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self.noise,
-                                        env=dict(os.environ, ASAN_OPTIONS=options, UBSAN_OPTIONS=options + ":print_stacktrace=1"))
+        self.process = subprocess.Popen(
+            [self.program, "read"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=self.noise,
+            env=dict(os.environ, ASAN_OPTIONS=options, UBSAN_OPTIONS=options + ":print_stacktrace=1"),
+        )
         self.MiB_before = 0
 
     def stop(self):
@@ -76,7 +84,14 @@ def reports(folder):
             text = file.read()
         os.remove(path)
         frames = [line for line in text.splitlines() if line.strip().startswith("#")]
-        first = next((line for line in frames if "libasan" not in line and "__interceptor" not in line and "sanitizer" not in line), "")
+        first = next(
+            (
+                line
+                for line in frames
+                if "libasan" not in line and "__interceptor" not in line and "sanitizer" not in line
+            ),
+            "",
+        )
         if "runtime error" in text or "crn::" in first:
             found.append(text[:3000])
     return found
@@ -88,7 +103,7 @@ def near(a, b):
     if isinstance(a, list):
         return len(a) == len(b) and all(near(x, y) for x, y in zip(a, b))
     if isinstance(a, float) and not math.isfinite(a):
-        return True # nothing to compare, as in a file without triangles
+        return True  # nothing to compare, as in a file without triangles
     return abs(a - b) <= 1e-5 * max(1.0, abs(a), abs(b))
 
 
@@ -100,8 +115,11 @@ def disagreement(path, data, answer):
         return "accepted, though a strict reading says: %s: %s" % (type(error).__name__, str(error)[:200])
     if expected is None:
         return None
-    wrong = ["%s is %s, expected %s" % (key, answer.get(key), value) for key, value in expected.items()
-             if not near(value, answer.get(key))]
+    wrong = [
+        "%s is %s, expected %s" % (key, answer.get(key), value)
+        for key, value in expected.items()
+        if not near(value, answer.get(key))
+    ]
     return "; ".join(wrong) or None
 
 
@@ -125,7 +143,9 @@ class Campaign:
         with open(path, "wb") as file:
             file.write(data)
         kind = corpus.KINDS[os.path.splitext(name)[1]]
-        answer = self.reader.ask("scan" if kind == "series" else kind, os.path.dirname(path) if kind == "series" else path)
+        answer = self.reader.ask(
+            "scan" if kind == "series" else kind, os.path.dirname(path) if kind == "series" else path
+        )
         self.count["files"] += 1
         for text in reports(self.folder):
             self.note("crashes", path, text)
@@ -209,8 +229,17 @@ def main():
     began = time.monotonic()
     campaign = run(options.program, options.files, options.seed, options.keep)
     rows = "".join("importers.%s\t%d\n" % row for row in campaign.count.items())
-    print("%s%d accepted, longest %.1f s, %d MiB at most, %.0f s in all, seed %d" %
-          (rows, campaign.accepted, campaign.longest_s, campaign.reader.MiB_before, time.monotonic() - began, options.seed))
+    print(
+        "%s%d accepted, longest %.1f s, %d MiB at most, %.0f s in all, seed %d"
+        % (
+            rows,
+            campaign.accepted,
+            campaign.longest_s,
+            campaign.reader.MiB_before,
+            time.monotonic() - began,
+            options.seed,
+        )
+    )
     if options.output:
         os.makedirs(os.path.dirname(options.output) or ".", exist_ok=True)
         with open(options.output, "w", encoding="utf-8") as file:

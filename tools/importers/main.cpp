@@ -1,5 +1,6 @@
-// The program `importers`: gives files to the readers that the programs use, and says in one line of JSON what each understood. The
-// corpus runner (importers.py) holds that against its own strict reading. docs/testing.md.
+// The program `importers`: gives files to the readers that the programs use, and says in one line of JSON
+// what each understood. The corpus runner (importers.py) holds that against its own strict reading.
+// docs/testing.md.
 //   importers seeds FOLDER          valid scans and centrelines to begin from
 //   importers read < LIST           a line "KIND<tab>FILE" each; KIND is mesh, toml, scan or line
 #include "host/base/toml.hpp"

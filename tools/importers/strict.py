@@ -1,5 +1,6 @@
 """Strict readings of the formats, independent of the program's: what a file says, or ValueError. They agree with what the
 program accepts, or the program was silently wrong. Called by importers.py."""
+
 import base64
 import csv
 import gzip
@@ -46,15 +47,31 @@ def summed(vertices, faces):
     return {"faces": triangles, "sum": total if plain else None, "low": low, "high": high}
 
 
-PLY = {"char": "b", "int8": "b", "uchar": "B", "uint8": "B", "short": "h", "int16": "h", "ushort": "H", "uint16": "H", "int": "i",
-       "int32": "i", "uint": "I", "uint32": "I", "float": "f", "float32": "f", "double": "d", "float64": "d"}
+PLY = {
+    "char": "b",
+    "int8": "b",
+    "uchar": "B",
+    "uint8": "B",
+    "short": "h",
+    "int16": "h",
+    "ushort": "H",
+    "uint16": "H",
+    "int": "i",
+    "int32": "i",
+    "uint": "I",
+    "uint32": "I",
+    "float": "f",
+    "float32": "f",
+    "double": "d",
+    "float64": "d",
+}
 
 
 def ply(data):
     head, mark, body = data.partition(b"end_header")
     if not mark:
         raise ValueError("no end_header")
-    body = body[body.index(b"\n") + 1:]
+    body = body[body.index(b"\n") + 1 :]
     elements, style = [], None
     for row in head.decode("latin-1").split("\n")[1:]:
         words = row.split()
@@ -101,7 +118,11 @@ def ply(data):
 
 def stl(data):
     if len(data) >= 84 and 84 + 50 * struct.unpack_from("<I", data, 80)[0] == len(data):
-        points = [struct.unpack_from("<3f", data, 84 + 50 * i + 12 + 12 * k) for i in range((len(data) - 84) // 50) for k in range(3)]
+        points = [
+            struct.unpack_from("<3f", data, 84 + 50 * i + 12 + 12 * k)
+            for i in range((len(data) - 84) // 50)
+            for k in range(3)
+        ]
     else:
         text = data.decode("latin-1")
         if not text.lstrip().startswith("solid"):
@@ -131,7 +152,7 @@ def gltf(data):
     chunk = b""
     if data[:4] == b"glTF":
         length = struct.unpack_from("<I", data, 12)[0]
-        text, chunk = data[20:20 + length], data[28 + length:]
+        text, chunk = data[20 : 20 + length], data[28 + length :]
     else:
         text = data
     root = json.loads(text)
@@ -140,7 +161,7 @@ def gltf(data):
         blob = base64.b64decode(buffer["uri"].partition(",")[2]) if "uri" in buffer else chunk
         if len(blob) < buffer["byteLength"]:
             raise ValueError("buffer")
-        blobs.append(blob[:buffer["byteLength"]])
+        blobs.append(blob[: buffer["byteLength"]])
 
     def values(index, size):
         accessor = root["accessors"][index]
@@ -148,7 +169,7 @@ def gltf(data):
         begin, kind = view.get("byteOffset", 0), GLTF[accessor["componentType"]]
         if index < 0 or accessor["bufferView"] < 0 or begin + view["byteLength"] > len(blobs[view["buffer"]]):
             raise ValueError("view")
-        own = blobs[view["buffer"]][begin:begin + view["byteLength"]]
+        own = blobs[view["buffer"]][begin : begin + view["byteLength"]]
         each = struct.calcsize("<%d%s" % (size, kind))
         stride, offset = view.get("byteStride", each), accessor.get("byteOffset", 0)
         return [struct.unpack_from("<%d%s" % (size, kind), own, offset + stride * i) for i in range(accessor["count"])]
@@ -161,10 +182,15 @@ def gltf(data):
             base, moved = len(vertices), node.get("translation", [0, 0, 0])
             if primitive.get("mode", 4) != 4 or any(key in node for key in ("matrix", "rotation", "scale", "children")):
                 return None  # not this reader's
-            vertices += [tuple(v[k] + moved[k] for k in range(3)) for v in values(primitive["attributes"]["POSITION"], 3)]
-            corners = [c[0] + base for c in values(primitive["indices"], 1)] if "indices" in primitive else \
-                list(range(base, len(vertices)))
-            faces += [corners[i:i + 3] for i in range(0, len(corners) - 2, 3)]
+            vertices += [
+                tuple(v[k] + moved[k] for k in range(3)) for v in values(primitive["attributes"]["POSITION"], 3)
+            ]
+            corners = (
+                [c[0] + base for c in values(primitive["indices"], 1)]
+                if "indices" in primitive
+                else list(range(base, len(vertices)))
+            )
+            faces += [corners[i : i + 3] for i in range(0, len(corners) - 2, 3)]
     return summed(vertices, faces)
 
 
@@ -186,13 +212,31 @@ def toml(data):
                 found["letters"] += len(node.encode())
             elif isinstance(node, (int, float)) and not isinstance(node, bool) and math.isfinite(node):
                 found["sum"] += node
+
     add(tomllib.loads(data.decode("utf-8-sig")))
     return found
 
 
-KINDS = {"short": "h", "int16": "h", "unsigned short": "H", "uint16": "H", "int": "i", "int32": "i", "float": "f", "double": "d",
-         "uchar": "B", "unsigned char": "B", "uint8": "B", "MET_SHORT": "h", "MET_USHORT": "H", "MET_INT": "i", "MET_FLOAT": "f",
-         "MET_UCHAR": "B", "MET_CHAR": "b", "MET_DOUBLE": "d"}
+KINDS = {
+    "short": "h",
+    "int16": "h",
+    "unsigned short": "H",
+    "uint16": "H",
+    "int": "i",
+    "int32": "i",
+    "float": "f",
+    "double": "d",
+    "uchar": "B",
+    "unsigned char": "B",
+    "uint8": "B",
+    "MET_SHORT": "h",
+    "MET_USHORT": "H",
+    "MET_INT": "i",
+    "MET_FLOAT": "f",
+    "MET_UCHAR": "B",
+    "MET_CHAR": "b",
+    "MET_DOUBLE": "d",
+}
 
 
 def grid(sizes, spacings, values):
@@ -205,7 +249,7 @@ def grid(sizes, spacings, values):
 
 def total(body, sizes, kind, order):
     count = math.prod(sizes)
-    if count > 10 ** 7 or len(body) < count * struct.calcsize(kind):
+    if count > 10**7 or len(body) < count * struct.calcsize(kind):
         raise ValueError("cut short")
     return float(sum(struct.unpack_from("%s%d%s" % (order, count, kind), body)))
 
@@ -264,26 +308,34 @@ def nifti(data):
     axes = struct.unpack_from(order + "8h", data, 40)
     spacings = struct.unpack_from(order + "8f", data, 76)[1:4]
     unit = {1: 1000.0, 3: 1e-3}.get(data[123] & 7, 1.0)
-    return grid(list(axes[1:1 + axes[0]]), [unit * s for s in spacings], None)
+    return grid(list(axes[1 : 1 + axes[0]]), [unit * s for s in spacings], None)
 
 
 def tree_of(branches):
     spheres = [sphere for branch in branches for sphere in branch]
     if not all(math.isfinite(v) for s in spheres for v in s) or not all(s[3] > 0 for s in spheres):
         raise ValueError("sphere")
-    return {"branches": len(branches), "spheres": len(spheres), "sum": sum(s[0] + 2 * s[1] + 3 * s[2] for s in spheres),
-            "radii": sum(s[3] for s in spheres)}
+    return {
+        "branches": len(branches),
+        "spheres": len(spheres),
+        "sum": sum(s[0] + 2 * s[1] + 3 * s[2] for s in spheres),
+        "radii": sum(s[3] for s in spheres),
+    }
 
 
 def table(data):
-    rows = [row for row in csv.reader(io.StringIO(data.decode("latin-1"))) if row and not row[0].startswith("#")
-            and any(cell.strip() for cell in row)]
+    rows = [
+        row
+        for row in csv.reader(io.StringIO(data.decode("latin-1")))
+        if row and not row[0].startswith("#") and any(cell.strip() for cell in row)
+    ]
     titles = [cell.strip() for cell in rows[0]]
     branches = {}
     for row in rows[1:]:
         cell = dict(zip(titles, (c.strip() for c in row)))
         branches.setdefault(int(number(cell["branch"])), []).append(
-            tuple(number(cell[name]) for name in ("x_mm", "y_mm", "z_mm", "radius_mm")))
+            tuple(number(cell[name]) for name in ("x_mm", "y_mm", "z_mm", "radius_mm"))
+        )
     return tree_of(list(branches.values()))
 
 
@@ -292,8 +344,12 @@ def markups(data):
     for markup in json.loads(data)["markups"]:
         radii = next(m["controlPointValues"] for m in markup["measurements"] if m.get("name") == "Radius")
         unit = {"m": 1000.0, "cm": 10.0, "mm": 1.0, "um": 1e-3}[markup.get("coordinateUnits", "mm")]
-        branches.append([tuple(unit * v for v in (*point["position"], radius))
-                         for point, radius in zip(markup["controlPoints"], radii, strict=True)])
+        branches.append(
+            [
+                tuple(unit * v for v in (*point["position"], radius))
+                for point, radius in zip(markup["controlPoints"], radii, strict=True)
+            ]
+        )
     return tree_of(branches)
 
 
@@ -316,9 +372,22 @@ def polydata(data):
     ends = [int(number(w)) for w in arrays[("Lines", "offsets")]]
     if len(points) != 3 * len(radii) or len(ends) != lines:
         raise ValueError("counts")
-    branches = [[(*points[3 * p:3 * p + 3], radii[p]) for p in order[a:b]] for a, b in zip([0] + ends, ends)]
+    branches = [[(*points[3 * p : 3 * p + 3], radii[p]) for p in order[a:b]] for a, b in zip([0] + ends, ends)]
     return tree_of(branches)
 
 
-READERS = {".ply": ply, ".stl": stl, ".obj": obj, ".gltf": gltf, ".glb": gltf, ".toml": toml, ".nrrd": nrrd, ".mha": meta,
-           ".nii": nifti, ".gz": nifti, ".csv": table, ".json": markups, ".vtp": polydata}
+READERS = {
+    ".ply": ply,
+    ".stl": stl,
+    ".obj": obj,
+    ".gltf": gltf,
+    ".glb": gltf,
+    ".toml": toml,
+    ".nrrd": nrrd,
+    ".mha": meta,
+    ".nii": nifti,
+    ".gz": nifti,
+    ".csv": table,
+    ".json": markups,
+    ".vtp": polydata,
+}

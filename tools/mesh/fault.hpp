@@ -1,5 +1,5 @@
-// A reason why a file or a wish cannot be used: one sentence with file, element and remedy. The tools' main prints it and ends
-// with 1.
+// A reason why a file or a wish cannot be used: one sentence with file, element and remedy. The tools' main
+// prints it and ends with 1.
 #pragma once
 #include <stdexcept>
 #include <string>

@@ -1,4 +1,5 @@
-// How deep the brackets of a JSON text lie in each other: whatever walks through the parsed text goes one call deeper with each.
+// How deep the brackets of a JSON text lie in each other: whatever walks through the parsed text goes one
+// call deeper with each.
 #pragma once
 #include <algorithm>
 #include <cstddef>

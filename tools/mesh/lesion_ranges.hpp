@@ -1,4 +1,5 @@
-// What a lesion's numbers may be (docs/lesions.md): one definition for those who write scene texts and those who read them.
+// What a lesion's numbers may be (docs/lesions.md): one definition for those who write scene texts and those
+// who read them.
 #pragma once
 
 namespace crn

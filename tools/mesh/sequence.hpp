@@ -1,5 +1,6 @@
-/* A beat as a folder of 24 OBJ files, as animation programs write them: one file per frame, in the order of their names, each with
- * the same bodies (o, or g where there is no o), the same faces and as many vertices. */
+/* A beat as a folder of 24 OBJ files, as animation programs write them: one file per frame, in the order of
+ * their names, each with the same bodies (o, or g where there is no o), the same faces and as many vertices.
+ */
 #pragma once
 #include <Eigen/Core>
 #include <array>
@@ -24,8 +25,9 @@ struct Sequence {
     std::vector<SequenceBody> bodies;
 };
 
-/* Throws std::runtime_error that names file and line: another number of files, another topology than the first file's, what cannot
- * be read. Faces with more than three corners become fans; normals, textures and materials are passed over. */
+/* Throws std::runtime_error that names file and line: another number of files, another topology than the
+ * first file's, what cannot be read. Faces with more than three corners become fans; normals, textures and
+ * materials are passed over. */
 Sequence read_sequence(const std::filesystem::path &folder);
 
 /* How a body goes from frame to frame, the last back to the first. */

@@ -95,8 +95,8 @@ Simplifier::Simplifier(std::vector<Vec3> &vertices_mm, std::vector<Triangle> &tr
     }
 }
 
-/* The point of least error where the planes fix one; otherwise the middle of the edge. A small pull to the middle keeps flat
- * neighbourhoods well posed. */
+/* The point of least error where the planes fix one; otherwise the middle of the edge. A small pull to the
+ * middle keeps flat neighbourhoods well posed. */
 Vec3 Simplifier::best_point(uint32_t keep, uint32_t drop, double &cost) const
 {
     Quadric sum = quadrics_[keep];

@@ -1,4 +1,5 @@
-// Symmetric matrix whose entries lie within `Band::reach` of the diagonal, its Cholesky factor and the solution of a system.
+// Symmetric matrix whose entries lie within `Band::reach` of the diagonal, its Cholesky factor and the
+// solution of a system.
 #pragma once
 #include <Eigen/Core>
 #include <vector>
@@ -23,7 +24,8 @@ class Band
         return entries_[static_cast<std::size_t>(row) * (reach + 1) + column - row + reach];
     }
 
-    // Becomes its own lower Cholesky factor. False where it is not positive definite; its entries are lost then.
+    // Becomes its own lower Cholesky factor. False where it is not positive definite; its entries are lost
+    // then.
     bool factor();
     // After factor(): right side -> solution.
     void solve(Eigen::VectorXd &x) const;

@@ -31,7 +31,8 @@ class Potential
     {
     }
 
-    // Friction of a node goes `share` of the way to what it is in this state. Returns the largest difference there was.
+    // Friction of a node goes `share` of the way to what it is in this state. Returns the largest difference
+    // there was.
     double renew_friction(const State &state, double share)
     {
         double most_N = 0.0;
@@ -120,8 +121,8 @@ double residual(const Eigen::VectorXd &slope, int free)
     return most;
 }
 
-// Solves (H + shift D) d = -g for the free unknowns, D = the diagonal's size, with the least shift of a ladder that makes it
-// positive definite.
+// Solves (H + shift D) d = -g for the free unknowns, D = the diagonal's size, with the least shift of a
+// ladder that makes it positive definite.
 void newton_direction(const Band &whole, const Eigen::VectorXd &slope, int unknowns, double &shift,
                       Eigen::VectorXd &direction)
 {

@@ -1,12 +1,13 @@
-// The rod at rest among its wall, friction and loads: the minimum of an incremental potential (Li et al., Incremental Potential
-// Contact, 2020, section 5), by Newton's method.
+// The rod at rest among its wall, friction and loads: the minimum of an incremental potential (Li et al.,
+// Incremental Potential Contact, 2020, section 5), by Newton's method.
 //
 //   wall       k l p^2 / 2 per node, p = depth of its surface in the wall, l = its cell; the first `onset` is cubic, so
-//              that second derivatives are continuous. k per length is far above what bends the rod into the wall.
+//              that second derivatives are continuous. k per length is far above what bends the rod into the
+//              wall.
 //   friction   mu N f(u), u = the node's way along the wall from its anchor, f = smoothed |u|: mu N (2u/e - u^2/e^2) in force
-//              below e, mu N above. N and the wall's normal are held (lagged) while Newton's method finds the minimum, then
-//              renewed, until they are those of the minimum. An anchor is dragged along where u > e, so that a rod at rest
-//              does not creep.
+//              below e, mu N above. N and the wall's normal are held (lagged) while Newton's method finds the
+//              minimum, then renewed, until they are those of the minimum. An anchor is dragged along where u
+//              > e, so that a rod at rest does not creep.
 #pragma once
 #include "tools/reference_rod/rod.hpp"
 #include "tools/vcsim3/lumen.hpp"
@@ -46,7 +47,8 @@ struct Outcome {
     Eigen::VectorXd slope;   // of the energy at every unknown, also the held ones: what holds them
 };
 
-// Brings nodes 0 .. free-1 and edges 0 .. free-1 to rest. Nodes free .. count-1 and their edges stay where they are.
+// Brings nodes 0 .. free-1 and edges 0 .. free-1 to rest. Nodes free .. count-1 and their edges stay where
+// they are.
 Outcome find_rest(const Rod &rod, const Physics &physics, int free, int count, std::vector<Anchor> &anchors,
                   State &state);
 

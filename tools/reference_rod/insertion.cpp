@@ -45,7 +45,8 @@ Vector Insertion::followed(int node, double feed_m) const
     return (1.0 - u) * state_.x[edge] + u * state_.x[edge + 1];
 }
 
-// The line moves on along itself, its curved tip as a rigid body in front of it; the whole turns with the hand.
+// The line moves on along itself, its curved tip as a rigid body in front of it; the whole turns with the
+// hand.
 void Insertion::place(double inserted_m, double turn_rad)
 {
     const double feed_m = inserted_m - inserted_m_;
@@ -76,8 +77,8 @@ void Insertion::place(double inserted_m, double turn_rad)
     stiffen_mouth();
 }
 
-// A joint bends its whole cell; of the two beside the mouth only what is outside may. Without this the rod is clamped up to an
-// edge behind the mouth.
+// A joint bends its whole cell; of the two beside the mouth only what is outside may. Without this the rod is
+// clamped up to an edge behind the mouth.
 void Insertion::stiffen_mouth()
 {
     constexpr double least = 0.02; // of a cell
@@ -91,10 +92,10 @@ double Insertion::cell_front_m(int joint) const
     return rod_.arc_m[joint] - 0.5 * rod_.length_m(joint - 1);
 }
 
-// What holds the nodes in the sheath, and the push of a sleeve on a rod that is bent where it leaves it, EI kappa^2 / 2 (Bigoni et al.,
-// Eshelby-like forces acting on elastic structures, 2015): with every step more of the rod may bend. Without the second the hand's
-// work would not be the energy that the rod stores. Of bending alone: twist at the mouth would add GJ m^2 / 2 (m per metre), below a
-// millinewton here.
+// What holds the nodes in the sheath, and the push of a sleeve on a rod that is bent where it leaves it, EI
+// kappa^2 / 2 (Bigoni et al., Eshelby-like forces acting on elastic structures, 2015): with every step more
+// of the rod may bend. Without the second the hand's work would not be the energy that the rod stores. Of
+// bending alone: twist at the mouth would add GJ m^2 / 2 (m per metre), below a millinewton here.
 double Insertion::held_N() const
 {
     double force_N = 0.0;

@@ -1,5 +1,5 @@
-// The protocol of an insertion (tools/case/case.hpp) by the reference rod: fed through a straight frictionless sheath that
-// ends at the mouth, in small steps, each of them at rest.
+// The protocol of an insertion (tools/case/case.hpp) by the reference rod: fed through a straight
+// frictionless sheath that ends at the mouth, in small steps, each of them at rest.
 #pragma once
 #include "tools/case/case.hpp"
 #include "tools/reference_rod/equilibrium.hpp"
@@ -19,8 +19,8 @@ class Insertion
     // With `start_m` out of the sheath: straight, so it should be short.
     Insertion(const Rod &rod, const Physics &physics, const Sheath &sheath, double start_m, double turn_rad);
 
-    // Feeds to `inserted_m` with the hand at `turn_rad`; one step, or several where one does not come to rest.
-    // False where even short steps do not: the state is the best found.
+    // Feeds to `inserted_m` with the hand at `turn_rad`; one step, or several where one does not come to
+    // rest. False where even short steps do not: the state is the best found.
     bool advance(double inserted_m, double turn_rad);
 
     double inserted_m() const { return inserted_m_; }
@@ -57,7 +57,8 @@ class Insertion
     int curved_ = 0; // nodes before this one are curved at rest
 };
 
-// d1 at the mouth with the hand at turn 0: across the direction and the axis least along it, as the device has it.
+// d1 at the mouth with the hand at turn 0: across the direction and the axis least along it, as the device
+// has it.
 Vector zero_turn_axis(const Vector &direction);
 
 struct Step {

@@ -1,4 +1,5 @@
-// Derivatives in the two edges first, then spread to nodes: rear edge = node - rear node, front edge = front node - node.
+// Derivatives in the two edges first, then spread to nodes: rear edge = node - rear node, front edge = front
+// node - node.
 #include "tools/reference_rod/joint.hpp"
 #include <Eigen/Geometry>
 
@@ -56,8 +57,8 @@ void spread_angle(int angle, const Vector &de, const Vector &df, Second &second)
     second.row(angle) += row.transpose();
 }
 
-// kb . (ue + uf) / 2 for the second axes u = t x d1 of both edges gives the curvature towards d1; with u = -d1 that towards
-// t x d1. `ve`, `vf` are du / d(angle), negated: d1 there, t x d1 here.
+// kb . (ue + uf) / 2 for the second axes u = t x d1 of both edges gives the curvature towards d1; with u =
+// -d1 that towards t x d1. `ve`, `vf` are du / d(angle), negated: d1 there, t x d1 here.
 void curvature(const Frame &f, const Vector &ue, const Vector &uf, const Vector &ve, const Vector &vf,
                bool with_second, Measure &out)
 {

@@ -1,5 +1,6 @@
-// An instrument as a discrete elastic rod (Bergou et al., Discrete Elastic Rods, 2008, and Discrete Viscous Threads, 2010):
-// nodes, and an angle per edge between a reference frame and the material frame. SI units, doubles.
+// An instrument as a discrete elastic rod (Bergou et al., Discrete Elastic Rods, 2008, and Discrete Viscous
+// Threads, 2010): nodes, and an angle per edge between a reference frame and the material frame. SI units,
+// doubles.
 //
 //     tip                                     hand
 //      0 --- 1 --- 2 ---  ...  --- k --- k+1      node i, position x_i, arc s_i from the tip
@@ -38,12 +39,13 @@ struct Rod {
 struct Cut {
     double tip_m = 0.25e-3, shaft_m = 0.75e-3; // longest edge at the tip, and elsewhere
     double fine_m = 0.0; // from the tip; 0: to 5 mm behind the tip's curves, at least 20 mm
-    // EA = stretch * EI / edge^2 of the softer end: under the force EI / R^2 of a bend of radius R an edge h shortens by
-    // (h / R)^2 / stretch, 3e-5 for 2 and 50 mm. Stiffer only takes more iterates.
+    // EA = stretch * EI / edge^2 of the softer end: under the force EI / R^2 of a bend of radius R an edge h
+    // shortens by (h / R)^2 / stretch, 3e-5 for 2 and 50 mm. Stiffer only takes more iterates.
     double stretch = 64.0;
 };
 
-// The instrument's first `length_m`, and two edges more for the sheath. Throws std::invalid_argument where it is shorter.
+// The instrument's first `length_m`, and two edges more for the sheath. Throws std::invalid_argument where it
+// is shorter.
 Rod cut_rod(const crn_wire_instrument &table, double length_m, const Cut &cut);
 // Outer radius of an instrument at a place from its tip, m.
 double radius_at_m(const crn_wire_instrument &table, double arc_m);
@@ -68,8 +70,8 @@ struct State {
 void move_state(const State &from, const std::vector<Vector> &x, const std::vector<double> &angle, int nodes,
                 State &to);
 
-// Elastic energy of nodes 0 .. nodes-1 and the joints among them, J; adds its slope (4 per node: x, y, z, angle of the edge
-// behind it) and, where given, its second derivatives.
+// Elastic energy of nodes 0 .. nodes-1 and the joints among them, J; adds its slope (4 per node: x, y, z,
+// angle of the edge behind it) and, where given, its second derivatives.
 double elastic_energy(const Rod &rod, const State &state, int nodes, Eigen::VectorXd *slope, Band *second);
 
 } // namespace crn::reference

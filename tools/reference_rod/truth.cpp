@@ -78,7 +78,8 @@ void write_parameters(const TruthRequest &request, const Truth &truth)
     write_whole_file((request.folder / "truth" / "parameters.toml").string(), file.str());
 }
 
-// Places of a centreline that a scan without bias would give: each off by independent noise, the mouth is known.
+// Places of a centreline that a scan without bias would give: each off by independent noise, the mouth is
+// known.
 std::vector<Vector> noisy(const std::vector<Vector> &points_mm, double noise_mm, Noise &noise)
 {
     std::vector<Vector> out = points_mm;

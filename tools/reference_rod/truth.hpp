@@ -1,5 +1,5 @@
-// The maker of a case with a known answer: the reference rod with stiffness that the instrument's file does not have, inserted
-// into a baked lumen; what a scan and a hand would show of it, and, apart, the truth.
+// The maker of a case with a known answer: the reference rod with stiffness that the instrument's file does
+// not have, inserted into a baked lumen; what a scan and a hand would show of it, and, apart, the truth.
 #pragma once
 #include "tools/case/stiffness.hpp"
 #include "tools/reference_rod/insertion.hpp"
@@ -36,12 +36,14 @@ struct Truth {
     Run run;
 };
 
-// Inserts and writes FOLDER: case.toml, instrument.toml and scene (copies), surface, force.csv, depth_N.csv where noise is
-// asked for, truth/parameters.toml, truth/depth_N.csv and truth/force.csv. `progress` is told the depth done and may be empty.
-// The same request gives the same files. Throws std::runtime_error (FileError, CaseError, OutputError) with the remedy.
+// Inserts and writes FOLDER: case.toml, instrument.toml and scene (copies), surface, force.csv, depth_N.csv
+// where noise is asked for, truth/parameters.toml, truth/depth_N.csv and truth/force.csv. `progress` is told
+// the depth done and may be empty. The same request gives the same files. Throws std::runtime_error
+// (FileError, CaseError, OutputError) with the remedy.
 Truth make_case(const TruthRequest &request, const std::function<void(const std::string &)> &progress = {});
 
-// What the instrument looks like to a scanner: outer radius along `centreline_mm` (from the mouth to the tip), in mm.
+// What the instrument looks like to a scanner: outer radius along `centreline_mm` (from the mouth to the
+// tip), in mm.
 std::vector<double> radii_mm(const crn_wire_instrument &table, const std::vector<Vector> &centreline_mm);
 
 // Independent normal deviates with standard deviation 1, the same on every machine.

@@ -1,4 +1,5 @@
 """Debian packages: which one a file comes from, its source, version and copyright file. Used by supply.py and its tests."""
+
 import collections
 import functools
 import os
@@ -30,7 +31,11 @@ OWNERS = {}  # file -> package
 def learn(paths):
     """Asks once for many files: dpkg-query reads its whole list each time."""
     names = sorted({name for path in paths for name in names_of(path)} - set(OWNERS))
-    done = subprocess.run(["dpkg-query", "-S", *names], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=False) if names else None
+    done = (
+        subprocess.run(["dpkg-query", "-S", *names], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=False)
+        if names
+        else None
+    )
     for line in done.stdout.decode("utf-8", "replace").splitlines() if done else []:
         owners, _, path = line.rpartition(": ")
         if owners and not owners.startswith("diversion "):
@@ -44,7 +49,9 @@ def of_file(path):
     for name in names_of(path):
         if name in OWNERS:
             return OWNERS[name]
-    raise Unknown("%s comes from no Debian package: name its licence by hand in NOTICE, or link Debian's library" % path)
+    raise Unknown(
+        "%s comes from no Debian package: name its licence by hand in NOTICE, or link Debian's library" % path
+    )
 
 
 @functools.lru_cache(maxsize=None)

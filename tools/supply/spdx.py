@@ -1,5 +1,6 @@
 """An SPDX 2.3 document (JSON, ISO/IEC 5962's successor) of what supply.py found. The same tree on the same machine gives the same bytes: time is that of
 the commit, and the document's name space is its own hash. Used by supply.py."""
+
 import datetime
 import hashlib
 import json
@@ -33,27 +34,55 @@ def hash_of(path, name):
 
 
 def own_package(root):
-    return {"SPDXID": "SPDXRef-Package-cournand", "name": "cournand",
-            "versionInfo": ask_git(root, "describe", "--always", "--dirty") or "unknown", "supplier": "Organization: the Cournand authors",
-            "downloadLocation": "NOASSERTION", "filesAnalyzed": False, "licenseConcluded": "Apache-2.0", "licenseDeclared": "Apache-2.0",
-            "copyrightText": "Copyright 2026 the Cournand authors"}
+    return {
+        "SPDXID": "SPDXRef-Package-cournand",
+        "name": "cournand",
+        "versionInfo": ask_git(root, "describe", "--always", "--dirty") or "unknown",
+        "supplier": "Organization: the Cournand authors",
+        "downloadLocation": "NOASSERTION",
+        "filesAnalyzed": False,
+        "licenseConcluded": "Apache-2.0",
+        "licenseDeclared": "Apache-2.0",
+        "copyrightText": "Copyright 2026 the Cournand authors",
+    }
 
 
 def debian_package(package, row):
     version, architecture = packages.version_of(package)
-    return {"SPDXID": spdx_id("Package", package), "name": package, "versionInfo": version, "supplier": "Organization: Debian",
-            "originator": "Organization: " + row.holder, "downloadLocation": "NOASSERTION", "filesAnalyzed": False,
-            "licenseConcluded": row.licence, "licenseDeclared": row.licence, "copyrightText": "NOASSERTION",
-            "comment": "Debian source package %s; its copyright file is /usr/share/doc/%s/copyright" % (packages.source_of(package), package),
-            "externalRefs": [{"referenceCategory": "PACKAGE-MANAGER", "referenceType": "purl",
-                              "referenceLocator": "pkg:deb/debian/%s@%s?arch=%s&distro=debian-12"
-                                                  % (package, version.replace(":", "%3A").replace("+", "%2B"), architecture)}]}
+    return {
+        "SPDXID": spdx_id("Package", package),
+        "name": package,
+        "versionInfo": version,
+        "supplier": "Organization: Debian",
+        "originator": "Organization: " + row.holder,
+        "downloadLocation": "NOASSERTION",
+        "filesAnalyzed": False,
+        "licenseConcluded": row.licence,
+        "licenseDeclared": row.licence,
+        "copyrightText": "NOASSERTION",
+        "comment": "Debian source package %s; its copyright file is /usr/share/doc/%s/copyright"
+        % (packages.source_of(package), package),
+        "externalRefs": [
+            {
+                "referenceCategory": "PACKAGE-MANAGER",
+                "referenceType": "purl",
+                "referenceLocator": "pkg:deb/debian/%s@%s?arch=%s&distro=debian-12"
+                % (package, version.replace(":", "%3A").replace("+", "%2B"), architecture),
+            }
+        ],
+    }
 
 
 def program_file(path):
-    return {"SPDXID": spdx_id("File", os.path.basename(path)), "fileName": "./bin/" + os.path.basename(path), "fileTypes": ["BINARY"],
-            "checksums": [{"algorithm": name, "checksumValue": hash_of(path, name.lower())} for name in ("SHA1", "SHA256")],
-            "licenseConcluded": "Apache-2.0", "licenseInfoInFiles": ["NOASSERTION"], "copyrightText": "Copyright 2026 the Cournand authors"}
+    return {
+        "SPDXID": spdx_id("File", os.path.basename(path)),
+        "fileName": "./bin/" + os.path.basename(path),
+        "fileTypes": ["BINARY"],
+        "checksums": [{"algorithm": name, "checksumValue": hash_of(path, name.lower())} for name in ("SHA1", "SHA256")],
+        "licenseConcluded": "Apache-2.0",
+        "licenseInfoInFiles": ["NOASSERTION"],
+        "copyrightText": "Copyright 2026 the Cournand authors",
+    }
 
 
 def relation(one, kind, other):
@@ -63,7 +92,13 @@ def relation(one, kind, other):
 def relations(supply):
     own = "SPDXRef-Package-cournand"
     found = [relation("SPDXRef-DOCUMENT", "DESCRIBES", own)]
-    kinds = {"linked": "DYNAMIC_LINK", "headers": "CONTAINS", "static": "STATIC_LINK", "opened": "OPTIONAL_DEPENDENCY_OF", "loaded": "DEPENDS_ON"}
+    kinds = {
+        "linked": "DYNAMIC_LINK",
+        "headers": "CONTAINS",
+        "static": "STATIC_LINK",
+        "opened": "OPTIONAL_DEPENDENCY_OF",
+        "loaded": "DEPENDS_ON",
+    }
     for path in supply.programs:
         found.append(relation(own, "GENERATES", spdx_id("File", os.path.basename(path))))
     for group, kind in kinds.items():
@@ -76,11 +111,18 @@ def relations(supply):
 
 def document(supply, licences, root):
     named = sorted(package for found in supply.packages.values() for package in found)
-    body = {"spdxVersion": "SPDX-2.3", "dataLicense": "CC0-1.0", "SPDXID": "SPDXRef-DOCUMENT", "name": "cournand", "documentNamespace": "",
-            "creationInfo": {"created": created(root), "creators": ["Tool: tools/supply/supply.py"]},
-            "hasExtractedLicensingInfos": [{"licenseId": name, "extractedText": text} for name, text in EXTRACTED.items()],
-            "packages": [own_package(root)] + [debian_package(p, licences[packages.source_of(p)]) for p in named],
-            "files": [program_file(path) for path in supply.programs], "relationships": relations(supply)}
+    body = {
+        "spdxVersion": "SPDX-2.3",
+        "dataLicense": "CC0-1.0",
+        "SPDXID": "SPDXRef-DOCUMENT",
+        "name": "cournand",
+        "documentNamespace": "",
+        "creationInfo": {"created": created(root), "creators": ["Tool: tools/supply/supply.py"]},
+        "hasExtractedLicensingInfos": [{"licenseId": name, "extractedText": text} for name, text in EXTRACTED.items()],
+        "packages": [own_package(root)] + [debian_package(p, licences[packages.source_of(p)]) for p in named],
+        "files": [program_file(path) for path in supply.programs],
+        "relationships": relations(supply),
+    }
     whole = hashlib.sha256(json.dumps(body, sort_keys=True).encode()).hexdigest()
     body["documentNamespace"] = "https://spdx.org/spdxdocs/cournand-" + whole
     return body

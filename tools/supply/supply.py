@@ -8,6 +8,7 @@ that become part of them, and what they open when it is asked for. Found in the 
   supply.py sbom --build build -o out/cournand.spdx.json    the same as an SPDX 2.3 document, versions and hashes included
 
 No network is used."""
+
 import argparse
 import collections
 import os
@@ -70,7 +71,11 @@ def loaded(program):
 
 
 def sources_of_tree():
-    listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, check=True, stdout=subprocess.PIPE).stdout.decode().split("\0")
+    listed = (
+        subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, check=True, stdout=subprocess.PIPE)
+        .stdout.decode()
+        .split("\0")
+    )
     return [p for p in listed if SHIPPED.match(p) and p.endswith((".c", ".h", ".cpp", ".hpp"))]
 
 
@@ -135,7 +140,9 @@ class Supply:
                 self.add("headers", package, user.split("/")[0] + "/" + user.split("/")[1])
 
     def take_opened(self):
-        texts = [open(os.path.join(ROOT, p), encoding="utf-8").read() for p in sources_of_tree() if p.startswith("host/")]
+        texts = [
+            open(os.path.join(ROOT, p), encoding="utf-8").read() for p in sources_of_tree() if p.startswith("host/")
+        ]
         for name, package in OPENED.items():
             if any('"' + name in text for text in texts) and packages.is_installed(package):
                 self.add("opened", package, "cournand")
@@ -160,10 +167,15 @@ def check_licences(supply, licences):
         if source not in licences:
             users = sorted({user for group in supply.groups.values() for user in group.get(source, ())})
             yield "%s (%s), used by %s, has no line in tools/supply/licences.tsv" % (
-                source, ", ".join(sorted(supply.packages[source])), ", ".join(users))
+                source,
+                ", ".join(sorted(supply.packages[source])),
+                ", ".join(users),
+            )
         elif not any(packages.copyright_holds(p, licences[source].words) for p in supply.packages[source]):
-            yield "%s: its copyright file in /usr/share/doc does not hold the words '%s': read it and correct tools/supply/licences.tsv" % (
-                source, licences[source].words)
+            yield (
+                "%s: its copyright file in /usr/share/doc does not hold the words '%s': read it and correct tools/supply/licences.tsv"
+                % (source, licences[source].words)
+            )
 
 
 def split_notice(text):
@@ -209,11 +221,17 @@ def command_notice(supply, licences, path, write):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("command", choices=("notice", "sbom"))
-    parser.add_argument("--build", default="build", help="folder of the build whose programs are looked at (default: build)")
+    parser.add_argument(
+        "--build", default="build", help="folder of the build whose programs are looked at (default: build)"
+    )
     parser.add_argument("--programs", default="", help="their names (default: all of the build's folder bin)")
-    parser.add_argument("--notice", default=os.path.join(ROOT, "NOTICE"), help="the NOTICE file (default: the repository's)")
+    parser.add_argument(
+        "--notice", default=os.path.join(ROOT, "NOTICE"), help="the NOTICE file (default: the repository's)"
+    )
     parser.add_argument("--write", action="store_true", help="notice: renew it")
-    parser.add_argument("-o", "--output", default="out/cournand.spdx.json", help="sbom: the file (default: %(default)s)")
+    parser.add_argument(
+        "-o", "--output", default="out/cournand.spdx.json", help="sbom: the file (default: %(default)s)"
+    )
     arguments = parser.parse_args()
     try:
         supply, licences = Supply(arguments.build, arguments.programs.split()), packages.licences()

@@ -61,7 +61,8 @@ void compare_tip(Result &result, const std::string &what, const Cantilever &c, c
     result.error(what, "y/L", shape.y.back(), tip[2], 100 * off, "% of L", tolerance_pct);
 }
 
-// --- dead load at the tip -------------------------------------------------------------------------------------------
+// --- dead load at the tip
+// -------------------------------------------------------------------------------------------
 
 void tip_load(Result &result, bool quick)
 {
@@ -96,7 +97,8 @@ void tip_load(Result &result, bool quick)
     if (!plot.series.empty()) result.plots.push_back(plot);
 }
 
-// --- weight ---------------------------------------------------------------------------------------------------------
+// --- weight
+// ---------------------------------------------------------------------------------------------------------
 
 // The heaviest load whose settling needs no limit of the number formats, in steps of 30 %.
 double heaviest(double bend_N_m2, double from, double to)
@@ -146,10 +148,12 @@ void self_weight(Result &result, bool quick)
     }
 }
 
-// --- three-point bend -----------------------------------------------------------------------------------------------
+// --- three-point bend
+// -----------------------------------------------------------------------------------------------
 
-// Half of the span: by symmetry the middle of the beam is clamped and each support pushes with P / 2. Returns P over the
-// deflection. `mass_factor` 4 makes m / h^2 that of half a time step, which is all the step does to a solve besides the drag.
+// Half of the span: by symmetry the middle of the beam is clamped and each support pushes with P / 2. Returns
+// P over the deflection. `mass_factor` 4 makes m / h^2 that of half a time step, which is all the step does
+// to a solve besides the drag.
 double bench_stiffness(double bend_N_m2, double span_m, double deflection_m, double mass_factor, int ticks)
 {
     double half = span_m / 2, element = element_length(half, bend_N_m2 > 2e-3 ? 10 : 20);
@@ -198,10 +202,12 @@ void three_point(Result &result, bool)
     result.plots.push_back(plot);
 }
 
-// --- curved tips ----------------------------------------------------------------------------------------------------
+// --- curved tips
+// ----------------------------------------------------------------------------------------------------
 
-// Two spans, base clamp to `second` (a) and on to the tip (d), of a rod with rest curvature 1/R on the axis: the moment at
-// `second` over EI/R by Clapeyron's three moments. Near 1; not 1 since the last span is only supported at its ends.
+// Two spans, base clamp to `second` (a) and on to the tip (d), of a rod with rest curvature 1/R on the axis:
+// the moment at `second` over EI/R by Clapeyron's three moments. Near 1; not 1 since the last span is only
+// supported at its ends.
 double three_moments(double a, double d)
 {
     return (3 * d + 1.5 * a) / (2 * d + 1.5 * a);

@@ -80,9 +80,9 @@ double sag(const Rig &rig)
     return most;
 }
 
-// Side load over sag against thrust falls to zero, nearly along a straight line, at the critical load (Southwell). The thrust is
-// raised by halves until the sag has grown, then each goes 7/10 of the way to where the last two point; no theory of
-// buckling enters.
+// Side load over sag against thrust falls to zero, nearly along a straight line, at the critical load
+// (Southwell). The thrust is raised by halves until the sag has grown, then each goes 7/10 of the way to
+// where the last two point; no theory of buckling enters.
 double measure(const Column &column, Series &series)
 {
     Rig rig = make(column);
@@ -135,7 +135,8 @@ void euler(Result &result, bool quick)
     result.plots.push_back(plot);
 }
 
-// --- beyond the load ------------------------------------------------------------------------------------------------
+// --- beyond the load
+// ------------------------------------------------------------------------------------------------
 
 void beyond_euler(Result &result, bool quick)
 {

@@ -24,7 +24,8 @@ Knot catheter_knot(double bend)
     return {.bend_N_m2 = bend, .twist_N_m2 = bend / 1.3, .radius_m = 835e-6, .radius_inner_m = 485e-6};
 }
 
-// --- stiffness adds -------------------------------------------------------------------------------------------------
+// --- stiffness adds
+// -------------------------------------------------------------------------------------------------
 
 void stiffness_adds(Result &result, bool quick)
 {
@@ -76,7 +77,8 @@ void stiffness_adds(Result &result, bool quick)
     result.plots.push_back(plot);
 }
 
-// --- a straight catheter opens a J ----------------------------------------------------------------------------------
+// --- a straight catheter opens a J
+// ----------------------------------------------------------------------------------
 
 // Angle by which the tip's direction leaves the mouth's, degrees, unwrapped along the line.
 double opening(const Rig &rig)
@@ -157,10 +159,11 @@ void opens_hook(Result &result, bool quick)
     result.plots.push_back(plot);
 }
 
-// --- change of the lead ---------------------------------------------------------------------------------------------
+// --- change of the lead
+// ---------------------------------------------------------------------------------------------
 
-// A catheter is pushed over a resting wire until it leads by 20 mm, and drawn back, in a bend. Largest way of any node of the
-// catheter-free line per tick, beyond what the tool's own feed explains.
+// A catheter is pushed over a resting wire until it leads by 20 mm, and drawn back, in a bend. Largest way of
+// any node of the catheter-free line per tick, beyond what the tool's own feed explains.
 void lead_change(Result &result, bool quick)
 {
     result.title = "Change of the leading tool";

@@ -12,7 +12,8 @@ namespace crn::validate
 namespace
 {
 
-// --- compression ----------------------------------------------------------------------------------------------------
+// --- compression
+// ----------------------------------------------------------------------------------------------------
 
 struct Pressed {
     double hand_N, peak_N, strain, strain_peak, resting_m;
@@ -100,9 +101,11 @@ void stall(Result &result, bool quick)
     }
 }
 
-// --- work and energy ------------------------------------------------------------------------------------------------
+// --- work and energy
+// ------------------------------------------------------------------------------------------------
 
-// Bending energy of the free part from positions alone; joint at the mouth as the core clips it (half an element or less).
+// Bending energy of the free part from positions alone; joint at the mouth as the core clips it (half an
+// element or less).
 double bending_energy(const Rig &rig, double bend_N_m2, double element_m)
 {
     double sum = 0;
@@ -161,7 +164,8 @@ void energy(Result &result, bool quick)
     result.plots.push_back({"Work of the hand", "inserted (mm)", "mJ", {work_in, work_out, stored}});
 }
 
-// --- range of stiffness ---------------------------------------------------------------------------------------------
+// --- range of stiffness
+// ---------------------------------------------------------------------------------------------
 
 struct Calm {
     double strain, depth_m, resting_m;

@@ -13,7 +13,8 @@ namespace
 
 constexpr double wire_radius_m = 445e-6;
 
-// --- straight -------------------------------------------------------------------------------------------------------
+// --- straight
+// -------------------------------------------------------------------------------------------------------
 
 Rig floor_rig(const LumenField &field, double tube_m, const Knot &knot, double length_m)
 {
@@ -71,7 +72,8 @@ void torque_straight(Result &result, bool quick)
     }
 }
 
-// --- a J round a bend -----------------------------------------------------------------------------------------------
+// --- a J round a bend
+// -----------------------------------------------------------------------------------------------
 
 struct Turned {
     double tip_deg, heading_deg;                  // after a turn and rest
@@ -81,7 +83,8 @@ struct Turned {
 
 constexpr double hook_radius_m = 0.015, hook_m = 0.03;
 
-// A J (R 15 mm over 30 mm, EI 1e-4) on a shaft of 1e-3 lies beyond a 90 degree bend while the hand makes `turns` turns.
+// A J (R 15 mm over 30 mm, EI 1e-4) on a shaft of 1e-3 lies beyond a 90 degree bend while the hand makes
+// `turns` turns.
 Turned turn_hook(double friction, double speed_rad_s, double turns)
 {
     Path path({-0.03, 0, 0}, {1, 0, 0}, {0, 0, 1});

@@ -14,7 +14,8 @@ namespace
 
 constexpr double nu = 0.3, bend_over_twist = 1 + nu;
 
-// A rod whose tip is clamped in space by its first edge, which counts as rigid: the clamp stands in the edge's middle.
+// A rod whose tip is clamped in space by its first edge, which counts as rigid: the clamp stands in the
+// edge's middle.
 struct Clamped {
     Rig rig;
     double element_m, length_m; // between the clamps
@@ -51,7 +52,8 @@ struct Clamped {
     }
 };
 
-// --- straight rod ---------------------------------------------------------------------------------------------------
+// --- straight rod
+// ---------------------------------------------------------------------------------------------------
 
 double radius_of(const Rig &rig)
 {
@@ -94,7 +96,8 @@ void greenhill_case(Result &result, bool)
         {"Sag of a twisted rod", "twist / Greenhill's", "sag without twist / sag", {series}});
 }
 
-// --- ring -----------------------------------------------------------------------------------------------------------
+// --- ring
+// -----------------------------------------------------------------------------------------------------------
 
 // Distance of the nodes from their best plane through the x axis and the mouth, root mean square.
 double warp(const Rig &rig)
@@ -160,7 +163,8 @@ void ring(Result &result, bool quick)
         {"Distance from the plane of a twisted ring", "twist / Michell's", "1 mm / warp", {series}});
 }
 
-// --- localised coil -------------------------------------------------------------------------------------------------
+// --- localised coil
+// -------------------------------------------------------------------------------------------------
 
 // cos of the angle between each edge and the axis, against arc length over L.
 Series tilt_of(const Clamped &rod)

@@ -13,14 +13,15 @@ namespace
 
 constexpr double wire_radius_m = 445e-6;
 
-// --- capstan --------------------------------------------------------------------------------------------------------
+// --- capstan
+// --------------------------------------------------------------------------------------------------------
 
 struct Capstan {
     double mean, low, high; // pull at the hand over the load at the tip
 };
 
-// A wire laid along the inner wall of a bend, its tip loaded along the way out, is drawn back by 30 mm. The mouth lies at
-// the inner wall too, so that the wire turns by the bend's angle and no less.
+// A wire laid along the inner wall of a bend, its tip loaded along the way out, is drawn back by 30 mm. The
+// mouth lies at the inner wall too, so that the wire turns by the bend's angle and no less.
 Capstan draw(double angle_rad, double friction, double tip_N)
 {
     const double bend_m = 0.1, tube_m = 0.002, lead_m = 0.03, out_m = 0.07, off_m = tube_m - wire_radius_m;
@@ -87,7 +88,8 @@ void capstan(Result &result, bool quick)
     result.plots.push_back(plot);
 }
 
-// --- incline --------------------------------------------------------------------------------------------------------
+// --- incline
+// --------------------------------------------------------------------------------------------------------
 
 struct Slope {
     Series travel; // angle in degrees -> mm
@@ -156,7 +158,8 @@ void incline(Result &result, bool quick)
     result.plots.push_back(plot);
 }
 
-// --- sliding --------------------------------------------------------------------------------------------------------
+// --- sliding
+// --------------------------------------------------------------------------------------------------------
 
 void sliding(Result &result, bool quick)
 {
@@ -197,7 +200,8 @@ void sliding(Result &result, bool quick)
     }
 }
 
-// --- helix in a tube ------------------------------------------------------------------------------------------------
+// --- helix in a tube
+// ------------------------------------------------------------------------------------------------
 
 double pitch(double bend, double force_N)
 {

@@ -124,7 +124,8 @@ double greenhill()
 
 Writhe writhe(double slack, double turn_rad, double bend_over_twist)
 {
-    // slack = sqrt(16 / t (1 - m^2 / 4t)), turn = m B/C + 4 acos(m / (2 sqrt t)): m from the second for given t
+    // slack = sqrt(16 / t (1 - m^2 / 4t)), turn = m B/C + 4 acos(m / (2 sqrt t)): m from the second for given
+    // t
     auto moment = [&](double t) {
         return root(
             [&](double m) { return m * bend_over_twist + 4 * std::acos(m / (2 * std::sqrt(t))) - turn_rad; },

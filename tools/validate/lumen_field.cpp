@@ -11,7 +11,8 @@
 namespace crn::validate
 {
 
-// --- path -----------------------------------------------------------------------------------------------------------
+// --- path
+// -----------------------------------------------------------------------------------------------------------
 
 Path::Path(const Vector3d &start, const Vector3d &direction, const Vector3d &normal)
     : at_(start), direction_(direction.normalized()), normal_(normal.normalized()), low_(start), high_(start)
@@ -89,7 +90,8 @@ double Path::distance(const Vector3d &point_m) const
     return least;
 }
 
-// --- field ----------------------------------------------------------------------------------------------------------
+// --- field
+// ----------------------------------------------------------------------------------------------------------
 
 struct LumenField::Storage {
     crn_lumen lumen{};
@@ -146,7 +148,8 @@ class Builder
 
     double &at(int x, int y, int z) { return f_[std::size_t((z * support + y) * support + x)]; }
 
-    // Coefficients c = f - (second differences) / 8, the first-order inverse of the spline's own smoothing [1 6 1] / 8.
+    // Coefficients c = f - (second differences) / 8, the first-order inverse of the spline's own smoothing [1
+    // 6 1] / 8.
     std::uint16_t brick(const Vector3d &corner, double voxel)
     {
         for (int z = 0; z < support; z++) {

@@ -50,7 +50,8 @@ Result run_case(const Case &one, bool quick)
     return result;
 }
 
-// Cases are taken from the list by `jobs` threads; they share nothing, so results do not depend on the number of threads.
+// Cases are taken from the list by `jobs` threads; they share nothing, so results do not depend on the number
+// of threads.
 std::vector<Result> run_all(const std::vector<Case> &cases, const Options &options)
 {
     std::vector<Result> results(cases.size());

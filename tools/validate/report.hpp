@@ -1,4 +1,5 @@
-// What a case finds: figures against references with stated tolerances, and plots; and how they are written down.
+// What a case finds: figures against references with stated tolerances, and plots; and how they are written
+// down.
 #pragma once
 #include "tools/validate/plot.hpp"
 
@@ -8,8 +9,8 @@
 namespace crn::validate
 {
 
-// One figure. `error` is in `error_unit` and passes when its size is within `tolerance`; a tolerance below 0 means that
-// the figure is only reported.
+// One figure. `error` is in `error_unit` and passes when its size is within `tolerance`; a tolerance below 0
+// means that the figure is only reported.
 struct Row {
     std::string name;    // case.what, unique, stable: others refer to it
     std::string formula; // how the reference is computed

@@ -103,7 +103,8 @@ Rig::Rig(const std::vector<Tool> &tools, const LumenField *field, const Start &s
 Rig::~Rig() = default;
 Rig::Rig(Rig &&) noexcept = default;
 
-// --- what acts on the rod -------------------------------------------------------------------------------------------
+// --- what acts on the rod
+// -------------------------------------------------------------------------------------------
 
 void Rig::set_gravity(const Vector3d &m_s2)
 {
@@ -129,8 +130,8 @@ void Rig::set_hold(const Hold &hold)
     crn_model_set_tip_hold(&core_->model, &h);
 }
 
-// The core holds the tip's angle against the axis carried without twist from the inserter; that axis itself turns at the
-// tip when the line coils (its writhe). Held in space, the angle is the negative of that turn.
+// The core holds the tip's angle against the axis carried without twist from the inserter; that axis itself
+// turns at the tip when the line coils (its writhe). Held in space, the angle is the negative of that turn.
 void Rig::hold_in_space()
 {
     crn_model &model = core_->model;
@@ -194,7 +195,8 @@ void Rig::place(const std::vector<Vector3d> &positions_m)
     }
 }
 
-// --- what is measured -----------------------------------------------------------------------------------------------
+// --- what is measured
+// -----------------------------------------------------------------------------------------------
 
 unsigned Rig::free_count() const
 {

@@ -1,8 +1,8 @@
-// The core as the cases see it: SI doubles in, SI doubles out. The only file pair of this folder that calls the core, so
-// that a change of its interface is a change of one file.
+// The core as the cases see it: SI doubles in, SI doubles out. The only file pair of this folder that calls
+// the core, so that a change of its interface is a change of one file.
 //
-// Lengths count from the tip of tool 0 (node 0 is the leading tip). The inserter's mouth lies at the origin and points
-// along +x unless a case says otherwise.
+// Lengths count from the tip of tool 0 (node 0 is the leading tip). The inserter's mouth lies at the origin
+// and points along +x unless a case says otherwise.
 #pragma once
 #include "tools/validate/lumen_field.hpp"
 

@@ -30,7 +30,8 @@ class Canvas
     void disc(double x, double y, double radius, Colour colour);
     void blend(int x, int y, Colour colour, double share); // one pixel
 
-    // Letters are 6 x 8 points of `size` pixels each; y is the top. Upwards: turned a quarter turn, y is its middle.
+    // Letters are 6 x 8 points of `size` pixels each; y is the top. Upwards: turned a quarter turn, y is its
+    // middle.
     void text(double x, double y, std::string_view letters, double size, Colour colour,
               Align align = Align::left);
     void text_upwards(double x, double y, std::string_view letters, double size, Colour colour);

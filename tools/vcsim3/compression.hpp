@@ -1,6 +1,6 @@
-// The experiment of the thesis' section 5.4.2: a rod is fed into the phantom until its tip stands at the closed end and
-// feeding on has crowded it, and its length is compared with its rest length. Every mode and our direct solver get the
-// same rod, vessel and hand.
+// The experiment of the thesis' section 5.4.2: a rod is fed into the phantom until its tip stands at the
+// closed end and feeding on has crowded it, and its length is compared with its rest length. Every mode and
+// our direct solver get the same rod, vessel and hand.
 #pragma once
 #include "tools/vcsim3/direct.hpp"
 #include "tools/vcsim3/preset.hpp"
@@ -30,8 +30,8 @@ struct ShapeNode {
     bool is_touching; // at some tick of the last average_s of the hold
 };
 
-// Positive percentages are compression. A rod that has burst (a coordinate is not finite, or half a metre away, or the
-// length is off by more than half) has is_sound false and means nothing else.
+// Positive percentages are compression. A rod that has burst (a coordinate is not finite, or half a metre
+// away, or the length is off by more than half) has is_sound false and means nothing else.
 struct CompressionResult {
     std::string name, token; // "25 Local", "local25"; "Direct", "direct"
     bool is_sound = true;
@@ -51,7 +51,8 @@ struct Interrupted : std::exception {
     const char *what() const noexcept override { return "interrupted"; }
 };
 
-// What our solver gets: the preset's stiffness, radius and friction, a real wire's mass, and no weight, as the baseline.
+// What our solver gets: the preset's stiffness, radius and friction, a real wire's mass, and no weight, as
+// the baseline.
 DirectProperties direct_of(const Preset &preset, const Protocol &protocol);
 inline constexpr double direct_mass_kg_per_m = 0.005;
 

@@ -1,5 +1,6 @@
 // Distance constraints between neighbouring mass points, on velocities, with Baumgarte's term (thesis 5.4.2).
-// For segment j with e = x[j+1] - x[j], n = e/|e|, C = |e| - l the wanted relative velocity along n is -beta C / h.
+// For segment j with e = x[j+1] - x[j], n = e/|e|, C = |e| - l the wanted relative velocity along n is -beta
+// C / h.
 //   local    one sweep of pairwise impulses (Gauss-Seidel), from the hand to the tip; N sweeps per step
 //   global   all impulses of the chain at once by one tridiagonal solve
 #pragma once

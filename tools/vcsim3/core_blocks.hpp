@@ -22,7 +22,8 @@ inline std::int32_t to_q30(double value)
     return static_cast<std::int32_t>(std::lround(std::ldexp(value, 30)));
 }
 
-// Model and state in bytes that are aligned for any of their members, with one tick's input and output. Neither copied nor moved.
+// Model and state in bytes that are aligned for any of their members, with one tick's input and output.
+// Neither copied nor moved.
 struct CoreBlocks {
     std::vector<std::max_align_t> model_memory, state_memory;
     crn_model *model = nullptr;

@@ -1,5 +1,5 @@
-// Our own solver beside the baseline: the firmware core, fed into the same vessel by its public header. The only file of
-// this folder that calls it.
+// Our own solver beside the baseline: the firmware core, fed into the same vessel by its public header. The
+// only file of this folder that calls it.
 #pragma once
 #include "tools/vcsim3/lumen.hpp"
 #include "tools/vcsim3/rod.hpp"

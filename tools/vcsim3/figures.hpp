@@ -1,4 +1,5 @@
-// The four figures of the thesis as pictures, with its values beside ours and our direct solver as one more bar.
+// The four figures of the thesis as pictures, with its values beside ours and our direct solver as one more
+// bar.
 #pragma once
 #include "tools/vcsim3/study.hpp"
 

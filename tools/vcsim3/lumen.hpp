@@ -1,5 +1,5 @@
-// The vessel in double precision: the same sparse field of B-spline coefficients that the core reads (lumen.h of the
-// core states the layout), evaluated here independently of the core's arithmetic.
+// The vessel in double precision: the same sparse field of B-spline coefficients that the core reads (lumen.h
+// of the core states the layout), evaluated here independently of the core's arithmetic.
 #pragma once
 #include "tools/vcsim3/rod.hpp"
 extern "C" {
@@ -17,8 +17,8 @@ struct LumenSample {
     Vector inward = Vector::Zero(); // unit normal; zero far from the wall
 };
 
-// The field itself: its gradient is not quite of length 1, and it is what the value's change follows. Second derivatives jump
-// at the borders of voxels. Both are zero far from the wall.
+// The field itself: its gradient is not quite of length 1, and it is what the value's change follows. Second
+// derivatives jump at the borders of voxels. Both are zero far from the wall.
 struct LumenField {
     double distance_m = 0.0; // negative inside the lumen
     Vector gradient = Vector::Zero();

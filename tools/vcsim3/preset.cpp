@@ -36,8 +36,8 @@ double Preset::mass_kg_per_m() const
     return density_kg_m3() * mass_scale * area_m2(*this);
 }
 
-// Substeps: the smallest number with step_ratio <= 1.5 for every mode to stay stable when segments are compressed;
-// `vcsim3 stability` measures where each fails.
+// Substeps: the smallest number with step_ratio <= 1.5 for every mode to stay stable when segments are
+// compressed; `vcsim3 stability` measures where each fails.
 const std::vector<Preset> &presets()
 {
     static const std::vector<Preset> rows = {

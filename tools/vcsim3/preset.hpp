@@ -1,8 +1,10 @@
-// The nine instruments of the thesis' Table 5.1 as rods, with what explicit integration needs to keep them stable.
+// The nine instruments of the thesis' Table 5.1 as rods, with what explicit integration needs to keep them
+// stable.
 //
-// The table gives no units. Read as here all nine are one consistent set: E x 1e7 Pa, radius x 1e-4 m (8.9 is then the
-// Super Stiff's 0.89 mm), density x 1e5 kg/m^3, and Kp x 10 N, because Kp / (E radius^2) has to be the table's own ratio
-// when the table's length is the decimetre that makes 8.9e-3 of it 0.89 mm. docs/thesis.md has the argument.
+// The table gives no units. Read as here all nine are one consistent set: E x 1e7 Pa, radius x 1e-4 m (8.9 is
+// then the Super Stiff's 0.89 mm), density x 1e5 kg/m^3, and Kp x 10 N, because Kp / (E radius^2) has to be
+// the table's own ratio when the table's length is the decimetre that makes 8.9e-3 of it 0.89 mm.
+// docs/thesis.md has the argument.
 #pragma once
 #include "tools/vcsim3/rod.hpp"
 #include <string>
@@ -39,8 +41,8 @@ const Preset *find_preset(const std::string &token); // nullptr when there is no
 
 RodProperties rod_of(const Preset &preset, int element_count, double element_m);
 
-// The fastest motion that the parallel constraint gives the mass points, 2/l sqrt(Kp / mass per length), times the step:
-// explicit integration needs less than 2.
+// The fastest motion that the parallel constraint gives the mass points, 2/l sqrt(Kp / mass per length),
+// times the step: explicit integration needs less than 2.
 double step_ratio(const Preset &preset, double element_m, int substeps);
 
 } // namespace vcsim3

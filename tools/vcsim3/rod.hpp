@@ -1,5 +1,6 @@
-// The thesis' rod (CoRdE): mass points joined by segments, a unit quaternion per segment, advanced explicitly.
-// Node 0 is the tip; segment j joins nodes j and j+1 and its third director points towards the hand. SI units, doubles.
+// The thesis' rod (CoRdE): mass points joined by segments, a unit quaternion per segment, advanced
+// explicitly. Node 0 is the tip; segment j joins nodes j and j+1 and its third director points towards the
+// hand. SI units, doubles.
 //   Energies and forces          rod_forces.cpp
 //   Explicit integration         rod_integrate.cpp
 //   Inserter that feeds the rod  inserter.hpp
@@ -41,8 +42,8 @@ struct RodProperties {
     Vector weight_N_per_m = Vector::Zero();
 };
 
-// Node i has position and velocity; segment j has orientation (body to world) and angular velocity in its own axes.
-// Nodes from free_count on, and their segments, are held: nothing here moves them.
+// Node i has position and velocity; segment j has orientation (body to world) and angular velocity in its own
+// axes. Nodes from free_count on, and their segments, are held: nothing here moves them.
 struct Rod {
     RodProperties properties;
     int free_count = 0; // 0 .. element_count + 1
@@ -62,8 +63,8 @@ struct Rod {
 // The turn of +z to a direction, by the shortest way.
 Quaternion turn_from_z(const Vector &direction);
 
-// Rest strain of a joint whose segment on the hand's side is turned by `turn_rad` (axis times angle, under 2 pi) against that on the
-// tip's side.
+// Rest strain of a joint whose segment on the hand's side is turned by `turn_rad` (axis times angle, under 2
+// pi) against that on the tip's side.
 Vector rest_strain(const Vector &turn_rad, double element_m);
 
 // Fills force and torque (in the segment's axes) from the energies of the present shape.
@@ -83,7 +84,8 @@ void integrate_positions(Rod &rod, double step_s);
 // Length of the free part now, divided by its rest length, minus 1: negative when compressed.
 double length_error(const Rod &rod);
 
-// False when a coordinate is not finite, or a node farther than `reach_m` from the first held node (or the tip).
+// False when a coordinate is not finite, or a node farther than `reach_m` from the first held node (or the
+// tip).
 bool is_sound_within(const Rod &rod, double reach_m);
 
 } // namespace vcsim3

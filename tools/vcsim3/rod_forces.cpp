@@ -1,9 +1,10 @@
-// Energies of CoRdE and their gradients. With l the rest length, e = x[j+1] - x[j], t = e/|e|, d3 the third director:
+// Energies of CoRdE and their gradients. With l the rest length, e = x[j+1] - x[j], t = e/|e|, d3 the third
+// director:
 //   parallel  l Kp/2 |t - d3|^2                           per segment
 //   bending   l/2 (EI (u1^2 + u2^2) + GJ u3^2)            per joint, u = (4/l) v/(1+w), (w, v) = q[j]* q[j+1], less u at rest
 //   stretch   Ks/(2 l) (|e| - l)^2                        per segment, in the penalty mode only
-// u is CoRdE's 2/|q|^2 B q.q' with q the mean of both quaternions and q' their difference over l, which for unit
-// quaternions is 4/l tan(angle/4) about the axis of turning. The weight acts on every node.
+// u is CoRdE's 2/|q|^2 B q.q' with q the mean of both quaternions and q' their difference over l, which for
+// unit quaternions is 4/l tan(angle/4) about the axis of turning. The weight acts on every node.
 #include "tools/vcsim3/rod.hpp"
 
 namespace vcsim3

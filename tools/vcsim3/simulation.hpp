@@ -46,7 +46,8 @@ class Simulation
     Simulation(const RodProperties &properties, const Inserter &inserter, const Wall &wall,
                const SimulationSettings &settings, double inserted_m);
 
-    // One millisecond during which the hand feeds `feed_m` and turns by `turn_rad` (right-handed about the feed) at constant speed.
+    // One millisecond during which the hand feeds `feed_m` and turns by `turn_rad` (right-handed about the
+    // feed) at constant speed.
     void tick(double feed_m, double turn_rad = 0.0);
 
     // One step of 1 ms / substeps with the hand at rest; adds to `times` when given.

@@ -29,8 +29,8 @@ struct StudySettings {
     int threads = 1;
 };
 
-// Says what is being done and how far it is: (what, share done or -1 for a line of its own). From several threads, but
-// one at a time. A false answer stops everything with Interrupted.
+// Says what is being done and how far it is: (what, share done or -1 for a line of its own). From several
+// threads, but one at a time. A false answer stops everything with Interrupted.
 using Report = std::function<bool(const std::string &, double)>;
 
 Study make_study(const StudySettings &settings, const Vessel &vessel, const Report &report);

@@ -16,8 +16,9 @@ struct TimingResult {
     double per_ms_s() const { return total_s() * steps_per_ms; }
 };
 
-// Times all runs in turn, round after round, so that a disturbance of the machine does not fall on one mode, and keeps
-// the fastest time of each phase in 600 steps. Needs the states of `runs`, made with the same preset, vessel and protocol.
+// Times all runs in turn, round after round, so that a disturbance of the machine does not fall on one mode,
+// and keeps the fastest time of each phase in 600 steps. Needs the states of `runs`, made with the same
+// preset, vessel and protocol.
 std::vector<TimingResult> time_steps(const std::vector<CompressionResult> &runs, const Preset &preset,
                                      const Vessel &vessel, const Protocol &protocol, const Watch &watch);
 

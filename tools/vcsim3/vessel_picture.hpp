@@ -1,4 +1,5 @@
-// A vessel seen from the front as glass, with a rod of spheres in it: green where it touches the wall, red where free.
+// A vessel seen from the front as glass, with a rod of spheres in it: green where it touches the wall, red
+// where free.
 #pragma once
 #include "tools/vcsim3/canvas.hpp"
 #include "tools/vcsim3/compression.hpp"
@@ -17,7 +18,8 @@ class VesselPicture
     // Where a point of the patient lies in the picture, from its top left corner.
     Eigen::Vector2d place_of(const Vector &position_m) const;
 
-    // The vessel with its top left corner there, and the rod's nodes as spheres: far ones first, touching ones on top.
+    // The vessel with its top left corner there, and the rod's nodes as spheres: far ones first, touching
+    // ones on top.
     void draw(Canvas &canvas, double left, double top, const std::vector<ShapeNode> &shape,
               double free_radius_mm, double touching_radius_mm) const;
 

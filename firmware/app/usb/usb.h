@@ -1,4 +1,5 @@
-/* The USB device: chapter 9, a HID interface and a vendor bulk pair over any controller of firmware/port/udc.h.
+/* The USB device: chapter 9, a HID interface and a vendor bulk pair over any controller of
+ * firmware/port/udc.h.
  *
  *   at power-up        crn_usb_init(usb, &config)      off the bus; then crn_usb_connect(usb, true)
  *   always             crn_usb_poll(usb)               from the main loop: events, replies, bytes to the app
@@ -6,12 +7,13 @@
  *   a frame to send    crn_usb_transmit(usb, ...)      what crn_port.transmit asks for
  *
  * Rules of the stream (bulk pair): frames are bytes, packets have no meaning.
- *  - To the host: a frame is queued whole or refused. When the queue runs empty behind a full packet, an empty packet
- *    follows, so that a host's longer read ends.
- *  - To the device: an empty packet means nothing. Bytes are handed to the app frame by frame, and only while the queue
- *    has room for the longest answer (`reply_bytes`); otherwise the packet is held and the host sees NAK.
- *  - A stream begins (SET_CONFIGURATION, SET_INTERFACE, CLEAR_FEATURE of a halt) with an empty queue and a zero byte, both
- *    ways, which ends a frame that was cut.
+ *  - To the host: a frame is queued whole or refused. When the queue runs empty behind a full packet, an
+ * empty packet follows, so that a host's longer read ends.
+ *  - To the device: an empty packet means nothing. Bytes are handed to the app frame by frame, and only while
+ * the queue has room for the longest answer (`reply_bytes`); otherwise the packet is held and the host sees
+ * NAK.
+ *  - A stream begins (SET_CONFIGURATION, SET_INTERFACE, CLEAR_FEATURE of a halt) with an empty queue and a
+ * zero byte, both ways, which ends a frame that was cut.
  */
 #ifndef CRN_USB_H
 #define CRN_USB_H
@@ -20,7 +22,8 @@
 #include "shared/wire/hid.h"
 #include "shared/wire/wire_frame.h"
 
-/* pid.codes' number for tests; a rig that leaves the laboratory needs one of its own (make USB_ID=1209:0001). */
+/* pid.codes' number for tests; a rig that leaves the laboratory needs one of its own (make USB_ID=1209:0001).
+ */
 #ifndef CRN_USB_VENDOR_ID
 #define CRN_USB_VENDOR_ID 0x1209
 #endif
@@ -40,8 +43,8 @@ enum {
     /* vendor requests to the device */
     CRN_USB_REQUEST_MS_OS = 0x20, /* IN, wIndex 7: Microsoft OS 2.0 descriptor set */
     CRN_USB_REQUEST_UNPLUG =
-        0x21, /* OUT, no data: off the bus for wValue ms (1 .. 10 000), then back. wIndex 0: at once, else with
-                                       that packet of the stream, which is lost in the middle of a transfer */
+        0x21, /* OUT, no data: off the bus for wValue ms (1 .. 10 000), then back. wIndex 0: at once, else
+                 with that packet of the stream, which is lost in the middle of a transfer */
 };
 
 typedef enum crn_usb_link {
@@ -135,18 +138,19 @@ typedef struct crn_usb {
     _Alignas(32) uint8_t stream_out[CRN_USB_STREAM_PACKET];
 } crn_usb;
 
-/* `config` is copied; what it points to must outlive the stack. False: the queue or the room for replies is too short, or the serial is
- * empty, too long or not printable ASCII. */
+/* `config` is copied; what it points to must outlive the stack. False: the queue or the room for replies is
+ * too short, or the serial is empty, too long or not printable ASCII. */
 bool crn_usb_init(crn_usb *usb, const crn_usb_config *config);
 
 /* Show the device to the host, or take it off the bus: as if the cable were pulled. */
 void crn_usb_connect(crn_usb *usb, bool connected);
 
-/* Bounded work: at most CRN_USB_EVENTS_PER_POLL events and one frame for the app. True: there may be more to do. */
+/* Bounded work: at most CRN_USB_EVENTS_PER_POLL events and one frame for the app. True: there may be more to
+ * do. */
 bool crn_usb_poll(crn_usb *usb);
 
-/* One millisecond has passed. `state` becomes a state report behind those that wait; when the queue is full the oldest one is
- * left out. Nothing waits while no host has configured the device, or the bus sleeps. */
+/* One millisecond has passed. `state` becomes a state report behind those that wait; when the queue is full
+ * the oldest one is left out. Nothing waits while no host has configured the device, or the bus sleeps. */
 void crn_usb_timer(crn_usb *usb, const crn_hid_state *state);
 
 /* Queue a whole frame for the host. False: not configured, or no room; nothing was queued. */

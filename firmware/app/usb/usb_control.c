@@ -30,7 +30,8 @@ static void begin_status_in(crn_usb *usb)
     arm(usb, CRN_UDC_IN, usb->control, 0);
 }
 
-/* At most what the host asked for. An empty packet ends data that is shorter than that and fills its last packet. */
+/* At most what the host asked for. An empty packet ends data that is shorter than that and fills its last
+ * packet. */
 static void begin_data_in(crn_usb *usb, const crn_usb_setup *setup, uint32_t count)
 {
     if (count > setup->length) count = setup->length;

@@ -152,7 +152,8 @@ static bool put_string(const crn_usb *usb, const crn_usb_setup *setup, crn_wire_
     return true;
 }
 
-/* --- Microsoft OS 2.0: Windows takes its own WinUSB driver for the stream, without a file from us ---------------- */
+/* --- Microsoft OS 2.0: Windows takes its own WinUSB driver for the stream, without a file from us
+ * ---------------- */
 static void put_bos(crn_wire_writer *reply)
 {
     /* D8DD60DF-4589-4CC7-9CD2-659D9E648A9F, as its bytes travel: says that the set below exists. */
@@ -173,7 +174,8 @@ static void put_bos(crn_wire_writer *reply)
     crn_wire_write(reply, 0, 1); /* no alternate enumeration */
 }
 
-/* Header of 10, configuration subset of 8, function subset of 8, compatible id of 20, registry property of 132. */
+/* Header of 10, configuration subset of 8, function subset of 8, compatible id of 20, registry property of
+ * 132. */
 bool crn_usb_ms_os_set(crn_wire_writer *reply)
 {
     static const uint8_t compatible[16] = {'W', 'I', 'N', 'U', 'S', 'B'};

@@ -1,4 +1,5 @@
-/* The HID interface: class requests (HID 1.11, 7.2), state reports, command reports, settings as feature reports. */
+/* The HID interface: class requests (HID 1.11, 7.2), state reports, command reports, settings as feature
+ * reports. */
 #include "firmware/app/usb/usb_internal.h"
 
 enum { REPORT_INPUT = 1, REPORT_OUTPUT = 2, REPORT_FEATURE = 3 }; /* high byte of wValue */
@@ -146,8 +147,8 @@ bool crn_usb_hid_data(crn_usb *usb, const crn_usb_setup *setup, const uint8_t *b
     }
 }
 
-/* A report that is none is counted and changes nothing: the number in the state report stays, so the host's program sees
- * it. A halted pipe would cost the rig its next command. */
+/* A report that is none is counted and changes nothing: the number in the state report stays, so the host's
+ * program sees it. A halted pipe would cost the rig its next command. */
 void crn_usb_hid_received(crn_usb *usb, uint32_t bytes)
 {
     if (!take_command(usb, usb->report_out, bytes)) usb->reports_refused++;

@@ -1,5 +1,5 @@
-/* What the files of the stack share. Top to bottom: events -> control transfers -> standard and class requests ->
- * descriptors; events -> reports, stream. */
+/* What the files of the stack share. Top to bottom: events -> control transfers -> standard and class
+ * requests -> descriptors; events -> reports, stream. */
 #ifndef CRN_USB_INTERNAL_H
 #define CRN_USB_INTERNAL_H
 
@@ -79,7 +79,8 @@ void crn_usb_control_reset(crn_usb *usb);
 void crn_usb_control_setup(crn_usb *usb, const uint8_t bytes[CRN_UDC_SETUP_BYTES]);
 void crn_usb_control_done(crn_usb *usb, uint8_t endpoint, uint32_t bytes);
 
-/* usb_standard.c, usb_hid.c: false is answered with STALL. `reply` is empty and takes the data of IN requests. */
+/* usb_standard.c, usb_hid.c: false is answered with STALL. `reply` is empty and takes the data of IN
+ * requests. */
 bool crn_usb_standard(crn_usb *usb, const crn_usb_setup *setup, crn_wire_writer *reply);
 bool crn_usb_hid_request(crn_usb *usb, const crn_usb_setup *setup, crn_wire_writer *reply);
 bool crn_usb_hid_takes(const crn_usb *usb, const crn_usb_setup *setup);

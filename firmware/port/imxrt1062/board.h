@@ -14,7 +14,8 @@
 #include "firmware/port/port.h"
 #include "firmware/port/udc.h"
 
-/* --- of the rig: measured and set by its builder, docs/porting.md ------------------------------------------------------ */
+/* --- of the rig: measured and set by its builder, docs/porting.md
+ * ------------------------------------------------------ */
 enum {
     BOARD_AXIAL_FULL_mN = 12000,    /* force of an axial motor at full duty */
     BOARD_TORQUE_FULL_uN_m = 30000, /* torque of a rotation motor at full duty */
@@ -36,7 +37,9 @@ enum {
     BOARD_STOP_RELEASE_ticks = 50, /* an emergency stop counts at once; its release only after this */
 };
 
-/* --- of the board ---------------------------------------------------------------------------------------------------------- */
+/* --- of the board
+ * ----------------------------------------------------------------------------------------------------------
+ */
 enum {
     BOARD_CLOCK_HZ = 600000000,
     BOARD_PERIPHERAL_HZ = 150000000, /* of PWM, decoders, ADC */

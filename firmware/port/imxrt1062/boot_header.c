@@ -1,9 +1,10 @@
-/* Never run on hardware. What the processor's ROM reads from the flash before it starts the image: how to read the flash
- * (FlexSPI configuration block, at 0), where the image is (image vector table, at 0x1000), how long it is (boot data).
+/* Never run on hardware. What the processor's ROM reads from the flash before it starts the image: how to
+ * read the flash (FlexSPI configuration block, at 0), where the image is (image vector table, at 0x1000), how
+ * long it is (boot data).
  *
- * The layout is that of the i.MX RT1060 reference manual, chapter 9 (system boot), tables "FlexSPI NOR configuration block"
- * and "image vector table"; the read command and its dummy cycles are those of the flash's data sheet (W25Q64JV, fast read
- * quad I/O, 0xeb). */
+ * The layout is that of the i.MX RT1060 reference manual, chapter 9 (system boot), tables "FlexSPI NOR
+ * configuration block" and "image vector table"; the read command and its dummy cycles are those of the
+ * flash's data sheet (W25Q64JV, fast read quad I/O, 0xeb). */
 #include "firmware/port/imxrt1062/board.h"
 
 struct start_entry; /* start.c */

@@ -1,4 +1,5 @@
-/* Never run on hardware. The processor's clock, the edge of every millisecond, time, the watchdog and the chip's number.
+/* Never run on hardware. The processor's clock, the edge of every millisecond, time, the watchdog and the
+ * chip's number.
  *
  *   crystal 24 MHz -> ARM PLL 1,200 MHz / 2 -> processor 600 MHz / 4 -> peripherals 150 MHz
  *   crystal 24 MHz -> PIT (the 1 ms edge), GPT1 (microseconds), console */

@@ -1,5 +1,5 @@
-/* Never run on hardware. The Cortex-M7's own registers, as ARM's architecture (ARMv7-M, B3) places them on every such
- * processor. */
+/* Never run on hardware. The Cortex-M7's own registers, as ARM's architecture (ARMv7-M, B3) places them on
+ * every such processor. */
 #ifndef CRN_CORTEX_M7_H
 #define CRN_CORTEX_M7_H
 

@@ -6,8 +6,8 @@
  *   PAD_<pad>_<function>       offset of its mux register, its mux mode, offset of its pad register (of IOMUXC)
  *   DAISY_<input>_<pad>        offset of an input's selection register, its value (of IOMUXC)
  *
- * `make registers` (tools/check/check_registers.py) holds every line here, and the width of every access, against the machine-readable
- * description of the crate imxrt-ral. */
+ * `make registers` (tools/check/check_registers.py) holds every line here, and the width of every access,
+ * against the machine-readable description of the crate imxrt-ral. */
 #ifndef CRN_IMXRT1062_REGISTERS_H
 #define CRN_IMXRT1062_REGISTERS_H
 

@@ -1,5 +1,5 @@
-/* Never run on hardware. The device on an i.MX RT1062 (Teensy 4.1): memory, the port's table, and the loop that hands bytes
- * and milliseconds to the app. Nothing here allocates; the one interrupt only counts.
+/* Never run on hardware. The device on an i.MX RT1062 (Teensy 4.1): memory, the port's table, and the loop
+ * that hands bytes and milliseconds to the app. Nothing here allocates; the one interrupt only counts.
  *
  *   loop:  USB -> crn_app_receive     an edge is due -> crn_app_timer (reads inputs, writes outputs), then the state report
  *
@@ -68,8 +68,8 @@ static void tick(void)
     clocks_edge_done();
 }
 
-/* The watchdog lives on edges that the app has done to their end, on nothing else: neither a loop that goes round without its
- * milliseconds nor a host that keeps the pipe busy keeps it quiet. */
+/* The watchdog lives on edges that the app has done to their end, on nothing else: neither a loop that goes
+ * round without its milliseconds nor a host that keeps the pipe busy keeps it quiet. */
 static void feed_watchdog(void)
 {
     static uint32_t fed;

@@ -1,5 +1,5 @@
-/* Never run on hardware. Caches and protection. What is written by others than the processor is never cached: registers,
- * and the OCRAM with the USB controller's lists and buffers. */
+/* Never run on hardware. Caches and protection. What is written by others than the processor is never cached:
+ * registers, and the OCRAM with the USB controller's lists and buffers. */
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/imxrt1062/cortex_m7.h"
 

@@ -1,5 +1,6 @@
-/* Never run on hardware. Six motors: a pulse width each (20 kHz) by FlexPWM2 and 3, and a direction line. The fault line (pin 5,
- * low: over-current, or its cable is broken) turns all outputs off in the PWM's own logic, without a clock or the processor. */
+/* Never run on hardware. Six motors: a pulse width each (20 kHz) by FlexPWM2 and 3, and a direction line. The
+ * fault line (pin 5, low: over-current, or its cable is broken) turns all outputs off in the PWM's own logic,
+ * without a clock or the processor. */
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/imxrt1062/imxrt1062_registers.h"
 

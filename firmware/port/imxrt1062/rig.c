@@ -1,5 +1,6 @@
-/* Never run on hardware. The port's inputs and outputs: encoders, sensors, switches, motors and the two lines to the power
- * stage. The power stage takes the power away by itself when the drive line has not moved for 5 ms. */
+/* Never run on hardware. The port's inputs and outputs: encoders, sensors, switches, motors and the two lines
+ * to the power stage. The power stage takes the power away by itself when the drive line has not moved for 5
+ * ms. */
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/imxrt1062/imxrt1062_registers.h"
 
@@ -113,8 +114,8 @@ static bool lamp_level(uint8_t lamp)
     return false;
 }
 
-/* Motors first when power is wanted, power first when it is not. A latched fault of the PWM is cleared when power is wanted
- * anew, which the app allows only after RESET and arming. */
+/* Motors first when power is wanted, power first when it is not. A latched fault of the PWM is cleared when
+ * power is wanted anew, which the app allows only after RESET and arming. */
 void rig_outputs(void *context, const crn_port_outputs *outputs)
 {
     (void)context;

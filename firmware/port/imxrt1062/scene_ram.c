@@ -1,5 +1,6 @@
-/* Never run on hardware. The PSRAM for scenes (8 MB, APS6404L or ESP-PSRAM64H) at 0x70000000 through FlexSPI2, four lines
- * for commands, addresses and data: commands of the chip's data sheet. It is trusted after a test of its address lines. */
+/* Never run on hardware. The PSRAM for scenes (8 MB, APS6404L or ESP-PSRAM64H) at 0x70000000 through
+ * FlexSPI2, four lines for commands, addresses and data: commands of the chip's data sheet. It is trusted
+ * after a test of its address lines. */
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/imxrt1062/imxrt1062_registers.h"
 

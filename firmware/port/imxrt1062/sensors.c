@@ -1,5 +1,5 @@
-/* Never run on hardware. Force, current, pressure and supply by the two 12-bit converters, each the mean of four samples. Both
- * convert side by side; one sample of everything takes some 20 us. */
+/* Never run on hardware. Force, current, pressure and supply by the two 12-bit converters, each the mean of
+ * four samples. Both convert side by side; one sample of everything takes some 20 us. */
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/imxrt1062/imxrt1062_registers.h"
 

@@ -1,6 +1,7 @@
-/* Never run on hardware. From reset to main(): the ROM jumps to `start` in the flash, which splits the FlexRAM, copies code
- * and data, and changes to the stack in the data memory. And what is left when an exception ends the program: power off, a
- * line on the console, and the watchdog's reset. The floating-point unit stays off: nothing uses it. */
+/* Never run on hardware. From reset to main(): the ROM jumps to `start` in the flash, which splits the
+ * FlexRAM, copies code and data, and changes to the stack in the data memory. And what is left when an
+ * exception ends the program: power off, a line on the console, and the watchdog's reset. The floating-point
+ * unit stays off: nothing uses it. */
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/imxrt1062/cortex_m7.h"
 #include "firmware/port/imxrt1062/imxrt1062_registers.h"
@@ -68,8 +69,9 @@ __attribute__((used)) static void crashed(const uint32_t *frame)
     }
 }
 
-/* Changes to the stack of `start`: the one in use may be what overflowed. A frame that could not be pushed into the guard is
- * not read: then the old stack pointer lies below the stack, and the words shown are those of the guard's end. */
+/* Changes to the stack of `start`: the one in use may be what overflowed. A frame that could not be pushed
+ * into the guard is not read: then the old stack pointer lies below the stack, and the words shown are those
+ * of the guard's end. */
 __attribute__((naked)) static void unexpected(void)
 {
     __asm__ volatile("mrs r0, msp\n"

@@ -1,5 +1,5 @@
-/* Never run on hardware. Clock and transceiver of the USB controller: the chip makes 480 MHz from its crystal, and has the
- * high-speed transceiver inside. */
+/* Never run on hardware. Clock and transceiver of the USB controller: the chip makes 480 MHz from its
+ * crystal, and has the high-speed transceiver inside. */
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/imxrt1062/imxrt1062_registers.h"
 

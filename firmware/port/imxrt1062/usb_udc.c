@@ -1,9 +1,11 @@
-/* Never run on hardware. The USB device controller (EHCI's registers, used from the device's side) behind firmware/port/udc.h.
+/* Never run on hardware. The USB device controller (EHCI's registers, used from the device's side) behind
+ * firmware/port/udc.h.
  *
- * Every endpoint has a head (64 bytes, in one table that the controller knows) and one transfer descriptor of up to 16 kB.
- * Arming writes the descriptor, points the head at it and primes the endpoint; the controller does the packets and sets a
- * bit of ENDPTCOMPLETE. Heads, descriptors and buffers lie in memory that is not cached (the section .dma, or tightly
- * coupled memory). Interrupts stay off: poll() reads what has happened. Every loop has a bound. */
+ * Every endpoint has a head (64 bytes, in one table that the controller knows) and one transfer descriptor of
+ * up to 16 kB. Arming writes the descriptor, points the head at it and primes the endpoint; the controller
+ * does the packets and sets a bit of ENDPTCOMPLETE. Heads, descriptors and buffers lie in memory that is not
+ * cached (the section .dma, or tightly coupled memory). Interrupts stay off: poll() reads what has happened.
+ * Every loop has a bound. */
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/imxrt1062/cortex_m7.h"
 #include "firmware/port/imxrt1062/imxrt1062_registers.h"
@@ -156,7 +158,8 @@ static void prime(uint8_t endpoint)
 static void udc_arm(void *context, uint8_t endpoint, uint8_t *bytes, uint32_t count)
 {
     (void)context;
-    /* A setup packet that is still to be told makes this transfer void: priming now would answer the wrong request. */
+    /* A setup packet that is still to be told makes this transfer void: priming now would answer the wrong
+     * request. */
     if ((endpoint & 0x7fu) == 0 && LOAD(R32(BASE_USB1, USB_ENDPTSETUPSTAT)) != 0) return;
     usb_transfer *transfer = &memory.transfers[pipe_of(endpoint)];
     uint32_t begin = (uint32_t)(uintptr_t)bytes;
@@ -210,7 +213,8 @@ static void close_all(void)
     }
 }
 
-/* The bus: a reset begins (URI) and ends (port change, the speed is known); quiet for 3 ms (SLI); the cable (BSV). */
+/* The bus: a reset begins (URI) and ends (port change, the speed is known); quiet for 3 ms (SLI); the cable
+ * (BSV). */
 static bool take_bus(crn_udc_event *event)
 {
     uint32_t status = LOAD(R32(BASE_USB1, USB_USBSTS)), port = LOAD(R32(BASE_USB1, USB_PORTSC1));
@@ -242,7 +246,8 @@ static bool take_bus(crn_udc_event *event)
     return event->kind != CRN_UDC_NOTHING;
 }
 
-/* The eight bytes are read again when another setup packet came meanwhile: then the controller clears the trip wire. */
+/* The eight bytes are read again when another setup packet came meanwhile: then the controller clears the
+ * trip wire. */
 static bool take_setup(crn_udc_event *event)
 {
     volatile uint32_t *command = &R32(BASE_USB1, USB_USBCMD);
@@ -262,8 +267,8 @@ static bool take_setup(crn_udc_event *event)
     return true;
 }
 
-/* A transfer that ended by an error of the bus is begun again; one that was halted (the host sent more than was asked for) is
- * answered with STALL. */
+/* A transfer that ended by an error of the bus is begun again; one that was halted (the host sent more than
+ * was asked for) is answered with STALL. */
 static bool take_transfer(uint8_t endpoint, crn_udc_event *event)
 {
     usb_transfer *transfer = &memory.transfers[pipe_of(endpoint)];

@@ -1,5 +1,5 @@
-/* A USB device controller made of memory: answers the tokens of shared/mailbox as the chip on a board would, with
- * addresses, data toggles, NAK and STALL. For tests in one process and for the image in an emulator.
+/* A USB device controller made of memory: answers the tokens of shared/mailbox as the chip on a board would,
+ * with addresses, data toggles, NAK and STALL. For tests in one process and for the image in an emulator.
  */
 #ifndef CRN_MAILBOX_UDC_H
 #define CRN_MAILBOX_UDC_H
@@ -26,12 +26,13 @@ typedef struct crn_mailbox_udc {
     crn_mailbox_endpoint out[CRN_MAILBOX_ENDPOINT_COUNT];
 } crn_mailbox_udc;
 
-/* Power up on `mailbox`, 64 KiB aligned to 4 bytes, all zero before the first start; both must outlive the controller.
- * A start while a host is waiting leaves its token without an answer, as a device that loses power does. */
+/* Power up on `mailbox`, 64 KiB aligned to 4 bytes, all zero before the first start; both must outlive the
+ * controller. A start while a host is waiting leaves its token without an answer, as a device that loses
+ * power does. */
 void crn_mailbox_udc_init(crn_mailbox_udc *controller, crn_mailbox *mailbox, bool can_high_speed);
 
-/* What an idle loop may look at instead of polling: whether the host asks for something, and whether that may bring the device
- * work (it may not when the host only asks for data). */
+/* What an idle loop may look at instead of polling: whether the host asks for something, and whether that may
+ * bring the device work (it may not when the host only asks for data). */
 typedef enum crn_mailbox_demand {
     CRN_MAILBOX_IDLE,
     CRN_MAILBOX_ASKS_DATA,

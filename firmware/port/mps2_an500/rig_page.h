@@ -1,5 +1,5 @@
-/* The emulated rig: encoders, sensors, switches, motors and the pipe of bytes as one page of shared memory. The image sees
- * it as registers; outside the emulator a plant model fills and reads it.
+/* The emulated rig: encoders, sensors, switches, motors and the pipe of bytes as one page of shared memory.
+ * The image sees it as registers; outside the emulator a plant model fills and reads it.
  *
  *   0x60000000  64 KiB   USB tokens (shared/mailbox)
  *   0x60010000   4 KiB   rig_device_half, written by the device only
@@ -7,12 +7,13 @@
  *   0x60020000  64 KiB   bytes to the device    0x60030000  64 KiB  bytes to the host
  *   0x60040000  two scene slots
  *
- * All fields are little-endian 32-bit words. A word that announces others (`edge`, `edge_done`, heads and tails of the rings,
- * magics) is written with release and read with acquire, by rig_write() and rig_read(). The other half is never trusted:
- * a number out of its range is treated as a broken sensor.
+ * All fields are little-endian 32-bit words. A word that announces others (`edge`, `edge_done`, heads and
+ * tails of the rings, magics) is written with release and read with acquire, by rig_write() and rig_read().
+ * The other half is never trusted: a number out of its range is treated as a broken sensor.
  *
- * The plant makes milliseconds: it fills its inputs, then counts `edge` up; the device does the tick, writes its outputs and
- * repeats the number in `edge_done`. Whoever drives both in turn has a simulation without any real time in it.
+ * The plant makes milliseconds: it fills its inputs, then counts `edge` up; the device does the tick, writes
+ * its outputs and repeats the number in `edge_done`. Whoever drives both in turn has a simulation without any
+ * real time in it.
  *
  * C11 and C++20 (gcc, clang).
  */
@@ -91,7 +92,8 @@ typedef struct rig_device_half {
     uint32_t app_bytes;
     uint32_t edge_done;
     uint32_t to_device_tail, to_host_head; /* counts of bytes; wrap */
-    /* Processor time of work, in counts of RIG_CLOCK_HZ; with -icount shift=7 an instruction is 3.2 counts. */
+    /* Processor time of work, in counts of RIG_CLOCK_HZ; with -icount shift=7 an instruction is 3.2 counts.
+     */
     uint32_t receive_counts; /* sum over all bytes received, with what they caused */
     uint32_t edge_counts;    /* of the last edge */
     uint32_t edge_counts_max;

@@ -1,4 +1,5 @@
-/* Semihosting calls of ARM's specification (version 2.0) by BKPT 0xAB: operation in r0, address of its arguments in r1. */
+/* Semihosting calls of ARM's specification (version 2.0) by BKPT 0xAB: operation in r0, address of its
+ * arguments in r1. */
 #include "firmware/port/mps2_an500/semihost.h"
 
 enum {

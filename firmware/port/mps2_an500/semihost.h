@@ -1,4 +1,5 @@
-/* What an image asks of the debugger or emulator that runs it ("semihosting"): text, files, arguments, exit. */
+/* What an image asks of the debugger or emulator that runs it ("semihosting"): text, files, arguments, exit.
+ */
 #ifndef CRN_PORT_SEMIHOST_H
 #define CRN_PORT_SEMIHOST_H
 

@@ -1,4 +1,5 @@
-/* From reset to main() on a Cortex-M7. An unexpected exception ends the program with exit code 1 and its number. */
+/* From reset to main() on a Cortex-M7. An unexpected exception ends the program with exit code 1 and its
+ * number. */
 #include <stddef.h>
 #include <stdint.h>
 

@@ -1,5 +1,6 @@
-/* The 24-bit counter of the processor, running down at the processor's clock. QEMU with -icount shift=0 lets one
- * instruction take 1 ns and this board's clock is 25 MHz, so that one count is exactly 40 instructions there. */
+/* The 24-bit counter of the processor, running down at the processor's clock. QEMU with -icount shift=0 lets
+ * one instruction take 1 ns and this board's clock is 25 MHz, so that one count is exactly 40 instructions
+ * there. */
 #ifndef CRN_PORT_SYSTICK_H
 #define CRN_PORT_SYSTICK_H
 

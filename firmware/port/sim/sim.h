@@ -1,5 +1,5 @@
-/* The sim port: the firmware app as a library in the host's process, reached by bytes only, with a bench for the rig: what
- * its sensors say is set from outside, and a power stage behaves like a real one.
+/* The sim port: the firmware app as a library in the host's process, reached by bytes only, with a bench for
+ * the rig: what its sensors say is set from outside, and a power stage behaves like a real one.
  *
  * Thread rules: one thread at a time per sim. Any number of sims may exist.
  * C11 and C++20.
@@ -25,8 +25,8 @@ void crn_sim_reset(crn_sim *sim);
 /* Bytes to the device; all are taken, and replies are ready when it returns. */
 void crn_sim_write(crn_sim *sim, const uint8_t *bytes, size_t count);
 
-/* Bytes from the device: up to `capacity`; returns how many. The pipe holds `crn_sim_set_pipe` bytes, at first
- * CRN_SIM_PIPE_BYTES; what does not fit stays in the device or is dropped there and counted. */
+/* Bytes from the device: up to `capacity`; returns how many. The pipe holds `crn_sim_set_pipe` bytes, at
+ * first CRN_SIM_PIPE_BYTES; what does not fit stays in the device or is dropped there and counted. */
 enum { CRN_SIM_PIPE_BYTES = 1 << 20 };
 size_t crn_sim_read(crn_sim *sim, uint8_t *bytes, size_t capacity);
 void crn_sim_set_pipe(crn_sim *sim, size_t bytes); /* at most CRN_SIM_PIPE_BYTES */
@@ -40,10 +40,12 @@ void crn_sim_freeze(crn_sim *sim, uint32_t milliseconds);
 /* How long the device works on one tick from now on, at first 0. */
 void crn_sim_set_tick_us(crn_sim *sim, uint32_t tick_us);
 
-/* --- the rig ------------------------------------------------------------------------------------------------------ */
+/* --- the rig
+ * ------------------------------------------------------------------------------------------------------ */
 
-/* A rig whose sensors say this from now on; NULL takes the rig away, as at first. `stage_on` true: the sim's own power stage
- * answers. The hands hold still against the motors: what those give is added to every `force_raw`, 1 mN per count. */
+/* A rig whose sensors say this from now on; NULL takes the rig away, as at first. `stage_on` true: the sim's
+ * own power stage answers. The hands hold still against the motors: what those give is added to every
+ * `force_raw`, 1 mN per count. */
 void crn_sim_set_inputs(crn_sim *sim, const crn_port_inputs *inputs);
 
 /* A rig that is modelled outside, with its own power stage: the sample is taken as it is. */
@@ -52,7 +54,8 @@ void crn_sim_set_plant(crn_sim *sim, const crn_port_inputs *inputs);
 /* A power stage that does not go off any more: its transistors are molten. */
 void crn_sim_weld_stage(crn_sim *sim, bool is_welded);
 
-/* Own damping of the rig that the sim's builder states; lag of the motors 0, 1 um and 1/65,536 turn per count. More needs the unlock. */
+/* Own damping of the rig that the sim's builder states; lag of the motors 0, 1 um and 1/65,536 turn per
+ * count. More needs the unlock. */
 enum { CRN_SIM_DAMPING_mN_s_per_m = 1000, CRN_SIM_DAMPING_nN_m_s_per_rad = 2000 };
 
 /* Sensors present and healthy, hands at 0, supply good, stop released, no unlock. */

@@ -5,9 +5,9 @@
  *   always          crn_rig_usb_poll        from the main loop: bytes, commands and settings of the host
  *   1 ms passed     crn_app_timer, then crn_rig_usb_timer
  *
- * The stream carries the wire. HID carries the state, STOP and RESET, and reads and writes calibration and limits, as the wire's
- * `command` and `rig` do: the app judges both alike, so nothing can be done by HID that the wire would refuse. Its answer to such
- * a message goes to the stream as one that nobody asked for.
+ * The stream carries the wire. HID carries the state, STOP and RESET, and reads and writes calibration and
+ * limits, as the wire's `command` and `rig` do: the app judges both alike, so nothing can be done by HID that
+ * the wire would refuse. Its answer to such a message goes to the stream as one that nobody asked for.
  */
 #ifndef CRN_RIG_USB_H
 #define CRN_RIG_USB_H
@@ -30,7 +30,8 @@ typedef struct crn_rig_usb {
     uint8_t queue[CRN_RIG_USB_QUEUE_BYTES];
 } crn_rig_usb;
 
-/* `app` and `udc` must outlive it. The serial number is that of the app's port. False: it is empty or not printable. */
+/* `app` and `udc` must outlive it. The serial number is that of the app's port. False: it is empty or not
+ * printable. */
 bool crn_rig_usb_init(crn_rig_usb *rig, crn_app *app, const crn_udc *udc);
 void crn_rig_usb_connect(crn_rig_usb *rig, bool connected);
 

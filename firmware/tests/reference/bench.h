@@ -1,5 +1,5 @@
-/* A bench with a rig for tests of safety: a sim whose sensors the test sets, a session in FREE_RUN with powered motors, and a
- * meter at the port's outputs. */
+/* A bench with a rig for tests of safety: a sim whose sensors the test sets, a session in FREE_RUN with
+ * powered motors, and a meter at the port's outputs. */
 #ifndef CRN_TEST_BENCH_H
 #define CRN_TEST_BENCH_H
 
@@ -22,7 +22,8 @@ bool bench_power(bench *b);
 /* One millisecond with the present sensors. */
 void bench_tick(bench *b);
 
-/* The hand pushes the tool forward until the motor gives at least `axial_mN`: a force to be made safe. False: it never did. */
+/* The hand pushes the tool forward until the motor gives at least `axial_mN`: a force to be made safe. False:
+ * it never did. */
 bool bench_push(bench *b, int32_t axial_mN);
 
 /* Does any motor give, or may it give, a force? At the leads, behind the power stage. */

@@ -39,7 +39,8 @@ static void start_free_run(void)
     command(CRN_WIRE_ACTION_START);
 }
 
-/* As many ticks of FREE_RUN as they come, into `session`; `meanwhile` acts before each. The host speaks and reads later. Returns how many. */
+/* As many ticks of FREE_RUN as they come, into `session`; `meanwhile` acts before each. The host speaks and
+ * reads later. Returns how many. */
 static uint32_t record(void (*meanwhile)(int ms))
 {
     static crn_wire_live live;

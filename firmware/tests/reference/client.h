@@ -45,7 +45,8 @@ void client_get(client *c, uint8_t what);
 void client_stream(client *c, uint8_t events, uint16_t nodes_every_ticks);
 void client_rig(client *c, const crn_wire_track *tracks, uint16_t count);
 
-/* 1 um and 1/65 536 turn per count, true force, highest limits, a coupling of 1 N/mm on a rig with damping enough. */
+/* 1 um and 1/65 536 turn per count, true force, highest limits, a coupling of 1 N/mm on a rig with damping
+ * enough. */
 crn_wire_track client_plain_track(void);
 void client_tools(client *c, const crn_wire_tools *tools);
 void client_entry(client *c, uint32_t inserted_um); /* the same for every tool */
@@ -60,8 +61,8 @@ void client_step_each(client *c, uint32_t tick, uint16_t count, const int32_t *b
                       const int32_t *per_tick);
 void client_input(client *c, const int32_t *translation, const int32_t *rotation);
 
-/* A whole snapshot from the device into c->snapshot, and from there to the device, whose last answer is left in the
- * pipe. False when a frame is missing or refused. */
+/* A whole snapshot from the device into c->snapshot, and from there to the device, whose last answer is left
+ * in the pipe. False when a frame is missing or refused. */
 bool client_read_snapshot(client *c);
 void client_write_snapshot(client *c);
 
@@ -74,7 +75,8 @@ bool client_expect_live(client *c, crn_wire_live *live);    /* skips hash64 */
 /* Straight tools of 300 mm that every check accepts: a wire, a catheter around it, a guide around both. */
 void client_plain_tools(crn_wire_tools *tools, uint16_t count);
 
-/* hello, tools, entry with 50 mm of each inserted, ARM and START in free space. False when something was refused. */
+/* hello, tools, entry with 50 mm of each inserted, ARM and START in free space. False when something was
+ * refused. */
 bool client_start_tools(client *c, uint16_t count);
 bool client_start_session(client *c); /* with one tool */
 

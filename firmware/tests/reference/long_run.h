@@ -1,5 +1,6 @@
-/* How much of a long run a test does: all of it, or a tenth under the sanitizers, which take five times as long and see in a tenth
- * what they look for. What the test claims of the whole run is held by the build without them. C11 and C++. */
+/* How much of a long run a test does: all of it, or a tenth under the sanitizers, which take five times as
+ * long and see in a tenth what they look for. What the test claims of the whole run is held by the build
+ * without them. C11 and C++. */
 #ifndef CRN_REFERENCE_LONG_RUN_H
 #define CRN_REFERENCE_LONG_RUN_H
 

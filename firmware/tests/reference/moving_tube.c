@@ -46,7 +46,8 @@ void reference_beating_sphere(const double *X, double phase, double breath, doub
     x[1] -= deep * breath * faded(x, r);
 }
 
-/* X <- X - (map(X) - x): the maps move neighbours by less than themselves, so that this goes to the fixed point. */
+/* X <- X - (map(X) - x): the maps move neighbours by less than themselves, so that this goes to the fixed
+ * point. */
 void reference_pull(reference_map map, const double *x, double phase, double breath, double *X)
 {
     memcpy(X, x, 3 * sizeof *X);
@@ -61,7 +62,8 @@ void reference_pull(reference_map map, const double *x, double phase, double bre
     }
 }
 
-/* Coefficients c with (c[i-1] + 6 c[i] + c[i+1]) / 8 = w[i], periodic: Gauss-Seidel, which gains a factor of 9 in each round. */
+/* Coefficients c with (c[i-1] + 6 c[i] + c[i+1]) / 8 = w[i], periodic: Gauss-Seidel, which gains a factor of
+ * 9 in each round. */
 static void prefilter(const double *w, double *c)
 {
     enum { N = CRN_MOTION_KEYFRAMES };

@@ -1,4 +1,5 @@
-/* A line of tools with what its ticks need, and a bound with its name: for tests of the rod. Include after cmocka.h. */
+/* A line of tools with what its ticks need, and a bound with its name: for tests of the rod. Include after
+ * cmocka.h. */
 #ifndef CRN_REFERENCE_ROD_RIG_H
 #define CRN_REFERENCE_ROD_RIG_H
 
@@ -14,7 +15,8 @@ typedef struct rig {
     crn_output output;
 } rig;
 
-/* Tools that enter where every reference scene is entered; one length inserted for each. Freed by the caller. */
+/* Tools that enter where every reference scene is entered; one length inserted for each. Freed by the caller.
+ */
 static inline rig *rig_of(const crn_instrument *tools, uint32_t count, const crn_lumen *lumen,
                           const uint32_t *inserted_um)
 {

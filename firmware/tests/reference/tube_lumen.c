@@ -8,7 +8,8 @@
 enum { EDGE = 8, SUPPORT = 12 /* 10 coefficients and one sample more on either side for the prefilter */ };
 static const double voxel0_m = 1048576.0 / 1073741824.0;
 
-/* --- path ------------------------------------------------------------------------------------------------------ */
+/* --- path
+ * ------------------------------------------------------------------------------------------------------ */
 
 typedef struct frame {
     double x[3], t[3], n[3];
@@ -44,7 +45,8 @@ static uint32_t add_piece(double (*points)[3], uint32_t count, frame *f, const r
     return count;
 }
 
-/* --- distance -------------------------------------------------------------------------------------------------- */
+/* --- distance
+ * -------------------------------------------------------------------------------------------------- */
 
 static double segment_distance(const double *p, const double *a, const double *b)
 {
@@ -87,7 +89,8 @@ double reference_tube_distance(const reference_tube *tube, const double *point_m
     return to_wall(tube, point_m, nearest(tube, point_m, 0, tube->point_count));
 }
 
-/* --- field ----------------------------------------------------------------------------------------------------- */
+/* --- field
+ * ----------------------------------------------------------------------------------------------------- */
 
 /* First and last path point that can matter within `reach_m` of a centre. */
 static void window(const reference_tube *tube, const double *centre, double reach_m, uint32_t *from,
@@ -267,7 +270,8 @@ void reference_tube_free(reference_tube *tube)
     free(tube);
 }
 
-/* --- scenes ---------------------------------------------------------------------------------------------------- */
+/* --- scenes
+ * ---------------------------------------------------------------------------------------------------- */
 
 crn_entry reference_entry(void)
 {

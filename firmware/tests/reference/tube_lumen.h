@@ -1,5 +1,6 @@
-/* A lumen from a closed form, for tests and benchmarks: a tube of one radius around a path of straight pieces and arcs.
- * The distance is exact (double), and the field is what a baker would store, made here independently of it. */
+/* A lumen from a closed form, for tests and benchmarks: a tube of one radius around a path of straight pieces
+ * and arcs. The distance is exact (double), and the field is what a baker would store, made here
+ * independently of it. */
 #ifndef CRN_REFERENCE_TUBE_LUMEN_H
 #define CRN_REFERENCE_TUBE_LUMEN_H
 
@@ -15,19 +16,21 @@ typedef struct reference_tube {
     crn_lumen lumen;     /* owns index, children, samples */
 } reference_tube;
 
-/* A piece of path: `length_m` along the current direction, or an arc of `angle_rad` and radius `length_m / angle_rad`
- * bending towards the current normal, which is first turned by `roll_rad` about the direction. */
+/* A piece of path: `length_m` along the current direction, or an arc of `angle_rad` and radius `length_m /
+ * angle_rad` bending towards the current normal, which is first turned by `roll_rad` about the direction. */
 typedef struct reference_piece {
     double length_m, angle_rad, roll_rad;
 } reference_piece;
 
-/* Path from the origin along +x, normal +z; field at refinement `level` (0 .. 2) within about 3 voxels of the wall. */
+/* Path from the origin along +x, normal +z; field at refinement `level` (0 .. 2) within about 3 voxels of the
+ * wall. */
 reference_tube *reference_tube_make(const reference_piece *pieces, uint32_t piece_count, double radius_m,
                                     uint32_t level);
 /* A trunk that forks in two: `left` and `right` go on from its end. */
 reference_tube *reference_fork_make(const reference_piece *trunk, const reference_piece left[2],
                                     const reference_piece right[2], double radius_m, uint32_t level);
-/* A straight tube with a stenosis, its middle `at_m` along it: radius_m - (radius_m - throat_m) (1 + cos(2 pi u)) / 2. */
+/* A straight tube with a stenosis, its middle `at_m` along it: radius_m - (radius_m - throat_m) (1 + cos(2 pi
+ * u)) / 2. */
 reference_tube *reference_stenosis_make(double tube_m, double radius_m, double throat_m, double at_m,
                                         double length_m, uint32_t level);
 void reference_tube_free(reference_tube *tube);

@@ -1,5 +1,5 @@
-// The grid of gain, coupling, damping, lag and hand, a spread of it (make hil-passivity does all): nothing that the device takes drives
-// a carriage too fast or goes on to and fro. And the meter that says so.
+// The grid of gain, coupling, damping, lag and hand, a spread of it (make hil-passivity does all): nothing
+// that the device takes drives a carriage too fast or goes on to and fro. And the meter that says so.
 #include "hil_tests/campaign/passivity.hpp"
 #include "hil_tests/l0/sim_bench.hpp"
 #include <cmath>

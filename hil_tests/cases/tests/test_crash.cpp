@@ -1,6 +1,6 @@
-// What is left when the firmware itself breaks, on the image: a jump into nowhere (a hard fault) and a loop that never ends, put
-// in by a debugger. Power is off before a word is said, the console says where it broke, the watchdog starts the device again,
-// and the next start repeats the cause and works.
+// What is left when the firmware itself breaks, on the image: a jump into nowhere (a hard fault) and a loop
+// that never ends, put in by a debugger. Power is off before a word is said, the console says where it broke,
+// the watchdog starts the device again, and the next start repeats the cause and works.
 #include "hil_tests/cases/conversation.hpp"
 #include "hil_tests/l1/emulated_bench.hpp"
 #include <csetjmp>
@@ -25,7 +25,8 @@ constexpr std::uint32_t spare = 0x003ff000;   // code memory behind the image
 constexpr int hard_fault = 3, watchdog = 2;
 constexpr int patience_s = 120;
 
-// As much of gdb's protocol as is needed to stop a processor, change its program counter and memory, and let it go.
+// As much of gdb's protocol as is needed to stop a processor, change its program counter and memory, and let
+// it go.
 class Debugger
 {
   public:
@@ -134,8 +135,8 @@ class Patient
         debugger.set_program_counter(address);
         debugger.go_on();
     }
-    // Interrupts off, so that the watchdog never finds the processor in the millisecond's handler (its minute is a whole number of
-    // milliseconds, so a feed right behind an edge ends there).
+    // Interrupts off, so that the watchdog never finds the processor in the millisecond's handler (its minute
+    // is a whole number of milliseconds, so a feed right behind an edge ends there).
     void hang()
     {
         debugger.stop();
@@ -204,7 +205,8 @@ void power_goes_with_a_hard_fault()
     patient.expect_console("fault: exception 3 at pc 0x50000000");
 }
 
-// Without milliseconds and scenes, so that the watchdog's minute passes within a second: 1 us per instruction.
+// Without milliseconds and scenes, so that the watchdog's minute passes within a second: 1 us per
+// instruction.
 constexpr int slowest = 10;
 
 void the_watchdog_starts_a_crashed_device_again_and_it_says_why()

@@ -1,6 +1,7 @@
-// Claims about sessions that the rig leads (docs/rig.md): what hands do at its encoders is recorded tick by tick and replays in
-// LOCKSTEP bit for bit, also when the cable was pulled on the way; and a rig that stops ends the session with the cause.
-// The rig is the model of level 0 with a hand that pushes against powered motors.
+// Claims about sessions that the rig leads (docs/rig.md): what hands do at its encoders is recorded tick by
+// tick and replays in LOCKSTEP bit for bit, also when the cable was pulled on the way; and a rig that stops
+// ends the session with the cause. The rig is the model of level 0 with a hand that pushes against powered
+// motors.
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>

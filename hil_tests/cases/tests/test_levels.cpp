@@ -41,8 +41,8 @@ void run(void **state)
                  job.what->name);
 }
 
-// On the image ten trials of the haptic loop take a minute, under the sanitizers as much at level 0, and every fault of the rig half of
-// one: make hil does them all.
+// On the image ten trials of the haptic loop take a minute, under the sanitizers as much at level 0, and
+// every fault of the rig half of one: make hil does them all.
 std::uint32_t spread_of(const hil::Case &one, bool is_image)
 {
     const bool is_short = REFERENCE_RUN(5) != 5;

@@ -1,5 +1,5 @@
-// The image's USB side, token by token: it enumerates, takes its configuration, answers HELLO through the bulk pair, keeps its
-// words for a bus that sleeps, and counts what came by USB as work.
+// The image's USB side, token by token: it enumerates, takes its configuration, answers HELLO through the
+// bulk pair, keeps its words for a bus that sleeps, and counts what came by USB as work.
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>

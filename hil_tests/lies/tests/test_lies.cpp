@@ -1,5 +1,6 @@
-// Claims: whatever a device says, every command that talks to it ends within 10 s with exit code 0 or 1 and a word about it; within
-// 1 s after Ctrl-C; and records nothing but what this machine's core computes. A spread of the lies here; `make hil-lies` tells all.
+// Claims: whatever a device says, every command that talks to it ends within 10 s with exit code 0 or 1 and a
+// word about it; within 1 s after Ctrl-C; and records nothing but what this machine's core computes. A spread
+// of the lies here; `make hil-lies` tells all.
 #include <algorithm>
 #include <csetjmp>
 #include <cstdarg>

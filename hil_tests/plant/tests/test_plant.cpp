@@ -1,5 +1,6 @@
-// Claims about the rig model, against closed forms: motion under constant forces, friction that stops and holds, slip at its
-// threshold, lag of the motors, quantisation of the encoders, the power stage's timing, and determinism.
+// Claims about the rig model, against closed forms: motion under constant forces, friction that stops and
+// holds, slip at its threshold, lag of the motors, quantisation of the encoders, the power stage's timing,
+// and determinism.
 #include <cmath>
 #include <csetjmp>
 #include <cstdarg>
@@ -177,7 +178,8 @@ void encoders_wrap_and_have_faults(void **)
     assert_int_equal(faulty.health(), CRN_PORT_SENSOR_RANGE);
 }
 
-// A device that flips the line every millisecond has power; n ms after the last flip it is gone, n = CRN_PORT_DRIVE_HOLD_ms.
+// A device that flips the line every millisecond has power; n ms after the last flip it is gone, n =
+// CRN_PORT_DRIVE_HOLD_ms.
 void the_power_stage_drops_power_5_ms_after_the_last_flip(void **)
 {
     Plant plant(PlantSettings{});

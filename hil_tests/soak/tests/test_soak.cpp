@@ -1,6 +1,7 @@
-// Claims about the soak itself, in free space, so that each trial takes moments: sessions follow from seed and number alone and are ones that a
-// device takes; a bar that breaks is found at its tick, and the session shrinks to what breaks it; a replay that differs, a crash and an
-// endless trial are verdicts; rows survive an interruption, a torn last line and a change of program. The program on vessels:
+// Claims about the soak itself, in free space, so that each trial takes moments: sessions follow from seed
+// and number alone and are ones that a device takes; a bar that breaks is found at its tick, and the session
+// shrinks to what breaks it; a replay that differs, a crash and an endless trial are verdicts; rows survive
+// an interruption, a torn last line and a change of program. The program on vessels:
 // hil_tests/soak/test_soak.sh.
 #include "hil_tests/soak/campaign.hpp"
 #include <algorithm>
@@ -160,7 +161,8 @@ void a_recording_that_lost_its_end_is_told(void **)
     assert_string_equal(verdict.broken.c_str(), "replay");
 }
 
-// The wire alone resists a hand with milli-newtons here: a bar of 1 uN is broken by the first push, and by no pause.
+// The wire alone resists a hand with milli-newtons here: a bar of 1 uN is broken by the first push, and by no
+// pause.
 void a_bar_that_is_much_too_low_ends_the_session_at_the_first_push(void **)
 {
     const soak::Bars bars{1.0, 1.0, 1e-6, 1e-6};
@@ -209,7 +211,8 @@ void a_verdict_keeps_its_numbers_as_a_line(void **)
 
 // --- shrinking ---
 
-// A judge of words: the session is broken while it has a push of the catheter by at least 20 mm behind an inflation.
+// A judge of words: the session is broken while it has a push of the catheter by at least 20 mm behind an
+// inflation.
 soak::Verdict judge_of_words(const soak::DrawnSession &session)
 {
     soak::Verdict verdict;

@@ -1,5 +1,6 @@
-// Claims: the first Ctrl-C or SIGTERM only asks; the second one ends the program by that signal wherever it is, with files under way
-// removed, also where a parent had blocked or ignored the signal; and every program of ours asks the same helper.
+// Claims: the first Ctrl-C or SIGTERM only asks; the second one ends the program by that signal wherever it
+// is, with files under way removed, also where a parent had blocked or ignored the signal; and every program
+// of ours asks the same helper.
 #include <csetjmp>
 #include <csignal>
 #include <cstdarg>
@@ -102,7 +103,8 @@ void no_program_has_a_handler_of_its_own(void **)
                  {"signal(SIGINT", "signal(SIGTERM", "sigaction(SIGINT", "sigaction(SIGTERM"}) {
                 for (std::size_t at = text.find(taken); at != std::string::npos;
                      at = text.find(taken, at + 1)) {
-                    // To give a signal back to the system, or to leave it to whoever stops the job, is no handler.
+                    // To give a signal back to the system, or to leave it to whoever stops the job, is no
+                    // handler.
                     const std::string line = text.substr(at, text.find('\n', at) - at);
                     if (line.find("SIG_DFL") == std::string::npos &&
                         line.find("SIG_IGN") == std::string::npos)

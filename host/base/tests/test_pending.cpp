@@ -1,6 +1,6 @@
-// A name never stands for half a file: what is written appears at the end, what stood there stays until then, and nothing is
-// left behind by errors and signals. Bytes are on the disk before their name is: this program has its own fsync and rename,
-// which write down what is asked of them.
+// A name never stands for half a file: what is written appears at the end, what stood there stays until then,
+// and nothing is left behind by errors and signals. Bytes are on the disk before their name is: this program
+// has its own fsync and rename, which write down what is asked of them.
 #include "host/base/pending_file.hpp"
 #include "host/base/tests/folder.hpp"
 #include <cerrno>
@@ -210,7 +210,8 @@ static void a_signal_leaves_the_files_that_are_whole(void **)
     assert_string_equal(text_of(folder.file("a")).c_str(), "whole");
 }
 
-// What somebody else who may write into the folder has put there under a name that could be guessed: not followed, not emptied.
+// What somebody else who may write into the folder has put there under a name that could be guessed: not
+// followed, not emptied.
 static void a_planted_link_is_not_followed(void **)
 {
     Folder folder;

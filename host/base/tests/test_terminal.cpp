@@ -1,4 +1,5 @@
-// Text from files reaches a terminal as letters: whatever would move the cursor, turn the direction of writing or end a line is shown as
+// Text from files reaches a terminal as letters: whatever would move the cursor, turn the direction of
+// writing or end a line is shown as
 // \\xNN, and what people write in their languages stays as it is.
 #include "host/base/terminal.hpp"
 #include <csetjmp>

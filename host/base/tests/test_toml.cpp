@@ -1,5 +1,5 @@
-// Claims: a text that would lead its parser too deep is refused with line and column before the parser sees it; everything that the
-// limits allow is read, walked through and destroyed without a deep stack.
+// Claims: a text that would lead its parser too deep is refused with line and column before the parser sees
+// it; everything that the limits allow is read, walked through and destroyed without a deep stack.
 #include "host/base/toml.hpp"
 
 #include <csetjmp>
@@ -67,7 +67,8 @@ void what_looks_deep_in_strings_and_comments_is_read(void **)
                         "");
 }
 
-// The deepest that the limits allow: a header of 32 names, and in it 31 tables within each other, each behind 32 names.
+// The deepest that the limits allow: a header of 32 names, and in it 31 tables within each other, each behind
+// 32 names.
 void the_deepest_text_that_is_allowed_is_read(void **)
 {
     const std::string key = repeated("a.", 31) + "a";
@@ -80,7 +81,8 @@ void the_deepest_text_that_is_allowed_is_read(void **)
     assert_int_equal(depth, 32 + 32 * 32);
 }
 
-// toml++ asks whether such a letter is a blank, which ended the sanitized program for most of them (host/base/toml.hpp).
+// toml++ asks whether such a letter is a blank, which ended the sanitized program for most of them
+// (host/base/toml.hpp).
 void a_letter_outside_ascii_is_no_blank(void **)
 {
     begins_with(refusal("\xEF\xBB\x9F\x07"), "1:1 ");

@@ -1,5 +1,6 @@
-// Runs as DICOM files: read back by DCMTK pixel for pixel, judged by dciodvfy and read by dctopnm (both of dicom3tools, which
-// shares no code with DCMTK), attributes against what was put in, and nothing half-written whatever happens.
+// Runs as DICOM files: read back by DCMTK pixel for pixel, judged by dciodvfy and read by dctopnm (both of
+// dicom3tools, which shares no code with DCMTK), attributes against what was put in, and nothing half-written
+// whatever happens.
 #include "host/base/tests/folder.hpp"
 #include "host/dicom/xa_file.hpp"
 #include "host/xray/tests/xray_runs.hpp"
@@ -231,7 +232,8 @@ static void angles_distances_and_spacing_are_those_of_the_c_arm(void **)
     assert_text(reader, DCM_FieldOfViewDimensions, "320\\320");
     assert_text(reader, DCM_ImagerPixelSpacing, "5\\5"); // 320 mm / 64
     assert_near("pixel at the isocentre", reader.number(DCM_PixelSpacing), 5.0 / 1.4, 1e-8);
-    // 40 LAO 30 CAU: to the right the patient's left, then back; down the feet, then back, then right (docs/frames.md).
+    // 40 LAO 30 CAU: to the right the patient's left, then back; down the feet, then back, then right
+    // (docs/frames.md).
     assert_text(reader, DCM_PatientOrientation, "LP\\FPR");
 }
 
@@ -244,8 +246,8 @@ static void a_moving_arm_and_table_have_an_offset_per_frame(void **)
     assert_text(reader, DCM_PositionerPrimaryAngle, "10");
     assert_text(reader, DCM_PositionerPrimaryAngleIncrement, "0\\2.5\\5\\7.5");
     assert_text(reader, DCM_PositionerSecondaryAngleIncrement, "0\\-1.25\\-2.5\\-3.75");
-    // The isocentre goes 1 mm right, 2 mm to the head and 3 mm to the front per frame: the table 1 mm left, 2 mm to the
-    // feet and 3 mm down. Longitudinal is toward LAO, lateral toward cranial (C.8.7.4.1).
+    // The isocentre goes 1 mm right, 2 mm to the head and 3 mm to the front per frame: the table 1 mm left, 2
+    // mm to the feet and 3 mm down. Longitudinal is toward LAO, lateral toward cranial (C.8.7.4.1).
     assert_text(reader, DCM_TableMotion, "DYNAMIC");
     assert_text(reader, DCM_TableLongitudinalIncrement, "0\\1\\2\\3");
     assert_text(reader, DCM_TableLateralIncrement, "0\\-2\\-4\\-6");
@@ -274,7 +276,8 @@ static void tube_and_dose_are_sums_and_means_in_the_units_of_the_standard(void *
     assert_text(fluoro, DCM_RadiationSetting, "SC");
 }
 
-// Rows and columns are counted from 1 and name the last covered ones: columns 2 to 63 and rows 3 to 62 are open.
+// Rows and columns are counted from 1 and name the last covered ones: columns 2 to 63 and rows 3 to 62 are
+// open.
 static void collimator_edges_are_the_last_covered_columns_and_rows(void **)
 {
     Folder folder;
@@ -336,7 +339,8 @@ static void a_dsa_run_names_its_mask_shift_and_contrast(void **)
     assert_text(other, DCM_ApplicableFrameRange, "absent");
 }
 
-// What make_logarithmic() promises: a plain difference is the logarithm of the ratio, and the table leads back.
+// What make_logarithmic() promises: a plain difference is the logarithm of the ratio, and the table leads
+// back.
 static void logarithmic_runs_subtract_plainly_and_lead_back_to_linear(void **)
 {
     XrayRun run = sample_run(RunKind::dsa, 2);

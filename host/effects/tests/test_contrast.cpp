@@ -1,5 +1,6 @@
-// Claims: contrast medium in a tree of vessels moves with the blood, divides as the conductances say, is never lost or made,
-// goes back when more is injected than flows away, and stops where the catheter fills the lumen. Closed forms stand at each test.
+// Claims: contrast medium in a tree of vessels moves with the blood, divides as the conductances say, is
+// never lost or made, goes back when more is injected than flows away, and stops where the catheter fills the
+// lumen. Closed forms stand at each test.
 #include "host/effects/contrast_flow.hpp"
 #include <cmath>
 #include <csetjmp>
@@ -116,8 +117,8 @@ void a_front_moves_with_flow_over_area(void **)
     within("front speed, mm/s", (front_mm(contrast) - first_mm) / 0.6, flow_ml_s * 1e3 / (pi * 9.0), 0.01);
 }
 
-// Laminar: the layers run at 1.5 and 0.5 of the mean speed, and the blood that has been replaced, which is the front's mean
-// place over the section, grows by exactly the flow.
+// Laminar: the layers run at 1.5 and 0.5 of the mean speed, and the blood that has been replaced, which is
+// the front's mean place over the section, grows by exactly the flow.
 void a_laminar_front_is_long_and_its_mean_moves_with_the_flow(void **)
 {
     ContrastFlow contrast(tube(10.0), {3.5, 0.75, 1e9});
@@ -134,8 +135,8 @@ void a_laminar_front_is_long_and_its_mean_moves_with_the_flow(void **)
     within("core over wall", core_ml / wall_ml, 3.0, 1e-6);
 }
 
-// Two layers at U(1 +- 1/2) whose difference falls by U/lambda per second spread a pulse with D = U lambda / 4; upwind cells of
-// length L add U L / 2 less what the step in time takes away (L = 1.5 mm: 3 % in all).
+// Two layers at U(1 +- 1/2) whose difference falls by U/lambda per second spread a pulse with D = U lambda /
+// 4; upwind cells of length L add U L / 2 less what the step in time takes away (L = 1.5 mm: 3 % in all).
 void a_pulse_spreads_as_the_two_layers_say(void **)
 {
     const VesselTree tree{{straight("tube", {0, 0, 0}, {1900, 0, 0}, 3.0, 10.0)}};
@@ -171,7 +172,8 @@ void injected_fluid_is_diluted_by_the_blood_that_flows(void **)
     within("mg/ml", contrast.iodine_mg_per_ml(contrast.cells().size() - 1), iodine * 2.0 / flow_ml_s, 1e-6);
 }
 
-// Each way behind the fork has the conductance 1 / (R + 1/G) of its vessel's Poiseuille resistance and the bed behind it.
+// Each way behind the fork has the conductance 1 / (R + 1/G) of its vessel's Poiseuille resistance and the
+// bed behind it.
 void a_fork_divides_iodine_as_its_conductances(void **)
 {
     ContrastFlow contrast(fork());
@@ -192,7 +194,8 @@ void a_fork_divides_iodine_as_its_conductances(void **)
            conductance(1, 3.0, 6.0) / conductance(2, 1.0, 3.0), 0.01);
 }
 
-// 60 s of a beating heart, injections of which one refluxes, and a catheter that goes into the renal artery and out again.
+// 60 s of a beating heart, injections of which one refluxes, and a catheter that goes into the renal artery
+// and out again.
 void iodine_is_conserved_and_stays_between_none_and_injected(void **)
 {
     ContrastFlow contrast(aorta());
@@ -238,7 +241,8 @@ void more_than_flows_away_goes_back_upstream(void **)
     within("mg back", back_mg, iodine * (20.0 - out_of_the_last(forced)) * 0.15, 0.03);
 }
 
-// A catheter as wide as the vessel lets nothing past: no blood comes, so what is injected goes down undiluted, and none back.
+// A catheter as wide as the vessel lets nothing past: no blood comes, so what is injected goes down
+// undiluted, and none back.
 void a_wedged_catheter_lets_nothing_past(void **)
 {
     ContrastFlow contrast(aorta());
@@ -281,7 +285,8 @@ void side_holes_share_the_flow(void **)
     within("thin over wide", held_in(contrast, 2) / held_in(contrast, 1), 3.0, 1e-9);
 }
 
-// Power distance: a tip at the renal artery's mouth, nearer to the renal centreline than to the wall, is in that artery.
+// Power distance: a tip at the renal artery's mouth, nearer to the renal centreline than to the wall, is in
+// that artery.
 void the_cell_is_that_of_the_vessel_in_which_the_tip_lies_deepest(void **)
 {
     const FlowCells cells(aorta());

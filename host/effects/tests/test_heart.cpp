@@ -1,5 +1,6 @@
-// Claims: the traces of the heart follow the beats that the core reports: rate, pressures of a resting adult, what a premature beat
-// and asystole do to them; and the host's lattice of a moving vessel is the one in the scene: pushing undoes pulling, bodies move with it.
+// Claims: the traces of the heart follow the beats that the core reports: rate, pressures of a resting adult,
+// what a premature beat and asystole do to them; and the host's lattice of a moving vessel is the one in the
+// scene: pushing undoes pulling, bodies move with it.
 #include "host/effects/pulse.hpp"
 #include "host/model/motion.hpp"
 #include "shared/scene/tests/scene_sample.h"
@@ -72,7 +73,8 @@ void a_premature_beat_is_weak_and_the_pause_after_it_long(void **)
     assert_true(patient.monitor.diastolic_mmHg() < diastolic - 5);
 }
 
-// Without beats the windkessel empties: P - 6 falls by e within R C = 1.42 s, and the electrocardiogram is flat.
+// Without beats the windkessel empties: P - 6 falls by e within R C = 1.42 s, and the electrocardiogram is
+// flat.
 void asystole_is_a_flat_line_and_a_falling_pressure(void **)
 {
     Patient patient;
@@ -126,8 +128,9 @@ MotionMoment moment(double heart, double breath)
             static_cast<std::uint32_t>(breath * 4294967296.0)};
 }
 
-// The middle node lies at (0, 7.8125, 7.8125) mm. Its coefficients rise by 44 units a keyframe from 44 at keyframe 0, and a quadratic spline of a straight line is that
-// line; breath is 262 units along y at its deepest.
+// The middle node lies at (0, 7.8125, 7.8125) mm. Its coefficients rise by 44 units a keyframe from 44 at
+// keyframe 0, and a quadratic spline of a straight line is that line; breath is 262 units along y at its
+// deepest.
 void the_lattice_is_read_as_it_was_written(void **)
 {
     const Sample sample;
@@ -152,7 +155,8 @@ void pushing_undoes_pulling(void **)
     }
 }
 
-// A body of eight vertices, one of two moves: at the keyframes its vertices are where the lattice pushes them, to 2 um.
+// A body of eight vertices, one of two moves: at the keyframes its vertices are where the lattice pushes
+// them, to 2 um.
 void bodies_that_move_go_where_the_lattice_takes_them(void **)
 {
     const Sample sample;
@@ -177,8 +181,8 @@ void bodies_that_move_go_where_the_lattice_takes_them(void **)
     }
 }
 
-// Places go where the lattice pushes them: to 1 um at the keyframes, of which the spline is made, to 50 um between them and in a deep
-// breath; places outside the lattice stay to the last bit.
+// Places go where the lattice pushes them: to 1 um at the keyframes, of which the spline is made, to 50 um
+// between them and in a deep breath; places outside the lattice stay to the last bit.
 void points_that_move_go_where_the_lattice_takes_them(void **)
 {
     const Sample sample;

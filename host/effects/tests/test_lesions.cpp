@@ -1,6 +1,7 @@
-// Claims: a lesion costs the pressure that Poiseuille's law and the jet behind its throat say, takes flow from what lies behind it, more so
-// in hyperaemia and with a wire in it, delays contrast medium, and its state is part of a snapshot; where it gives way it costs what is left,
-// and no iodine is lost. Closed forms stand at each test.
+// Claims: a lesion costs the pressure that Poiseuille's law and the jet behind its throat say, takes flow
+// from what lies behind it, more so in hyperaemia and with a wire in it, delays contrast medium, and its
+// state is part of a snapshot; where it gives way it costs what is left, and no iodine is lost. Closed forms
+// stand at each test.
 #include "host/effects/contrast_flow.hpp"
 #include "host/effects/lesion_figures.hpp"
 #include "host/model/lesion_opening.hpp"
@@ -31,7 +32,8 @@ double out_of_the_last(const FlowNetwork &network)
     return network.outflow_ml_s(network.runs().size() - 1);
 }
 
-// 70 mm along x, radius 1.5 mm; narrowed to `throat_mm` from 22 to 40 mm, with a taper of 1 mm before and behind.
+// 70 mm along x, radius 1.5 mm; narrowed to `throat_mm` from 22 to 40 mm, with a taper of 1 mm before and
+// behind.
 VesselTree vessel(double throat_mm)
 {
     VesselBranch branch;
@@ -83,7 +85,8 @@ LesionFigures figures_of(const VesselTree &tree)
     return lesion_figures(tree, viscosity_mPa_s).at(0);
 }
 
-// Between the cells before and behind there are up to 4 mm of healthy vessel besides: below 1 % of the lesion's drop.
+// Between the cells before and behind there are up to 4 mm of healthy vessel besides: below 1 % of the
+// lesion's drop.
 void a_lesion_costs_what_wall_and_jet_take(void **)
 {
     for (double throat_mm : {0.375, 0.6, 0.9}) {
@@ -154,7 +157,8 @@ void a_wire_in_the_throat_takes_flow(void **)
     within("ml/s", out_of_the_last(network), free_ml_s, 1e-9);
 }
 
-// Milliseconds from the begin of an injection before the lesion until half of what is injected reaches the last cell.
+// Milliseconds from the begin of an injection before the lesion until half of what is injected reaches the
+// last cell.
 int arrival_ms(double throat_mm)
 {
     ContrastFlow contrast(vessel(throat_mm));
@@ -227,7 +231,8 @@ void opened_partly_it_costs_what_is_left(void **)
     within("ffr", f.ffr, as_baked.ffr, 1e-9);
 }
 
-// Stations lie evenly about the lesion's middle; between two of them it is linear. 20 mm in 7 gaps of 4 mm: from -4 to 24 mm.
+// Stations lie evenly about the lesion's middle; between two of them it is linear. 20 mm in 7 gaps of 4 mm:
+// from -4 to 24 mm.
 void a_place_is_open_as_the_stations_beside_it(void **)
 {
     const VesselTree tree = vessel(0.375);
@@ -248,8 +253,9 @@ double lost_mg(const ContrastFlow &contrast)
     return std::fabs(budget.injected_mg - contrast.held_mg() - budget.out_mg - budget.reflux_mg);
 }
 
-// Opened under a balloon that lets nothing past, deployed, recoiling by a third, opened again, while medium is injected before it: no iodine is
-// lost, none is anywhere stronger than it was injected, and cells hold what their shape says.
+// Opened under a balloon that lets nothing past, deployed, recoiling by a third, opened again, while medium
+// is injected before it: no iodine is lost, none is anywhere stronger than it was injected, and cells hold
+// what their shape says.
 void iodine_is_conserved_while_the_wall_gives_way(void **)
 {
     const VesselTree tree = vessel(0.375);
@@ -284,7 +290,8 @@ void iodine_is_conserved_while_the_wall_gives_way(void **)
     assert_true(strongest < 350.0 * (1 + 1e-9));
 }
 
-// A vessel full of medium at the strength injected that opens stays full: what is missing comes from the cell before, which has as much.
+// A vessel full of medium at the strength injected that opens stays full: what is missing comes from the cell
+// before, which has as much.
 void what_a_widening_cell_takes_has_its_neighbours_strength(void **)
 {
     const VesselTree tree = vessel(0.9);

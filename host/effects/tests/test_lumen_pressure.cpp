@@ -1,5 +1,6 @@
-// Claims: the pressure of an injection is Hagen and Poiseuille's in an empty lumen and the annulus's beside a wire, from the label's
-// viscosity; an injection that needs more than 1200 psi is refused at its tick, with what lies in the lumen then, and nothing of it is given.
+// Claims: the pressure of an injection is Hagen and Poiseuille's in an empty lumen and the annulus's beside a
+// wire, from the label's viscosity; an injection that needs more than 1200 psi is refused at its tick, with
+// what lies in the lumen then, and nothing of it is given.
 #include "host/effects/lumen_pressure.hpp"
 #include "host/model/units.hpp"
 #include "host/patient/contrast.hpp"
@@ -60,8 +61,8 @@ void an_empty_lumen_needs_hagen_and_poiseuilles_pressure(void **)
     check_psi(found_kPa, 11'000.0, 150.0);
 }
 
-// A 6F guide of 1.8 mm beside a wire of 0.36 mm takes 55 psi for 4 ml/s where both are concentric, and 1/2.5 of it at the least, but never
-// less than the empty guide.
+// A 6F guide of 1.8 mm beside a wire of 0.36 mm takes 55 psi for 4 ml/s where both are concentric, and 1/2.5
+// of it at the least, but never less than the empty guide.
 void a_wire_in_the_lumen_leaves_the_annulus(void **)
 {
     const double k = 178.0 / 900.0, open = 1.0 - k * k;
@@ -110,7 +111,8 @@ crn_wire_tick_state state_at(std::uint32_t tick, double wire_m, double catheter_
     return state;
 }
 
-// 4 ml/s through the balloon's 0.42 mm: refused whatever lies in it, and with the pressure that it would take.
+// 4 ml/s through the balloon's 0.42 mm: refused whatever lies in it, and with the pressure that it would
+// take.
 void a_lumen_that_is_too_narrow_is_refused_before_the_session(void **)
 {
     const RoomCommand inject{RoomAction::inject, {8000, 4000, 2}};
@@ -121,8 +123,8 @@ void a_lumen_that_is_too_narrow_is_refused_before_the_session(void **)
     assert_string_equal(injection_refusal({wire_014, balloon_shaft, guide_6f}, by_guide, 350.0).c_str(), "");
 }
 
-// 0.2 ml/s of 350 mg/ml pass the empty 0.42 mm lumen at 550 psi and need 60,000 psi or more beside the wire. Decided with the lengths of the
-// injection's own tick: the wire is pulled out in the tick before.
+// 0.2 ml/s of 350 mg/ml pass the empty 0.42 mm lumen at 550 psi and need 60,000 psi or more beside the wire.
+// Decided with the lengths of the injection's own tick: the wire is pulled out in the tick before.
 void a_wire_in_the_lumen_decides_at_the_tick_of_the_injection(void **)
 {
     const RoomCommand inject{RoomAction::inject, {1000, 200, 2}};

@@ -1,7 +1,9 @@
-// A machine with rigs on USB and without either: the functions of libusb that host/link calls, over devices in this process.
+// A machine with rigs on USB and without either: the functions of libusb that host/link calls, over devices
+// in this process.
 //
-// Each rig is the sim port (the real firmware) behind a bulk pair; tests pull cables, take rights away and let devices lie.
-// Transfers complete in libusb_handle_events, on whichever thread calls it, as with the library. Linked instead of libusb.
+// Each rig is the sim port (the real firmware) behind a bulk pair; tests pull cables, take rights away and
+// let devices lie. Transfers complete in libusb_handle_events, on whichever thread calls it, as with the
+// library. Linked instead of libusb.
 #pragma once
 #include "firmware/port/sim/sim.h"
 #include <cstdint>

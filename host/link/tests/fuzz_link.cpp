@@ -1,5 +1,5 @@
-// Fuzz target: the host's side of the wire against any device. The input is a list of things a host asks for, and behind each what
-// the device says to it:
+// Fuzz target: the host's side of the wire against any device. The input is a list of things a host asks for,
+// and behind each what the device says to it:
 //
 //   call u8 modulo 21, then answers until the call ends:
 //     0 silence: what is under way fails           3 the same with the last byte repeated: length u16, times u8
@@ -8,7 +8,8 @@
 //       length u8, payload
 //     6 .. a message of type u8 without being asked: length u8, payload
 //
-// Whatever a device says, a call ends, by a result or by a LinkError with a text, and the books of the host agree.
+// Whatever a device says, a call ends, by a result or by a LinkError with a text, and the books of the host
+// agree.
 #include "host/link/link.hpp"
 #include <algorithm>
 #include <cstdlib>

@@ -1,6 +1,6 @@
-// Claims: after whatever was lost, torn or repeated on the way, HELLO begins a conversation that works, without a cable pulled;
-// what comes late is not taken for an answer; a device that talks without end, or hands over without bound, is left with an error;
-// no tick that came is lost to the recording.
+// Claims: after whatever was lost, torn or repeated on the way, HELLO begins a conversation that works,
+// without a cable pulled; what comes late is not taken for an answer; a device that talks without end, or
+// hands over without bound, is left with an error; no tick that came is lost to the recording.
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -111,7 +111,8 @@ bool contains(const std::string &text, const char *part)
     return text.find(part) != std::string::npos;
 }
 
-// The device started again within a frame: our decoder holds its first half, and the reply follows it without a zero.
+// The device started again within a frame: our decoder holds its first half, and the reply follows it without
+// a zero.
 void hello_finds_the_device_behind_half_a_frame(void **)
 {
     TalkingDevice device;
@@ -142,8 +143,8 @@ void hello_is_deaf_to_what_was_before(void **)
     assert_true(contains(error_of([&] { link.hello(); }), "WRONG_STATE"));
 }
 
-// A refusal that comes after its request was given up is not the answer to the next one; one of this request is, also when it
-// is about an earlier frame of it.
+// A refusal that comes after its request was given up is not the answer to the next one; one of this request
+// is, also when it is about an earlier frame of it.
 void a_late_refusal_is_not_taken_for_an_answer(void **)
 {
     TalkingDevice device;
@@ -182,7 +183,8 @@ void a_device_that_talks_without_end_is_left_with_an_error(void **)
     assert_true(link.take_notices().size() == crn::Link::notices_max);
 }
 
-// Endless zeros, endless noise, or one byte now and then: none is a message, and each ends in bounded bytes or bounded time.
+// Endless zeros, endless noise, or one byte now and then: none is a message, and each ends in bounded bytes
+// or bounded time.
 void a_device_that_never_frames_is_left_with_an_error(void **)
 {
     for (const unsigned char byte : {0x00, 0x55, 0xff}) {
@@ -201,7 +203,8 @@ void a_device_that_never_frames_is_left_with_an_error(void **)
     }
 }
 
-// The budget is 60 ms here, and no request waits on its own account: the second finds what the first has left.
+// The budget is 60 ms here, and no request waits on its own account: the second finds what the first has
+// left.
 void a_device_that_keeps_its_host_waiting_is_left_with_an_error(void **)
 {
     TalkingDevice device;
@@ -235,7 +238,8 @@ void a_snapshot_beyond_its_size_is_refused(void **)
     assert_true(contains(error_of([&] { link.read_snapshot(); }), "snapshot_begin"));
 }
 
-// STOP is answered before the ticks that were still in the device's queue; they come, and are the recording's last.
+// STOP is answered before the ticks that were still in the device's queue; they come, and are the recording's
+// last.
 void ticks_that_come_behind_the_answer_to_stop_are_recorded(void **)
 {
     TalkingDevice device;
@@ -259,8 +263,9 @@ void ticks_that_come_behind_the_answer_to_stop_are_recorded(void **)
     assert_int_equal(link.free_run(0).size(), 0);
 }
 
-// A host that makes a picture for longer than the 30 ms after which a device fades its forces: it is heard of meanwhile, and
-// not for ever. Counted, not timed: three frames come while it lives, and after its limit none.
+// A host that makes a picture for longer than the 30 ms after which a device fades its forces: it is heard of
+// meanwhile, and not for ever. Counted, not timed: three frames come while it lives, and after its limit
+// none.
 void a_busy_host_is_present_for_half_a_second(void **)
 {
     TalkingDevice device;

@@ -1,5 +1,6 @@
-// Claims: a rig on USB is the same device as one in this process, bit for bit; every way in which it goes, refuses, keeps
-// silent or lies ends in time with a message that tells what to do; and nothing of libusb is left behind.
+// Claims: a rig on USB is the same device as one in this process, bit for bit; every way in which it goes,
+// refuses, keeps silent or lies ends in time with a message that tells what to do; and nothing of libusb is
+// left behind.
 #include <algorithm>
 #include <atomic>
 #include <chrono>

@@ -1,4 +1,5 @@
-// Claims: instrument files give the numbers they state; a file that is wrong is refused with file, line, place and key.
+// Claims: instrument files give the numbers they state; a file that is wrong is refused with file, line,
+// place and key.
 #include <algorithm>
 #include <cmath>
 #include <csetjmp>

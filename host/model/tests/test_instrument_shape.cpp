@@ -1,5 +1,6 @@
-// Claims: the device takes every shipped instrument by every preset; left alone in free space without gravity, the core's
-// rod takes the shape that the file intends; every wire goes with every catheter that it fits into, and both with a guide.
+// Claims: the device takes every shipped instrument by every preset; left alone in free space without
+// gravity, the core's rod takes the shape that the file intends; every wire goes with every catheter that it
+// fits into, and both with a guide.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -49,7 +50,8 @@ std::vector<std::string> shipped_files()
     return files;
 }
 
-// --- the only calls of the core ---------------------------------------------------------------------------------
+// --- the only calls of the core
+// ---------------------------------------------------------------------------------
 
 crn_instrument core_instrument(const Instrument &instrument)
 {
@@ -137,7 +139,8 @@ class FreeLine
     crn_output output_{};
 };
 
-// --- shapes -----------------------------------------------------------------------------------------------------
+// --- shapes
+// -----------------------------------------------------------------------------------------------------
 
 double shaped_m(const Instrument &instrument)
 {
@@ -161,7 +164,8 @@ double angle_deg(const Vector3d &a, const Vector3d &b)
     return std::atan2(a.cross(b).norm(), a.dot(b)) * 180.0 / std::numbers::pi;
 }
 
-// From straight to rest in 4 s. Positions are compared node by node; the tip's direction is that of its first element.
+// From straight to rest in 4 s. Positions are compared node by node; the tip's direction is that of its first
+// element.
 void expect_rest_shape(const Instrument &instrument)
 {
     constexpr double allowed_deg = 2.5, allowed_strain = 1e-3;
@@ -217,7 +221,8 @@ void a_shape_out_of_its_plane_rests_in_it(void **)
     expect_rest_shape(instrument);
 }
 
-// --- what the device takes --------------------------------------------------------------------------------------
+// --- what the device takes
+// --------------------------------------------------------------------------------------
 
 void the_device_takes_every_preset(void **)
 {
@@ -262,8 +267,8 @@ void expect_line(const std::vector<const Instrument *> &tools)
     }
 }
 
-// A wire alone, in each catheter, and both in each guide; fits of the thesis are of one instrument and thicker than the
-// catheters' lumens, so they are not asked to go together.
+// A wire alone, in each catheter, and both in each guide; fits of the thesis are of one instrument and
+// thicker than the catheters' lumens, so they are not asked to go together.
 void every_wire_goes_with_every_catheter(void **)
 {
     std::vector<Instrument> all;

@@ -1,6 +1,7 @@
-// Claims: the baker's map of a lesion's wall is undone within a hundredth of a millimetre, a body of blood goes back to the healthy vessel as far as the
-// stations say and nowhere else, calcium is pushed outwards without losing volume, in a heart that beats too, and nothing is touched while
-// nothing is open. Shapes have closed forms.
+// Claims: the baker's map of a lesion's wall is undone within a hundredth of a millimetre, a body of blood
+// goes back to the healthy vessel as far as the stations say and nowhere else, calcium is pushed outwards
+// without losing volume, in a heart that beats too, and nothing is touched while nothing is open. Shapes have
+// closed forms.
 #include "host/model/lesion_wall.hpp"
 #include "host/model/opened_bodies.hpp"
 #include "host/stent/tests/stent_heart.hpp"
@@ -21,7 +22,8 @@ namespace
 constexpr double pi = std::numbers::pi, radius_mm = 2.0, stenosis = 0.7, aside = 0.4;
 constexpr double throat_mm = radius_mm * (1 - stenosis);
 
-// 60 mm along y, 2 mm wide; 70 % over 16 mm about y = 30, the channel 0.4 of what is lost off the axis; a side branch at 38 mm.
+// 60 mm along y, 2 mm wide; 70 % over 16 mm about y = 30, the channel 0.4 of what is lost off the axis; a
+// side branch at 38 mm.
 VesselTree tube_tree()
 {
     VesselTree tree;
@@ -48,7 +50,8 @@ VesselTree tube_tree()
 
 const LesionStations stations{17, 1e-3};
 
-// A tube of a length along y as a closed mesh, um: rows every half millimetre of 32 vertices, and a vertex in the middle of each end.
+// A tube of a length along y as a closed mesh, um: rows every half millimetre of 32 vertices, and a vertex in
+// the middle of each end.
 Body tube(double radius, double length_mm)
 {
     Body body{"lumen", "blood", -1, {}, {}};
@@ -99,7 +102,8 @@ double volume_mm3(const Body &body, std::span<const Eigen::Vector3i> vertices_um
     return sum;
 }
 
-// At the throat on a grid of radii and angles: near the wall, in the fade to what stays, and beside the branch.
+// At the throat on a grid of radii and angles: near the wall, in the fade to what stays, and beside the
+// branch.
 void the_map_of_a_wall_is_undone(void **)
 {
     const LesionWall wall(tube_tree(), 0);
@@ -160,7 +164,8 @@ void opened_wholly_a_body_is_the_healthy_one_and_half_open_half_way(void **)
     assert_true(opened.vertex_count() >= moved && opened.vertex_count() < moved + 40);
 }
 
-// The throat is at y = 30; only the stations from 27 to 33 mm are open, by 0.6 in the middle and 0 at both ends.
+// The throat is at y = 30; only the stations from 27 to 33 mm are open, by 0.6 in the middle and 0 at both
+// ends.
 void a_body_opens_station_by_station(void **)
 {
     Bodies bodies{{tube(radius_mm, 60)}, tube_tree()};
@@ -204,7 +209,8 @@ void other_bodies_stay(void **)
     assert_int_equal(moved[0].body, 0);
 }
 
-// A half shell of calcium round the channel, from 1.6 to 1.9 mm off its middle: outside the opened lumen, its volume kept.
+// A half shell of calcium round the channel, from 1.6 to 1.9 mm off its middle: outside the opened lumen, its
+// volume kept.
 void calcium_goes_out_with_the_wall_and_keeps_its_volume(void **)
 {
     Bodies bodies{{tube(radius_mm, 60), tube(1.0, 8)}, tube_tree()};

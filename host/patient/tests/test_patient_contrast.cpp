@@ -1,5 +1,6 @@
-// Claims: in a session contrast medium comes out of the catheter's tip and of nothing else, follows from commands and shapes at
-// fixed ticks whatever pictures were asked for, and the columns that the X-ray gets hold as much iodine as the vessels.
+// Claims: in a session contrast medium comes out of the catheter's tip and of nothing else, follows from
+// commands and shapes at fixed ticks whatever pictures were asked for, and the columns that the X-ray gets
+// hold as much iodine as the vessels.
 #include "host/base/text.hpp"
 #include "host/patient/contrast.hpp"
 #include "host/rig/pedals.hpp"
@@ -157,7 +158,8 @@ void columns_have_no_gap_where_a_vessel_divides(void **)
     assert_true(begin >= 2 && end >= 1);
 }
 
-// Cones of the curves times their share of iohexol 350, against what the cells hold. 2 %: ends that fade out, and linear shares.
+// Cones of the curves times their share of iohexol 350, against what the cells hold. 2 %: ends that fade out,
+// and linear shares.
 void columns_hold_the_iodine_of_the_vessels(void **)
 {
     PatientContrast contrast(aorta(), wire_and_catheter);
@@ -175,7 +177,8 @@ void columns_hold_the_iodine_of_the_vessels(void **)
         fail_msg("curves %.1f mg, vessels %.1f mg", mg, contrast.flow().held_mg());
 }
 
-// 6 ml of 350 mg/ml at 4 ml/s from tick 1001 on (the command comes after the frame of tick 1000), then 2 ml of 150 mg/ml at 2 ml/s.
+// 6 ml of 350 mg/ml at 4 ml/s from tick 1001 on (the command comes after the frame of tick 1000), then 2 ml
+// of 150 mg/ml at 2 ml/s.
 void what_was_given_between_two_ticks_is_known(void **)
 {
     PatientContrast contrast(aorta(), wire_and_catheter);
@@ -213,7 +216,8 @@ void blood_around_the_line_takes_its_colour(void **)
     assert_true(wire.nodes[15].contrast_mg_per_ml > 10.0); // downstream of the catheter's tip
 }
 
-// 20 holes of a fifth of the end hole's area: a fifth of the medium leaves at the tip, the rest between 20 and 58 mm behind it.
+// 20 holes of a fifth of the end hole's area: a fifth of the medium leaves at the tip, the rest between 20
+// and 58 mm behind it.
 void a_pigtail_gives_medium_through_its_side_holes(void **)
 {
     Instrument pigtail = tool("pigtail", 500);
@@ -236,7 +240,8 @@ void a_pigtail_gives_medium_through_its_side_holes(void **)
     if (std::fabs(ahead_mg / all_mg - 0.2) > 0.03) fail_msg("%.3f of it at the tip", ahead_mg / all_mg);
 }
 
-// The core's heart leads: in its asystole the medium stays where it was injected, with beats 6 ml of it are carried away.
+// The core's heart leads: in its asystole the medium stays where it was injected, with beats 6 ml of it are
+// carried away.
 void blood_flows_with_the_cores_heart(void **)
 {
     double carried_mg[2] = {};
@@ -258,7 +263,8 @@ void blood_flows_with_the_cores_heart(void **)
     assert_true(carried_mg[0] > 60.0 && carried_mg[1] == 0.0);
 }
 
-// A vessel through the sample's lattice: its cells are where the lattice pushes them, to 0.1 mm (points every millimetre).
+// A vessel through the sample's lattice: its cells are where the lattice pushes them, to 0.1 mm (points every
+// millimetre).
 void medium_moves_with_the_vessels(void **)
 {
     alignas(16) static std::uint8_t file[SAMPLE_BYTES_MAX];
@@ -291,7 +297,8 @@ void medium_moves_with_the_vessels(void **)
 
 // --- lesions that give way ---
 
-// 60 mm of the aorta's end, y = -160 to -220 mm behind the catheter's tip, narrowed from 8 to 2 mm and 3 mm to the left.
+// 60 mm of the aorta's end, y = -160 to -220 mm behind the catheter's tip, narrowed from 8 to 2 mm and 3 mm
+// to the left.
 VesselTree narrowed_aorta()
 {
     VesselTree tree = aorta();
@@ -311,7 +318,8 @@ VesselTree narrowed_aorta()
 
 const LesionStations stations_of_aorta{7, 0.01};
 
-// Open by 0.7 within a second, from second 1 on, and by 0.5 again from second 2 on: medium fills it in the meantime.
+// Open by 0.7 within a second, from second 1 on, and by 0.5 again from second 2 on: medium fills it in the
+// meantime.
 WireFrame giving_way_at(std::uint32_t tick)
 {
     WireFrame wire = line_at(tick);

@@ -1,5 +1,6 @@
-// Claims about balloon and stents in a session, with shapes of the line made here: what may be mounted, when it is looked at, what the core is
-// asked for and how often, what a picture may change (nothing), what the X-ray sees of a filled balloon, and what a recording keeps.
+// Claims about balloon and stents in a session, with shapes of the line made here: what may be mounted, when
+// it is looked at, what the core is asked for and how often, what a picture may change (nothing), what the
+// X-ray sees of a filled balloon, and what a recording keeps.
 #include "host/base/tests/folder.hpp"
 #include "host/base/text.hpp"
 #include "host/patient/balloon.hpp"
@@ -34,8 +35,8 @@ std::vector<Instrument> wire_and_balloon()
             read_instrument("shared/examples/instruments/balloon_3x20.toml")};
 }
 
-// Along the middle of the artery with its lesion, a millimetre from node to node; the balloon's middle is that of the lesion. The wire is 20 mm
-// ahead of the catheter. `radius_mm`: of the balloon, all along.
+// Along the middle of the artery with its lesion, a millimetre from node to node; the balloon's middle is
+// that of the lesion. The wire is 20 mm ahead of the catheter. `radius_mm`: of the balloon, all along.
 WireFrame line_at(std::uint32_t tick, double radius_mm, double open)
 {
     static const VesselTree tree = beating_artery(false);
@@ -66,7 +67,8 @@ PatientStents session_stents(std::size_t count = 1)
 
 constexpr RoomCommand load{RoomAction::load_stent, {}};
 
-// 800 ms: up to 200 crimped, up to 500 under pressure, then the balloon folds. Looks, and other frames in between.
+// 800 ms: up to 200 crimped, up to 500 under pressure, then the balloon folds. Looks, and other frames in
+// between.
 void carry_out(PatientStents &stents, std::uint32_t frame_ticks)
 {
     stents.command(0, load);
@@ -126,7 +128,8 @@ void other_pictures_do_not_change_it(void **)
     assert_true(often.stents().snapshot() == seen.stents().snapshot());
 }
 
-// The whole lesion lies in the stent and is open: what is asked for covers every station, the middle wholly, and nothing once it is known.
+// The whole lesion lies in the stent and is open: what is asked for covers every station, the middle wholly,
+// and nothing once it is known.
 void the_core_is_asked_once_for_what_it_does_not_know(void **)
 {
     PatientStents stents = session_stents();
@@ -173,7 +176,8 @@ std::vector<crn_wire_strut> take_struts(PatientStents &stents)
     return rings;
 }
 
-// Nothing while the balloon carries it; once deployed, one circle a ring as wide as the ring is, from end to end, and no more once they are known.
+// Nothing while the balloon carries it; once deployed, one circle a ring as wide as the ring is, from end to
+// end, and no more once they are known.
 void struts_are_told_once_the_stent_is_deployed(void **)
 {
     PatientStents stents = session_stents();
@@ -207,7 +211,8 @@ void struts_are_told_once_the_stent_is_deployed(void **)
     }
 }
 
-// Another stent's balloon in it opens it farther: the rings that are wider are told again; not confirmed, again at the next look.
+// Another stent's balloon in it opens it farther: the rings that are wider are told again; not confirmed,
+// again at the next look.
 void struts_that_are_widened_are_told_again(void **)
 {
     PatientStents stents = session_stents(2);
@@ -234,7 +239,8 @@ void struts_that_are_widened_are_told_again(void **)
     assert_true(take_struts(stents).empty());
 }
 
-// Stents on the shelf share the core's rings evenly; of one with more rings than its share circles are chosen from end to end.
+// Stents on the shelf share the core's rings evenly; of one with more rings than its share circles are chosen
+// from end to end.
 void stents_share_the_rings_of_the_core(void **)
 {
     PatientStents stents = session_stents(8);
@@ -294,7 +300,8 @@ void another_one_is_loaded_outside_only(void **)
     assert_true(results[0].was_taken_out && !results[1].was_taken_out);
 }
 
-// Iodine in the column against that of the cylinder, the cones (each of volume pi h / 3 (R^2 + R r + r^2) less the shaft) and the waist.
+// Iodine in the column against that of the cylinder, the cones (each of volume pi h / 3 (R^2 + R r + r^2)
+// less the shaft) and the waist.
 void the_filling_holds_as_much_as_the_balloon(void **)
 {
     const std::vector<Instrument> tools = wire_and_balloon();

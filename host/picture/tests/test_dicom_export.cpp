@@ -1,5 +1,5 @@
-// A session's runs as a folder of files: which frames go into which file, what their values become, and what is left when
-// the export is stopped. Pixels are read back by DCMTK; the frames are tiny.
+// A session's runs as a folder of files: which frames go into which file, what their values become, and what
+// is left when the export is stopped. Pixels are read back by DCMTK; the frames are tiny.
 #include "host/base/output_files.hpp"
 #include "host/base/tests/folder.hpp"
 #include "host/picture/dicom_export.hpp"
@@ -190,7 +190,8 @@ static void values_are_logarithmic_unless_asked_otherwise(void **)
     }
 }
 
-// 1,000 frames of 1, 2, .. 1,000: the hundredth at either end is left out. A detector filled to the brim is not counted.
+// 1,000 frames of 1, 2, .. 1,000: the hundredth at either end is left out. A detector filled to the brim is
+// not counted.
 static void the_window_spans_the_run(void **)
 {
     for (bool is_bright : {false, true}) {
@@ -224,7 +225,8 @@ static void the_window_looks_inside_the_collimator(void **)
     assert_string_equal(read.text(DCM_WindowWidth).c_str(), "1");
 }
 
-// Nobody told the files: volume, flow and strength of what was injected between a file's first and last frame.
+// Nobody told the files: volume, flow and strength of what was injected between a file's first and last
+// frame.
 static void each_file_names_the_medium_given_during_its_frames(void **)
 {
     Folder folder;

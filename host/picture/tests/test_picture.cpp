@@ -1,4 +1,5 @@
-// Pictures as files: PNG read back by libpng, MP4 by ffprobe; failures leave nothing behind; the display is drawn.
+// Pictures as files: PNG read back by libpng, MP4 by ffprobe; failures leave nothing behind; the display is
+// drawn.
 #include "host/base/tests/folder.hpp"
 #include "host/picture/overlay.hpp"
 #include <csetjmp>
@@ -171,7 +172,8 @@ static void film_survives_an_interrupt_of_the_foreground_group(void **)
     assert_int_equal(files_in_folder(), 0);
 }
 
-// An ffmpeg that never reads and never ends by itself, in place of the real one: only the death of its parent ends it.
+// An ffmpeg that never reads and never ends by itself, in place of the real one: only the death of its parent
+// ends it.
 static void film_program_ends_when_we_are_killed(void **)
 {
     const std::string program = folder() + "/ffmpeg", number = folder() + "/number";

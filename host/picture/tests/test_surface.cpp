@@ -1,4 +1,5 @@
-// Claims: a picture of surfaces shows every panel on one scale, what is nearer hides what is behind it, and a wall is glass over what lies in it.
+// Claims: a picture of surfaces shows every panel on one scale, what is nearer hides what is behind it, and a
+// wall is glass over what lies in it.
 #include "host/picture/surface_picture.hpp"
 #include <csetjmp>
 #include <cstdarg>

@@ -1,5 +1,6 @@
-// Claims: every `cournand rig` command says what the device says, writes only what was confirmed and read back, powers a
-// motor only after a typed yes, and leaves the rig as it was when it is stopped; the HID side survives a rig that lies.
+// Claims: every `cournand rig` command says what the device says, writes only what was confirmed and read
+// back, powers a motor only after a typed yes, and leaves the rig as it was when it is stopped; the HID side
+// survives a rig that lies.
 #include <cmath>
 #include <csetjmp>
 #include <cstdarg>

@@ -1,5 +1,6 @@
-// Claims: the room does what was asked at the tick at which it was asked, the same again each time: pulses by pedal and rate, last
-// image hold, runs, masks, roadmaps, review, dose. Pictures are made up here: the room does not know where they come from.
+// Claims: the room does what was asked at the tick at which it was asked, the same again each time: pulses by
+// pedal and rate, last image hold, runs, masks, roadmaps, review, dose. Pictures are made up here: the room
+// does not know where they come from.
 #include "host/room/presets.hpp"
 #include "host/room/room_screen.hpp"
 #include <algorithm>
@@ -165,7 +166,8 @@ static void the_last_image_stays_when_the_pedal_is_released(void **)
     assert_true(bench.room.dose().kerma_rate_mGy_min() == 0.0);
 }
 
-// Pedals held over each other and over changes of mode: one beam at a time, and never one without a new press.
+// Pedals held over each other and over changes of mode: one beam at a time, and never one without a new
+// press.
 static void a_pedal_held_over_another_run_does_nothing_until_it_is_pressed_again(void **)
 {
     Bench bench;
@@ -198,8 +200,8 @@ static void a_tap_within_one_tick_gives_neither_beam_nor_run(void **)
                 bench.room.dose().irradiations().empty());
 }
 
-// Kerma-area product of a run against the sum over its frames, and against kerma times the field's area at the reference
-// point from the stated geometry: (0.6 m / 1.05 m x 25 cm x 80 %) x (the same x 60 %).
+// Kerma-area product of a run against the sum over its frames, and against kerma times the field's area at
+// the reference point from the stated geometry: (0.6 m / 1.05 m x 25 cm x 80 %) x (the same x 60 %).
 static void dose_of_a_run_is_the_sum_over_its_frames(void **)
 {
     Bench bench;
@@ -253,7 +255,8 @@ static void dose_alerts_come_at_two_and_five_gray_and_are_acknowledged(void **)
     assert_int_equal(*meter.unseen_alert(), 1);
 }
 
-// In front of bone and in front of lung alike: a doubling of attenuation takes 255/2 greys off the background of 160.
+// In front of bone and in front of lung alike: a doubling of attenuation takes 255/2 greys off the background
+// of 160.
 static void dsa_shows_what_came_since_the_mask_and_no_bone(void **)
 {
     Bench bench(bar);
@@ -283,8 +286,8 @@ static void a_new_mask_is_taken_from_the_frames_named(void **)
     assert_int_equal(bench.screen.status().mask_last, 5);
 }
 
-// The bone's edge (two doublings, between columns 31 and 32) moves with the mask: one pixel to the right leaves a seam one
-// pixel wide where the mask was bright and the live picture is not.
+// The bone's edge (two doublings, between columns 31 and 32) moves with the mask: one pixel to the right
+// leaves a seam one pixel wide where the mask was bright and the live picture is not.
 static void pixel_shift_moves_the_mask(void **)
 {
     Bench bench;
@@ -404,7 +407,8 @@ static void stored_fluoroscopy_is_what_the_last_seconds_showed(void **)
     assert_true(run.frames.front().tick > 3000 && run.frames.back().tick == bench.pulses.back());
 }
 
-// Vessel: a bar with contrast during DSA. Under fluoroscopy without contrast its place is lighter by the roadmap.
+// Vessel: a bar with contrast during DSA. Under fluoroscopy without contrast its place is lighter by the
+// roadmap.
 static void a_roadmap_lies_white_under_live_fluoroscopy(void **)
 {
     Bench bench(bar);
@@ -429,7 +433,8 @@ static void a_roadmap_lies_white_under_live_fluoroscopy(void **)
     assert_int_equal(bench.grey_at(33, 30), 32);
 }
 
-// Along the blades every picture is half dark and all noise: a frame darker there than the mask leaves no white rim.
+// Along the blades every picture is half dark and all noise: a frame darker there than the mask leaves no
+// white rim.
 static void a_roadmap_leaves_the_rim_of_the_field_alone(void **)
 {
     Bench bench([](int x, int, std::uint32_t tick) {
@@ -469,8 +474,9 @@ static void a_roadmap_is_collected_by_the_next_press(void **)
     assert_non_null(std::strstr(bench.screen.status().notice.c_str(), "NO ROADMAP"));
 }
 
-// 64 x 64 x 3 bytes per frame, memory for 40 frames: the second run of 30 pushes the first one's pictures out, of a run of
-// 60 the last 20 are not kept. The beam goes on: the dose does not depend on the size of pictures.
+// 64 x 64 x 3 bytes per frame, memory for 40 frames: the second run of 30 pushes the first one's pictures
+// out, of a run of 60 the last 20 are not kept. The beam goes on: the dose does not depend on the size of
+// pictures.
 static void image_memory_is_bounded_and_the_oldest_pictures_go(void **)
 {
     Bench bench(nothing, 40 * pixels * 3);
@@ -511,8 +517,8 @@ static void the_table_follows_a_tip_that_leaves_the_middle(void **)
     assert_true((room.gantry().carm(0.32).isocentre_m - away).norm() < 1e-9);
 }
 
-// Everything twice: the same commands and pictures give the same screen, whether the ticks are gone through one by one or
-// only where something is to be seen.
+// Everything twice: the same commands and pictures give the same screen, whether the ticks are gone through
+// one by one or only where something is to be seen.
 static void the_same_commands_give_the_same_screens(void **)
 {
     std::vector<std::uint8_t> screens[2];

@@ -1,5 +1,6 @@
-// Claims: a run of cine or DSA begins when C-arm and table stand where they were asked to go, and says so while it waits; a pedal that
-// goes up before that makes no run, and the room says why; every five minutes of fluoroscopy are reminded of until acknowledged.
+// Claims: a run of cine or DSA begins when C-arm and table stand where they were asked to go, and says so
+// while it waits; a pedal that goes up before that makes no run, and the room says why; every five minutes of
+// fluoroscopy are reminded of until acknowledged.
 #include "host/room/room_screen.hpp"
 #include <csetjmp>
 #include <cstdarg>
@@ -44,7 +45,8 @@ struct Bench {
     std::uint32_t now = 0, begin_tick = 0; // of the first run
 };
 
-// 30 degrees at 25 degrees/s and 40 degrees/s^2 take 1.2 s + 0.625 s. Asked at tick 1, so the run begins at tick 1826 or 1827.
+// 30 degrees at 25 degrees/s and 40 degrees/s^2 take 1.2 s + 0.625 s. Asked at tick 1, so the run begins at
+// tick 1826 or 1827.
 void check_waits(std::int32_t program)
 {
     Bench bench;

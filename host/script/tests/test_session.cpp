@@ -51,8 +51,8 @@ void advance_goes_exactly_the_distance_in_the_stated_time(void **)
     assert_int_equal(inputs.back().hands[0].translation_counts, 120000);
 }
 
-// Speed never exceeds the stated one (by more than a count of rounding), never turns back, and changes per tick by no
-// more than a smoothstep's steepest, 1.5 x speed / ramp, plus two counts of rounding.
+// Speed never exceeds the stated one (by more than a count of rounding), never turns back, and changes per
+// tick by no more than a smoothstep's steepest, 1.5 x speed / ramp, plus two counts of rounding.
 void motion_is_smooth_and_never_faster_than_stated(void **)
 {
     const struct {

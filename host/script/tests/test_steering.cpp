@@ -1,6 +1,7 @@
-// Claims: places in a tree of vessels are named as anatomists name them; a script that steers reaches its vessel although the tip turns into another one
-// most of the time, whatever the share of angles that lead there and wherever they lie; it says where the tip was when it cannot; and what a script
-// expects is judged with its line. The world of these tests is a tube with one wrong turning: which vessel the tip goes on into
+// Claims: places in a tree of vessels are named as anatomists name them; a script that steers reaches its
+// vessel although the tip turns into another one most of the time, whatever the share of angles that lead
+// there and wherever they lie; it says where the tip was when it cannot; and what a script expects is judged
+// with its line. The world of these tests is a tube with one wrong turning: which vessel the tip goes on into
 // depends on the angle of the hand alone, which is the hardest case of a bent tip.
 #include <algorithm>
 #include <cmath>
@@ -25,7 +26,8 @@ namespace
 
 using Eigen::Vector3d;
 
-// The root runs up along y; "brachiocephalic" leaves it at 80 mm and "left subclavian" at 120; the root ends at 300. Tools come in at its far end.
+// The root runs up along y; "brachiocephalic" leaves it at 80 mm and "left subclavian" at 120; the root ends
+// at 300. Tools come in at its far end.
 crn::VesselTree tree()
 {
     crn::VesselTree tree;
@@ -46,8 +48,9 @@ crn::VesselTree tree()
     return tree;
 }
 
-// The tip `pushed_m` beyond the sheath at y = 290 mm. At the left subclavian it goes on into the aorta only when the hand stands within
-// `window_deg` of `open_deg`; once beyond the turning it stays in its vessel until it is drawn back.
+// The tip `pushed_m` beyond the sheath at y = 290 mm. At the left subclavian it goes on into the aorta only
+// when the hand stands within `window_deg` of `open_deg`; once beyond the turning it stays in its vessel
+// until it is drawn back.
 struct World {
     double open_deg, window_deg;
     bool is_astray = false, was_beyond = false;

@@ -1,6 +1,6 @@
-// Fuzz target: any bytes may be offered as a recording. Each input is tried as it is, and with its checksums and the schema hash
-// made right, so that what stands behind them is reached. What is accepted keeps the promises of recording.hpp, and what is
-// refused has a text.
+// Fuzz target: any bytes may be offered as a recording. Each input is tried as it is, and with its checksums
+// and the schema hash made right, so that what stands behind them is reached. What is accepted keeps the
+// promises of recording.hpp, and what is refused has a text.
 #include "host/session/recording_format.hpp"
 #include "shared/wire/wire_frame.h"
 #include <algorithm>

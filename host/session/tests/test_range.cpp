@@ -1,5 +1,6 @@
-// Claims: physics that leaves its range is seen in the tick in which it does, named with its figures and limits, and no session that stays
-// in it is ended; a scripted hand is rigid up to what fingers hold, gives way beyond, and slips alike whatever the batches are.
+// Claims: physics that leaves its range is seen in the tick in which it does, named with its figures and
+// limits, and no session that stays in it is ended; a scripted hand is rigid up to what fingers hold, gives
+// way beyond, and slips alike whatever the batches are.
 #include <cmath>
 #include <csetjmp>
 #include <cstdarg>
@@ -44,7 +45,8 @@ bool says(const RangeWatch &watch, const std::string &what)
     return watch.is_left() && range_text(*watch.left()).find(what) != std::string::npos;
 }
 
-// The limits themselves are in range; stalled feeds, capped steps and tools at their end (fault bits 1 to 3) are ordinary.
+// The limits themselves are in range; stalled feeds, capped steps and tools at their end (fault bits 1 to 3)
+// are ordinary.
 void what_stays_within_the_limits_is_no_error(void **)
 {
     RangeWatch watch;
@@ -85,7 +87,8 @@ void a_line_too_long_or_too_short_and_a_saturated_core_are_out_of_range(void **)
     assert_true(watch.left()->is_saturated && says(watch, "CORE_SATURATED"));
 }
 
-// A run and its replay have other batches: both look where it is on the same tick, the next multiple of 16 or the last one.
+// A run and its replay have other batches: both look where it is on the same tick, the next multiple of 16 or
+// the last one.
 void where_it_happened_is_looked_at_on_a_tick_that_every_run_has(void **)
 {
     RangeWatch watch;
@@ -124,8 +127,9 @@ void below_its_limits_the_grip_is_rigid(void **)
     assert_false(grip.figures(0).first_tick.has_value());
 }
 
-// A wall of 20 N/mm that a hand walks into at 20 mm/s: 1 s rigid would be 400 N. It slips where its force is 25 N and holds the tool there
-// within the 0.2 N that a tick's 20 um add, and once that more before the slip acts. The same backwards; counts wrap as encoders do.
+// A wall of 20 N/mm that a hand walks into at 20 mm/s: 1 s rigid would be 400 N. It slips where its force is
+// 25 N and holds the tool there within the 0.2 N that a tick's 20 um add, and once that more before the slip
+// acts. The same backwards; counts wrap as encoders do.
 void beyond_its_force_the_tool_stays_behind_and_the_hand_slips(void **)
 {
     for (int sign : {1, -1}) {
@@ -150,7 +154,8 @@ void beyond_its_force_the_tool_stays_behind_and_the_hand_slips(void **)
     }
 }
 
-// 1 N m/rad of a stuck tool: 50 mN m are 0.05 rad, 2.9 degrees. Turned by one turn a second, which the hand looks at from tick 16 on.
+// 1 N m/rad of a stuck tool: 50 mN m are 0.05 rad, 2.9 degrees. Turned by one turn a second, which the hand
+// looks at from tick 16 on.
 void beyond_its_torque_it_slips_as_well(void **)
 {
     HandGrip grip;

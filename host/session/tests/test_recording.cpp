@@ -1,5 +1,5 @@
-// Claims: a session replays bit for bit at any speed and from any snapshot; a cut-off recording is readable up to its
-// last whole chunk; a damaged one is refused, whatever byte is hit.
+// Claims: a session replays bit for bit at any speed and from any snapshot; a cut-off recording is readable
+// up to its last whole chunk; a damaged one is refused, whatever byte is hit.
 #include <algorithm>
 #include <csetjmp>
 #include <cstdarg>
@@ -222,7 +222,8 @@ void recordings_of_version_2_still_load(void **)
     assert_false(replay(old, verify("fast", 0)).first_difference_tick.has_value());
 }
 
-// Cut at every length in the tail and at many before: either readable with fewer ticks, or refused as truncated.
+// Cut at every length in the tail and at many before: either readable with fewer ticks, or refused as
+// truncated.
 void a_recording_cut_off_anywhere_keeps_its_whole_chunks(void **)
 {
     const std::vector<std::uint8_t> &whole = session().bytes;
@@ -265,7 +266,8 @@ void a_flipped_high_bit_of_a_length_is_no_cut(void **)
     assert_true(chunks > 4);
 }
 
-// One bit flipped at a time. A flip in a chunk's length field may look like a cut-off file; everything else is refused.
+// One bit flipped at a time. A flip in a chunk's length field may look like a cut-off file; everything else
+// is refused.
 void a_flipped_bit_is_never_taken_for_a_complete_recording(void **)
 {
     std::vector<std::uint8_t> bytes = session().bytes;

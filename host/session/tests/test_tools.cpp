@@ -1,6 +1,6 @@
-// Claims about several tools in the host: the device's refusal names the tools in the words of their files; a session of
-// three replays bit for bit; each tool is drawn over its own part of the line, with its own layers and lumen; the report and
-// the keys know each of them.
+// Claims about several tools in the host: the device's refusal names the tools in the words of their files; a
+// session of three replays bit for bit; each tool is drawn over its own part of the line, with its own layers
+// and lumen; the report and the keys know each of them.
 #include <algorithm>
 #include <cmath>
 #include <csetjmp>
@@ -197,7 +197,8 @@ void a_changed_input_of_any_tool_is_found(void **)
 
 // --- the line as the picture sees it ---
 
-// The frame of a device whose tools stand at different lengths: tips at the right arc, the outermost tool's radius.
+// The frame of a device whose tools stand at different lengths: tips at the right arc, the outermost tool's
+// radius.
 void each_tool_covers_the_line_from_its_own_tip(void **)
 {
     const std::vector<crn::Instrument> tools = three_tools();
@@ -257,8 +258,9 @@ void expect_volume(const char *what, double value_mm3, double expected_mm3)
         fail_msg("%s: %.3f mm3, expected %.3f (2 %% allowed)", what, value_mm3, expected_mm3);
 }
 
-// Three materials tell the three tools apart. Each has the volume of its own length and cross-section: from its own tip
-// (inside an element) to the end of the line, its layers counted from its own tip, its lumen empty.
+// Three materials tell the three tools apart. Each has the volume of its own length and cross-section: from
+// its own tip (inside an element) to the end of the line, its layers counted from its own tip, its lumen
+// empty.
 void each_tool_is_drawn_over_its_own_part_with_its_own_layers(void **)
 {
     const double pi = std::acos(-1.0);

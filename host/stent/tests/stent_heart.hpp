@@ -1,5 +1,6 @@
-// An artery that beats, for tests and benchmarks of stents: 50 mm of it in a bend, with a lesion of 75 %, in a lattice as the core's, whose
-// motion is as large as the shipped heart's: 12 mm to and fro, 4 % of length, 3.5 % of width, 6 degrees of turn, and bending.
+// An artery that beats, for tests and benchmarks of stents: 50 mm of it in a bend, with a lesion of 75 %, in
+// a lattice as the core's, whose motion is as large as the shipped heart's: 12 mm to and fro, 4 % of
+// length, 3.5 % of width, 6 degrees of turn, and bending.
 #pragma once
 #include "host/model/motion.hpp"
 #include "host/stent/vessel_wall.hpp"

@@ -1,5 +1,5 @@
-// Vessels for tests and benchmarks of stents: tubes round a curve, with any section, that beat; balloons that fill them; and a judge of
-// struts in the wall that knows no shortcuts. Lengths in mm.
+// Vessels for tests and benchmarks of stents: tubes round a curve, with any section, that beat; balloons that
+// fill them; and a judge of struts in the wall that knows no shortcuts. Lengths in mm.
 #pragma once
 #include "host/model/motion.hpp"
 #include "host/stent/contact.hpp"
@@ -12,7 +12,8 @@
 namespace crn
 {
 
-// A tube of `length` that starts at 0 along x and bends in the plane of x and y by `curvature` per mm; closed at both ends.
+// A tube of `length` that starts at 0 along x and bends in the plane of x and y by `curvature` per mm; closed
+// at both ends.
 struct TestVessel {
     double length_mm = 40.0, radius_mm = 1.5, curvature_per_mm = 0.0;
     double eccentricity = 0.0; // of the section: semi-axes r (1 + e) and r (1 - e)
@@ -76,7 +77,8 @@ struct TestVessel {
     static Eigen::Vector3d still(const Eigen::Vector3d &x) { return x; }
 };
 
-// A balloon of `length` round the vessel's middle, its middle at `at` along the vessel, which its tool's arc runs along.
+// A balloon of `length` round the vessel's middle, its middle at `at` along the vessel, which its tool's arc
+// runs along.
 inline BalloonPose balloon_in(const TestVessel &vessel, double at_mm, double length_mm, double radius_mm,
                               const TestVessel::Map &map = TestVessel::still)
 {

@@ -1,5 +1,6 @@
-// Claims: a stent file is read whole or refused with its place; a stent opens to its balloon, shortens and recoils as closed forms say; its
-// rings are as stiff as stated; contacts of struts are those of planes; a stent's outcomes are defined, whatever is done with it.
+// Claims: a stent file is read whole or refused with its place; a stent opens to its balloon, shortens and
+// recoils as closed forms say; its rings are as stiff as stated; contacts of struts are those of planes; a
+// stent's outcomes are defined, whatever is done with it.
 #include "firmware/tests/reference/long_run.h"
 #include "host/base/tests/folder.hpp"
 #include "host/base/text.hpp"
@@ -154,8 +155,8 @@ static void stent_opens_to_its_balloon(void **)
     }
 }
 
-// A diamond cell: two struts of length s, chord c = 2 r sin(pi/2N), so high as sqrt(s^2 - c^2) each. Written out here, with the
-// stent's own points measured from end to end.
+// A diamond cell: two struts of length s, chord c = 2 r sin(pi/2N), so high as sqrt(s^2 - c^2) each. Written
+// out here, with the stent's own points measured from end to end.
 static void cells_shorten_as_diamonds_do(void **)
 {
     const TestVessel straight = tube(5.0);
@@ -193,8 +194,8 @@ static void free_stent_recoils_by_its_share(void **)
     }
 }
 
-// The springs of one ring opened by dR, by themselves: F = dE/dR and K = d2E/dR2 by differences, against what the file says. Chords
-// only: heights follow at no cost, as the struts turn.
+// The springs of one ring opened by dR, by themselves: F = dE/dR and K = d2E/dR2 by differences, against what
+// the file says. Chords only: heights follow at no cost, as the struts turn.
 static void ring_is_as_stiff_as_stated(void **)
 {
     for (const std::string &file : {coronary_file, renal_file}) {
@@ -216,8 +217,9 @@ static void ring_is_as_stiff_as_stated(void **)
     }
 }
 
-// A ring that a wall holds below its free radius R0 stores K/2 (R0 - R)^2 in its springs. R is that of the circle of as much area; the wall's
-// facets and the bracing between rings make it uneven, which costs more energy: 10 %.
+// A ring that a wall holds below its free radius R0 stores K/2 (R0 - R)^2 in its springs. R is that of the
+// circle of as much area; the wall's facets and the bracing between rings make it uneven, which costs more
+// energy: 10 %.
 static void pressed_ring_stores_what_its_stiffness_says(void **)
 {
     const TestVessel vessel = tube(1.5);
@@ -239,7 +241,8 @@ static void pressed_ring_stores_what_its_stiffness_says(void **)
 
 // --- the wall ---
 
-// Depth of a capsule whose end reaches through a triangle's middle, by hand: radius minus the end's distance before the plane.
+// Depth of a capsule whose end reaches through a triangle's middle, by hand: radius minus the end's distance
+// before the plane.
 static void contact_of_a_strut_is_that_of_its_plane(void **)
 {
     const std::array<Vector3d, 3> corners = {Vector3d(-1, -1, 0), Vector3d(2, -1, 0), Vector3d(-1, 2, 0)};
@@ -252,8 +255,8 @@ static void contact_of_a_strut_is_that_of_its_plane(void **)
     }
 }
 
-// Walks over the tube's triangles from two millimetres beside, against all triangles one by one: to a micrometre, since outside of an edge
-// either face may be the nearest of its neighbours.
+// Walks over the tube's triangles from two millimetres beside, against all triangles one by one: to a
+// micrometre, since outside of an edge either face may be the nearest of its neighbours.
 static void walk_over_the_wall_ends_at_the_nearest_place(void **)
 {
     const TestVessel vessel = tube(1.5, 0.04, 0.1);
@@ -274,7 +277,8 @@ static void walk_over_the_wall_ends_at_the_nearest_place(void **)
 
 // --- deployment ---
 
-// The same radius as the vessel's, in bends and in an oval: on the wall with more than 95 %, and not through it.
+// The same radius as the vessel's, in bends and in an oval: on the wall with more than 95 %, and not through
+// it.
 static void stent_of_the_right_size_lies_on_the_wall(void **)
 {
     const struct {
@@ -308,7 +312,8 @@ static void stent_a_size_too_small_is_found_out(void **)
     const StentFigures figures = stent_figures(stent, &wall);
     assert_true(figures.apposed_share < 0.8);
     assert_true(!figures.gaps.empty());
-    // 1.5 less 1.25 and struts of 0.081, plus the recoil: 0.21 mm all round, within what the balloon lies off the middle.
+    // 1.5 less 1.25 and struts of 0.081, plus the recoil: 0.21 mm all round, within what the balloon lies off
+    // the middle.
     for (const StentGap &gap : figures.gaps) assert_true(gap.gap_mm > apposed_mm && gap.gap_mm < 0.4);
 }
 
@@ -342,7 +347,8 @@ static void post_dilation_brings_a_small_stent_to_the_wall(void **)
                               std::vector<double>{1.5, 1.5}) > 0.02);
 }
 
-// The second one lies on the first: its crowns are a strut's thickness nearer to the axis there, and that long is the overlap.
+// The second one lies on the first: its crowns are a strut's thickness nearer to the axis there, and that
+// long is the overlap.
 static void second_stent_lies_on_the_first_where_they_overlap(void **)
 {
     const TestVessel vessel = tube(1.5);
@@ -421,7 +427,8 @@ static void stent_deployed_outside_a_vessel_is_adrift(void **)
     }
 }
 
-// Half of it beyond the end of the vessel, as at an ostium: held by the other half, with the crowns outside named.
+// Half of it beyond the end of the vessel, as at an ostium: held by the other half, with the crowns outside
+// named.
 static void half_a_stent_in_the_ostium_is_held_and_reported(void **)
 {
     TestVessel vessel = tube(1.5);
@@ -458,8 +465,9 @@ static void stent_that_was_not_opened_stays_on_its_balloon(void **)
     assert_int_equal(stent_figures(stent, nullptr).unopened_rings, 12);
 }
 
-// Balloons that leap in place and width, lose balls and shrink to a point, and walls that jump by millimetres: it may be torn from where it
-// was, but its points stay numbers, near the vessel, and its struts within a few times their length.
+// Balloons that leap in place and width, lose balls and shrink to a point, and walls that jump by
+// millimetres: it may be torn from where it was, but its points stay numbers, near the vessel, and its struts
+// within a few times their length.
 static void nothing_that_balloon_and_wall_do_tears_it_apart(void **)
 {
     std::uint32_t random = 2463534242u;

@@ -1,6 +1,7 @@
-// Claims: a stent in an artery that beats stays where the wall carries it, on it and not through it, for a minute, at 15 and at 60 pictures a
-// second; a size too small does not; a lesion that a balloon opens is the healthy vessel's tube, and the tube is the tree's.
-// The artery goes 12 mm to and fro, turns, bends, and changes in length and width by as much as the shipped heart's does.
+// Claims: a stent in an artery that beats stays where the wall carries it, on it and not through it, for a
+// minute, at 15 and at 60 pictures a second; a size too small does not; a lesion that a balloon opens is the
+// healthy vessel's tube, and the tube is the tree's. The artery goes 12 mm to and fro, turns, bends, and
+// changes in length and width by as much as the shipped heart's does.
 #include "firmware/tests/reference/long_run.h"
 #include "host/stent/stents.hpp"
 #include "host/stent/tests/stent_heart.hpp"
@@ -28,7 +29,8 @@ struct Minute {
     StentFigures last;
 };
 
-// Inflated in a second to `share` of the artery's radius, held for two, down in one; then what happens until `seconds`.
+// Inflated in a second to `share` of the artery's radius, held for two, down in one; then what happens until
+// `seconds`.
 Minute minute(double share, double pictures_per_s, double beats_per_min, double seconds)
 {
     const BeatingLattice heart;
@@ -92,7 +94,8 @@ static void stent_a_size_too_small_is_not_apposed_while_it_beats(void **)
     assert_true(result.last.diameter_min_mm > 2.0 && std::abs(result.last.length_mm - 17.9) < 1.5);
 }
 
-// Middles of facets on the circle: every vertex at r / cos(pi/24), by the tree's own points and radii; every 23rd triangle.
+// Middles of facets on the circle: every vertex at r / cos(pi/24), by the tree's own points and radii; every
+// 23rd triangle.
 static void tube_is_that_of_the_tree_narrowed_and_opened(void **)
 {
     const VesselTree tree = beating_artery(true);
@@ -139,7 +142,8 @@ static void lesion_opens_station_by_station(void **)
     assert_true(std::abs(stretch.to_mm - stretch.from_mm - 12) < 0.6 && vessel.lesion_mm(1).is_empty());
 }
 
-// Two stents, one after the other, the second in the first one's end and over half of the lesion; then what the core is told.
+// Two stents, one after the other, the second in the first one's end and over half of the lesion; then what
+// the core is told.
 struct Two {
     VesselWall vessel{beating_artery(true), 0, 5, 45, nullptr};
     Stents stents;
@@ -195,8 +199,8 @@ static void stents_tell_the_core_what_they_hold_open(void **)
     assert_false(Two().stents.restore(two.stents.snapshot()));
 }
 
-// A renal artery of 3 mm radius out of an aorta of 9: the tube begins where the branch leaves the aorta's lumen, so that what a stent reaches
-// into the aorta with lies on no wall.
+// A renal artery of 3 mm radius out of an aorta of 9: the tube begins where the branch leaves the aorta's
+// lumen, so that what a stent reaches into the aorta with lies on no wall.
 static void wall_of_a_branch_begins_at_its_ostium(void **)
 {
     VesselBranch aorta, renal;

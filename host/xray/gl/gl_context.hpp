@@ -1,5 +1,5 @@
-// Where an OpenGL 3.3 core context comes from: OSMesa or EGL without a surface, each opened at run time by its library's
-// name, or whatever a window gives.
+// Where an OpenGL 3.3 core context comes from: OSMesa or EGL without a surface, each opened at run time by
+// its library's name, or whatever a window gives.
 #pragma once
 #include "host/xray/gl/gl_functions.hpp"
 #include <memory>
@@ -57,11 +57,12 @@ struct GlFileNames {
     std::vector<std::string> egl = {"libEGL.so.1", "libEGL.so"};
 };
 
-// A context without window: of OSMesa, or where that is missing (Mesa dropped it in 25.1) of EGL without a surface. Throws
-// GlError, which names what was tried and the packages to install.
+// A context without window: of OSMesa, or where that is missing (Mesa dropped it in 25.1) of EGL without a
+// surface. Throws GlError, which names what was tried and the packages to install.
 std::unique_ptr<GlContext> open_headless(GlLibrary library = GlLibrary::any, const GlFileNames &names = {});
 
-// Every function of the table by its name; throws GlError naming the first that is missing. The context is current.
+// Every function of the table by its name; throws GlError naming the first that is missing. The context is
+// current.
 GlFunctions load_functions(const GlContext &context);
 
 struct GlDescription {

@@ -8,8 +8,9 @@ namespace crn
 namespace
 {
 
-// Camera axes in mm: x to the right and y up, both times the focal length in half pictures; z away from the source. The
-// picture's first row is the first that is read back, so y is turned over. Clipped is only what is nearer than 1 mm.
+// Camera axes in mm: x to the right and y up, both times the focal length in half pictures; z away from the
+// source. The picture's first row is the first that is read back, so y is turned over. Clipped is only what
+// is nearer than 1 mm.
 constexpr const char *vertex_text = R"(#version 330 core
 layout(location = 0) in vec3 vertex_um;
 uniform vec3 source_um, right, up, forward;
@@ -19,8 +20,8 @@ void main() {
     gl_Position = vec4(dot(ray_mm, right), -dot(ray_mm, up), depth_mm - 2.0, depth_mm);
 })";
 
-// 1 / gl_FragCoord.w is the depth, interpolated as perspective asks. The picture is seen from the detector and turned over:
-// a face that looks at the source is anticlockwise in it, as it is from outside.
+// 1 / gl_FragCoord.w is the depth, interpolated as perspective asks. The picture is seen from the detector
+// and turned over: a face that looks at the source is anticlockwise in it, as it is from outside.
 constexpr const char *fragment_text = R"(#version 330 core
 uniform float reference_mm;
 out float sum_mm;
@@ -227,7 +228,8 @@ void GlDevice::set_view(const View &view, float reference_mm) const
     gl_.Uniform1f(gl_.GetUniformLocation(program_, "reference_mm"), reference_mm);
 }
 
-// What a draw sets and whoever shares the context does not expect. Other settings are made anew by their users.
+// What a draw sets and whoever shares the context does not expect. Other settings are made anew by their
+// users.
 class GlDevice::StateGuard
 {
   public:
@@ -281,8 +283,9 @@ void GlDevice::draw(const BodyMeshes &meshes, std::span<const std::uint8_t> is_s
     send_vertices(meshes, is_stale);
     resize(meshes.channels.size(), view.size);
     gl_.UseProgram(program_);
-    // Floats are densest near 0: depths count from the isocentre. A face behind the source is not seen, and its body has
-    // one face too few there, so that the depth's origin would show; then it is the source itself.
+    // Floats are densest near 0: depths count from the isocentre. A face behind the source is not seen, and
+    // its body has one face too few there, so that the depth's origin would show; then it is the source
+    // itself.
     set_view(view, plan.is_source_near ? 0.0f : static_cast<float>(view.source_isocentre_m * 1e3));
     set_state(view, rect);
     for (std::size_t channel = 0; channel < pictures_.size(); ++channel) {

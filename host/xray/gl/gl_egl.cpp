@@ -70,8 +70,8 @@ std::string code_of(const Egl &egl)
     return text;
 }
 
-// The one surfaceless display of a process. EGL gives every caller the same, and ending it ends all their contexts: the
-// last context ends it.
+// The one surfaceless display of a process. EGL gives every caller the same, and ending it ends all their
+// contexts: the last context ends it.
 class Display
 {
   public:

@@ -1,5 +1,5 @@
-// A shared library opened at run time. It stays for the life of the process: Mesa keeps threads and thread-local data, so
-// that taking it out again is not safe. Private to this folder.
+// A shared library opened at run time. It stays for the life of the process: Mesa keeps threads and
+// thread-local data, so that taking it out again is not safe. Private to this folder.
 #pragma once
 #include <cstring>
 #include <string>

@@ -1,4 +1,5 @@
-// Mesa's off-screen library: it needs neither display nor graphics card, and has the core profile since Mesa 11.2.
+// Mesa's off-screen library: it needs neither display nor graphics card, and has the core profile since
+// Mesa 11.2.
 #include "host/xray/gl/gl_headless.hpp"
 #include "host/xray/gl/gl_library.hpp"
 #include <array>

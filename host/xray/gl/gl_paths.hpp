@@ -1,6 +1,7 @@
-// Path lengths of bodies by OpenGL 3.3 core: every face adds its depth to a picture of floats where a ray leaves the body
-// and takes it away where it enters. The order of faces does not matter, so there is neither depth buffer nor sorting.
-// A second way to what RasterPaths draws, by other code; held against it in host/xray/tests/test_gl.cpp. See docs/xray.md.
+// Path lengths of bodies by OpenGL 3.3 core: every face adds its depth to a picture of floats where a ray
+// leaves the body and takes it away where it enters. The order of faces does not matter, so there is neither
+// depth buffer nor sorting. A second way to what RasterPaths draws, by other code; held against it in
+// host/xray/tests/test_gl.cpp. See docs/xray.md.
 #pragma once
 #include "host/xray/gl/gl_context.hpp"
 #include "host/xray/paths/paths.hpp"
@@ -17,8 +18,8 @@ class GlDevice;
 class GlPaths final : public BodyPaths
 {
   public:
-    // `threads` turn what was read back into integers. Throws GlError: no context, a missing function, a shader that the
-    // driver refuses.
+    // `threads` turn what was read back into integers. Throws GlError: no context, a missing function, a
+    // shader that the driver refuses.
     GlPaths(const BodyMeshes &meshes, GlOpener open, int threads);
     ~GlPaths() override;
 

@@ -37,8 +37,8 @@ View make_view(const CArm &carm, int size);
 // source.
 bool project(const View &view, const Eigen::Vector3d &point_m, Eigen::Vector2d &pixel);
 
-// Where the patient lies along a direction, as DICOM names it (C.7.6.1.1.1): R or L, H or F, A or P; the larger part first, parts
-// below sin 22.5 deg left out. "LP": to the left, somewhat to the back.
+// Where the patient lies along a direction, as DICOM names it (C.7.6.1.1.1): R or L, H or F, A or P; the
+// larger part first, parts below sin 22.5 deg left out. "LP": to the left, somewhat to the back.
 std::string patient_side(const Eigen::Vector3d &direction);
 
 // Holds the angles, SID, SOD and field inside what a C-arm can do.

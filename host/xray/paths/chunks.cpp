@@ -1,4 +1,5 @@
-// Cuts a body's mesh into chunks of neighbouring triangles, so that what lies outside the field is skipped as a whole.
+// Cuts a body's mesh into chunks of neighbouring triangles, so that what lies outside the field is skipped as
+// a whole.
 #include "host/xray/paths/meshes.hpp"
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,6 @@
-// Eight numbers at a time, by the vector types that gcc and clang share, and code compiled twice: the same bits on any
-// processor, quicker where it has vectors of that width. No fused multiply-add, so nothing rounds differently.
+// Eight numbers at a time, by the vector types that gcc and clang share, and code compiled twice: the same
+// bits on any processor, quicker where it has vectors of that width. No fused multiply-add, so nothing rounds
+// differently.
 #pragma once
 #include <cstdint>
 
@@ -25,8 +26,8 @@ inline constexpr Lanes_i lane_index = {0, 1, 2, 3, 4, 5, 6, 7};
 #endif
 #endif
 
-// CRN_WIDE: a function of plain loops that the compiler turns into vectors is compiled twice, the second time for AVX2, and
-// the processor chooses when the program starts: too early for the sanitizers.
+// CRN_WIDE: a function of plain loops that the compiler turns into vectors is compiled twice, the second time
+// for AVX2, and the processor chooses when the program starts: too early for the sanitizers.
 #if defined(__has_feature)
 #if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
 #define CRN_WIDE

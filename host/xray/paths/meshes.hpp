@@ -1,5 +1,5 @@
-// The scene's bodies as drawing wants them: chunks of neighbouring triangles, so that what lies outside the field is
-// skipped as a whole. Made once per scene, then only read, by any number of threads and back ends.
+// The scene's bodies as drawing wants them: chunks of neighbouring triangles, so that what lies outside the
+// field is skipped as a whole. Made once per scene, then only read, by any number of threads and back ends.
 #pragma once
 #include "host/model/bodies.hpp"
 #include <array>
@@ -10,7 +10,8 @@
 namespace crn
 {
 
-// Bodies of one material inside one other share a channel: a sum is theirs, and is taken from the parent's material.
+// Bodies of one material inside one other share a channel: a sum is theirs, and is taken from the parent's
+// material.
 struct MeshChannel {
     int own = 0;     // material
     int parent = -1; // material, -1: air

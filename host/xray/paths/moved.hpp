@@ -1,4 +1,5 @@
-// What moves from picture to picture: tools on the wire, curves of struts and contrast medium, bodies that beat.
+// What moves from picture to picture: tools on the wire, curves of struts and contrast medium, bodies that
+// beat.
 #pragma once
 #include "host/model/wire_frame.hpp"
 #include "host/xray/paths/materials.hpp"
@@ -8,16 +9,16 @@
 namespace crn
 {
 
-// One stretch of a tool by arc length from its own tip. A coil is a tube that metal fills partly; a braided wall is two
-// sections of the same stretch, polymer and steel.
+// One stretch of a tool by arc length from its own tip. A coil is a tube that metal fills partly; a braided
+// wall is two sections of the same stretch, polymer and steel.
 struct RadiopaqueSection {
     double arc_begin_m = 0.0;
     double arc_end_m = 3.0;
     Material material = Material::steel;
     double fill = 0.75;        // share of the cross-section filled by the material, 0 .. 1
     double radius_share = 1.0; // of the tool's outer radius; above 1: a band around it
-    // Of the tool's outer radius; above 0 the section is a ring from here on and `fill` counts the ring alone (a jacket, a
-    // marker band). 0: down to the lumen, and `fill` counts the whole cross-section.
+    // Of the tool's outer radius; above 0 the section is a ring from here on and `fill` counts the ring alone
+    // (a jacket, a marker band). 0: down to the lumen, and `fill` counts the whole cross-section.
     double inner_radius_share = 0.0;
 };
 
@@ -43,8 +44,9 @@ struct SweptPoint {
     double share = 1.0; // of the cross-section that the material fills, 0 .. 1
 };
 
-// A round body along a line of straight pieces: a stent's strut, or the contrast medium in a stretch of vessel. Drawn as it
-// is, by exact chords, without making triangles: hundreds in every picture are no trouble.
+// A round body along a line of straight pieces: a stent's strut, or the contrast medium in a stretch of
+// vessel. Drawn as it is, by exact chords, without making triangles: hundreds in every picture are no
+// trouble.
 struct SweptCurve {
     Material material = Material::steel;
     std::vector<SweptPoint> points; // two at least; a curve that is not finite is left out

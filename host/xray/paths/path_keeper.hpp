@@ -1,5 +1,5 @@
-// Path lengths of one view, kept between frames: what stands still is drawn again only when the view changes, a moved body
-// when its vertices do, tools and curves in every frame.
+// Path lengths of one view, kept between frames: what stands still is drawn again only when the view changes,
+// a moved body when its vertices do, tools and curves in every frame.
 #pragma once
 #include "host/xray/paths/moved.hpp"
 #include "host/xray/paths/paths.hpp"

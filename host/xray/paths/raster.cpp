@@ -1,5 +1,5 @@
-// Corners are snapped to 1/256 pixel; edge functions are integers with the top-left rule, so that neighbouring triangles
-// cover every pixel exactly once; depth is perspective-correct (1/depth is a plane).
+// Corners are snapped to 1/256 pixel; edge functions are integers with the top-left rule, so that
+// neighbouring triangles cover every pixel exactly once; depth is perspective-correct (1/depth is a plane).
 #include "host/xray/paths/raster.hpp"
 #include "host/xray/paths/lanes.hpp"
 #include <algorithm>

@@ -1,9 +1,10 @@
-// Depth sums of closed meshes: where a ray leaves a body its distance is added, where it enters it is subtracted.
-// The sums are int32 in 1/1024 mm along the central axis, so their total does not depend on the order of triangles.
+// Depth sums of closed meshes: where a ray leaves a body its distance is added, where it enters it is
+// subtracted. The sums are int32 in 1/1024 mm along the central axis, so their total does not depend on the
+// order of triangles.
 //
-// A picture is drawn in two passes, each shared out among threads: project_chunk puts every chunk's corners on the picture
-// and keeps the triangles that cover a pixel's centre; TileRaster draws those that meet one tile into sums that stay in
-// the processor's cache.
+// A picture is drawn in two passes, each shared out among threads: project_chunk puts every chunk's corners
+// on the picture and keeps the triangles that cover a pixel's centre; TileRaster draws those that meet one
+// tile into sums that stay in the processor's cache.
 #pragma once
 #include "host/xray/paths/paths.hpp"
 

@@ -29,8 +29,8 @@ Projected project_um(const Camera &camera, const Eigen::Vector3f &vertex_um)
             camera.half_pixels - dot(camera.up, x, y, z) * scale, depth};
 }
 
-// Within the guard as all other corners are snapped, since they may be the same; farther off up to four million pixels, so
-// that products of differences fit 64 bits.
+// Within the guard as all other corners are snapped, since they may be the same; farther off up to four
+// million pixels, so that products of differences fit 64 bits.
 std::int32_t snap_far(float pixels)
 {
     if (std::fabs(pixels) <= guard_pixels) return snap(pixels);

@@ -39,7 +39,8 @@ CRN_WIDE void add_rows(std::span<const SignedRow> rows, int count, std::int32_t 
     }
 }
 
-// Most pictures lack most materials in most tiles: reading that is cheaper than writing it again, which memory pays twice.
+// Most pictures lack most materials in most tiles: reading that is cheaper than writing it again, which
+// memory pays twice.
 CRN_WIDE void clear_row(int count, std::int32_t *to)
 {
     std::int32_t any = 0;

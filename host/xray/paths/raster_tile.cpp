@@ -1,4 +1,5 @@
-// Draws into one tile: eight triangles are set up together, then each one's rows are drawn eight pixels at a time.
+// Draws into one tile: eight triangles are set up together, then each one's rows are drawn eight pixels at a
+// time.
 #include "host/xray/paths/raster_tile.hpp"
 #include <algorithm>
 #include <cmath>

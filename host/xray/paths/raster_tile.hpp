@@ -1,4 +1,5 @@
-// Draws the chunks that meet one tile: their triangles are gathered eight at a time, whatever chunk they come from.
+// Draws the chunks that meet one tile: their triangles are gathered eight at a time, whatever chunk they come
+// from.
 #pragma once
 #include "host/xray/paths/lanes.hpp"
 #include "host/xray/paths/raster.hpp"
@@ -13,8 +14,8 @@ struct Batch {
     float a_inverse[lane_count], b_inverse[lane_count], c_inverse[lane_count];
     std::int32_t column[lane_count], row[lane_count], columns[lane_count],
         rows[lane_count]; // part of the tile
-    // Edge functions at the first pixel's centre, and their steps by one pixel; in `subpixels`, rounded down, since the steps
-    // are whole multiples and only the sign counts.
+    // Edge functions at the first pixel's centre, and their steps by one pixel; in `subpixels`, rounded down,
+    // since the steps are whole multiples and only the sign counts.
     std::int32_t edge[3][lane_count], step_x[3][lane_count], step_y[3][lane_count];
     // Rows that an edge leaves to each strip of eight columns.
     float from[3][lane_count], from_step[3][lane_count], to[3][lane_count], to_step[3][lane_count];
@@ -34,7 +35,8 @@ class TileRaster
     {
     }
 
-    // Adds the part of the chunk that lies in the tile to `sums`, whose first entry is pixel (tile.x0, tile.y0).
+    // Adds the part of the chunk that lies in the tile to `sums`, whose first entry is pixel (tile.x0,
+    // tile.y0).
     void add(std::size_t chunk, std::int32_t *sums);
     // Draws what is still gathered.
     void finish();

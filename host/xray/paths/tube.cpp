@@ -128,7 +128,8 @@ RadiopaqueRadius radius_at(const RadiopaqueInstrument &tool, double arc_m, doubl
             before.inner_m + share * (after->inner_m - before.inner_m)};
 }
 
-// The cylinder from points[i] to the next one, cut where it meets its neighbours; across a sharp bend, at its end.
+// The cylinder from points[i] to the next one, cut where it meets its neighbours; across a sharp bend, at its
+// end.
 TubePiece piece_between(const std::vector<Point> &points, std::size_t i)
 {
     TubePiece piece;
@@ -147,7 +148,8 @@ TubePiece piece_between(const std::vector<Point> &points, std::size_t i)
     return piece;
 }
 
-// A section down to the lumen counts its whole cross-section, though it has it all in its wall; a ring counts itself.
+// A section down to the lumen counts its whole cross-section, though it has it all in its wall; a ring counts
+// itself.
 void draw_section(TubePainter &painter, TubePiece &piece, const RadiopaqueSection &section,
                   const RadiopaqueRadius &radius)
 {
@@ -245,8 +247,9 @@ double contrast_share(double iodine_mg_per_ml)
 
 RadiopaqueInstrument guidewire_look(double tip_m)
 {
-    // The coil's wire fills about three quarters of its tube's wall; with the core, .75 of the cross-section is steel.
-    // A platinum tip coil around a ground-down core: 15 % platinum is already darker than solid steel.
+    // The coil's wire fills about three quarters of its tube's wall; with the core, .75 of the cross-section
+    // is steel. A platinum tip coil around a ground-down core: 15 % platinum is already darker than solid
+    // steel.
     return {{{0.0, tip_m, Material::platinum, 0.15, 1.0},
              {0.0, tip_m, Material::steel, 0.45, 1.0},
              {tip_m, 10.0, Material::steel, 0.75, 1.0}},

@@ -1,5 +1,5 @@
-// A ray is t d with d = (u, v, focal length) in pixels; the piece's middle lies at t0 d0. All that is computed in single
-// precision is small: pixels from d0, and t - t0.
+// A ray is t d with d = (u, v, focal length) in pixels; the piece's middle lies at t0 d0. All that is
+// computed in single precision is small: pixels from d0, and t - t0.
 #include "host/xray/paths/tube_painter.hpp"
 #include "host/xray/paths/lanes.hpp"
 #include <algorithm>
@@ -80,7 +80,8 @@ CRN_WIDE void chords_of_row(const Chords &c, float u, float v, float step, int c
     }
 }
 
-// Columns [first, second) of the rows [y, y + 1] that come nearer than `pad` to the line from (ax, ay) to (bx, by).
+// Columns [first, second) of the rows [y, y + 1] that come nearer than `pad` to the line from (ax, ay) to
+// (bx, by).
 struct Extent {
     double ax, ay, bx, by, pad;
 

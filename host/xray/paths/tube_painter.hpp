@@ -5,7 +5,8 @@
 namespace crn
 {
 
-// In camera axes: x right, y up, z away from the source. Cylinder about the line from a to b, cut by the planes through a and b.
+// In camera axes: x right, y up, z away from the source. Cylinder about the line from a to b, cut by the
+// planes through a and b.
 struct TubePiece {
     Eigen::Vector3d a_mm, b_mm, normal_a, normal_b;
     double outer_mm = 0.0, inner_mm = 0.0;
@@ -17,7 +18,8 @@ struct TubePiece {
 class TubePainter
 {
   public:
-    // Empties `paths`. `materials`: all that will be painted. `displaced`: what tools and contrast lie in, usually blood.
+    // Empties `paths`. `materials`: all that will be painted. `displaced`: what tools and contrast lie in,
+    // usually blood.
     TubePainter(const View &view, std::span<const Material> materials, Material displaced, ToolPaths &paths);
 
     void paint(const TubePiece &piece);

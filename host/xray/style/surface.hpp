@@ -1,5 +1,5 @@
-// Sums over surfaces: every triangle adds, at each pixel centre it covers, a value that goes linearly from corner to corner.
-// Integers throughout, so the sum depends on neither order nor threads.
+// Sums over surfaces: every triangle adds, at each pixel centre it covers, a value that goes linearly from
+// corner to corner. Integers throughout, so the sum depends on neither order nor threads.
 #pragma once
 #include "host/xray/paths/carm.hpp"
 #include <array>
@@ -18,7 +18,8 @@ struct SurfaceCorner {
 // Where a patient point falls, with a value.
 SurfaceCorner surface_corner(const View &view, const Eigen::Vector3d &point_m, std::int32_t value_q16);
 
-// Adds one triangle to rows [row_begin, row_end) of sums (size*size). Neighbours cover each pixel once (top-left rule).
+// Adds one triangle to rows [row_begin, row_end) of sums (size*size). Neighbours cover each pixel once
+// (top-left rule).
 void add_surface(const std::array<SurfaceCorner, 3> &corners, int size, int row_begin, int row_end,
                  std::int32_t *sums);
 

@@ -1,6 +1,6 @@
-// The look of VCSim3's fluoroscopy screen (thesis, 5.3.4.1) beside the physical picture: no attenuation, but surfaces whose
-// opacity depends on the angle between normal and view, and noise afterwards. The thesis gives the idea without an equation;
-// ours is in docs/xray-style.md:
+// The look of VCSim3's fluoroscopy screen (thesis, 5.3.4.1) beside the physical picture: no attenuation, but
+// surfaces whose opacity depends on the angle between normal and view, and noise afterwards. The thesis gives
+// the idea without an equation; ours is in docs/xray-style.md:
 //
 //   I = product over all surfaces s on the ray of (1 - A_s (1 - |n_s . v|)^p_s),   grey = 255 (b I + sigma g)
 #pragma once
@@ -23,7 +23,8 @@ inline constexpr double vcsim3_noise = 0.035;     // sigma, share of white
 inline constexpr SurfaceLook vcsim3_tool = {0.75, 0.6};
 inline constexpr SurfaceLook vcsim3_contrast = {0.80, 0.7}; // undiluted
 
-// Of what runs along a curve: contrast medium, by its share of the cross-section (0 .. 1), or a strut, as dark as a tool.
+// Of what runs along a curve: contrast medium, by its share of the cross-section (0 .. 1), or a strut, as
+// dark as a tool.
 SurfaceLook curve_look(Material material, double share);
 
 struct SurfaceScene; // the bodies that are shown, and the sums of the last view
@@ -36,8 +37,9 @@ class Vcsim3Look
     Vcsim3Look(const Vcsim3Look &) = delete;
     Vcsim3Look &operator=(const Vcsim3Look &) = delete;
 
-    // Replaces what the picture shows (grey and shown); its counts and doses stay those of Xray::render. As reproducible as
-    // that: the same bytes for any number of threads. Only carm and size of the settings count.
+    // Replaces what the picture shows (grey and shown); its counts and doses stay those of Xray::render. As
+    // reproducible as that: the same bytes for any number of threads. Only carm and size of the settings
+    // count.
     void draw(const XraySettings &settings, const XrayFrame &frame, std::uint64_t seed, XrayPicture &picture);
 
     // Sum of -ln(1 - opacity) over the bodies' surfaces of the last render, in 1/65536, size*size.

@@ -1,5 +1,6 @@
-// Claims: the picture's geometry is the C-arm's: markers at known places land on the pixels that an independent calculation
-// predicts, on the side that DICOM says; motors keep their limits; nothing runs into the table.
+// Claims: the picture's geometry is the C-arm's: markers at known places land on the pixels that an
+// independent calculation predicts, on the side that DICOM says; motors keep their limits; nothing runs into
+// the table.
 #include "firmware/tests/reference/long_run.h"
 #include "host/room/command.hpp"
 #include "host/room/gantry.hpp"
@@ -35,7 +36,8 @@ Eigen::Vector3d corner_m(int i)
     return {i & 1 ? 0.04 : -0.04, i & 2 ? 0.05 : -0.05, i & 4 ? 0.03 : -0.03};
 }
 
-// Steel balls of 3 mm at the corners of a box of 80 x 100 x 60 mm, each of another material to tell them apart.
+// Steel balls of 3 mm at the corners of a box of 80 x 100 x 60 mm, each of another material to tell them
+// apart.
 Bodies marker_cube(const Eigen::Vector3d &middle_m)
 {
     static const char *names[8] = {"steel", "nitinol",       "platinum", "tungsten",
@@ -61,8 +63,8 @@ Eigen::Vector2d shadow(const std::vector<std::int32_t> &path, int size)
     return sum / weight;
 }
 
-// Without the program's own C-arm: turn the patient instead, about his long axis by the primary angle and then about the
-// left-right axis by the secondary, and look from the front.
+// Without the program's own C-arm: turn the patient instead, about his long axis by the primary angle and
+// then about the left-right axis by the secondary, and look from the front.
 Eigen::Vector2d predicted(const CArm &carm, int size, const Eigen::Vector3d &point_m)
 {
     const Eigen::Vector3d p = point_m - carm.isocentre_m;
@@ -108,8 +110,8 @@ static void markers_land_on_the_predicted_pixels(void **)
     assert_true(worst_px <= 0.5);
 }
 
-// LAO: the detector goes to the patient's left; what lies behind goes to the right of the picture. Cranial: the detector goes
-// to the head; what lies in front goes down.
+// LAO: the detector goes to the patient's left; what lies behind goes to the right of the picture. Cranial:
+// the detector goes to the head; what lies in front goes down.
 static void angles_have_the_signs_of_dicom(void **)
 {
     const auto at = [](double primary_deg, double secondary_deg, const Eigen::Vector3d &point_m) {
@@ -151,8 +153,8 @@ static void sides_of_the_picture_are_named_as_dicom_does(void **)
     assert_string_equal(sides(120, 0).c_str(), "PR/H");
 }
 
-// A move of every axis: never beyond its speed, never more acceleration than stated, never past the target, and in the time of
-// the trapezium distance/speed + speed/acceleration within 2 %.
+// A move of every axis: never beyond its speed, never more acceleration than stated, never past the target,
+// and in the time of the trapezium distance/speed + speed/acceleration within 2 %.
 static void motors_keep_speed_and_acceleration_and_do_not_overshoot(void **)
 {
     const GantryPose from = {0, 0, 0, 0, 0, 1.05, 0.75}, to = {30, -20, 0.1, -0.2, 0.05, 1.15, 0.80};
@@ -260,15 +262,16 @@ static void a_blocked_arm_is_free_to_go_back(void **)
     assert_true(gantry.pose()[axis_primary] == 0.0 && !gantry.is_blocked());
 }
 
-// Known gap: at AP the tube's housing ends 25 cm in front of the focal spot, so 50 cm below the isocentre; the table's
-// under side is 13 + 6 cm below the patient's origin.
+// Known gap: at AP the tube's housing ends 25 cm in front of the focal spot, so 50 cm below the isocentre;
+// the table's under side is 13 + 6 cm below the patient's origin.
 static void the_gap_under_the_table_is_the_one_of_the_drawing(void **)
 {
     const double gap_m = table_clearance_m({0, 0, 0, 0, 0, 1.05, 0.75});
     assert_float_equal(gap_m, 0.50 - 0.19, 1e-9);
 }
 
-// With the heart at the isocentre, as for coronaries; arch, renal and iliac views stand lower or higher on the same table.
+// With the heart at the isocentre, as for coronaries; arch, renal and iliac views stand lower or higher on
+// the same table.
 static void every_preset_is_reached_clear_of_the_table(void **)
 {
     std::set<std::string_view> names;

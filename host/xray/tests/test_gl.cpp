@@ -1,11 +1,12 @@
-// Path lengths by OpenGL against those of the rasteriser, in both contexts that need no window; and what happens when a
-// library, a function or the context is missing or goes.
+// Path lengths by OpenGL against those of the rasteriser, in both contexts that need no window; and what
+// happens when a library, a function or the context is missing or goes.
 //
-// Tolerances. Both cover a pixel by its centre, after corners were moved to a grid: 1/256 pixel in the rasteriser, and what
-// the driver likes in OpenGL (llvmpipe: 1/256 too, rounded by itself). So at an edge one pixel may belong to either side.
-// Inside, where the path changes by less than 2 mm between neighbours, a shift of 1/128 pixel is 0.016 mm; the sums are
-// floats around 100 mm, good to 0.00001 mm each, and the rasteriser's faces are rounded to 1/1024 mm. Hence 0.05 mm inside,
-// mean 0.002 mm, and at edges a share of pixels that may differ.
+// Tolerances. Both cover a pixel by its centre, after corners were moved to a grid: 1/256 pixel in the
+// rasteriser, and what the driver likes in OpenGL (llvmpipe: 1/256 too, rounded by itself). So at an edge one
+// pixel may belong to either side. Inside, where the path changes by less than 2 mm between neighbours, a
+// shift of 1/128 pixel is 0.016 mm; the sums are floats around 100 mm, good to 0.00001 mm each, and the
+// rasteriser's faces are rounded to 1/1024 mm. Hence 0.05 mm inside, mean 0.002 mm, and at edges a share of
+// pixels that may differ.
 #include "firmware/tests/reference/long_run.h"
 #include "host/xray/gl/gl_paths.hpp"
 #include "host/xray/paths/raster_paths.hpp"
@@ -27,7 +28,8 @@ extern "C" {
 #include <cmocka.h>
 }
 
-// Mesa and LLVM keep what they allocated at start-up; only blocks that were allocated inside them are left out.
+// Mesa and LLVM keep what they allocated at start-up; only blocks that were allocated inside them are left
+// out.
 extern "C" const char *__lsan_default_suppressions();
 extern "C" const char *__lsan_default_suppressions()
 {
@@ -376,7 +378,8 @@ void a_library_that_is_no_opengl_is_refused(void **)
     }
 }
 
-// --- a context that goes, and drivers that refuse ----------------------------------------------------------------------
+// --- a context that goes, and drivers that refuse
+// ----------------------------------------------------------------------
 unsigned no_memory()
 {
     return gl::out_of_memory;
@@ -532,8 +535,8 @@ void another_thread_may_go_on_with_it(void **)
     }
 }
 
-// EGL takes its driver out of memory with its last context; what that leaks could then not be told from what we leak. So
-// the driver is asked to stay.
+// EGL takes its driver out of memory with its last context; what that leaks could then not be told from what
+// we leak. So the driver is asked to stay.
 int keep_driver(void **)
 {
     std::unique_ptr<GlContext> context;

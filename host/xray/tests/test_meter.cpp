@@ -1,5 +1,6 @@
-// Claims: the measuring chamber takes the techniques that automatic exposure takes from a picture of any size, so that the dose of a session
-// is the same whoever looks at it; its kerma-area product is kerma times the open field's area.
+// Claims: the measuring chamber takes the techniques that automatic exposure takes from a picture of any
+// size, so that the dose of a session is the same whoever looks at it; its kerma-area product is kerma times
+// the open field's area.
 #include "host/xray/meter.hpp"
 #include "host/xray/tests/xray_room.hpp"
 #include <algorithm>
@@ -11,7 +12,8 @@ using namespace crn;
 namespace
 {
 
-// A trunk of uneven thickness: bone beside the middle, air above, so that chamber and pictures sample different pixels.
+// A trunk of uneven thickness: bone beside the middle, air above, so that chamber and pictures sample
+// different pixels.
 Bodies trunk()
 {
     Bodies bodies = slab(0.2);
@@ -22,7 +24,8 @@ Bodies trunk()
 
 } // namespace
 
-// Eight pulses from switching on. Measured: 2.0 % of kerma at most, from 256 to 1024 pixels: about one step of 1 kV.
+// Eight pulses from switching on. Measured: 2.0 % of kerma at most, from 256 to 1024 pixels: about one step
+// of 1 kV.
 static void pulses_are_taken_as_from_a_picture_of_any_size(void **)
 {
     double worst = 0.0;
@@ -58,7 +61,8 @@ static void the_size_of_a_picture_does_not_change_the_dose(void **)
     }
 }
 
-// Field of 25 cm with blades at 80 % and 60 %, SID 1.05 m, SOD 0.75 m: at 0.6 m from the source it is 11.43 cm x 8.57 cm.
+// Field of 25 cm with blades at 80 % and 60 %, SID 1.05 m, SOD 0.75 m: at 0.6 m from the source it is 11.43
+// cm x 8.57 cm.
 static void kerma_area_product_is_kerma_times_the_open_area(void **)
 {
     Room room(slab(0.2));

@@ -84,8 +84,9 @@ bool is_near(const char *what, double value, double expected, double share)
 
 } // namespace
 
-// spekpy 2.5.4 (Omar's cross-sections, another model than ours): 11 degrees, 2.5 mm Al + 0.2 mm Cu, 20 cm of soft tissue, signal of
-// 0.55 mm CsI. The models differ by 1 % in mean energy, so by 1 % and 5 % in what tissue and bone attenuate.
+// spekpy 2.5.4 (Omar's cross-sections, another model than ours): 11 degrees, 2.5 mm Al + 0.2 mm Cu, 20 cm of
+// soft tissue, signal of 0.55 mm CsI. The models differ by 1 % in mean energy, so by 1 % and 5 % in what
+// tissue and bone attenuate.
 static void beam_behind_a_patient_agrees_with_spekpy(void **)
 {
     struct Row {
@@ -107,7 +108,8 @@ static void beam_behind_a_patient_agrees_with_spekpy(void **)
     }
 }
 
-// Iodine hardens the beam: effective 1/cm through 3 mm and 10 mm of iohexol-350 behind the patient, spekpy as above.
+// Iodine hardens the beam: effective 1/cm through 3 mm and 10 mm of iohexol-350 behind the patient, spekpy as
+// above.
 static void contrast_hardens_the_beam_as_in_spekpy(void **)
 {
     struct Row {
@@ -123,7 +125,8 @@ static void contrast_hardens_the_beam_as_in_spekpy(void **)
     }
 }
 
-// Half-value layers of spekpy. Tucker's spectrum is known to be somewhat harder: 6 % without copper, 3 % with it.
+// Half-value layers of spekpy. Tucker's spectrum is known to be somewhat harder: 6 % without copper, 3 % with
+// it.
 static void half_value_layers_agree_with_spekpy(void **)
 {
     struct Row {
@@ -136,8 +139,8 @@ static void half_value_layers_agree_with_spekpy(void **)
                             row.aluminium_mm, row.tolerance));
 }
 
-// Every combination of 0 .. 40 cm tissue, 0 .. 5 cm bone and 0 .. 2 cm undiluted contrast that lets more than 1e-4 through, for every
-// filter of the tube from 60 to 125 kV: within 1 % of 1 keV steps.
+// Every combination of 0 .. 40 cm tissue, 0 .. 5 cm bone and 0 .. 2 cm undiluted contrast that lets more than
+// 1e-4 through, for every filter of the tube from 60 to 125 kV: within 1 % of 1 keV steps.
 static void few_energies_are_within_one_percent_of_one_keV_steps(void **)
 {
     double worst = 0.0;
@@ -161,7 +164,8 @@ static void few_energies_are_within_one_percent_of_one_keV_steps(void **)
     assert_true(worst <= 0.01);
 }
 
-// Metals with a K edge inside the spectrum have no smooth curve; what they let through must still be of the right size.
+// Metals with a K edge inside the spectrum have no smooth curve; what they let through must still be of the
+// right size.
 static void platinum_lets_through_what_it_should(void **)
 {
     for (double kV : {70.0, 90.0, 120.0})

@@ -1,5 +1,6 @@
-// Claims: the thesis' look is the stated product over surfaces, shows what the thesis shows, and is the same picture for any
-// number of threads. Shown on a sphere, where the angle between normal and ray follows from the chord.
+// Claims: the thesis' look is the stated product over surfaces, shows what the thesis shows, and is the same
+// picture for any number of threads. Shown on a sphere, where the angle between normal and ray follows from
+// the chord.
 #include "host/xray/style/vcsim3.hpp"
 #include "host/xray/tests/xray_shapes.hpp"
 #include <algorithm>
@@ -92,7 +93,8 @@ void noise_has_the_stated_mean_and_deviation(void **)
     }
     const double count = static_cast<double>(picture.grey.size()), mean = sum / count;
     const double deviation = std::sqrt(squares / count - mean * mean);
-    // 16,384 pixels: standard errors 0.07 and 0.05; whole numbers, rounded down, take half a grey value off the mean.
+    // 16,384 pixels: standard errors 0.07 and 0.05; whole numbers, rounded down, take half a grey value off
+    // the mean.
     if (std::abs(mean - (255.0 * vcsim3_background - 0.5)) > 0.3) fail_msg("mean %.3f", mean);
     if (std::abs(deviation - 255.0 * vcsim3_noise) > 0.25) fail_msg("deviation %.3f", deviation);
 }
@@ -158,7 +160,8 @@ void contrast_medium_is_a_tube_that_is_darker_the_more_iodine_it_holds(void **)
     };
     const double background = 255.0 * vcsim3_background;
     const XrayPicture undiluted = picture_with(1.0), diluted = picture_with(0.05);
-    // Two surfaces whose normal stands at |n.v| = 0.6 to the ray, 4 mm from the axis; a tube of 12 sides and rows of 0.8 mm.
+    // Two surfaces whose normal stands at |n.v| = 0.6 to the ray, 4 mm from the axis; a tube of 12 sides and
+    // rows of 0.8 mm.
     const double light = 1.0 - 0.8 * std::pow(1.0 - 0.6, 0.7);
     const double edge = grey_beside_the_axis(undiluted, 0.004);
     if (std::abs(edge - background * light * light) > 0.15 * background)
@@ -171,8 +174,8 @@ void contrast_medium_is_a_tube_that_is_darker_the_more_iodine_it_holds(void **)
     assert_true(picture_with(0.0).grey == picture_of({}, {}, 1).grey);
 }
 
-// A beating heart stood still in this look: its bodies are drawn where the picture's moment has them, and stand again where they
-// rest when the next picture moves none.
+// A beating heart stood still in this look: its bodies are drawn where the picture's moment has them, and
+// stand again where they rest when the next picture moves none.
 void bodies_are_drawn_where_they_have_moved_to(void **)
 {
     const Eigen::Vector3i way_um(21000, -13000, 8000);

@@ -1,5 +1,5 @@
-// Path lengths against closed forms, and the promise that a picture depends on nothing but what it is asked for. Photons and
-// detector have test_xray_physics.cpp.
+// Path lengths against closed forms, and the promise that a picture depends on nothing but what it is asked
+// for. Photons and detector have test_xray_physics.cpp.
 #include "host/xray/detector.hpp"
 #include "host/xray/tests/xray_shapes.hpp"
 #include "host/xray/xray.hpp"
@@ -141,7 +141,8 @@ std::uint64_t hash_of(const XrayPicture &picture)
 
 } // namespace
 
-// 100k triangles: what is left is the facets' own chord error (0.013 mm) and half a unit of rounding per face.
+// 100k triangles: what is left is the facets' own chord error (0.013 mm) and half a unit of rounding per
+// face.
 static void sphere_path_is_the_chord(void **)
 {
     const Eigen::Vector3d centre_m(0.02, 0.01, -0.02);
@@ -235,7 +236,8 @@ static void tube_has_the_volume_of_its_wire(void **)
     for (std::int32_t chord : path) volume_mm3 += chord / 1024.0 * pixel_mm * pixel_mm;
     const double expected = 3.14159265 * 0.45 * 0.45 * length_mm;
     std::printf("# volume %.3f mm3, expected %.3f\n", volume_mm3, expected);
-    // 2 %: the wire leaves the isocentre's plane by 10 mm (2.7 % in area, both signs) and is smoothed between nodes.
+    // 2 %: the wire leaves the isocentre's plane by 10 mm (2.7 % in area, both signs) and is smoothed between
+    // nodes.
     assert_true(std::fabs(volume_mm3 - expected) < 0.02 * expected);
 }
 
@@ -268,7 +270,8 @@ static void tube_is_unbroken_and_as_thick_as_the_wire(void **)
         thickest_mm = std::max(thickest_mm, chord_mm);
     }
     std::printf("# between %.3f and %.3f mm, diameter 0.9\n", thinnest_mm, thickest_mm);
-    // Mean over a pixel (.45 mm) whose centre may lie .3 mm beside the axis: .60 at least, a gap would show as less.
+    // Mean over a pixel (.45 mm) whose centre may lie .3 mm beside the axis: .60 at least, a gap would show
+    // as less.
     assert_true(thinnest_mm > 0.60 && thickest_mm < 0.91);
 }
 

@@ -1,5 +1,5 @@
-// Path lengths against analytic chords, over views drawn by lot, and where rasterisers fail: slivers, corners on the centres of
-// pixels, the source inside a body or faces behind it.
+// Path lengths against analytic chords, over views drawn by lot, and where rasterisers fail: slivers, corners
+// on the centres of pixels, the source inside a body or faces behind it.
 #include "host/xray/paths/path_keeper.hpp"
 #include "host/xray/paths/raster_paths.hpp"
 #include "host/xray/tests/xray_shapes.hpp"
@@ -214,7 +214,8 @@ Body slivers(Lot &lot, int count)
     return body;
 }
 
-// An unpaired face leaves its distance from the source, 500 mm or more: no sum of closed bodies comes near it.
+// An unpaired face leaves its distance from the source, 500 mm or more: no sum of closed bodies comes near
+// it.
 void no_pixel_is_unpaired(const BodyMeshes &meshes, const View &view, double largest_mm)
 {
     const PathPictures pictures = draw(meshes, view, PathForm::axis_sums);
@@ -267,7 +268,8 @@ static void no_pixel_is_unpaired_over_many_views(void **)
     }
 }
 
-// AP view: pixel centres of the plane through the isocentre are at whole multiples of 0.25 mm, plus half of one.
+// AP view: pixel centres of the plane through the isocentre are at whole multiples of 0.25 mm, plus half of
+// one.
 static void corners_and_edges_on_the_centres_of_pixels_are_covered_once(void **)
 {
     CArm carm;
@@ -315,7 +317,8 @@ static void corners_and_edges_on_the_centres_of_pixels_are_covered_once(void **)
         }
 }
 
-// The ray's way from the source to the face that it leaves by; what is nearer than 1 mm is cut off along the axis.
+// The ray's way from the source to the face that it leaves by; what is nearer than 1 mm is cut off along the
+// axis.
 static void a_source_inside_a_body_sees_the_way_out_in_every_direction(void **)
 {
     Lot lot(3);
@@ -402,7 +405,8 @@ static void an_open_mesh_harms_only_the_pixels_behind_its_hole(void **)
                 std::vector<std::int32_t>(256 * 256, 0));
 }
 
-// A beating heart: the picture is that of a scene made with the moved body, and only its surroundings are drawn anew.
+// A beating heart: the picture is that of a scene made with the moved body, and only its surroundings are
+// drawn anew.
 static void a_moved_body_is_drawn_as_if_the_scene_had_it_there(void **)
 {
     Body heart = sphere_body("heart", "muscle", 0, {0.02, 0.0, 0.01}, 0.03, 30);

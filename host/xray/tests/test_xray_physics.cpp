@@ -1,5 +1,6 @@
-// From path lengths to raw values: attenuation against the exponential, noise against Poisson's law, edges against the stated MTF,
-// scatter against a measurement. What goes from picture to picture has test_xray_exposure.cpp.
+// From path lengths to raw values: attenuation against the exponential, noise against Poisson's law, edges
+// against the stated MTF, scatter against a measurement. What goes from picture to picture has
+// test_xray_exposure.cpp.
 #include "host/xray/blur.hpp"
 #include "host/xray/detector.hpp"
 #include "host/xray/scatter.hpp"
@@ -91,8 +92,8 @@ static void noise_of_neighbours_and_ticks_is_unrelated(void **)
     assert_true(std::fabs(ticks / 512 / 511 / 100) < 0.01);
 }
 
-// The bar: rendered pictures of 20 cm of tissue at three doses, 2^20 pixels each. The noise-free picture of the same
-// technique is the mean of every pixel, so that the beam's obliquity does not count as noise.
+// The bar: rendered pictures of 20 cm of tissue at three doses, 2^20 pixels each. The noise-free picture of
+// the same technique is the mean of every pixel, so that the beam's obliquity does not count as noise.
 static void rendered_counts_have_variance_over_mean_of_one(void **)
 {
     Room room(slab(0.20));
@@ -115,8 +116,8 @@ static void rendered_counts_have_variance_over_mean_of_one(void **)
     }
 }
 
-// Photons, kerma and KAP rise together with the charge; KAP does not depend on the distance, kerma at the reference point on the
-// detector's neither.
+// Photons, kerma and KAP rise together with the charge; KAP does not depend on the distance, kerma at the
+// reference point on the detector's neither.
 static void dose_and_photons_come_from_the_same_charge(void **)
 {
     Room room(slab(0.20));
@@ -124,7 +125,8 @@ static void dose_and_photons_come_from_the_same_charge(void **)
     assert_true(std::fabs(two.photons_open / one.photons_open - 2.0) < 1e-12);
     assert_true(std::fabs(two.air_kerma_uGy / one.air_kerma_uGy - 2.0) < 1e-12);
     assert_true(std::fabs(two.kap_Gy_cm2 / one.kap_Gy_cm2 - 2.0) < 1e-12);
-    // spekpy: 24.60 uGy/mAs at 1 m behind 2.5 mm Al + 0.2 mm Cu; the reference point is 0.60 m from the focal spot.
+    // spekpy: 24.60 uGy/mAs at 1 m behind 2.5 mm Al + 0.2 mm Cu; the reference point is 0.60 m from the focal
+    // spot.
     std::printf("# kerma %.3f uGy, KAP %.4g Gy cm2\n", one.air_kerma_uGy, one.kap_Gy_cm2);
     assert_true(std::fabs(one.air_kerma_uGy - 24.60 * 0.25 / 0.36) < 0.01 * one.air_kerma_uGy);
     XraySettings far = fixed(80.0, 50.0, 5.0);
@@ -165,8 +167,9 @@ static void raw_values_are_linear(void **)
 namespace
 {
 
-// Presampled MTF by the slanted edge of ISO 12233 and IEC 62220-1: every pixel of a row has its own distance from the
-// edge; all of them make one edge profile in steps of a tenth of a pixel, whose derivative's Fourier transform is the MTF.
+// Presampled MTF by the slanted edge of ISO 12233 and IEC 62220-1: every pixel of a row has its own distance
+// from the edge; all of them make one edge profile in steps of a tenth of a pixel, whose derivative's Fourier
+// transform is the MTF.
 class SlantedEdge
 {
   public:
@@ -208,7 +211,8 @@ class SlantedEdge
     std::vector<double> profile_;
 };
 
-// A thin plate that covers the right half of the field, its edge turned by a slope of 1/16 against the columns.
+// A thin plate that covers the right half of the field, its edge turned by a slope of 1/16 against the
+// columns.
 Body slanted_plate()
 {
     Body body = box_body("plate", "steel", -1, {0.0, -0.3, -0.0002}, {0.3, 0.3, 0.0002});
@@ -218,8 +222,8 @@ Body slanted_plate()
 
 } // namespace
 
-// The bar: rendered edge against the product of the stated curves, focal spot, pixel and scintillator, up to 0.9 of half the
-// sampling frequency, for three fields and both focal spots.
+// The bar: rendered edge against the product of the stated curves, focal spot, pixel and scintillator, up to
+// 0.9 of half the sampling frequency, for three fields and both focal spots.
 static void slanted_edge_has_the_stated_mtf(void **)
 {
     Room room({{slanted_plate()}});
@@ -243,7 +247,8 @@ static void slanted_edge_has_the_stated_mtf(void **)
             std::printf("# field %.0f mm, focal spot %.1f mm, %.2f/mm: MTF %.4f, stated %.4f (%+.1f %%)\n",
                         now.field_m * 1e3, now.focal_spot_mm, cycles / geometry.pixel_mm, seen, stated,
                         (seen / stated - 1.0) * 100.0);
-            // Where next to nothing is left (focal spot of 0.8 mm at its first zero) 5 % of it are within 0.005 of nothing.
+            // Where next to nothing is left (focal spot of 0.8 mm at its first zero) 5 % of it are within
+            // 0.005 of nothing.
             assert_true(std::fabs(seen - stated) < std::max(0.05 * stated, 0.005));
         }
     }
@@ -252,7 +257,8 @@ static void slanted_edge_has_the_stated_mtf(void **)
 namespace
 {
 
-// What a straight wire takes from each column of the picture, over the rows about the middle: a line spread function.
+// What a straight wire takes from each column of the picture, over the rows about the middle: a line spread
+// function.
 std::vector<double> line_of_a_wire(double focal_spot_mm)
 {
     Room room(slab(0.05));
@@ -291,8 +297,8 @@ double spectrum_of(const std::vector<double> &line, double cycles_per_pixel)
 
 } // namespace
 
-// The same wire under two focal spots: its spectra differ by the ratio of their MTFs, and it takes as much from the beam. Each
-// kernel meets its curve within 0.01.
+// The same wire under two focal spots: its spectra differ by the ratio of their MTFs, and it takes as much
+// from the beam. Each kernel meets its curve within 0.01.
 static void focal_spot_blurs_tools_as_stated(void **)
 {
     const std::vector<double> fine = line_of_a_wire(0.4), coarse = line_of_a_wire(0.8);
@@ -306,7 +312,8 @@ static void focal_spot_blurs_tools_as_stated(void **)
     }
 }
 
-// Noise passes the scintillator but not focal spot and pixel: neighbours in the raw picture are related as the kernel says.
+// Noise passes the scintillator but not focal spot and pixel: neighbours in the raw picture are related as
+// the kernel says.
 static void noise_has_the_texture_of_the_scintillator(void **)
 {
     Room room(slab(0.20));
@@ -345,7 +352,8 @@ static void noise_has_the_texture_of_the_scintillator(void **)
 namespace
 {
 
-// Scattered over primary in the middle of a field, in front of the grid; the slab fills a detector of square pixels.
+// Scattered over primary in the middle of a field, in front of the grid; the slab fills a detector of square
+// pixels.
 double scatter_to_primary(double tissue_cm, double kV, double width_cm, double height_cm)
 {
     const Spectrum open = tube_spectrum(kV, 0.2), left = behind(open, Material::soft_tissue, tissue_cm);
@@ -371,8 +379,9 @@ double scatter_to_primary(double tissue_cm, double kV, double width_cm, double h
 
 } // namespace
 
-// Altunbas et al. 2016: 30 cm of acrylic (33 cm of tissue by electrons) in 40 x 30 cm, 125 kV: 4.51, behind the grid 1.28.
-// Textbooks (Bushberg et al., chapter on scatter): 20 cm in 30 x 30 cm about 3, and rising with thickness and field.
+// Altunbas et al. 2016: 30 cm of acrylic (33 cm of tissue by electrons) in 40 x 30 cm, 125 kV: 4.51, behind
+// the grid 1.28. Textbooks (Bushberg et al., chapter on scatter): 20 cm in 30 x 30 cm about 3, and rising
+// with thickness and field.
 static void scatter_agrees_with_a_measurement_and_grows_with_field_and_thickness(void **)
 {
     const double measured = scatter_to_primary(33.0, 125.0, 40.0, 30.0);
@@ -394,8 +403,9 @@ static void scatter_agrees_with_a_measurement_and_grows_with_field_and_thickness
                 1.3 * scatter_to_primary(20.0, 80.0, 20.0, 20.0));
 }
 
-// Digital subtraction: logarithms of two raw pictures at a locked technique, one with 4 mm of undiluted contrast, differ by what the
-// beam's table says of the contrast behind the same patient; beside it they are the same to the last bit.
+// Digital subtraction: logarithms of two raw pictures at a locked technique, one with 4 mm of undiluted
+// contrast, differ by what the beam's table says of the contrast behind the same patient; beside it they are
+// the same to the last bit.
 static void logarithms_of_raw_values_subtract_exactly(void **)
 {
     const Body trunk = box_body("trunk", "soft_tissue", -1, {-0.5, -0.5, -0.1}, {0.5, 0.5, 0.1});
@@ -441,7 +451,8 @@ static void window_and_level_are_those_of_dicom(void **)
     assert_true(between > 1000);
 }
 
-// What is photographed does not depend on how much: a tenth of the dose gives the same shares, with more noise.
+// What is photographed does not depend on how much: a tenth of the dose gives the same shares, with more
+// noise.
 static void photons_are_fewer_at_a_lower_dose_and_the_grey_is_the_same(void **)
 {
     Room room(slab(0.2));

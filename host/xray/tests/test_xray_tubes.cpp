@@ -1,4 +1,5 @@
-// Tools and curves: what a ray crosses of walls, cores, bands, struts and contrast medium, and what these displace.
+// Tools and curves: what a ray crosses of walls, cores, bands, struts and contrast medium, and what these
+// displace.
 #include "host/xray/paths/tube.hpp"
 #include "host/xray/tests/xray_shapes.hpp"
 #include "host/xray/xray.hpp"
@@ -76,7 +77,8 @@ WireFrame straight_wire(double radius_m, double contrast_mg_per_ml = 0.0)
 
 } // namespace
 
-// The ray through the middle of a catheter crosses its wall twice; wall and braid share it, a band lies around it.
+// The ray through the middle of a catheter crosses its wall twice; wall and braid share it, a band lies
+// around it.
 static void catheter_wall_braid_and_marker_band_have_their_thickness(void **)
 {
     const RadiopaqueInstrument catheter{{{0.0, 1.0, Material::polymer, 0.8, 1.0, 0.70},
@@ -192,8 +194,8 @@ static void many_curves_add_up(void **)
                     1e-6);
 }
 
-// Not finite, of no length, of one point, behind the source, through it, seen end on, bent back on itself: no harm, and what can be
-// drawn is.
+// Not finite, of no length, of one point, behind the source, through it, seen end on, bent back on itself: no
+// harm, and what can be drawn is.
 static void broken_and_awkward_curves_do_no_harm(void **)
 {
     const double nan = std::numeric_limits<double>::quiet_NaN(),
@@ -228,7 +230,8 @@ static void broken_and_awkward_curves_do_no_harm(void **)
             assert_in_range(paths.sum(i, slot), 0, 9ll * 1024 * 41);
 }
 
-// Struts and contrast reach the picture: both are darker than the blood around them, and a curve of air is not there.
+// Struts and contrast reach the picture: both are darker than the blood around them, and a curve of air is
+// not there.
 static void curves_are_seen_in_the_picture(void **)
 {
     XrayScene scene;

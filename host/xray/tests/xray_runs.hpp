@@ -1,4 +1,5 @@
-// Runs as the X-ray room makes them, small: rendered frames of a sphere in a box with every figure that files hold.
+// Runs as the X-ray room makes them, small: rendered frames of a sphere in a box with every figure that files
+// hold.
 #pragma once
 #include "host/xray/run.hpp"
 #include "host/xray/tests/xray_shapes.hpp"
@@ -9,7 +10,8 @@ namespace crn
 
 inline constexpr int run_size = 64;
 
-// Frames at the pulse rate, numbered from tick 1000; angles, table and tube differ from frame to frame when it moves.
+// Frames at the pulse rate, numbered from tick 1000; angles, table and tube differ from frame to frame when
+// it moves.
 inline XrayRun sample_run(RunKind kind, int frame_count, bool moves = false)
 {
     Bodies bodies;

@@ -1,4 +1,5 @@
-// Closed meshes with known path lengths, built by sums, products and square roots only: equal on every compiler.
+// Closed meshes with known path lengths, built by sums, products and square roots only: equal on every
+// compiler.
 #pragma once
 #include "host/model/bodies.hpp"
 #include <cmath>

@@ -1,6 +1,6 @@
-/* Fuzz target: any bytes may be offered as a scene. What the check accepts is then walked as the core and the host
- * walk it, and a broken promise ends the program. Each input is tried as it is and with its CRCs made right, so that
- * the checks behind them are reached. */
+/* Fuzz target: any bytes may be offered as a scene. What the check accepts is then walked as the core and the
+ * host walk it, and a broken promise ends the program. Each input is tried as it is and with its CRCs made
+ * right, so that the checks behind them are reached. */
 #include "shared/scene/tests/scene_sample.h"
 
 #include <stdlib.h>

@@ -34,7 +34,8 @@ static inline void sample_entry(uint8_t *entry)
     crn_scene_put_u32(entry + 16, 1u << 30); /* +y */
 }
 
-/* Coarse brick 0 is brick 0; coarse brick 1 is row 0, whose first octant is row 1; all others are bricks 1 and 2. */
+/* Coarse brick 0 is brick 0; coarse brick 1 is row 0, whose first octant is row 1; all others are bricks 1
+ * and 2. */
 static inline void sample_lumen(uint8_t *lumen)
 {
     memset(lumen, 0, SAMPLE_LUMEN_BYTES);

@@ -1,5 +1,6 @@
-/* Claims: a body file names the scene it was baked with, behind all that it holds; it is read as it was written, and refused where it
- * stands elsewhere or has another size. Shown on small valid files whose section table is changed with the CRCs made right. */
+/* Claims: a body file names the scene it was baked with, behind all that it holds; it is read as it was
+ * written, and refused where it stands elsewhere or has another size. Shown on small valid files whose
+ * section table is changed with the CRCs made right. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,6 +1,5 @@
-/* Claims: a scene is refused, with its own code and the place, whatever is wrong with it, and nothing of a refused scene
- * is handed out. Shown on small valid files: cut at every length, every bit flipped, and each rule of docs/scene.md
- * broken alone with the CRCs made right. */
+/* Claims: every broken scene is refused with its own code and place, and nothing of it is handed out. Shown
+ * on small valid files: cut at every length, every bit flipped, each rule of docs/scene.md broken alone. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -11,13 +10,13 @@
 
 #include "shared/scene/tests/scene_sample.h"
 
-/* In the sample scene: header 32 + table 48 = 80; META 80, ENTRY 336, LUMEN 368. In the bodies: META 80, BODY 336, 496. */
+/* The sample scene: header 32 + table 48 = 80; META 80, ENTRY 336, LUMEN 368. Its bodies: BODY 336, 496. */
 enum { META_AT = 80, ENTRY_AT = 336, LUMEN_AT = 368, BONE_AT = 336, SKIN_AT = 496 };
 /* With a tree: the table is a row longer. Branches at 16 and 80 of the section, points at 144. */
 enum { TREE_AT = 672, RENAL_AT = TREE_AT + 80, POINTS_AT = TREE_AT + 144 };
 /* With lesions the table has a row more, and behind the tree of 224 bytes LESIONS begins. */
 enum { LESIONS_AT = TREE_AT + 16 + 224, LESION_AT = LESIONS_AT + 16, HEALTHY_AT = LESION_AT + 48 };
-/* In the moving scene: header 32 + table 80 = 112; META 112, ENTRY 368, LUMEN 400 .. 3468, MOTION 3472 .. 7716, BREATH 7728. */
+/* The moving scene: header 32 + table 80 = 112; META 112, LUMEN 400 .. 3468, MOTION 3472 .. 7716. */
 enum { MOTION_AT = 3472, BREATH_AT = 7728 };
 
 static _Alignas(16) uint8_t file[SAMPLE_BYTES_MAX];
@@ -415,7 +414,8 @@ static void a_body_may_move(void **state)
     assert_true(crn_scene_body(&scene, 1).moves);
 }
 
-/* Each rule of the MOTION and BREATH sections broken alone: the spacing is 4096 units, so neighbours may differ by 2560, in breath by 1536. */
+/* Each rule of the MOTION and BREATH sections is broken alone. The spacing is 4096 units: neighbours may
+ * differ by 2560, in breath by 1536. */
 static void a_lattice_must_fit_the_cores_arithmetic_and_stand_still_at_its_boundary(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* Any bytes into the frame decoder, and every payload into every message decoder: no overrun, and what is decoded
- * encodes to the same bytes again. */
+/* Any bytes into the frame decoder, and every payload into every message decoder: no overrun, and what is
+ * decoded encodes to the same bytes again. */
 #include <stdlib.h>
 #include <string.h>
 

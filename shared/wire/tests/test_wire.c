@@ -1,6 +1,6 @@
-/* Claims about frames and codecs: what is encoded comes back, whatever is damaged is dropped and counted, and a
- * receiver that lost its place finds the next frame. Shown on seeded random messages and on every single-bit flip.
- * Seeds are fixed: running the program again reproduces a failure. */
+/* Claims about frames and codecs: what is encoded comes back, whatever is damaged is dropped and counted, and
+ * a receiver that lost its place finds the next frame. Shown on seeded random messages and on every
+ * single-bit flip. Seeds are fixed: running the program again reproduces a failure. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -100,7 +100,8 @@ static void the_longest_payload_fits_and_one_more_byte_is_refused(void **state)
     assert_int_equal(crn_wire_frame_encode(&header, longer, 100, frame, 100), 0);
 }
 
-/* Every bit of a frame flipped once: never a frame with other contents. A flip may split it or eat the end mark. */
+/* Every bit of a frame flipped once: never a frame with other contents. A flip may split it or eat the end
+ * mark. */
 static void a_flipped_bit_never_gives_another_message(void **state)
 {
     (void)state;
@@ -259,7 +260,8 @@ static void every_message_number_is_used_once(void **state)
 #include "shared/wire/wire_messages.def"
 }
 
-/* FNV-1a over names, types and units; the constant in wire_schema.c must follow every change of the messages. */
+/* FNV-1a over names, types and units; the constant in wire_schema.c must follow every change of the messages.
+ */
 static void the_schema_hash_covers_names_types_and_units(void **state)
 {
     (void)state;

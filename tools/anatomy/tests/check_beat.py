@@ -4,6 +4,7 @@
 usage: check_beat.py make HEART MESH.obj ANATOMY  writes the other heart's mesh; prints its three places as arguments
        check_beat.py compare HEART FOLDER        prints the largest miss in mm; 1 above 0.02 mm (frames are written to 0.001 mm, times the scale)
 """
+
 import re
 import struct
 import subprocess
@@ -38,7 +39,7 @@ def read_ply(path):
     data = path.read_bytes()
     begin = data.index(b"end_header\n") + len(b"end_header\n")
     count = int(re.search(rb"element vertex (\d+)", data).group(1))
-    return list(struct.iter_unpack("<3f", data[begin:begin + 12 * count]))
+    return list(struct.iter_unpack("<3f", data[begin : begin + 12 * count]))
 
 
 def make(heart, mesh):

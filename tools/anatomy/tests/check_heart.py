@@ -7,6 +7,7 @@ Bounds: ejection fraction 55 to 65 %, base descent 10 to 16 mm; rest of the coro
 at 70 beats per minute after systole 76 +- 34 ms right and 80 +- 25 ms left, in diastole 65 +- 42 and 112 +- 42 ms (MR
 angiography of the coronary rest period, 1999 to 2001); twist 10 to 15 degrees, the base clockwise as seen from the apex.
 """
+
 import json
 import math
 import sys
@@ -71,8 +72,12 @@ def turn_deg(pairs):
 
 
 def curves_of(path):
-    return {m["name"] if "name" in m else m["controlPoints"][0]["label"].rsplit("-", 1)[0]:
-            [p["position"] for p in m["controlPoints"]] for m in json.loads(path.read_text())["markups"]}
+    return {
+        m["name"] if "name" in m else m["controlPoints"][0]["label"].rsplit("-", 1)[0]: [
+            p["position"] for p in m["controlPoints"]
+        ]
+        for m in json.loads(path.read_text())["markups"]
+    }
 
 
 def rest_ms(frames, low, high):
@@ -125,10 +130,12 @@ def main():
     claim("twist, the apex counter-clockwise, the base clockwise", turn_deg(apex) - turn_deg(base), 10, 15, "deg")
     claim("turn of the base as seen from the apex", turn_deg(base), -8, -1, "deg")
     curves = [curves_of(folder / f"beat/centrelines_{frame:02d}.mrk.json") for frame in range(FRAMES)]
-    for name, which, low, high, least, most in (("right coronary artery after systole", "RCA", 0.25, 0.55, 76 - 34, 76 + 34),
-                                                ("right coronary artery in diastole", "RCA", 0.55, 0.95, 65 - 42, 65 + 42),
-                                                ("left anterior descending after systole", "LAD", 0.25, 0.55, 80 - 25, 80 + 25),
-                                                ("left anterior descending in diastole", "LAD", 0.55, 0.95, 112 - 42, 112 + 42)):
+    for name, which, low, high, least, most in (
+        ("right coronary artery after systole", "RCA", 0.25, 0.55, 76 - 34, 76 + 34),
+        ("right coronary artery in diastole", "RCA", 0.55, 0.95, 65 - 42, 65 + 42),
+        ("left anterior descending after systole", "LAD", 0.25, 0.55, 80 - 25, 80 + 25),
+        ("left anterior descending in diastole", "LAD", 0.55, 0.95, 112 - 42, 112 + 42),
+    ):
         claim("rest of the " + name, rest_ms([curve[which][::4] for curve in curves], low, high), least, most, "ms")
     return 1 if failed else 0
 

@@ -3,6 +3,7 @@
 
 usage: check_meshes.py FOLDER STATIONS.tsv FIRST_NUMBER     (STATIONS.tsv is the output of `anatomy list`)
 """
+
 import json
 import math
 import re
@@ -19,8 +20,8 @@ def read_ply(path):
     vertex_count = int(re.search(r"element vertex (\d+)", header)[1])
     face_count = int(re.search(r"element face (\d+)", header)[1])
     numbers = struct.unpack_from(f"<{3 * vertex_count}f", data, end)
-    vertices = [numbers[i:i + 3] for i in range(0, len(numbers), 3)]
-    triangles = [face[1:] for face in struct.iter_unpack("<Biii", data[end + 12 * vertex_count:])]
+    vertices = [numbers[i : i + 3] for i in range(0, len(numbers), 3)]
+    triangles = [face[1:] for face in struct.iter_unpack("<Biii", data[end + 12 * vertex_count :])]
     assert len(triangles) == face_count
     return vertices, triangles
 
@@ -61,6 +62,7 @@ def volume_mm3(vertices, triangles):
 
 class Inside:
     """Point in a closed mesh by counting crossings of a line along z; triangles are binned over x and y."""
+
     CELL_MM = 6.0
 
     def __init__(self, vertices, triangles):
@@ -76,7 +78,9 @@ class Inside:
         # Irrational nudges keep the line off edges and corners.
         x, y, z = point[0] + 1.7e-5 * math.pi, point[1] + 1.3e-5 * math.e, point[2]
         crossings = 0
-        for (ax, ay, az), (bx, by, bz), (cx, cy, cz) in self.bins.get((int(x // self.CELL_MM), int(y // self.CELL_MM)), ()):
+        for (ax, ay, az), (bx, by, bz), (cx, cy, cz) in self.bins.get(
+            (int(x // self.CELL_MM), int(y // self.CELL_MM)), ()
+        ):
             area = (bx - ax) * (cy - ay) - (cx - ax) * (by - ay)
             if area == 0.0:
                 continue
@@ -106,7 +110,9 @@ def section_area_mm2(vertices, triangles, centre, normal, reach_mm):
             ha, hb = height(a), height(b)
             if (ha < 0) != (hb < 0):
                 t = ha / (ha - hb)
-                cut.append((ha < 0, [vertices[a][k] + t * (vertices[b][k] - vertices[a][k]) - centre[k] for k in range(3)]))
+                cut.append(
+                    (ha < 0, [vertices[a][k] + t * (vertices[b][k] - vertices[a][k]) - centre[k] for k in range(3)])
+                )
         if len(cut) == 2:
             (rises, p), (_, q) = cut
             if not rises:
@@ -142,7 +148,7 @@ def closure_faults(meshes):
 
 
 def sampled(vertices, count):
-    return vertices[::max(1, len(vertices) // count)]
+    return vertices[:: max(1, len(vertices) // count)]
 
 
 def nesting_faults(bodies, meshes):
@@ -160,7 +166,9 @@ def nesting_faults(bodies, meshes):
             if other is not body and other.get("inside") == parent:
                 hits = [p for p in samples if inside[other["name"]].holds(p)]
                 if hits:
-                    faults.append(f"{body['name']}: {len(hits)} of {len(samples)} samples in {other['name']}, first {hits[0]}")
+                    faults.append(
+                        f"{body['name']}: {len(hits)} of {len(samples)} samples in {other['name']}, first {hits[0]}"
+                    )
     return faults
 
 
@@ -176,7 +184,9 @@ def dimension_faults(lumen, stations):
         area = section_area_mm2(*lumen, (x, y, z), (tx, ty, tz), 0.9 * float(diameter))
         checked += 1
         if abs(area / expected - 1) > 0.03:
-            faults.append(f"{station}: {area:.2f} mm2, expected {expected:.2f} (off by {100 * (area / expected - 1):+.1f} %, allowed 3 %)")
+            faults.append(
+                f"{station}: {area:.2f} mm2, expected {expected:.2f} (off by {100 * (area / expected - 1):+.1f} %, allowed 3 %)"
+            )
     return faults if checked > 5 else faults + [f"only {checked} stations were checked"]
 
 
@@ -201,14 +211,19 @@ def main():
     meshes = {body["name"]: read_ply(folder / body["mesh"]) for body in bodies}
     lumen = read_ply(folder / "lumen.ply")
     title = folder.name
-    tap.report(f"{title}: every mesh is closed, faces outwards and stays within 1.2 m", closure_faults({**meshes, "lumen": lumen}))
+    tap.report(
+        f"{title}: every mesh is closed, faces outwards and stays within 1.2 m",
+        closure_faults({**meshes, "lumen": lumen}),
+    )
     tap.report(f"{title}: samples of every body lie in its parent and in no sibling", nesting_faults(bodies, meshes))
     tap.report(f"{title}: section areas equal the stated diameters within 3 %", dimension_faults(lumen, stations))
     tap.report(f"{title}: centrelines declare LPS and run inside the lumen", centreline_faults(folder, lumen))
     holds = Inside(*lumen).holds(entry["position_mm"])
     length = math.hypot(*entry["direction"])
-    tap.report(f"{title}: the sheath's mouth is in the lumen and its direction has length one",
-               [] if holds and abs(length - 1) < 1e-3 else [f"inside: {holds}, length {length}"])
+    tap.report(
+        f"{title}: the sheath's mouth is in the lumen and its direction has length one",
+        [] if holds and abs(length - 1) < 1e-3 else [f"inside: {holds}, length {length}"],
+    )
     return 1 if tap.failed else 0
 
 

@@ -1,5 +1,6 @@
-// Fuzz target: any bytes may be offered as a mesh: the strict readings that stand before assimp, and the check of what comes back from
-// it. The first byte says the format. assimp itself is given whole corpora in its child process by tools/importers.
+// Fuzz target: any bytes may be offered as a mesh: the strict readings that stand before assimp, and the
+// check of what comes back from it. The first byte says the format. assimp itself is given whole corpora in
+// its child process by tools/importers.
 #include "tools/bake/fault.hpp"
 #include "tools/bake/mesh_file.hpp"
 #include <algorithm>

@@ -1,6 +1,6 @@
-// Claims: a baked lumen is the surface that was given, within the stated tolerance, whatever level a brick has; its file
-// opens, and what cannot be baked is refused in one sentence and leaves the old files. Shown on a torus, whose distance is
-// known in closed form, and on texts with one fault each.
+// Claims: a baked lumen is the surface that was given, within the stated tolerance, whatever level a brick
+// has; its file opens, and what cannot be baked is refused in one sentence and leaves the old files. Shown on
+// a torus, whose distance is known in closed form, and on texts with one fault each.
 #include "shared/scene/scene.h"
 #include "tools/bake/tests/shapes.hpp"
 
@@ -306,7 +306,8 @@ void stevebench_obj_is_refused_with_its_faults(void **)
              {"non-manifold edges", "open edges", "triangle"});
 }
 
-// The example that ships, on the real centrelines: at most 2 MB, and 99.9 % of places near the wall within 0.15 mm.
+// The example that ships, on the real centrelines: at most 2 MB, and 99.9 % of places near the wall within
+// 0.15 mm.
 void stevebench_scene_keeps_its_size_and_error(void **)
 {
     const char *folder_name = std::getenv("CRN_ANATOMY");

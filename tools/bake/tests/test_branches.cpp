@@ -1,5 +1,5 @@
-// Claims: centrelines in any order and direction become the tree along which blood flows, and what makes none is refused with
-// the centreline's name.
+// Claims: centrelines in any order and direction become the tree along which blood flows, and what makes none
+// is refused with the centreline's name.
 #include "host/model/bodies.hpp"
 #include "tools/bake/branches.hpp"
 #include "tools/bake/container.hpp"
@@ -35,7 +35,8 @@ Centreline line(const char *file, const Eigen::Vector3d &from_mm, const Eigen::V
     return made;
 }
 
-// An aorta that was traced upwards and divides at its lower end, a renal artery traced towards it, one iliac each way.
+// An aorta that was traced upwards and divides at its lower end, a renal artery traced towards it, one iliac
+// each way.
 std::vector<Centreline> four()
 {
     return {line("a/left_iliac.mrk.json", {80, -120, 0}, {1, -3, 0}, 4, 5),
@@ -73,7 +74,8 @@ void lines_in_any_order_and_direction_become_a_tree(void **)
     assert_false(tree.is_outlet(0)); // it divides
 }
 
-// As the centreline tool and VMTK write a fork: its branches begin at one place, here a little beyond the trunk's end.
+// As the centreline tool and VMTK write a fork: its branches begin at one place, here a little beyond the
+// trunk's end.
 void branches_that_begin_together_leave_one_parent(void **)
 {
     const VesselTree tree = join_branches({line("trunk", {0, 0, 0}, {0, 50, 0}, 6, 5),

@@ -1,5 +1,6 @@
-// Claims: a body's surface can be made anew, closed, cut, hollowed and thinned out, each within a stated distance of a closed
-// form; bodies that do not lie in each other are named; parts, pieces and transforms of the text do what they say.
+// Claims: a body's surface can be made anew, closed, cut, hollowed and thinned out, each within a stated
+// distance of a closed form; bodies that do not lie in each other are named; parts, pieces and transforms of
+// the text do what they say.
 #include "tools/bake/form.hpp"
 #include "tools/bake/solid.hpp"
 #include "tools/bake/tests/shapes.hpp"
@@ -92,7 +93,8 @@ void surface_inside_is_as_deep_as_stated(void **)
 void closing_fills_the_hole_of_a_ring_and_keeps_its_outside(void **)
 {
     const Mesh ring = torus(10, 6, 160, 80);
-    // Blown up by 7 mm the ring is 13 thick, so its middle is full from -8.3 to 8.3 along the axis; shrunk: 1.3 mm are left.
+    // Blown up by 7 mm the ring is 13 thick, so its middle is full from -8.3 to 8.3 along the axis;
+    // shrunk: 1.3 mm are left.
     const Mesh full = closed_surface(ring, 0.4, 7);
     assert_true(TriangleTree(ring).nearest({0, 0, 0}).distance_mm > 3.9);
     assert_true(TriangleTree(full).nearest({0, 0, 0}).distance_mm < -1);
@@ -164,7 +166,8 @@ void decimated_surface_stays_within_the_stated_distance(void **)
     if (mesh.triangles.size() * 5 > before)
         fail_msg("%zu of %zu triangles are left", mesh.triangles.size(), before);
     assert_true(found.largest_mm <= 0.1 && found.points > 20000);
-    // The closed form as a referee: corners and middles of the triangles; the facets of the torus are 0.005 mm.
+    // The closed form as a referee: corners and middles of the triangles; the facets of the torus are 0.005
+    // mm.
     for (const Triangle &t : mesh.triangles) {
         const Eigen::Vector3d middle =
             (mesh.vertices_mm[t[0]] + mesh.vertices_mm[t[1]] + mesh.vertices_mm[t[2]]) / 3;
@@ -192,7 +195,8 @@ void body_that_leaves_its_parent_or_enters_its_neighbour_is_named(void **)
     contains(nested({28, 10, 10}, -1), {"'inner' reaches 2.0 mm into 'outer'", "less"});
 }
 
-// A plate of 20 x 30 x 1 mm whose end at x = 20 mm is folded over by half a millimetre: the last face looks backwards.
+// A plate of 20 x 30 x 1 mm whose end at x = 20 mm is folded over by half a millimetre: the last face looks
+// backwards.
 Mesh folded_plate()
 {
     const double x[] = {0, 20, 20.5, 20.5, 20, 0}, z[] = {-0.5, -0.5, 0.3, -0.3, 0.5, 0.5};
@@ -210,8 +214,8 @@ Mesh folded_plate()
     return mesh;
 }
 
-// Lungs, heart and airway "reached 96 mm into" the shoulders, two thin blades with everything in between: where the folded edge
-// was nearest, outside was taken for inside.
+// Lungs, heart and airway "reached 96 mm into" the shoulders, two thin blades with everything in between:
+// where the folded edge was nearest, outside was taken for inside.
 void fold_at_the_edge_of_a_thin_sheet_puts_nothing_inside(void **)
 {
     Mesh sheets = joined(folded_plate(), moved(cube(10), {90, 0, -5}));
@@ -289,7 +293,8 @@ void transforms_come_in_the_stated_order(void **)
         folder.write("scene.toml", body_text("axes = [\"+y\", \"-x\", \"+z\"]\nscale = [2, 1, 1]\n"
                                              "rotate_deg = [90, 0, 0]\noffset_mm = [1, 2, 3]\n")),
         {folder.path, {}});
-    // (50, 40, 7) -> axes (40, -50, 7) -> scale (80, -50, 7) -> a quarter turn about left: head goes to the front
+    // (50, 40, 7) -> axes (40, -50, 7) -> scale (80, -50, 7) -> a quarter turn about left: head goes to the
+    // front
     const Eigen::Vector3d placed = text.bodies[0].mesh.placement.place({50, 40, 7}, 1);
     is_near((placed - Eigen::Vector3d(81, 2 - 7, 3 - 50)).norm(), 0, 1e-9,
             "the distance from the place by hand");

@@ -1,5 +1,6 @@
-// Claims: a lesion narrows tree, surface and field alike to what its text says, leaves the rest of the vessel as it was, keeps the mesh
-// closed with its vertices in place, and a text that does not fit is refused by name.
+// Claims: a lesion narrows tree, surface and field alike to what its text says, leaves the rest of the vessel
+// as it was, keeps the mesh closed with its vertices in place, and a text that does not fit is refused by
+// name.
 extern "C" {
 #include "firmware/core/lesion.h"
 }
@@ -91,7 +92,8 @@ void side_branches_still_leave_where_they_left(void **)
     assert_true(check_vessel_tree(tree, error));
 }
 
-// Plaque in front (+z): the channel lies towards the back, and wholly eccentric it touches the healthy wall there.
+// Plaque in front (+z): the channel lies towards the back, and wholly eccentric it touches the healthy wall
+// there.
 void an_eccentric_channel_lies_away_from_the_plaque(void **)
 {
     VesselTree tree = tree_of_tube();
@@ -105,7 +107,8 @@ void an_eccentric_channel_lies_away_from_the_plaque(void **)
     assert_true(tree.branches[0].points_m[tree.throat(tree.lesions[0])].x() < -1.39e-3);
 }
 
-// The wall at the tree's own points is as far as their radii say. Chords of 0.4 mm around 2 mm lie 0.01 mm inside.
+// The wall at the tree's own points is as far as their radii say. Chords of 0.4 mm around 2 mm lie 0.01 mm
+// inside.
 void the_surface_goes_with_the_tree(void **)
 {
     for (double eccentricity : {0.0, 0.6}) {
@@ -137,8 +140,8 @@ void the_surface_goes_with_the_tree(void **)
     }
 }
 
-// What the core will feel: the wall where it is, all round, and a wire of 0.18 mm that touches it. On the axis of so narrow a channel the
-// spline rounds the distance's ridge off.
+// What the core will feel: the wall where it is, all round, and a wire of 0.18 mm that touches it. On the
+// axis of so narrow a channel the spline rounds the distance's ridge off.
 void the_field_knows_the_narrowed_wall(void **)
 {
     VesselTree tree = tree_of_tube();
@@ -162,8 +165,9 @@ void the_field_knows_the_narrowed_wall(void **)
     assert_true(worst_mm < 0.05); // a fifth of a voxel
 }
 
-// A scene may ask little of its field; a channel of 0.4 mm radius is known all the same: without its region there is none. On the axis
-// the spline rounds off the ridge of so narrow a one, so that less than 0.4 mm of room is seen.
+// A scene may ask little of its field; a channel of 0.4 mm radius is known all the same: without its region
+// there is none. On the axis the spline rounds off the ridge of so narrow a one, so that less than 0.4 mm of
+// room is seen.
 void a_lesion_asks_more_of_the_field_than_its_scene(void **)
 {
     VesselTree tree = tree_of_tube();
@@ -249,8 +253,8 @@ struct BakedLesion {
     }
 };
 
-// Wholly open, the lesion's wall is that of the healthy vessel, and half open its throat is half as narrow. The narrow field's error is
-// widened with it.
+// Wholly open, the lesion's wall is that of the healthy vessel, and half open its throat is half as narrow.
+// The narrow field's error is widened with it.
 void opened_it_is_the_healthy_vessel(void **)
 {
     const BakedLesion baked;
@@ -270,7 +274,8 @@ void opened_it_is_the_healthy_vessel(void **)
     }
 }
 
-// What the picture and the flow have is where the core has its wall: vertices and inscribed spheres, the stations open by 0.2 to 0.9.
+// What the picture and the flow have is where the core has its wall: vertices and inscribed spheres, the
+// stations open by 0.2 to 0.9.
 void the_hosts_vessel_opens_as_the_cores_does(void **)
 {
     const BakedLesion baked;
@@ -311,8 +316,8 @@ void the_hosts_vessel_opens_as_the_cores_does(void **)
     assert_true(wall_mm < 0.06 && sphere_mm < 0.06);
 }
 
-// Places are those of the healthy vessel: neither an eccentric lesion before, whose channel is longer than the vessel, nor one that
-// narrows the parent where a branch leaves, moves another one.
+// Places are those of the healthy vessel: neither an eccentric lesion before, whose channel is longer than
+// the vessel, nor one that narrows the parent where a branch leaves, moves another one.
 void a_lesion_lies_where_it_would_lie_alone(void **)
 {
     LesionText second = plaque(0.5), ostium = plaque(), side = plaque();
@@ -334,7 +339,8 @@ void a_lesion_lies_where_it_would_lie_alone(void **)
     assert_true(alone.branches[1].points_m == both.branches[1].points_m);
 }
 
-// A vessel that comes to run forwards within its lesion: the plaque stays on one side of it. Its points are 5 degrees apart.
+// A vessel that comes to run forwards within its lesion: the plaque stays on one side of it. Its points are 5
+// degrees apart.
 void plaque_stays_on_its_side_in_a_bend(void **)
 {
     VesselTree tree;
@@ -361,7 +367,8 @@ void plaque_stays_on_its_side_in_a_bend(void **)
     assert_true(before.norm() > 0);
 }
 
-// A side branch of 1 mm runs along the vessel, both are narrowed: a wall that is rather the side branch's goes with that one only.
+// A side branch of 1 mm runs along the vessel, both are narrowed: a wall that is rather the side branch's
+// goes with that one only.
 void walls_go_with_their_own_vessel_when_both_are_narrowed(void **)
 {
     VesselTree tree = tree_of_tube();
@@ -447,7 +454,8 @@ void a_file_gives_the_lesion_back(void **)
         assert_true((lesion.healthy_points_m[i] - tree.lesions[0].healthy_points_m[i]).norm() < 1e-9);
 }
 
-// A mesh of 2 mm under centrelines that say 2 and 2.5 mm: the throat of the one agrees, that of the other is 0.3 mm wider in the tree.
+// A mesh of 2 mm under centrelines that say 2 and 2.5 mm: the throat of the one agrees, that of the other is
+// 0.3 mm wider in the tree.
 void a_mesh_that_is_not_the_trees_is_warned_of(void **)
 {
     for (const double stated_mm : {2.0, 2.5}) {

@@ -1,5 +1,5 @@
-// Claims: exact distances are exact; meshes that bound a body are taken, repaired where that is safe, and all others are
-// refused with file, element and remedy. Shown on small meshes with one fault each.
+// Claims: exact distances are exact; meshes that bound a body are taken, repaired where that is safe, and all
+// others are refused with file, element and remedy. Shown on small meshes with one fault each.
 #include "tools/bake/centreline.hpp"
 #include "tools/bake/tests/shapes.hpp"
 

@@ -1,6 +1,6 @@
-// Claims: no file that declares more than it holds, names a vertex that is not there, nests without end or is no mesh at all ends the
-// program: each is refused with its name, the place and what to do, in a child process of limited memory, time and stack. What an
-// honest file holds comes back whole.
+// Claims: no file that declares more than it holds, names a vertex that is not there, nests without end or is
+// no mesh at all ends the program: each is refused with its name, the place and what to do, in a child
+// process of limited memory, time and stack. What an honest file holds comes back whole.
 #include "host/base/guarded_read.hpp"
 #include "tools/bake/mesh.hpp"
 #include "tools/bake/mesh_file.hpp"

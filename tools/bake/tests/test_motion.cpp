@@ -1,6 +1,6 @@
-// Claims: a lattice fitted to 24 frames carries the lumen to within 0.3 mm of each of them, as the core looks it up; frames of another
-// timing are retimed; and what is no sequence is refused in one sentence. Shown on a tube of 1.5 mm radius that lies on a beating,
-// turning sphere.
+// Claims: a lattice fitted to 24 frames carries the lumen to within 0.3 mm of each of them, as the core looks
+// it up; frames of another timing are retimed; and what is no sequence is refused in one sentence. Shown on a
+// tube of 1.5 mm radius that lies on a beating, turning sphere.
 #include "host/model/bodies.hpp"
 #include "host/model/motion.hpp"
 #include "shared/scene/scene.h"
@@ -190,8 +190,8 @@ void bodies_go_to_the_reference_pose_with_the_lumen(void **)
     assert_true(nearest_mm < 0.3);
 }
 
-// A lesion of 60 % at 220 degrees of the ring, made in the reference pose: pushed to a frame its throat lies where the motion takes that place of
-// the ring.
+// A lesion of 60 % at 220 degrees of the ring, made in the reference pose: pushed to a frame its throat lies
+// where the motion takes that place of the ring.
 void a_lesion_moves_with_its_vessel(void **)
 {
     Folder folder;

@@ -1,6 +1,6 @@
-// Claims: shared/examples/real_patient.toml brings bones, heart and vessels of three sources into one patient: neighbours meet
-// as in a body, and no bone stands in the aorta. Shown on the meshes as they are loaded and placed; one bone is made whole.
-// Skipped, and said so, where the anatomy is not there.
+// Claims: shared/examples/real_patient.toml brings bones, heart and vessels of three sources into one
+// patient: neighbours meet as in a body, and no bone stands in the aorta. Shown on the meshes as they are
+// loaded and placed; one bone is made whole. Skipped, and said so, where the anatomy is not there.
 #include "tools/bake/centreline.hpp"
 #include "tools/bake/form.hpp"
 #include "tools/bake/tests/shapes.hpp"
@@ -181,10 +181,11 @@ void hip_bone_becomes_one_solid_within_its_stated_error(void **)
     check_closed(mesh, Cap::none);
     if (report.find("decimated         hip_left") == std::string::npos) fail_msg("%s", report.c_str());
     const Deviation found = deviation(load_mesh(body("hip_left").mesh), mesh, 2000);
-    // Inner walls between ilium, ischium and pubis are gone: only the mean distance says that it is the same bone.
+    // Inner walls between ilium, ischium and pubis are gone: only the mean distance says that it is the same
+    // bone.
     if (found.mean_mm > 1.5) fail_msg("%.2f mm from the atlas's bone on average", found.mean_mm);
-    // The atlas's own volume: shells of compact bone and the spongy bone in them, as their faces enclose it. Our solid has no
-    // gap between the two, and closes the joints: one part in a hundred.
+    // The atlas's own volume: shells of compact bone and the spongy bone in them, as their faces enclose it.
+    // Our solid has no gap between the two, and closes the joints: one part in a hundred.
     MeshText whole = body("hip_left").mesh;
     for (const char *name : {"ilium", "ischium", "pubis"})
         whole.parts.push_back("VH_M_" + std::string(name) + "_spongy_bone_L");

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Claims about `make bars` (docs/bars.md): no bar vanishes, what is over its bar is red, a time never is. Prints TAP."""
+
 import glob
 import os
 import sys
@@ -59,7 +60,10 @@ def files_of_other_commands_are_read_by_name_and_context():
     with tempfile.NamedTemporaryFile("w", suffix=".tsv", delete=False) as file:
         file.write("soak.broken\t0\nrod.step_us\t61.5\tus\telements=256 contacts=57+ tools=1\n")
     try:
-        return bars.from_file(file.name, ["soak.broken", "rod.step_us elements=256"]) == {"soak.broken": 0, "rod.step_us elements=256": 61.5}
+        return bars.from_file(file.name, ["soak.broken", "rod.step_us elements=256"]) == {
+            "soak.broken": 0,
+            "rod.step_us elements=256": 61.5,
+        }
     finally:
         os.unlink(file.name)
 
@@ -68,11 +72,17 @@ def a_figure_beyond_its_tolerance_is_counted():
     head = "name\tformula\tsource\tunit\treference\tvalue\terror\ttolerance\terror_unit\tverdict\n"
     rows = "euler.a\tf\ts\tN\t1\t1\t-1.5\t3\t%\tpass\neuler.b\tf\ts\tN\t1\t2\t4\t3\t%\tFAIL\nlag.c\tf\ts\tdeg\t-\t2\t-\t-\tdeg\treported\n"
     values = bars.validation_values(head + rows)
-    return values["validation.figures_beyond_their_tolerance"] == 1 and abs(values["validation.euler.worst_of_tolerance"] - 4 / 3) < 1e-12
+    return (
+        values["validation.figures_beyond_their_tolerance"] == 1
+        and abs(values["validation.euler.worst_of_tolerance"] - 4 / 3) < 1e-12
+    )
 
 
 def edges_are_late_beyond_1_ms():
-    return bars.overrun_values([400.0, 1000.0, 1000.04]) == {"hil.edges_over_1_ms at=500_mips": 1, "hil.edge_us_max at=500_mips": 1000.04}
+    return bars.overrun_values([400.0, 1000.0, 1000.04]) == {
+        "hil.edges_over_1_ms at=500_mips": 1,
+        "hil.edge_us_max at=500_mips": 1000.04,
+    }
 
 
 def is_refused(ticks):
@@ -90,12 +100,16 @@ def a_session_cut_short_or_without_cost_holds_no_bar():
 
 def every_test_that_is_repeated_beside_a_load_exists():
     names = flakes.read_list("")
-    return len(names) >= 15 and all(any(os.path.exists(os.path.join(ROOT, name + end)) for end in ("", ".c", ".cpp")) for name in names)
+    return len(names) >= 15 and all(
+        any(os.path.exists(os.path.join(ROOT, name + end)) for end in ("", ".c", ".cpp")) for name in names
+    )
 
 
 def a_test_that_opens_a_window_or_a_mocked_bus_is_repeated_beside_a_load():
     found = []
-    for path in glob.glob(os.path.join(ROOT, "*", "*", "test_*.sh")) + glob.glob(os.path.join(ROOT, "*", "*", "*", "test_*.sh")):
+    for path in glob.glob(os.path.join(ROOT, "*", "*", "test_*.sh")) + glob.glob(
+        os.path.join(ROOT, "*", "*", "*", "test_*.sh")
+    ):
         with open(path, encoding="utf-8") as file:
             text = file.read()
         if "display.sh" in text or "mock_bus" in text:
@@ -103,8 +117,18 @@ def a_test_that_opens_a_window_or_a_mocked_bus_is_repeated_beside_a_load():
     return len(found) >= 4 and not set(found) - set(flakes.read_list(""))
 
 
-TESTS = (every_test_that_is_repeated_beside_a_load_exists, a_test_that_opens_a_window_or_a_mocked_bus_is_repeated_beside_a_load, no_bar_vanishes_and_none_is_there_twice, a_value_over_its_bar_is_red_and_one_at_it_is_held, a_time_is_never_red,
-         what_another_command_has_not_measured_is_named_and_neither_held_nor_red, what_cannot_be_measured_here_is_red,
-         a_damaged_line_is_refused_with_its_number, files_of_other_commands_are_read_by_name_and_context,
-         a_figure_beyond_its_tolerance_is_counted, edges_are_late_beyond_1_ms, a_session_cut_short_or_without_cost_holds_no_bar)
+TESTS = (
+    every_test_that_is_repeated_beside_a_load_exists,
+    a_test_that_opens_a_window_or_a_mocked_bus_is_repeated_beside_a_load,
+    no_bar_vanishes_and_none_is_there_twice,
+    a_value_over_its_bar_is_red_and_one_at_it_is_held,
+    a_time_is_never_red,
+    what_another_command_has_not_measured_is_named_and_neither_held_nor_red,
+    what_cannot_be_measured_here_is_red,
+    a_damaged_line_is_refused_with_its_number,
+    files_of_other_commands_are_read_by_name_and_context,
+    a_figure_beyond_its_tolerance_is_counted,
+    edges_are_late_beyond_1_ms,
+    a_session_cut_short_or_without_cost_holds_no_bar,
+)
 tap.run(TESTS)

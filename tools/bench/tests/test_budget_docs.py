@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Claims about the generated column of docs/bench.md. Prints TAP."""
+
 import os
 import subprocess
 import sys

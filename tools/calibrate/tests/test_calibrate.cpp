@@ -1,6 +1,6 @@
-// Claims: distances and forces are judged as equation 19 and its page say (closed forms); the virtual instrument and the file that is
-// written of it hold the numbers that were asked for; a search gives the same bits for any number of workers and after any number of
-// stops; what cannot be determined is said to be so.
+// Claims: distances and forces are judged as equation 19 and its page say (closed forms); the virtual
+// instrument and the file that is written of it hold the numbers that were asked for; a search gives the same
+// bits for any number of workers and after any number of stops; what cannot be determined is said to be so.
 #include "host/base/tests/folder.hpp"
 #include "tools/calibrate/checkpoint.hpp"
 #include "tools/calibrate/fitted_instrument.hpp"
@@ -69,7 +69,8 @@ SearchState searched(const SearchSettings &settings, const EvaluateShares &evalu
     return state;
 }
 
-// --- what is judged -----------------------------------------------------------------------------------------------------
+// --- what is judged
+// -----------------------------------------------------------------------------------------------------
 
 // Beside a piece the distance is to the piece, beyond an end to the end: 3-4-5 triangles.
 void distances_go_to_the_nearest_point_of_the_line(void **)
@@ -93,7 +94,8 @@ void equation_19_is_the_rms_over_the_nodes(void **)
     assert_near(d.max_mm, 4.0, 1e-12);
 }
 
-// A trace that is everywhere 1.2 times the reference is off by 0.2; one peak of a single sample does not show.
+// A trace that is everywhere 1.2 times the reference is off by 0.2; one peak of a single sample does not
+// show.
 void the_force_error_is_relative_and_passes_over_single_peaks(void **)
 {
     std::vector<insertion::ForceSample> reference, simulated;
@@ -108,7 +110,8 @@ void the_force_error_is_relative_and_passes_over_single_peaks(void **)
     assert_false(force_error(simulated, reference, 200, 300, 6).has_value());
 }
 
-// --- the virtual instrument ------------------------------------------------------------------------------------------------
+// --- the virtual instrument
+// ------------------------------------------------------------------------------------------------
 
 void parameters_and_shares_are_each_others_inverse(void **)
 {
@@ -144,7 +147,8 @@ void a_virtual_instrument_has_the_values_asked_for(void **)
     assert_int_equal(table.knots[0].friction_static_milli, 90);
 }
 
-// The simulator's reader gives back the table that was written, within a unit of the wire: at steps, along tapers and behind a J.
+// The simulator's reader gives back the table that was written, within a unit of the wire: at steps, along
+// tapers and behind a J.
 void a_fitted_file_is_read_as_the_table_it_was_made_of(void **)
 {
     const Folder folder{"fitted"};
@@ -190,7 +194,8 @@ void a_preset_made_from_another_one_cannot_be_written(void **)
     assert_true(is_refused);
 }
 
-// --- the search ------------------------------------------------------------------------------------------------------------
+// --- the search
+// ------------------------------------------------------------------------------------------------------------
 
 // Every trial that pagmo asks for in earnest has been asked for before: nothing is evaluated alone.
 void all_trials_of_a_generation_are_evaluated_together(void **)
@@ -219,7 +224,8 @@ void every_method_finds_the_bottom_of_a_valley(void **)
     }
 }
 
-// By hand: three trials that lie 0.03 apart; then a valley, where the state after the end is the one that was asked for.
+// By hand: three trials that lie 0.03 apart; then a valley, where the state after the end is the one that was
+// asked for.
 void a_search_has_converged_when_its_population_is_equally_good(void **)
 {
     SearchState state;
@@ -378,7 +384,8 @@ void a_wish_to_stop_ends_an_evaluation(void **)
     assert_true(is_stopped);
 }
 
-// --- checkpoints ---------------------------------------------------------------------------------------------------------------
+// --- checkpoints
+// ---------------------------------------------------------------------------------------------------------------
 
 // Written and read after every generation, a search goes the way it goes without.
 void a_search_that_was_stopped_after_any_generation_goes_on_as_if_not(void **)
@@ -440,10 +447,11 @@ void the_hash_tells_borders_and_numbers(void **)
     assert_true(c.value() != d.value());
 }
 
-// --- what is determined ----------------------------------------------------------------------------------------------------
+// --- what is determined
+// ----------------------------------------------------------------------------------------------------
 
-// Objective |x - 0.4| + 0 y, in shares: a rise of 0.05 bounds x by 0.35 and 0.45 within a step of the halving (0.04 / 16), and y by
-// nothing.
+// Objective |x - 0.4| + 0 y, in shares: a rise of 0.05 bounds x by 0.35 and 0.45 within a step of the halving
+// (0.04 / 16), and y by nothing.
 void what_the_data_leave_open_is_said_to_be_undetermined(void **)
 {
     const std::vector<Parameter> parameters = {{"x", "", "", 1.0, 10.0, 3.0}, {"y", "", "", 1.0, 10.0, 3.0}};
@@ -462,7 +470,8 @@ void what_the_data_leave_open_is_said_to_be_undetermined(void **)
     assert_false(found[1].is_determined);
 }
 
-// Objective |x - y| at x = y = 0.5: alone each is bounded; the search's trials along x = y show that both are open.
+// Objective |x - y| at x = y = 0.5: alone each is bounded; the search's trials along x = y show that both are
+// open.
 void numbers_that_make_up_for_each_other_are_undetermined(void **)
 {
     const std::vector<Parameter> parameters = {{"x", "", "", 1.0, 10.0, 3.0}, {"y", "", "", 1.0, 10.0, 3.0}};

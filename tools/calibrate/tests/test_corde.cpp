@@ -1,5 +1,6 @@
-// Claims: the thesis' rod, as the baseline of `calibrate`, is the instrument that its file describes, in the same frame as ours; its
-// integration stays stable for any trial; it is fitted by the same search with the same bits for any number of workers.
+// Claims: the thesis' rod, as the baseline of `calibrate`, is the instrument that its file describes, in the
+// same frame as ours; its integration stays stable for any trial; it is fitted by the same search with the
+// same bits for any number of workers.
 #include "host/base/tests/folder.hpp"
 #include "tools/calibrate/corde_evaluator.hpp"
 #include "tools/calibrate/core_rod.hpp"
@@ -70,7 +71,8 @@ insertion::Case free_case(const std::string &name)
     return c;
 }
 
-// --- the rod ------------------------------------------------------------------------------------------------------------
+// --- the rod
+// ------------------------------------------------------------------------------------------------------------
 
 void nominal_values_make_the_files_stiffness_and_mass(void **)
 {
@@ -85,7 +87,8 @@ void nominal_values_make_the_files_stiffness_and_mass(void **)
     }
 }
 
-// Along a wire with a soft tip: at the tip alpha EI, on the shaft EI, GJ in the file's ratio; between them never outside.
+// Along a wire with a soft tip: at the tip alpha EI, on the shaft EI, GJ in the file's ratio; between them
+// never outside.
 void joints_have_the_stiffness_asked_for(void **)
 {
     const crn::Instrument instrument = instrument_of("amplatz_super_stiff");
@@ -104,8 +107,9 @@ void joints_have_the_stiffness_asked_for(void **)
         assert_true(joints[i].bend_N_m2 >= joints[i - 1].bend_N_m2 * (1.0 - 1e-12));
 }
 
-// Over all corners of the bounds: no more steps than allowed, no less mass than the real one, and the fastest motions (closed forms of
-// a point between two springs Kp/l and of a segment's turning) times the step within 2.
+// Over all corners of the bounds: no more steps than allowed, no less mass than the real one, and the fastest
+// motions (closed forms of a point between two springs Kp/l and of a segment's turning) times the step
+// within 2.
 void every_trial_gets_a_step_that_is_stable(void **)
 {
     const Space space;
@@ -161,9 +165,11 @@ void a_bent_tip_lies_where_our_rods_tip_lies(void **)
     }
 }
 
-// --- the fit ------------------------------------------------------------------------------------------------------------
+// --- the fit
+// ------------------------------------------------------------------------------------------------------------
 
-// A wire that sags out of the mouth under its weight shows EI of its tip; all other numbers are held near their own.
+// A wire that sags out of the mouth under its weight shows EI of its tip; all other numbers are held near
+// their own.
 struct Sagging {
     Folder folder{"corde"};
     Space space;

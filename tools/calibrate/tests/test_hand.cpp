@@ -1,5 +1,6 @@
-// Claims: the hand goes the last way to each depth slowly; it waits until the rod is at rest on average, neither for a tip that
-// trembles where it is nor only as long as a creeping one pauses; the force is kept from what was inserted.
+// Claims: the hand goes the last way to each depth slowly; it waits until the rod is at rest on average,
+// neither for a tip that trembles where it is nor only as long as a creeping one pauses; the force is kept
+// from what was inserted.
 #include "tools/calibrate/hand.hpp"
 #include <cmath>
 
@@ -25,7 +26,8 @@ void assert_near(double got, double expected, double tolerance)
     assert_true(false);
 }
 
-// Follows the hand at once; its only node goes aside by `aside_mm` of the ticks that the hand has stood still.
+// Follows the hand at once; its only node goes aside by `aside_mm` of the ticks that the hand has stood
+// still.
 struct ScriptedRod final : HeldRod {
     double (*aside_mm)(int ticks) = [](int) { return 0.0; };
     std::vector<double> places_mm;
@@ -69,7 +71,8 @@ InsertionSettings settings_of(double speed_mm_per_s)
     return settings;
 }
 
-// --- speed --------------------------------------------------------------------------------------------------------------
+// --- speed
+// --------------------------------------------------------------------------------------------------------------
 
 void last_way_to_each_depth_is_slow(void **)
 {
@@ -96,7 +99,8 @@ void a_hand_that_is_slow_everywhere_stays_so(void **)
     assert_near(rod.fastest_mm_per_s(5.0, 40.0), 5.0, 1e-6);
 }
 
-// --- rest ---------------------------------------------------------------------------------------------------------------
+// --- rest
+// ---------------------------------------------------------------------------------------------------------------
 
 Insertion rested(ScriptedRod &rod, InsertionSettings settings = settings_of(50.0))
 {
@@ -111,8 +115,9 @@ void a_still_rod_is_at_rest_after_three_windows(void **)
     assert_int_equal(made.settle_ticks.at(0), 150);
 }
 
-// 25 um aside in every second tick, as a J on a wall does (docs/rod.md): a hundred times the limit in each tick. In the next window it is aside
-// in the others, which samples of every second tick would take for a move.
+// 25 um aside in every second tick, as a J on a wall does (docs/rod.md): a hundred times the limit in each
+// tick. In the next window it is aside in the others, which samples of every second tick would take for a
+// move.
 void a_tip_that_trembles_in_its_place_is_at_rest(void **)
 {
     ScriptedRod rod;
@@ -160,7 +165,8 @@ void rest_is_judged_by_the_way_per_tick(void **)
     assert_true(rested(rod, settings).is_settled);
 }
 
-// --- force --------------------------------------------------------------------------------------------------------------
+// --- force
+// --------------------------------------------------------------------------------------------------------------
 
 // As often on the slow stretch as on the fast one.
 void force_is_sampled_by_way(void **)

@@ -1,5 +1,5 @@
-// Claims: a case's folder comes back as it was written; whatever is wrong in it is refused with the file, the field and what to
-// do. Numbers are written with 9 digits, hence the tolerance of 1e-8 of the value.
+// Claims: a case's folder comes back as it was written; whatever is wrong in it is refused with the file, the
+// field and what to do. Numbers are written with 9 digits, hence the tolerance of 1e-8 of the value.
 #include "host/base/tests/folder.hpp"
 #include "tools/case/case.hpp"
 
@@ -65,7 +65,8 @@ void a_case_comes_back_as_it_was_written(void **)
     assert_true(back.path_in(back.scene) == std::filesystem::path(folder.path) / "phantom.scene");
 }
 
-// As a person begins who has scans alone: scene, surface and mouth are added later, and nothing else of the file changes.
+// As a person begins who has scans alone: scene, surface and mouth are added later, and nothing else of the
+// file changes.
 void a_case_of_scans_alone_is_completed_in_place(void **)
 {
     const Folder folder{"case"};

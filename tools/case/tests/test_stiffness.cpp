@@ -1,5 +1,5 @@
-// Claims: an instrument with its own two numbers is itself; others keep its layout by EI = shaft * alpha^w; what cannot be
-// done is refused. Knots are whole nN m^2, hence the tolerance of 1 nN m^2.
+// Claims: an instrument with its own two numbers is itself; others keep its layout by EI = shaft * alpha^w;
+// what cannot be done is refused. Knots are whole nN m^2, hence the tolerance of 1 nN m^2.
 #include "tools/case/case.hpp"
 #include "tools/case/stiffness.hpp"
 #include <cmath>

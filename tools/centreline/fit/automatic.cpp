@@ -145,7 +145,8 @@ std::size_t inlet_of(const Lumen &lumen, const AutoWish &wish, std::vector<std::
         notes.push_back("the inlet is the widest opening, at " + bake::place_text(widest->centre_mm));
         return static_cast<std::size_t>(near_point(lumen, widest->centre_mm));
     }
-    // From the deepest voxel the farthest is a tip; from there all tips are found, and the widest is the inlet.
+    // From the deepest voxel the farthest is a tip; from there all tips are found, and the widest is the
+    // inlet.
     std::size_t deepest = 0;
     for (std::size_t v = 0; v < voxels.size(); ++v)
         if (voxels.depth_mm(v) > voxels.depth_mm(deepest)) deepest = v;

@@ -15,12 +15,13 @@ struct EditorWish {
     FlowSettings flow;
 };
 
-// What a click at these pixels means: the middle of the vessel, halfway between the first two walls behind it, or nothing.
+// What a click at these pixels means: the middle of the vessel, halfway between the first two walls behind
+// it, or nothing.
 struct View;
 std::optional<Eigen::Vector3d> picked(const Lumen &lumen, const View &view, double x, double y);
 
-// Runs until the user ends it; the project is saved then, also after Ctrl-C. 0, or 1 when a signal ended it. Throws
-// std::runtime_error where there is no display.
+// Runs until the user ends it; the project is saved then, also after Ctrl-C. 0, or 1 when a signal ended it.
+// Throws std::runtime_error where there is no display.
 int run_editor(const Lumen &lumen, Project &project, const EditorWish &wish, bake::Progress &progress);
 
 } // namespace crn::centreline

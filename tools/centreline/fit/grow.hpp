@@ -16,12 +16,12 @@ struct Way {
     int parent = -1;             // branch of the tree
     bool leaves_at_end = false;  // the parent's last sphere, not where the way leaves its tube
     bool is_first_given = false; // the first point is a person's (or a junction): it stays
-    bool is_last_given =
-        false; // likewise; else the end is found: at an opening's plane, or where the last sphere
-               // that touches the far end lies
+    bool is_last_given = false;  // likewise; else the end is found: at an opening's plane, or where the last
+                                 // sphere that touches the far end lies
 };
 
-// The tree gets one more branch; its number is returned. Throws Fault when the way is too short to be a branch.
+// The tree gets one more branch; its number is returned. Throws Fault when the way is too short to be a
+// branch.
 int grow_branch(Tree &tree, const Lumen &lumen, const Way &way, const GrowWish &wish);
 
 // The branch along whose tube the way runs farthest before it leaves it; -1: it touches none.

@@ -36,7 +36,8 @@ Placed placed(const Lumen &lumen, const Point &point, std::size_t number, std::v
     if (voxel < 0)
         throw Fault("the " + title(point, number) + " lies over 5 mm outside the vessel: move it inside");
     Placed made{&point, static_cast<std::size_t>(voxel)};
-    // An end stays where it was put, as long as that is inside: only across the vessel it is moved, by the fit.
+    // An end stays where it was put, as long as that is inside: only across the vessel it is moved, by the
+    // fit.
     made.voxel = voxels.middle_near(made.voxel);
     const double moved_mm = (voxels.centre_mm(made.voxel) - point.position_mm).norm();
     if (moved_mm > voxels.depth_mm(made.voxel))
@@ -50,7 +51,8 @@ void follow(Placed &point, int before, double length_mm)
     if (length_mm > point.length_mm) point.before = before, point.length_mm = length_mm;
 }
 
-// Each end's way from its start passes through bifurcations: in the order in which it does, one follows the other.
+// Each end's way from its start passes through bifurcations: in the order in which it does, one follows the
+// other.
 void find_order(const Lumen &lumen, std::vector<Placed> &points, const Ways &ways,
                 const std::vector<int> &starts)
 {

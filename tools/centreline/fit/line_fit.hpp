@@ -13,7 +13,8 @@ struct LineWish {
     bool holds_first = true, holds_last = true; // the ends stay where they are
 };
 
-// The place in the plane through p across `direction`, at most limit_mm away, where the inscribed sphere is largest.
+// The place in the plane through p across `direction`, at most limit_mm away, where the inscribed sphere is
+// largest.
 Eigen::Vector3d centred(const Lumen &lumen, const Eigen::Vector3d &p_mm, const Eigen::Vector3d &direction,
                         double limit_mm);
 

@@ -1,5 +1,5 @@
-// A vessel's surface made ready for fitting: closed, with its openings known, its inside as voxels and its wall as an exact
-// distance.
+// A vessel's surface made ready for fitting: closed, with its openings known, its inside as voxels and its
+// wall as an exact distance.
 #pragma once
 #include "tools/bake/triangle_tree.hpp"
 #include "tools/centreline/fit/voxels.hpp"
@@ -24,13 +24,14 @@ struct LumenWish {
 class Lumen
 {
   public:
-    // Takes a mesh as it was loaded. What is not the boundary of a body, but has no hole wider than a vessel, is made anew from
-    // a level set (noted). Throws Fault that names what to mend.
+    // Takes a mesh as it was loaded. What is not the boundary of a body, but has no hole wider than a vessel,
+    // is made anew from a level set (noted). Throws Fault that names what to mend.
     Lumen(bake::Mesh mesh, const LumenWish &wish, bake::Progress &progress);
     Lumen(const Lumen &) = delete;
     Lumen &operator=(const Lumen &) = delete;
 
-    // Radius of the largest sphere about p that crosses no wall; openings are no wall. `bound_mm` as in TriangleTree.
+    // Radius of the largest sphere about p that crosses no wall; openings are no wall. `bound_mm` as in
+    // TriangleTree.
     double radius_mm(const Eigen::Vector3d &p_mm, double bound_mm = INFINITY) const;
     const Voxels &voxels() const { return *voxels_; } // of a lumen made with them
     const std::vector<Opening> &openings() const { return openings_; }

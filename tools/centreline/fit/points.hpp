@@ -1,4 +1,5 @@
-// What a person says of a vessel tree: start, end and bifurcation points, in a text (TOML) that is also the editor's project.
+// What a person says of a vessel tree: start, end and bifurcation points, in a text (TOML) that is also the
+// editor's project.
 #pragma once
 #include "tools/bake/mesh.hpp"
 

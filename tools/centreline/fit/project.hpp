@@ -8,7 +8,8 @@ namespace crn::centreline
 class Project
 {
   public:
-    // Goes on with the file where it exists, else begins anew; `mesh` as it is to stand in the file. Throws Fault.
+    // Goes on with the file where it exists, else begins anew; `mesh` as it is to stand in the file. Throws
+    // Fault.
     Project(const std::filesystem::path &file, const std::string &mesh, const std::string &unit);
 
     const std::vector<Point> &points() const { return text_.points; }

@@ -7,7 +7,8 @@
 namespace crn::centreline
 {
 
-// Parallel view. Angles as of a C-arm turned about the patient: 0, 0 looks from the front (from +z), head (+y) up.
+// Parallel view. Angles as of a C-arm turned about the patient: 0, 0 looks from the front (from +z), head
+// (+y) up.
 struct View {
     double turn_deg = 0; // about the head axis; above 0 the viewer walks to the patient's left
     double tilt_deg = 0; // above 0 the viewer rises towards the head

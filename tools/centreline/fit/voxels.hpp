@@ -1,4 +1,5 @@
-// The inside of a closed mesh as voxels with their distance to the wall, and shortest ways through them that keep to the middle.
+// The inside of a closed mesh as voxels with their distance to the wall, and shortest ways through them that
+// keep to the middle.
 #pragma once
 #include "tools/bake/mesh.hpp"
 
@@ -21,8 +22,9 @@ class Voxels
     long nearest(const Eigen::Vector3d &p_mm, double reach_mm) const;
     // The deepest voxel that steepest ascent reaches from here: the middle of the vessel, never along it.
     std::size_t middle_near(std::size_t voxel) const;
-    // Calls use(neighbour, distance_mm) for those of the 26 around to which the way surely stays inside: two balls inside the
-    // vessel that overlap hold the way between their middles, so that no thin wall is crossed.
+    // Calls use(neighbour, distance_mm) for those of the 26 around to which the way surely stays inside: two
+    // balls inside the vessel that overlap hold the way between their middles, so that no thin wall is
+    // crossed.
     template <typename Use> void each_neighbour(std::size_t voxel, Use use) const
     {
         const Eigen::Array3i &cell = cell_[voxel];
@@ -64,7 +66,8 @@ class Voxels
     std::vector<float> depth_mm_;
 };
 
-// Cheapest ways from the sources to every voxel: a millimetre costs 1 / depth^2, so that ways run in the middle.
+// Cheapest ways from the sources to every voxel: a millimetre costs 1 / depth^2, so that ways run in the
+// middle.
 struct Ways {
     std::vector<std::int32_t> from;   // -1: not reached; a source is its own
     std::vector<float> length_mm;     // from the source

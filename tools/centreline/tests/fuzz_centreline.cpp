@@ -1,5 +1,6 @@
-// Fuzz target: any bytes may be offered as a centreline, in each of the four formats (the first byte says which), with the parsers of
-// JSON and XML in this process. What is accepted keeps check_tree's rules, and is the same tree after it was written and read again.
+// Fuzz target: any bytes may be offered as a centreline, in each of the four formats (the first byte says
+// which), with the parsers of JSON and XML in this process. What is accepted keeps check_tree's rules, and is
+// the same tree after it was written and read again.
 #include "tools/centreline/formats.hpp"
 #include <algorithm>
 #include <cstdint>

@@ -42,7 +42,8 @@ inline double tube_off_mm(const Eigen::Vector3d &p, double bend_mm)
     return std::hypot(std::hypot(p.x() - bend_mm, p.y()) - bend_mm, p.z());
 }
 
-// A trunk of radius 3 along y up to the origin, and two arcs of radius 2.4 from there, bent to both sides about 30 mm.
+// A trunk of radius 3 along y up to the origin, and two arcs of radius 2.4 from there, bent to both sides
+// about 30 mm.
 constexpr double fork_trunk_mm = 3.0, fork_branch_mm = 2.4, fork_bend_mm = 30, fork_angle = 1.0;
 
 inline std::vector<bake::Centreline> fork_lines()

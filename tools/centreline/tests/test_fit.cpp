@@ -1,6 +1,6 @@
-// Claims: spheres lie in the middle of the vessel and touch its wall; branches, junctions and ends are where they are in the
-// vessel; a beating vessel keeps its spheres. Shown on tubes and arcs whose lines and radii are known. Tolerances: 5 % of the
-// radius for a centre, 3 % for a radius (issue 6, bar 5).
+// Claims: spheres lie in the middle of the vessel and touch its wall; branches, junctions and ends are where
+// they are in the vessel; a beating vessel keeps its spheres. Shown on tubes and arcs whose lines and radii
+// are known. Tolerances: 5 % of the radius for a centre, 3 % for a radius (issue 6, bar 5).
 #include "tools/centreline/fit/automatic.hpp"
 #include "tools/centreline/fit/carry.hpp"
 #include "tools/centreline/fit/guided.hpp"

@@ -1,5 +1,6 @@
-// Claims: a tree survives every format, VTK's own encodings are read, and what is no tree is refused in one sentence that
-// names the place. Shown by writing and reading, by arrays packed here as VTK packs them, and by damage at random places.
+// Claims: a tree survives every format, VTK's own encodings are read, and what is no tree is refused in one
+// sentence that names the place. Shown by writing and reading, by arrays packed here as VTK packs them, and
+// by damage at random places.
 #include "host/base/pending_file.hpp"
 #include "tools/centreline/tests/trees.hpp"
 

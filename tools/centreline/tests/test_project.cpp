@@ -1,4 +1,5 @@
-// Claims: a project keeps points through saving, undo and redo, and a click means the middle of the vessel behind it.
+// Claims: a project keeps points through saving, undo and redo, and a click means the middle of the vessel
+// behind it.
 #include "host/base/pending_file.hpp"
 #include "tools/centreline/fit/editor.hpp"
 #include "tools/centreline/fit/tree_picture.hpp"

@@ -1,7 +1,8 @@
-// Claims, on anatomy that does not ship (skipped and said so where it is not there): the stEVE_bench curves, made a surface and
-// recovered from it, are where they were (mean distance <= 0.5 mm) and as wide (mean error <= 5 %); the dirty surface beside
-// them gives a tree, or a message that names what to mend. Issue 6, bar 5. The whole of it takes half a minute, so without
-// CRN_WHOLE only the way from the iliac arteries to the arch is done; `make validate-centreline` does it all.
+// Claims, on anatomy that does not ship (skipped and said so where it is not there): the stEVE_bench curves,
+// made a surface and recovered from it, are where they were (mean distance <= 0.5 mm) and as wide (mean error
+// <= 5 %); the dirty surface beside them gives a tree, or a message that names what to mend. Issue 6, bar 5.
+// The whole of it takes half a minute, so without CRN_WHOLE only the way from the iliac arteries to the arch
+// is done; `make validate-centreline` does it all.
 #include "tools/centreline/fit/automatic.hpp"
 #include "tools/centreline/tests/shapes.hpp"
 
@@ -85,7 +86,8 @@ void curves_are_recovered_from_their_surface(void **)
     AutoWish wish;
     wish.inlet_mm = truth.branches[0].spheres[0].centre_mm; // curve 0 begins in the arch
     const Tree tree = fit_automatic(lumen, wish, notes, progress);
-    // Every sphere against the nearest curve, once per length and not once per sphere: thin vessels have more of them.
+    // Every sphere against the nearest curve, once per length and not once per sphere: thin vessels have more
+    // of them.
     double off = 0, radius = 0, weight = 0, found = 0, whole = 0;
     for (std::size_t b = 0; b < tree.branches.size(); ++b)
         for (std::size_t i = first_own_sphere(tree, b); i < tree.branches[b].spheres.size(); ++i) {

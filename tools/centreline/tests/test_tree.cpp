@@ -1,5 +1,5 @@
-// Claims: curves that touch become one tree, a tree can be cut at its junctions, and the flow in it is Poiseuille's. Shown
-// against closed forms.
+// Claims: curves that touch become one tree, a tree can be cut at its junctions, and the flow in it is
+// Poiseuille's. Shown against closed forms.
 #include "tools/centreline/flow.hpp"
 #include "tools/centreline/tests/trees.hpp"
 

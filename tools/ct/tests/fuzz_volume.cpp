@@ -1,5 +1,6 @@
-// Fuzz target: any bytes may be offered as the header of a scan (NRRD, MetaImage, NIfTI: the first byte says which) to the strict
-// readings that stand before ITK. What is accepted has sizes and a finite spacing, and its bytes are those of its voxels.
+// Fuzz target: any bytes may be offered as the header of a scan (NRRD, MetaImage, NIfTI: the first byte says
+// which) to the strict readings that stand before ITK. What is accepted has sizes and a finite spacing, and
+// its bytes are those of its voxels.
 #include "tools/ct/volume_declared.hpp"
 #include "tools/ct/volume_io.hpp"
 #include <algorithm>

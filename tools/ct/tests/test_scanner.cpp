@@ -1,6 +1,7 @@
-// Claims: the virtual scanner's numbers are the stated ones: Hounsfield units of fluid, wall and gel where they are, the noise
-// and the point spread that were asked for, an instrument where its line is, the same volume for one seed on any number of
-// threads. References are closed form: areas of circles, moments of Gaussians.
+// Claims: the virtual scanner's numbers are the stated ones: Hounsfield units of fluid, wall and gel where
+// they are, the noise and the point spread that were asked for, an instrument where its line is, the same
+// volume for one seed on any number of threads. References are closed form: areas of circles, moments of
+// Gaussians.
 #include "tools/ct/tests/tube_phantom.hpp"
 
 #include <algorithm>
@@ -88,7 +89,8 @@ void the_noise_is_the_one_that_was_asked_for(void **)
     assert_true(std::abs(deviation - 15) < 2.5);
 }
 
-// A thin plastic thread is a point: its second moments are those of the point spread, plus r^2 / 4 of its section.
+// A thin plastic thread is a point: its second moments are those of the point spread, plus r^2 / 4 of its
+// section.
 void a_thread_is_blurred_as_stated(void **)
 {
     ScannerSettings settings = quick_scanner(10, -1, 1);

@@ -1,7 +1,8 @@
-// Claims: in a virtual scan of 0.53 x 0.53 x 1 mm the centreline of a J wire leaning on the wall is found within bar 1 of the
-// project (mean 0.2 mm, most 0.6 mm, both ways, the tip of the J too), and the lumen within 0.3 mm on average, closed;
-// that of a marked catheter too; what is said to be unsure covers the errors; scans without an instrument, with two apart and with two that touch are refused by name.
-// The reference is the line and the mesh that the scan was made from, which segmenting never sees.
+// Claims: in a virtual scan of 0.53 x 0.53 x 1 mm the centreline of a J wire leaning on the wall is found
+// within bar 1 of the project (mean 0.2 mm, most 0.6 mm, both ways, the tip of the J too), and the lumen
+// within 0.3 mm on average, closed; that of a marked catheter too; what is said to be unsure covers the
+// errors; scans without an instrument, with two apart and with two that touch are refused by name. The
+// reference is the line and the mesh that the scan was made from, which segmenting never sees.
 #include "host/base/tests/folder.hpp"
 #include "tools/case/case.hpp"
 #include "tools/ct/mouth.hpp"
@@ -96,7 +97,8 @@ void a_j_wire_and_its_lumen_are_within_the_bars(void **)
                 there.max_mm, back.mean_mm, back.max_mm, there.tip_mm);
     assert_true(there.mean_mm <= 0.2 && there.max_mm <= 0.6 && back.mean_mm <= 0.2 && back.max_mm <= 0.6 &&
                 there.tip_mm <= 0.6);
-    // What is said of the places holds: no error beyond three times what it says, and the J's top is doubted more than the shaft.
+    // What is said of the places holds: no error beyond three times what it says, and the J's top is doubted
+    // more than the shaft.
     double shaft = 1, top = 0;
     for (const LinePoint &point : result.line.points) {
         assert_true(distance_from(truth, point.place_mm).distance_mm <= 3 * point.unsure_mm + 0.01);

@@ -1,6 +1,7 @@
-// Claims: a volume comes back from every format with its values and places; left-handed grids keep their places; what is wrong
-// in a scan is refused by name: spacing, axes, values, missing, double, uneven, mixed and truncated slices; no cut or damaged
-// file crashes the readers (2 files of every format, cut and damaged at places that a printed seed gives).
+// Claims: a volume comes back from every format with its values and places; left-handed grids keep their
+// places; what is wrong in a scan is refused by name: spacing, axes, values, missing, double, uneven, mixed
+// and truncated slices; no cut or damaged file crashes the readers (2 files of every format, cut and damaged
+// at places that a printed seed gives).
 #include "host/base/tests/folder.hpp"
 #include "tools/ct/volume_io.hpp"
 

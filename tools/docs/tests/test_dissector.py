@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The Wireshark dissector reads what the wire is: frames made here by another hand (COBS, CRC-32, layout as in docs/wire.md) go
 into a capture, and tshark must name their values, put split frames together and object to damaged ones. Prints TAP."""
+
 import os
 import struct
 import subprocess
@@ -35,7 +36,27 @@ def frame(sequence, kind, payload, flip=0):
 
 def on_bus(data, device):
     """What Linux's usbmon tells of a bulk transfer to endpoint 2 (Documentation/usb/usbmon.rst, struct mon_bin_hdr of 64 bytes)."""
-    header = struct.pack("<QBBBBHBBqiiII8siiII", 1, ord("S"), 3, 2, device, 1, ord("-"), 0, 0, 0, -115, len(data), len(data), bytes(8), 0, 0, 0, 0)
+    header = struct.pack(
+        "<QBBBBHBBqiiII8siiII",
+        1,
+        ord("S"),
+        3,
+        2,
+        device,
+        1,
+        ord("-"),
+        0,
+        0,
+        0,
+        -115,
+        len(data),
+        len(data),
+        bytes(8),
+        0,
+        0,
+        0,
+        0,
+    )
     return header + data
 
 
@@ -48,7 +69,19 @@ def capture(packets, kind):
 
 def dissect(script, path, *fields):
     """One list of texts per packet and field."""
-    command = ["tshark", "-X", "lua_script:" + script, "-r", path, "-T", "fields", "-E", "separator=;", "-E", "occurrence=a"]
+    command = [
+        "tshark",
+        "-X",
+        "lua_script:" + script,
+        "-r",
+        path,
+        "-T",
+        "fields",
+        "-E",
+        "separator=;",
+        "-E",
+        "occurrence=a",
+    ]
     for field in ("_ws.col.Info",) + fields:
         command += ["-e", field]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60)
@@ -60,7 +93,9 @@ def dissect(script, path, *fields):
 def packets_of_test():
     hello = frame(1, 0x01, struct.pack("<HHQ", 3, 0, 0x0123456789ABCDEF))
     hand = struct.pack("<ii", -5, 70000)
-    step = frame(2, 0x20, struct.pack("<IBH", 41, 1, 1) + struct.pack("<H", 1) + hand + struct.pack("<IiiBH", 1, -2, 3, 0, 0))
+    step = frame(
+        2, 0x20, struct.pack("<IBH", 41, 1, 1) + struct.pack("<H", 1) + hand + struct.pack("<IiiBH", 1, -2, 3, 0, 0)
+    )
     reject = frame(3, 0x03, struct.pack("<HHII", 0x20, 4, 2, 0))
     notice = frame(4, 0x25, struct.pack("<IIHHii", 9, 1000, 2, 13, 0, 0))
     chunk = frame(5, 0x11, struct.pack("<IH", 4096, 600) + bytes(range(1, 251)) * 2 + bytes(100))
@@ -76,7 +111,12 @@ CLAIMS = [
     ("a_step_s_tick_is_read", 1, "cournand.step.tick", "41"),
     ("two_frames_in_one_packet_are_both_read", 2, "_ws.col.Info", "reject, notice"),
     ("a_refusal_has_its_text", 2, "cournand.reject", "WRONG_STATE: not possible in this state (detail: state)"),
-    ("a_fault_has_its_text", 2, "cournand.fault", "EMERGENCY_STOP: the emergency stop was pressed, or its loop is open"),
+    (
+        "a_fault_has_its_text",
+        2,
+        "cournand.fault",
+        "EMERGENCY_STOP: the emergency stop was pressed, or its loop is open",
+    ),
     ("half_a_frame_waits", 3, "_ws.col.Info", "part of a frame"),
     ("the_other_half_completes_it", 4, "cournand.scene_chunk.offset", "4096"),
     ("a_damaged_frame_is_marked", 5, "_ws.col.Info", "damaged hello"),
@@ -87,7 +127,10 @@ CLAIMS = [
 # A capture that began after the device was plugged in: its class is not in it. Another device of the class "vendor" is not ours.
 def packets_of_bus():
     ours = packets_of_test()
-    return [on_bus(packet, device) for packet, device in [(ours[3], 2), (b"other" + bytes(27), 3), (ours[0], 2), (ours[3], 2), (ours[4], 2)]]
+    return [
+        on_bus(packet, device)
+        for packet, device in [(ours[3], 2), (b"other" + bytes(27), 3), (ours[0], 2), (ours[3], 2), (ours[4], 2)]
+    ]
 
 
 BUS_CLAIMS = [
@@ -116,7 +159,9 @@ def main():
         sys.exit(1)
     print("ok 1 - the_dissector_is_loaded_by_tshark")
     status = 0
-    claims = CLAIMS + [(name, len(packets_of_test()) + packet, field, expected) for name, packet, field, expected in BUS_CLAIMS]
+    claims = CLAIMS + [
+        (name, len(packets_of_test()) + packet, field, expected) for name, packet, field, expected in BUS_CLAIMS
+    ]
     for number, (name, packet, field, expected) in enumerate(claims, 2):
         got = rows[packet][0 if field == "_ws.col.Info" else 1 + fields.index(field)]
         status |= got != expected

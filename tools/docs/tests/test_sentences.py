@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Samples of sentences are the same for the same seed, and are sentences. Prints TAP."""
+
 import os
 import subprocess
 import sys
@@ -26,25 +27,50 @@ int a; /* It counts every tick that was late by more than 1 ms. */
 
 
 def run(*words):
-    return subprocess.run([os.path.join(os.path.dirname(__file__), "..", "sentences.py")] + list(words), stdout=subprocess.PIPE,
-                          stderr=subprocess.PIPE, text=True, check=False)
+    return subprocess.run(
+        [os.path.join(os.path.dirname(__file__), "..", "sentences.py")] + list(words),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        check=False,
+    )
 
 
 def main():
     report = tree.Report()
     found = list(sentences.of_document(DOCUMENT))
-    report.check("paragraphs and items are split, code and tables are left out",
-                 [] if found == ["A wire of 0.36 mm goes into the left main artery.",
-                                 "It rests on the wall of the vessel and turns by 3.5 degrees there.",
-                                 "An item of a list is a sentence like any other one."] else found)
+    report.check(
+        "paragraphs and items are split, code and tables are left out",
+        []
+        if found
+        == [
+            "A wire of 0.36 mm goes into the left main artery.",
+            "It rests on the wall of the vessel and turns by 3.5 degrees there.",
+            "An item of a list is a sentence like any other one.",
+        ]
+        else found,
+    )
     found = list(sentences.of_source(SOURCE))
-    report.check("so are comments, without their examples",
-                 [] if found == ["The tube is long enough for every wire that ships.",
-                                 "It counts every tick that was late by more than 1 ms."] else found)
+    report.check(
+        "so are comments, without their examples",
+        []
+        if found
+        == [
+            "The tube is long enough for every wire that ships.",
+            "It counts every tick that was late by more than 1 ms.",
+        ]
+        else found,
+    )
     one, again, other = run("--seed", "3"), run("--seed", "3"), run("--seed", "4")
-    report.check("a seed gives sixty sentences, the same every time",
-                 [] if one.returncode == 0 and one.stdout == again.stdout != other.stdout and one.stdout.count("\n") == 60 else [one.stderr])
-    report.check("more than there are is wrong usage", [] if run("--count", "1000000").returncode == 2 else ["accepted"])
+    report.check(
+        "a seed gives sixty sentences, the same every time",
+        []
+        if one.returncode == 0 and one.stdout == again.stdout != other.stdout and one.stdout.count("\n") == 60
+        else [one.stderr],
+    )
+    report.check(
+        "more than there are is wrong usage", [] if run("--count", "1000000").returncode == 2 else ["accepted"]
+    )
     report.end()
 
 

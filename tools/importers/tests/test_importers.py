@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """A part of `make importers` on the plain build: what was made by hand to break readers, and some hundred mutations. Prints TAP."""
+
 import os
 import sys
 import tempfile
@@ -16,11 +17,20 @@ FILES, SEED = 500, 7
 def main():
     report = tree.Report()
     with tempfile.TemporaryDirectory() as folder:
-        campaign = importers.run(os.path.join(ROOT, os.environ.get("BUILD", "build"), "bin", "importers"), FILES, SEED, folder)
+        campaign = importers.run(
+            os.path.join(ROOT, os.environ.get("BUILD", "build"), "bin", "importers"), FILES, SEED, folder
+        )
     count = campaign.count
-    report.check("%d malformed files are given to the readers" % FILES, [] if count["files"] >= FILES else ["only %d" % count["files"]])
-    for row, claim in (("crashes", "no file ends a program"), ("over_20s", "no file takes over 20 s"),
-                       ("over_2GB", "no file takes over 2 GB"), ("silently_wrong", "no file is taken for another one")):
+    report.check(
+        "%d malformed files are given to the readers" % FILES,
+        [] if count["files"] >= FILES else ["only %d" % count["files"]],
+    )
+    for row, claim in (
+        ("crashes", "no file ends a program"),
+        ("over_20s", "no file takes over 20 s"),
+        ("over_2GB", "no file takes over 2 GB"),
+        ("silently_wrong", "no file is taken for another one"),
+    ):
         report.check(claim, ["%d files: make importers keeps them in out/importers" % count[row]] if count[row] else [])
     report.end()
 

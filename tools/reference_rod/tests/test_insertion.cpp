@@ -1,6 +1,7 @@
-// Claims: the field's derivatives are those of the field; friction on a plane is mu times the load; in a rigid bent tube the
-// shape does not depend on the scale of EI and the force does in proportion; the work of the hand is the energy that is stored; finer cutting and feeding change little; a rod
-// at rest does not creep; the noise is the normal one and repeats.
+// Claims: the field's derivatives are those of the field; friction on a plane is mu times the load; in a
+// rigid bent tube the shape does not depend on the scale of EI and the force does in proportion; the work of
+// the hand is the energy that is stored; finer cutting and feeding change little; a rod at rest does not
+// creep; the noise is the normal one and repeats.
 #include "tools/reference_rod/truth.hpp"
 extern "C" {
 #include "firmware/tests/reference/tube_lumen.h"
@@ -139,7 +140,8 @@ void field_has_the_derivatives_of_its_value(void **)
     assert_true(checked > 20);
 }
 
-// A rod lies on a plane under 0.5 N/m and is pushed over it: the hand feels mu times the load that is out of the sheath.
+// A rod lies on a plane under 0.5 N/m and is pushed over it: the hand feels mu times the load that is out of
+// the sheath.
 void friction_on_a_plane_is_the_coefficient_times_the_load(void **)
 {
     const double per_m_N = 0.5, friction = 0.2, inserted_m = 0.08;
@@ -185,8 +187,9 @@ void finer_cutting_and_feeding_change_little(void **)
                  0.01);
 }
 
-// Without friction the hand's work is what the rod stores (and what the wall does: a thousandth). 1.5 %: the trapezium rule over steps in
-// which a node comes free. It was 13 % more without the push of the sleeve on a rod that is bent where it leaves it.
+// Without friction the hand's work is what the rod stores (and what the wall does: a thousandth). 1.5 %: the
+// trapezium rule over steps in which a node comes free. It was 13 % more without the push of the sleeve on a
+// rod that is bent where it leaves it.
 void the_work_of_the_hand_is_the_energy_that_the_rod_stores(void **)
 {
     const Rod rod = cut_rod(wire(1.0), 0.1, {0.5e-3, 1e-3});
@@ -205,7 +208,8 @@ void the_work_of_the_hand_is_the_energy_that_the_rod_stores(void **)
     assert_below("work over stored energy, less 1", std::abs(work_J / stored_J - 1.0), 0.015);
 }
 
-// A J straightened by the sheath pulls itself out of it with the energy per length that it stores there, EI kappa^2 / 2.
+// A J straightened by the sheath pulls itself out of it with the energy per length that it stores there, EI
+// kappa^2 / 2.
 void free_j_pulls_itself_out_of_the_sheath(void **)
 {
     const double bend_N_m2 = 1e-5, curvature_per_m = 100.0;

@@ -1,5 +1,6 @@
-// Claims: derivatives of the rod's energy are those of its energy; its band solver solves; a cantilever is Euler's elastica (an
-// independent shooting solution); a curved tip rests in its circle, in the plane that the hand's turn says.
+// Claims: derivatives of the rod's energy are those of its energy; its band solver solves; a cantilever is
+// Euler's elastica (an independent shooting solution); a curved tip rests in its circle, in the plane that
+// the hand's turn says.
 #include "tools/reference_rod/insertion.hpp"
 #include "tools/validate/elastica.hpp"
 #include <Eigen/Dense>
@@ -74,8 +75,9 @@ void forces_are_the_slope_of_the_energy(void **)
     }
 }
 
-// The slope at a moved state is taken with the frames carried there, so second derivatives are not quite symmetric there:
-// their antisymmetric part is the turn of frames carried around a loop. The mean of both is compared.
+// The slope at a moved state is taken with the frames carried there, so second derivatives are not quite
+// symmetric there: their antisymmetric part is the turn of frames carried around a loop. The mean of both is
+// compared.
 void stiffness_is_the_slope_of_the_forces(void **)
 {
     const Crooked c;
@@ -144,8 +146,8 @@ void cantilever_is_the_elastica(void **)
     }
 }
 
-// 180 degrees of radius 3 mm: the tip stands 6 mm beside the shaft, towards d1, as far out as the curve begins. 0.5 mm edges
-// have a circle 0.1 % larger.
+// 180 degrees of radius 3 mm: the tip stands 6 mm beside the shaft, towards d1, as far out as the curve
+// begins. 0.5 mm edges have a circle 0.1 % larger.
 void curved_tip_rests_in_its_circle_where_the_hand_turned_it(void **)
 {
     crn_wire_instrument table{};

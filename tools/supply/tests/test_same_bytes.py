@@ -5,6 +5,7 @@ different lengths; and, of everything that is built here, by looking for this fo
 
 Precompiled headers are left out of the copies, since they take a minute to make (what they do to the bytes is covered by the second part alone),
 and the core is compiled with -O1, which is quicker."""
+
 import os
 import re
 import shutil
@@ -16,12 +17,21 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import tree  # noqa: E402
 
 BUILD = os.environ.get("BUILD", "build")
-TARGETS = ["build/lib/libshared_wire.a", "build/lib/libshared_scene.a", "build/lib/libfirmware_port_sim.a", "build/obj/host/base/terminal.cpp.o",
-           "build/obj/host/base/pending_file.cpp.o", "build/obj/firmware/core/fixed.c.o", "build/bin/docs",
-           "build/firmware/cournand-imxrt1062.hex"]
+TARGETS = [
+    "build/lib/libshared_wire.a",
+    "build/lib/libshared_scene.a",
+    "build/lib/libfirmware_port_sim.a",
+    "build/obj/host/base/terminal.cpp.o",
+    "build/obj/host/base/pending_file.cpp.o",
+    "build/obj/firmware/core/fixed.c.o",
+    "build/bin/docs",
+    "build/firmware/cournand-imxrt1062.hex",
+]
 COMPARED = re.compile(r"\.(o|a|elf|hex)$|/bin/[a-z]+$")
 # Folders that these targets are made of.
-COPIED = re.compile(r"^(Makefile$|shared/(wire|scene|mailbox)/|firmware/|host/(base|model)/|shared/version.h$|tools/docs/|tools/.*\.mk$|hil_tests/(usb|library)/|hil_tests/.*\.mk$)")
+COPIED = re.compile(
+    r"^(Makefile$|shared/(wire|scene|mailbox)/|firmware/|host/(base|model)/|shared/version.h$|tools/docs/|tools/.*\.mk$|hil_tests/(usb|library)/|hil_tests/.*\.mk$)"
+)
 
 
 def copy_tree(folder):
@@ -35,8 +45,14 @@ def copy_tree(folder):
 def build(folder):
     environment = {k: v for k, v in os.environ.items() if not k.startswith(("MAKE", "MFLAGS", "CCACHE", "BUILD"))}
     environment["CCACHE_DISABLE"] = "1"
-    done = subprocess.run(["make", "-s", "PACKAGES=skip", "PCH=", "DEBUG=-g", "CORE_OPT=-O1", *TARGETS], cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                          check=False)
+    done = subprocess.run(
+        ["make", "-s", "PACKAGES=skip", "PCH=", "DEBUG=-g", "CORE_OPT=-O1", *TARGETS],
+        cwd=folder,
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        check=False,
+    )
     return [] if done.returncode == 0 else [done.stdout.decode("utf-8", "replace")[-2000:]]
 
 
@@ -65,29 +81,59 @@ def check_two_folders(report, work):
             report.check("the targets are built", faults)
             return
     one, two = products(folders[0]), products(folders[1])
-    report.check("both folders have the same files, of every kind",
-                 [] if one.keys() == two.keys() and len(one) > 60 else ["%d and %d files" % (len(one), len(two))])
+    report.check(
+        "both folders have the same files, of every kind",
+        [] if one.keys() == two.keys() and len(one) > 60 else ["%d and %d files" % (len(one), len(two))],
+    )
     for kind in (r"\.c\.o$", r"\.cpp\.o$", r"\.a$", r"/bin/", r"\.elf$", r"\.hex$"):
         names = [n for n in one if re.search(kind, n)]
-        report.check("two builds in two folders give the same bytes: %d files %s" % (len(names), kind.replace("\\", "").strip("$/")),
-                     ["%s differs" % n for n in names if one[n] != two.get(n)] or ([] if names else ["there are none"]))
-    report.check("none of them names its folder", ["%s does" % n for n, data in one.items() if folders[0].encode() in data])
-    report.check("debug information is among what is compared", [] if b".debug_info" in one["build/obj/host/base/terminal.cpp.o"] else ["it is not there"])
+        report.check(
+            "two builds in two folders give the same bytes: %d files %s"
+            % (len(names), kind.replace("\\", "").strip("$/")),
+            ["%s differs" % n for n in names if one[n] != two.get(n)] or ([] if names else ["there are none"]),
+        )
+    report.check(
+        "none of them names its folder", ["%s does" % n for n, data in one.items() if folders[0].encode() in data]
+    )
+    report.check(
+        "debug information is among what is compared",
+        [] if b".debug_info" in one["build/obj/host/base/terminal.cpp.o"] else ["it is not there"],
+    )
 
 
 def check_programs(report):
     folder = os.path.join(tree.ROOT, BUILD, "bin")
     made = os.path.getmtime(os.path.join(tree.ROOT, "Makefile"))
     # Programs of an older Makefile say nothing about this one.
-    names = [n for n in sorted(os.listdir(folder)) if os.path.getmtime(os.path.join(folder, n)) > made] if os.path.isdir(folder) else []
-    report.check("no program names the folder that it was built in (%d programs)" % len(names),
-                 ["%s names %s: it has an object that was compiled by an older Makefile, or one of its rules lacks $(SAME); make clean tells which"
-                  % (n, tree.ROOT) for n in names if holds(os.path.join(folder, n), tree.ROOT.encode())])
+    names = (
+        [n for n in sorted(os.listdir(folder)) if os.path.getmtime(os.path.join(folder, n)) > made]
+        if os.path.isdir(folder)
+        else []
+    )
+    report.check(
+        "no program names the folder that it was built in (%d programs)" % len(names),
+        [
+            "%s names %s: it has an object that was compiled by an older Makefile, or one of its rules lacks $(SAME); make clean tells which"
+            % (n, tree.ROOT)
+            for n in names
+            if holds(os.path.join(folder, n), tree.ROOT.encode())
+        ],
+    )
     with open(os.path.join(tree.ROOT, "Makefile"), encoding="utf-8") as file:
         flags = file.read()
-    report.check("every compiler is told", ["%s lacks $(SAME)" % name for name in ("CFLAGS ", "CXXFLAGS ", "M7_FLAGS ")
-                                            if not re.search(r"^%s *:= .*\$\(SAME\)" % name.strip(), flags, re.M)])
-    timed = [p for p in tree.files(".c", ".h", ".cpp", ".hpp") if re.search(r"__(DATE|TIME|TIMESTAMP)__", tree.code_only(tree.read(p)))]
+    report.check(
+        "every compiler is told",
+        [
+            "%s lacks $(SAME)" % name
+            for name in ("CFLAGS ", "CXXFLAGS ", "M7_FLAGS ")
+            if not re.search(r"^%s *:= .*\$\(SAME\)" % name.strip(), flags, re.M)
+        ],
+    )
+    timed = [
+        p
+        for p in tree.files(".c", ".h", ".cpp", ".hpp")
+        if re.search(r"__(DATE|TIME|TIMESTAMP)__", tree.code_only(tree.read(p)))
+    ]
     report.check("no source asks for the time of the build", timed)
 
 

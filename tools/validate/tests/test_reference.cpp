@@ -1,6 +1,6 @@
-// Claims: the references of the validation suite are right, without the core: published values of the elastica, of Euler,
-// Greenhill and of the localised coil; the lumen field made for the cases lies where its distance function says; the report
-// says what passed.
+// Claims: the references of the validation suite are right, without the core: published values of the
+// elastica, of Euler, Greenhill and of the localised coil; the lumen field made for the cases lies where its
+// distance function says; the report says what passed.
 extern "C" {
 #include "firmware/core/lumen.h"
 }
@@ -61,7 +61,8 @@ void heavy_elastica_has_the_published_values(void **)
     }
 }
 
-// Timoshenko and Gere, table 2-4: alpha 60 degrees at 1.152 Pcr with x / L 0.741, y / L 0.593; alpha 120 at 1.884.
+// Timoshenko and Gere, table 2-4: alpha 60 degrees at 1.152 Pcr with x / L 0.741, y / L 0.593; alpha 120
+// at 1.884.
 void buckled_cantilever_has_the_published_values(void **)
 {
     const double euler = M_PI * M_PI / 4;
@@ -84,7 +85,8 @@ void columns_have_the_published_loads(void **)
     check_near("beta 3", beam_mode(3), 7.854757, 1e-6);
 }
 
-// The solution that PyElastica's example of Gazzola et al. 2018 states for 27 turns, slack 3 %, B / C = 1.345 / 0.789.
+// The solution that PyElastica's example of Gazzola et al. 2018 states for 27 turns, slack 3 %, B / C = 1.345
+// / 0.789.
 void coil_has_the_published_moment_and_tension(void **)
 {
     Writhe coil = writhe(0.03, 27 * 2 * M_PI, 1.345 / 0.789);
@@ -92,7 +94,8 @@ void coil_has_the_published_moment_and_tension(void **)
     check_near("tension", coil.tension, 2900.993205792, 1e-4);
 }
 
-// Along a bent tube the wall of the field lies within 0.03 mm of the exact one, and normals point inward within 2 degrees.
+// Along a bent tube the wall of the field lies within 0.03 mm of the exact one, and normals point inward
+// within 2 degrees.
 void field_lies_where_its_distance_says(void **)
 {
     Path path({0, 0, 0}, {1, 0, 0}, {0, 0, 1});
@@ -118,7 +121,8 @@ void field_lies_where_its_distance_says(void **)
     }
 }
 
-// Rows pass within their tolerance and fail beyond it, for a value that is no number too; reported rows never fail.
+// Rows pass within their tolerance and fail beyond it, for a value that is no number too; reported rows never
+// fail.
 void report_says_what_passed(void **)
 {
     Result good, bad;

@@ -1,6 +1,7 @@
-// Claims: the baseline is the rod that docs/thesis.md describes. Its forces are the gradient of its energies, its static
-// shape that of a beam, also of one that is stiffer at one end, bent by itself and turned by the hand, its constraints conserve momentum and never add energy, one global iteration gives exact lengths,
-// and many local ones converge to it. Shown against closed forms and against the other way of computing the same.
+// Claims: the baseline is the rod that docs/thesis.md describes. Its forces are the gradient of its energies,
+// its static shape that of a beam, also of one that is stiffer at one end, bent by itself and turned by the
+// hand, its constraints conserve momentum and never add energy, one global iteration gives exact lengths, and
+// many local ones converge to it. Shown against closed forms and against the other way of computing the same.
 #include "tools/vcsim3/stability.hpp"
 
 #include <algorithm>
@@ -164,8 +165,8 @@ void cantilever_sags_by_PL3_over_3EI(void **)
            0.005 * 0.01 * length);
 }
 
-// A soft front of length a on a stiff rear up to L: P a^3 / 3 EI_front + P (L^3 - a^3) / 3 EI_rear. The joint between them bends half as
-// either.
+// A soft front of length a on a stiff rear up to L: P a^3 / 3 EI_front + P (L^3 - a^3) / 3 EI_rear. The joint
+// between them bends half as either.
 void a_cantilever_of_two_stiffnesses_sags_by_both(void **)
 {
     const int elements = 32, soft = 20;
@@ -193,7 +194,8 @@ void a_cantilever_sags_under_its_weight_by_qL4_over_8EI(void **)
     p.weight_N_per_m = Vector(0.0, 0.01 * length / per_N_per_m, 0.0);
     Rod rod = Inserter(Vector::Zero(), Vector::UnitX()).make_rod(p, length);
     settle(rod, 0.0);
-    // Every node carries a whole element, the tip too: so much at the end is P L^3 / 3 EI with half an element of weight.
+    // Every node carries a whole element, the tip too: so much at the end is P L^3 / 3 EI with half an
+    // element of weight.
     const double tip_N = 0.5 * p.element_m * p.weight_N_per_m.y();
     within("sag in m", rod.position[0].y(),
            p.weight_N_per_m.y() * per_N_per_m + tip_N * std::pow(length, 3) / (3 * p.bend_N_m2),
@@ -218,7 +220,8 @@ Rod rod_with_hook(const Inserter &inserter, double turn_rad)
     return rod;
 }
 
-// From straight it goes into its own shape, and that is the polygon whose segments turn by 12 degrees at each joint.
+// From straight it goes into its own shape, and that is the polygon whose segments turn by 12 degrees at each
+// joint.
 void a_free_hook_takes_its_own_shape(void **)
 {
     const Vector forward = Vector(0.6, 0.0, 0.8), axis = Vector(0.8, 0.0, -0.6);
@@ -245,7 +248,8 @@ void turning_the_hand_turns_the_hook(void **)
 
 void twisted_rod_springs_back_at_the_frequency_of_a_shaft(void **)
 {
-    // First torsional mode of a free-free chain: w = 2 sqrt(k/J) sin(pi/(2 n)), k = GJ/l, J = inertia per length * l.
+    // First torsional mode of a free-free chain: w = 2 sqrt(k/J) sin(pi/(2 n)), k = GJ/l, J = inertia per
+    // length * l.
     const int n = 16;
     Rod rod(soft_rod(n), Vector::Zero(), Vector::UnitZ());
     const double pi = std::acos(-1.0);

@@ -1,6 +1,7 @@
-// Claims: the thesis' experiment in short. In one lumen the baseline's modes come in the order of Figure 5.11 and our direct
-// solver is compressed least; the presets are stable at their steps and not far below; limits of the method that
-// docs/thesis.md states are real; and everything is deterministic. The lumen is a straight tube closed at both ends.
+// Claims: the thesis' experiment in short. In one lumen the baseline's modes come in the order of Figure 5.11
+// and our direct solver is compressed least; the presets are stable at their steps and not far below; limits
+// of the method that docs/thesis.md states are real; and everything is deterministic. The lumen is a straight
+// tube closed at both ends.
 #include "tools/vcsim3/study.hpp"
 #include "tools/vcsim3/thesis_values.hpp"
 
@@ -186,9 +187,9 @@ void preset_is_stable_at_its_steps_and_bursts_with_half(void **)
     }
 }
 
-// The parallel constraint holds a segment of length |e| across with 2/|e| sqrt(Kp l/m): squeezed segments need shorter
-// steps. With a step ratio r the limit is a compression of 1 - r/2. So whatever squeezes too much bursts, which is why a
-// mode's compression cannot grow for ever.
+// The parallel constraint holds a segment of length |e| across with 2/|e| sqrt(Kp l/m): squeezed segments
+// need shorter steps. With a step ratio r the limit is a compression of 1 - r/2. So whatever squeezes too
+// much bursts, which is why a mode's compression cannot grow for ever.
 bool stays_straight_when_squeezed(double compression)
 {
     const Preset &preset = *find_preset("amplatz");
@@ -220,8 +221,8 @@ void squeezed_segments_burst_where_the_step_ratio_says(void **)
     if (!(std::abs(burst - limit) < 0.05)) fail_msg("bursts at %.3f, predicted %.3f +- 0.05", burst, limit);
 }
 
-// Pushed head on into a wall, a straight rod's tip is stopped by the wall after the distances were solved, and the next
-// solve sets it going again with the whole rod: nothing upstream learns of the wall.
+// Pushed head on into a wall, a straight rod's tip is stopped by the wall after the distances were solved,
+// and the next solve sets it going again with the whole rod: nothing upstream learns of the wall.
 void one_global_iteration_does_not_pass_the_walls_force_on(void **)
 {
     const Preset &preset = *find_preset("amplatz");

@@ -1,5 +1,5 @@
-/* From reset to main(), and what is left when an exception ends the program: power off, a line on the console, a record that
- * outlives the reset by the watchdog. */
+/* From reset to main(), and what is left when an exception ends the program: power off, a line on the
+ * console, a record that outlives the reset by the watchdog. */
 #include "firmware/port/mps2_an500/device/board.h"
 #include "firmware/port/mps2_an500/device/device.h"
 

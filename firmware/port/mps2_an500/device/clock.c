@@ -5,8 +5,9 @@
 enum {
     COUNTS_PER_us = BOARD_CLOCK_HZ / 1000000,
     COUNTS_PER_ms = BOARD_CLOCK_HZ / 1000,
-    /* Longer than the longest request (a scene's validation: 0.2 s at 1,000 instructions per us; 26 s when an instruction is
-     * made to take 128 ns for counting). The power stage does not wait for this: it drops power after 5 ms. */
+    /* Longer than the longest request (a scene's validation: 0.2 s at 1,000 instructions per us; 26 s when an
+     * instruction is made to take 128 ns for counting). The power stage does not wait for this: it drops
+     * power after 5 ms. */
     WATCHDOG_s = 60,
 };
 
@@ -56,8 +57,9 @@ static bool is_plants(void)
     return rig_is_there() && rig_read(&rig->host.tick_source) == RIG_TICK_PLANT;
 }
 
-/* When the plant makes time, waiting for it takes none: what lies between two pieces of work is not counted, so that the
- * clock shows the same however long we were kept waiting. The count, for telling how long the work took. */
+/* When the plant makes time, waiting for it takes none: what lies between two pieces of work is not counted,
+ * so that the clock shows the same however long we were kept waiting. The count, for telling how long the
+ * work took. */
 uint32_t clock_work_begin(void)
 {
     const uint32_t now = clock_counts();

@@ -1,5 +1,5 @@
-/* The device on ARM's MPS2 board (AN500, Cortex-M7) with an emulated rig: memory, the port's table, and the loop that hands
- * bytes and milliseconds to the app. Nothing here allocates; interrupts only count.
+/* The device on ARM's MPS2 board (AN500, Cortex-M7) with an emulated rig: memory, the port's table, and the
+ * loop that hands bytes and milliseconds to the app. Nothing here allocates; interrupts only count.
  *
  *   loop:  bytes came -> crn_app_receive     USB tokens -> crn_rig_usb_poll     an edge is due -> crn_app_timer
  *
@@ -27,8 +27,8 @@ static uint32_t now_us(void *context)
     return clock_us();
 }
 
-/* A host on the USB has the device, also while its bus sleeps; without one the rings of the rig page do, where instructions can
- * be counted. */
+/* A host on the USB has the device, also while its bus sleeps; without one the rings of the rig page do,
+ * where instructions can be counted. */
 static bool transmit(void *context, const uint8_t *frame, size_t frame_bytes)
 {
     return crn_rig_usb_is_configured(&usb) ? crn_rig_usb_transmit(context, frame, frame_bytes)
@@ -111,8 +111,9 @@ static void receive(void)
     pipe_release(count);
 }
 
-/* Only what came to the app is work: how often a host asks for what is not there yet is not the plant's business. The clock is read
- * only where work may come: that costs an emulator more than all the rest of a round. */
+/* Only what came to the app is work: how often a host asks for what is not there yet is not the plant's
+ * business. The clock is read only where work may come: that costs an emulator more than all the rest of a
+ * round. */
 static void poll_usb(void)
 {
     const crn_mailbox_demand demand = crn_mailbox_udc_demand(&controller);
@@ -139,8 +140,9 @@ static void tick(void)
     clock_edge_done();
 }
 
-/* The watchdog lives on edges that the app has done to their end: neither a loop that goes round without its milliseconds nor a host
- * that keeps the pipe busy keeps it quiet. Only where the plant makes the milliseconds and has none for us is nothing to be done. */
+/* The watchdog lives on edges that the app has done to their end: neither a loop that goes round without its
+ * milliseconds nor a host that keeps the pipe busy keeps it quiet. Only where the plant makes the
+ * milliseconds and has none for us is nothing to be done. */
 static void feed_watchdog(uint32_t round)
 {
     static uint32_t fed;

@@ -1,5 +1,5 @@
-/* Bytes from and to the host through the page's two rings. Heads and tails count bytes and wrap; a head further away than
- * the ring is long is the other side's error and empties the ring. */
+/* Bytes from and to the host through the page's two rings. Heads and tails count bytes and wrap; a head
+ * further away than the ring is long is the other side's error and empties the ring. */
 #include "firmware/port/mps2_an500/device/device.h"
 
 enum {
