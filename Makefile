@@ -33,7 +33,7 @@ CXXFLAGS := -std=c++20 $(SAME) $(DEBUG) $(WARN) $(CXXWARN) -I. -isystem /usr/inc
 LDFLAGS  := -pthread $(SANFLAGS)
 
 # --- libraries: one per folder, lowest layer last (link order) -------------------------------------------------
-LIBS       := tools/case hil_tests/soak hil_tests/campaign hil_tests/cases hil_tests/l1 hil_tests/l0 hil_tests/plant tools/vcsim3 host/app host/report host/picture host/session host/script host/rig host/patient host/room host/dicom host/xray/gl host/xray/style host/xray host/xray/paths host/stent host/effects host/link host/model host/base tools/anatomy tools/centreline/fit tools/bake tools/centreline tools/mesh tools/validate hil_tests/usb firmware/port/usb firmware/port/sim firmware/app \
+LIBS       := tools/lab/ct/volume tools/lab/figures tools/lab/case hil_tests/soak hil_tests/campaign hil_tests/cases hil_tests/l1 hil_tests/l0 hil_tests/plant tools/lab/vcsim3 host/app host/command host/report host/picture host/session host/script host/rig host/patient host/room host/dicom host/xray/gl host/xray/style host/xray host/xray/paths host/stent host/effects host/link host/model host/base tools/anatomy tools/centreline/fit tools/bake tools/centreline tools/mesh/files tools/mesh tools/lab/validate hil_tests/usb firmware/port/usb firmware/port/sim firmware/app \
               firmware/port/mailbox firmware/app/usb firmware/core shared/scene shared/wire
 lib_file    = $(BUILD)/lib/lib$(subst /,_,$(1)).a
 lib_sources = $(filter-out %/main.cpp,$(wildcard $(1)/*.c $(1)/*.cpp))
@@ -42,14 +42,14 @@ objects     = $(patsubst %,$(BUILD)/obj/%.o,$(1))
 # What each program and test folder links, in link order.
 FIRMWARE_LIBS := firmware/port/sim firmware/app firmware/core shared/scene shared/wire
 DEVICE_LIBS   := hil_tests/usb firmware/port/usb firmware/port/mailbox firmware/app/usb $(FIRMWARE_LIBS)
-HOST_LIBS     := host/app host/report host/picture host/session host/script host/rig host/patient host/room host/dicom host/xray/gl host/xray/style host/xray host/xray/paths host/stent host/effects host/link host/model host/base $(FIRMWARE_LIBS)
-BAKE_LIBS     := tools/bake tools/centreline tools/mesh host/model host/base firmware/core shared/scene shared/wire
-LINE_LIBS     := tools/centreline/fit tools/bake tools/centreline tools/mesh host/xray/gl host/xray/paths host/model host/base
+HOST_LIBS     := host/app host/command host/report host/picture host/session host/script host/rig host/patient host/room host/dicom host/xray/gl host/xray/style host/xray host/xray/paths host/stent host/effects host/link host/model host/base $(FIRMWARE_LIBS)
+BAKE_LIBS     := tools/bake tools/centreline tools/mesh/files tools/mesh host/model host/base firmware/core shared/scene shared/wire
+LINE_LIBS     := tools/centreline/fit tools/bake tools/centreline tools/mesh/files tools/mesh host/xray/gl host/xray/paths host/model host/base
 LINE_HOST     := host/picture/canvas.cpp host/picture/font.cpp host/picture/png.cpp host/picture/screen.cpp
 ANATOMY_LIBS  := tools/anatomy $(BAKE_LIBS)
-VALIDATE_LIBS := tools/validate host/model host/base firmware/core
-CASE_LIBS     := tools/case host/model host/base firmware/core shared/scene shared/wire
-VCSIM3_LIBS   := tools/vcsim3 host/picture host/model host/base firmware/core shared/scene shared/wire
+VALIDATE_LIBS := tools/lab/validate host/model host/base firmware/core
+CASE_LIBS     := tools/lab/case host/model host/base firmware/core shared/scene shared/wire
+VCSIM3_LIBS   := tools/lab/figures tools/lab/vcsim3 host/picture host/model host/base firmware/core shared/scene shared/wire
 HIL_LIBS      := hil_tests/soak hil_tests/campaign hil_tests/cases hil_tests/l1 hil_tests/l0 hil_tests/plant hil_tests/usb $(HOST_LIBS) firmware/port/usb firmware/port/mailbox firmware/app/usb $(FIRMWARE_LIBS)
 HIL_REFERENCE := firmware/tests/reference/tube_lumen.c
 VDB_LINK      := -lopenvdb -ltbb -lImath-3_1
@@ -85,8 +85,8 @@ USB_ID_FLAGS := -DCRN_USB_VENDOR_ID=0x$(word 1,$(subst :, ,$(USB_ID))) -DCRN_USB
 $(BUILD)/obj/firmware/app/usb/%.c.o $(BUILD)/obj/hil_tests/library/%.c.o: CFLAGS += $(USB_ID_FLAGS)
 $(BUILD)/obj/host/link/%.cpp.o $(BUILD)/obj/host/rig/%.cpp.o $(BUILD)/obj/host/session/%.cpp.o $(BUILD)/obj/host/app/%.cpp.o: CXXFLAGS += $(USB_ID_FLAGS)
 # The command line's parser is half a minute of templates that run once: not optimised, half of that.
-UNOPTIMISED := $(BUILD)/obj/host/app/cli.cpp.o $(BUILD)/obj/host/app/cli_rig.cpp.o $(BUILD)/obj/host/app/cli_dicom.cpp.o \
-         $(foreach main,tools/centreline/fit tools/anatomy tools/bake tools/docs tools/validate tools/vcsim3 hil_tests/rig hil_tests/soak hil_tests/campaign hil_tests/cases,$(BUILD)/obj/$(main)/main.cpp.o)
+UNOPTIMISED := $(BUILD)/obj/host/command/cli.cpp.o $(BUILD)/obj/host/command/cli_rig.cpp.o $(BUILD)/obj/host/command/cli_dicom.cpp.o \
+         $(foreach main,tools/centreline/fit tools/anatomy tools/bake tools/docs tools/lab/validate tools/lab/vcsim3 hil_tests/rig hil_tests/soak hil_tests/campaign hil_tests/cases,$(BUILD)/obj/$(main)/main.cpp.o)
 # Under the sanitizers what reads, asks and writes is compiled without optimising, which takes two thirds of the time.
 UNOPTIMISED += $(if $(SAN),$(foreach folder,host/app host/base host/report host/picture host/session host/script host/rig host/dicom host/link hil_tests,$(BUILD)/obj/$(folder)/%.cpp.o))
 UNOPTIMISED += $(if $(SAN),$(patsubst %,$(BUILD)/obj/%.o,$(filter-out host/model/lesion_%.cpp host/model/opened_%.cpp,$(wildcard host/model/*.cpp))))
@@ -141,7 +141,7 @@ $(eval $(call program,cournand,host/app/main.cpp,$(HOST_LIBS),$(HOST_LINK)))
 $(eval $(call program,bake,tools/bake/main.cpp,$(BAKE_LIBS),$(BAKE_LINK)))
 $(eval $(call program,anatomy,tools/anatomy/main.cpp,$(ANATOMY_LIBS),$(BAKE_LINK)))
 $(eval $(call program,centreline,tools/centreline/fit/main.cpp $(LINE_HOST),$(LINE_LIBS),$(LINE_LINK)))
-$(eval $(call program,vcsim3,tools/vcsim3/main.cpp,$(VCSIM3_LIBS),-lpng))
+$(eval $(call program,vcsim3,tools/lab/figures/main.cpp,$(VCSIM3_LIBS),-lpng))
 $(eval $(call program,docs,tools/docs/main.cpp tools/docs/dissector.cpp,shared/wire,))
 HIL_PROGRAM := $(BUILD)/bin/hil
 $(HIL_PROGRAM): $(call objects,hil_tests/cases/main.cpp $(HIL_REFERENCE)) $(foreach lib,$(HIL_LIBS),$(call lib_file,$(lib)))
@@ -155,7 +155,7 @@ HIL_CAMPAIGN := $(BUILD)/bin/hil_campaign
 $(HIL_CAMPAIGN): $(call objects,hil_tests/campaign/main.cpp $(HIL_REFERENCE)) $(foreach lib,$(HIL_LIBS),$(call lib_file,$(lib)))
 	@mkdir -p $(@D)
 	$(Q) $(CXX) $^ -o $@ $(LDFLAGS) -lm $(HOST_LINK)
-$(eval $(call program,validate,tools/validate/main.cpp,$(VALIDATE_LIBS),))
+$(eval $(call program,validate,tools/lab/validate/main.cpp,$(VALIDATE_LIBS),))
 
 # --- the demo: shipped anatomy -> scene -> session -> film -----------------------------------------------------------
 ANATOMY := $(BUILD)/anatomy/aorta/scene.toml
@@ -296,21 +296,21 @@ endef
 $(foreach b,$(HOST_BENCHES),$(eval $(call host_bench_rule,$(b))))
 
 PEER_ROD := $(BUILD)/bench/peer_rod
-$(eval $(call bench_rule,firmware/bench/peer_rod.c))
+$(eval $(call bench_rule,tools/lab/peers/peer_rod.c))
 
 bench-peers: packages-build packages-peers ## the same rod by other simulators (fetched into build/peers) and by ours: out/bench_peers.tsv
 	@$(QUIET_MAKE) $(PEER_ROD)
-	@tools/bench/run_peers.py --environment $(BUILD)/peers --ours $(PEER_ROD)
+	@tools/lab/peers/run_peers.py --environment $(BUILD)/peers --ours $(PEER_ROD)
 
 PEER_XRAY := $(BUILD)/bench/peer_xray
-$(PEER_XRAY): $(call objects,host/bench/peer_xray.cpp) $(foreach lib,$(HOST_LIBS),$(call lib_file,$(lib)))
+$(PEER_XRAY): $(call objects,tools/lab/peers/peer_xray.cpp) $(foreach lib,$(HOST_LIBS),$(call lib_file,$(lib)))
 	@mkdir -p $(@D)
 	$(Q) $(CXX) $^ -o $@ $(LDFLAGS) $(HOST_LINK)
 
 bench-xray-peers: packages-build packages-xraypeers ## our transmission pictures and gVirtualXray's (fetched into build/xray_peers): out/bench_xray_peers.tsv
 	@$(QUIET_MAKE) $(PEER_XRAY)
 	@$(MAKE) --no-print-directory PACKAGES=skip $(SCENE:.scene=.bodies)
-	@tools/bench/run_xray_peers.py --environment $(BUILD)/xray_peers --ours $(PEER_XRAY) --bodies $(SCENE:.scene=.bodies)
+	@tools/lab/peers/run_xray_peers.py --environment $(BUILD)/xray_peers --ours $(PEER_XRAY) --bodies $(SCENE:.scene=.bodies)
 
 bench: packages-build packages-run packages-bench packages-matrix ## measure; writes out/bench.tsv and prints it (CASES=text: only names with it)
 	@$(QUIET_MAKE) $(PROGRAMS) $(HEART) $(foreach b,$(BENCHES) $(HOST_BENCHES),$(call bench_program,$(b))) $(M7_IMAGE) $(BUDGET_MAKE)
@@ -467,8 +467,8 @@ $(MEDIUM_FIGURE): out/coronary_right.png out/coronary.png
 
 # The LAD under its balloon (tools/pci.mk): three moments under fluoroscopy, and the polygons round the lesion.
 LESION_FIGURE := out/thesis/figure_5_10.png
-out/thesis/figure_5_10.png: out/pci_lad.rec tools/vcsim3/figure_5_10.sh $(BUILD)/bin/cournand
-	@mkdir -p $(@D) && tools/vcsim3/figure_5_10.sh $< $@ $(BUILD)
+out/thesis/figure_5_10.png: out/pci_lad.rec tools/lab/figures/figure_5_10.sh $(BUILD)/bin/cournand
+	@mkdir -p $(@D) && tools/lab/figures/figure_5_10.sh $< $@ $(BUILD)
 
 thesis: packages-build packages-run packages-bench ## Figures 5.6 to 5.10 and 5.11 to 5.14 of the thesis, by its own rod and by ours: out/thesis/index.html (minutes)
 	@$(QUIET_MAKE) $(BUILD)/bin/cournand

@@ -5,16 +5,16 @@ FIRMWARE_TESTS := $(wildcard firmware/tests/test_*.c shared/*/tests/test_*.c hil
 HOST_TESTS     := $(wildcard host/*/tests/test_*.cpp)
 TOOL_TESTS     := $(wildcard tools/bake/tests/test_*.cpp)
 LINE_TESTS     := $(wildcard tools/centreline/tests/test_*.cpp)
-VALIDATE_TESTS := $(wildcard tools/validate/tests/test_*.cpp)
-THESIS_TESTS   := $(wildcard tools/vcsim3/tests/test_*.cpp)
-include tools/reference_rod/reference_rod.mk
-ROD_TESTS      := $(wildcard tools/reference_rod/tests/test_*.cpp)
-CASE_TESTS     := $(wildcard tools/case/tests/test_*.cpp)
-include tools/calibrate/calibrate.mk
-include tools/ct/ct.mk
+VALIDATE_TESTS := $(wildcard tools/lab/validate/tests/test_*.cpp)
+THESIS_TESTS   := $(wildcard tools/lab/vcsim3/tests/test_*.cpp)
+include tools/lab/reference_rod/reference_rod.mk
+ROD_TESTS      := $(wildcard tools/lab/reference_rod/tests/test_*.cpp)
+CASE_TESTS     := $(wildcard tools/lab/case/tests/test_*.cpp)
+include tools/lab/calibrate/calibrate.mk
+include tools/lab/ct/ct.mk
 include tools/importers/importers.mk
-CT_TESTS       := $(wildcard tools/ct/tests/test_*.cpp)
-CALIBRATE_TESTS := $(wildcard tools/calibrate/tests/test_*.cpp)
+CT_TESTS       := $(wildcard tools/lab/ct/tests/test_*.cpp)
+CALIBRATE_TESTS := $(wildcard tools/lab/calibrate/tests/test_*.cpp)
 HIL_TESTS      := $(wildcard hil_tests/*/tests/test_*.cpp)
 include hil_tests/lies/lies.mk
 SYSTEM_TESTS   := $(wildcard hil_tests/test_*.cpp) # the whole program against real anatomy
@@ -32,14 +32,14 @@ $(foreach t,$(FIRMWARE_TESTS),$(eval $(call test_rule,$(t),$(DEVICE_LIBS),,$(REF
 $(foreach t,$(HOST_TESTS),$(eval $(call test_rule,$(t),$(HOST_LIBS),$(HOST_LINK),$(if $(findstring test_usb,$(t)),host/link/tests/fake_usb.cpp))))
 $(foreach t,$(TOOL_TESTS),$(eval $(call test_rule,$(t),$(BAKE_LIBS),$(BAKE_LINK),)))
 $(foreach t,$(LINE_TESTS),$(eval $(call test_rule,$(t),$(LINE_LIBS),$(LINE_LINK),$(LINE_HOST))))
-$(foreach t,$(THESIS_TESTS),$(eval $(call test_rule,$(t),tools/vcsim3 host/picture host/model host/base $(FIRMWARE_LIBS),-lpng,$(REFERENCE))))
+$(foreach t,$(THESIS_TESTS),$(eval $(call test_rule,$(t),tools/lab/figures tools/lab/vcsim3 host/picture host/model host/base $(FIRMWARE_LIBS),-lpng,$(REFERENCE))))
 $(foreach t,$(VALIDATE_TESTS),$(eval $(call test_rule,$(t),$(VALIDATE_LIBS),,)))
-$(foreach t,$(ROD_TESTS),$(eval $(call test_rule,$(t),tools/validate $(ROD_LIBS),,firmware/tests/reference/tube_lumen.c)))
+$(foreach t,$(ROD_TESTS),$(eval $(call test_rule,$(t),tools/lab/validate $(ROD_LIBS),,firmware/tests/reference/tube_lumen.c)))
 $(foreach t,$(CASE_TESTS),$(eval $(call test_rule,$(t),$(CASE_LIBS),,)))
 $(foreach t,$(CT_TESTS),$(eval $(call test_rule,$(t),$(CT_LIBS),$(CT_LINK),$(CT_HOST))))
 $(foreach t,$(CALIBRATE_TESTS),$(eval $(call test_rule,$(t),$(CALIBRATE_LIBS),$(CALIBRATE_LINK),)))
 $(foreach t,$(HIL_TESTS),$(eval $(call test_rule,$(t),$(HIL_LIBS),$(HOST_LINK),$(REFERENCE) $(if $(findstring hil_tests/lies/,$(t)),$(LIES_SOURCES)))))
-$(foreach t,$(SYSTEM_TESTS),$(eval $(call test_rule,$(t),host/app host/report host/picture host/session host/script host/rig host/patient host/room host/dicom host/xray/gl host/xray/style host/xray host/xray/paths host/stent host/effects host/link tools/bake tools/centreline tools/mesh host/model host/base $(FIRMWARE_LIBS),$(BAKE_LINK) $(HOST_LINK),)))
+$(foreach t,$(SYSTEM_TESTS),$(eval $(call test_rule,$(t),host/app host/command host/report host/picture host/session host/script host/rig host/patient host/room host/dicom host/xray/gl host/xray/style host/xray host/xray/paths host/stent host/effects host/link tools/bake tools/centreline tools/mesh/files tools/mesh host/model host/base $(FIRMWARE_LIBS),$(BAKE_LINK) $(HOST_LINK),)))
 FIRMWARE_TEST_PROGRAMS := $(foreach t,$(FIRMWARE_TESTS),$(call test_program,$(t)))
 ALL_TEST_PROGRAMS := $(FIRMWARE_TEST_PROGRAMS) $(foreach t,$(HOST_TESTS) $(HIL_TESTS) $(TOOL_TESTS) $(LINE_TESTS) $(VALIDATE_TESTS) $(THESIS_TESTS) $(ROD_TESTS) $(CASE_TESTS) $(CT_TESTS) $(CALIBRATE_TESTS) $(SYSTEM_TESTS),$(call test_program,$(t)))
 

@@ -1,5 +1,5 @@
 /* Claims about what can hurt a finger, one test per fault of shared/wire/wire_faults.def
- * (tools/check/test_faults.py compares the names): with a force at the motor the fault is put in at the
+ * (tools/check/tests/test_faults.py compares the names): with a force at the motor the fault is put in at the
  * sensors, and the time until no motor gives a force is counted in edges of the timer, behind the power
  * stage. It is at most what the table says, and it stays so. */
 #include <setjmp.h>

@@ -2,8 +2,8 @@
 #include "hil_tests/cases/conversation.hpp"
 #include "hil_tests/lies/hid_liar.hpp"
 #include "hil_tests/lies/liar.hpp"
-#include "host/app/cli.hpp"
 #include "host/base/interrupt.hpp"
+#include "host/command/cli.hpp"
 #include "host/link/tests/fake_usb.hpp"
 #include "host/rig/rig.hpp"
 #include "host/session/device.hpp"
@@ -104,7 +104,7 @@ int run_command(const LiedTo &command, const Lie &lie, const std::string &folder
     std::vector<std::string> words = arguments(command.name, folder);
     std::vector<char *> argv;
     for (std::string &word : words) argv.push_back(word.data());
-    const int code = crn::command_line(static_cast<int>(argv.size()), argv.data());
+    const int code = crn::command_line(static_cast<int>(argv.size()), argv.data(), nullptr);
     fake_usb::change([&] { // the liar ends here, and the clock goes on
         rig.take = {};
         rig.give = {};

@@ -1,6 +1,7 @@
-#include "host/app/cli.hpp"
+#include "host/app/window.hpp"
+#include "host/command/cli.hpp"
 
 int main(int argc, char **argv)
 {
-    return crn::command_line(argc, argv);
+    return crn::command_line(argc, argv, crn::run_window);
 }

@@ -1,10 +1,10 @@
 // The loop of the window: keys -> hand and C-arm -> ticks -> picture -> screen.
 #include "host/app/window.hpp"
-#include "host/app/cli.hpp"
 #include "host/app/window_keys.hpp"
 #include "host/app/window_live.hpp"
 #include "host/base/interrupt.hpp"
 #include "host/base/terminal.hpp"
+#include "host/command/cli.hpp"
 #include "host/picture/screen.hpp"
 #include "host/report/session_summary.hpp"
 #include <algorithm>
@@ -240,13 +240,7 @@ class Window
 
 } // namespace
 
-int run_window(const WindowOptions &options)
-{
-    watch_for_interrupt();
-    return Window(options).run();
-}
-
-int command_view(WindowOptions options)
+int run_window(WindowOptions options)
 {
     if (options.pictures.bodies_path.empty()) options.pictures.bodies_path = bodies_beside(options.scene);
     options.pictures.scene_path = options.scene;
@@ -259,7 +253,8 @@ int command_view(WindowOptions options)
                            {"--json", options.json},
                            {"--score", options.score}});
     check_dicom_settings(options.pictures.dicom);
-    return run_window(options);
+    watch_for_interrupt();
+    return Window(options).run();
 }
 
 } // namespace crn

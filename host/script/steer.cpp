@@ -12,8 +12,8 @@ namespace
 constexpr std::int64_t mm = 1000; // um
 
 // How a hand goes about it. Found by trying on the shipped aorta and heart, with friction, stiffness and the
-// turn at the beginning changed by some per cent (tools/check/test_sessions.py); nothing here is fitted to
-// one session.
+// turn at the beginning changed by some per cent (tools/check/tests/test_sessions.py); nothing here is fitted
+// to one session.
 struct Habit {
     double speed_m_s, depth_m, limit_s;
     std::int64_t stall_um;    // pushed without coming nearer: the shaft buckles, or the tip is caught

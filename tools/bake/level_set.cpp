@@ -1,7 +1,7 @@
 // OpenVDB holds this one way to call its converter ready-made in its library: with other types of ours,
 // compiling it takes a minute.
 #include "tools/bake/level_set.hpp"
-#include "tools/bake/progress.hpp"
+#include "tools/mesh/progress.hpp"
 
 #include <openvdb/tools/MeshToVolume.h>
 

@@ -1,7 +1,7 @@
 // A triangle mesh in patient millimetres: loading, checking, closing, writing.
 #pragma once
-#include "tools/bake/progress.hpp"
 #include "tools/bake/scene_text.hpp"
+#include "tools/mesh/progress.hpp"
 
 #include <Eigen/Core>
 #include <array>

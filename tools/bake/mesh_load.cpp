@@ -2,7 +2,7 @@
 #include "host/base/pending_file.hpp"
 #include "tools/bake/fault.hpp"
 #include "tools/bake/mesh.hpp"
-#include "tools/bake/mesh_file.hpp"
+#include "tools/mesh/files/mesh_file.hpp"
 
 #include <algorithm>
 #include <cmath>

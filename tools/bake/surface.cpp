@@ -1,8 +1,8 @@
 // From tapered capsules to a closed mesh: distances on a grid near the wall, then OpenVDB's volumeToMesh.
 #include "tools/bake/centreline.hpp"
 #include "tools/bake/fault.hpp"
-#include "tools/bake/mesh_file.hpp"
 #include "tools/bake/vdb.hpp"
+#include "tools/mesh/files/mesh_file.hpp"
 
 #include <openvdb/tools/SignedFloodFill.h>
 #include <openvdb/tools/VolumeToMesh.h>

@@ -90,7 +90,7 @@ def validation_values(text):
     beyond = 0
     for line in text.splitlines()[1:]:
         fields = line.split("\t")
-        beyond += fields[9] not in ("pass", "reported")  # tools/validate/report.cpp; any other word counts
+        beyond += fields[9] not in ("pass", "reported")  # tools/lab/validate/report.cpp; any other word counts
         if "-" in (fields[6], fields[7]):
             continue  # a figure that is reported and not judged
         error, tolerance = abs(float(fields[6])), float(fields[7])

@@ -1,5 +1,5 @@
 /* Drives the core through the scenes of core_scenes.c and prints its state hashes: every compiler,
- * optimisation level and machine must print the same lines (tools/check/test_compilers.sh,
+ * optimisation level and machine must print the same lines (tools/check/tests/test_compilers.sh,
  * tools/check/matrix.py). To find where two machines part, it also prints a hash per tick and subsystem, and
  * every word of one tick.
  *

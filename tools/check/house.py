@@ -11,9 +11,12 @@ import argparse
 import collections
 import os
 import re
+import sys
 
-import test_style
 import tree
+
+sys.path.insert(0, os.path.join(tree.ROOT, "tools", "check", "tests"))
+import test_style  # noqa: E402
 
 FOLDER_FILES_MAX = 40
 INCLUDE = re.compile(r'^\s*#\s*include "([^"]+)"', re.M)

@@ -5,9 +5,9 @@
 //   importers read < LIST           a line "KIND<tab>FILE" each; KIND is mesh, toml, scan or line
 #include "host/base/toml.hpp"
 #include "host/base/version.hpp"
-#include "tools/bake/mesh_file.hpp"
 #include "tools/centreline/formats.hpp"
-#include "tools/ct/volume_io.hpp"
+#include "tools/lab/ct/volume/volume_io.hpp"
+#include "tools/mesh/files/mesh_file.hpp"
 
 #include <chrono>
 #include <cmath>

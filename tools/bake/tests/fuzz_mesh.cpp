@@ -2,7 +2,7 @@
 // check of what comes back from it. The first byte says the format. assimp itself is given whole corpora in
 // its child process by tools/importers.
 #include "tools/bake/fault.hpp"
-#include "tools/bake/mesh_file.hpp"
+#include "tools/mesh/files/mesh_file.hpp"
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>

@@ -3,8 +3,8 @@
 // process of limited memory, time and stack. What an honest file holds comes back whole.
 #include "host/base/guarded_read.hpp"
 #include "tools/bake/mesh.hpp"
-#include "tools/bake/mesh_file.hpp"
 #include "tools/bake/tests/shapes.hpp"
+#include "tools/mesh/files/mesh_file.hpp"
 
 #include <atomic>
 #include <chrono>

@@ -1,0 +1,402 @@
+#include "host/command/cli.hpp"
+#include "firmware/core/core.h"
+#include "host/base/command_values.hpp"
+#include "host/base/terminal.hpp"
+#include "host/base/version.hpp"
+#include "host/command/cli_dicom.hpp"
+#include "host/command/cli_rig.hpp"
+#include "host/model/units.hpp"
+#include "host/report/instrument_list.hpp"
+#include "host/session/replay.hpp"
+#include "shared/wire/wire.h"
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+
+namespace crn
+{
+
+namespace
+{
+
+void add_xray(CLI::App &command, PictureSettings &pictures)
+{
+    command
+        .add_option("--style", pictures.style,
+                    "Look of the X-ray: physical, or vcsim3 as in the thesis (docs/xray-style.md)")
+        ->capture_default_str()
+        ->check(CLI::IsMember({"physical", "vcsim3"}));
+    command
+        .add_option(
+            "--xray", pictures.xray,
+            "Who draws the path lengths: raster (no graphics driver, the same bytes everywhere), opengl "
+            "(OSMesa, where that is missing EGL), opengl-osmesa, opengl-egl")
+        ->capture_default_str()
+        ->check(CLI::IsMember(path_choices));
+}
+
+void add_xray_window(CLI::App &command, PictureSettings &pictures)
+{
+    command
+        .add_option(
+            "--xray", pictures.xray,
+            "Who draws the path lengths: raster (the same bytes everywhere), opengl (the window's own)")
+        ->capture_default_str()
+        ->check(CLI::IsMember(path_choices_window));
+}
+
+void add_pictures(CLI::App &command, PictureSettings &pictures)
+{
+    command.add_option(
+        "--bodies", pictures.bodies_path,
+        "Body file for the picture; default: the .bodies file beside the scene, when there is one");
+    command.add_option("--png", pictures.png_path, "Write the last picture with its display, 8 bits");
+    command.add_option("--png16", pictures.png16_path,
+                       "Write the last X-ray's values, 16 bits, grey, proportional to the X-ray intensity");
+    command.add_option("--mp4", pictures.mp4_path, "Write all pictures as a film (needs ffmpeg)");
+    add_dicom_options(command, pictures.dicom);
+    command.add_option("--size", pictures.size, "Pixels along each edge")
+        ->capture_default_str()
+        ->check(CLI::Range(64, 2048));
+    command.add_option("--fps", pictures.pictures_per_second, "Pictures per second")
+        ->capture_default_str()
+        ->check(CLI::Range(1, 60));
+    command.add_option("--seed", pictures.seed, "Seed of the quantum noise")->capture_default_str();
+    command
+        .add_option("--threads", pictures.threads, "Threads of the X-ray, 0: one per processor, at most 4")
+        ->capture_default_str()
+        ->check(CLI::Range(0, 64));
+    add_xray(command, pictures);
+}
+
+void add_tools(CLI::App &command, std::string &instrument, std::vector<std::string> &tools)
+{
+    command
+        .add_option(
+            "--tool", tools,
+            "Instrument file, maybe with :preset (docs/instruments.md); once per tool, from the innermost to "
+            "the outermost, at most three")
+        ->allow_extra_args(false);
+    command.add_option("--instrument", instrument, "The innermost tool, as --tool before all others");
+}
+
+void add_stents(CLI::App &command, std::vector<std::string> &stents, PictureSettings &pictures)
+{
+    command
+        .add_option("--stent", stents,
+                    "Stent file (docs/stent.md) for the tool with a balloon; once per stent, in the order of "
+                    "loading: the first "
+                    "is on the balloon from the start, unless a script says 'load stent'")
+        ->allow_extra_args(false);
+    command
+        .add_option("--balloon-iodine", pictures.balloon_iodine_mg_per_ml,
+                    "What fills a balloon, mg iodine per ml: half of it contrast medium, half saline")
+        ->capture_default_str()
+        ->check(CLI::Range(0.0, 350.0));
+}
+
+void add_device(CLI::App &command, std::string &device)
+{
+    command
+        .add_option(
+            "--device", device,
+            "Where the device is: sim (in this program), emulator (the firmware's image on an emulated "
+            "Cortex-M7, docs/hil.md), usb, or usb:SERIAL (docs/rig.md)")
+        ->capture_default_str();
+}
+
+void add_inserted(CLI::App &command, std::vector<double> &inserted_mm)
+{
+    command
+        .add_option(
+            "--inserted", inserted_mm,
+            "Length outside the inserter at the start, mm; once for all tools, or once per tool (default 20)")
+        ->allow_extra_args(false)
+        ->check(CLI::Range(0.0, 2000.0));
+}
+
+void add_motors(CLI::App &command, bool &motors, bool &yes)
+{
+    command.add_flag(
+        "--motors", motors,
+        "With --free-run: power the tracks whose damping the rig knows (docs/rig.md), after a typed yes");
+    command.add_flag("--yes", yes, "Power the motors without asking");
+}
+
+void add_run(CLI::App &app, RunOptions &options)
+{
+    CLI::App *command = app.add_subcommand("run", "Carry out a session script, or what hands do at a rig");
+    command->add_option("--scene", options.scene, "Baked scene; without: free space");
+    add_tools(*command, options.instrument, options.tools);
+    add_stents(*command, options.stents, options.pictures);
+    command->add_option("--session", options.session,
+                        "Session script (docs/session.md), carried out as fast as the machine allows");
+    command
+        ->add_option("--free-run", options.free_run_s,
+                     "Instead of a script: the rig leads for so many seconds, 0: until Ctrl-C (docs/rig.md)")
+        ->check(CLI::Range(0.0, 36000.0));
+    add_motors(*command, options.motors, options.yes);
+    add_inserted(*command, options.inserted_mm);
+    add_device(*command, options.device);
+    command->add_option("--record", options.record, "Write a recording");
+    command->add_option("--json", options.json, "Write the figures of the session");
+    command->add_option("--score", options.score,
+                        "Write what the angioplasty is worth, as one HTML page (docs/score.md)");
+    command->add_option("--timing", options.timing, "Write what the session took of the machine");
+    command->add_flag("--quiet", options.quiet, "No progress line");
+    add_pictures(*command, options.pictures);
+    command->footer(
+        "Examples:\n  cournand run --scene out/aorta.scene --tool shared/examples/instruments/bentson.toml "
+        "\\\n"
+        "      --session shared/examples/sessions/demo.session --record out/demo.rec --json out/demo.json\n"
+        "  cournand run --tool wire.toml --tool catheter.toml --session my.session --mp4 out/my.mp4\n"
+        "  cournand run --device usb --scene out/aorta.scene --tool wire.toml --free-run 60 --record "
+        "out/my.rec\n"
+        "  cournand run --tool wire.toml --session my.session --dicom out/my_dicom\n"
+        "  cournand run --scene out/lad.scene --tool wire.toml --tool balloon.toml --tool guide.toml "
+        "--stent "
+        "stent.toml \\\n      --session my.session");
+}
+
+void add_replay(CLI::App &app, ReplayOptions &options)
+{
+    CLI::App *command = app.add_subcommand("replay", "Play a recording again, bit for bit");
+    command->add_option("recording", options.recording, "The recording")->required();
+    command->add_flag("--verify", options.verify,
+                      "Compare the hash of every tick; stop at the first difference");
+    command
+        ->add_option("--speed", options.speed,
+                     "fast, slow (half real time), paused, or a factor of real time")
+        ->capture_default_str()
+        ->check([](const std::string &text) {
+            return replay_speed(text) ? std::string()
+                                      : "'" + text + "' is not fast, slow, paused or a factor 0.001 .. 1000";
+        });
+    command->add_option("--from", options.from_s, "Start at this second, from the snapshot before it")
+        ->capture_default_str()
+        ->check(CLI::Range(0.0, 1e6));
+    command->add_option("--scene", options.scene, "The scene, when it is no longer where the recording says");
+    command->add_option("--json", options.json, "Write the figures of the session, as run does");
+    command->add_option("--score", options.score,
+                        "Write what the angioplasty is worth, as one HTML page (docs/score.md)");
+    add_pictures(*command, options.pictures);
+    command->footer("Examples:\n  cournand replay out/demo.rec --verify\n  cournand replay out/demo.rec "
+                    "--speed slow --from 12.5\n"
+                    "  cournand replay out/demo.rec --dicom out/demo_dicom --size 1024");
+}
+
+void add_surface(CLI::App &app, SurfaceOptions &options)
+{
+    CLI::App *command = app.add_subcommand(
+        "surface", "The walls round a lesion at moments of a recording, as polygons (docs/lesions.md)");
+    command->add_option("recording", options.recording, "Recording of a session in a scene with lesions")
+        ->required();
+    command->add_option("--at", options.at_s, "Moment, s from the begin; once per moment")
+        ->allow_extra_args(false);
+    command->add_flag(
+        "--stages", options.stages,
+        "The three moments about the highest pressure: balloon positioned, inflated, and down again; "
+        "their seconds are printed");
+    command->add_option("--lesion", options.surface.lesion, "Its name; without: the scene's first");
+    command
+        ->add_option("--around", options.surface.around_mm,
+                     "Millimetres of vessel to either side of the lesion")
+        ->capture_default_str()
+        ->check(CLI::Range(0.0, 200.0));
+    command->add_option("--scene", options.scene, "Where the recording's scene is now");
+    command->add_option("--bodies", options.surface.bodies_path,
+                        "Body file; default: the .bodies file beside the scene");
+    command
+        ->add_option("-o,--output", options.surface.output,
+                     "OBJ file, mm: objects TIME_BODY, and TIME_balloon for a balloon")
+        ->required();
+    command->add_option("--png", options.surface.png,
+                        "And a picture: the moments side by side, the lesion from the side");
+    command->footer("Examples:\n  cournand surface out/pci.rec --at 5 --at 12.5 --at 30 -o out/lesion.obj\n"
+                    "  cournand surface out/pci.rec --stages -o out/lesion.obj");
+}
+
+void add_view(CLI::App &app, WindowOptions &options)
+{
+    CLI::App *command = app.add_subcommand("view", "A window: push, turn and look by keyboard");
+    command->add_option("--scene", options.scene, "Baked scene; without: free space");
+    add_tools(*command, options.instrument, options.tools);
+    add_stents(*command, options.stents, options.pictures);
+    add_device(*command, options.device);
+    command->add_option("--record", options.record,
+                        "Write the recording of what the hands do here; without: by date and time in "
+                        "~/.local/state/cournand");
+    command->add_flag("!--no-record", options.keeps_recording, "Without --record: keep no recording");
+    command->add_option("--json", options.json, "Write the figures of the session at its end, as run does");
+    command->add_option("--score", options.score,
+                        "Write what the angioplasty is worth, as one HTML page (docs/score.md)");
+    add_dicom_options(*command, options.pictures.dicom);
+    command->add_option("--bodies", options.pictures.bodies_path,
+                        "Body file; default: the .bodies file beside the scene, when there is one");
+    command->add_option("--size", options.pictures.size, "Pixels along each edge of the X-ray")
+        ->capture_default_str()
+        ->check(CLI::Range(64, 2048));
+    command->add_option("--seed", options.pictures.seed, "Seed of the quantum noise")->capture_default_str();
+    command->add_option("--threads", options.pictures.threads, "Threads of the X-ray, 0: one per processor")
+        ->capture_default_str()
+        ->check(CLI::Range(0, 64));
+    add_xray_window(*command, options.pictures);
+    add_inserted(*command, options.inserted_mm);
+    command->add_flag(
+        "--free-run", options.free_run,
+        "The rig's own encoders are the hands, and its first button the X-ray pedal (docs/rig.md)");
+    add_motors(*command, options.motors, options.yes);
+    command->add_flag("--fluoro", options.starts_with_fluoro, "X-ray on from the start");
+    command->add_flag("!--no-help-panel", options.shows_help, "Start without the list of keys");
+    command->add_option("--frames", options.frames, "End after so many screens of 1/60 s; 0: until Esc")
+        ->capture_default_str()
+        ->check(CLI::Range(0, 1000000));
+    command->add_option("--screenshot", options.screenshot, "Write the last screen as PNG");
+    command->footer("Examples:\n  cournand view --scene out/aorta.scene --tool "
+                    "shared/examples/instruments/bentson.toml\n"
+                    "  cournand view --tool wire.toml --tool catheter.toml --inserted 60 --inserted 40\n"
+                    "  cournand view --tool wire.toml --record out/view.rec --dicom out/view_dicom");
+}
+
+void add_instruments(CLI::App &app, InstrumentsOptions &options)
+{
+    CLI::App *command =
+        app.add_subcommand("instruments", "List instruments with size, stiffness, shape and presets");
+    command->add_option("file", options.files,
+                        std::string("Instrument files, each maybe with :preset, or folders; default: ") +
+                            shipped_instruments);
+    command->add_option("--preset", options.preset,
+                        "This preset of every file that has it; default: physical");
+    command->add_option("--png", options.png, "Draw stiffness and unloaded shape");
+    command->add_option("--json", options.json, "Write every figure, knots and shapes included");
+    command->add_option("--table", options.table, "Renew the table in a document (docs/instruments.md)");
+    command->footer("Examples:\n  cournand instruments --png out/instruments.png\n"
+                    "  cournand instruments shared/examples/instruments/bentson.toml:vcsim3-fit --json "
+                    "out/bentson.json");
+}
+
+} // namespace
+
+std::vector<NamedPath> tool_inputs(const std::string &instrument, const std::vector<std::string> &tools)
+{
+    std::vector<NamedPath> inputs;
+    if (!instrument.empty()) inputs.push_back({"--instrument", split_preset(instrument).first});
+    for (const std::string &tool : tools) inputs.push_back({"--tool", split_preset(tool).first});
+    return inputs;
+}
+
+std::vector<Instrument> read_tools(const std::string &instrument, const std::vector<std::string> &tools)
+{
+    std::vector<std::string> names = tools;
+    if (!instrument.empty()) names.insert(names.begin(), instrument);
+    if (names.empty())
+        throw UsageError("--tool is required: name one to three instrument files (docs/instruments.md)");
+    if (names.size() > CRN_WIRE_TOOL_MAX) {
+        throw UsageError("--tool: a line holds at most " + std::to_string(int{CRN_WIRE_TOOL_MAX}) +
+                         " tools, " + std::to_string(names.size()) + " are named");
+    }
+    std::vector<Instrument> read;
+    for (const std::string &name : names) read.push_back(read_instrument(name));
+    return read;
+}
+
+void take_stents(PictureSettings &settings, const std::vector<std::string> &paths,
+                 const std::vector<Instrument> &tools)
+{
+    settings.stents = read_stents(paths, tools);
+}
+
+crn_wire_entry entry_with(const SceneFile &scene, std::size_t tool_count,
+                          const std::vector<double> &inserted_mm)
+{
+    std::vector<std::uint32_t> inserted_um;
+    for (double mm : inserted_mm) inserted_um.push_back(static_cast<std::uint32_t>(std::lround(mm * 1e3)));
+    if (inserted_um.size() == 1) inserted_um.assign(tool_count, inserted_um.front());
+    if (inserted_um.size() > tool_count)
+        throw UsageError("--inserted is given " + std::to_string(inserted_um.size()) +
+                         " times, but there are only " + std::to_string(tool_count) + " tools");
+    return entry_of(scene, tool_count, inserted_um);
+}
+
+std::vector<RoomCommand> entry_commands(const SceneFile &scene)
+{
+    RoomCommand table{RoomAction::table, {}};
+    const std::int32_t place_m_q30[3] = {scene.entry.position_x_m_q30, scene.entry.position_y_m_q30,
+                                         scene.entry.position_z_m_q30};
+    for (int axis = 0; axis < 3; ++axis)
+        table.values[axis] = static_cast<std::int32_t>(std::lround(units::metres(place_m_q30[axis]) * 1e6));
+    return {table, {RoomAction::follow, {1, 0, 0}}};
+}
+
+std::string bodies_beside(const std::string &scene)
+{
+    if (scene.empty()) return "";
+    const std::filesystem::path path = std::filesystem::path(scene).replace_extension(".bodies");
+    std::error_code ignored;
+    return std::filesystem::exists(path, ignored) ? path.string() : "";
+}
+
+int command_line(int argc, char **argv, const RunWindow &run_window)
+{
+    CLI::App app("Cournand: endovascular instruments in fixed point, seen under X-ray");
+    app.require_subcommand(1);
+    app.set_help_all_flag("--help-all", "Help of every command");
+    RunOptions run;
+    ReplayOptions replay;
+    SurfaceOptions surface;
+    WindowOptions window;
+    std::string info;
+    add_run(app, run);
+    add_replay(app, replay);
+    add_surface(app, surface);
+    add_view(app, window);
+    InstrumentsOptions instruments;
+    add_instruments(app, instruments);
+    RigOptions rig;
+    add_rig(app, rig);
+    DicomCheckOptions dicom_check;
+    add_dicom_check(app, dicom_check);
+    CLI::App *info_command =
+        app.add_subcommand("info", "What a recording, scene, instrument or session file holds");
+    CLI::Option *info_file = info_command->add_option("file", info, "The file");
+    bool shows_opengl = false;
+    info_command->add_flag("--opengl", shows_opengl, "Instead: the OpenGL that --xray opengl finds here")
+        ->excludes(info_file);
+    info_command->footer("Examples:\n  cournand info out/demo.rec\n  cournand info --opengl");
+    app.footer("Examples:\n  cournand run --help\n  cournand replay out/demo.rec --verify");
+    refuse_empty_values(app);
+    app.set_version_flag("--version", version_of("cournand") + ", core " +
+                                          std::to_string(int{CRN_CORE_VERSION}) + ", protocol " +
+                                          std::to_string(int{CRN_WIRE_PROTOCOL_MAJOR}) + "." +
+                                          std::to_string(int{CRN_WIRE_PROTOCOL_MINOR}));
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError &error) {
+        const int code = app.exit(error);
+        return code == 0 ? 0 : 2;
+    }
+    try {
+        if (app.got_subcommand("run")) return command_run(run);
+        if (app.got_subcommand("replay")) return command_replay(replay);
+        if (app.got_subcommand("surface")) return command_surface(surface);
+        if (app.got_subcommand("view")) {
+            if (!run_window) throw UsageError("view: this program has no window");
+            return run_window(window);
+        }
+        if (app.got_subcommand("instruments")) return command_instruments(instruments);
+        if (app.got_subcommand("rig")) return command_rig(rig);
+        if (app.got_subcommand("dicom-check")) return command_dicom_check(dicom_check);
+        if (shows_opengl) return command_info_opengl();
+        if (!*info_file) throw UsageError("info: name a file, or --opengl");
+        return command_info(info);
+    } catch (const UsageError &error) {
+        say(stderr, "cournand: %s\n", error.what());
+        return 2;
+    } catch (const std::exception &error) {
+        say(stderr, "cournand: %s\n", error.what());
+        return 1;
+    }
+}
+
+} // namespace crn

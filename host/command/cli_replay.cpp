@@ -1,0 +1,161 @@
+// cournand replay
+#include "host/base/interrupt.hpp"
+#include "host/base/terminal.hpp"
+#include "host/base/text.hpp"
+#include "host/command/cli.hpp"
+#include "host/patient/patient.hpp"
+#include "host/picture/session_pictures.hpp"
+#include "host/report/session_summary.hpp"
+#include "host/session/replay.hpp"
+#include <algorithm>
+#include <cstdio>
+#include <unistd.h>
+
+namespace crn
+{
+
+SceneFile recorded_scene(const RecordingHeader &header, const std::string &given_path)
+{
+    if (header.scene_bytes == 0) return read_scene("");
+    const std::string path = given_path.empty() ? header.scene_path : given_path;
+    SceneFile scene;
+    try {
+        scene = read_scene(path);
+    } catch (const FileError &error) {
+        throw std::runtime_error(std::string(error.what()) +
+                                 "; name the scene of this recording with --scene");
+    }
+    if (scene.bytes.size() == header.scene_bytes && scene.crc32 == header.scene_crc32) return scene;
+    char text[256];
+    std::snprintf(text, sizeof text,
+                  " is not the scene of this recording: it has %zu bytes, CRC-32 %08x; recorded was one of "
+                  "%u bytes, CRC-32 %08x; name that one with --scene",
+                  scene.bytes.size(), unsigned{scene.crc32}, unsigned{header.scene_bytes},
+                  unsigned{header.scene_crc32});
+    throw std::runtime_error(path + text);
+}
+
+void check_core(const RecordingHeader &header, const crn_wire_hello_reply &identity)
+{
+    if (header.core_version == identity.core_version) return;
+    throw std::runtime_error("the recording was made by core version " + std::to_string(header.core_version) +
+                             ", this device has version " + std::to_string(identity.core_version) +
+                             ": it cannot be replayed bit for bit; use the release that recorded it");
+}
+
+namespace
+{
+
+RunResult run_result(const ReplayResult &replayed)
+{
+    RunResult result;
+    result.figures = replayed.figures;
+    result.contacts = replayed.contacts;
+    result.hash = replayed.hash;
+    result.seconds = replayed.seconds;
+    result.was_interrupted = replayed.was_interrupted;
+    result.tips = replayed.tips;
+    result.faults = replayed.faults;
+    return result;
+}
+
+int print_result(const Recording &recording, const ReplayOptions &options, const ReplayResult &result)
+{
+    std::printf("final hash %016llx at tick %u\n", static_cast<unsigned long long>(result.hash),
+                unsigned{result.tick});
+    print_tools(recording.header.tools, result.figures);
+    if (!recording.is_complete && !options.verify)
+        std::printf("the recording was cut off; it is whole up to tick %zu\n", recording.ticks.size());
+    if (result.first_difference_tick) {
+        say(stderr, "cournand: %s: first difference at tick %u: %s\n", options.recording.c_str(),
+            unsigned{*result.first_difference_tick}, result.difference.c_str());
+        return 1;
+    }
+    if (result.was_interrupted) {
+        std::fprintf(stderr, "cournand: interrupted\n");
+        return 1;
+    }
+    if (options.verify && result.ticks_compared == 0) {
+        say(stderr, "cournand: %s: nothing to verify: no tick of it is whole\n", options.recording.c_str());
+        return 1;
+    }
+    if (options.verify) {
+        std::printf("verified: %u ticks and %u full hashes agree\n", unsigned{result.ticks_compared},
+                    unsigned{result.hashes_compared});
+    }
+    // What is missing cannot be verified: a script that looks at the exit code must not take this for a whole
+    // session.
+    if (options.verify && !recording.is_complete) {
+        say(stderr,
+            "cournand: %s: verified up to tick %zu, but the recording was cut off there: how the session "
+            "ended is "
+            "not known\n",
+            options.recording.c_str(), recording.ticks.size());
+        return 1;
+    }
+    return exit_of_range(result.figures.range);
+}
+
+} // namespace
+
+int command_replay(const ReplayOptions &options)
+{
+    check_outputs({{"the recording", options.recording},
+                   {"--scene", options.scene},
+                   {"--bodies", options.pictures.bodies_path}},
+                  {{"--png", options.pictures.png_path},
+                   {"--png16", options.pictures.png16_path},
+                   {"--mp4", options.pictures.mp4_path},
+                   {"--json", options.json},
+                   {"--score", options.score}});
+    check_dicom_settings(options.pictures.dicom);
+    const bool is_reported = !options.json.empty() || !options.score.empty();
+    if (is_reported && options.from_s > 0.0)
+        throw UsageError("--json and --score tell of the whole session: leave out --from");
+    const Recording recording = read_recording(options.recording);
+    const RecordingHeader &header = recording.header;
+    const double length_s = recording.ticks.size() * 1e-3;
+    if (!(options.from_s <= length_s)) { // NaN too
+        throw std::runtime_error(options.recording + ": --from " + std::to_string(options.from_s) +
+                                 " is beyond its end at " + std::to_string(length_s) + " s");
+    }
+    const SceneFile scene = recorded_scene(header, options.scene);
+    Device device(scene, header.tools, header.entry, header.rig);
+    check_core(header, device.identity());
+
+    PictureSettings picture_settings = options.pictures;
+    if (picture_settings.bodies_path.empty()) picture_settings.bodies_path = bodies_beside(scene.path);
+    picture_settings.scene_path = scene.path;
+    picture_settings.stents = header.stents;
+    const bool has_pictures = writes_pictures(picture_settings) || !options.score.empty();
+    SceneAnatomy anatomy;
+    std::unique_ptr<Patient> patient;
+    std::unique_ptr<SessionPictures> pictures;
+    if (has_pictures || is_reported) {
+        anatomy = read_anatomy(picture_settings);
+        patient = make_patient(picture_settings, anatomy, header.tools);
+        if (has_pictures)
+            pictures = std::make_unique<SessionPictures>(picture_settings, header.tools, *patient, anatomy);
+    }
+    watch_for_interrupt();
+    ReplaySettings settings;
+    settings.speed = *replay_speed(options.speed);
+    settings.verifies = options.verify;
+    settings.from_s = options.from_s;
+    settings.waits_for_enter = isatty(STDIN_FILENO) != 0;
+    settings.measures_contacts = is_reported;
+    ReplayResult result = replay_recording(device, recording, patient.get(), pictures.get(), settings);
+    name_range_branch(result.figures.range, picture_settings.bodies_path);
+    if (is_reported) {
+        device.link().read_nodes();
+        result.tips =
+            TipPlaces(anatomy.bodies.vessels, anatomy.motion).at(session_frame(device, {}, {}).wire);
+        write_session_files({options.json, options.score, ""}, run_result(result), scene.path, header.tools,
+                            header.session_path, *patient, pictures ? &pictures->screen() : nullptr);
+    }
+    if (pictures) print_files(pictures->files());
+    const int code = print_result(recording, options, result);
+    return pictures && pictures->was_stopped() ? 1 : code;
+}
+
+} // namespace crn

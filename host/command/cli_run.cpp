@@ -1,0 +1,189 @@
+// cournand run
+#include "host/base/interrupt.hpp"
+#include "host/base/terminal.hpp"
+#include "host/base/text.hpp"
+#include "host/command/cli.hpp"
+#include "host/patient/balloon.hpp"
+#include "host/patient/patient.hpp"
+#include "host/picture/session_pictures.hpp"
+#include "host/report/session_summary.hpp"
+#include "host/rig/rig.hpp"
+#include "host/session/run.hpp"
+#include <algorithm>
+#include <cstdio>
+#include <unistd.h>
+
+namespace crn
+{
+
+namespace
+{
+
+void check_files(const RunOptions &options, const PictureSettings &pictures)
+{
+    std::vector<NamedPath> inputs = tool_inputs(options.instrument, options.tools);
+    for (const std::string &stent : options.stents) inputs.push_back({"--stent", stent});
+    inputs.insert(
+        inputs.end(),
+        {{"--scene", options.scene}, {"--session", options.session}, {"--bodies", pictures.bodies_path}});
+    if (options.free_run_s.has_value() != options.session.empty())
+        throw UsageError("either --session or --free-run says who leads");
+    check_outputs(inputs, {{"--record", options.record},
+                           {"--json", options.json},
+                           {"--score", options.score},
+                           {"--timing", options.timing},
+                           {"--png", pictures.png_path},
+                           {"--png16", pictures.png16_path},
+                           {"--mp4", pictures.mp4_path}});
+    check_dicom_settings(pictures.dicom);
+}
+
+// An injection that these tools or this scene do not allow is found before the session begins.
+void check_injections(const Session &session, const PatientContrast &contrast)
+{
+    double iodine_mg_per_ml = iodine_default_mg_per_ml;
+    for (const Statement &statement : session.statements)
+        for (const RoomCommand &command : statement.room) {
+            if (command.action == RoomAction::contrast_strength) iodine_mg_per_ml = command.values[0];
+            const std::string why = contrast.refusal(command, iodine_mg_per_ml);
+            if (!why.empty()) throw FileError(session.file, statement.line, 0, why);
+        }
+}
+
+void check_inflations(const Session &session, const std::vector<Instrument> &tools)
+{
+    if (balloon_tool(tools)) return;
+    for (const Statement &statement : session.statements)
+        if (statement.inflation)
+            throw FileError(session.file, statement.line, 0,
+                            std::string(no_balloon_text) + ": name a balloon catheter with --tool");
+}
+
+std::size_t count_loads(const Session &session)
+{
+    std::size_t count = 0;
+    for (const Statement &statement : session.statements)
+        for (const RoomCommand &command : statement.room) count += command.action == RoomAction::load_stent;
+    return count;
+}
+
+void check_loads(const Session &session, std::size_t stents)
+{
+    std::size_t count = 0;
+    for (const Statement &statement : session.statements)
+        for (const RoomCommand &command : statement.room) {
+            count += command.action == RoomAction::load_stent;
+            if (count > stents)
+                throw FileError(session.file, statement.line, 0,
+                                "loads stent " + std::to_string(count) + ", but " + std::to_string(stents) +
+                                    " are given: name each with --stent");
+        }
+}
+
+RunResult carry_out(Device &device, Patient &patient, const SceneFile &scene, const RunOptions &options,
+                    const Session &session, Recorder *recorder, FrameSink *sink, const TipPlaces &tips)
+{
+    RunSettings settings{!options.quiet && isatty(STDERR_FILENO) != 0};
+    settings.tips = &tips;
+    const EffectsWitness witness(tips.map(), patient);
+    settings.witness = &witness;
+    std::vector<RoomCommand> begin = options.free_run_s ? entry_commands(scene) : std::vector<RoomCommand>();
+    if (patient.stents() && count_loads(session) == 0) begin.push_back(first_stent);
+    settings.begin = begin;
+    return options.free_run_s
+               ? run_free_session(device, patient, begin, *options.free_run_s, recorder, sink, settings)
+               : run_session(device, patient, session, recorder, sink, settings);
+}
+
+} // namespace
+
+DeviceChoice free_run_device(const std::string &device, bool motors, bool yes)
+{
+    DeviceChoice choice = parse_device(device);
+    choice.free_run = choice.has_rig = true;
+    choice.powers_motors = motors;
+    if (!motors) return choice;
+    const RigTalk talk = console_talk();
+    std::fprintf(
+        talk.out,
+        "The motors of every track that has a coupling will be powered and push back at the hand, within "
+        "the rig's\nown limits (cournand rig info). Ctrl-C or the emergency stop ends it.\n");
+    if (!yes && talk.ask("Type yes to power the motors:") != "yes")
+        throw RigStopped("not confirmed; no motor was powered");
+    return choice;
+}
+
+// Why it did not end as it should, if so; the exit code.
+static int tell_end(const RunResult &result, const Patient &patient, bool was_stopped)
+{
+    for (const std::string &failure : result.failures) say(stderr, "cournand: %s\n", failure.c_str());
+    if (!result.stopped_by.empty()) {
+        say(stderr, "cournand: %s\n", result.stopped_by.c_str());
+        return 1;
+    }
+    if (const int code = exit_of_range(result.figures.range)) return code;
+    if (!patient.refusals().empty()) {
+        std::fprintf(stderr,
+                     "cournand: something that the session asked for was refused, see 'refused' above\n");
+        return 1;
+    }
+    if (result.was_interrupted || was_stopped) {
+        std::fprintf(stderr, "cournand: interrupted; what was written up to here is complete\n");
+        return 1;
+    }
+    return result.failures.empty() ? 0 : 1;
+}
+
+int command_run(const RunOptions &options)
+{
+    PictureSettings picture_settings = options.pictures;
+    if (picture_settings.bodies_path.empty()) picture_settings.bodies_path = bodies_beside(options.scene);
+    picture_settings.scene_path = options.scene;
+    check_files(options, picture_settings);
+    const bool is_led = options.free_run_s.has_value(); // by the rig
+    const SceneFile scene = read_scene(options.scene);
+    const std::vector<Instrument> tools = read_tools(options.instrument, options.tools);
+    const Session session = is_led ? Session{"rig", {}, {}} : read_session(options.session);
+    const crn_wire_entry entry = is_led ? entry_with(scene, tools.size(), options.inserted_mm)
+                                        : entry_of(scene, tools.size(), session.inserted_um);
+    take_stents(picture_settings, options.stents, tools);
+    check_loads(session, options.stents.size());
+    check_inflations(session, tools);
+    watch_for_interrupt();
+    DeviceChoice choice =
+        is_led ? free_run_device(options.device, options.motors, options.yes) : parse_device(options.device);
+    Device device(scene, tools, entry, host_rig(), choice);
+
+    picture_settings.shows_progress = !options.quiet;
+    const SceneAnatomy anatomy = read_anatomy(picture_settings);
+    const std::unique_ptr<Patient> patient = make_patient(picture_settings, anatomy, tools);
+    std::unique_ptr<SessionPictures> pictures;
+    if (writes_pictures(picture_settings) || !options.score.empty()) // a score's page shows the runs
+        pictures = std::make_unique<SessionPictures>(picture_settings, tools, *patient, anatomy);
+    const TipPlaces tips(anatomy.bodies.vessels, anatomy.motion);
+    check_injections(session, patient->contrast());
+    std::unique_ptr<Recorder> recorder;
+    if (!options.record.empty()) {
+        const RecordingHeader header = {device.identity().core_version,
+                                        device.identity().schema_hash,
+                                        static_cast<std::uint32_t>(scene.bytes.size()),
+                                        scene.crc32,
+                                        scene.path,
+                                        session.file,
+                                        tools,
+                                        entry,
+                                        device.rig(),
+                                        picture_settings.stents};
+        recorder = std::make_unique<Recorder>(options.record, header);
+    }
+    RunResult result =
+        carry_out(device, *patient, scene, options, session, recorder.get(), pictures.get(), tips);
+    name_range_branch(result.figures.range, picture_settings.bodies_path);
+    print_session(result, tools, *patient);
+    write_session_files({options.json, options.score, options.timing}, result, scene.path, tools,
+                        session.file, *patient, pictures ? &pictures->screen() : nullptr);
+    if (pictures) print_files(pictures->files());
+    return tell_end(result, *patient, pictures && pictures->was_stopped());
+}
+
+} // namespace crn

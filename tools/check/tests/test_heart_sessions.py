@@ -1,0 +1,24 @@
+#!/usr/bin/env python3
+"""The shipped sessions of the beating heart: each reaches the end that it states, and with its turns left out it does not. Medium flows without pictures.
+
+The scene is that of `make coronary`, without what is only seen; that of the angioplasty has its lesion too.
+"""
+
+import os
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import sessions  # noqa: E402
+
+if __name__ == "__main__":
+    with sessions.Sessions() as run:
+        scene = run.scene("heart")
+        run.session("sessions/coronary", scene, ["j_wire", "guide_jl3_6f"])
+        run.session("sessions/coronary_right", scene, ["j_wire", "guide_ntr_6f"])
+        run.session(
+            "sessions/pci_lad",
+            run.scene("heart", "lad_middle"),
+            ["coronary_014", "balloon_3x20", "guide_jl3_6f"],
+            "coronary_3_0x18",
+        )
+        run.end()

@@ -1,0 +1,71 @@
+#!/usr/bin/env python3
+"""The device's images as `make test` built them: no soft-float, no divide helper, no heap, RAM and stack within their limits. The
+same rules as `make firmware`, which also prints the figures. BUILD is the folder with the build. Prints TAP."""
+
+import contextlib
+import io
+import os
+import subprocess
+import sys
+import tempfile
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import tree  # noqa: E402
+
+sys.path.insert(0, os.path.join(tree.ROOT, "tools", "bench"))
+import budget  # noqa: E402
+import image_report  # noqa: E402
+
+BUILD = os.path.join(tree.ROOT, os.environ.get("BUILD", "build"))
+FOLDER = os.path.join(BUILD, "firmware")
+PORTS = {"mps2_an500": "obj", "imxrt1062": "imxrt1062"}  # to the folder of its objects
+DIVIDES = "long long f(long long a, long long b) { return a / b; }\nvoid _start(void) { volatile long long x = 9; x = f(x, x); }\n"
+
+
+def linked_sample(text):
+    """Forbidden names in a C text linked for the Cortex-M7."""
+    with tempfile.TemporaryDirectory() as folder:
+        image = os.path.join(folder, "sample.elf")
+        subprocess.run(
+            [
+                "arm-none-eabi-gcc",
+                "-mcpu=cortex-m7",
+                "-mthumb",
+                "-O2",
+                "-ffreestanding",
+                "-nostdlib",
+                "-x",
+                "c",
+                "-",
+                "-o",
+                image,
+                "-lgcc",
+            ],
+            input=text.encode(),
+            check=True,
+        )
+        return budget.forbidden_symbols(image)
+
+
+def findings(port, objects):
+    image = os.path.join(FOLDER, "cournand-%s.elf" % port)
+    figures = io.StringIO()
+    try:
+        with contextlib.redirect_stdout(figures):
+            yield from image_report.report(image, os.path.join(FOLDER, objects), port)
+    except budget.CannotMeasure as problem:
+        yield str(problem)
+    for line in figures.getvalue().splitlines()[1:]:
+        print("#- %s: %s" % (port, line.strip()))
+
+
+def main():
+    report = tree.Report()
+    report.catches("a 64-bit division in an image is caught", linked_sample(DIVIDES))
+    for port, objects in PORTS.items():
+        report.check("the image for %s keeps its rules" % port, findings(port, objects))
+    report.end()
+
+
+if __name__ == "__main__":
+    main()

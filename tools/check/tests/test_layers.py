@@ -1,0 +1,446 @@
+#!/usr/bin/env python3
+"""The include graph has only the arrows listed here (DESIGN: layers point one way). Prints TAP."""
+
+import os
+import re
+
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import tree  # noqa: E402
+
+# Folder -> what its files may include besides their own folder. The longest matching row counts. An entry is a folder
+# (and below) or one file. CORE_PUBLIC is what the core shows to tools and host.
+CORE_PUBLIC = [
+    "firmware/core/core.h",
+    "firmware/core/lumen.h",
+    "firmware/core/vector.h",
+    "firmware/core/fixed.h",
+    "firmware/core/rhythm.h",
+    "firmware/core/motion.h",
+    "firmware/core/lesion.h",
+]
+# What the command line of every tool shares.
+COMMAND_LINE = [
+    "host/base/command_values.hpp",
+    "host/base/version.hpp",
+    "host/base/output_files.hpp",
+    "host/base/terminal.hpp",
+]
+# Tests of a room may use every other; test_usb has a bus of sim ports.
+HOST_TESTS = [
+    "host",
+    "shared",
+    "firmware/port/sim/sim.h",
+    "firmware/core/core.h",
+    "firmware/tests/reference/long_run.h",
+]
+ALLOWED = {
+    "firmware/core": [],
+    "firmware/app": ["firmware/core", "shared", "firmware/port/port.h"],
+    # The USB stack knows the controller's contract and the wire, not the app: glue in a port joins the two.
+    "firmware/app/usb": ["firmware/port/udc.h", "shared/wire"],
+    "firmware/port": [],  # port.h and udc.h, the hardware contracts that the app asks for and every port gives
+    "firmware/port/usb": ["firmware/app", "firmware/port/port.h", "firmware/port/udc.h", "shared/wire"],
+    "firmware/port/mailbox": ["firmware/port/udc.h", "shared/mailbox"],
+    "firmware/port/sim": ["firmware/app", "firmware/port/port.h"],
+    "firmware/port/mps2_an500": [],
+    "firmware/port/mps2_an500/device": [
+        "firmware/app",
+        "firmware/port/port.h",
+        "firmware/port/console_digits.h",
+        "firmware/port/mps2_an500",
+        "firmware/port/usb",
+        "firmware/port/mailbox",
+        "shared/mailbox",
+    ],
+    "firmware/port/imxrt1062": [
+        "firmware/app",
+        "firmware/port/port.h",
+        "firmware/port/console_digits.h",
+        "firmware/port/udc.h",
+        "firmware/port/usb",
+    ],
+    "firmware/port/libc": [],
+    "firmware/tests": ["firmware", "shared"],
+    "firmware/tests/reference": [
+        "firmware/core",
+        "firmware/app",
+        "firmware/port/sim/sim.h",
+        "firmware/port/port.h",
+        "shared",
+    ],
+    "firmware/bench": ["firmware", "shared"],
+    "shared": [],  # version.h
+    "shared/wire": [],
+    "shared/scene": ["shared/wire/wire_frame.h"],  # CRC-32
+    "shared/mailbox": [],
+    "shared/wire/tests": ["shared", "firmware/tests/reference"],
+    "shared/scene/tests": ["shared", "firmware/tests/reference"],
+    "host/link": ["host/base", "shared", "firmware/port/sim/sim.h", "firmware/port/mps2_an500/rig_page.h"],
+    "host/base": ["shared/version.h"],
+    "host/model": ["host/base", "shared"],
+    "host/xray/paths": ["host/model", "host/base"],
+    "host/xray": ["host/xray/paths", "host/model", "host/base"],
+    "host/xray/style": ["host/xray", "host/xray/paths", "host/model", "host/base"],
+    "host/xray/gl": ["host/xray", "host/model", "host/base"],
+    "host/dicom": ["host/xray", "host/model", "host/base"],  # the one folder that knows DCMTK
+    "host/effects": ["host/model", "host/base", "shared"],
+    "host/room": ["host/xray"],
+    "host/stent": ["host/model", "host/base"],  # and libccd
+    "host/patient": ["host/room", "host/xray", "host/stent", "host/effects", "host/model", "host/base", "shared"],
+    "host/rig": ["host/link", "host/room/command.hpp", "host/base", "shared"],
+    "host/script": ["host/patient", "host/room", "host/effects", "host/model", "host/base", "shared"],
+    # Recordings hold the wire's own records.
+    "host/session": [
+        "host/script",
+        "host/rig",
+        "host/patient",
+        "host/room",
+        "host/stent",
+        "host/effects/pulse.hpp",
+        "host/link",
+        "host/model",
+        "host/base",
+        "shared",
+    ],
+    "host/picture": [
+        "host/session/frame_sink.hpp",
+        "host/patient",
+        "host/room",
+        "host/dicom",
+        "host/effects",
+        "host/xray",
+        "host/model",
+        "host/base",
+    ],
+    "host/report": [
+        "host/picture/picture.hpp",
+        "host/picture/canvas.hpp",
+        "host/session",
+        "host/patient",
+        "host/room",
+        "host/effects",
+        "host/model",
+        "host/base",
+        "shared",
+    ],
+    # The command line as a library, so that tests run whole commands in their process; the window comes as a function.
+    "host/command": ["host", "shared", "firmware/core/core.h"],
+    "host/app": ["host", "shared", "firmware/core/core.h"],  # the program: main and the window
+    "host/app/tests": HOST_TESTS,
+    "host/bench": ["host", "firmware/bench/bench.h"],
+    "host/base/tests": HOST_TESTS,
+    "host/dicom/tests": HOST_TESTS,
+    "host/effects/tests": HOST_TESTS,
+    "host/link/tests": HOST_TESTS,
+    "host/model/tests": HOST_TESTS,
+    "host/patient/tests": HOST_TESTS,
+    "host/picture/tests": HOST_TESTS,
+    "host/report/tests": HOST_TESTS,
+    "host/rig/tests": HOST_TESTS,
+    "host/room/tests": HOST_TESTS,
+    "host/script/tests": HOST_TESTS,
+    "host/session/tests": HOST_TESTS,
+    "host/stent/tests": HOST_TESTS,
+    "host/xray/tests": HOST_TESTS,
+    "tools/bake": [
+        "shared",
+        "host/model",
+        "host/base",
+        "tools/mesh",
+        "tools/centreline/tree.hpp",
+        "tools/centreline/formats.hpp",
+    ]
+    + CORE_PUBLIC,
+    "tools/centreline": ["tools/mesh", "host/base/pending_file.hpp", "host/base/guarded_read.hpp"],
+    # The window and pictures are the host's, which know nothing of it.
+    "tools/centreline/fit": [
+        "tools/centreline",
+        "tools/bake",
+        "tools/mesh",
+        "host/model",
+        "host/base",
+        "host/picture/picture.hpp",
+        "host/picture/canvas.hpp",
+        "host/picture/screen.hpp",
+    ],
+    "tools/centreline/tests": ["tools/centreline", "tools/bake", "tools/mesh", "host/model", "host/base"],
+    "tools/anatomy": ["shared", "host/model", "host/base", "tools/mesh", "tools/bake/mesh.hpp"] + CORE_PUBLIC,
+    # The readers of all tools, asked by one program for make importers.
+    "tools/importers": [
+        "host/base/version.hpp",
+        "host/base/toml.hpp",
+        "tools/mesh/files/mesh_file.hpp",
+        "tools/centreline/formats.hpp",
+        "tools/lab/ct/volume/volume_io.hpp",
+    ],
+    "tools/lab/case": ["host/base/toml.hpp", "host/base/pending_file.hpp", "shared/wire/wire.h"],
+    "tools/lab/reference_rod": COMMAND_LINE
+    + [
+        "tools/lab/case",
+        "tools/lab/vcsim3/lumen.hpp",
+        "host/model/instrument.hpp",
+        "host/base/pending_file.hpp",
+        "shared/wire/wire.h",
+    ],
+    "tools/lab/reference_rod/tests": [
+        "tools/lab/reference_rod",
+        "tools/lab/validate/elastica.hpp",
+        "firmware/tests/reference",
+    ],
+    "tools/lab/case/tests": ["tools/lab/case", "host/base/tests/folder.hpp"],
+    # Pictures, tables and the reader of scenes are those of the thesis' baseline; core_rod.cpp owns the core's memory.
+    "tools/lab/calibrate": [
+        "tools/lab/case",
+        "tools/lab/vcsim3",
+        "tools/lab/figures",
+        "shared/wire",
+        "host/model",
+        "host/base",
+        "host/base/progress_line.hpp",
+    ]
+    + CORE_PUBLIC,
+    "tools/lab/calibrate/tests": [
+        "tools/lab/calibrate",
+        "tools/lab/case",
+        "host/model",
+        "host/base",
+        "host/base/tests/folder.hpp",
+    ],
+    "tools/lab/ct": [
+        "tools/lab/case",
+        "tools/lab/reference_rod/truth.hpp",
+        "tools/lab/reference_rod/truth_options.hpp",
+        "tools/bake",
+        "tools/mesh",
+        "host/model",
+        "host/base",
+        "host/xray",
+        "host/picture/canvas.hpp",
+    ],
+    "tools/lab/ct/tests": ["tools/lab/ct", "tools/lab/case", "tools/bake", "tools/mesh", "host/base/tests/folder.hpp"],
+    "tools/mesh": ["host/base/guarded_read.hpp", "host/base/interrupt.hpp"],
+    "tools/mesh/files": ["tools/mesh", "host/base/guarded_read.hpp"],
+    # core_hash.c owns the core's memory and looks into it; it also runs on a bare board.
+    "tools/lab/validate": COMMAND_LINE
+    + [
+        "firmware/core",
+        "host/base/format.hpp",
+        "host/base/pending_file.hpp",
+    ],  # owns the memory of models and states (rig.cpp)
+    "tools/check": CORE_PUBLIC + ["firmware/core/core_state.h", "firmware/port/mps2_an500"],
+    "tools/docs": ["shared/version.h", "shared/wire", "firmware/app/usb/usb_table.def"],
+    "tools/lab/vcsim3": ["shared/scene"] + CORE_PUBLIC,
+    # Pictures are written by the host's two files for that, which know nothing else of the host.
+    "tools/lab/figures": COMMAND_LINE
+    + [
+        "tools/lab/vcsim3",
+        "shared/scene",
+        "host/base/interrupt.hpp",
+        "host/base/pending_file.hpp",
+        "host/picture/picture.hpp",
+        "host/picture/font.hpp",
+    ]
+    + CORE_PUBLIC,
+    "tools/lab/vcsim3/tests": ["tools/lab/vcsim3", "tools/lab/figures", "firmware/tests/reference"] + CORE_PUBLIC,
+    "tools/lab/peers": ["firmware", "shared", "host"],
+    "hil_tests/plant": ["firmware/port/port.h"],
+    "hil_tests/l0": [
+        "firmware/port/port.h",
+        "firmware/port/sim/sim.h",
+        "hil_tests/plant",
+        "hil_tests/cases/bench.hpp",
+        "host/link",
+    ],
+    "hil_tests/l1": [
+        "firmware/port/port.h",
+        "firmware/port/mps2_an500/rig_page.h",
+        "hil_tests/plant",
+        "hil_tests/cases/bench.hpp",
+        "host/link",
+    ],
+    "hil_tests/cases": [
+        "hil_tests/plant",
+        "hil_tests/l0",
+        "hil_tests/l1",
+        "host",
+        "shared",
+        "firmware/tests/reference",
+    ],
+    "hil_tests/cases/tests": ["hil_tests", "host", "firmware/tests/reference/long_run.h"],
+    "hil_tests/campaign": ["hil_tests/cases", "hil_tests/l0", "hil_tests/l1", "hil_tests/plant", "host", "shared"],
+    "hil_tests/campaign/tests": ["hil_tests"],
+    # Whole commands from their command line to their exit code, with the tests' own bus in libusb's place.
+    "hil_tests/lies": [
+        "hil_tests/campaign/faulty_pipe.hpp",
+        "hil_tests/cases/conversation.hpp",
+        "host",
+        "shared",
+        "firmware/port/sim/sim.h",
+    ],
+    "hil_tests/lies/tests": ["hil_tests/lies", "firmware/tests/reference/long_run.h"],
+    "hil_tests/soak": ["host", "shared"],
+    "hil_tests/soak/tests": ["hil_tests/soak", "host"],
+    "hil_tests/l1/tests": ["host/link", "hil_tests/usb", "shared"],
+    "hil_tests/plant/tests": ["hil_tests/plant"],
+    # Bytes only: reference/client.h is the smallest host, host/app the whole one; tools/bake has the exact referee.
+    # test_angioplasty has a sim whose inflator it moves.
+    "hil_tests": [
+        "shared",
+        "hil_tests/usb",
+        "firmware/tests/reference",
+        "firmware/port/sim/sim.h",
+        "host",
+        "tools/bake",
+    ],
+    "hil_tests/rig": ["hil_tests/plant", "hil_tests/l1", "host"],
+    "hil_tests/l2": ["hil_tests/usb"],
+    "hil_tests/l3": ["hil_tests/usb"],
+    "hil_tests/l4": ["shared/wire", "firmware/tests/reference"],
+    "hil_tests/library": ["shared/wire", "firmware/tests/reference"],
+    "hil_tests/usb": ["shared", "firmware/app", "firmware/port"],
+}
+
+# System headers: the firmware side is freestanding, so its list is closed. Folders not named may include any.
+FREESTANDING = {"stdint.h", "stddef.h", "stdbool.h", "limits.h"}
+SYSTEM = {
+    "firmware/core": FREESTANDING,
+    "firmware/app": FREESTANDING | {"string.h"},
+    "firmware/app/usb": FREESTANDING,
+    "firmware/port/usb": FREESTANDING,
+    "firmware/port/mailbox": FREESTANDING,
+    "shared/mailbox": FREESTANDING,
+    "firmware/port": FREESTANDING,
+    "firmware/port/sim": FREESTANDING | {"string.h", "stdlib.h"},
+    "firmware/port/mps2_an500": FREESTANDING,
+    "firmware/port/imxrt1062": FREESTANDING,
+    "firmware/port/libc": FREESTANDING,
+    "shared/wire": FREESTANDING | {"string.h"},
+    "shared/scene": FREESTANDING | {"string.h"},
+}
+
+INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]+(?:"([^"]+)"|<([^>]+)>)', re.M)
+
+
+def is_below(path, place):
+    return path == place or path.startswith(place + "/")
+
+
+def row_of(path, table):
+    rows = [row for row in table if is_below(os.path.dirname(path), row)]
+    return max(rows, key=len) if rows else None
+
+
+def includes(text):
+    """(line, quoted name or None, system name or None); comments are ignored."""
+    plain = re.sub(r"/\*.*?\*/", tree.blank_all, text, flags=re.S)
+    for match in INCLUDE.finditer(plain):
+        yield tree.line_of(plain, match.start(1) if match.group(1) else match.start(2)), match.group(1), match.group(2)
+
+
+def check_quoted(path, line, target, row, exists):
+    if not exists(target):
+        return '%s:%d: "%s" does not exist from the root: includes are root-relative' % (path, line, target)
+    if row_of(target, ALLOWED) == row or any(is_below(target, place) for place in ALLOWED[row]):
+        return None
+    return "%s:%d: %s may not include %s; allowed: itself%s" % (
+        path,
+        line,
+        row,
+        target,
+        "".join(", " + place for place in ALLOWED[row]),
+    )
+
+
+def check_file(path, text, exists):
+    """Findings of one file."""
+    row = row_of(path, ALLOWED)
+    if row is None:
+        yield "%s: its folder has no row in ALLOWED (tools/check/tests/test_layers.py)" % path
+        return
+    closed = SYSTEM.get(row)
+    for line, quoted, system in includes(text):
+        if quoted is not None:
+            finding = check_quoted(path, line, quoted, row, exists)
+            if finding:
+                yield finding
+        elif closed is not None and system not in closed and not is_test(path):
+            yield "%s:%d: %s may not include <%s>; allowed: %s" % (path, line, row, system, ", ".join(sorted(closed)))
+
+
+def is_test(path):
+    return "/tests/" in path
+
+
+def check_cycles(graph):
+    """Header cycles, found by removing files whose includes are all removed, until nothing changes."""
+    left = dict(graph)
+    while True:
+        free = [path for path, targets in left.items() if not any(t in left for t in targets)]
+        if not free:
+            break
+        for path in free:
+            del left[path]
+    for path in sorted(left):
+        yield "%s includes itself by way of %s" % (path, ", ".join(t for t in left[path] if t in left))
+
+
+def include_graph(paths):
+    return {path: [q for _, q, _ in includes(tree.read(path)) if q] for path in paths}
+
+
+def self_test(report):
+    def sample(path, text):
+        return check_file(path, text, lambda target: True)
+
+    report.catches(
+        "an include from core into app is caught", sample("firmware/core/x.c", '#include "firmware/app/app.h"')
+    )
+    report.catches(
+        "an include from model into xray is caught", sample("host/model/x.hpp", '\n# include "host/xray/a.hpp"')
+    )
+    report.catches(
+        "an include of the core's private header by a tool is caught",
+        sample("tools/bake/x.cpp", '#include "firmware/core/core_state.h"'),
+    )
+    report.catches(
+        "an include of one shared library by the other is caught",
+        sample("shared/wire/x.c", '#include "shared/scene/scene.h"'),
+    )
+    report.catches("a libc header in the core is caught", sample("firmware/core/x.c", "#include <math.h>"))
+    report.catches("a file in an unlisted folder is caught", sample("firmware/new/x.c", ""))
+    report.catches(
+        "an include that is not root-relative is caught",
+        check_file("firmware/core/x.c", '#include "fixed.h"', lambda target: False),
+    )
+    report.catches("a cycle of headers is caught", check_cycles({"a.h": ["b.h"], "b.h": ["a.h"]}))
+    report.accepts(
+        "allowed arrows and a commented include are accepted",
+        list(sample("firmware/app/x.c", '#include "firmware/core/core.h"\n#include <string.h>'))
+        + list(sample("firmware/core/x.c", "/*\n#include <math.h>\n*/"))
+        + list(check_cycles({"a.h": ["b.h"], "b.h": []})),
+    )
+
+
+def main():
+    report = tree.Report()
+    self_test(report)
+    paths = tree.files(*tree.C_SUFFIXES)
+
+    def exists(target):
+        return os.path.isfile(os.path.join(tree.ROOT, target)) and not target.startswith("..")
+
+    findings = [finding for path in paths for finding in check_file(path, tree.read(path), exists)]
+    report.check("every include is an arrow listed in the table of layers", findings)
+    report.check("no header includes itself", check_cycles(include_graph(paths)))
+    lines = tree.read("firmware/port/port.h").count("\n")
+    report.check(
+        "what a port implements fits into less than 100 lines",
+        ["firmware/port/port.h has %d" % lines] if lines >= 100 else [],
+    )
+    report.end()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,58 @@
+#!/usr/bin/env python3
+"""tools/check/matrix.py in its short form: five machines, 32 and 64 bits, both byte orders, one hash; and a machine that
+computes one bit differently is found, with its tick, part and node. The long form is `make matrix`. Prints TAP."""
+
+import os
+import subprocess
+
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import tree  # noqa: E402
+
+MATRIX = os.path.join(tree.ROOT, "tools", "check", "matrix.py")
+BREAKS = [("1203", "feed", "0"), ("2", "solve", "7"), ("3001", "friction", "9")]
+
+
+def matrix(*arguments):
+    """(exit code, table lines, everything printed)"""
+    done = subprocess.run(
+        [MATRIX] + list(arguments), cwd=tree.ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False
+    )
+    text = done.stdout.decode("utf-8", "replace")
+    return done.returncode, text.splitlines(), text
+
+
+def same_hash():
+    code, lines, text = matrix("--short")
+    if code != 0 or "5 of 5 variants agree" not in lines:
+        yield "exit code %d: %s" % (code, text)
+
+
+def break_is_found(tick, part, node):
+    code, _, text = matrix("--short", "--only", "x86", "--break", ":".join(("x86-32 gcc", tick, part, node)))
+    expected = "scene tube, tick %s, %s, node %s:" % (tick, part, node)
+    if code != 1 or expected not in text:
+        yield "exit code %d, expected 1 and '%s' in: %s" % (code, expected, text)
+
+
+def usage_error():
+    code, _, text = matrix("--short", "--break", "nowhere:1:solve:1")
+    if code != 2:
+        yield "exit code %d, expected 2: %s" % (code, text)
+
+
+def main():
+    report = tree.Report()
+    report.check("x86-64, x86-32, Cortex-M7, s390x and riscv64 give one hash", same_hash())
+    for tick, part, node in BREAKS:
+        report.check(
+            "one wrong bit at tick %s in '%s' of node %s is found there" % (tick, part, node),
+            break_is_found(tick, part, node),
+        )
+    report.check("a variant that does not exist is a usage error", usage_error())
+    report.end()
+
+
+if __name__ == "__main__":
+    main()

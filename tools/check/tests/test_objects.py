@@ -1,0 +1,150 @@
+#!/usr/bin/env python3
+"""What the compiler made of the core, read with nm: no library calls, no floating point, no divide helper, no global
+state; and every generated file is what its generator writes. Prints TAP.
+
+The core is compiled three ways into a temporary folder: 64-bit x86 (gcc -O3, as shipped), 32-bit x86 and Cortex-M7
+(clang, -O2), since 64-bit machines hide a division that a 32-bit one does by calling a helper."""
+
+import os
+import re
+import subprocess
+import tempfile
+
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import tree  # noqa: E402
+
+FLAGS = ["-std=c11", "-I.", "-ffreestanding", "-Wall", "-Wextra", "-Werror", "-c"]
+TARGETS = {
+    "x86-64": ["gcc", "-O3"],
+    "x86-32": ["clang", "--target=i686-linux-gnu", "-O2"],
+    "Cortex-M7": ["clang", "--target=thumbv7em-none-eabihf", "-mcpu=cortex-m7", "-O2"],
+}
+# What a freestanding compiler may call: the four memory functions, in plain and ARM spelling.
+MEMORY = re.compile(r"^(__aeabi_)?mem(cpy|set|move|cmp|clr)(4|8)?$")
+HARMLESS = {"_GLOBAL_OFFSET_TABLE_"}
+
+
+def compile_to(folder, command, sources):
+    """Compile sources; returns (objects, findings)."""
+    objects, findings = [], []
+    for source in sources:
+        target = os.path.join(folder, source.replace("/", "_") + ".o")
+        done = subprocess.run(
+            command + FLAGS + [source, "-o", target],
+            cwd=tree.ROOT,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            check=False,
+        )
+        if done.returncode == 0:
+            objects.append(target)
+        else:
+            findings.append("%s does not compile: %s" % (source, done.stdout.decode("utf-8", "replace")))
+    return objects, findings
+
+
+def symbols(objects):
+    """(object, letter, name) of every symbol."""
+    for path in objects:
+        text = subprocess.run(["nm", path], check=True, stdout=subprocess.PIPE).stdout.decode()
+        for line in text.splitlines():
+            fields = line.split()
+            if len(fields) >= 2:
+                yield os.path.basename(path), fields[-2], fields[-1]
+
+
+def foreign_calls(objects):
+    found = list(symbols(objects))
+    own = {name for _, letter, name in found if letter in "TRtrBbDdCV"}
+    for path, letter, name in found:
+        if letter == "U" and name not in own and name not in HARMLESS and not MEMORY.match(name):
+            yield "%s calls %s: the core is freestanding (a divide or float helper, libm or libc)" % (path, name)
+
+
+def global_state(objects):
+    for path, letter, name in symbols(objects):
+        if letter in "BbDdCSs":
+            yield "%s: %s is writable global data: keep it in crn_state" % (path, name)
+
+
+def check_sample(report, name, text, rule, command):
+    with tempfile.TemporaryDirectory() as folder:
+        source = os.path.join(folder, "sample.c")
+        with open(source, "w", encoding="ascii") as file:
+            file.write(text)
+        objects, findings = compile_to(folder, command, [source])
+        report.catches(name, list(rule(objects)) if not findings else [])
+
+
+def self_test(report):
+    head = "#include <stdint.h>\n"
+    check_sample(
+        report,
+        "a 64-bit division is caught on x86-32",
+        head + "uint64_t f(uint64_t a, uint64_t b) { return a / b; }\n",
+        foreign_calls,
+        TARGETS["x86-32"],
+    )
+    check_sample(
+        report,
+        "a 64-bit division is caught on Cortex-M7",
+        head + "int64_t f(int64_t a, int64_t b) { return a / b; }\n",
+        foreign_calls,
+        TARGETS["Cortex-M7"],
+    )
+    check_sample(
+        report,
+        "soft double arithmetic is caught on Cortex-M7",
+        "double f(double a) { return a * 3.0; }\n",
+        foreign_calls,
+        TARGETS["Cortex-M7"][:2] + ["-mfloat-abi=soft", "-O2"],
+    )
+    check_sample(
+        report,
+        "a call of libm is caught",
+        "extern int sqrtf_like(int);\nint f(int a) { return sqrtf_like(a); }\n",
+        foreign_calls,
+        TARGETS["x86-64"],
+    )
+    check_sample(
+        report,
+        "writable global data is caught",
+        "static int count;\nint f(void) { return ++count; }\n",
+        global_state,
+        TARGETS["x86-64"],
+    )
+
+
+def stale(script):
+    done = subprocess.run(
+        [os.path.join(tree.ROOT, script), "--check"],
+        cwd=tree.ROOT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        check=False,
+    )
+    if done.returncode != 0:
+        yield done.stdout.decode("utf-8", "replace").strip()
+
+
+def main():
+    report = tree.Report()
+    self_test(report)
+    sources = [path for path in tree.files(".c") if os.path.dirname(path) == "firmware/core"]
+    report.check("there is a core to check", [] if sources else ["no .c file in firmware/core"])
+    for name, command in TARGETS.items():
+        with tempfile.TemporaryDirectory() as folder:
+            objects, findings = compile_to(folder, command, sources)
+            report.check("the core compiles freestanding for " + name, findings)
+            report.check("the core calls nothing but itself and memcpy on " + name, foreign_calls(objects))
+            report.check("the core has no writable global data on " + name, global_state(objects))
+    report.check(
+        "the tables of the core are what tools/check/make_tables.py writes", stale("tools/check/make_tables.py")
+    )
+    report.end()
+
+
+if __name__ == "__main__":
+    main()

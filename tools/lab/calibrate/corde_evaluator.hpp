@@ -1,0 +1,46 @@
+// The thesis' rod as an evaluator: the baseline beside ours, fitted by the same search.
+//
+// Five numbers are fitted, as in the thesis (5.3.3): Young's modulus of the shaft, alpha (that of the tip
+// over it), radius, density and Kp. How stiffness goes from tip to shaft, GJ over EI and the tip's shape are
+// the instrument file's; friction and gravity the case's.
+#pragma once
+#include "host/model/instrument.hpp"
+#include "tools/lab/calibrate/corde_rod.hpp"
+#include "tools/lab/vcsim3/lumen.hpp"
+
+namespace crn::calibrate
+{
+
+// The defaults, and without short cuts: elements half as long, a slow hand, a long rest.
+CordeSettings corde_settings();
+CordeSettings careful_corde_settings();
+
+// The file's numbers as those of a solid round wire, with a Kp that makes the directors follow waves longer
+// than some millimetres.
+CordeValues nominal_corde_values(const Instrument &instrument);
+
+class CordeEvaluator final : public Evaluator
+{
+  public:
+    // `vessel` must outlive this. Reads the instrument's file. Throws CaseError, FileError.
+    CordeEvaluator(const insertion::Case &c, const vcsim3::Vessel &vessel, const CordeSettings &settings);
+
+    std::string rod() const override { return "corde"; }
+    std::string instrument_name() const override { return instrument_.name; }
+    Insertion insert(const std::vector<double> &values, std::size_t depth_count) const override;
+    std::string settings_text() const override;
+    std::string instrument_text(const std::vector<double> &, const std::string &) const override
+    {
+        return {};
+    }
+    CordeValues values_of(const std::vector<double> &values) const;
+
+  private:
+    insertion::Case case_;
+    const vcsim3::Vessel &vessel_;
+    CordeSettings settings_;
+    Instrument instrument_;
+    CordeValues nominal_;
+};
+
+} // namespace crn::calibrate

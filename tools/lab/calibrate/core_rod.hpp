@@ -1,0 +1,33 @@
+// The firmware core with one tool, as an insertion needs it. The only file pair of this folder that calls it.
+#pragma once
+#include "shared/wire/wire.h"
+#include "tools/lab/calibrate/hand.hpp"
+extern "C" {
+#include "firmware/core/lumen.h"
+}
+
+namespace crn::calibrate
+{
+
+class CoreRod final : public HeldRod
+{
+  public:
+    // `lumen` must outlive this; nullptr is free space. Throws TrialRefused when the core takes no such tool.
+    CoreRod(const crn_wire_instrument &table, const crn_lumen *lumen, const Vector3d &mouth_mm,
+            const Vector3d &direction, const Vector3d &gravity_m_s2, double inserted_mm);
+    // Same version, same inputs, same hashes.
+    static unsigned version();
+    ~CoreRod() override;
+
+    void tick(double hand_mm, double turn_deg) override;
+    double inserted_mm() const override;
+    double handle_axial_mN() const override;
+    bool is_sound() const override; // nothing saturated, nothing outside the field
+    std::vector<Vector3d> nodes_mm() const override;
+
+  private:
+    struct Core;
+    std::unique_ptr<Core> core_;
+};
+
+} // namespace crn::calibrate

@@ -1,0 +1,214 @@
+// Command line of `ct`: docs/ct.md.
+#include "host/base/command_values.hpp"
+#include "host/base/terminal.hpp"
+#include "host/base/text.hpp"
+#include "host/base/version.hpp"
+#include "tools/lab/ct/commands.hpp"
+#include "tools/lab/reference_rod/truth_options.hpp"
+
+#include <cstdio>
+#include <thread>
+
+namespace
+{
+
+using namespace crn::ct;
+
+constexpr const char *examples =
+    "Examples:\n"
+    "  ct simulate out/case                                 scans every depth of a case that has its truth\n"
+    "  ct simulate out/case --instrument rosen.toml --scene out/access.scene --surface out/access.ply \\\n"
+    "      --depth iliac:240:0 --depth aortic:300:0 --depth renal:362:0 --tip-factor 0.7   makes the truth "
+    "first\n"
+    "  ct segment scan.nrrd -o out/seg                      lumen, instrument, centreline, report and "
+    "pictures\n"
+    "  ct segment out/case && ct check out/case             every depth of a case; how far from its truth\n"
+    "  ct scan lumen.ply wire.csv -o scan.nrrd              one scan of a steel wire in a phantom\n"
+    "  ct scan lumen.ply wire.csv -o series --material nitinol      the same as a DICOM series\n"
+    "ct SUBCOMMAND --help has the options.\n"
+    "Volumes: .nrrd, .nii, .nii.gz, .mha, or a folder with a DICOM series. Places are in the scene's axes "
+    "(+x patient left, +y head, +z front), in mm.\n"
+    "Ctrl-C keeps what was finished. Exit codes: 0 done, 1 the input is unusable (the message says why), 2 "
+    "usage.\n";
+
+constexpr const char *scan_footer =
+    "Examples:\n"
+    "  ct scan lumen.ply wire.csv -o scan.nrrd                      a steel wire of 0.035 inch\n"
+    "  ct scan lumen.ply wire.csv --instrument rosen.toml -o series     as the file describes it, a DICOM "
+    "series\n"
+    "  ct scan lumen.ply -o empty.nii.gz --views 300                without an instrument, coarser and "
+    "faster\n"
+    "docs/ct.md, \"The scanner\", says what is modelled.\n";
+
+constexpr const char *simulate_footer =
+    "Examples:\n"
+    "  ct simulate out/case                                 scans every depth of a case that has its truth\n"
+    "  ct simulate out/case --format dicom --noise-HU 30    as DICOM series, noisier\n"
+    "  ct simulate out/case --instrument rosen.toml --scene out/access.scene --surface out/access.ply \\\n"
+    "      --depth iliac:240:0 --depth aortic:300:0 --shaft-factor 1.3 --tip-factor 0.7    makes the case "
+    "first\n"
+    "Written: CASE/scan_N, and their names into CASE/case.toml (docs/ct.md).\n";
+
+constexpr const char *segment_footer =
+    "Examples:\n"
+    "  ct segment scan.nrrd -o out/seg                  one scan\n"
+    "  ct segment series --seed 12,-40,3 -o out/seg     the instrument at this place, of a DICOM series\n"
+    "  ct segment out/case                              every scan of a case; the lumen is that of all\n"
+    "A case without scene and mouth_mm gets them: the lumen is baked, and the mouth is where so much of the "
+    "instrument\n"
+    "is inserted as its depths say. calibrate CASE comes next. docs/ct.md has the files and how far to trust "
+    "them.\n";
+
+constexpr const char *check_footer = "Example:\n"
+                                     "  ct check out/case      after ct segment; exit code 1 where a mean or "
+                                     "a greatest distance is over its bar\n"
+                                     "Bars (docs/ct.md): centreline mean 0.2 mm, most 0.6 mm; lumen mean 0.3 "
+                                     "mm; from found to true and back.\n";
+
+void add_scanner_options(CLI::App &command, ScannerSettings &scanner, PhantomMaterials &phantom)
+{
+    const auto number = [&](const char *name, double &value, const char *what, double low, double high) {
+        command.add_option(name, value, what)->check(CLI::Range(low, high))->capture_default_str();
+    };
+    number("--pixel-mm", scanner.spacing_mm[0], "side of a pixel", 0.1, 2);
+    number("--slice-mm", scanner.spacing_mm[2], "distance of slices", 0.2, 5);
+    number("--blur-mm", scanner.blur_mm, "sigma of the point spread in a slice", 0.2, 2);
+    number("--blur-slice-mm", scanner.blur_slice_mm, "sigma across it", 0.1, 5);
+    number("--noise-HU", scanner.noise_HU, "standard deviation in the phantom's middle", 0, 200);
+    number("--highest-HU", scanner.highest_HU, "of the scanner's numbers: 3071 with 12 bits", 500, 32767);
+    number("--tube-kV", scanner.tube_kV, "voltage of the tube", 60, 125);
+    command.add_option("--views", scanner.views, "over half a turn")
+        ->check(CLI::Range(60, 3000))
+        ->capture_default_str();
+    command.add_option("--seed", scanner.seed, "of the noise")->capture_default_str();
+    command.add_option("--threads", scanner.threads, "the volume does not depend on it")
+        ->check(CLI::Range(1, 256))
+        ->capture_default_str();
+    number("--fluid-HU", phantom.fluid_HU, "of the fluid in the lumen", -200, 2000);
+    number("--silicone-HU", phantom.silicone_HU, "of the wall", -200, 2000);
+    number("--gel-HU", phantom.gel_HU, "of what holds the vessels; -1000: air", -1000, 2000);
+    number("--wall-mm", phantom.wall_mm, "thickness of the wall", 0.5, 20);
+}
+
+void add_scan(CLI::App &app, ScanOptions &options)
+{
+    CLI::App &command = *app.add_subcommand("scan", "one virtual scan of a phantom with instruments in it");
+    command.footer(scan_footer);
+    command.add_option("MESH", options.mesh, "the lumen as a closed surface in mm: PLY, STL, OBJ or glTF")
+        ->required();
+    command.add_option("LINE", options.lines,
+                       "centrelines (CSV) from the mouth to the tip; none: an empty phantom");
+    command.add_option("-o,--output", options.output, "the volume")->required();
+    command.add_option("--instrument", options.instrument,
+                       "instrument file, with :PRESET if it is not physical");
+    command.add_option("--radius-mm", options.radius_mm, "without a file: of the instrument")
+        ->check(CLI::Range(0.05, 5.0))
+        ->capture_default_str();
+    command.add_option("--bore-mm", options.bore_mm, "radius of its own lumen")
+        ->check(CLI::Range(0.0, 5.0))
+        ->capture_default_str();
+    command.add_option("--material", options.material, "as in docs/xray.md")->capture_default_str();
+    command.add_option("--box", options.box_mm, "of the gel and the picture: low x y z, high x y z")
+        ->expected(6);
+    add_scanner_options(command, options.scanner, options.phantom);
+    command.callback([&options] {
+        options.scanner.spacing_mm[1] = options.scanner.spacing_mm[0];
+        command_scan(options);
+    });
+}
+
+void add_simulate(CLI::App &app, SimulateOptions &options, std::vector<std::string> &depths)
+{
+    CLI::App &command =
+        *app.add_subcommand("simulate", "virtual scans of every depth of a case; with --instrument the case "
+                                        "is made first, by an independent rod");
+    command.footer(simulate_footer);
+    command.add_option("CASE", options.folder, "a case's folder with truth/, or the one to be made")
+        ->required();
+    crn::reference::add_truth_options(command, options.truth, depths);
+    command.add_option("--format", options.format, "of the volumes")
+        ->check(CLI::IsMember({"nrrd", "nii.gz", "mha", "dicom"}))
+        ->capture_default_str();
+    add_scanner_options(command, options.scanner, options.phantom);
+    command.callback([&] {
+        options.scanner.spacing_mm[1] = options.scanner.spacing_mm[0];
+        for (const std::string &text : depths)
+            options.truth.depths.push_back(crn::reference::depth_from(text));
+        command_simulate(options);
+    });
+}
+
+void add_segment(CLI::App &app, SegmentCommand &options, std::vector<double> &seed,
+                 std::vector<double> &mouth, std::vector<double> &direction)
+{
+    CLI::App &command = *app.add_subcommand(
+        "segment", "lumen, instrument and centreline from a scan, or from every scan of a case");
+    command.footer(segment_footer);
+    command.add_option("SCAN", options.input, "a volume, a folder with a DICOM series, or a case's folder")
+        ->required();
+    command.add_option("-o,--output", options.output,
+                       "folder; default: CASE/segmentation, or out/segmentation");
+    command.add_option("--seed", seed, "a place on the instrument: x y z")->expected(3)->delimiter(',');
+    command
+        .add_option("--threshold", options.options.line.threshold_HU,
+                    "HU of the instrument; 0: half-way to the brightest")
+        ->check(CLI::Range(0.0, 32767.0))
+        ->capture_default_str();
+    command.add_option("--mouth", mouth, "where the centreline begins: x y z; a case knows it")
+        ->expected(3)
+        ->delimiter(',');
+    command.add_option("--direction", direction, "into the vessel there")->expected(3)->delimiter(',');
+    command
+        .add_option("--fluid-HU", options.options.lumen.fluid_HU,
+                    "of the fluid; below -1500: the commonest around the instrument")
+        ->capture_default_str();
+    command.add_flag("!--no-lumen", options.options.wants_lumen, "the instrument alone");
+    command.callback([&] {
+        const auto vector = [](const std::vector<double> &v) { return Eigen::Vector3d(v[0], v[1], v[2]); };
+        if (!seed.empty()) options.options.line.seed_mm = vector(seed);
+        if (!mouth.empty()) options.options.line.mouth_mm = vector(mouth);
+        if (!direction.empty() && vector(direction).norm() > 0)
+            options.options.line.direction = vector(direction).normalized();
+        command_segment(options);
+    });
+}
+
+} // namespace
+
+int main(int argc, char **argv)
+{
+    CLI::App app{"ct: reads CT scans of instruments in vessel phantoms, and makes virtual ones"};
+    app.footer(examples);
+    app.require_subcommand(1);
+    ScanOptions scan;
+    SimulateOptions simulate;
+    scan.scanner.threads = simulate.scanner.threads =
+        static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1u, 256u));
+    add_scan(app, scan);
+    std::vector<std::string> depths;
+    add_simulate(app, simulate, depths);
+    SegmentCommand segment;
+    std::vector<double> seed, mouth, direction;
+    add_segment(app, segment, seed, mouth, direction);
+    std::filesystem::path checked;
+    bool is_good = true;
+    CLI::App &check =
+        *app.add_subcommand("check", "distances of a case's centrelines and lumen from its truth");
+    check.footer(check_footer);
+    check.add_option("CASE", checked, "a case's folder with truth/")->required();
+    check.callback([&] { is_good = command_check(checked); });
+    crn::refuse_empty_values(app);
+    app.set_version_flag("--version", crn::version_of("ct"));
+    try {
+        app.parse(argc, argv);
+        return is_good ? 0 : 1;
+    } catch (const CLI::ParseError &error) {
+        return app.exit(error) == 0 ? 0 : 2;
+    } catch (const std::invalid_argument &error) {
+        crn::say(stderr, "ct: %s\n", error.what());
+        return 2;
+    } catch (const std::exception &error) {
+        crn::say(stderr, "ct: %s\n", error.what());
+        return 1;
+    }
+}

@@ -1,0 +1,40 @@
+// Pictures of volumes: a slice or the brightest voxels along an axis, with outlines and lines over them.
+#pragma once
+#include "host/picture/canvas.hpp"
+#include "tools/lab/ct/volume/volume.hpp"
+#include <filesystem>
+#include <string>
+
+namespace crn::ct
+{
+
+inline constexpr Ink red{230, 40, 40}, green{60, 200, 80}, yellow{250, 210, 60}, blue{80, 140, 250};
+
+// Along an axis of the grid: 0 from the side, 1 from the front, 2 from below as radiologists look (front up).
+// The head is up.
+class Picture
+{
+  public:
+    // The slice in the middle of `index`; or the brightest (index < 0) of all slices.
+    Picture(const Volume &volume, int axis, int index, double low_HU, double high_HU, double pixel_mm = 0.35);
+    // Where `level` (a volume on the same grid) changes its sign in that slice; seen through all slices:
+    // where any is inside.
+    void outline(const Volume &level, Ink ink);
+    void line(const std::vector<Eigen::Vector3d> &scene_mm, Ink ink, double width);
+    void dot(const Eigen::Vector3d &scene_mm, Ink ink, double width);
+    void caption(const std::string &text, int row = 0);
+    // Throws OutputError.
+    void save(const std::filesystem::path &file) const;
+
+  private:
+    SheetPoint place(const Eigen::Vector3d &voxel) const;
+    Eigen::Vector3d voxel(int x, int y) const; // of the middle of a pixel, in the slice
+    Volume grid_;                              // without values
+    int axis_, index_, right_, down_;
+    bool down_is_turned_;
+    double pixel_mm_;
+    int width_, height_;
+    Sheet sheet_;
+};
+
+} // namespace crn::ct

@@ -1,0 +1,53 @@
+// Lines, lumen and instrument of scans as files, with pictures of every step.
+#pragma once
+#include "tools/bake/mesh.hpp"
+#include "tools/lab/ct/centreline.hpp"
+#include "tools/lab/ct/lumen.hpp"
+#include "tools/lab/ct/page.hpp"
+#include <filesystem>
+
+namespace crn::ct
+{
+
+struct SegmentOptions {
+    LineOptions line;
+    LumenOptions lumen;
+    bool wants_lumen = true;
+};
+
+// The instrument in one scan: instrument.ply and a picture into the page's folder. Throws Fault.
+InstrumentLine segment_line(const Volume &volume, LineOptions options, Page &page, const Report &report);
+// centreline.csv, report.json, the line's pictures and the page. `facts` goes above them.
+void write_line(const InstrumentLine &line, const Volume &volume, Page &page, const std::string &facts);
+// "volume ...", "instrument ...": what was found, a line each.
+std::string line_facts(const InstrumentLine &line, const Volume &volume);
+
+struct LumenSurface {
+    bake::Mesh mesh; // closed, mm, scene's axes
+    Lumen lumen;
+    std::vector<std::string> notes;
+};
+// The lumen of scans of the same phantom at the same place: lumen.ply and pictures into the page's folder.
+// Throws Fault.
+LumenSurface segment_lumen(const std::vector<LumenScan> &scans, const LumenOptions &options, Page &page,
+                           const Report &report);
+std::string lumen_facts(const LumenSurface &surface);
+
+// Line and lumen of one scan, with the page index.html.
+struct Segmentation {
+    InstrumentLine line;
+    bake::Mesh lumen; // closed, mm, scene's axes; empty where it was not wanted
+};
+Segmentation segment_scan(const Volume &volume, const SegmentOptions &options,
+                          const std::filesystem::path &folder, const Report &report);
+
+// How far a line is from another: nearest distances of the first's points.
+struct Apart {
+    double mean_mm = 0, max_mm = 0, tip_mm = 0;
+    double offset_mm = 0; // of a surface: mean with its sign, + outside the reference
+};
+Apart lines_apart(const std::vector<Eigen::Vector3d> &line, const std::vector<Eigen::Vector3d> &reference);
+// Nearest distances of a surface from another, closed one; the mean is over its area.
+Apart surfaces_apart(const bake::Mesh &surface, const bake::Mesh &reference);
+
+} // namespace crn::ct

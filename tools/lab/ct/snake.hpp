@@ -1,0 +1,27 @@
+// Level sets on a volume's grid, by ITK behind a header that knows nothing of it: smoothing, edges, distance,
+// and the geodesic active contour (Caselles, Kimmel and Sapiro 1997) that ITK-SNAP calls a snake. A level is
+// a volume whose values are mm from the surface, negative inside.
+#pragma once
+#include "tools/lab/ct/volume/volume.hpp"
+
+namespace crn::ct
+{
+
+Volume smoothed(const Volume &volume, double sigma_mm);
+// HU per mm, of the volume smoothed by sigma.
+Volume gradient_magnitude(const Volume &volume, double sigma_mm);
+// Where the snake goes fast: 1 in even regions, 0 at edges; the sigmoid's middle is at `edge_HU_per_mm`.
+Volume speed_of(const Volume &gradient, double edge_HU_per_mm, double width_HU_per_mm);
+// From a mask (> 0 is inside).
+Volume signed_distance(const Volume &mask);
+
+struct SnakeWeights {
+    double propagation = 0; // outwards, on even ground
+    double curvature = 0.2; // against bends
+    double advection = 1;   // towards edges
+    int iterations = 40;
+};
+// The level after so many steps. Deterministic on one thread of ITK's, which this asks for.
+Volume evolve_snake(const Volume &level, const Volume &speed, const SnakeWeights &weights);
+
+} // namespace crn::ct

@@ -1,0 +1,147 @@
+// What a grid and a series of slices must fulfil before anything is measured in them.
+#include "tools/lab/ct/volume/volume_io.hpp"
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <numeric>
+#include <zlib.h>
+
+namespace crn::ct
+{
+
+namespace
+{
+
+std::string text(const char *format, double a, double b = 0, double c = 0)
+{
+    char line[200];
+    std::snprintf(line, sizeof line, format, a, b, c);
+    return line;
+}
+
+} // namespace
+
+void check_plausible(const std::array<long, 3> &size, const Eigen::Vector3d &spacing_mm,
+                     const std::string &what)
+{
+    double voxels = 1;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        if (size[axis] < 2 || size[axis] > volume_side_max)
+            throw Fault(what + ": " + std::to_string(size[axis]) + " voxels along axis " +
+                        std::to_string(axis + 1) + ": a scan has 2 to " + std::to_string(volume_side_max) +
+                        "; export the whole volume as one");
+        voxels *= static_cast<double>(size[axis]);
+    }
+    if (voxels > static_cast<double>(volume_voxels_max))
+        throw Fault(what + ": " + text("%.0f", voxels * 1e-6) + " million voxels are more than the " +
+                    text("%.0f", static_cast<double>(volume_voxels_max) * 1e-6) +
+                    " million that are read: cut the volume to the phantom");
+    for (int axis = 0; axis < 3; ++axis)
+        if (!(spacing_mm[axis] >= spacing_min_mm && spacing_mm[axis] <= spacing_max_mm))
+            throw Fault(what + ": spacing " +
+                        text("%g x %g x %g mm", spacing_mm[0], spacing_mm[1], spacing_mm[2]) +
+                        " cannot be a CT scan's (" + text("%g to %g mm", spacing_min_mm, spacing_max_mm) +
+                        "): mend the header, or export it again in mm");
+}
+
+void check_grid(const std::array<long, 3> &size, const Eigen::Vector3d &spacing_mm,
+                const Eigen::Vector3d &origin_mm, const Eigen::Matrix3d &direction, const std::string &what)
+{
+    check_plausible(size, spacing_mm, what);
+    if (!origin_mm.allFinite() || origin_mm.cwiseAbs().maxCoeff() > 1e5)
+        throw Fault(what + ": the origin is no place in mm: mend the header");
+    if (!direction.allFinite() ||
+        (direction.transpose() * direction - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() > 1e-3)
+        throw Fault(what + ": the axes are not at right angles and of length 1 (a tilted gantry, or a broken "
+                           "header): resample the volume to right angles first");
+}
+
+void check_nifti_length(const std::string &file, std::uint64_t value_bytes)
+{
+    constexpr std::uint64_t head_bytes = 348;
+    const std::unique_ptr<gzFile_s, int (*)(gzFile)> stream(gzopen(file.c_str(), "rb"), gzclose);
+    std::vector<char> block(1 << 16);
+    std::uint64_t read = 0;
+    int got = 0;
+    while (stream && (got = gzread(stream.get(), block.data(), static_cast<unsigned>(block.size()))) > 0)
+        read += static_cast<std::uint64_t>(got);
+    if (got < 0 || read < head_bytes + value_bytes)
+        throw Fault(file + ": is truncated: it ends after " + std::to_string(read) +
+                    " bytes, its header promises " + std::to_string(head_bytes + value_bytes) +
+                    " or more; copy or export it again");
+}
+
+// The pixels are an element with its length before it (explicit or implicit, little end first). Packed pixels
+// have none.
+void check_dicom_length(const std::filesystem::path &file)
+{
+    std::ifstream stream(file, std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+    const std::string tag{"\xe0\x7f\x10\x00", 4};
+    for (std::size_t at = bytes.find(tag); at != std::string::npos; at = bytes.find(tag, at + 1)) {
+        const bool is_explicit =
+            at + 12 <= bytes.size() && bytes[at + 4] == 'O' && (bytes[at + 5] == 'W' || bytes[at + 5] == 'B');
+        const std::size_t begin = at + (is_explicit ? 12 : 8);
+        if (begin > bytes.size()) break;
+        std::uint32_t length = 0;
+        for (std::size_t i = 4; i > 0; --i)
+            length = length << 8 | static_cast<std::uint8_t>(bytes[begin - 5 + i]);
+        if (is_explicit && length == 0xffffffffu) return;
+        if (begin + length <= bytes.size()) return;
+    }
+    throw Fault(file.string() + ": is truncated: it ends before its pixels do; copy or export it again");
+}
+
+SliceOrder order_slices(const std::vector<Eigen::Vector3d> &places_mm, const Eigen::Vector3d &normal,
+                        const std::vector<std::string> &names, const std::string &series)
+{
+    SliceOrder result;
+    const std::size_t count = places_mm.size();
+    if (count < 2)
+        throw Fault(series + ": " + std::to_string(count) +
+                    " slice: a series has at least 2; give the folder with all of its files");
+    std::vector<double> heights(count);
+    for (std::size_t i = 0; i < count; ++i) heights[i] = places_mm[i].dot(normal);
+    result.order.resize(count);
+    std::iota(result.order.begin(), result.order.end(), std::size_t{0});
+    std::stable_sort(result.order.begin(), result.order.end(),
+                     [&](std::size_t a, std::size_t b) { return heights[a] < heights[b]; });
+    std::vector<double> steps;
+    for (std::size_t i = 1; i < count; ++i)
+        steps.push_back(heights[result.order[i]] - heights[result.order[i - 1]]);
+    std::vector<double> sorted = steps;
+    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
+                     sorted.end());
+    const double step = sorted[sorted.size() / 2];
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+        const std::string &before = names[result.order[i]], &after = names[result.order[i + 1]];
+        if (steps[i] < 1e-3)
+            throw Fault(
+                series + ": " + before + " and " + after +
+                " are at the same place: the series is there twice, or two series are mixed; keep one");
+        if (std::abs(steps[i] - step) > std::max(0.02, 0.02 * step)) {
+            const double missing = std::round(steps[i] / step) - 1;
+            if (missing >= 1 && std::abs(steps[i] - (missing + 1) * step) < 0.1 * step)
+                throw Fault(
+                    series + ": " + text("%.0f slices are missing between ", missing) + before + " and " +
+                    after +
+                    text(" (%.3f mm apart, others %.3f mm): export the whole series again", steps[i], step));
+            throw Fault(series + ": uneven slices: " + before + " and " + after +
+                        text(" are %.3f mm apart, others %.3f mm: reconstruct or resample the series evenly",
+                             steps[i], step));
+        }
+        // A slice that is shifted sideways would shear everything in it.
+        const Eigen::Vector3d shift = places_mm[result.order[i + 1]] - places_mm[result.order[i]];
+        if ((shift - shift.dot(normal) * normal).norm() > 0.05)
+            throw Fault(series + ": " + after + " is shifted sideways against " + before +
+                        ": a tilted gantry or two series; resample to right angles");
+    }
+    result.distance_mm =
+        (heights[result.order.back()] - heights[result.order.front()]) / static_cast<double>(count - 1);
+    return result;
+}
+
+} // namespace crn::ct

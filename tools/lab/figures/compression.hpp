@@ -1,0 +1,72 @@
+// The experiment of the thesis' section 5.4.2: a rod is fed into the phantom until its tip stands at the
+// closed end and feeding on has crowded it, and its length is compared with its rest length. Every mode and
+// our direct solver get the same rod, vessel and hand.
+#pragma once
+#include "tools/lab/vcsim3/direct.hpp"
+#include "tools/lab/vcsim3/preset.hpp"
+#include "tools/lab/vcsim3/simulation.hpp"
+#include <functional>
+#include <memory>
+#include <string>
+
+namespace vcsim3
+{
+
+struct Protocol {
+    int element_count = 256; // all of them in the vessel at the end
+    double element_m = preset_element_m;
+    double start_m = 0.02;   // inserted when the hand begins to move
+    double speed_m_s = 0.05; // of the hand
+    double hold_s = 0.5;     // hand at rest after that
+    double average_s = 0.1;  // figures are means over this time
+
+    double goal_m() const { return element_count * element_m; }
+    int push_ticks() const;
+    int hold_ticks() const;
+};
+
+struct ShapeNode {
+    Vector position_m;
+    bool is_touching; // at some tick of the last average_s of the hold
+};
+
+// Positive percentages are compression. A rod that has burst (a coordinate is not finite, or half a metre
+// away, or the length is off by more than half) has is_sound false and means nothing else.
+struct CompressionResult {
+    std::string name, token; // "25 Local", "local25"; "Direct", "direct"
+    bool is_sound = true;
+    double pushing_pct = 0.0;        // while the hand pushes, at the end: Figure 5.11
+    double holding_pct = 0.0;        // at the end of the hold
+    double largest_pct = 0.0;        // at any tick
+    double handle_N = 0.0;           // pushing, at the end
+    double depth_max_mm = 0.0;       // of any node in the wall, at the end of any tick
+    int contacts = 0;                // touching nodes of the shape
+    std::vector<ShapeNode> shape;    // tip first, at the end of the hold
+    std::vector<std::uint8_t> state; // the same moment, for timing: begin_at() or DirectRod::restore
+};
+
+// Called after each tick with the share done; a false answer stops the run, which then throws Interrupted.
+using Watch = std::function<bool(double)>;
+struct Interrupted : std::exception {
+    const char *what() const noexcept override { return "interrupted"; }
+};
+
+// What our solver gets: the preset's stiffness, radius and friction, a real wire's mass, and no weight, as
+// the baseline.
+DirectProperties direct_of(const Preset &preset, const Protocol &protocol);
+inline constexpr double direct_mass_kg_per_m = 0.005;
+
+Simulation make_simulation(const Preset &preset, const Mode &mode, const Vessel &vessel,
+                           const Protocol &protocol);
+DirectRod make_direct(const Preset &preset, const Vessel &vessel, const Protocol &protocol);
+
+CompressionResult compress_baseline(const Preset &preset, const Mode &mode, const Vessel &vessel,
+                                    const Protocol &protocol, const Watch &watch);
+CompressionResult compress_direct(const Preset &preset, const Vessel &vessel, const Protocol &protocol,
+                                  const Watch &watch);
+
+// A simulation's numbers as bytes and back, for CompressionResult::state.
+std::vector<std::uint8_t> to_bytes(const std::vector<double> &numbers);
+std::vector<double> to_numbers(const std::vector<std::uint8_t> &bytes);
+
+} // namespace vcsim3

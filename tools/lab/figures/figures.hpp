@@ -1,0 +1,15 @@
+// The four figures of the thesis as pictures, with its values beside ours and our direct solver as one more
+// bar.
+#pragma once
+#include "tools/lab/figures/study.hpp"
+
+namespace vcsim3
+{
+
+// Each writes one PNG; throws std::runtime_error that names the file and the cause.
+void draw_compression(const Study &study, const std::string &path);                  // Figure 5.11
+void draw_shapes(const Study &study, const Vessel &vessel, const std::string &path); // Figure 5.12
+void draw_convergence(const Study &study, const std::string &path);                  // Figure 5.13
+void draw_times(const Study &study, const std::string &path);                        // Figure 5.14
+
+} // namespace vcsim3

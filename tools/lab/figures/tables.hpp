@@ -1,0 +1,27 @@
+// A study as tables (TSV) and as one JSON file: what the figures show, in numbers.
+#pragma once
+#include "tools/lab/figures/study.hpp"
+
+namespace vcsim3
+{
+
+// Head and rows of text; every row as long as the head.
+struct Table {
+    std::vector<std::string> head;
+    std::vector<std::vector<std::string>> rows;
+};
+
+Table compression_table(const Study &study); // Figures 5.11 and 5.13
+Table times_table(const Study &study);       // Figure 5.14
+Table shape_table(const Study &study);       // Figure 5.12, one row per node
+Table preset_table();                        // Table 5.1 as read
+Table stability_table(const Study &study);
+
+std::string to_tsv(const Table &table);
+std::string to_html(const Table &table);
+std::string to_json(const Study &study);
+
+// "%.*g"
+std::string number(double value, int digits = 4);
+
+} // namespace vcsim3

@@ -1,0 +1,77 @@
+// An instrument as a discrete elastic rod (Bergou et al., Discrete Elastic Rods, 2008, and Discrete Viscous
+// Threads, 2010): nodes, and an angle per edge between a reference frame and the material frame. SI units,
+// doubles.
+//
+//     tip                                     hand
+//      0 --- 1 --- 2 ---  ...  --- k --- k+1      node i, position x_i, arc s_i from the tip
+//         0     1            k-1      k           edge i joins nodes i and i+1; its tangent points forward, to the tip
+//
+//   bending   1/2 EI / l |kappa - kappa_rest|^2   at a joint; kappa = 2 tan(turn / 2) along the material axes
+//   twist     1/2 GJ / l twist^2                  at a joint; twist of the material frames from edge to edge
+//   stretch   1/2 EA l (|e| / l - 1)^2            of an edge
+#pragma once
+#include "shared/wire/wire.h"
+#include "tools/lab/reference_rod/band.hpp"
+#include <Eigen/Core>
+#include <vector>
+
+namespace crn::reference
+{
+
+using Vector = Eigen::Vector3d;
+
+// Constants of a rod. Nodes 0 .. n-1; joints are the nodes 1 .. n-2.
+struct Rod {
+    std::vector<double> arc_m;                            // per node, from 0
+    std::vector<double> cell_m;                           // per node: half of each edge beside it
+    std::vector<double> bend_N_m2, twist_N_m2;            // per node: of its cell
+    std::vector<double> rest_curvature1, rest_curvature2; // per node: 2 tan(turn / 2), towards d1 and t x d1
+    std::vector<double> radius_m;                         // per node, outer
+    std::vector<double>
+        joint_m; // per node: what of its cell can bend; less than the cell at a sheath's mouth
+    std::vector<double> stretch_N; // per edge: EA
+
+    int nodes() const { return static_cast<int>(arc_m.size()); }
+    double length_m(int edge) const { return arc_m[edge + 1] - arc_m[edge]; }
+};
+
+// How a rod is cut.
+struct Cut {
+    double tip_m = 0.25e-3, shaft_m = 0.75e-3; // longest edge at the tip, and elsewhere
+    double fine_m = 0.0; // from the tip; 0: to 5 mm behind the tip's curves, at least 20 mm
+    // EA = stretch * EI / edge^2 of the softer end: under the force EI / R^2 of a bend of radius R an edge h
+    // shortens by (h / R)^2 / stretch, 3e-5 for 2 and 50 mm. Stiffer only takes more iterates.
+    double stretch = 64.0;
+};
+
+// The instrument's first `length_m`, and two edges more for the sheath. Throws std::invalid_argument where it
+// is shorter.
+Rod cut_rod(const crn_wire_instrument &table, double length_m, const Cut &cut);
+// Outer radius of an instrument at a place from its tip, m.
+double radius_at_m(const crn_wire_instrument &table, double arc_m);
+// A uniform straight one.
+Rod uniform_rod(double bend_N_m2, double twist_N_m2, double radius_m, double length_m, double edge_m);
+
+// Where it lies.
+struct State {
+    std::vector<Vector> x;       // per node
+    std::vector<double> angle;   // per edge, from the reference axis to d1
+    std::vector<Vector> tangent; // per edge, unit, forward
+    std::vector<Vector> axis;    // per edge: first reference axis, unit, across the tangent
+    std::vector<double>
+        reference; // per joint (index of its node): twist of the reference frames, rear to front edge
+
+    // Straight, tip at x, along unit `forward`, d1 at unit `d1` everywhere.
+    static State straight(const Rod &rod, const Vector &tip, const Vector &forward, const Vector &d1);
+    Vector d1(int edge) const;
+};
+
+// The state with other places and angles: reference frames go along by the smallest turn of each tangent.
+void move_state(const State &from, const std::vector<Vector> &x, const std::vector<double> &angle, int nodes,
+                State &to);
+
+// Elastic energy of nodes 0 .. nodes-1 and the joints among them, J; adds its slope (4 per node: x, y, z,
+// angle of the edge behind it) and, where given, its second derivatives.
+double elastic_energy(const Rod &rod, const State &state, int nodes, Eigen::VectorXd *slope, Band *second);
+
+} // namespace crn::reference

@@ -1,0 +1,28 @@
+// The cases of the validation suite: each sets up a rod, loads it, and compares it with its reference.
+#pragma once
+#include "tools/lab/validate/report.hpp"
+
+#include <functional>
+
+namespace crn::validate
+{
+
+struct Case {
+    std::string name;
+    std::function<void(Result &, bool quick)> run; // quick: fewer figures, seconds for the whole suite
+};
+
+// In the order of the report.
+std::vector<Case> all_cases();
+
+// One list per file.
+std::vector<Case> bend_cases();
+std::vector<Case> motion_cases();
+std::vector<Case> buckle_cases();
+std::vector<Case> twist_cases();
+std::vector<Case> wall_cases();
+std::vector<Case> push_cases();
+std::vector<Case> turn_cases();
+std::vector<Case> coaxial_cases();
+
+} // namespace crn::validate

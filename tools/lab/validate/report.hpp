@@ -1,0 +1,55 @@
+// What a case finds: figures against references with stated tolerances, and plots; and how they are written
+// down.
+#pragma once
+#include "tools/lab/validate/plot.hpp"
+
+#include <string>
+#include <vector>
+
+namespace crn::validate
+{
+
+// One figure. `error` is in `error_unit` and passes when its size is within `tolerance`; a tolerance below 0
+// means that the figure is only reported.
+struct Row {
+    std::string name;    // case.what, unique, stable: others refer to it
+    std::string formula; // how the reference is computed
+    std::string source;  // where the formula comes from
+    std::string unit;    // of reference and value
+    double reference = 0, value = 0;
+    double error = 0, tolerance = 0;
+    std::string error_unit;
+    bool passed() const;
+    bool is_bar() const { return tolerance >= 0; }
+};
+
+struct Result {
+    std::string name, title, setup; // setup: how the rod is held and loaded, for the reader
+    std::string formula, source;    // of rows that do not give their own
+    std::vector<Row> rows;
+    std::vector<Plot> plots;
+    double seconds = 0;
+    std::string failure; // what stopped the case, or empty
+
+    // Value against reference: error in percent of the reference.
+    void relative(const std::string &what, const std::string &unit, double reference, double value,
+                  double tolerance_pct);
+    // Error in the value's own unit.
+    void absolute(const std::string &what, const std::string &unit, double reference, double value,
+                  double tolerance);
+    // Error computed by the case, in `error_unit`.
+    void error(const std::string &what, const std::string &unit, double reference, double value, double error,
+               const std::string &error_unit, double tolerance);
+    // Something that must not be larger than a bar.
+    void at_most(const std::string &what, const std::string &unit, double value, double bar);
+    void reported(const std::string &what, const std::string &unit, double reference, double value);
+    bool passed() const;
+};
+
+std::string tsv(const std::vector<Result> &results);
+std::string html(const std::vector<Result> &results, const std::string &command);
+std::string tap(const std::vector<Result> &results);
+// The table of docs/validation.md: one line per case with its worst figure.
+std::string markdown(const std::vector<Result> &results);
+
+} // namespace crn::validate

@@ -1,0 +1,104 @@
+// The core as the cases see it: SI doubles in, SI doubles out. The only file pair of this folder that calls
+// the core, so that a change of its interface is a change of one file.
+//
+// Lengths count from the tip of tool 0 (node 0 is the leading tip). The inserter's mouth lies at the origin
+// and points along +x unless a case says otherwise.
+#pragma once
+#include "tools/lab/validate/lumen_field.hpp"
+
+#include <Eigen/Geometry>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace crn::validate
+{
+
+using Eigen::Vector3d;
+
+// Properties at an arc length from the tip; linear between knots, two at one arc length make a step.
+struct Knot {
+    double arc_m = 0;
+    double bend_N_m2 = 1e-3;
+    double twist_N_m2 = 1e-3 / 1.3; // nu = 0.3
+    double mass_kg_per_m = 0.005;
+    double radius_m = 445e-6;
+    double radius_inner_m = 0;
+    double friction = 0; // static and kinetic
+    double rest_curvature_per_m = 0;
+};
+
+struct Tool {
+    std::vector<Knot> knots;
+    double axial_stiffness_max_N = 3000;
+    double lumen_friction = 0;
+    double element_m = 0.003; // of the whole tool
+};
+
+// One set of properties over `length_m`.
+Tool uniform_tool(const Knot &knot, double length_m, double element_m);
+
+// Springs of 2e5 N/m that hold the tip: node 0, and node `second` when it is not 0, at their anchors.
+struct Hold {
+    Vector3d anchor_m = Vector3d::Zero();
+    unsigned second = 0;
+    Vector3d second_anchor_m = Vector3d::Zero();
+    bool axial_free = false; // free along x
+    bool turn = false;       // the tip does not turn in space
+};
+
+struct Start {
+    std::vector<double> inserted_m; // per tool
+    Vector3d mouth_m = Vector3d::Zero();
+    Vector3d direction = Vector3d::UnitX();
+};
+
+class Rig
+{
+  public:
+    // Throws std::runtime_error when the core refuses the tools. The field must outlive the rig.
+    Rig(const std::vector<Tool> &tools, const LumenField *field, const Start &start);
+    ~Rig();
+    Rig(Rig &&) noexcept;
+
+    void set_gravity(const Vector3d &m_s2);
+    void set_tip_load(const Vector3d &N);
+    void set_hold(const Hold &hold);
+    void set_stall(double N); // handle force at which the feed stops; here 400 N at first, that is never
+
+    void feed(double m, unsigned tool = 0); // the hand's position since the start
+    void turn(double rad,
+              unsigned tool = 0); // the hand's angle, right-handed about the direction of insertion
+    void step(int ticks = 1);
+
+    // Writes the shape of the free nodes, at rest.
+    void place(const std::vector<Vector3d> &positions_m);
+
+    unsigned free_count() const;
+    Vector3d position(unsigned node) const;
+    std::vector<Vector3d> shape() const; // free nodes, tip first, and the mouth
+    double arc(unsigned node) const;     // from the leading tip
+    double inserted(unsigned tool = 0) const;
+    double handle_axial(unsigned tool = 0) const;  // N, + pushes the hand back out
+    double handle_torque(unsigned tool = 0) const; // N m, + opposes positive rotation
+    double base_angle(unsigned tool = 0) const;    // of the inserter's frame, unwrapped, sense of turn()
+    double tip_angle(unsigned tool = 0) const;     // of the tip's frame against that carried without twist
+    double length_error() const;                   // relative, + stretched
+    double penetration() const;                    // m
+    Vector3d
+    hold_force(unsigned node) const; // N, of the springs of a held node on the rod; node 0 or `second`
+    double motion_per_tick() const;  // largest of any node in the last tick, m
+    std::optional<Vector3d>
+    contact_force(unsigned node) const; // N; nothing where the node is clear of the wall
+    unsigned contact_count() const;
+    unsigned solve_count() const;
+    bool saturated() const; // sticky
+    bool capped() const;    // sticky: the motion of a tick was scaled down
+
+  private:
+    struct Core;
+    std::unique_ptr<Core> core_;
+    void hold_in_space();
+};
+
+} // namespace crn::validate

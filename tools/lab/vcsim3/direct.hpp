@@ -1,0 +1,53 @@
+// Our own solver beside the baseline: the firmware core, fed into the same vessel by its public header. The
+// only file of this folder that calls it.
+#pragma once
+#include "tools/lab/vcsim3/lumen.hpp"
+#include "tools/lab/vcsim3/rod.hpp"
+#include <memory>
+
+namespace vcsim3
+{
+
+// What the core gets. Uniform and straight; ranges: firmware/core/core.h.
+struct DirectProperties {
+    double length_m = 0.0;
+    double element_m = 0.0;
+    double bend_N_m2 = 0.0, twist_N_m2 = 0.0;
+    double mass_kg_per_m = 0.0;
+    double radius_m = 0.0;
+    double friction = 0.0;
+    double axial_max_N = 0.0; // cap of EA
+};
+
+class DirectRod
+{
+  public:
+    // `lumen` must outlive this; the rod enters it at `mouth_m` along the unit vector `direction`. Throws
+    // std::runtime_error when the core refuses the rod.
+    DirectRod(const DirectProperties &properties, const crn_lumen &lumen, const Vector &mouth_m,
+              const Vector &direction, double inserted_m);
+    DirectRod(DirectRod &&) noexcept;
+    ~DirectRod();
+
+    // One tick of 1 ms in which the hand moves by feed_m; a tick is one step of the solver.
+    void tick(double feed_m);
+
+    double inserted_m() const;
+    double handle_axial_N() const;         // + pushes the hand back out
+    double length_error() const;           // of the free part, as of the baseline
+    double depth_max_m() const;            // of the last tick
+    int contact_count() const;             // as the core counts them
+    int solve_count() const;               // of the last tick
+    std::vector<Vector> positions() const; // free nodes and the first held one
+    std::vector<bool> touching() const;    // of each of them
+
+    // The state as bytes, and back; false when they are none of this rod's.
+    std::vector<std::uint8_t> save() const;
+    bool restore(const std::vector<std::uint8_t> &bytes);
+
+  private:
+    struct Core;
+    std::unique_ptr<Core> core_;
+};
+
+} // namespace vcsim3

@@ -1,0 +1,61 @@
+// The vessel in double precision: the same sparse field of B-spline coefficients that the core reads (lumen.h
+// of the core states the layout), evaluated here independently of the core's arithmetic.
+#pragma once
+#include "tools/lab/vcsim3/rod.hpp"
+extern "C" {
+#include "firmware/core/lumen.h"
+}
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace vcsim3
+{
+
+struct LumenSample {
+    double distance_m = 0.0;        // negative inside the lumen
+    Vector inward = Vector::Zero(); // unit normal; zero far from the wall
+};
+
+// The field itself: its gradient is not quite of length 1, and it is what the value's change follows. Second
+// derivatives jump at the borders of voxels. Both are zero far from the wall.
+struct LumenField {
+    double distance_m = 0.0; // negative inside the lumen
+    Vector gradient = Vector::Zero();
+    Eigen::Matrix3d second_per_m = Eigen::Matrix3d::Zero();
+};
+
+// The lumen and where the rod enters. Owns the bytes of its file, so it is neither copied nor moved.
+class Vessel
+{
+  public:
+    // Throws std::runtime_error that names the file, the fault and the remedy.
+    explicit Vessel(const std::string &path);
+    // Of a lumen that somebody else owns and that outlives this.
+    Vessel(const crn_lumen &lumen, const Vector &mouth_m, const Vector &direction);
+    Vessel(const Vessel &) = delete;
+    Vessel &operator=(const Vessel &) = delete;
+
+    LumenSample sample(const Vector &position_m) const;
+    const crn_lumen &lumen() const { return lumen_; }
+    const Vector &mouth_m() const { return mouth_m_; }
+    const Vector &direction() const { return direction_; }
+    const std::string &name() const { return name_; }
+
+    // Corners of the lattice.
+    Vector low_m() const;
+    Vector high_m() const;
+
+  private:
+    std::vector<std::uint8_t> bytes_;
+    crn_lumen lumen_{};
+    Vector mouth_m_, direction_;
+    std::string name_;
+};
+
+// The field at a point: value and gradient of 27 coefficients. Far from every wall +-15.6 mm with no normal.
+LumenSample sample_lumen(const crn_lumen &lumen, const Vector &position_m);
+
+LumenField lumen_field(const crn_lumen &lumen, const Vector &position_m);
+
+} // namespace vcsim3

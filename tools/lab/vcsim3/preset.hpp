@@ -1,0 +1,48 @@
+// The nine instruments of the thesis' Table 5.1 as rods, with what explicit integration needs to keep them
+// stable.
+//
+// The table gives no units. Read as here all nine are one consistent set: E x 1e7 Pa, radius x 1e-4 m (8.9 is
+// then the Super Stiff's 0.89 mm), density x 1e5 kg/m^3, and Kp x 10 N, because Kp / (E radius^2) has to be
+// the table's own ratio when the table's length is the decimetre that makes 8.9e-3 of it 0.89 mm.
+// docs/thesis.md has the argument.
+#pragma once
+#include "tools/lab/vcsim3/rod.hpp"
+#include <string>
+
+namespace vcsim3
+{
+
+struct Preset {
+    const char *token;      // for command lines
+    const char *instrument; // row of Table 5.1
+    // As printed, without the powers of ten of the table's head.
+    double young, radius, density, parallel;
+    // For all modes alike.
+    int substeps;         // steps per millisecond with elements of element_m
+    double mass_scale;    // of the table's density
+    double inertia_scale; // of a segment's rotational inertia, on top of the mass scale
+
+    double young_Pa() const { return young * 1e7; }
+    double radius_m() const { return radius * 1e-4; }
+    double density_kg_m3() const { return density * 1e5; }
+    double parallel_N() const { return parallel * 10.0; }
+    double bend_N_m2() const;
+    double twist_N_m2() const;    // of a homogeneous round wire with Poisson's ratio 0.3
+    double mass_kg_per_m() const; // with mass_scale
+};
+
+inline constexpr double preset_element_m = 1.5e-3;
+inline constexpr double wall_friction = 0.2;
+// Drag of the mass points (as our solver's) and of the segments' turning, per second.
+inline constexpr double drag_per_s = 20.0, spin_drag_per_s = 200.0;
+
+const std::vector<Preset> &presets();
+const Preset *find_preset(const std::string &token); // nullptr when there is none
+
+RodProperties rod_of(const Preset &preset, int element_count, double element_m);
+
+// The fastest motion that the parallel constraint gives the mass points, 2/l sqrt(Kp / mass per length),
+// times the step: explicit integration needs less than 2.
+double step_ratio(const Preset &preset, double element_m, int substeps);
+
+} // namespace vcsim3
