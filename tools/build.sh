@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# Builds targets of a CMake preset: configures where that is due, says nothing where nothing is to be done.
+# usage: build.sh PRESET PARTS TARGET...
+# PARTS (run, tools, tests, lab; comma between them) are added to what the folder is configured for, so that `make run` needs no
+# package of the tests, and `make test` after it goes on in the same folder. BUILD names another folder, JOBS the number of
+# compilers at once; what CMAKE_ARGS holds goes to cmake. V=1 shows whole commands.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+preset=$1 parts=$2
+shift 2
+case $preset in
+    release) folder=${BUILD:-build} ;;
+    sanitize) folder=${BUILD:-build}/san ;;
+    *) folder=${BUILD:-build}/$preset ;;
+esac
+cache=$folder/CMakeCache.txt
+have=$(sed -n 's/^CRN_PARTS:STRING=//p' "$cache" 2>/dev/null || true)
+want=$have
+for part in ${parts//,/ }; do [[ ";$want;" == *";$part;"* ]] || want=${want:+$want;}$part; done
+if [ ! -e "$folder/build.ninja" ] || [ "$want" != "$have" ] || [ -n "${CMAKE_ARGS:-}" ]; then
+    log=$(mktemp)
+    trap 'rm -f "$log"' EXIT
+    # shellcheck disable=SC2086
+    if ! cmake --preset "$preset" -B "$folder" "-DCRN_PARTS=$want" ${CMAKE_ARGS:-} >"$log" 2>&1; then
+        cat "$log" >&2
+        exit 1
+    fi
+fi
+status=${CRN_STATUS:-[%f/%t] }
+NINJA_STATUS=$status exec ninja -C "$folder" ${JOBS:+-j "$JOBS"} ${KEEP_GOING:+-k 0} ${V:+-v} --quiet "$@"

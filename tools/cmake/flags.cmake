@@ -1,0 +1,99 @@
+# How everything is compiled: crn_common is linked into every target of this project.
+include_guard()
+
+set(CRN_OPT "-O2" CACHE STRING "level of everything that sets none of its own")
+set(CRN_CORE_OPT "-O3" CACHE STRING "level of firmware/core")
+set(CRN_TEST_OPT "-O1" CACHE STRING "level of tests: long lists that run once")
+set(CRN_DEBUG "-g1" CACHE STRING "debug information: -g1 lines only, -g for a debugger")
+set(CRN_SANITIZE "" CACHE STRING "sanitizers, such as address,undefined")
+set(CRN_SANITIZE_GCC "" CACHE STRING "the same by gcc, which has no fuzzers: for the readers of scans")
+set(CRN_QUICK ON CACHE BOOL "compile what runs once without optimising")
+set(CRN_USB_ID "1209:0001" CACHE STRING "the number that a rig shows on the bus, vendor:product in hexadecimal (docs/usb.md)")
+set(CRN_PARTS "run;tools;tests;lab" CACHE STRING "what is built: run, tools, tests, lab")
+
+set(CMAKE_C_STANDARD 11)
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_C_EXTENSIONS OFF)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_POSITION_INDEPENDENT_CODE OFF)
+
+find_program(CRN_CCACHE ccache)
+if(CRN_CCACHE AND NOT CMAKE_C_COMPILER_LAUNCHER)
+    set(CMAKE_C_COMPILER_LAUNCHER ${CRN_CCACHE})
+    set(CMAKE_CXX_COMPILER_LAUNCHER ${CRN_CCACHE})
+endif()
+
+# What most files of C++ begin with is read once. A precompiled header fits one set of flags, so there is one for each level.
+# A compiler cache keeps nothing that used one.
+if(NOT DEFINED CRN_PREFIX_HEADERS)
+    if(CMAKE_CXX_COMPILER_LAUNCHER)
+        set(prefix OFF)
+    else()
+        set(prefix ON)
+    endif()
+    set(CRN_PREFIX_HEADERS ${prefix} CACHE BOOL "precompile the headers that most C++ files begin with")
+endif()
+
+add_library(crn_common INTERFACE)
+target_compile_options(crn_common INTERFACE
+    # The same bytes from every folder: what a compiler writes down of this one is "." (docs/dependencies.md).
+    -ffile-prefix-map=${PROJECT_SOURCE_DIR}=.
+    ${CRN_DEBUG} -Wall -Wextra -Wshadow -Werror
+    $<$<COMPILE_LANGUAGE:C>:-Wpedantic> $<$<COMPILE_LANGUAGE:C>:-Wvla> $<$<COMPILE_LANGUAGE:C>:-Wmissing-prototypes>
+    $<$<COMPILE_LANGUAGE:CXX>:-ffp-contract=off>)
+target_include_directories(crn_common SYSTEM INTERFACE /usr/include/eigen3)
+target_link_options(crn_common INTERFACE -pthread)
+if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+    # gcc 12 sees overlapping copies in std::string's operator+ at -O3 that are not there (its bug 105329). In a precompiled header
+    # it forgets that such finds lie in its own library; clang hears them.
+    target_compile_options(crn_common INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-restrict>)
+    if(CRN_PREFIX_HEADERS)
+        target_compile_options(crn_common INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-array-bounds>
+            $<$<COMPILE_LANGUAGE:CXX>:-Wno-stringop-overflow> $<$<COMPILE_LANGUAGE:CXX>:-Wno-stringop-overread>)
+    endif()
+endif()
+find_program(CRN_LLD ld.lld)
+if(CRN_LLD AND NOT CMAKE_CROSSCOMPILING)
+    target_link_options(crn_common INTERFACE -fuse-ld=lld)
+endif()
+if(CRN_SANITIZE)
+    # Whole objects for fuzzers too: their hooks cost tests little.
+    target_compile_options(crn_common INTERFACE -fsanitize=fuzzer-no-link,${CRN_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+    target_link_options(crn_common INTERFACE -fsanitize=${CRN_SANITIZE})
+endif()
+if(CRN_SANITIZE_GCC)
+    target_compile_options(crn_common INTERFACE -fsanitize=${CRN_SANITIZE_GCC} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+    target_link_options(crn_common INTERFACE -fsanitize=${CRN_SANITIZE_GCC})
+endif()
+string(REPLACE ":" ";" crn_usb_id ${CRN_USB_ID})
+list(GET crn_usb_id 0 crn_vendor)
+list(GET crn_usb_id 1 crn_product)
+target_compile_definitions(crn_common INTERFACE CRN_USB_VENDOR_ID=0x${crn_vendor} CRN_USB_PRODUCT_ID=0x${crn_product})
+
+# Loops over pixels become vector code; neither flag changes a value.
+set(CRN_PIXELS "-O3 -fno-math-errno -fno-trapping-math")
+# gcc's scheduling costs the core more than it gives (docs/bench.md).
+set(CRN_CORE "${CRN_CORE_OPT} -ffreestanding")
+if(CMAKE_C_COMPILER_ID STREQUAL GNU)
+    string(APPEND CRN_CORE " -fno-schedule-insns -fno-tree-pre")
+endif()
+
+function(crn_prefix_header target level)
+    if(NOT CRN_PREFIX_HEADERS)
+        return()
+    endif()
+    get_target_property(sources ${target} SOURCES)
+    if(NOT "${sources}" MATCHES "\\.cpp")
+        return()
+    endif()
+    string(MAKE_C_IDENTIFIER "crn_prefix_${level}" owner)
+    if(NOT TARGET ${owner})
+        file(WRITE ${PROJECT_BINARY_DIR}/${owner}.cpp "")
+        add_library(${owner} OBJECT ${PROJECT_BINARY_DIR}/${owner}.cpp)
+        crn_flags(${owner} "${level}")
+        target_precompile_headers(${owner} PRIVATE <Eigen/Core> <Eigen/Geometry> <algorithm> <array> <cmath> <cstdint> <cstdio>
+            <filesystem> <fstream> <functional> <map> <memory> <optional> <set> <span> <sstream> <string> <thread> <vector>)
+    endif()
+    target_precompile_headers(${target} REUSE_FROM ${owner})
+endfunction()

@@ -1,0 +1,98 @@
+# Firmware, rigs, and the levels of emulation: docs/hil.md, docs/porting.md, docs/rig.md.
+##@ For rig builders
+.PHONY: firmware-board registers install-udev hil hil-full hil-faults hil-loop hil-emulator hil-machines hil-mock hil-guest hil-rig \
+        hil-passivity hil-lies soak
+IMAGE       := $(BUILD)/firmware/cournand-mps2_an500.elf
+BOARD_IMAGE := $(BUILD)/firmware/cournand-imxrt1062.elf
+IMAGE_ARGS   = -DCRN_USB_ID=$(USB_ID)
+
+firmware: packages-build+matrix ## build the images for the emulated Cortex-M7 and a real board, and check them: build/firmware
+	@JOBS=$(JOBS) CMAKE_ARGS="$(IMAGE_ARGS)" tools/build.sh m7 run cournand-mps2_an500 cournand-imxrt1062
+	@tools/bench/image_report.py --objects $(BUILD)/m7 $(IMAGE)
+	@tools/bench/image_report.py --objects $(BUILD)/m7 --port imxrt1062 $(BOARD_IMAGE)
+
+firmware-board: packages-build+matrix ## the image for a real board alone (i.MX RT1062, never run on one)
+	@JOBS=$(JOBS) CMAKE_ARGS="$(IMAGE_ARGS)" tools/build.sh m7 run cournand-imxrt1062
+	@tools/bench/image_report.py --objects $(BUILD)/m7 --port imxrt1062 $(BOARD_IMAGE)
+
+registers: packages-registers ## hold the board's registers against the crate imxrt-ral (fetched from crates.io)
+	@tools/check/check_registers.py
+
+UDEV_RULES := $(DESTDIR)/etc/udev/rules.d/60-cournand.rules
+install-udev: ## let users of this machine open a rig on USB (as root, or DESTDIR=folder)
+	@mkdir -p $(dir $(UDEV_RULES))
+	@sed 's/=="1209"/=="$(word 1,$(subst :, ,$(USB_ID)))"/; s/=="0001"/=="$(word 2,$(subst :, ,$(USB_ID)))"/' \
+	    tools/udev/60-cournand.rules > $(UDEV_RULES)
+	@if [ -z "$(DESTDIR)" ]; then udevadm control --reload && udevadm trigger --subsystem-match=usb --subsystem-match=hidraw; fi
+	@echo "Written: $(UDEV_RULES). Plug the rig out and in."
+
+HIL          := $(BUILD)/bin/hil
+HIL_CAMPAIGN := $(BUILD)/bin/hil_campaign
+# Seconds of a session that the rig leads at L2 and L3, milliseconds of one in FREE_RUN at L0 and L1.
+HIL_LED  ?= 15
+HIL_FREE ?= 4000
+# Faults on purpose on the image: a spread over all kinds.
+HIL_SPREAD ?= 40
+ON_USB   := BUILD=$(BUILD) HIL=$(BUILD)/hil SECONDS_LED=$(HIL_LED) hil_tests/on_usb.sh
+hil_also  = --also "$(1) $(3) $(ON_USB) $(1) $(2)"
+hil_usb   = $(call hil_also,$(1),checks,libusb_and_hidapi) $(call hil_also,$(1),app,the_whole_app) \
+            $(call hil_also,$(1),cases,the_same_cases_on_the_image) $(call hil_also,$(1),aorta,aorta_session_by_cournand) \
+            $(call hil_also,$(1),free_run,a_session_that_the_rig_leads) $(call hil_also,$(1),unplug,unplugged_in_a_session) \
+            $(call hil_also,$(1),two,two_rigs_by_serial_number)
+HIL_PACKAGES := packages-build+run+tools+test+hil+usb+matrix
+define hil_build
+	$(call build,release,run$(comma)tools$(comma)tests,cournand hil hil_rig hil_campaign hil_programs)
+	$(call build,m7,run,cournand-mps2_an500)
+	$(again) $(SCENE)
+endef
+
+hil: $(HIL_PACKAGES) ## every level of emulation with every case, and the aorta session: docs/hil.md
+	$(hil_build)
+	@$(HIL) --scene $(SCENE) --free-run $(HIL_FREE) --also "L0 faults_on_purpose $(HIL_CAMPAIGN)" \
+	    --also "L1 faults_on_purpose $(HIL_CAMPAIGN) --level L1 --spread $(HIL_SPREAD) --tsv out/hil_campaign_l1.tsv" \
+	    $(call hil_usb,L2) $(call hil_usb,L3) \
+	    --also "L4 one_hash_on_five_machines tools/check/matrix.py --short --jobs $(JOBS)" \
+	    --also "L4 the_app_and_its_wire hil_tests/l4/wire_everywhere.sh"
+
+hil-full: ## make hil with FREE_RUN for a minute everywhere, cases in full at L2 and L3, 520 faults on the image, all under sanitizers
+	@SHORT="--pause 1" LIMIT=600 STRICT=1 $(MAKE) --no-print-directory hil HIL_LED=60 HIL_FREE=60000 HIL_SPREAD=520
+	$(again) hil-faults
+
+hil-faults: packages-build+test+usb ## every fault on purpose at L0 under the sanitizers (a few minutes)
+	$(call build,sanitize,run$(comma)tests,hil_campaign)
+	@$(BUILD)/san/bin/hil_campaign --tsv out/hil_campaign_san.tsv
+
+hil-loop hil-emulator hil-mock hil-guest: $(HIL_PACKAGES)
+	$(hil_build)
+	@case $@ in hil-loop) $(HIL) --level L0 --scene $(SCENE) --free-run $(HIL_FREE) ;; \
+	    hil-emulator) $(HIL) --level L1 --scene $(SCENE) --free-run $(HIL_FREE) ;; \
+	    hil-mock) HIL=$(BUILD)/hil hil_tests/l2/test_l2.sh && $(HIL) --level L2 $(call hil_usb,L2) ;; \
+	    hil-guest) $(HIL) --level L3 $(call hil_usb,L3) ;; esac
+hil-loop: ## level L0: the cases and the aorta session with the device inside the process
+hil-emulator: ## level L1: the same on the image in an emulated Cortex-M7
+hil-mock: ## level L2: libusb and hidapi see the device by umockdev, on a machine without USB
+hil-guest: ## level L3: the device behind a real Linux: Debian's kernel in QEMU, xHCI, libusb, hidapi
+hil-machines: packages-build+matrix ## level L4: one hash on five machines, and the app with its wire there
+	@tools/check/matrix.py --short --jobs $(JOBS) && hil_tests/l4/wire_everywhere.sh
+
+hil-rig: packages-build+run+tools+test+usb ## the cases that need no plant on a rig of metal: make hil-rig SERIAL=...
+	$(call build,release,run$(comma)tools$(comma)tests,hil)
+	$(again) $(SCENE)
+	@$(HIL) --level rig --serial "$(SERIAL)" --scene $(SCENE)
+
+# The grid of gain, coupling, damping, lag and hand (docs/haptics.md, "The grid"); make test does a spread of it.
+hil-passivity: packages-build+tools+test+usb ## every combination of gain, coupling, stated damping and lag at an end wall
+	$(call build,release,run$(comma)tools$(comma)tests,hil_campaign)
+	@$(HIL_CAMPAIGN) --passivity 1 --tsv out/hil_passivity.tsv
+
+hil-lies: packages-build+run+tools+test+usb ## a device sends every command more than 200 false replies each: out/hil_lies.tsv (some minutes)
+	$(call build,release,run$(comma)tools$(comma)tests,hil_lies)
+	@$(BUILD)/bin/hil_lies
+
+# HOURS=h of this call, or until SESSIONS and TICKS are reached; SEED= other sessions. A later call with the same seed goes on.
+SOAK_SCENES := $(SCENE) $(HEART) $(PHANTOM_SCENE) out/lad_pci.scene out/renal_pci.scene
+soak: packages-build+run+tools+test+usb ## random sessions over all scenes and instruments, held against bars: HOURS=1 SEED=1 (docs/soak.md)
+	$(call build,release,run$(comma)tools$(comma)tests,$(TOOLS) soak)
+	$(again) $(SOAK_SCENES)
+	@$(BUILD)/bin/soak --jobs $(JOBS) $(if $(SEED),--seed $(SEED)) $(if $(HOURS),--hours $(HOURS)) \
+	    $(if $(SESSIONS),--sessions $(SESSIONS)) $(if $(TICKS),--ticks $(TICKS)) $(foreach scene,$(SOAK_SCENES),--scene $(scene))
