@@ -19,7 +19,7 @@ again = @$(MAKE) --no-print-directory PACKAGES=skip
 packages-%:
 	@[ "$(PACKAGES)" = skip ] || MAKE_GOALS="$(MAKECMDGOALS)" tools/check/install_packages.sh $(subst +, ,$*)
 
-.PHONY: help run window scene test test-lab bench hil firmware docs install coverage format clean all lab FORCE
+.PHONY: help run window scene test docs install clean
 
 ##@ For everyone
 help: ## this list

@@ -1,4 +1,5 @@
 // A look through a TOML text before its parser.
+#define TOML_IMPLEMENTATION
 #include "host/base/toml.hpp"
 
 namespace crn

@@ -7,6 +7,7 @@
 // times less than the stack holds. The size bounds the memory.
 #pragma once
 #define TOML_ASSERT(expr) static_cast<void>(0)
+#define TOML_HEADER_ONLY 0 // toml.cpp alone compiles it
 #include <cstddef>
 #include <stdexcept>
 #include <string>

@@ -1,6 +1,7 @@
 #include "host/report/report_angioplasty.hpp"
 #include "host/patient/balloon.hpp"
 #include "host/patient/stents.hpp"
+#include <nlohmann/json.hpp>
 
 namespace crn
 {

@@ -2,7 +2,7 @@
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/session/balloon_figures.hpp"
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <vector>
 
 namespace crn

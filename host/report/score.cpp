@@ -1,6 +1,7 @@
 #include "host/report/score.hpp"
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 namespace crn

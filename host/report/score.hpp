@@ -3,7 +3,7 @@
 //   Json score = score_of(report);    write_score_page("score.html", report, score, pictures);
 #pragma once
 #include "host/picture/picture.hpp"
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 

@@ -4,6 +4,7 @@
 #include "host/report/score.hpp"
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 namespace crn
 {

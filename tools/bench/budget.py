@@ -157,11 +157,26 @@ def profile(build, number, folder):
         print("%9.0f  %s" % (count / min(ticks, 2), name))
 
 
+# --- objects: where the preset m7 has what it made of a target ----------------------------------------------------------
+def target_folder(build, target):
+    return os.path.join(build, "m7", "firmware", "images", "CMakeFiles", target + ".dir")
+
+
+def budget_objects(build):
+    return target_folder(build, "budget_core")
+
+
+def image_objects(build, port):
+    """Folders of everything that a port's image is linked from."""
+    return [target_folder(build, "image_" + part) for part in ("core", "device", "memory", port)]
+
+
 # --- stack ------------------------------------------------------------------------------------------------------------
-def call_graph(folder):
+def call_graph(folders):
     """(bytes of each function, callees of each function) from the compiler's .ci files."""
     frame, calls, plain = {}, collections.defaultdict(set), {}
-    for path in glob.glob(os.path.join(folder, "**", "*.ci"), recursive=True):
+    folders = [folders] if isinstance(folders, str) else folders
+    for path in [p for one in folders for p in glob.glob(os.path.join(one, "**", "*.ci"), recursive=True)]:
         with open(path, encoding="utf-8") as file:
             text = file.read()
         for title, size, kind in re.findall(
@@ -176,10 +191,10 @@ def call_graph(folder):
     return frame, calls, plain
 
 
-def worst_stack(folder, root, by_address=()):
+def worst_stack(folders, root, by_address=()):
     """Bytes on the longest path from `root`; refuses recursion and functions of unknown size. `by_address` names all
     functions that a call by address can reach; without it such calls are refused."""
-    frame, calls, plain = call_graph(folder)
+    frame, calls, plain = call_graph(folders)
     frame, done = dict(frame), {}
     if by_address:
         frame["__indirect_call"], calls["__indirect_call"] = 0, set(by_address)
@@ -204,14 +219,14 @@ def worst_stack(folder, root, by_address=()):
 
 def stack(build):
     for root in ROOTS:
-        size, path = worst_stack(os.path.join(build, "m7", "obj"), root)
+        size, path = worst_stack(budget_objects(build), root)
         yield "rod.m7_stack_bytes", size, "bytes", "function=%s" % root
         print("stack of %s: %s" % (root, " > ".join(path)), file=sys.stderr)
 
 
 # --- bytes and symbols ------------------------------------------------------------------------------------------------
 def sizes(build):
-    objects = glob.glob(os.path.join(build, "m7", "obj", "firmware", "core", "*.o"))
+    objects = glob.glob(os.path.join(budget_objects(build), "firmware", "core", "*.o"))
     lines = run(["arm-none-eabi-size"] + objects).splitlines()[1:]
     yield "rod.m7_text_bytes", sum(int(line.split()[0]) for line in lines), "bytes", "firmware/core with its tables"
     if sum(int(line.split()[1]) + int(line.split()[2]) for line in lines):
@@ -306,7 +321,7 @@ def print_estimates(build):
         "of\naddress, without cache misses and branches"
     )
     rows = []
-    for path in sorted(glob.glob(os.path.join(build, "m7", "obj", "firmware", "core", "*.o"))):
+    for path in sorted(glob.glob(os.path.join(budget_objects(build), "firmware", "core", "*.o"))):
         text = run(["arm-none-eabi-objdump", "-d", "--no-show-raw-insn", path])
         for name, body in re.findall(r"^[0-9a-f]+ <(\w+)>:\n(.*?)(?:\n\n|\Z)", text, re.M | re.S):
             found = [e for e in (estimate(loop) for loop in innermost_loops(body.splitlines())) if e]

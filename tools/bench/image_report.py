@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What a device's image needs and must not have: code, RAM, worst stack; no soft-float, divide helper or heap.
 
-  image_report.py --objects build/firmware/obj build/firmware/cournand-mps2_an500.elf
+  image_report.py --build build --port mps2_an500
 
 The stack is the longest path through the compiler's call graph from main(), plus one exception with its handler. Calls by
 address are the port's functions, which are named here. Ends with 1 when RAM or stack are over their limits, or when a
@@ -9,6 +9,7 @@ forbidden name is in the image.
 """
 
 import argparse
+import os
 import sys
 
 import budget
@@ -88,12 +89,12 @@ def report(image, objects, port):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--objects", required=True, help="folder with the compiler's call graphs (.ci)")
+    parser.add_argument("--build", default="build", help="folder of the build (default: build)")
     parser.add_argument("--port", choices=sorted(BY_ADDRESS), default="mps2_an500")
-    parser.add_argument("image")
     options = parser.parse_args()
     try:
-        wrong = report(options.image, options.objects, options.port)
+        image = os.path.join(options.build, "firmware", "cournand-%s.elf" % options.port)
+        wrong = report(image, budget.image_objects(options.build, options.port), options.port)
     except budget.CannotMeasure as problem:
         wrong = [str(problem)]
     for text in wrong:

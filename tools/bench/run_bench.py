@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """Run the benchmark programs by the convention of docs/bench.md. Called by `make bench`.
 
-  run_bench.py --build build [--cases TEXT] PROGRAM...
+  run_bench.py --build build [--cases TEXT] [PROGRAM...]
 
 Writes out/bench.tsv (name, value, unit, context, separated by tabs) and prints it as a table. With --cases only the
 cases whose name contains TEXT run, and the file is left alone. Ends with 1 when a case could not be measured.
 """
 
 import argparse
+import glob
 import json
 import os
 import re
@@ -300,8 +301,9 @@ def main():
     parser.add_argument(
         "--only-programs", action="store_true", help="leave out %s and the Cortex-M7's budget" % SESSION
     )
-    parser.add_argument("programs", nargs="+", metavar="PROGRAM")
+    parser.add_argument("programs", nargs="*", metavar="PROGRAM", help="(default: every BUILD/bench/bench_*)")
     options = parser.parse_args()
+    options.programs = options.programs or sorted(glob.glob(os.path.join(options.build, "bench", "bench_*")))
     cases = []
     try:
         for program in options.programs:

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Run libFuzzer targets. Called by `make fuzz` and, for a few seconds each, by run_tests.py.
 
-  run_fuzz.py --build build/fuzz --seconds 60 --jobs 2 NAME...      so long each
-  run_fuzz.py --build build/fuzz --executions 5000000 NAME...       so many inputs each, however long it takes
-  run_fuzz.py --build build/fuzz --coverage NAME...                 what the committed corpus reaches
-  run_fuzz.py --build build/fuzz --keep NAME...                     what was learnt, minimised, becomes the committed corpus
+  run_fuzz.py --build build/san --seconds 60 --jobs 2 NAME...      so long each
+  run_fuzz.py --build build/san --executions 5000000 NAME...       so many inputs each, however long it takes
+  run_fuzz.py --build build/san --coverage NAME...                 what the committed corpus reaches
+  run_fuzz.py --build build/san --keep NAME...                     what was learnt, minimised, becomes the committed corpus
 
 BUILD/test/NAME is the fuzz program, BUILD/test/NAME_seeds DIRECTORY writes its valid inputs, NAME.corpus has those that a longer
 run found: one input per line, in base64. What the fuzzer learns is kept in BUILD/corpus/NAME; an input that crashes is kept
@@ -166,9 +166,16 @@ def run_target(build, name, seconds, executions=0):
     return False, "\n".join(text)
 
 
+def every_target(build):
+    """Names of the targets that were built."""
+    paths = [os.path.join(place, name) for place, _, names in os.walk(os.path.join(build, "test")) for name in names]
+    names = [os.path.relpath(path, os.path.join(build, "test")) for path in paths if path.endswith("_seeds")]
+    return sorted(name[: -len("_seeds")] for name in names)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--build", default="build/fuzz", help="build folder (default: build/fuzz)")
+    parser.add_argument("--build", default="build/san", help="build folder (default: build/san)")
     parser.add_argument("--seconds", type=int, default=60, help="time per target (default: 60)")
     parser.add_argument(
         "--executions", type=int, default=0, help="inputs per target instead of a time (default: 0, none)"
@@ -185,6 +192,8 @@ def main():
             file=sys.stderr,
         )
         return 2
+    if not options.names:
+        options.names = every_target(options.build)
     if not options.names:
         print("run_fuzz: no fuzz targets (fuzz_*.c) found", file=sys.stderr)
         return 1

@@ -1,16 +1,18 @@
 #!/usr/bin/env python3
-"""Run every test program and script, and print one line of totals. Called by `make test` after the build.
+"""Run every test program and script of a label, and print one line of totals. Called by run_tests.sh after the build.
 
-  run_tests.py --build build --jobs 2 --programs NAME... --scripts PATH... --sanitized NAME... --fuzz NAME...
+  run_tests.py --build build --jobs 2 --label product|lab
 
-A NAME is a source path without its extension; its program is BUILD/test/NAME (BUILD/san/test/NAME for --sanitized,
-BUILD/fuzz/test/NAME for --fuzz). Every program and script prints TAP: a plan `1..N` and a line per test. A program
+What there is comes from CTest: the tests of BUILD with the label, and with the label `product` those of BUILD/san too, which are
+the same under sanitizers and the fuzz targets. Every program and script prints TAP: a plan `1..N` and a line per test. A program
 that is missing, crashes, runs past its time or breaks its plan counts as one failed test, whatever else it said.
-Lines that begin with `#- ` are figures, shown below their program's line. The last line is `N passed, N failed, N skipped`; the exit code is 1 when something failed or nothing ran.
+Lines that begin with `#- ` are figures, shown below their program's line. After the failures come the seconds of each program,
+slowest first. The last line is `N passed, N failed, N skipped`; the exit code is 1 when something failed or nothing ran.
 """
 
 import argparse
 import concurrent.futures
+import json
 import os
 import re
 import signal
@@ -135,13 +137,57 @@ def run_fuzz_target(name, build):
     """A short fuzz run counts as one test."""
     outcome = Outcome("fuzz " + name)
     start = time.monotonic()
-    ok, outcome.output = run_fuzz.run_target(os.path.join(build, "fuzz"), name, FUZZ_SECONDS)
+    ok, outcome.output = run_fuzz.run_target(os.path.join(build, "san"), name, FUZZ_SECONDS)
     outcome.seconds = time.monotonic() - start
     if ok:
         outcome.passed = 1
     else:
         outcome.fail("%d s of random inputs" % FUZZ_SECONDS)
     return outcome
+
+
+def listed(build, label):
+    """(name, labels) of CTest's tests with the label."""
+    command = ["ctest", "--test-dir", build, "--show-only=json-v1", "-L", "^%s$" % label]
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False)
+    if done.returncode != 0:
+        return []  # it did not configure, which its build has said
+    for test in json.loads(done.stdout)["tests"]:
+        for one in test.get("properties", []):
+            if one["name"] == "LABELS":
+                yield test["name"], one["value"]
+
+
+def find_tests(options):
+    """Fills in the lists of what there is."""
+    plain = list(listed(options.build, options.label))
+    options.scripts = [name for name, labels in plain if "script" in labels]
+    options.programs = [name for name, labels in plain if "script" not in labels]
+    under = list(listed(os.path.join(options.build, "san"), "product")) if options.label == "product" else []
+    options.sanitized = [name for name, labels in under if "fuzz" not in labels]
+    options.fuzz = [name[len("fuzz/") :] for name, labels in under if "fuzz" in labels]
+
+
+def read_times(build):
+    """Seconds of each program when it ran last, so that the longest begin first."""
+    try:
+        with open(os.path.join(build, "test_seconds.json"), encoding="utf-8") as file:
+            return json.load(file)
+    except (OSError, ValueError):
+        return {}
+
+
+def write_times(build, outcomes):
+    times = read_times(build)
+    times.update({outcome.title: round(outcome.seconds, 1) for outcome in outcomes})
+    with open(os.path.join(build, "test_seconds.json"), "w", encoding="utf-8") as file:
+        json.dump(times, file, indent=0, sort_keys=True)
+
+
+def print_times(outcomes):
+    print("\nseconds of each program, slowest first")
+    for outcome in sorted(outcomes, key=lambda one: -one.seconds):
+        print("%8.1f  %s" % (outcome.seconds, outcome.title))
 
 
 def make_jobs(options):
@@ -165,6 +211,12 @@ def make_jobs(options):
     for name in options.fuzz:
         jobs.append((run_fuzz_target, (name, options.build)))
     return jobs
+
+
+def slowest_first(jobs, build):
+    """A long program that begins last would run alone."""
+    times = read_times(build)
+    return sorted(jobs, key=lambda job: -times.get(job[1][0], 0.0))
 
 
 def print_progress(done, total, outcome):
@@ -214,11 +266,13 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", default="build", help="build folder (default: build)")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="programs at a time (default: cores)")
-    for group in ("programs", "scripts", "sanitized", "fuzz"):
-        parser.add_argument("--" + group, nargs="*", default=[])
+    parser.add_argument("--label", choices=("product", "lab"), default="product")
     options = parser.parse_args()
     start = time.monotonic()
-    outcomes = run_all(make_jobs(options), max(1, options.jobs))
+    find_tests(options)
+    outcomes = run_all(slowest_first(make_jobs(options), options.build), max(1, options.jobs))
+    write_times(options.build, outcomes)
+    print_times(outcomes)
     print_skips(outcomes)
     print_failures(outcomes)
     passed = sum(outcome.passed for outcome in outcomes)

@@ -1,1 +1,67 @@
+# What `cmake --install` (make install) puts below PREFIX: programs, libraries with their headers, scenes and instruments, and for
+# other projects a pkg-config file and a CMake package each for the core and for the host:
+#
+#   find_package(cournand CONFIG REQUIRED)            pkg-config --cflags --libs cournand-core
+#   target_link_libraries(mine cournand::core)        pkg-config --cflags --libs --static cournand-host
+#
+# Headers keep their paths: #include "firmware/core/core.h" below include/cournand.
+include_guard()
+set(CMAKE_INSTALL_LIBDIR lib CACHE PATH "libraries below PREFIX")
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
 
+set(include_folder ${CMAKE_INSTALL_INCLUDEDIR}/cournand)
+set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/cournand)
+
+# The core: freestanding, for a rig's firmware or a host of one's own. The host: everything that `cournand` is made of.
+set(CRN_CORE_ROOMS firmware/core)
+set(CRN_HOST_ROOMS shared/wire shared/scene firmware/app firmware/port/sim host/base host/model host/link host/effects host/stent
+    host/xray/paths host/xray host/xray/style host/xray/gl host/room host/dicom host/patient host/rig host/script host/session
+    host/picture host/report)
+
+# Archives as they are linked: each before what it uses.
+function(crn_install_archives rooms name)
+    set(archives "")
+    foreach(room ${rooms})
+        crn_target_of(target ${room})
+        install(TARGETS ${target} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/cournand COMPONENT ${name})
+        file(GLOB headers ${PROJECT_SOURCE_DIR}/${room}/*.h ${PROJECT_SOURCE_DIR}/${room}/*.hpp ${PROJECT_SOURCE_DIR}/${room}/*.def)
+        install(FILES ${headers} DESTINATION ${include_folder}/${room} COMPONENT ${name})
+        string(REPLACE "/" "_" archive ${room})
+        list(PREPEND archives ${archive})
+    endforeach()
+    set(${name}_archives "${archives}" PARENT_SCOPE)
+endfunction()
+
+crn_install_archives("${CRN_CORE_ROOMS}" core)
+crn_install_archives("${CRN_HOST_ROOMS}" host)
+install(FILES shared/version.h DESTINATION ${include_folder}/shared)
+install(FILES firmware/port/port.h firmware/port/port_built.h firmware/port/udc.h DESTINATION ${include_folder}/firmware/port)
+install(FILES firmware/port/mps2_an500/rig_page.h DESTINATION ${include_folder}/firmware/port/mps2_an500)
+install(DIRECTORY shared/examples/instruments shared/examples/sessions shared/examples/stents shared/examples/lesions
+    shared/examples/scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/cournand/examples)
+install(FILES LICENSE NOTICE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES tools/udev/60-cournand.rules DESTINATION ${CMAKE_INSTALL_DATADIR}/cournand)
+get_property(programs GLOBAL PROPERTY CRN_PROGRAMS)
+foreach(program cournand anatomy bake centreline)
+    if(TARGET ${program})
+        install(TARGETS ${program} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+    endif()
+endforeach()
+
+set(CRN_HOST_SYSTEM_LIBRARIES "-lpng -lglfw -lusb-1.0 -ldcmdata -lofstd -lccd -ldl -lm -pthread")
+foreach(library ${core_archives})
+    string(APPEND CRN_CORE_LIBRARIES " -l${library}")
+endforeach()
+foreach(library ${host_archives})
+    string(APPEND CRN_HOST_LIBRARIES " -l${library}")
+endforeach()
+foreach(part core host)
+    configure_file(tools/cmake/cournand-${part}.pc.in ${PROJECT_BINARY_DIR}/cournand-${part}.pc @ONLY)
+    install(FILES ${PROJECT_BINARY_DIR}/cournand-${part}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+endforeach()
+configure_package_config_file(tools/cmake/cournand-config.cmake.in ${PROJECT_BINARY_DIR}/cournand-config.cmake
+    INSTALL_DESTINATION ${package_folder} PATH_VARS include_folder)
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/cournand-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/cournand-config.cmake ${PROJECT_BINARY_DIR}/cournand-config-version.cmake
+    DESTINATION ${package_folder})

@@ -1,7 +1,7 @@
 # What developers of the product run.
 ##@ For developers
-.PHONY: lab fuzz fuzz-coverage fuzz-corpus compilers matrix budget budget-docs docs-tables docs-pictures gallery dissector sbom \
-        notice programs-list bars flakes
+.PHONY: all scene coverage bench format fuzz fuzz-coverage fuzz-corpus compilers matrix budget budget-docs docs-tables docs-pictures gallery dissector sbom
+.PHONY: notice programs-list bars flakes
 N     ?= 30
 LOAD  ?= 4
 

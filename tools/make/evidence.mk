@@ -1,6 +1,6 @@
 # The evidence: the thesis, references, calibration, other projects (tools/lab).
 ##@ For makers of evidence
-.PHONY: thesis table51 calibrate validate validate-centreline bench-peers bench-xray-peers importers
+.PHONY: lab test-lab thesis table51 calibrate validate validate-centreline bench-peers bench-xray-peers importers
 LAB = run$(comma)tools$(comma)lab
 
 lab: packages-build+run+tools+lab ## build every program of tools/lab

@@ -1,19 +1,17 @@
 # Firmware, rigs, and the levels of emulation: docs/hil.md, docs/porting.md, docs/rig.md.
 ##@ For rig builders
-.PHONY: firmware-board registers install-udev hil hil-full hil-faults hil-loop hil-emulator hil-machines hil-mock hil-guest hil-rig \
-        hil-passivity hil-lies soak
-IMAGE       := $(BUILD)/firmware/cournand-mps2_an500.elf
-BOARD_IMAGE := $(BUILD)/firmware/cournand-imxrt1062.elf
+.PHONY: firmware firmware-board registers install-udev hil hil-full hil-faults hil-loop hil-emulator hil-machines hil-mock hil-guest hil-rig
+.PHONY: hil-passivity hil-lies soak
 IMAGE_ARGS   = -DCRN_USB_ID=$(USB_ID)
 
 firmware: packages-build+matrix ## build the images for the emulated Cortex-M7 and a real board, and check them: build/firmware
 	@JOBS=$(JOBS) CMAKE_ARGS="$(IMAGE_ARGS)" tools/build.sh m7 run cournand-mps2_an500 cournand-imxrt1062
-	@tools/bench/image_report.py --objects $(BUILD)/m7 $(IMAGE)
-	@tools/bench/image_report.py --objects $(BUILD)/m7 --port imxrt1062 $(BOARD_IMAGE)
+	@tools/bench/image_report.py --build $(BUILD)
+	@tools/bench/image_report.py --build $(BUILD) --port imxrt1062
 
 firmware-board: packages-build+matrix ## the image for a real board alone (i.MX RT1062, never run on one)
 	@JOBS=$(JOBS) CMAKE_ARGS="$(IMAGE_ARGS)" tools/build.sh m7 run cournand-imxrt1062
-	@tools/bench/image_report.py --objects $(BUILD)/m7 --port imxrt1062 $(BOARD_IMAGE)
+	@tools/bench/image_report.py --build $(BUILD) --port imxrt1062
 
 registers: packages-registers ## hold the board's registers against the crate imxrt-ral (fetched from crates.io)
 	@tools/check/check_registers.py

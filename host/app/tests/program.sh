@@ -17,4 +17,4 @@ result() { # status, name
     fi
 }
 cd "$root" || exit 1
-[ -x "$program" ] || make -s PACKAGES=skip "$program" >&2
+[ -x "$program" ] || { echo "Bail out! $program is not built: tools/build.sh release run cournand"; exit 1; }

@@ -4,7 +4,6 @@ set -u
 . "$(dirname "$0")/program.sh"
 wire=shared/examples/instruments/amplatz_super_stiff.toml
 
-[ -x "$build/bin/bake" ] || make -s PACKAGES=skip "$build/bin/bake" >&2
 
 # libOSMesa and libGL both export gl*: linking one would take the other's place.
 ldd "$program" >"$work/log"

@@ -4,7 +4,6 @@ set -u
 . "$(dirname "$0")/../../../host/app/tests/program.sh"
 . host/app/tests/display.sh
 program="$build/bin/centreline"
-[ -x "$program" ] || make -s PACKAGES=skip "$program" >&2
 
 # An open tube of radius 2 mm and 30 mm along y.
 python3 - "$work/tube.obj" <<'PY'
@@ -66,7 +65,6 @@ for i in 0 1 2; do awk -v up="$i" '/^v/ {$4 += up} {print}' "$tube" >"$work/fram
         awk -F, '{off = $19 - $8 - 2; if (off < 0) off = -off; if (off > 0.1) bad = 1} END {exit bad}'
 result $? "carry takes the spheres along, frame by frame"
 
-[ -x "$build/bin/bake" ] || make -s PACKAGES=skip "$build/bin/bake" >&2
 printf '[scene]\nname = "t"\n[lumen]\ncentrelines = ["tree.csv"]\n[entry]\nposition_mm = [0, 9, 0]\ndirection = [0, 1, 0]\n' >"$work/scene.toml"
 "$build/bin/bake" "$work/scene.toml" -o "$work/t.scene" --poses 0 --points 100 >"$log" 2>&1 && grep -q "^vessels *1 branch" "$log"
 result $? "bake makes a lumen and its tree of vessels from what was fitted"

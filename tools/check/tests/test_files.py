@@ -55,9 +55,6 @@ def outputs(bench):
     bench.bad("a bake into an empty name is refused as usage", ["bake", "good.toml", "-o", ""], 2, "output.* is empty")
     bench.bad("a bake with its surface in a missing folder is refused first", bake("good", "--surface", "no/x.ply"), 1, "no/x.ply: cannot be written")
     bench.bad("an anatomy into an empty folder name is refused as usage", ["anatomy", "phantom", "-o", ""], 2, "output.* is empty")
-    bench.bad("a validation into a folder below a file is refused first", ["validate", "-o", "good.toml/x"], 1, "cannot be written")
-    bench.bad("a case into a folder below a file is refused first",
-              ["reference_rod", "--instrument", bad.WIRE, "--scene", "good.scene", "--depth", "a:10:0", "-o", "good.toml/x"], 1, "cannot be written")
 
 
 def read_only(bench):

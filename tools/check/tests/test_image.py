@@ -18,7 +18,7 @@ import image_report  # noqa: E402
 
 BUILD = os.path.join(tree.ROOT, os.environ.get("BUILD", "build"))
 FOLDER = os.path.join(BUILD, "firmware")
-PORTS = {"mps2_an500": "obj", "imxrt1062": "imxrt1062"}  # to the folder of its objects
+PORTS = ("mps2_an500", "imxrt1062")
 DIVIDES = "long long f(long long a, long long b) { return a / b; }\nvoid _start(void) { volatile long long x = 9; x = f(x, x); }\n"
 
 
@@ -47,12 +47,12 @@ def linked_sample(text):
         return budget.forbidden_symbols(image)
 
 
-def findings(port, objects):
+def findings(port):
     image = os.path.join(FOLDER, "cournand-%s.elf" % port)
     figures = io.StringIO()
     try:
         with contextlib.redirect_stdout(figures):
-            yield from image_report.report(image, os.path.join(FOLDER, objects), port)
+            yield from image_report.report(image, budget.image_objects(BUILD, port), port)
     except budget.CannotMeasure as problem:
         yield str(problem)
     for line in figures.getvalue().splitlines()[1:]:
@@ -62,8 +62,8 @@ def findings(port, objects):
 def main():
     report = tree.Report()
     report.catches("a 64-bit division in an image is caught", linked_sample(DIVIDES))
-    for port, objects in PORTS.items():
-        report.check("the image for %s keeps its rules" % port, findings(port, objects))
+    for port in PORTS:
+        report.check("the image for %s keeps its rules" % port, findings(port))
     report.end()
 
 

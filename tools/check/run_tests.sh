@@ -1,0 +1,25 @@
+#!/usr/bin/env bash
+# Builds what tests need and runs them: run_tests.sh product|lab|build. What does not build is reported as failed, with everything
+# else run all the same. BUILD and JOBS as in the Makefile. `build` only builds what product's tests need.
+set -uo pipefail
+cd "$(dirname "$0")/../.."
+what=$1
+build=${BUILD:-build}
+export KEEP_GOING=1 JOBS=${JOBS:-$(nproc)}
+status=0
+begin=$SECONDS
+note() { echo "$1: $((SECONDS - begin)) s"; }
+if [ "$what" = lab ]; then
+    tools/build.sh release run,tools,tests,lab crn_tests_lab || status=1
+    tools/build.sh m7 run all || status=1
+else
+    tools/build.sh release run,tools,tests crn_tests || status=1
+    tools/build.sh m7 run all || status=1
+    tools/build.sh sanitize run,tests crn_tests crn_fuzzers cournand hil_programs || status=1
+fi
+note "built"
+[ "$what" = build ] && exit $status
+tools/check/run_tests.py --build "$build" --jobs "$JOBS" --label "$what" || status=1
+note "make test$([ "$what" = lab ] && echo -lab)"
+[ $status = 0 ] || echo "something did not build or failed, see above" >&2
+exit $status
