@@ -1,5 +1,5 @@
-/* A million ticks of random hands in a vessel that forks, a third of them with one, two and three tools. A
- * row's value is the largest length error; it fails when the line is lost: more than 0.6 %, more than 0.45 %
+/* A million ticks of random hands in a vessel that forks: a third each with one, two and three tools. A row's
+ * value is the largest length error. The row fails when the line is lost: more than 0.6 %, more than 0.45 %
  * or more than 1 mm beyond the wall in one of 10,000 ticks. */
 #include "firmware/bench/bench.h"
 #include "firmware/tests/reference/random_hands.h"
