@@ -282,9 +282,7 @@ static void interruptions_cost_only_what_was_under_way(void **state)
     }
 }
 
-/* --- HID
- * -------------------------------------------------------------------------------------------------------------
- */
+/* --- HID ------------------------------------------------------------------------------------------------ */
 static uint32_t next_report_tick(void)
 {
     crn_hid_state report;
@@ -416,9 +414,7 @@ static void settings_are_read_back_and_refused(void **state)
     assert_int_equal(back.tracks[1].force_limit_mN, 3000);
 }
 
-/* --- the bus
- * ---------------------------------------------------------------------------------------------------------
- */
+/* --- the bus -------------------------------------------------------------------------------------------- */
 /* Asleep the device sends no new report; awake it goes on where it was, with frames and toggles intact. */
 static void suspend_keeps_everything(void **state)
 {
