@@ -1,5 +1,4 @@
-/* The complete hardware interface: the services that a port provides to the app, and the functions that it
- * calls.
+/* The complete hardware interface: what a port provides to the app, and which functions it calls.
  *
  * A port owns the memory (one crn_app, two scene slots), the pipe of bytes, and the 1 ms timer:
  *   at power-up      crn_app_init(app, &port)               outputs are off from here on
@@ -24,8 +23,7 @@ enum {
 /* Verdict of a sensor, or of its electronics, on its own reading. Only OK readings are used. */
 typedef enum crn_port_sensor {
     CRN_PORT_SENSOR_OK = 0,
-    CRN_PORT_SENSOR_ABSENT, /* this rig has no such sensor; a motor without a force sensor needs the local
-                               unlock */
+    CRN_PORT_SENSOR_ABSENT, /* not fitted; a motor without a force sensor needs the local unlock */
     CRN_PORT_SENSOR_RANGE,  /* outside its electrical range: cable broken or shorted, amplifier saturated */
     CRN_PORT_SENSOR_ERROR,  /* signal error: illegal step, check sum, no new sample since the last tick */
 } crn_port_sensor;
@@ -55,9 +53,8 @@ typedef struct crn_port_inputs {
     uint32_t buttons;    /* bit 0: X-ray pedal, 1: cine pedal, 2 .. 7: buttons of the rig */
     bool emergency_stop; /* pressed, or its loop is open */
     bool supply_good;    /* the motors' supply is within its range */
-    bool stage_on; /* the power stage reports that it drives: supply good, stop released, drive line flipping
-                    */
-    bool local_unlock; /* the switch inside the rig; limits can be raised only while it is closed */
+    bool stage_on;       /* the power stage drives: supply good, stop released, drive line flipping */
+    bool local_unlock;   /* the switch inside the rig; limits can be raised only while it is closed */
 } crn_port_inputs;
 
 typedef struct crn_port_motor {
@@ -72,13 +69,11 @@ typedef enum crn_port_lamp {
     CRN_PORT_LAMP_FAULT, /* fast blinking */
 } crn_port_lamp;
 
-/* The outputs are written once per edge of the timer, and once more immediately when a fault removes the
- * power. */
+/* The outputs are written once per edge of the timer, and at once when a fault removes the power. */
 typedef struct crn_port_outputs {
     /* all 0 unless RUNNING in FREE_RUN; 0 for a track without a tool */
     crn_port_motor motors[CRN_PORT_TOOL_MAX];
-    /* level of the drive line: flipped on every edge while power is wanted, otherwise unchanged */
-    bool drive;
+    bool drive;   /* level of the drive line: flipped on every edge while power is wanted, else unchanged */
     bool enable;  /* false: remove the power now, without waiting for CRN_PORT_DRIVE_HOLD_ms */
     uint8_t lamp; /* CRN_PORT_LAMP_* */
 } crn_port_outputs;
@@ -88,8 +83,7 @@ typedef struct crn_port {
     /* Queues one whole frame for the host. When there is no room it queues nothing and returns false. */
     bool (*transmit)(void *context, const uint8_t *frame, size_t frame_bytes);
     size_t (*transmit_room)(void *context); /* length of the longest frame that `transmit` would accept now */
-    /* Samples the rig. False means that there is no rig: the app then uses the host's `input` messages and
-     * powers nothing. */
+    /* Samples the rig. False: there is no rig; the app uses the host's `input` messages, powers nothing. */
     bool (*inputs)(void *context, crn_port_inputs *inputs);
     void (*outputs)(void *context, const crn_port_outputs *outputs);
     uint32_t (*now_us)(void *context); /* free-running, wraps at 2^32; measures how long a tick took */

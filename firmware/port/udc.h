@@ -37,9 +37,8 @@ typedef enum crn_udc_event_kind {
     CRN_UDC_SUSPEND, /* no traffic for 3 ms */
     CRN_UDC_RESUME,
     CRN_UDC_UNPLUG, /* the cable is out; the state is that after a reset */
-    CRN_UDC_SETUP, /* a setup packet arrived: a transfer armed on endpoint 0 is void and gives no CRN_UDC_DONE
-                    */
-    CRN_UDC_DONE,  /* the transfer armed on `endpoint` ended after `bytes` */
+    CRN_UDC_SETUP,  /* a setup packet arrived: what was armed on endpoint 0 is void, without CRN_UDC_DONE */
+    CRN_UDC_DONE,   /* the transfer armed on `endpoint` ended after `bytes` */
 } crn_udc_event_kind;
 
 typedef struct crn_udc_event {

@@ -8,8 +8,7 @@
 
 typedef struct reference_hands_result {
     int ticks;
-    int deep; /* ticks in which a tool is more than 1 mm beyond the wall, by the core or by the exact distance
-               */
+    int deep;     /* ticks with a tool more than 1 mm beyond the wall, by the core or by the exact distance */
     int long_045; /* ticks with more than 0.45 % length error */
     double strain_max_pct, depth_max_mm;
 } reference_hands_result;

@@ -362,8 +362,7 @@ static void a_lesion_lies_where_there_is_vessel(void **state)
     refuses_word(LESIONS_AT + 12, 4, 1, CRN_SCENE_RESERVED, LESIONS_AT + 8);
     refuses_word(LESION_AT + 31, 1, 'x', CRN_SCENE_TEXT, LESION_AT + 31);
     refuses_word(LESION_AT + 32, 4, 2, CRN_SCENE_LESION_PLACE, LESION_AT + 32);
-    /* that branch has two points */
-    refuses_word(LESION_AT + 32, 4, 1, CRN_SCENE_LESION_PLACE, LESION_AT + 40);
+    refuses_word(LESION_AT + 32, 4, 1, CRN_SCENE_LESION_PLACE, LESION_AT + 40); /* it has two points */
     refuses_word(LESION_AT + 36, 4, 3, CRN_SCENE_LESION_PLACE, LESION_AT + 36);
     refuses_word(LESION_AT + 36, 4, 1, CRN_SCENE_LESION_PLACE, LESION_AT + 40);
     refuses_word(LESION_AT + 40, 4, 2, CRN_SCENE_LESION_PLACE, LESION_AT + 40);
