@@ -26,7 +26,7 @@
 #include "host/session/replay.hpp"
 #include "host/session/run.hpp"
 
-// Last, because its macros (fail, ...) would change other headers.
+// This header comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }

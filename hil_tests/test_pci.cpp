@@ -24,7 +24,7 @@
 #include "host/session/run.hpp"
 #include <nlohmann/json.hpp>
 
-// Last, because its macros (fail, ...) would change other headers.
+// This header comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }

@@ -20,7 +20,7 @@
 #include "host/session/run.hpp"
 #include "tools/bake/triangle_tree.hpp"
 
-// Last, because its macros (fail, ...) would change other headers.
+// This header comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }

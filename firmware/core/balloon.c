@@ -297,7 +297,7 @@ static void directions(const crn_vec3 *along_q30, bool is_turned, crn_vec3 pair_
     }
 }
 
-/* Signed distance from the wall to the ball's surface in a direction: positive when the surface is behind the
+/* Signed distance from the wall to the ball's surface in a direction: positive when the surface is beyond the
  * wall. The distance field is accurate at a wall; on the axis of a narrow vessel it is not, because its
  * spline rounds the ridge off. */
 static int32_t behind_wall(const crn_model *model, crn_state *state, const crn_lesion_section *section,

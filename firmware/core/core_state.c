@@ -108,7 +108,7 @@ static uint32_t word_at(const uint8_t *bytes, size_t i)
     return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
 }
 
-/* --- what a restored state must satisfy ----------------------------------------------------------------- */
+/* --- checks of a restored state ------------------------------------------------------------------------- */
 
 static bool is_unit(const crn_vec3 *a)
 {

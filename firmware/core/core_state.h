@@ -129,7 +129,7 @@ typedef struct crn_sym3 {
     int32_t m[6];
 } crn_sym3;
 
-/* Dead once the matrix is assembled: the results of the elimination take its place. */
+/* These fields are dead once the matrix is assembled: the results of the elimination take their place. */
 typedef struct crn_assembly {
     crn_vec3 stretch_q30;             /* edge: (x*[i+1] - x*[i]) / length */
     crn_vec3 axis1_q30[CRN_TOOL_MAX]; /* edge: axis d1 of a tool, where its rest shape needs it */

@@ -320,7 +320,7 @@ void crn_lesions_give_way(const crn_model *model, crn_state *state)
     }
 }
 
-/* --- what others ask ------------------------------------------------------------------------------------ */
+/* --- orders and queries --------------------------------------------------------------------------------- */
 
 bool crn_state_scaffold(const crn_model *model, crn_state *state, const crn_scaffold *order)
 {

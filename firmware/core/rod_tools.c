@@ -206,7 +206,7 @@ void crn_tools_grip(const crn_model *model, crn_state *state)
     }
 }
 
-/* --- what the hand of a tool that does not lead feels --------------------------------------------------- */
+/* --- forces on the hand of a tool that does not lead ---------------------------------------------------- */
 
 /* All tools at one place: EI, P and S of the header. */
 typedef struct section {

@@ -99,7 +99,7 @@ static void a_carriage_that_runs_along_its_force_loses_it(void **state)
     assert_true(slow_mN > 1500 && motor_mN() <= LOOSE_mN);
 }
 
-/* --- what stops --- */
+/* --- causes of a stop --- */
 
 /* Nobody touches the carriage. With 1.8 N on its motor it gets 20 to 40 mm/s faster from ms to ms, as if the
  * motor gave more than commanded. */

@@ -74,7 +74,7 @@ static void expect_refused(const crn_wire_track *track, uint32_t field)
     assert_int_equal(reject.detail2, field);
 }
 
-/* --- what a rig can render --- */
+/* --- couplings that a rig can render --- */
 
 /* b > G (K (T / 2 + t) + B): 1 N s/m just supports 800 N/m and 0.2 N s/m at 0.5 ms of lag. A gain of 2 makes
  * the hand feel 1,600 N/m, so only half of both is allowed. */
@@ -125,7 +125,7 @@ static void a_gain_counts_about_the_line_too(void **state)
     expect_refused(&track, FIELD_COUPLING_ABOUT);
 }
 
-/* --- who may state what --- */
+/* --- who may state which values --- */
 
 /* Values of one field, which are stated one after the other with the local unlock open or closed. */
 typedef struct ask {

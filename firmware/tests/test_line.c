@@ -109,7 +109,7 @@ static void a_catheters_tip_leaves_the_wires_twist_stiffness(void **context)
     free(r);
 }
 
-/* --- what does not fit is refused ----------------------------------------------------------------------- */
+/* --- refusals ------------------------------------------------------------------------------------------- */
 
 static void check_refused(const crn_instrument *tools, uint32_t count, crn_build_status status, uint32_t tool,
                           uint32_t knot)

@@ -295,7 +295,7 @@ static void the_wall_step_is_that_of_the_map(void **state)
     assert_true(fmax(worst[0], worst[1]) < 0.05 * fastest + 2e-6);
 }
 
-/* --- the rod in it -------------------------------------------------------------------------------------- */
+/* --- the rod in a moving vessel ------------------------------------------------------------------------- */
 
 static crn_model model;
 static crn_state core;

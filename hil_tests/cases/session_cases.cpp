@@ -72,7 +72,8 @@ void a_free_run_closes_the_loop_as_at_level_0(Level &level, const CaseOptions &o
                     places_m[1] * 1e3, peaks_N[1]));
 }
 
-// Pedals, syringe and inflator of the rig: every level comes with the next ticks, in the recorded input.
+// Pedals, syringe and inflator of the rig: every signal level arrives with the next ticks, in the recorded
+// input.
 void pedals_syringe_and_inflator_reach_the_host(Level &level, const CaseOptions &, Report &report)
 {
     const auto bench = level.make({});

@@ -29,7 +29,7 @@ static mock mocks[DEVICES_MAX];
 static unsigned mock_count;
 static atomic_bool is_over;
 
-/* --- the tree of devices, as udev and sysfs tell it --- */
+/* --- the tree of devices, as udev and sysfs report it --- */
 static void append_hex(GString *text, const uint8_t *bytes, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) g_string_append_printf(text, "%02X", bytes[i]);

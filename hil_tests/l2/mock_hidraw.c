@@ -155,7 +155,7 @@ gboolean mock_hidraw_ioctl(UMockdevIoctlBase *base, UMockdevIoctlClient *client,
     return TRUE;
 }
 
-/* --- who has it open --- */
+/* --- programs that have the node open --- */
 void mock_hidraw_connected(UMockdevIoctlBase *base, UMockdevIoctlClient *client, mock *m)
 {
     (void)base;

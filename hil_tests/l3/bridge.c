@@ -62,7 +62,7 @@ static usb_result control(bridge *b, uint8_t type, uint8_t request, uint16_t val
     return result;
 }
 
-/* --- what the device is: read by ourselves, since usbredir tells QEMU before the guest asks --- */
+/* --- the device's descriptors, which usbredir reports to QEMU before the guest's requests --- */
 static void cancel_all(bridge *b)
 {
     usb_urb urb;
@@ -156,7 +156,7 @@ static void watch_plug(bridge *b)
     }
 }
 
-/* --- what the guest asks for --- */
+/* --- requests of the guest --- */
 static void on_reset(void *context)
 {
     bridge *b = context;
@@ -272,7 +272,7 @@ static void on_bulk(void *context, uint64_t id, struct usb_redir_bulk_packet_hea
     usbredirparser_send_bulk_packet(b->parser, id, header, NULL, 0);
 }
 
-/* --- what the device answered --- */
+/* --- answers of the device --- */
 static void on_complete(void *context, const usb_urb *urb)
 {
     bridge *b = context;

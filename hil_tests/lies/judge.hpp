@@ -23,7 +23,7 @@ struct Verdict {
 
 inline constexpr double lie_limit_s = 10.0, lie_interrupt_limit_s = 1.0;
 
-std::vector<LieCase> cases_of(std::size_t lies_per_command); // 0: all
+std::vector<LieCase> cases_of(std::size_t lies_per_command); // 0: all.
 // Runs the lies of `cases`, `jobs` at a time. `tell` may be empty. Ctrl-C ends it early. Sessions of 5,000
 // ticks and more have a snapshot.
 std::vector<Verdict> judge(const std::vector<LieCase> &cases, unsigned jobs, unsigned ticks,

@@ -27,7 +27,7 @@ std::string line_of(const Lie &lie);
 Lie lie_of_line(const std::string &line);
 
 std::vector<Lie> stream_lies(); // of the wire
-std::vector<Lie> hid_lies();    // of the HID interface
+std::vector<Lie> hid_lies();    // of the HID interface.
 // Returns `count` of them, spread evenly.
 std::vector<Lie> spread_lies(const std::vector<Lie> &lies, std::size_t count);
 

@@ -11,7 +11,7 @@ void plan_deep(Scribe &scribe);           // the innermost tool far ahead of the
 void plan_over_the_wire(Scribe &scribe);  // at least two tools
 void plan_coronary(Scribe &scribe);       // three tools, like pci_lad.session
 void plan_coronary_guide(Scribe &scribe); // two tools, like coronary.session
-void plan_renal(Scribe &scribe);          // three tools, like pci_renal.session
+void plan_renal(Scribe &scribe);          // three tools, like pci_renal.session.
 // Brings the balloon to a place, fills it, moves the tool that carries it, and empties it. `load`: with the
 // next stent.
 void plan_balloon(Scribe &scribe, std::size_t balloon, bool load);

@@ -97,8 +97,8 @@ typedef enum crn_scene_status {
     CRN_SCENE_OK = 0,
     CRN_SCENE_UNALIGNED,       /* the bytes do not lie at a multiple of 4 */
     CRN_SCENE_BYTE_ORDER,      /* this processor is big-endian */
-    CRN_SCENE_TRUNCATED,       /* fewer bytes than the header says, or no whole header */
-    CRN_SCENE_TRAILING,        /* more bytes than the header says */
+    CRN_SCENE_TRUNCATED,       /* fewer bytes than the header states, or an incomplete header */
+    CRN_SCENE_TRAILING,        /* more bytes than the header states */
     CRN_SCENE_OVERSIZED,       /* larger than the limit of its kind */
     CRN_SCENE_MAGIC,           /* no scene at all */
     CRN_SCENE_NEWER,           /* written by a newer format */

@@ -100,7 +100,7 @@ static void flush(uint32_t bits)
     controller.complete &= ~bits;
 }
 
-/* --- what the stack asks for --- */
+/* --- requests of the stack --- */
 static void udc_connect(void *context, bool connected)
 {
     (void)context;
@@ -194,7 +194,7 @@ static void udc_test(void *context, uint8_t selector)
     change(&R32(BASE_USB1, USB_PORTSC1), MASK(USB_PORTSC1_PTC), BITS(USB_PORTSC1_PTC, selector));
 }
 
-/* --- what has happened --- */
+/* --- events --- */
 static void close_all(void)
 {
     STORE(R32(BASE_USB1, USB_ENDPTSETUPSTAT), LOAD(R32(BASE_USB1, USB_ENDPTSETUPSTAT)));

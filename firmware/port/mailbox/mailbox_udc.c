@@ -1,7 +1,7 @@
 /* The controller in memory. Its functions are called through crn_udc. */
 #include "firmware/port/mailbox/mailbox_udc.h"
 
-/* --- what the stack asks for --- */
+/* --- requests of the stack --- */
 static crn_mailbox_endpoint *endpoint_of(crn_mailbox_udc *controller, uint8_t endpoint)
 {
     uint8_t number = endpoint % CRN_MAILBOX_ENDPOINT_COUNT;

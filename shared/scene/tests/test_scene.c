@@ -1,6 +1,6 @@
 /* Claims: every broken scene is refused with its own code and place, and no part of it reaches the caller.
- * Shown on small valid files: cut at every length, every bit flipped, each rule of docs/scene.md broken
- * alone. */
+ * They are shown on small valid files: cut at every length, every bit flipped, each rule of docs/scene.md
+ * broken alone. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
