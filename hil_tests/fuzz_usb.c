@@ -1,5 +1,5 @@
-/* Any host and any bus. The input is a list of operations on the token mailbox, so that the fuzzer reaches
- * every state:
+/* Exposes the device to arbitrary hosts and buses. The input is a list of operations on the token mailbox, so
+ * that the fuzzer reaches every state:
  *
  *   op u8 modulo 12:
  *    0 a setup packet as it is: 8 bytes            6 a millisecond passes, times u8 modulo 64
@@ -11,8 +11,8 @@
  *    4 a change of the bus: u8 modulo 6              low, index, to whom
  *    5 the device polls, times u8 modulo 32
  *
- * After every operation the stack's own books must agree, and at the end a host must be able to begin anew.
- * At most 128 operations, so that an input ends in time. */
+ * After every operation the stack's own records must be consistent, and at the end a host must be able to
+ * start from the beginning. There are at most 128 operations, so that an input ends in time. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -50,7 +50,7 @@ static void token(crn_mailbox_token kind, uint8_t endpoint, uint32_t flags, uint
     uint8_t in[CRN_MAILBOX_DATA_MAX];
     usb_result result =
         usb_host_token(&rig.host, kind, endpoint, flags, data, count, &reply, in, sizeof in, &in_bytes);
-    require(result == USB_OK); /* served, within the polls of a host's patience, and by the rules */
+    require(result == USB_OK); /* served within the polls of a host's patience, and by the rules */
 }
 
 static void control(input *in)
@@ -150,7 +150,7 @@ static void check_books(void)
     require(usb->held_begin <= usb->held_end && usb->held_end <= sizeof usb->stream_out);
     require(usb->configuration <= 1 && usb->address <= 127);
     require((usb->link == CRN_USB_DETACHED) == (usb->configuration == 0));
-    require(rig.frames_lost == 0); /* no reply was ever refused: requests are held instead */
+    require(rig.frames_lost == 0); /* no reply was ever refused: requests are held back instead */
     for (int pipe = 0; pipe < CRN_USB_PIPE_COUNT; pipe++)
         require(!(usb->is_armed[pipe] && usb->is_halted[pipe]));
 }

@@ -1,16 +1,16 @@
 #!/bin/sh
-# Levels L2 and L3: what runs there, each by one word. The device is seen by libusb and hidapi as they ship, on a mocked bus (L2) or in a
-# guest with Debian's kernel (L3). Prints TAP, or the table of the program hil.
+# Levels L2 and L3: what runs there, each selected by one word. libusb and hidapi, as shipped, access the device on a
+# mocked bus (L2) or in a guest with Debian's kernel (L3). Prints TAP, or the table of the program hil.
 #
 #   on_usb.sh L2|L3 cases        the cases of the program hil on the image, with the plant
 #   on_usb.sh L2|L3 aorta        the aorta session by cournand on the image: $AORTA_HASH, or the host alone
-#   on_usb.sh L2|L3 free_run     the rig leads for $SECONDS s, with power; the recording is replayed on the host, bit for bit
+#   on_usb.sh L2|L3 free_run     the rig leads for $SECONDS s, with power; the host replays the recording bit for bit
 #   on_usb.sh L2|L3 checks       libusb and both back ends of hidapi against a rig that sends everything back
 #   on_usb.sh L2|L3 app          a session with the whole app, in a process and on the image
-#   on_usb.sh L2|L3 two          two rigs at once, told apart by their serial numbers
-#   on_usb.sh L2|L3 unplug       the cable is pulled in a session, which goes on to the same hash
-#   on_usb.sh L2|L3 rig          make hil-rig, with the emulated rig in the place of one of metal
-# Run from the root of the tree. $URGENT is put before everything that is measured.
+#   on_usb.sh L2|L3 two          two rigs at once, distinguished by their serial numbers
+#   on_usb.sh L2|L3 unplug       the cable is pulled in a session, which continues to the same hash
+#   on_usb.sh L2|L3 rig          make hil-rig, with the emulated rig in the place of a real one
+# Run it from the root of the tree. $URGENT is put before everything that is measured.
 level="$1"
 what="$2"
 build="${BUILD:-build}"
@@ -24,7 +24,7 @@ L3) place=/mnt ;;
 *) echo "usage: on_usb.sh L2|L3 cases|aorta|free_run|checks|app|two|unplug|rig" >&2 && exit 2 ;;
 esac
 
-# bus DEVICES... -- COMMAND: the command sees the devices
+# bus DEVICES... -- COMMAND: runs the command with access to the devices
 bus() {
     if [ "$level" = L2 ]; then
         # shellcheck disable=SC2086

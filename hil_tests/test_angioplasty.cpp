@@ -1,8 +1,8 @@
-// Claims about balloon and stent in whole sessions, from the script to the recording: a stent is opened,
-// deployed and holds what its balloon has opened; the core hears of it by inputs that are recorded, so a
-// replay agrees bit for bit, with pictures and without; and what goes wrong (pulled under pressure, burst,
-// released where no wall is, inflated in a guide, power lost) has an outcome that is said, and loses no
-// record. The scene is an artery of 3 mm behind a wide one of 10 mm, with a stenosis of 50 % that gives way,
+// Claims about balloon and stent in whole sessions, from the script to the recording. A stent is opened and
+// deployed, and it holds the lumen that its balloon has opened. The core receives it by recorded inputs, so a
+// replay agrees bit for bit, with pictures and without. Failures (pulled under pressure, burst, released
+// without a wall, inflated in a guiding catheter, power lost) have a reported outcome, and lose no record.
+// The scene is an artery of 3 mm behind a wide one of 10 mm, with a stenosis of 50 % that gives way; it is
 // baked here.
 #include <algorithm>
 #include <cmath>
@@ -26,7 +26,7 @@
 #include "host/session/replay.hpp"
 #include "host/session/run.hpp"
 
-// Last, because its macros (fail, ...) would change other headers.
+// This header comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -96,7 +96,7 @@ int remove_scene(void **)
     return 0;
 }
 
-// A session and all that it leaves behind.
+// A session and all its results.
 struct Case {
     std::string script;
     std::vector<std::string> tools = {wire, balloon};
@@ -147,13 +147,13 @@ struct Case {
         nodes = session_frame(device, {}, {}).wire.nodes;
     }
 
-    // Of the middle third: towards its ends a lesion narrows nothing, and nothing opens it.
+    // Smallest opening in the middle third: towards its ends a lesion narrows nothing, and nothing opens it.
     double least_open() const
     {
         const auto third = static_cast<std::ptrdiff_t>(open.size() / 3);
         return *std::min_element(open.begin() + third, open.end() - third);
     }
-    // `at_end`: gets the line as it is then; the hashes are not looked at.
+    // `at_end` receives the line at the end; the hashes are not compared.
     ReplayResult replay(const Recording &recording, std::vector<WireNode> *at_end = nullptr,
                         double from_s = 0.0) const
     {
@@ -195,7 +195,7 @@ std::string begin_at(double y_mm)
 const std::string up_and_down =
     "inflate to 10 bar at 25 bar/s\nwait 0.4 s\ndeflate at 25 bar/s\nwait 0.6 s\n";
 
-// A stent in the lesion, without pictures: run once for all that look at it.
+// A stent in the lesion, without pictures: run once for all tests that examine it.
 Case &usual_case()
 {
     static Case usual{begin_at(lesion_mm) + up_and_down};
@@ -220,8 +220,8 @@ std::size_t rings_of(const Recording &recording)
     return count;
 }
 
-// Without a stent a third of what was won springs back (recoil 0.35); the stent holds it. 3 mm of balloon in
-// 3 mm of artery: its outside lies on the wall, its inside two struts of 0.081 mm further in.
+// Without a stent a third of the gain recoils (recoil 0.35); the stent holds it. 3 mm of balloon in 3 mm of
+// artery: its outside lies on the wall, its inside two struts of 0.081 mm further in.
 void a_stent_holds_what_its_balloon_has_opened(void **)
 {
     Case &stented = usual_case(), bare{begin_at(lesion_mm) + up_and_down};
@@ -246,14 +246,15 @@ void a_stent_holds_what_its_balloon_has_opened(void **)
     assert_replays(bare);
 }
 
-// The same session with pictures, whose pulses come between the looks: the same inputs, tick by tick.
+// The same session with pictures, whose pulses come between the stent's updates, has the same inputs, tick by
+// tick.
 void pictures_change_nothing(void **)
 {
     Case &unseen = usual_case(), seen{begin_at(lesion_mm) + "fluoro on rate 15 p/s\n" + up_and_down};
     seen.has_pictures = true;
     seen.record = "seen.rec";
     seen.run();
-    // The pedal is a button of the rig, which the core does not look at.
+    // The pedal is a button of the rig, which the core ignores.
     assert_true(seen.result.hash == unseen.result.hash);
     const Recording a = unseen.recorded(), b = seen.recorded();
     assert_int_equal(a.ticks.size(), b.ticks.size());
@@ -298,7 +299,7 @@ void released_where_the_vessel_is_wide_it_is_lost(void **)
     assert_replays(lost);
 }
 
-// Nothing unfolds in a catheter: the stent stays crimped on its balloon, and comes out with it.
+// A stent does not unfold in a catheter: it stays crimped on its balloon, and comes out with it.
 void inflated_in_the_guide_it_stays_on_its_balloon(void **)
 {
     Case guided{"begin guide inserted 40 mm\nbegin catheter inserted 32 mm\nbegin wire inserted 60 mm\n" +
@@ -311,10 +312,11 @@ void inflated_in_the_guide_it_stays_on_its_balloon(void **)
     assert_replays(guided);
 }
 
-// Friction of 0.1 on the wall force of 8 bar holds the hand back by 5.3 N, and the balloon goes with the
-// hand, with the stent on it, which is deployed there when the pressure goes. The line is stretched by 0.77 %
-// then. From 10 bar it is held by 6.2 N and comes loose in one go when 9 bar are left, which stretches it
-// by 1.30 % under 10 N: beyond the limit of 1 % where a run ends as out of range (range_watch.hpp).
+// At 8 bar, friction of 0.1 times the wall force holds the hand back by 5.3 N. The balloon moves with the
+// hand, with the stent on it, which is deployed there when the pressure is released. The line is then
+// stretched by 0.77 %. From 10 bar it is held by 6.2 N and comes loose suddenly when 9 bar are left, which
+// stretches it by 1.30 % under 10 N. That is beyond the limit of 1 % at which a run ends as out of range
+// (range_watch.hpp).
 void pulled_without_deflation_the_balloon_holds_its_stent(void **)
 {
     Case pulled{begin_at(lesion_mm) +
@@ -336,7 +338,7 @@ void pulled_without_deflation_the_balloon_holds_its_stent(void **)
     assert_replays(pulled);
 }
 
-// Off the vessel's middle line, which is the y axis.
+// Distance from the vessel's middle line, which is the y axis.
 double off_axis_mm(const WireNode &node)
 {
     return std::hypot(node.position_m.x(), node.position_m.z()) * 1e3;
@@ -353,9 +355,9 @@ Recording without_struts(Recording recording)
     return recording;
 }
 
-// The stent's middle at 42 mm: half of it is in the artery, its other half stands free from 33 to 40 mm,
-// where the vessel widens. The wire is drawn back out of it and brought forwards again, along the wall: it
-// comes beside the struts, and stays outside. Without them, all else alike, it runs on into the artery.
+// The stent's middle is at 42 mm: half of it is in the artery, and the other half is not apposed from 33 to
+// 40 mm, where the vessel widens. The wire is drawn back out of it and advanced again, along the wall: it
+// gets beside the struts, and stays outside. Without the struts, all else equal, it runs on into the artery.
 void a_wire_beside_a_stent_meets_its_struts(void **)
 {
     Case beside{
@@ -391,8 +393,8 @@ void a_wire_beside_a_stent_meets_its_struts(void **)
     assert_true(late.hash == beside.result.hash && late.ticks_compared < beside.result.figures.ticks);
 }
 
-// 30 bar on a balloon that bursts at 22: no pressure from then on; the stent has been opened before, and is
-// deployed.
+// 30 bar on a balloon that bursts at 22: there is no pressure from then on; the stent was opened before, and
+// is deployed.
 void burst_balloon_leaves_its_stent_open(void **)
 {
     Case burst{begin_at(lesion_mm) + "inflate to 30 bar at 40 bar/s\nwait 0.8 s\n"};
@@ -406,8 +408,8 @@ void burst_balloon_leaves_its_stent_open(void **)
     assert_replays(burst);
 }
 
-// The file ends in the middle of a chunk, under pressure. All whole ticks are there and replay; what the core
-// was told of the stent with them.
+// The file ends in the middle of a chunk, under pressure. All complete ticks are there and replay, and so do
+// the orders about the stent to the core.
 void a_recording_cut_in_mid_inflation_replays_to_the_cut(void **)
 {
     const Case &whole = usual_case();
@@ -432,7 +434,7 @@ void a_recording_cut_in_mid_inflation_replays_to_the_cut(void **)
     assert_true(read.ticks.back().hash_lane[0] == all.ticks[499].hash_lane[0]);
 }
 
-// A device whose rig's inflator goes up to 10 bar, stays there and comes down again while time passes.
+// A device whose rig's inflator rises to 10 bar, stays there and falls again while time passes.
 class PumpedRig final : public Transport
 {
   public:
@@ -461,8 +463,8 @@ class PumpedRig final : public Transport
     std::int32_t passed_ms_ = 0;
 };
 
-// A session that the device leads: the core hears of the stent by requests, and each is part of the tick that
-// took it up.
+// A session that the device leads: the core receives the stent by requests, and each request is part of the
+// tick that applied it.
 void in_free_run_the_core_is_told_by_requests_and_the_ticks_replay(void **)
 {
     const Case &like = usual_case(); // the same tools and stent

@@ -1,9 +1,9 @@
-// Claims: in the short forms of the two angioplasty sessions the wire comes to lie beyond the lesion in its
-// artery, the balloon's middle lies within 2 mm of the throat when it is filled, the lesion opens under it
-// and keeps what it does not spring back from, no tool goes deeper than 0.5 mm into a wall, no hand feels
-// more than 4 N, and the core reports nothing but snaps. Scenes are made as `make demo-pci` makes its own:
-// the renal one from the phantom, the coronary one from the left coronary artery of the heart at rest, since
-// the whole aorta and the beat take minutes.
+// Claims about the short forms of the two angioplasty sessions. The wire ends up beyond the lesion in its
+// artery, and the balloon's middle lies within 2 mm of the minimal lumen diameter when it is filled. The
+// lesion opens under it and keeps the part that does not recoil. No tool goes deeper than 0.5 mm into a wall,
+// no hand feels more than 4 N, and the core reports nothing but snaps. Scenes are made like those of `make
+// demo-pci`: the renal one from the phantom, the coronary one from the left coronary artery of the heart at
+// rest, since the whole aorta and the beat take minutes.
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>
@@ -24,7 +24,7 @@
 #include "host/session/run.hpp"
 #include <nlohmann/json.hpp>
 
-// Last, because its macros (fail, ...) would change other headers.
+// This header comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -64,7 +64,7 @@ std::string in_folder(const char *name)
     return "'" + (folder / name).string() + "'";
 }
 
-// The place of the line so far behind its leading tip.
+// The place on the line at this arc length behind its leading tip.
 Vector3d place_m(const crn::WireFrame &wire, double arc_m)
 {
     const auto &nodes = wire.nodes;
@@ -74,7 +74,7 @@ Vector3d place_m(const crn::WireFrame &wire, double arc_m)
     return nodes[i].position_m + share * (nodes[i + 1].position_m - nodes[i].position_m);
 }
 
-// Looks ten times a second.
+// It checks ten times a second.
 class Watch : public crn::SteadySink
 {
   public:
@@ -105,7 +105,7 @@ class Watch : public crn::SteadySink
     bool burst = false;
 
   private:
-    // Along the lesion's branch, + towards its end; fails outside that branch.
+    // Position along the lesion's branch, + towards its end; fails outside that branch.
     double arc_behind_throat_mm(const Vector3d &p_m) const
     {
         const crn::VesselLesion &lesion = tree_.lesions.at(0);
@@ -180,8 +180,8 @@ void the_ostium_of_a_renal_artery_is_opened(void **)
     treat("renal.scene", "pci_renal_short.session", {"terumo_stiff_angled", "balloon_6x20", "guide_jr4_6f"});
 }
 
-// `anatomy heart --heart-only` has the arteries' centrelines in one file, LM, LAD and D1 first: one file for
-// each is what a tree is made of.
+// `anatomy heart --heart-only` writes the arteries' centrelines into one file, LM, LAD and D1 first, but a
+// tree is made from one file for each.
 void split_centrelines()
 {
     const std::string script =
@@ -210,7 +210,8 @@ void the_middle_of_the_anterior_descending_artery_is_opened(void **)
     treat("lad.scene", "pci_lad_short.session", {"coronary_014", "balloon_3x20"});
 }
 
-// A copy of a file in which the first word of a line `key = ...` is answered by `answer`; other lines stay.
+// Copies a file. The first word of a line `key = ...` is passed to `answer`, which returns the new line;
+// other lines stay.
 template <typename Answer> void copy_changed(const std::string &from, const std::string &to, Answer answer)
 {
     std::ifstream in(from);
@@ -219,9 +220,10 @@ template <typename Answer> void copy_changed(const std::string &from, const std:
         if (line.rfind("expect", 0) != 0) out << answer(line) << "\n"; // another course has another end
 }
 
-// A guide that snaps over a branch's mouth does so once: neither hand feels what a held-back line would shake
-// them with. Core 14, which cut the step short in each of 60 ticks, had 6.3 and 5.4 N here with a false
-// CORE_FEED_LIMIT; where more than the first is cut, 5.8 and 5.7. Tolerance 4.5 N: 3.8 are felt at most.
+// A guiding catheter that snaps over the ostium of a branch does so once: neither hand feels the shaking of a
+// line that is held back. Core 14, which cut the step short in each of 60 ticks, had 6.3 and 5.4 N here with
+// a false CORE_FEED_LIMIT; where more than the first tick is cut, there are 5.8 and 5.7. Tolerance: 4.5 N;
+// 3.8 are felt at most.
 void the_snap_of_a_guide_does_not_shake_the_hands(void **)
 {
     for (const std::string speed : {"40", "80"}) {
@@ -244,7 +246,7 @@ void the_snap_of_a_guide_does_not_shake_the_hands(void **)
     }
 }
 
-// What the score says of the short session with a stent: metrics by name.
+// The score of the short session with a stent: metrics by name.
 nlohmann::json score_of_session(const std::string &session, const std::string &balloon,
                                 const std::string &stent)
 {
@@ -276,7 +278,7 @@ void a_stent_of_the_right_size_in_the_right_place_leaves_no_stenosis(void **)
     check("score", score["percent"], 90, 100);
 }
 
-// The balloon is not filled as it should be: 4 bar, 2.84 mm, in an artery of 3.02.
+// The balloon is not filled enough: 4 bar, 2.84 mm, in an artery of 3.02.
 void a_stent_opened_too_little_stands_off_the_wall(void **)
 {
     copy_changed(stent_session, "small.session", [](const std::string &line) {
@@ -307,11 +309,12 @@ void a_stent_of_a_size_too_small_stands_off_the_wall(void **)
         score_of_session((folder / "same.session").string(), (folder / "balloon_2_5.toml").string(),
                          (folder / "stent_2_5.toml").string());
     check("residual stenosis, %", score["residual_stenosis_pct"], 15, 40);
-    check("struts on the wall, %", score["apposition_pct"], 0, 92); // in the throat it lies on the plaque
+    check("struts on the wall, %", score["apposition_pct"], 0,
+          92); // at the minimal lumen diameter it lies on the plaque
     check("score", score["percent"], 0, 90);
 }
 
-// 7 mm too far on: the lesion's begin stays without stent.
+// The stent is 7 mm too far distal: the beginning of the lesion stays without a stent.
 void a_stent_beyond_the_lesion_misses_it(void **)
 {
     int pushes = 0;

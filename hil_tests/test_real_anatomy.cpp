@@ -1,9 +1,9 @@
-// Claim: two wires driven from the right common iliac artery to the arch of a real aorta (stEVE_bench
-// centrelines, which are not part of the project) by the shipped session, and a catheter that follows a wire,
-// stay inside the vessel and keep their length. The referee is the exact distance to the triangles of the
+// Claim: tools in a real aorta (stEVE_bench centrelines, which are not part of the project) stay inside the
+// vessel and keep their length. Two wires are driven from the right common iliac artery to the arch by the
+// shipped session, and a catheter follows a wire. The referee is the exact distance to the triangles of the
 // surface, sampled every 0.5 mm along the line, between the nodes too, 50 times per second of the whole
-// session; the field that the core reads has no say in it. Skipped, and said so, where the anatomy is not
-// there.
+// session. The field that the core reads does not influence it. The test is skipped, with a message, where
+// the anatomy is missing.
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>
@@ -20,7 +20,7 @@
 #include "host/session/run.hpp"
 #include "tools/bake/triangle_tree.hpp"
 
-// Last, because its macros (fail, ...) would change other headers.
+// This header comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -86,7 +86,7 @@ int remove_scene(void **)
     return 0;
 }
 
-// Measures every frame against the surface.
+// It measures every frame against the surface.
 class Referee : public crn::SteadySink
 {
   public:
@@ -164,8 +164,8 @@ void drive(const std::vector<std::string> &instrument_files, const crn::Session 
     check("length error in %", referee.length_error_max_pct, 0.1);
 }
 
-// Pushed in strokes, turned a little, as a hand would. Not iliac_to_arch.session, which steers by the names
-// of the shipped vessels.
+// The tool is pushed in strokes and turned a little, as by a hand. The script is not iliac_to_arch.session,
+// which steers by the names of the shipped vessels.
 crn::Session iliac_to_arch()
 {
     return crn::parse_session(
@@ -191,7 +191,7 @@ void bentson_wire_reaches_the_arch_inside_the_vessel(void **)
     drive({"bentson.toml"}, iliac_to_arch(), 450.0);
 }
 
-// The wire goes ahead into the aorta, the catheter follows over it, both go on together, and the wire is
+// The wire advances into the aorta, the catheter follows over it, both advance together, and the wire is
 // drawn back inside.
 void a_catheter_follows_a_wire_inside_the_vessel(void **)
 {

@@ -75,7 +75,7 @@ static void bytes_may_come_one_by_one(void **state)
     assert_int_equal(host.decoder.header.answers, 500);
 }
 
-/* A frame is cut at every place; the next one is answered, and the loss is in the status. */
+/* A frame is cut at every place; the next one is answered, and the status reports the loss. */
 static void a_frame_cut_anywhere_costs_only_itself(void **state)
 {
     (void)state;
@@ -95,7 +95,8 @@ static void a_frame_cut_anywhere_costs_only_itself(void **state)
     }
 }
 
-/* A host that never reads fills the pipe; the device counts what it could not send and still obeys. */
+/* A host that never reads fills the pipe; the device counts the messages it could not send and still
+ * obeys. */
 static void a_host_that_does_not_read_loses_frames_and_nothing_else(void **state)
 {
     (void)state;
@@ -124,7 +125,8 @@ static void nodes_run_from_the_tip_into_the_inserter(void **state)
     client_get(&host, CRN_WIRE_GET_NODE_TABLE);
     assert_int_equal(client_receive(&host), CRN_WIRE_TYPE_node_table);
     assert_true(crn_wire_decode_node_table(host.decoder.payload, host.decoder.payload_bytes, &table));
-    /* 50 mm outside along +y, so the tip is at y = 50 mm and the last node at or behind the mouth */
+    /* 50 mm outside along +y, so the tip is at y = 50 mm and the last node is at or behind the inserter's
+     * distal end */
     assert_in_range(nodes.positions[0].y_m_q30, 53687091 - 1100, 53687091 + 1100);
     assert_true(nodes.positions[nodes.positions_count - 1].y_m_q30 <= 0);
     assert_true(nodes.positions_count <= table.arcs_m_q30_count);

@@ -1,6 +1,6 @@
-/* Claims about the whole device on USB: the conversation over the bulk pair is the one over any other pipe,
- * to the same hashes; HID shows the state and takes power away, and sets nothing that the wire would refuse.
- */
+/* Claims about the whole device on USB. The conversation over the bulk pair is the same as over any other
+ * pipe, and gives the same hashes. HID shows the state and removes power, and sets nothing that the wire
+ * would refuse. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -65,13 +65,13 @@ static void run_session(client *c, crn_wire_ticks *last)
     }
 }
 
-/* The same session over USB tokens and over the sim's pipe: same hashes, bit for bit. */
+/* The same session runs over USB tokens and over the sim's pipe: the hashes are equal, bit for bit. */
 static void a_session_over_usb_gives_the_hashes_of_any_other_pipe(void **state)
 {
     (void)state;
     static crn_wire_ticks over_usb, over_sim;
     static client sim;
-    device.host.lose_in = 7; /* and acknowledgements that get lost change nothing */
+    device.host.lose_in = 7; /* and lost acknowledgements change nothing */
     device.host.lose_out = 5;
     run_session(&host, &over_usb);
     assert_true(device.host.repeats > 10);
@@ -96,7 +96,7 @@ static void the_serial_number_is_that_of_the_port(void **state)
     assert_memory_equal(reply.serial, "USB-0001", strlen("USB-0001"));
 }
 
-/* The longest answer is a snapshot. A host that asks for three and reads later gets three, whole. */
+/* The longest answer is a snapshot. A host that requests three and reads later gets all three, complete. */
 static void no_answer_is_lost_when_the_host_reads_late(void **state)
 {
     (void)state;
@@ -113,13 +113,14 @@ static void no_answer_is_lost_when_the_host_reads_late(void **state)
     assert_int_equal(status.frames_bad, 0);
 }
 
-/* HID follows the app's state; STOP and RESET work by HID, what could power a motor does not. */
+/* HID follows the app's state. STOP and RESET work by HID, while an order that could power a motor does
+ * not. */
 static void hid_shows_the_state_and_takes_power_away(void **state)
 {
     (void)state;
     crn_hid_state report = next_state();
     assert_int_equal(report.state, CRN_WIRE_STATE_INIT);
-    order(1, CRN_WIRE_ACTION_RESET); /* nobody said HELLO yet */
+    order(1, CRN_WIRE_ACTION_RESET); /* no host has sent HELLO yet */
     report = next_state();
     assert_int_equal(report.command_number, 1);
     assert_int_equal(report.command_result, CRN_REJECT_WRONG_STATE);
@@ -150,8 +151,8 @@ static void hid_shows_the_state_and_takes_power_away(void **state)
     assert_int_equal(report.state, CRN_WIRE_STATE_READY);
 }
 
-/* STOP does not wait for the rest of a frame, and costs the stream nothing: the frame is whole when its rest
- * comes, no sequence number is missing. */
+/* STOP does not wait for the rest of a frame, and costs the stream nothing: the frame is complete when its
+ * rest arrives, and no sequence number is missing. */
 static void stop_by_hid_passes_a_frame_that_is_half_there(void **state)
 {
     (void)state;
@@ -186,15 +187,15 @@ static usb_result set_limit(uint32_t force_limit_mN)
     return hid(0x21, 9, value, 1 + CRN_HID_BYTES_limits);
 }
 
-/* Settings are the wire's `rig`: only after HELLO, only in READY, limits only down. */
+/* Settings follow the rules of the wire's `rig`: only after HELLO, only in READY, limits only downwards. */
 static void settings_by_hid_obey_the_rules_of_the_wire(void **state)
 {
     (void)state;
     crn_hid_calibration calibration;
     const uint16_t value = 0x0300 | CRN_HID_ID_calibration;
     assert_int_equal(set_limit(5000), USB_STALLED);
-    assert_int_equal(client_receive(&host),
-                     CRN_WIRE_TYPE_reject); /* which answers nothing that the stream asked */
+    /* which answers no request of the stream */
+    assert_int_equal(client_receive(&host), CRN_WIRE_TYPE_reject);
     assert_int_equal(host.decoder.header.answers, 0);
     client_hello(&host, crn_wire_schema_hash());
     assert_int_equal(client_receive(&host), CRN_WIRE_TYPE_hello_reply);
@@ -234,8 +235,8 @@ static usb_result set_gain(uint32_t gain_milli)
     return hid(0x21, 9, value, 1 + CRN_HID_BYTES_calibration);
 }
 
-/* 800 N/m is what 1 N s/m bears at 0.5 ms of lag: the report that doubles what the hand feels of it is
- * refused as the wire's `rig` is. */
+/* 1 N s/m supports 800 N/m at 0.5 ms of lag: the report that doubles the felt stiffness is refused, like the
+ * wire's `rig`. */
 static void a_gain_that_is_not_passive_is_refused_by_hid(void **state)
 {
     (void)state;

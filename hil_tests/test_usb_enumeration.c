@@ -1,6 +1,7 @@
-/* Claims about how a host meets the device: enumeration as Linux and Windows do it succeeds at both speeds,
- * descriptors are what the standards ask for, and reports have the lengths that their descriptor says. Read
- * from the mailbox only; the judge of descriptors does not know the table they are made from. */
+/* Claims about the first contact of host and device: enumeration as by Linux and Windows succeeds at both
+ * speeds, descriptors satisfy the standards, and reports have the lengths that their descriptor states. They
+ * are read from the mailbox only; the judge of descriptors does not use the table from which they are
+ * made. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -41,8 +42,8 @@ static usb_result set_address(uint8_t address)
     return result;
 }
 
-/* Linux: 64 bytes of the device descriptor at address 0, reset, address, device descriptor, then what else
- * there is. */
+/* Linux: 64 bytes of the device descriptor at address 0, reset, address, device descriptor, then everything
+ * else. */
 static void linux_way(bool high_speed)
 {
     usb_judged judged;
@@ -87,8 +88,8 @@ static void linux_enumerates_at_full_speed(void **state)
     linux_way(false);
 }
 
-/* Windows: asks for 255 bytes of everything, so that 64 of configuration need an empty packet behind them;
- * for the Microsoft string 0xee, which is refused; for the set by the vendor code of the BOS; for the
+/* Windows: it requests 255 bytes of everything, so that 64 of configuration need an empty packet behind them.
+ * It requests the Microsoft string 0xee, which is refused, the set by the vendor code of the BOS, and the
  * qualifier. */
 static void windows_enumerates_and_learns_about_winusb(void **state)
 {
@@ -118,7 +119,7 @@ static void windows_enumerates_and_learns_about_winusb(void **state)
     assert_int_equal(usb_rig_control(&rig, 0x00, 9, 1, 0, 0, NULL, NULL), USB_OK);
 }
 
-/* A descriptor is cut where the host says, at every length, and the bytes are the same. */
+/* A descriptor is cut where the host requests, at every length, and the bytes are the same. */
 static void a_short_read_gets_the_beginning(void **state)
 {
     (void)state;
@@ -139,7 +140,7 @@ static void a_short_read_gets_the_beginning(void **state)
     }
 }
 
-/* The other-speed configuration at one speed is the configuration at the other, but for its type. */
+/* The other-speed configuration at one speed is the configuration at the other, except for its type. */
 static void the_other_speed_is_what_it_says(void **state)
 {
     (void)state;
@@ -159,8 +160,8 @@ static void the_other_speed_is_what_it_says(void **state)
     }
 }
 
-/* Without high speed there is no qualifier and no other speed (USB 2.0, 9.6.2), and a fast reset ends slow.
- */
+/* Without high speed there is no qualifier and no other speed (USB 2.0, 9.6.2), and a high-speed reset ends
+ * at full speed. */
 static void a_full_speed_device_has_no_other_speed(void **state)
 {
     (void)state;
@@ -173,7 +174,7 @@ static void a_full_speed_device_has_no_other_speed(void **state)
     assert_good(usb_judge_configuration(bytes, count, 2, false, &judged));
 }
 
-/* The report descriptor and what GET_REPORT and the pipe give have the same lengths, id included. */
+/* The report descriptor gives the same lengths, id included, as GET_REPORT and the pipe. */
 static void reports_have_the_lengths_of_their_descriptor(void **state)
 {
     (void)state;
@@ -190,7 +191,7 @@ static void reports_have_the_lengths_of_their_descriptor(void **state)
         assert_int_equal(reports[i].kind, expected[i][0]);
         assert_int_equal(reports[i].id, expected[i][1]);
         assert_int_equal(reports[i].bits, 8 * expected[i][2]);
-        if (reports[i].kind == 2) continue; /* an output report is not asked for */
+        if (reports[i].kind == 2) continue; /* an output report cannot be requested */
         const uint16_t value = (uint16_t)(reports[i].kind << 8 | reports[i].id);
         assert_int_equal(usb_rig_control(&rig, 0xa1, 1, value, 0, 256, bytes, &count), USB_OK);
         assert_int_equal(count, 1 + reports[i].bits / 8);
@@ -201,7 +202,7 @@ static void reports_have_the_lengths_of_their_descriptor(void **state)
     assert_int_equal(count, 64);
 }
 
-/* Strings are UTF-16 of the right length; the serial number is the port's; a language nobody offered is
+/* Strings are UTF-16 of the right length; the serial number is the port's; a language that is not offered is
  * refused. */
 static void strings_are_utf16_in_english(void **state)
 {
@@ -234,7 +235,7 @@ static void the_identity_tells_both_hashes(void **state)
     assert_int_equal(identity.core_version, 7);
 }
 
-/* A stack that could not serve a host says so at power-up. */
+/* A stack that could not serve a host reports it at power-up. */
 static void a_bad_configuration_is_refused_at_power_up(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* Claims about endpoint 0: every standard request is answered as USB 2.0 chapter 9 says, what is not allowed
- * is refused with STALL and changes nothing, and no sequence of stages leaves endpoint 0 unusable. */
+/* Claims about endpoint 0: every standard request is answered as USB 2.0 chapter 9 requires, a forbidden
+ * request is refused with STALL and changes nothing, and no sequence of stages leaves endpoint 0 unusable. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -43,7 +43,7 @@ static void status_requests_answer(void **state)
     (void)state;
     static const uint8_t endpoints[] = {0x00, 0x80, 0x81, 0x01, 0x82, 0x02};
     assert_int_equal(ask(0x80, 0, 0, 0, 2), USB_OK);
-    assert_int_equal(bytes[0], 1); /* powers itself, no remote wake-up */
+    assert_int_equal(bytes[0], 1); /* self-powered, no remote wake-up */
     assert_int_equal(count, 2);
     for (uint16_t interface = 0; interface < 2; interface++) {
         assert_int_equal(ask(0x81, 0, 0, interface, 2), USB_OK);
@@ -63,7 +63,7 @@ typedef struct request {
 
 static const request refused[] = {
     {0x80, 0, 1, 0, 2},               /* GET_STATUS: value is 0 */
-    {0x80, 0, 0, 1, 2},               /* of the device: index is 0 */
+    {0x80, 0, 0, 1, 2},               /* for the device: index is 0 */
     {0x80, 0, 0, 0, 1},               /* has two bytes */
     {0x81, 0, 0, 2, 2},               /* no such interface */
     {0x82, 0, 0, 0x83, 2},            /* no such endpoint */
@@ -75,7 +75,7 @@ static const request refused[] = {
     {0x00, 3, 2, 0, 0},               /* test mode 0 */
     {0x00, 3, 2, 0x0500, 0},          /* test mode 5: for hubs */
     {0x00, 3, 2, 0x0101, 0},          /* the low byte of the index is 0 */
-    {0x00, 1, 2, 0x0100, 0},          /* test mode is left by power-down only */
+    {0x00, 1, 2, 0x0100, 0},          /* only power-down ends test mode */
     {0x02, 3, 0, 0x00, 0},            /* endpoint 0 is not halted by request */
     {0x02, 3, 1, 0x81, 0},            /* no such feature */
     {0x02, 1, 0, 0x05, 0},            /* no such endpoint */
@@ -85,11 +85,11 @@ static const request refused[] = {
     {0x00, 5, 7, 0, 0},               /* and not while configured */
     {0x80, 6, 0x0101, 0, 18},         /* there is one device descriptor */
     {0x80, 6, 0x0201, 0, 9},          /* and one configuration */
-    {0x80, 6, 0x0400, 0, 9},          /* interfaces are not asked for alone */
+    {0x80, 6, 0x0400, 0, 9},          /* interfaces cannot be requested alone */
     {0x80, 6, 0x0500, 0, 7},          /* nor endpoints */
     {0x80, 6, 0x0000, 0, 7},          /* no such type */
     {0x80, 6, 0xff00, 0, 7},          /* nor this */
-    {0x81, 6, 0x2200, 1, 64},         /* the stream is no HID interface */
+    {0x81, 6, 0x2200, 1, 64},         /* the stream is not an HID interface */
     {0x81, 6, 0x2201, 0, 64},         /* there is one report descriptor */
     {0x81, 6, 0x2300, 0, 64},         /* and no physical one */
     {0x00, 7, 0x0100, 0, 18},         /* SET_DESCRIPTOR */
@@ -101,12 +101,12 @@ static const request refused[] = {
     {0x82, 12, 0, 0x81, 2},           /* SYNCH_FRAME is for isochronous endpoints */
     {0xa1, 1, 0x0100, 0, 64},         /* GET_REPORT: no report 0 */
     {0xa1, 1, 0x0202, 0, 64},         /* output reports are not read */
-    {0xa1, 1, 0x0301, 0, 64},         /* report 1 is no feature */
+    {0xa1, 1, 0x0301, 0, 64},         /* report 1 is not a feature */
     {0xa1, 1, 0x0101, 1, 64},         /* the stream has no reports */
     {0xa1, 3, 0, 0, 1},               /* GET_PROTOCOL: no boot device */
     {0x21, 11, 0, 0, 0},              /* SET_PROTOCOL: the same */
     {0x21, 9, 0x0310, 0, 25},         /* SET_REPORT: the identity is read only */
-    {0x21, 9, 0x0312, 0, 36},         /* too short by the id */
+    {0x21, 9, 0x0312, 0, 36},         /* shorter than required by the id */
     {0x21, 9, 0x0312, 0, 257},        /* longer than any */
     {0x21, 9, 0x0312, 1, 37},         /* wrong interface */
     {0x21, 9, 0x0201, 0, 12},         /* no such output report */
@@ -142,7 +142,7 @@ static void what_is_not_allowed_is_refused_and_changes_nothing(void **state)
     assert_int_equal(rig.mailbox.device.test_selector, 0);
 }
 
-/* Before SET_CONFIGURATION there are no interfaces and endpoints to speak of. */
+/* Before SET_CONFIGURATION no interfaces and endpoints can be addressed. */
 static void an_address_alone_allows_little(void **state)
 {
     (void)state;
@@ -175,7 +175,7 @@ static void the_address_changes_after_the_status_stage(void **state)
         rig.host.address = address;
         assert_int_equal(ask(0x80, 8, 0, 0, 1), USB_OK);
     }
-    /* A host that never comes to the status stage leaves the address as it was. */
+    /* A host that never reaches the status stage leaves the address unchanged. */
     static const uint8_t setup[8] = {0x00, 5, 3, 0, 0, 0, 0, 0};
     crn_mailbox_reply reply;
     usb_host_token(&rig.host, CRN_MAILBOX_SETUP, 0, 0, setup, 8, &reply, NULL, 0, &count);
@@ -183,7 +183,7 @@ static void the_address_changes_after_the_status_stage(void **state)
     assert_int_equal(ask(0x80, 8, 0, 0, 1), USB_OK);
 }
 
-/* Halts: the endpoint stalls, says so, and comes back with DATA0; the others go on. */
+/* Halts: the endpoint stalls, reports it, and comes back with DATA0; the others go on. */
 static void a_halt_is_set_seen_and_cleared(void **state)
 {
     (void)state;
@@ -217,7 +217,7 @@ static void a_halt_is_set_seen_and_cleared(void **state)
     assert_int_equal(count, 3);
 }
 
-/* CLEAR_FEATURE on an endpoint that is not halted begins it afresh all the same (USB 2.0, 9.4.5): DATA0. */
+/* CLEAR_FEATURE also restarts an endpoint that is not halted (USB 2.0, 9.4.5): DATA0. */
 static void clearing_what_is_not_halted_resets_the_toggle(void **state)
 {
     (void)state;
@@ -301,7 +301,7 @@ static void test_modes_are_handed_to_the_controller(void **state)
     assert_int_equal(rig.mailbox.device.test_selector, 0);
 }
 
-/* Acknowledgements that get lost cost a repetition, never a byte or a second execution. */
+/* Lost acknowledgements cost a repetition, never a byte or a second execution. */
 static void lost_acknowledgements_change_nothing(void **state)
 {
     (void)state;

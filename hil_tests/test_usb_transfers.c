@@ -1,6 +1,6 @@
-/* Claims about what runs over the pipes: bytes of the stream arrive whole and in order whatever packets they
- * are cut into and whatever gets lost; a host that does not read is waited for; resets, halts, suspend and
- * unplug in the middle cost the frames under way and nothing else. */
+/* Claims about the data in the pipes. Bytes of the stream arrive complete and in order whatever packets they
+ * are cut into and whatever is lost. The device waits for a host that does not read. Resets, halts, suspend
+ * and unplug in the middle cost the frames under way and nothing else. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -34,7 +34,7 @@ static int set_up(void **state)
     return 0;
 }
 
-/* `length` bytes without a zero, then the zero: what a frame looks like from outside. */
+/* `length` bytes without a zero, then the zero: the outer form of a frame. */
 static void make_frame(reference_random *random, uint8_t *frame, uint32_t length)
 {
     for (uint32_t i = 0; i + 1 < length; i++) frame[i] = (uint8_t)(1 + reference_random_below(random, 255));
@@ -46,7 +46,7 @@ static void echo(const uint8_t *frame, uint32_t length)
     static uint8_t back[1 << 14];
     assert_int_equal(usb_host_out(&rig.host, STREAM, PACKET, frame, length), USB_OK);
     uint32_t got = 0;
-    while (got < length) { /* in one read, or two where the queue's ring closes */
+    while (got < length) { /* in one read, or two where the queue's ring wraps */
         assert_int_equal(
             usb_host_in(&rig.host, STREAM, PACKET, back + got, (uint32_t)sizeof back - got, &count), USB_OK);
         got += count;
@@ -89,8 +89,8 @@ static uint32_t fill_stream(reference_random *random, uint8_t *sent, uint32_t ca
     }
 }
 
-/* 64 KiB of frames in packets of random length (also empty ones), reads at random times, acknowledgements
- * lost. */
+/* 64 KiB of frames go in packets of random length (also empty ones), with reads at random times and lost
+ * acknowledgements. */
 static void random_packets(uint64_t seed)
 {
     reference_random random = reference_random_seed(seed);
@@ -134,8 +134,7 @@ static void random_packets_arrive_whole_and_in_order(void **state)
     }
 }
 
-/* A host that writes and never reads: the device holds its packets when a reply might not fit, and loses
- * none. */
+/* A host writes and never reads: the device holds its packets when a reply might not fit, and loses none. */
 static void a_host_that_does_not_read_is_held(void **state)
 {
     (void)state;
@@ -151,7 +150,7 @@ static void a_host_that_does_not_read_is_held(void **state)
     assert_int_equal(result, USB_NAKED);
     assert_int_equal(rig.frames_lost, 0);
     assert_in_range(written, 2, 5);
-    /* Every frame that was taken comes back; the one that was cut by the NAK stays open. */
+    /* Every accepted frame comes back; the one that the NAK cut stays open. */
     uint32_t got = 0;
     while (got < written * sizeof frame) {
         assert_int_equal(usb_host_packet_in(&rig.host, STREAM, bytes + got, PACKET, &count), USB_OK);
@@ -162,7 +161,7 @@ static void a_host_that_does_not_read_is_held(void **state)
     assert_int_equal(rig.frames_lost, 0);
 }
 
-/* A refused frame leaves nothing behind; room is told before. */
+/* A refused frame leaves nothing behind; the free space is reported before. */
 static void a_full_queue_refuses_whole_frames(void **state)
 {
     (void)state;
@@ -191,7 +190,7 @@ static void nobody_is_configured_so_nothing_is_queued(void **state)
     assert_false(crn_usb_transmit(&rig.usb, (const uint8_t *)"\1", 2));
 }
 
-/* What interrupts a conversation; each leaves the device as a host needs it to begin again. */
+/* Interruptions of a conversation; each leaves the device in a state from which a host can begin again. */
 typedef enum interruption {
     RESET,
     HALT_IN,
@@ -241,7 +240,7 @@ static void interrupt(interruption kind)
     memset(rig.host.toggle_out, 0, sizeof rig.host.toggle_out);
 }
 
-/* Everything that waits for the host; the first byte of it must be the zero that begins a stream. */
+/* Reads everything that waits for the host; its first byte must be the zero that begins a stream. */
 static void drain_new_stream(void)
 {
     uint32_t total = 0;
@@ -252,8 +251,8 @@ static void drain_new_stream(void)
     assert_int_equal(bytes[0], 0);
 }
 
-/* After so many packets each way the conversation is interrupted; a new stream begins, and the next frame
- * comes back. */
+/* After this many packets in each direction the conversation is interrupted; a new stream begins, and the
+ * next frame comes back. */
 static void interruptions_cost_only_what_was_under_way(void **state)
 {
     (void)state;
@@ -282,9 +281,7 @@ static void interruptions_cost_only_what_was_under_way(void **state)
     }
 }
 
-/* --- HID
- * -------------------------------------------------------------------------------------------------------------
- */
+/* --- HID ------------------------------------------------------------------------------------------------ */
 static uint32_t next_report_tick(void)
 {
     crn_hid_state report;
@@ -295,7 +292,8 @@ static uint32_t next_report_tick(void)
     return report.tick;
 }
 
-/* One report a tick, none twice; a host that is late gets what waits, up to 64 ms of it and one under way. */
+/* There is one report a tick, and none comes twice; a late host gets the waiting ones, up to 64 ms of them
+ * and one under way. */
 static void state_reports_follow_the_ticks(void **state)
 {
     (void)state;
@@ -317,7 +315,7 @@ static void state_reports_follow_the_ticks(void **state)
     assert_int_equal(usb_host_packet_in(&rig.host, STATUS, bytes, 64, &count), USB_NAKED);
 }
 
-/* Every field of the state comes out of the bytes as it went in, at both ends of its range. */
+/* Every field of the state is decoded from the bytes as it was encoded, at both ends of its range. */
 static void state_reports_carry_every_field(void **state)
 {
     (void)state;
@@ -375,7 +373,7 @@ static void commands_come_by_pipe_and_by_control(void **state)
     assert_int_equal(rig.command.number, 6);
 }
 
-/* Reports that are none are counted; the pipe stays open for the next one. A padded one is taken. */
+/* Invalid reports are counted; the pipe stays open for the next one. A padded report is accepted. */
 static void broken_commands_are_counted_and_the_pipe_stays_open(void **state)
 {
     (void)state;
@@ -393,7 +391,7 @@ static void broken_commands_are_counted_and_the_pipe_stays_open(void **state)
     assert_int_equal(rig.commands, 1);
 }
 
-/* Limits go down and not up; what is refused is not half taken. */
+/* Limits can be lowered and not raised; a refused report is not applied in part. */
 static void settings_are_read_back_and_refused(void **state)
 {
     (void)state;
@@ -416,10 +414,9 @@ static void settings_are_read_back_and_refused(void **state)
     assert_int_equal(back.tracks[1].force_limit_mN, 3000);
 }
 
-/* --- the bus
- * ---------------------------------------------------------------------------------------------------------
- */
-/* Asleep the device sends no new report; awake it goes on where it was, with frames and toggles intact. */
+/* --- the bus -------------------------------------------------------------------------------------------- */
+/* While suspended the device sends no new report; after resume it continues where it was, with frames and
+ * toggles intact. */
 static void suspend_keeps_everything(void **state)
 {
     (void)state;
@@ -442,13 +439,13 @@ static void suspend_keeps_everything(void **state)
     assert_int_equal(usb_host_packet_in(&rig.host, STATUS, bytes, 64, &count), USB_NAKED);
     usb_rig_tick(&rig);
     assert_int_equal(next_report_tick(), 2);
-    /* A reset wakes it too. */
+    /* A reset also wakes it. */
     assert_int_equal(usb_host_bus(&rig.host, CRN_MAILBOX_SUSPENDED), USB_OK);
     assert_int_equal(usb_rig_configure(&rig, true), USB_OK);
     assert_int_equal(rig.link, CRN_USB_CONFIGURED);
 }
 
-/* The device pulls its own plug when it is asked to, and comes back after so many milliseconds. */
+/* The device unplugs itself on request, and comes back after the given number of milliseconds. */
 static void the_device_unplugs_itself_on_request(void **state)
 {
     (void)state;
@@ -467,8 +464,8 @@ static void the_device_unplugs_itself_on_request(void **state)
     echo((const uint8_t *)"\1\2\3", 4);
 }
 
-/* With the third packet of a transfer of five: the host sees its transfer end in the middle, and the app
- * never the third. */
+/* It does so with the third packet of a transfer of five: the host sees its transfer end in the middle, and
+ * the app never receives the third packet. */
 static void the_device_unplugs_itself_within_a_transfer(void **state)
 {
     (void)state;
@@ -488,7 +485,8 @@ static void the_device_unplugs_itself_within_a_transfer(void **state)
     echo((const uint8_t *)"\1\2\3", 4);
 }
 
-/* Suspend and resume of an unplugged device, tokens without a reset: nothing answers, nothing breaks. */
+/* Suspend and resume of an unplugged device, and tokens without a reset: nothing answers, and nothing
+ * breaks. */
 static void a_bus_out_of_order_is_survived(void **state)
 {
     (void)state;
@@ -503,8 +501,8 @@ static void a_bus_out_of_order_is_survived(void **state)
     echo((const uint8_t *)"\1\2\3", 4);
 }
 
-/* Tokens that no host sends: too long, to endpoints that are not there, of no kind. Silence, and the device
- * goes on. */
+/* Tokens that no host sends: too long, to endpoints that do not exist, of no kind. They get no answer, and
+ * the device goes on. */
 static void malformed_tokens_are_not_answered(void **state)
 {
     (void)state;

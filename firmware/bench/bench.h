@@ -1,5 +1,5 @@
-/* What a benchmark program needs: a table of cases and a main that follows the convention of docs/bench.md.
- */
+/* A benchmark program needs a table of cases and a main that follows the convention of docs/bench.md; both
+ * are declared here. */
 #ifndef CRN_BENCH_H
 #define CRN_BENCH_H
 
@@ -12,7 +12,7 @@ extern "C" {
 #define BENCH_NORETURN _Noreturn
 #endif
 
-/* A function that callgrind finds by name: neither inlined nor cloned. */
+/* Marks a function that callgrind can find by name: it is neither inlined nor cloned. */
 #if defined(__clang__)
 #define BENCH_MEASURED __attribute__((noinline, used))
 #else
@@ -24,13 +24,13 @@ struct bench_case {
     const char *name;     /* "rod.step_instructions" */
     const char *unit;     /* "instructions", "us", "%" */
     const char *context;  /* "elements=256 contacts=57" */
-    const char *function; /* counted by callgrind, or NULL: the value is what `run` returns */
-    unsigned long calls;  /* how often `run` calls `function` */
+    const char *function; /* the function that callgrind counts, or NULL: the value is what `run` returns */
+    unsigned long calls;  /* number of calls of `function` by `run` */
     double (*run)(const bench_case *self);
-    int argument; /* for the case's own use */
+    int argument; /* free for the case's own use */
 };
 
-/* Ends the program with exit code 1 and a sentence when a case cannot be measured. */
+/* Ends the program with exit code 1 and a message when a case cannot be measured. */
 BENCH_NORETURN void bench_fail(const char *sentence);
 
 /* Monotonic clock in microseconds. */

@@ -1,6 +1,6 @@
-/* A million ticks of random hands in a vessel that forks, a third of them with one, two and three tools. A
- * row's value is the largest length error; it fails when the line is lost: more than 0.6 %, more than 0.45 %
- * or more than 1 mm beyond the wall in one of 10,000 ticks. */
+/* A million ticks of random hands in a vessel that forks: a third each with one, two and three tools. A row's
+ * value is the largest length error. The row fails when the line is lost: a length error of more than 0.6 %,
+ * or in more than one of 10,000 ticks more than 0.45 % or more than 1 mm beyond the wall. */
 #include "firmware/bench/bench.h"
 #include "firmware/tests/reference/random_hands.h"
 

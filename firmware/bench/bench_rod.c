@@ -1,12 +1,12 @@
 /* Cost of one tick and accuracy of the elastica (docs/bench.md names the rows).
  *
- * Scenes: `bends`, a super stiff wire (EI 1.85e-3 N m^2, 3 mm elements) pushed through a tube of 2 mm radius
- * with three bends; `floor`, a soft wire (EI 2e-6) lying on the floor of a straight narrow tube, so that
- * every node touches but the few that hang from the mouth. `bends` also beats at 90 /min, all of it or, as in
- * a heart, the last 200 mm; `coronary` is a 0.014 in wire in a vessel of 1.5 mm radius on a beating sphere
- * (tests/reference/moving_tube.h). `balloon` is a wire in a balloon catheter of 256 elements in the three
- * bends, with its balloon of 3 x 20 mm folded or filling the vessel at 8 bar. A row fails when its scene has
- * fewer contacts than it says. */
+ * Scenes: `bends` is a super stiff wire (EI 1.85e-3 N m^2, 3 mm elements) pushed through a tube of 2 mm
+ * radius with three bends. `floor` is a soft wire (EI 2e-6) lying on the floor of a straight narrow tube, so
+ * that every node touches except the few that hang from the sheath's distal end. `bends` also runs with a
+ * vessel that beats at 90 /min: all of it or, as in a heart, the last 200 mm. `coronary` is a 0.014 in wire
+ * in a vessel of 1.5 mm radius on a beating sphere (tests/reference/moving_tube.h). `balloon` is a wire in a
+ * balloon catheter of 256 elements in the three bends, with its balloon of 3 x 20 mm folded or filling the
+ * vessel at 8 bar. A row fails when its scene has fewer contacts than it states. */
 #include "firmware/bench/bench.h"
 #include "firmware/core/core_state.h"
 #include "firmware/tests/reference/cantilever.h"
@@ -19,7 +19,7 @@
 enum {
     ALL_BEATS = 1,
     HEART_BEATS,
-    HEART_FROM_mm = 570 /* of a path with a point per mm: the wire's last 200 mm */
+    HEART_FROM_mm = 570 /* the path has a point per mm: from here on lie the wire's last 200 mm */
 };
 enum { CALLS = 100, TIMED_TICKS = 400, ELASTICA_TICKS = 20000, ELEMENT_um = 3000 };
 
@@ -31,7 +31,7 @@ static crn_output output;
 typedef struct scene {
     int elements, on_floor, contacts, tools, beats;
     int balloon_kPa; /* 0: none; 1: folded */
-    int has_lesion;  /* the vessel gives way under it */
+    int has_lesion;  /* the vessel yields under the balloon */
 } scene;
 static const scene scenes[] = {{256, 0, 57, 1, 0, 0, 0},
                                {128, 0, 20, 1, 0, 0, 0},
@@ -47,14 +47,14 @@ static const scene scenes[] = {{256, 0, 57, 1, 0, 0, 0},
                                {256, 0, 50, 2, 0, 800, 1},
                                {256, 0, 50, 2, HEART_BEATS, 800, 1}};
 
-/* What callgrind counts: crn_step as called from here, not the ticks of the insertion. The tools slide and
- * turn against each other, so that nothing is kept from tick to tick. */
+/* callgrind counts crn_step as called from here, which excludes the ticks of the insertion. The tools slide
+ * and turn against each other, so that no result is kept from tick to tick. */
 static BENCH_MEASURED void measured_step(void)
 {
     crn_step(&model, &state, &input, &output);
 }
 
-/* One of three tools: thin, with a taper over 200 mm that makes the shaft half as stiff again. */
+/* One of three tools: thin, with a taper over 200 mm to a shaft that is half as stiff again. */
 static void make_coaxial(crn_instrument *tool, uint32_t radius_um, uint32_t bore_um)
 {
     tool->knot_count = 3;
@@ -67,7 +67,7 @@ static void make_coaxial(crn_instrument *tool, uint32_t radius_um, uint32_t bore
     }
 }
 
-/* On the catheter, 20 mm behind its tip. */
+/* Puts the balloon on the catheter, 20 mm behind its tip. */
 static void put_balloon(crn_instrument *tool)
 {
     tool->balloon = (crn_balloon){.point_count = 2,
@@ -95,8 +95,7 @@ static int nearest_point(const reference_tube *tube, uint32_t node)
     return best;
 }
 
-/* 22 mm of the path that give way by 0.4 mm all round, where the middle of the balloon is. The path has a
- * point per mm. */
+/* At the middle of the balloon, 22 mm of the path yield by 0.4 mm all round. The path has a point per mm. */
 static void put_lesion(reference_tube *tube)
 {
     enum { STATIONS = 23 };
@@ -134,7 +133,7 @@ static void put_lesion(reference_tube *tube)
     tube->lumen.lesions = &lesion;
 }
 
-/* A lattice of 7.8 mm around the path from `from` on. */
+/* Makes a lattice of 7.8 mm around the path from `from` on. */
 static void make_beat(reference_tube *tube, uint32_t from)
 {
     double low[3] = {9, 9, 9}, high[3] = {-9, -9, -9};
@@ -147,7 +146,7 @@ static void make_beat(reference_tube *tube, uint32_t from)
     tube->lumen.motion = &reference_waves_make(low, high, 23)->motion;
 }
 
-/* From now on 90 beats a minute. */
+/* Starts a rhythm of 90 beats a minute. */
 static void begin_beating(void)
 {
     input.rhythm = (crn_rhythm_order){CRN_RHYTHM_HEART_RATE, 90};
@@ -157,7 +156,7 @@ static void begin_beating(void)
     input.rhythm = (crn_rhythm_order){0, 0};
 }
 
-/* Pushes the wire in at 0.1 m/s until the scene's edges are free, then lets it rest for half a second. */
+/* Pushes the wire in at 0.1 m/s until the scene's number of edges is free, then waits for half a second. */
 static void insert(const scene *s)
 {
     const reference_piece straight = {0.85, 0, 0};
@@ -201,8 +200,8 @@ static void insert(const scene *s)
         bench_fail("the balloon does not fill the vessel");
 }
 
-/* Deepest contact of a coronary wire, mm: while it is pushed in at rest (argument 0), or in 60 s at 90 /min
- * after it (1). */
+/* Deepest contact of a coronary wire, mm. With argument 0 it is that of the insertion at rest, with argument
+ * 1 that of the following 60 s at 90 /min. */
 static double run_coronary(const bench_case *self)
 {
     reference_tube *tube = reference_tube_make(reference_coronary, 3, 0.0015, 1);
@@ -264,7 +263,7 @@ static double run_us(const bench_case *self)
     return fastest;
 }
 
-/* Worst of the six tip loads PL2/EI 0.5 .. 10. Argument: elements * 10 + index of the stiffness. */
+/* Largest error over the six tip loads PL2/EI 0.5 .. 10. Argument: elements * 10 + index of the stiffness. */
 static double run_elastica(const bench_case *self)
 {
     static const double bend_N_m2[] = {2e-6, 1e-5, 1e-4, 1.85e-3, 4.9e-3};

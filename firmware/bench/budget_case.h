@@ -1,6 +1,6 @@
-/* One measured case as a file: what budget_make.c (on the PC) hands to budget_image.c (on the Cortex-M7). The
- * same words on both sides: structs of 32-bit words, little end first. All calls of the core for the budget
- * are in this header. */
+/* One measured case as a file, which budget_make.c (on the PC) writes and budget_image.c (on the Cortex-M7)
+ * reads. Both sides use the same words: structs of 32-bit words, little-endian. This header contains all
+ * calls of the core for the budget. */
 #ifndef CRN_BUDGET_CASE_H
 #define CRN_BUDGET_CASE_H
 
@@ -8,8 +8,8 @@
 
 enum { BUDGET_MAGIC = 0x42444731, BUDGET_TICKS_MAX = 1000 };
 
-/* Followed by: index (padded to words), children (padded), samples (padded), state, one crn_input per tick.
- */
+/* The header is followed by: index (padded to words), children (padded), samples (padded), state, one
+ * crn_input per tick. */
 typedef struct budget_case {
     uint32_t magic;
     uint32_t ticks;
@@ -38,7 +38,8 @@ static inline const crn_input *budget_inputs(const budget_case *c)
     return (const crn_input *)(const void *)(budget_state(c) + c->state_bytes);
 }
 
-/* Model of a case; false when the core refuses it. `lumen` and the case must outlive the model. */
+/* Builds the model of a case; returns false when the core refuses it. `lumen` and the case must outlive the
+ * model. */
 static inline bool budget_build(const budget_case *c, crn_lumen *lumen, crn_model *model)
 {
     const uint8_t *field = (const uint8_t *)(c + 1);

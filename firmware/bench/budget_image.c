@@ -1,7 +1,7 @@
 /* Counts the instructions of crn_step(), and of the hash that is a part of it, on the Cortex-M7
- * (docs/bench.md, "budget"): reads a case, restores its state, steps, and prints mean, largest and smallest
- * count, second solves, and whether the state's hash is the PC's. usage (as semihosting arguments):
- * budget_image CASE_FILE */
+ * (docs/bench.md, "budget"). It reads a case, restores its state, and steps. It prints mean, largest and
+ * smallest count, the number of second solves, and whether the state's hash equals the PC's. usage (as
+ * semihosting arguments): budget_image CASE_FILE */
 #include "firmware/bench/budget_case.h"
 #include "firmware/core/rod.h"
 #include "firmware/port/console_digits.h"
@@ -66,7 +66,8 @@ int main(int argc, char **argv)
     counts n = {0, 0, SYSTICK_MASK, 0, 0, 0};
     crn_output output = {0};
     systick_start();
-    crn_step(&model, &state, budget_inputs(c), &output); /* makes what a restored state lacks: not counted */
+    /* computes what a restored state lacks; not counted */
+    crn_step(&model, &state, budget_inputs(c), &output);
     for (uint32_t tick = 1; tick < c->ticks; tick++) step(&budget_inputs(c)[tick], &output, &n);
     if (output.hash_lane[0] != c->hash_lane[0] || output.hash_lane[1] != c->hash_lane[1]) {
         return fail("budget_image: the state's hash is not the PC's\n");

@@ -1,26 +1,26 @@
-/* The balloon: docs/balloon.md. */
+/* Model of the balloon (docs/balloon.md). */
 #include "firmware/core/balloon.h"
 #include "firmware/core/lesion.h"
 
 enum {
     GROW_M_Q30 = 5369,            /* 5 um a tick: 5 mm/s */
-    FIT_M_Q30 = 21475,            /* 20 um: how far a ball is moved off a wall in one tick */
+    FIT_M_Q30 = 21475,            /* 20 um: the farthest that a ball is moved off a wall in one tick */
     SLIP_M_Q30 = 536871,          /* 0.5 mm */
-    STIFFNESS_N_m = 2000,         /* of the spring of one ball: that of a bristle */
+    STIFFNESS_N_m = 2000,         /* spring of one ball: as stiff as a friction bristle */
     BY_STIFFNESS_Q30 = 137438953, /* 256 / STIFFNESS */
-    FOLLOW_LOG2 = 3, /* a ball that nothing holds is an eighth nearer to the line after every tick */
+    FOLLOW_LOG2 = 3, /* a ball that nothing holds closes an eighth of its distance to the line in each tick */
     BALL_MAX_N_Q22 = 128 << 22,     /* wall force of one ball */
     LENGTH_OF_BALL_M_Q30 = 1 << 20, /* about 1 mm */
-    FELT_M_Q30 = 1 << 22,           /* 3.9 mm: depths beyond it are no more than that */
-    CLOSE_M_Q30 =
-        21475, /* 20 um: so near all round the wall is felt, whichever directions this tick looks in */
+    FELT_M_Q30 = 1 << 22,           /* 3.9 mm: greater depths are cut to this */
+    /* 20 um: a wall this near on all sides is felt, whichever directions this tick looks in */
+    CLOSE_M_Q30 = 21475,
     ROOT_HALF_Q30 = 759250125,
     TWO_PI_Q28 = 1686629713,
-    UNFOLDED_Q30 = 1041529569, /* 0.97: of its first diameter, where the wall of the balloon begins to bear */
+    UNFOLDED_Q30 = 1041529569, /* 0.97 of the first diameter in the table: from here on the balloon's own wall
+                                  bears load */
 };
 
-/* --- set-up
- * -------------------------------------------------------------------------------------------------- */
+/* --- set-up --------------------------------------------------------------------------------------------- */
 
 static bool table_is_one(const crn_balloon *balloon, uint32_t folded_radius_um)
 {
@@ -60,7 +60,7 @@ static uint32_t radius_at_um(const crn_instrument *tool, uint32_t arc_um)
     return (uint32_t)crn_divide_u64(sum, b->arc_um - a->arc_um);
 }
 
-/* The widest place of the tool under the balloon: what it measures folded. */
+/* Widest outer radius of the tool under the balloon: the size of the folded balloon. */
 static uint32_t folded_um(const crn_instrument *tool)
 {
     uint32_t distal = radius_at_um(tool, tool->balloon.distal_um),
@@ -129,11 +129,10 @@ void crn_balloon_build(crn_balloon_model *model, const crn_instrument *tools, ui
     }
 }
 
-/* --- the maker's table
- * --------------------------------------------------------------------------------------- */
+/* --- the maker's table ---------------------------------------------------------------------------------- */
 
-/* y at x on the line through two points. Overflow: the tables' steps are below 2^23 in either; beyond the
- * last point at most some times that. */
+/* y at x on the line through two points. Overflow: the tables' steps are below 2^23 in either direction;
+ * beyond the last point the result is at most a few times that. */
 static int32_t on_line(int32_t x, int32_t x0, int32_t x1, int32_t y0, int32_t y1)
 {
     return y0 + crn_scale_q30(y1 - y0, crn_quotient(x - x0, x1 - x0, 28)) * 4;
@@ -165,19 +164,19 @@ int32_t crn_balloon_own_pressure(const crn_balloon_model *model, int32_t radius_
     return on_line(radius_m_q30, r[i], r[i + 1], i == 1 ? 0 : p[i], p[i + 1]);
 }
 
-/* --- where the balls are
- * ------------------------------------------------------------------------------------- */
+/* --- where the balls are -------------------------------------------------------------------------------- */
 
-/* A ball's place on the line at the predicted configuration. */
+/* Place of a ball on the line at the predicted configuration. */
 typedef struct place {
-    uint32_t node;     /* between this one and the next */
+    uint32_t node;     /* the place lies between this node and the next */
     int32_t share_q30; /* of the next */
-    bool is_free;      /* beyond the inserter, and no other tool around it */
+    bool is_free;      /* the place is outside the inserter and no other tool surrounds it */
     crn_vec3 point_m_q30;
     crn_vec3 along_q30; /* unit vector towards the hand */
 } place;
 
-/* `from` is a node at or before it: the balls are looked up from the tip to the hand. */
+/* Finds the place of a ball. The search goes from the tip to the hand: `from` is a node at or before the
+ * place. */
 static place place_of(const crn_model *model, const crn_state *state, uint32_t ball, uint32_t from)
 {
     const crn_balloon_model *balloon = &model->balloon;
@@ -206,14 +205,14 @@ static place place_of(const crn_model *model, const crn_state *state, uint32_t b
     return at;
 }
 
-/* Where a place in the world lies in the pose that the lumen is described in. */
+/* Converts a place in the world to the pose in which the lumen is described. */
 static crn_vec3 in_reference(const crn_model *model, crn_state *state, const crn_vec3 *place_m_q30)
 {
     const crn_motion *motion = model->lumen->motion;
     return motion == NULL ? *place_m_q30 : crn_motion_pull(motion, &state->scratch.pose, place_m_q30);
 }
 
-/* `section`: of the open lesion that the ball is in; NULL: it is in none. */
+/* `section` belongs to the open lesion that the ball is in; NULL means that it is in none. */
 static int32_t wall_distance(const crn_model *model, crn_state *state, const crn_lesion_section *section,
                              const crn_vec3 *place_m_q30)
 {
@@ -230,17 +229,18 @@ static int32_t wall_distance(const crn_model *model, crn_state *state, const crn
                : crn_motion_contact(lumen, lumen->motion, &state->scratch.pose, place_m_q30).distance_m_q30;
 }
 
-/* --- growing
- * ------------------------------------------------------------------------------------------------- */
+/* --- growing -------------------------------------------------------------------------------------------- */
 
-/* What a ball measures: folded, while it is in the inserter or in another tool and its own radius is 0. */
+/* Outer radius of a ball. A ball in the inserter or in another tool has the radius 0 of its own and counts as
+ * folded. */
 static int32_t radius_of(const crn_model *model, const crn_balloon_ball *ball)
 {
     const int32_t folded = model->balloon.radius_m_q30[0];
     return ball->radius_m_q30 > folded ? ball->radius_m_q30 : folded;
 }
 
-/* The centre before this tick's growth: carried by the wall that holds it, or following the line. */
+/* The centre before this tick's growth: a wall that holds the ball carries it, otherwise it follows the
+ * line. */
 static crn_vec3 carried(const crn_model *model, crn_state *state, const crn_balloon_ball *ball,
                         const place *at)
 {
@@ -274,8 +274,8 @@ static int32_t wall_force(int32_t pressure_Pa, int32_t radius_m_q30, int32_t len
     return force > BALL_MAX_N_Q22 ? BALL_MAX_N_Q22 : (int32_t)force;
 }
 
-/* Two directions across the line, at right angles; turned by 45 degrees from tick to tick, so that eight are
- * felt. */
+/* Two directions across the line, at right angles. They turn by 45 degrees from tick to tick, so that eight
+ * directions are felt. */
 static void directions(const crn_vec3 *along_q30, bool is_turned, crn_vec3 pair_q30[2])
 {
     int least = 0;
@@ -297,8 +297,9 @@ static void directions(const crn_vec3 *along_q30, bool is_turned, crn_vec3 pair_
     }
 }
 
-/* How far the wall is behind (+) or before the ball's surface in a direction. The field is right at a wall,
- * not on the axis of a narrow vessel, where its spline rounds the ridge off. */
+/* Signed distance from the wall to the ball's surface in a direction: positive when the surface is beyond the
+ * wall. The distance field is accurate at a wall; on the axis of a narrow vessel it is not, because its
+ * spline rounds the ridge off. */
 static int32_t behind_wall(const crn_model *model, crn_state *state, const crn_lesion_section *section,
                            const crn_vec3 *centre_m_q30, const crn_vec3 *direction_q30, int32_t radius_m_q30)
 {
@@ -309,14 +310,14 @@ static int32_t behind_wall(const crn_model *model, crn_state *state, const crn_l
     return crn_clamp(wall_distance(model, state, section, &surface), -FELT_M_Q30, FELT_M_Q30);
 }
 
-/* Moves the ball between the walls of one direction; returns how much narrower than its diameter the room is,
- * halved; below 0: wider. */
+/* Moves the ball between the walls of one direction. Returns half of what the clearance lacks to the ball's
+ * diameter; the value is negative where the vessel is wider. */
 static int32_t fit_between(const crn_model *model, crn_state *state, const crn_lesion_section *section,
                            crn_vec3 *centre_m_q30, const crn_vec3 *direction_q30, int32_t radius_m_q30)
 {
     int32_t ahead = behind_wall(model, state, section, centre_m_q30, direction_q30, radius_m_q30);
     int32_t back = behind_wall(model, state, section, centre_m_q30, direction_q30, -radius_m_q30);
-    int32_t way = 0; /* back, off the wall ahead */
+    int32_t way = 0; /* displacement backwards, off the wall ahead */
     if (ahead + back > 0) {
         way = (ahead - back) / 2;
     } else if (ahead > 0) {
@@ -331,8 +332,8 @@ static int32_t fit_between(const crn_model *model, crn_state *state, const crn_l
     return (ahead + back) / 2;
 }
 
-/* One ball's tick. `length` is that of the wall it stands for. Returns the pressure that it has on the wall.
- */
+/* Advances one ball by one tick. `length` is the length of wall that the ball represents. Returns the
+ * pressure of the ball on the wall. */
 static int32_t grow(const crn_model *model, crn_state *state, uint32_t number, const place *at,
                     int32_t pressure_Pa, int32_t length_m_q30)
 {
@@ -376,8 +377,8 @@ static void fold(const crn_model *model, crn_balloon_state *words, uint32_t numb
         (crn_balloon_ball){at->point_m_q30, at->is_free ? model->balloon.radius_m_q30[0] : 0, 0};
 }
 
-/* The spring into the matrix: on each of the two nodes as if it stood alone, which is never softer than the
- * pair. */
+/* Adds the spring to the matrix. Each of the two nodes gets its share as if it were alone, which is never
+ * softer than the pair. */
 static void tie(const crn_model *model, crn_state *state, const place *at)
 {
     const int32_t stiffness = STIFFNESS_N_m << model->stiffness_exponent;
@@ -411,7 +412,8 @@ void crn_balloon_find(const crn_model *model, crn_state *state, int32_t inflator
             continue;
         }
         if (ball->radius_m_q30 < balloon->radius_m_q30[0]) {
-            fold(model, words, j, &at); /* it comes out now, and lies on the line */
+            /* it leaves the inserter or the outer tool now, and lies on the line */
+            fold(model, words, j, &at);
         }
         bool is_end = j == 0 || j + 1 == balloon->ball_count;
         state->scratch.press_Pa[j] = grow(model, state, j, &at, words->pressure_Pa,
@@ -420,8 +422,7 @@ void crn_balloon_find(const crn_model *model, crn_state *state, int32_t inflator
     }
 }
 
-/* --- forces
- * -------------------------------------------------------------------------------------------------- */
+/* --- forces --------------------------------------------------------------------------------------------- */
 
 static bool is_tied(const crn_model *model, const crn_state *state, uint32_t ball, const place *at)
 {
@@ -440,7 +441,7 @@ void crn_balloon_forces(const crn_model *model, crn_state *state)
         }
         crn_vec3 miss = crn_vec3_sub(state->words.balloon.balls[j].centre_m_q30, at.point_m_q30);
         for (int k = 0; k < 3; k++) {
-            /* Q30 m times N/m -> Q22 N; limited as contacts are */
+            /* Q30 m times N/m -> Q22 N; limited in the same way as contact forces */
             int64_t pull = ((int64_t)miss.v[k] * STIFFNESS_N_m) >> 8;
             int32_t force = crn_clamp(crn_sat32(pull), -BALL_MAX_N_Q22, BALL_MAX_N_Q22);
             int32_t second = crn_scale_q30(force, at.share_q30);
@@ -451,8 +452,8 @@ void crn_balloon_forces(const crn_model *model, crn_state *state)
     }
 }
 
-/* N dr/ds: where the balloon widens the wall pushes it on. Central difference over the neighbours. Towards
- * the hand. */
+/* N dr/ds: the wall pushes the balloon along the line where the balloon's radius changes. The slope is a
+ * central difference over the neighbours. The result is positive towards the hand. */
 static int32_t taper_force(const crn_model *model, const crn_state *state, uint32_t j)
 {
     const crn_balloon_ball *balls = state->words.balloon.balls;
@@ -464,12 +465,12 @@ static int32_t taper_force(const crn_model *model, const crn_state *state, uint3
     return crn_scale_q30(balls[j].wall_N_q22, slope_q28) * 4;
 }
 
-/* What the wall cannot hold slips along the line. */
+/* Moves a ball along the line by what the wall cannot hold. */
 static void slip(const crn_model *model, crn_state *state, uint32_t j, const place *at)
 {
     crn_balloon_ball *ball = &state->words.balloon.balls[j];
     const crn_work *work = &state->scratch.nodes[at->node];
-    crn_vec3 way; /* from the centre to the line after the solve */
+    crn_vec3 way; /* from the ball's centre to the line after the solve */
     for (int k = 0; k < 3; k++) {
         int32_t a = work[0].solution_m_q33.v[k], b = work[1].solution_m_q33.v[k];
         int32_t moved = (a + crn_scale_q30(b - a, at->share_q30)) >> 3;
@@ -538,8 +539,7 @@ uint32_t crn_state_balloon(const crn_model *model, const crn_state *state,
     return balloon->ball_count;
 }
 
-/* --- a restored state
- * ---------------------------------------------------------------------------------------- */
+/* --- a restored state ----------------------------------------------------------------------------------- */
 
 bool crn_balloon_is_valid(const crn_model *model, const crn_balloon_state *balloon)
 {

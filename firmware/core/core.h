@@ -6,9 +6,8 @@
  *   crn_state_save/restore/hash                                           (32-bit words, crn_state_bytes)
  *
  * Tools are numbered from the innermost (0, the wire) to the outermost and share one centreline where they
- * overlap. The tool whose tip is farthest in leads; any may. Node 0 is the leading tip; indices grow towards
- * the hand. Patient frame: +x patient left, +y head, +z anterior.
- */
+ * overlap. The tool whose tip is farthest in leads; any tool may lead. Node 0 is the leading tip; indices
+ * grow towards the hand. Patient frame: +x patient left, +y head, +z anterior. */
 #ifndef CRN_CORE_H
 #define CRN_CORE_H
 
@@ -18,14 +17,14 @@
 
 #ifndef CRN_NODE_MAX
 #define CRN_NODE_MAX                                                                                         \
-    384 /* nodes of one line; a board with less memory builds with fewer, hashes do not change */
+    384 /* nodes of one line; a board with less memory is built with fewer, which does not change hashes */
 #endif
 
 enum {
     CRN_CORE_VERSION = 15,      /* changes whenever the same inputs may give another hash */
     CRN_TOOL_MAX = 3,           /* coaxial tools of one line */
     CRN_KNOT_MAX = 32,          /* knots of one instrument */
-    CRN_BALLOON_POINT_MAX = 12, /* of a balloon's table */
+    CRN_BALLOON_POINT_MAX = 12, /* points of a balloon's table */
     CRN_BALLOON_BALL_MAX = 24,
     CRN_PRESSURE_MAX_Pa = 4000000,
     CRN_STRUT_RING_MAX = 64, /* of all stents */
@@ -35,91 +34,94 @@ enum {
 /* One knot of an instrument's profile. Properties are linear between knots by arc length from the distal tip;
  * two knots at the same arc length make a step. All values are checked by crn_model_build. */
 typedef struct crn_knot {
-    uint32_t arc_um;                 /* 0 .. 2 000 000 from the tip, non-decreasing, first is 0 */
-    uint32_t bend_stiffness_nN_m2;   /* EI: 100 (1e-7 N m^2) .. 30 000 000 (3e-2 N m^2) */
-    uint32_t twist_stiffness_nN_m2;  /* GJ: same range */
-    uint32_t mass_mg_per_m;          /* 500 .. 100 000 */
-    uint32_t radius_outer_um;        /* 100 .. 2 000 */
-    uint32_t radius_inner_um;        /* 0 for a solid wire, else the lumen: less than the outer radius */
+    uint32_t arc_um;                /* 0 .. 2 000 000 from the tip, non-decreasing, first is 0 */
+    uint32_t bend_stiffness_nN_m2;  /* EI: 100 (1e-7 N m^2) .. 30 000 000 (3e-2 N m^2) */
+    uint32_t twist_stiffness_nN_m2; /* GJ: same range */
+    uint32_t mass_mg_per_m;         /* 500 .. 100 000 */
+    uint32_t radius_outer_um;       /* 100 .. 2 000 */
+    /* 0 for a solid wire, else the radius of the lumen: less than the outer radius */
+    uint32_t radius_inner_um;
     uint32_t friction_kinetic_milli; /* 0 .. 1 000 */
     uint32_t friction_static_milli;  /* >= kinetic, 0 .. 1 000 */
-    int32_t
-        rest_curvature1_per_m_milli; /* about material axis d2, turning towards d1; +-1 000 000 (R = 1 mm) */
+    /* about material axis d2, turning towards d1; +-1 000 000 (R = 1 mm) */
+    int32_t rest_curvature1_per_m_milli;
     int32_t rest_curvature2_per_m_milli; /* turning towards d2 */
 } crn_knot;
 
-/* A balloon on a tool; one of a line's tools may have one. Diameters are those of the free balloon. */
+/* A balloon on a tool. Only one of a line's tools may have a balloon. Diameters are those of the free
+ * balloon. */
 typedef struct crn_balloon {
-    uint32_t point_count; /* of the table, 2 .. CRN_BALLOON_POINT_MAX; 0: the tool has no balloon */
-    uint32_t distal_um, proximal_um;              /* its working length, from the tool's tip: 2 to 60 mm */
+    uint32_t point_count; /* points of the table, 2 .. CRN_BALLOON_POINT_MAX; 0: the tool has no balloon */
+    uint32_t distal_um, proximal_um;              /* working length from the tool's tip: 2 to 60 mm */
     uint32_t burst_kPa;                           /* above the table's last pressure, at most 4000 */
-    uint32_t pressure_kPa[CRN_BALLOON_POINT_MAX]; /* increasing, from 100 on */
-    uint32_t diameter_um[CRN_BALLOON_POINT_MAX];  /* increasing, at most 20 000, the first wider than the
+    uint32_t pressure_kPa[CRN_BALLOON_POINT_MAX]; /* increasing; the first is at least 100 */
+    uint32_t diameter_um[CRN_BALLOON_POINT_MAX];  /* increasing, at most 20 000; the first is wider than the
                                                      folded tool */
 } crn_balloon;
 
 typedef struct crn_instrument {
     uint32_t knot_count; /* 2 .. CRN_KNOT_MAX */
     crn_knot knots[CRN_KNOT_MAX];
-    uint32_t lumen_friction_milli;  /* a catheter's lumen against the tool inside it, 0 .. 1 000 */
-    uint32_t axial_stiffness_max_N; /* cap of EA, 100 .. 10 000; a line takes the largest of its tools */
+    uint32_t lumen_friction_milli;  /* friction of a catheter's lumen on the tool inside it, 0 .. 1 000 */
+    uint32_t axial_stiffness_max_N; /* cap of EA, 100 .. 10 000; a line takes the largest cap of its tools */
     uint32_t element_tip_um;        /* shortest element, 200 .. 8 000 (1 000 usual) */
     uint32_t element_shaft_um;      /* longest element, >= element_tip_um, <= 8 000 (4 000 usual) */
     uint32_t element_fine_um;       /* arc length from the tip meshed with element_tip_um */
     crn_balloon balloon;
 } crn_instrument; /* a line takes the finest tip and shaft and the longest fine part of its tools */
 
-/* Where the tools enter: an inserter (sheath) that ends inside the lumen. */
+/* Where the tools enter: an introducer sheath (inserter) that ends inside the lumen. */
 typedef struct crn_entry {
-    crn_vec3 position_m_q30; /* centre of the sheath's distal mouth */
+    crn_vec3 position_m_q30; /* centre of the sheath's distal end */
     crn_vec3 direction_q30;  /* unit vector into the vessel */
 } crn_entry;
 
-typedef struct crn_model crn_model; /* complete type in core_model.h for those who own the memory */
-typedef struct crn_state crn_state; /* complete type in core_state.h */
+typedef struct crn_model crn_model; /* the complete type is in core_model.h, for those who own the memory */
+typedef struct crn_state crn_state; /* the complete type is in core_state.h */
 
 typedef enum crn_build_status {
     CRN_BUILD_OK = 0,
-    CRN_BUILD_KNOTS,    /* number or order of knots */
+    CRN_BUILD_KNOTS,    /* invalid number or order of knots */
     CRN_BUILD_RANGE,    /* a property out of its range */
     CRN_BUILD_LENGTH,   /* shorter than 20 mm or than five of the line's elements, or more than CRN_NODE_MAX
                            nodes */
     CRN_BUILD_ELEMENTS, /* element lengths out of range, or so long that the rest shape turns by more than 1.2
-                           rad in one */
-    CRN_BUILD_ENTRY,    /* direction is no unit vector, or position outside +-1.9 m */
+                           rad in one element */
+    CRN_BUILD_ENTRY,    /* direction is not a unit vector, or position is outside +-1.9 m */
     CRN_BUILD_OVERFLOW, /* stiffness or mass and element length together exceed the number format */
-    CRN_BUILD_TOOLS,    /* number of tools not 1 .. CRN_TOOL_MAX */
+    CRN_BUILD_TOOLS,    /* the number of tools is not 1 .. CRN_TOOL_MAX */
     CRN_BUILD_NESTING,  /* a tool does not fit into the lumen of the next one */
-    CRN_BUILD_BALLOON,  /* a balloon's place or table, or a second balloon */
+    CRN_BUILD_BALLOON,  /* invalid position or table of a balloon, or a second balloon */
 } crn_build_status;
 
-/* What a refused model names: the tool, and the knot within it where a knot is at fault (else 0). */
+/* The place that a refused model names: the tool, and the knot within it where a knot is at fault (else
+ * 0). */
 typedef struct crn_build_place {
     uint32_t tool, knot;
 } crn_build_place;
 
-/* Input of one tick: where each hand is, not how fast, and what is asked of heart and breath. */
+/* Input of one tick: the position of each hand (not its velocity), and the orders for heart, breath, lesions
+ * and struts. */
 typedef struct crn_hand_pose {
     int32_t feed_m_q30; /* position along the inserter axis since the start, + into the patient */
     uint32_t turn32;    /* angle, one turn = 2^32, + right-handed about the direction of insertion */
 } crn_hand_pose;
 
-/* A stent holds stations first .. last of a lesion open by so much. */
+/* Order for a lesion: a stent holds stations first .. last open to this extent. */
 typedef struct crn_scaffold {
     uint32_t lesion, first, last;
-    int32_t open_q30; /* 0: no order; .. 1. An order for what is not there does nothing */
+    int32_t open_q30; /* 0: no order; at most 1. An order for a station that does not exist has no effect */
 } crn_scaffold;
 
-/* A ring of the struts of a stent that was deployed: a circle at a place that the lumen's own pose has. Rings
- * of consecutive numbers that are joined are one stent. One that is there goes to what is asked by 5 um a
- * tick. */
+/* Order for one strut ring of a deployed stent: a circle, placed in the lumen's reference pose. Joined rings
+ * of consecutive numbers form one stent. An existing ring moves to the ordered place by 5 um a tick. */
 typedef struct crn_strut_order {
-    uint32_t number;      /* 1 .. CRN_STRUT_RING_MAX; 0: no order, and all else is 0 */
+    uint32_t number;      /* 1 .. CRN_STRUT_RING_MAX; 0: no order, and all other fields are 0 */
     int32_t centre_um[3]; /* at most 1 900 000 */
     uint32_t inside_um; /* radius inside of the struts, 200 .. 20 000; 0: there is no such ring any more, and
                            what follows is 0 */
-    uint32_t thickness_um; /* of the struts, 10 .. 1 000 */
-    uint32_t is_joined;    /* 1: to the ring of the next number */
+    uint32_t thickness_um; /* thickness of the struts, 10 .. 1 000 */
+    uint32_t is_joined;    /* 1: joined to the ring of the next number */
 } crn_strut_order;
 
 typedef struct crn_input {
@@ -131,11 +133,12 @@ typedef struct crn_input {
                             CRN_PRESSURE_MAX_Pa */
 } crn_input;
 
-/* What one tool gives back to its hand. */
+/* What one tool reports back to its hand. */
 typedef struct crn_handle {
     int32_t axial_N_q22;    /* force on the hand, + pushes it back out */
     int32_t torque_N_m_q24; /* torque on the hand, + opposes positive rotation */
-    int32_t inserted_m_q30; /* length beyond the inserter's mouth; negative while the tip is still inside */
+    /* length beyond the inserter's distal end; negative while the tip is still inside */
+    int32_t inserted_m_q30;
 } crn_handle;
 
 /* Output of one tick. */
@@ -146,18 +149,18 @@ typedef struct crn_output {
     int32_t penetration_max_m_q30; /* deepest contact depth after the step */
     int32_t strain_max_q30;        /* length error of the free part, relative, whole length */
     uint16_t contact_count;
-    uint16_t solve_count;   /* 1; 2 where a contact was missed, whether or not that took a second solve */
-    uint16_t lead_tool;     /* whose tip is node 0 */
-    uint32_t fault_bits;    /* sticky CRN_FAULT_* of the state */
-    uint32_t heart_phase32; /* after the tick: where the wall is that the contacts met */
+    uint16_t solve_count;   /* 1, or 2 where a contact was missed, whether or not it took a second solve */
+    uint16_t lead_tool;     /* the tool whose tip is node 0 */
+    uint32_t fault_bits;    /* CRN_FAULT_* of the state; a set bit stays set */
+    uint32_t heart_phase32; /* after the tick: the phase of the wall that the contacts met */
     uint32_t breath_phase32;
-    uint32_t beat_ms;      /* since the beat began */
-    uint32_t interval_ms;  /* from there to the next one */
+    uint32_t beat_ms;      /* time since the beat began */
+    uint32_t interval_ms;  /* time from the beginning of the beat to the next one */
     uint32_t rhythm_bits;  /* CRN_RHYTHM_* */
     uint32_t balloon_bits; /* CRN_BALLOON_* */
     int32_t balloon_Pa;    /* pressure in it */
     int32_t balloon_radius_max_m_q30, balloon_radius_min_m_q30;
-    int32_t balloon_wall_N_q22; /* of all its balls on the wall */
+    int32_t balloon_wall_N_q22; /* total force of all its balls on the wall */
 } crn_output;
 
 enum {
@@ -180,19 +183,19 @@ size_t crn_state_size(void);
 crn_build_status crn_model_build(crn_model *model, const crn_instrument *tools, uint32_t tool_count,
                                  const crn_lumen *lumen, const crn_entry *entry, crn_build_place *place);
 
-/* Gravity of the model, mm/s^2 along each axis (patient frame). Default (0, 0, -9810): the patient lies on
- * the back. */
+/* Sets the gravity of the model, mm/s^2 along each axis (patient frame). Default (0, 0, -9810): the patient
+ * lies on the back. */
 void crn_model_set_gravity(crn_model *model, int32_t x_mm_s2, int32_t y_mm_s2, int32_t z_mm_s2);
 
-/* State with inserted_um[k] of tool k outside the inserter, straight along its axis, at rest. The longest is
- * brought into what the line allows (a few elements at least). */
+/* Makes a state at rest in which inserted_um[k] of tool k is outside the inserter, straight along its axis.
+ * The longest length is brought into the range that the line allows (a few elements at least). */
 void crn_state_init(const crn_model *model, crn_state *state, const uint32_t *inserted_um);
 
-/* One tick. Never fails: what cannot be represented saturates and sets a fault bit. */
+/* One tick. It never fails: a value that cannot be represented saturates and sets a fault bit. */
 void crn_step(const crn_model *model, crn_state *state, const crn_input *input, crn_output *output);
 
-/* Save to and restore from 32-bit words, little end first in bytes. restore checks range and structure
- * (hostile until checked) and leaves the state alone when it returns false. */
+/* Save to and restore from 32-bit words, stored in little-endian bytes. crn_state_restore checks range and
+ * structure (the bytes are hostile until checked) and leaves the state unchanged when it returns false. */
 size_t crn_state_bytes(void);
 void crn_state_save(const crn_state *state, uint8_t *bytes);
 bool crn_state_restore(const crn_model *model, crn_state *state, const uint8_t *bytes);
@@ -200,40 +203,43 @@ bool crn_state_restore(const crn_model *model, crn_state *state, const uint8_t *
 /* Full 64-bit hash (FNV-1a over the state's words). */
 uint64_t crn_state_hash64(const crn_state *state);
 
-/* Reading the state for pictures and tests. */
+/* Access to the state for pictures and tests. */
 uint32_t crn_model_tool_count(const crn_model *model);
 uint32_t crn_state_node_count(const crn_model *model); /* nodes of the line at its longest */
 uint32_t crn_state_free_count(const crn_state *state); /* nodes beyond the inserter: 0 .. free_count-1 */
 crn_vec3 crn_state_position(const crn_state *state, uint32_t node);
 int32_t crn_model_edge_length(const crn_model *model, uint32_t edge); /* rest length, Q30 m */
-int32_t crn_model_arc(const crn_model *model,
-                      uint32_t node); /* rest arc length from the leading tip, Q30 m */
-int32_t crn_state_radius(const crn_state *state,
-                         uint32_t node); /* radius that touches the wall there, Q30 m */
+/* rest arc length from the leading tip, Q30 m */
+int32_t crn_model_arc(const crn_model *model, uint32_t node);
+/* radius that touches the wall there, Q30 m */
+int32_t crn_state_radius(const crn_state *state, uint32_t node);
 int32_t crn_state_inserted(const crn_state *state, uint32_t tool); /* Q30 m; the largest one leads */
 
-/* Force of the wall on a free node in the state as it stands, Q22 N: normal force along the wall's inward
- * normal and friction. False, and zero, where the node does not touch. */
+/* Force of the wall on a free node in the present state, Q22 N: normal force along the wall's inward normal
+ * and friction. Returns false and zero where the node does not touch. */
 bool crn_state_contact_force(const crn_model *model, const crn_state *state, uint32_t node,
                              crn_vec3 *force_N_q22);
 
 /* Deepest contact depth of the free nodes, Q30 m: negative while all are inside the lumen, INT32_MIN without
- * a lumen. For set-up (is the start possible?) and tests; a step reports its own in the output. */
+ * a lumen. It serves set-up (is the start possible?) and tests; a step reports its own depth in the
+ * output. */
 int32_t crn_state_depth(const crn_model *model, const crn_state *state);
-/* The balloon for pictures: its balls' radii from the distal end, whose arc length from the leading tip `arc`
- * gets. Returns their number; 0: no tool has a balloon. */
+/* The balloon for pictures: the radii of its balls from the distal end; `arc` receives the arc length of that
+ * end from the leading tip. Returns the number of balls; 0: no tool has a balloon. */
 uint32_t crn_state_balloon(const crn_model *model, const crn_state *state,
                            int32_t radii_m_q30[CRN_BALLOON_BALL_MAX], int32_t *arc_m_q30,
                            int32_t *spacing_m_q30);
 
-/* How far a lesion of the lumen is open at one of its stations, Q30: 0 as baked, 1 as the healthy vessel; 0
- * where there is none. Stations of a lesion that gives way; 0: there is none of that number. Holding one
- * open, at once and for good: false when there is no such place. */
+/* crn_state_open: how far a lesion of the lumen is open at one of its stations, Q30: 0 as baked, 1 as the
+ * healthy vessel; 0 where there is no such station. crn_model_stations: the number of stations of a lesion
+ * that gives way; 0 where no lesion has that number. crn_state_scaffold: holds stations open, at once and
+ * permanently; returns false when there is no such place. */
 int32_t crn_state_open(const crn_state *state, uint32_t lesion, uint32_t station);
 uint32_t crn_model_stations(const crn_model *model, uint32_t lesion);
 bool crn_state_scaffold(const crn_model *model, crn_state *state, const crn_scaffold *order);
 
-/* Is it an order, or none? Taking one: false, and nothing changes, when it is neither. */
+/* crn_strut_order_is_valid: whether the order is well-formed, which includes "no order". crn_state_strut:
+ * applies an order; returns false and changes nothing when the order is invalid. */
 bool crn_strut_order_is_valid(const crn_strut_order *order);
 bool crn_state_strut(crn_state *state, const crn_strut_order *order);
 

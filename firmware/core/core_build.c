@@ -1,11 +1,12 @@
-/* Set-up: tools -> constants. Runs once per line, so it may divide (bit by bit) and take its time. */
+/* Set-up: derives the constants from the tools. It runs once per line, so it may divide (bit by bit) and take
+ * its time. */
 #include "firmware/core/balloon.h"
 #include "firmware/core/core_check.h"
 
 enum {
     FOLD_MAX_N = 8192,         /* W / l: bounds the products of joint_forces() in rod_force.c */
-    BEND_MAX_N_m = 16,         /* W of a joint, for the same */
-    LOAD_RESERVE_N_m = 250000, /* room in the diagonal for contact, friction and tension */
+    BEND_MAX_N_m = 16,         /* W of a joint, for the same bound */
+    LOAD_RESERVE_N_m = 250000, /* reserve in the diagonal for contact, friction and tension */
     SOFTEST = 128, /* W c^2 in Q(a): below it a free tip's block has too few bits for its inverse */
 };
 
@@ -23,14 +24,14 @@ static int32_t scaled(int64_t value, uint64_t numerator, uint64_t denominator)
     return value < 0 ? -result : result;
 }
 
-/* --- mesh
- * ---------------------------------------------------------------------------------------------------- */
+/* --- mesh ----------------------------------------------------------------------------------------------- */
 
 typedef struct mesh_plan {
     int32_t total, tip, shaft, fine; /* Q30 m */
 } mesh_plan;
 
-/* The longest tool's length, the finest elements and the longest fine part of all tools. */
+/* The mesh plan takes the longest tool's length, the finest elements and the longest fine part of all
+ * tools. */
 static mesh_plan plan_mesh(const crn_instrument *tools, uint32_t tool_count)
 {
     uint32_t total = 0, tip = UINT32_MAX, shaft = UINT32_MAX, fine = 0;
@@ -52,7 +53,7 @@ static int32_t inverse_per_m_q18(int32_t length_m_q30)
                                    (uint32_t)length_m_q30);
 }
 
-/* Cells: half an edge to either side of a node, one half at the tip. */
+/* Builds the cells: half an edge to either side of a node, only one half at the tip. */
 static void build_cells(crn_model *model)
 {
     int32_t begin = 0;
@@ -66,8 +67,8 @@ static void build_cells(crn_model *model)
     }
 }
 
-/* Element lengths: fine at the tip, growing by at most 3:2 to the shaft's; never shrinking towards the base,
- * which keeps |W| <= 2 in the solve. The line ends at the last whole element. */
+/* Element lengths: fine at the tip, growing by at most 3:2 to the shaft's length. They never shrink towards
+ * the base, which keeps |W| <= 2 in the solve. The line ends at the last whole element. */
 static crn_build_status build_mesh(crn_model *model, const mesh_plan *plan)
 {
     int32_t length = plan->tip;
@@ -91,7 +92,7 @@ static crn_build_status build_mesh(crn_model *model, const mesh_plan *plan)
     if (model->node_count < 8) {
         return CRN_BUILD_LENGTH;
     }
-    /* Edges behind the last node, so that the solve may read the rows there. */
+    /* Adds edges behind the last node, so that the solve may read the rows there. */
     for (uint32_t i = node; i <= node + 1; i++) {
         model->mesh[i] = model->mesh[node - 1];
         model->mesh[i].arc_m_q30 = arc;
@@ -101,8 +102,7 @@ static crn_build_status build_mesh(crn_model *model, const mesh_plan *plan)
     return CRN_BUILD_OK;
 }
 
-/* --- tools
- * --------------------------------------------------------------------------------------------------- */
+/* --- tools ---------------------------------------------------------------------------------------------- */
 
 /* Knot values in the formats of crn_property. nN m^2 -> Q35: x 2^35 / 1e9; milli/m -> Q20: x 2^20 / 1000;
  * mg/m -> kg/m Q34: x 2^34 / 1e6. */
@@ -156,11 +156,11 @@ static void build_tool(crn_model *model, uint32_t k, const crn_instrument *instr
     tool->inserted_max_m_q30 = end - held;
 }
 
-/* --- number format
- * ------------------------------------------------------------------------------------------- */
+/* --- number format -------------------------------------------------------------------------------------- */
 
 typedef struct stiffness_range {
-    int32_t softest_q35, stiffest_q35; /* EI that a node can get: one tool's own, all tools together; N m^2 */
+    int32_t softest_q35,
+        stiffest_q35; /* EI that a node can get: the softest single tool, and all tools together; N m^2 */
 } stiffness_range;
 
 static int32_t bend_at(const crn_tool *tool, uint32_t span, int32_t arc_m_q30)
@@ -169,8 +169,8 @@ static int32_t bend_at(const crn_tool *tool, uint32_t span, int32_t arc_m_q30)
     return crn_span_value(s, CRN_BEND_N_M2_Q35, crn_span_fraction(s, arc_m_q30));
 }
 
-/* The stiffest that tool k can bring to arc length `arc` behind the leading tip: what it has from its own tip
- * to there. */
+/* The largest EI that tool k can bring to arc length `arc` behind the leading tip: the maximum from its own
+ * tip to there. */
 static int32_t stiffest_until(const crn_tool *tool, int32_t arc_m_q30)
 {
     int32_t most = 0;
@@ -211,7 +211,8 @@ static int64_t cell_stiffness_q26(const crn_model *model, uint32_t node, int32_t
     return ((int64_t)bend_N_m2_q35 * model->mesh[node].inverse_cell_per_m_q18) >> 27;
 }
 
-/* The exponent that keeps the stiffest diagonal below 2^29 and leaves the softest block its bits. */
+/* Chooses the exponent that keeps the stiffest diagonal below 2^29 and leaves the softest block enough
+ * bits. */
 static crn_build_status choose_exponent(crn_model *model)
 {
     int64_t worst_q8 = 0;
@@ -235,7 +236,8 @@ static crn_build_status choose_exponent(crn_model *model)
         int64_t soft = crn_bend_spring_q8((int32_t)cell_stiffness_q26(model, i, range.softest_q35), c, c);
         softest_q8 = soft < softest_q8 ? soft : softest_q8;
     }
-    /* A joint clipped further than that is held below 2^28 (rod_feed.c); the rest must leave it that room. */
+    /* A joint clipped further than that is kept below 2^28 (rod_feed.c); the other terms must leave it that
+     * margin. */
     worst_q8 = worst_q8 > 2 * unclipped_q8 ? worst_q8 : 2 * unclipped_q8;
     worst_q8 += (int64_t)(2 * LOAD_RESERVE_N_m) << 8;
     uint32_t exponent = 14;
@@ -247,11 +249,10 @@ static crn_build_status choose_exponent(crn_model *model)
     return fits ? CRN_BUILD_OK : CRN_BUILD_OVERFLOW;
 }
 
-/* --- what the mesh can bear of each tool
- * -------------------------------------------------------------------------- */
+/* --- what the mesh can bear of each tool ---------------------------------------------------------------- */
 
-/* The cell of node i as tool k sees it when it leads: its rest turning and twist stiffness within their
- * formats? */
+/* Checks the cell of node i as tool k sees it when it leads: are its rest turning and twist stiffness within
+ * their formats? */
 static crn_build_status check_cell(const crn_model *model, const crn_span *span, uint32_t i,
                                    int32_t arc_m_q30)
 {
@@ -264,7 +265,7 @@ static crn_build_status check_cell(const crn_model *model, const crn_span *span,
         return CRN_BUILD_ELEMENTS;
     }
     int64_t twist = crn_span_value(span, CRN_TWIST_N_M2_Q35, fraction);
-    /* no joint at the tip, whose cell is half as long */
+    /* there is no joint at the tip, whose cell is half as long */
     bool fits = i == 0 || (twist * model->mesh[i].inverse_cell_per_m_q18) >> 27 < (int64_t)CRN_TWIST_MAX_N_m
                                                                                       << 26;
     return fits ? CRN_BUILD_OK : CRN_BUILD_OVERFLOW;
@@ -279,7 +280,7 @@ static uint32_t knot_before(const crn_instrument *tool, int32_t arc_m_q30)
     return knot;
 }
 
-/* A tool must reach the shortest line that there is, and its shape and twist must fit its own cells. */
+/* A tool must reach the shortest possible line, and its shape and twist must fit its own cells. */
 static crn_build_status check_reach(const crn_model *model, uint32_t k, const crn_instrument *instrument,
                                     crn_build_place *place)
 {
@@ -304,7 +305,7 @@ static crn_build_status check_reach(const crn_model *model, uint32_t k, const cr
     return CRN_BUILD_OK;
 }
 
-/* The tools together in the longest cell: below the format's 1.95 g. */
+/* The tools together in the longest cell must stay below the format's 1.95 g. */
 static crn_build_status check_mass(const crn_model *model)
 {
     const crn_mesh_node *last = &model->mesh[model->node_count - 1];
@@ -323,10 +324,10 @@ static crn_build_status check_mass(const crn_model *model)
     return (sum_q34 * last->length_m_q30) >> 24 < INT32_MAX ? CRN_BUILD_OK : CRN_BUILD_OVERFLOW;
 }
 
-/* --- the rest
- * ------------------------------------------------------------------------------------------------ */
+/* --- the rest ------------------------------------------------------------------------------------------- */
 
-/* Two axes across the direction of insertion, from the coordinate axis least aligned with it. */
+/* Builds two axes across the direction of insertion, starting from the coordinate axis least aligned with
+ * it. */
 static void build_base_axes(crn_model *model)
 {
     crn_vec3 direction = model->entry.direction_q30;

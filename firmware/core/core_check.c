@@ -1,4 +1,4 @@
-/* Checks of what comes from outside before any constant is derived from it. */
+/* Checks of external input before any constant is derived from it. */
 #include "firmware/core/core_check.h"
 
 static bool in_range(uint32_t value, uint32_t low, uint32_t high)
@@ -59,8 +59,8 @@ static crn_build_status check_tool(const crn_instrument *tool, crn_build_place *
     return CRN_BUILD_OK;
 }
 
-/* Does the thickest place of `inner` pass the tightest place of `outer`? *knot names that place of `outer`.
- */
+/* Does the thickest place of `inner` pass the tightest place of `outer`? *knot receives that place of
+ * `outer`. */
 static bool fits_inside(const crn_instrument *inner, const crn_instrument *outer, uint32_t *knot)
 {
     uint32_t thickest_um = 0;

@@ -1,4 +1,4 @@
-/* What crn_model_build() demands of its input. Private to firmware/core. */
+/* What crn_model_build() requires of its input. Private to firmware/core. */
 #ifndef CRN_CORE_CHECK_H
 #define CRN_CORE_CHECK_H
 
@@ -9,7 +9,7 @@ enum {
     CRN_TOOL_MAX_um = 1600000,
 };
 
-/* Number, ranges, order and nesting of tools, and the entry. *place names the offender. */
+/* Checks number, ranges, order and nesting of tools, and the entry. *place receives the offender. */
 crn_build_status crn_check_tools(const crn_instrument *tools, uint32_t tool_count, crn_build_place *place);
 crn_build_status crn_check_entry(const crn_entry *entry);
 

@@ -8,8 +8,8 @@
  * is. Tool k, whose tip is `offset` behind the leading one, is sampled at its own arc length S[i] - offset
  * (rod_line.c). A joint sits on the node between two edges and owns the cell half an edge to either side.
  * Stiffness entries of the matrix are in Q(a) N/m with one exponent a for the whole line
- * (`stiffness_exponent`), chosen so that no assembled diagonal can reach 2^29 wherever the tools stand.
- */
+ * (`stiffness_exponent`). It is chosen so that no assembled diagonal can reach 2^29 wherever the tools
+ * are. */
 #ifndef CRN_CORE_MODEL_H
 #define CRN_CORE_MODEL_H
 
@@ -23,35 +23,39 @@ enum {
     CRN_CONTACT_STIFFNESS_N_m = 5000,       /* normal penalty; 2e4 chatters at r = 1.5 mm */
     CRN_CONTACT_STIFFNESS_DEEP_N_m = 20000, /* added beyond CRN_CONTACT_DEEP */
     CRN_FRICTION_STIFFNESS_N_m = 2000,      /* bristle */
-    CRN_FRICTION_GROWTH = 8, /* of what does not stick, over its last force: 0.2 mN are 0.8 N after four */
-    CRN_FRICTION_FRESH_N_Q22 = 839, /* 0.2 mN: of a node that has just touched */
+    CRN_FRICTION_GROWTH = 8, /* growth of friction while a node does not stick, relative to its last force:
+                                0.2 mN become 0.8 N after four ticks */
+    CRN_FRICTION_FRESH_N_Q22 = 839, /* 0.2 mN: friction of a node that has just touched */
     CRN_WALL_ROUND_PER_m = 1000,    /* 1 / 1 mm: curvature of the wall that the matrix allows for */
     CRN_WALL_ROUND_MAX_N = 20,
-    CRN_HOLD_STIFFNESS_N_m = 200000, /* of a held tip; within LOAD_RESERVE_N_m of core_build.c */
+    CRN_HOLD_STIFFNESS_N_m = 200000, /* spring of a held tip; within LOAD_RESERVE_N_m of core_build.c */
     CRN_CONTACT_DEEP_M_Q30 = 214748, /* 0.2 mm */
-    CRN_MISSED_CONTACT_M_Q30 =
-        107374, /* 0.1 mm: a contact that was not seen gets no deeper, in the first tick of several */
+    /* 0.1 mm: a missed contact gets no deeper than this, in the first tick of several */
+    CRN_MISSED_CONTACT_M_Q30 = 107374,
     CRN_FEED_MAX_M_Q30 = 536871,         /* 0.5 mm per tick = 0.5 m/s */
     CRN_TURN_MAX_TURN32 = 13671000,      /* 0.02 rad per tick = 20 rad/s */
-    CRN_DAMPING_KEEP_Q30 = 21474836,     /* 20/s x 1 ms = 0.02: blood's drag, mass proportional */
+    CRN_DAMPING_KEEP_Q30 = 21474836,     /* 20/s x 1 ms = 0.02: drag of the blood, proportional to mass */
     CRN_POSITION_MAX_M_Q30 = 2126008811, /* 1.98 m */
-    CRN_STEP_CAP_M_Q33 = 4294967,        /* 0.5 mm of motion per tick besides what is predicted */
-    CRN_RELEASE_STEP_Q30 = 1 << 22,      /* a shaped tip leaves the introducer over 256 ticks, not in one */
-    CRN_TIP_CURVES_M_Q30 = 42949673,     /* 40 mm: how far from the tip a tight curve counts as the tip's */
-    CRN_TIP_CURVE_PER_m = 110,           /* tight: a radius below 9 mm */
-    CRN_SPIN_DRAG_N_M_Q26 = 7, /* 1e-10 N m s / 1 ms per edge: about what blood does to a turning wire */
+    CRN_STEP_CAP_M_Q33 = 4294967,        /* 0.5 mm of motion per tick in addition to the predicted motion */
+    /* a shaped tip regains its shape over 256 ticks as it leaves the introducer, not in one */
+    CRN_RELEASE_STEP_Q30 = 1 << 22,
+    /* 40 mm: within this distance of the tip a tight curve counts as the tip's */
+    CRN_TIP_CURVES_M_Q30 = 42949673,
+    CRN_TIP_CURVE_PER_m = 110, /* tight: a radius below 9 mm */
+    CRN_SPIN_DRAG_N_M_Q26 = 7, /* 1e-10 N m s / 1 ms per edge: about the drag of blood on a turning wire */
     CRN_TWIST_MAX_N_m = 16,    /* twist stiffness of one joint: 0.03 N m^2 in 2 mm */
-    CRN_TURN_OF_CELL_MAX_Q30 = 1288490189, /* 1.2 rad: rest turning of one cell */
-    CRN_CLIP_SURE = 10,                    /* a cell clipped at the mouth may keep this part of its length, */
-    CRN_CLIP_MAX = 32,                     /* or this part, where the number format has room for it */
-    CRN_BEARING_M_Q30 = 3221225,           /* 3 mm: length over which a tool bears on the one around it */
-    CRN_GRIP_STIFFNESS_N_M_Q26 = 26844,    /* 4e-4 N m: bristle of one tool turning in another */
-    CRN_GRIP_COMPLIANCE_PER_N_M = 2500,    /* its inverse */
-    CRN_WITHDRAWN_M_Q30 =
-        -5368709, /* -5 mm: how far a tool that does not lead may be drawn into the inserter */
+    CRN_TURN_OF_CELL_MAX_Q30 = 1288490189, /* 1.2 rad: largest rest turning of one cell */
+    /* a cell clipped at the inserter's distal end may always keep only this part of its length, */
+    CRN_CLIP_SURE = 10,
+    CRN_CLIP_MAX = 32,                  /* or only this part, where the number format has room for it */
+    CRN_BEARING_M_Q30 = 3221225,        /* 3 mm: length over which a tool bears on the one around it */
+    CRN_GRIP_STIFFNESS_N_M_Q26 = 26844, /* 4e-4 N m: bristle between one tool and another that it turns in */
+    CRN_GRIP_COMPLIANCE_PER_N_M = 2500, /* its inverse */
+    /* -5 mm: how far a tool that does not lead may be withdrawn into the inserter */
+    CRN_WITHDRAWN_M_Q30 = -5368709,
 };
 
-/* What is known of a tool at an arc length; indices into the arrays of a span. */
+/* Properties of a tool at an arc length; the values are indices into the arrays of a span. */
 typedef enum crn_property {
     CRN_BEND_N_M2_Q35,    /* EI */
     CRN_TWIST_N_M2_Q35,   /* GJ */
@@ -69,7 +73,7 @@ typedef struct crn_span {
     int32_t begin_m_q30, end_m_q30;
     int32_t inverse_mantissa; /* 1 / length = mantissa 2^-shift in units of 1 / LSB */
     uint32_t shift;
-    uint32_t flat; /* 1: every property is the same at both ends */
+    uint32_t flat; /* 1: every property is the same at both ends of the span */
     int32_t from[CRN_PROPERTY_COUNT];
     int32_t delta[CRN_PROPERTY_COUNT];
 } crn_span;
@@ -78,48 +82,49 @@ typedef struct crn_tool {
     uint32_t span_count;
     int32_t length_m_q30;
     int32_t inserted_max_m_q30;
-    int32_t lumen_friction_q30; /* against the tool inside */
-    int32_t shaft_radius_m_q30; /* at the proximal end: lever of the friction inside the next tool */
+    int32_t lumen_friction_q30; /* friction of the lumen on the tool inside */
+    int32_t shaft_radius_m_q30; /* radius at the proximal end: lever of the friction inside the next tool */
     crn_span spans[CRN_KNOT_MAX - 1];
 } crn_tool;
 
-/* Geometry of node i, the edge behind it and its cell, which ends in the middle of that edge. */
+/* Geometry of node i, of the edge behind it, and of its cell, which ends in the middle of that edge. */
 typedef struct crn_mesh_node {
     int32_t arc_m_q30;
-    int32_t length_m_q30; /* of the edge to node i + 1 */
+    int32_t length_m_q30; /* length of the edge to node i + 1 */
     int32_t inverse_length_per_m_q18;
     int32_t cell_end_m_q30; /* arc + length / 2 */
     int32_t inverse_cell_per_m_q18;
-    int32_t bearing_share_q30; /* length / (length + CRN_BEARING): how fast a tool's moment passes to the next
-                                  tool */
+    int32_t bearing_share_q30; /* length / (length + CRN_BEARING): how quickly a tool's moment is transferred
+                                  to the next tool */
 } crn_mesh_node;
 
-/* Holds the tip by springs of 2e5 N/m, for validation cases (Euler's and Greenhill's ends). */
+/* Springs of 2e5 N/m hold the tip, for validation cases (the end conditions of Euler and Greenhill). */
 typedef struct crn_tip_hold {
     bool pinned;     /* node 0 is held at position_m_q30[0] */
-    uint32_t second; /* when not 0: this node too, at position_m_q30[1]; the farther, the stiffer the clamp */
-    bool axial_free; /* both are free along `axis` */
+    uint32_t second; /* when not 0: this node is held too, at position_m_q30[1]; the farther away it is, the
+                        stiffer the clamp */
+    bool axial_free; /* both nodes are free along `axis` */
     bool turn;       /* tool 0's first edge is held at `turn32` against the reference axis */
     crn_vec3 axis_q30;
     crn_vec3 position_m_q30[2];
     uint32_t turn32;
 } crn_tip_hold;
 
-enum { CRN_BALLOON_UNFOLD_Pa = 50000 }; /* at this pressure its folds are out */
+enum { CRN_BALLOON_UNFOLD_Pa = 50000 }; /* at this pressure the balloon is unfolded */
 
-/* The balloon of one of the tools; ball_count 0: there is none. */
+/* The balloon of one of the tools; a ball_count of 0 means that there is none. */
 typedef struct crn_balloon_model {
     uint32_t tool, ball_count;
     int32_t distal_m_q30, spacing_m_q30;
     int32_t burst_Pa;
-    uint32_t point_count; /* folded, unfolded, then the maker's table */
+    uint32_t point_count; /* the folded and the unfolded radius, then the maker's table */
     int32_t pressure_Pa[CRN_BALLOON_POINT_MAX + 2];
     int32_t radius_m_q30[CRN_BALLOON_POINT_MAX + 2];
 } crn_balloon_model;
 
 struct crn_model {
     const crn_lumen *lumen;
-    crn_motion_steepness steepness; /* of a lumen that moves */
+    crn_motion_steepness steepness; /* for a lumen that moves */
     crn_entry entry;
     uint32_t tool_count;
     uint32_t node_count;
@@ -136,8 +141,8 @@ struct crn_model {
     crn_mesh_node mesh[CRN_ARRAY_NODES];
 };
 
-/* Dead load on the tip in newtons (Q22), patient frame, at most 100 N in each direction; for validation
- * cases. */
+/* crn_model_set_tip_load: dead load on the tip in newtons (Q22), patient frame, at most 100 N in each
+ * direction; for validation cases. */
 void crn_model_set_tip_load(crn_model *model, crn_vec3 load_N_q22);
 void crn_model_set_tip_hold(crn_model *model, const crn_tip_hold *hold);
 

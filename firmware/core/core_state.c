@@ -1,7 +1,7 @@
-/* The state as words: initial, saved, restored, hashed, read.
+/* The state as words: initialised, saved, restored, hashed and read.
  *
- * Nodes beyond free_count + 2 sit in the inserter and follow from the rest; they are zero in a saved state
- * and take no part in a hash. */
+ * Nodes beyond free_count + 2 are in the inserter and follow from the other words; they are zero in a saved
+ * state and are not hashed. */
 #include "firmware/core/balloon.h"
 #include "firmware/core/lesion.h"
 #include "firmware/core/strut.h"
@@ -43,7 +43,8 @@ static int32_t inserted_q30(uint32_t um)
     return (int32_t)crn_divide_u64((uint64_t)bounded_um << 30, 1000000u);
 }
 
-/* Lengths outside the inserter, each within its tool, the longest long enough for a line. */
+/* Places the tools: each length outside the inserter is limited to its tool, and the longest is at least the
+ * shortest line. */
 static void place_tools(const crn_model *model, crn_state_words *words, const uint32_t *inserted_um)
 {
     const int32_t least = crn_least_inserted(model);
@@ -71,7 +72,7 @@ void crn_state_init(const crn_model *model, crn_state *state, const uint32_t *in
     crn_state_words *words = &state->words;
     crn_rhythm_init(&words->rhythm);
     place_tools(model, words, inserted_um);
-    words->line_compliance_m_N_q40 = UINT32_MAX; /* nothing seen yet: that of the whole line */
+    words->line_compliance_m_N_q40 = UINT32_MAX; /* nothing seen yet: the compliance of the whole line */
     int32_t inserted = crn_lead_inserted(model, words);
     while (model->mesh[words->free_count].arc_m_q30 < inserted) {
         words->free_count++;
@@ -107,8 +108,7 @@ static uint32_t word_at(const uint8_t *bytes, size_t i)
     return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
 }
 
-/* --- what a restored state must satisfy
- * ------------------------------------------------------------------------ */
+/* --- checks of a restored state ------------------------------------------------------------------------- */
 
 static bool is_unit(const crn_vec3 *a)
 {
@@ -136,8 +136,8 @@ static bool within(int32_t value, int32_t most)
     return value >= -most && value <= most;
 }
 
-/* Bounds that the tick's own arithmetic keeps: steps of 3.9 mm (3.1 are possible), bristles of 62 mm, turns
- * of half a radian a tick. */
+/* Bounds that the tick's own arithmetic respects: steps of 3.9 mm (3.1 are possible), bristles of 62 mm,
+ * turns of half a radian a tick. */
 static bool node_is_valid(const crn_node_state *node)
 {
     enum { STEP_MAX_M_Q33 = 1 << 25, BRISTLE_MAX_M_Q33 = 1 << 29, TURN_MAX_Q30 = 1 << 29 };
@@ -150,7 +150,7 @@ static bool node_is_valid(const crn_node_state *node)
            is_small(&node->position_m_q30, CRN_POSITION_MAX_M_Q30) && node->contact <= CRN_CONTACT_STICKS;
 }
 
-/* No edge is longer than twice its rest length: beyond that no tick of ours would leave it. */
+/* No edge may be longer than twice its rest length, because no tick leaves one longer. */
 static bool edge_is_valid(const crn_model *model, const crn_node_state *node, uint32_t i)
 {
     const int64_t most = 2 * (int64_t)model->mesh[i].length_m_q30; /* below 2^25 */
@@ -165,8 +165,8 @@ static bool edge_is_valid(const crn_model *model, const crn_node_state *node, ui
     return square <= most * most;
 }
 
-/* Nodes in the inserter lie on its axis, as place_inside() of rod_feed.c puts them; the last tick may have
- * pulled at them by no more than a rounding. */
+/* Nodes in the inserter must lie on its axis, where place_inside() of rod_feed.c puts them; the last tick may
+ * have moved them by no more than a rounding. */
 static bool held_is_valid(const crn_model *model, const crn_node_state *node, int32_t beyond_m_q30)
 {
     enum { ROUNDING = 16 };
@@ -229,7 +229,7 @@ static bool words_are_valid(const crn_model *model, const crn_state_words *words
     const uint32_t *all = (const uint32_t *)words;
     for (size_t i = live_words(words); i < STATE_WORDS; i++) {
         if (all[i] != 0) {
-            return false; /* nodes in the inserter follow from the rest */
+            return false; /* nodes in the inserter follow from the other words */
         }
     }
     return true;
@@ -251,10 +251,10 @@ bool crn_state_restore(const crn_model *model, crn_state *state, const uint8_t *
     return true;
 }
 
-/* --- hashes
- * ---------------------------------------------------------------------------------------------------- */
+/* --- hashes --------------------------------------------------------------------------------------------- */
 
-/* The words that a hash sees: two ranges, without rings that are not there, which are 0 (`used` tells). */
+/* The words that enter a hash: two ranges. Absent strut rings are left out; their words are 0 (`used` gives
+ * the number of rings). */
 typedef struct hashed_range {
     size_t first, end;
 } hashed_range;
@@ -265,9 +265,9 @@ static void hashed_words(const crn_state_words *words, hashed_range ranges[2])
     ranges[1] = (hashed_range){HEADER_WORDS, live_words(words)};
 }
 
-/* Two 32-bit polynomials over even and odd words, sum of word[i] m^(n-i) with the odd FNV prime m: two
- * operations a word, for every tick. Each step is one to one in the lane and in the word, so a single wrong
- * word never goes unseen. */
+/* Two 32-bit polynomials over even and odd words, sum of word[i] m^(n-i) with the odd FNV prime m. They cost
+ * two operations a word and are computed in every tick. Each step is one to one in the lane and in the word,
+ * so a single wrong word is always detected. */
 static inline void add_to_lanes(const uint32_t *words, size_t count, uint32_t lane[2])
 {
     uint32_t even = lane[0], odd = lane[1];
@@ -307,7 +307,7 @@ uint64_t crn_state_hash64(const crn_state *state)
     uint64_t hash = 14695981039346656037u;
     for (int r = 0; r < 2; r++) {
         for (size_t i = ranges[r].first; i < ranges[r].end; i++) {
-            if (words[i] == 0) { /* common: bristles without contact, tools that are not there */
+            if (words[i] == 0) { /* common: bristles without contact, absent tools */
                 hash *= prime_to_4;
                 continue;
             }
@@ -319,8 +319,7 @@ uint64_t crn_state_hash64(const crn_state *state)
     return hash;
 }
 
-/* --- reading
- * --------------------------------------------------------------------------------------------------- */
+/* --- reading -------------------------------------------------------------------------------------------- */
 
 uint32_t crn_model_tool_count(const crn_model *model)
 {

@@ -1,8 +1,8 @@
-/* The state of one line. `crn_state_words` is everything that matters from one tick to the next: 32-bit words
- * without pointers or padding, hashed, saved and compared as such. Beside it lie two areas, so that the core
- * needs neither heap nor a deep stack: `crn_line`, what the tools add up to where they stand (derived from
- * words and model, kept while no tool slides against another), and `crn_scratch`, dead between ticks.
- */
+/* The state of one line. `crn_state_words` holds everything that matters from one tick to the next: 32-bit
+ * words without pointers or padding, which are hashed, saved and compared as such. Beside it lie two areas,
+ * so that the core needs neither heap nor a deep stack. `crn_line` is the sum of the tools at their present
+ * positions (derived from words and model, kept while no tool slides against another). `crn_scratch` is dead
+ * between ticks. */
 #ifndef CRN_CORE_STATE_H
 #define CRN_CORE_STATE_H
 
@@ -16,18 +16,19 @@ typedef struct crn_node_state {
     crn_vec3 step_m_q33;    /* displacement of the last tick (velocity x h) */
     crn_vec3 tangent_q30;   /* edge i: unit vector towards node i + 1, at the last predicted configuration */
     crn_vec3 bristle_m_q33; /* friction: elastic tangential displacement of the surface at the wall */
-    uint32_t
-        angle_turn32[CRN_TOOL_MAX]; /* edge i: material axis d1 against the axis carried from the inserter */
-    int32_t spin_q30[CRN_TOOL_MAX]; /* edge i: turn of the last tick, radians */
-    int32_t grip_q30[CRN_PAIR_MAX]; /* edge i: elastic turn of tool k inside tool k + 1, radians */
+    /* edge i: material axis d1 against the axis carried from the inserter */
+    uint32_t angle_turn32[CRN_TOOL_MAX];
+    int32_t spin_q30[CRN_TOOL_MAX]; /* edge i: rotation in the last tick, radians */
+    int32_t grip_q30[CRN_PAIR_MAX]; /* edge i: elastic rotation of tool k inside tool k + 1, radians */
     uint32_t contact;               /* CRN_CONTACT_* */
 } crn_node_state;
 
 enum { CRN_CONTACT_NONE = 0, CRN_CONTACT_SLIPS = 1, CRN_CONTACT_STICKS = 2 };
 
 typedef struct crn_tool_state {
-    int32_t inserted_m_q30;    /* s: tip beyond the mouth */
-    int32_t hand_offset_m_q30; /* hand position + offset = wanted s; changes only when the hand slips */
+    int32_t inserted_m_q30;    /* s: length from the inserter's distal end to the tip */
+    int32_t hand_offset_m_q30; /* hand position + offset = wanted s; the offset changes only when the hand
+                                  slips */
     uint32_t base_turn32;      /* angle of the tool's material frame in the inserter */
     int32_t handle_axial_N_q22;
     int32_t slide_grip_m_q33; /* friction: elastic slide of this tool inside the next one */
@@ -36,25 +37,26 @@ typedef struct crn_tool_state {
 typedef struct crn_balloon_ball {
     crn_vec3 centre_m_q30;
     int32_t radius_m_q30;
-    int32_t wall_N_q22; /* 0: nothing confines it */
+    int32_t wall_N_q22; /* 0: no wall confines the ball */
 } crn_balloon_ball;
 
 typedef struct crn_balloon_state {
     uint32_t bits;             /* CRN_BALLOON_* */
     int32_t pressure_Pa;       /* in it */
-    uint32_t confined_bits[2]; /* balls without room between the walls of the directions that even and odd
-                                  ticks look in */
-    crn_balloon_ball balls[CRN_BALLOON_BALL_MAX]; /* from its distal end */
+    uint32_t confined_bits[2]; /* balls without clearance between the walls in the directions that even and
+                                  odd ticks look in */
+    crn_balloon_ball balls[CRN_BALLOON_BALL_MAX]; /* from the distal end */
 } crn_balloon_state;
 
 typedef struct crn_lesion_state {
-    uint32_t bits; /* bit i: a station of lesion i is open, or would be */
-    int32_t open_q30[CRN_LESION_MAX]
-                    [CRN_LESION_STATION_MAX]; /* how far: 0 as baked, 1 as the healthy vessel */
-    int32_t kept_q30[CRN_LESION_MAX][CRN_LESION_STATION_MAX]; /* what it does not spring back from */
+    uint32_t bits; /* bit i: a station of lesion i is open, or is to be opened */
+    int32_t open_q30[CRN_LESION_MAX][CRN_LESION_STATION_MAX]; /* how far each station is open: 0 as baked, 1
+                                                                 as the healthy vessel */
+    /* the part of the opening that does not recoil */
+    int32_t kept_q30[CRN_LESION_MAX][CRN_LESION_STATION_MAX];
 } crn_lesion_state;
 
-/* A ring of struts, where it is and where it goes to. All 0: there is none. */
+/* A strut ring: its present position and its ordered one. All fields are 0 for an absent ring. */
 typedef struct crn_strut_ring {
     crn_vec3 centre_m_q30, wanted_m_q30;
     int32_t inside_m_q30, wanted_inside_m_q30;
@@ -62,21 +64,25 @@ typedef struct crn_strut_ring {
 } crn_strut_ring;
 
 typedef struct crn_strut_state {
-    uint32_t used; /* rings up to the last one that is there */
+    uint32_t used; /* number of rings up to the last one present */
     uint32_t joined_bits[CRN_STRUT_RING_MAX / 32], moving_bits[CRN_STRUT_RING_MAX / 32];
-    crn_strut_ring rings[CRN_STRUT_RING_MAX]; /* those from `used` on take no part in a hash */
+    crn_strut_ring rings[CRN_STRUT_RING_MAX]; /* rings from `used` on do not enter a hash */
 } crn_strut_state;
 
 typedef struct crn_state_words {
     uint32_t tick;
     uint32_t fault_bits;
     uint32_t free_count;       /* na: nodes beyond the inserter */
-    int32_t line_axial_N_q22;  /* force of the line on the inserter: what all hands bear together */
-    int32_t line_change_N_q22; /* its change in the last tick, and the way of the leading tip that made it */
+    int32_t line_axial_N_q22;  /* axial force of the line on the inserter: the total that all hands bear
+                                  together */
+    int32_t line_change_N_q22; /* its change in the last tick, and the displacement of the leading tip that
+                                  caused it */
     int32_t line_feed_m_q30;
-    uint32_t line_compliance_m_N_q40; /* of the line seen from the hands, the least of the last ticks */
-    uint32_t has_missed;              /* 1: the last tick ended in a wall at rest where no contact was seen */
-    int32_t release_q30; /* share of the rest shapes in force: 0 in the introducer, 1 after 256 ticks */
+    uint32_t line_compliance_m_N_q40; /* compliance of the line seen from the hands, the smallest of the last
+                                         ticks */
+    uint32_t has_missed; /* 1: the last tick ended inside a wall at rest where no contact was seen */
+    /* share of the rest shapes that is applied: 0 in the introducer, 1 after 256 ticks */
+    int32_t release_q30;
     crn_rhythm rhythm;
     crn_balloon_state balloon;
     crn_lesion_state lesions;
@@ -89,10 +95,10 @@ typedef struct crn_state_words {
 typedef struct crn_joint {
     int32_t bend_N_m_q26; /* W = 1 / integral ds/EI over the cell, EI of all tools there */
     int32_t p, q, r;      /* W a^2, W a c, W c^2 in Q(a) N/m; a, c = 1 / edge before and after */
-    int32_t twist_N_m_q26[CRN_TOOL_MAX]; /* the same with a tool's GJ; 0 where the tool is not */
+    int32_t twist_N_m_q26[CRN_TOOL_MAX]; /* the same with a tool's GJ; 0 where the tool is absent */
     int32_t turn1_q30[CRN_TOOL_MAX]; /* a tool's part of the cell's rest turning, towards its d1, radians */
     int32_t turn2_q30[CRN_TOOL_MAX];
-    uint16_t inner_share_q15[CRN_PAIR_MAX]; /* share of the tools up to k in the bending stiffness */
+    uint16_t inner_share_q15[CRN_PAIR_MAX]; /* share of the tools 0 .. k in the bending stiffness */
     uint32_t curved;                        /* bit k: turn1 or turn2 of tool k is not 0 */
 } crn_joint;
 
@@ -100,20 +106,20 @@ typedef struct crn_line_node {
     crn_joint joint;
     int32_t spring;                /* edge: EA / length in Q(a) N/m */
     int32_t axial_stiffness_N_q17; /* edge: EA */
-    int32_t
-        compliance_m_N_q40; /* sum of length / EA of edges 0 .. i-1, saturated; up to the first steady node */
+    /* sum of length / EA of edges 0 .. i-1, saturated; up to the first steady node */
+    int32_t compliance_m_N_q40;
     int32_t mass_kg_q40;
     int32_t radius_m_q30;
     int32_t kinetic_q30, static_q30;
     uint8_t outer, under; /* the tool that touches the wall, and the one beneath it in the cell of a tip */
-    uint16_t outer_share_q15; /* 2^15 everywhere but in the cell of the outer tool's tip */
+    uint16_t outer_share_q15; /* 2^15 except in the cell of the outer tool's tip */
 } crn_line_node;
 
 typedef struct crn_line {
-    uint32_t count;                     /* nodes that are up to date; 0: none */
-    uint32_t steady;                    /* first node that is like all behind it; count: none is */
-    uint32_t uniform;                   /* first node whose two edges in front are as long as all behind it */
-    int32_t edge_compliance_m_N_q40;    /* of one edge from there on */
+    uint32_t count;   /* nodes that are up to date; 0: none */
+    uint32_t steady;  /* first node that equals all nodes behind it; `count` where there is none */
+    uint32_t uniform; /* first node whose two edges in front are as long as all edges behind it */
+    int32_t edge_compliance_m_N_q40;    /* compliance of one edge from there on */
     int32_t offset_m_q30[CRN_TOOL_MAX]; /* how far each tip is behind the leading one */
     crn_line_node nodes[CRN_ARRAY_NODES];
 } crn_line;
@@ -123,10 +129,10 @@ typedef struct crn_sym3 {
     int32_t m[6];
 } crn_sym3;
 
-/* Dead once the matrix is assembled: what the elimination writes takes its place. */
+/* These fields are dead once the matrix is assembled: the results of the elimination take their place. */
 typedef struct crn_assembly {
     crn_vec3 stretch_q30;             /* edge: (x*[i+1] - x*[i]) / length */
-    crn_vec3 axis1_q30[CRN_TOOL_MAX]; /* edge: d1 of a tool, where its rest shape needs it */
+    crn_vec3 axis1_q30[CRN_TOOL_MAX]; /* edge: axis d1 of a tool, where its rest shape needs it */
     int32_t twist_ratio_q30, twist_angle_q30;
     int32_t press_N_m_q30[CRN_PAIR_MAX]; /* edge: mu N r between tool k and k + 1 */
     uint16_t grip_N_m_q26[CRN_PAIR_MAX]; /* edge: stiffness of that friction in this tick, at most
@@ -139,40 +145,43 @@ typedef struct crn_factor {
 } crn_factor;
 
 typedef struct crn_work {
-    /* predicted configuration x* = x - T ds: the line slid along itself by this tick's feed; a tight tip goes
-     * on turning */
+    /* predicted configuration x* = x - T ds: the line slid along itself by this tick's feed; a tightly curved
+     * tip continues its rotation */
     crn_vec3 position_m_q30;
     crn_vec3 slide_m_q33; /* x* - x */
     union {
-        crn_vec3 drift_m_q33; /* last step minus slide: what inertia carries beyond sliding */
-        crn_vec3
-            around_q30; /* once a touching node is found: normal x tangent, the way of a turning surface */
+        crn_vec3 drift_m_q33; /* last step minus slide: the motion by inertia beyond sliding */
+        crn_vec3 around_q30;  /* once a touching node is found: normal x tangent, the direction in which a
+                                 turning surface moves */
     };
     int32_t strain_q30; /* edge, at x* */
-    int32_t geometric;  /* edge: tension / length in Q(a), 0 in compression, and what twist adds beside a rest
-                           shape */
+    int32_t geometric;  /* edge: tension / length in Q(a), 0 in compression, plus a contribution of twist at a
+                           rest shape */
     int32_t torque_N_m_q30; /* joint: twisting moment of all tools */
     crn_vec3 force_N_q22;   /* right side */
     crn_vec3 normal_q30;
-    int32_t distance_m_q30; /* to the wall at x*; of a wall that moves and was not sampled, no less */
+    int32_t distance_m_q30; /* distance to the wall at x*; for a wall that moves and was not sampled, a lower
+                               bound */
     int32_t depth_m_q30;    /* at x*; meaningful while touching */
-    int32_t wall_round;     /* N / r of a wall of CRN_WALL_ROUND, Q(a) */
+    int32_t wall_round;     /* N / r with the curvature of CRN_WALL_ROUND, Q(a) */
     int32_t wall_normal, wall_friction; /* contact stiffnesses, Q(a); 0 where nothing touches */
-    int32_t tied;                       /* stiffness of what ties the node to a balloon, all round, Q(a) */
-    crn_vec3 held_m_q33; /* touching: bristle and way without the deviation, across the normal */
-    int32_t reach_m_q33; /* touching: expected bristle along normal x tangent without the surface's turn */
-    uint32_t touching;   /* 1: one thing; 2 + i: also what second[i] of the scratch is about */
+    int32_t tied;        /* isotropic stiffness of the tie between the node and a balloon, Q(a) */
+    crn_vec3 held_m_q33; /* touching: bristle and displacement without the deviation, across the normal */
+    int32_t reach_m_q33; /* touching: expected bristle along normal x tangent, without the rotation of the
+                            surface */
+    /* 1: one contact; 2 + i: the node also has the second contact second[i] of the scratch */
+    uint32_t touching;
     union {
         crn_assembly a;
         crn_factor f;
     } u;
     union {
-        crn_vec3 moment_N_m_q30; /* joint, before the solve: W b, with several tools */
+        crn_vec3 moment_N_m_q30; /* joint, before the solve: W b, where there are several tools */
         crn_vec3 solution_m_q33;
     };
 } crn_work;
 
-/* What presses on a node besides its first contact: struts and wall have it between them. */
+/* The second contact of a node that is held between struts and wall. */
 typedef struct crn_second_contact {
     uint32_t node;
     int32_t depth_m_q30; /* at x* */
@@ -180,29 +189,32 @@ typedef struct crn_second_contact {
     crn_vec3 normal_q30;
 } crn_second_contact;
 
-enum { CRN_SECOND_MAX = 48 /* nodes between two things; those behind them meet the deeper one only */ };
+enum {
+    CRN_SECOND_MAX = 48 /* nodes between two surfaces; any beyond this number meet only the deeper one */
+};
 
 typedef struct crn_scratch {
     union {
         crn_work nodes[CRN_ARRAY_NODES];
         crn_state_words incoming; /* a state being restored, until it has passed its checks */
     };
-    crn_motion_pose pose;      /* of a vessel that moves */
-    crn_joint mouth[2];        /* joints na-1 and na with their cells clipped at the inserter's mouth */
-    int32_t mouth_axial_N_q22; /* force of the mouth on a bent line */
-    int32_t feed_m_q33;        /* of the leading tip: how far the line slides along itself */
-    int32_t kept_m_q33;        /* length that edges would have gained by turning in the solve, taken back */
-    int32_t slide_m_q33[CRN_TOOL_MAX];      /* of each tool along the line: its feed less that of the line */
-    int32_t turn_q30[CRN_TOOL_MAX];         /* of each tool in the inserter, radians */
+    crn_motion_pose pose;      /* pose of a vessel that moves */
+    crn_joint mouth[2];        /* joints na-1 and na with their cells clipped at the inserter's distal end */
+    int32_t mouth_axial_N_q22; /* force of the inserter's distal end on a bent line */
+    int32_t feed_m_q33;        /* displacement of the leading tip: how far the line slides along itself */
+    /* length that edges would have gained by turning in the solve, which was taken back */
+    int32_t kept_m_q33;
+    int32_t slide_m_q33[CRN_TOOL_MAX]; /* slide of each tool along the line: its feed less that of the line */
+    int32_t turn_q30[CRN_TOOL_MAX];    /* rotation of each tool in the inserter, radians */
     int32_t torque_N_m_q30[CRN_TOOL_MAX];   /* on each handle */
-    int32_t axial_N_q22[CRN_TOOL_MAX];      /* on each handle of a tool that does not lead */
+    int32_t axial_N_q22[CRN_TOOL_MAX];      /* force on each handle of a tool that does not lead */
     int32_t grip_limit_N_q22[CRN_PAIR_MAX]; /* sum of mu N between tool k and k + 1 */
-    int32_t press_Pa[CRN_BALLOON_BALL_MAX]; /* of a ball on the wall that confines it */
-    int32_t wall_shrink_q30;                /* of a lumen that moves: crn_motion_shrink_q30 in this tick */
-    crn_vec3 struts_low_m_q30, struts_high_m_q30; /* a box about all struts, with room for a node */
+    int32_t press_Pa[CRN_BALLOON_BALL_MAX]; /* pressure of a ball on the wall that confines it */
+    int32_t wall_shrink_q30;                /* for a lumen that moves: crn_motion_shrink_q30 in this tick */
+    crn_vec3 struts_low_m_q30, struts_high_m_q30; /* a box around all struts, with a margin for a node */
     uint32_t second_count;
     crn_second_contact second[CRN_SECOND_MAX];
-    int32_t outside_m_q30; /* depth of a node beyond the field's band, 0: none */
+    int32_t outside_m_q30; /* depth of a node beyond the field's band; 0: none */
 } crn_scratch;
 
 struct crn_state {

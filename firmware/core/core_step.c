@@ -27,10 +27,11 @@ static void scale_step(crn_state *state, int32_t share_q30)
     }
 }
 
-/* Cuts the deviation short when a node would move more than max(0.5 mm, 1.5 feeds) beyond the slide, or end
- * in a wall at rest where no contact was seen: one factor for all nodes keeps the shape, limits per node add
- * energy (docs/rod.md, "contact"). Only the first of ticks that miss a contact is cut for it, or the line is
- * held back tick after tick. Returns whether a contact was missed. */
+/* Cuts the deviation short when a node would move more than max(0.5 mm, 1.5 feeds) beyond the slide, or would
+ * end inside a wall at rest where no contact was seen. One factor for all nodes keeps the shape; a limit for
+ * each node would add energy (docs/rod.md, "contact"). Only the first of consecutive ticks that miss a
+ * contact is cut for it; otherwise the line would be held back tick after tick. Returns whether a contact was
+ * missed. */
 static bool cut_step(const crn_model *model, crn_state *state, int32_t largest_m_q33)
 {
     const int32_t feed =
@@ -54,8 +55,9 @@ static bool cut_step(const crn_model *model, crn_state *state, int32_t largest_m
     return missed;
 }
 
-/* The solve; again where a wall that moves has a contact that was missed, for cutting the step short would
- * hold the line back in every tick of a beat. Returns the largest component of the deviation. */
+/* Solves the tick. It solves a second time where a contact with a moving wall was missed, because cutting the
+ * step short would hold the line back in every tick of a beat. Returns the largest component of the
+ * deviation. */
 static int32_t solve(const crn_model *model, crn_state *state, crn_output *output)
 {
     crn_rod_solve(model, state);
@@ -70,8 +72,9 @@ static int32_t solve(const crn_model *model, crn_state *state, crn_output *outpu
     return largest_deviation(state);
 }
 
-/* The leading tool's hand bears what the line does to the inserter, less what the other hands bear. Theirs
- * follows with a time constant of 8 ms: the moment where a tip ends is not at rest while the tip slides. */
+/* The leading tool's hand bears the line's force on the inserter less what the other hands bear. The share of
+ * the other hands follows with a time constant of 8 ms, because the moment where a tip ends is not at rest
+ * while the tip slides. */
 static void share_handles(const crn_model *model, crn_state *state, int32_t line_axial_N_q22)
 {
     enum { FOLLOW = 8 };
@@ -110,7 +113,7 @@ static void report(const crn_model *model, const crn_state *state, crn_output *o
     crn_state_hash_lanes(state, output->hash_lane);
 }
 
-/* Heart and breath go on; the wall is from here on where it is at the end of the tick. */
+/* Advances heart and breath; from here on the wall is where it is at the end of the tick. */
 static void beat(const crn_model *model, crn_state *state, const crn_input *input)
 {
     const crn_rhythm before = state->words.rhythm;

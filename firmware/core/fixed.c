@@ -1,4 +1,5 @@
-/* The fixed-point functions too long to be inline; formats, overflow and error bounds stand in fixed.h. */
+/* The fixed-point functions that are too long to be inline; fixed.h states formats, overflow and error
+ * bounds. */
 #include "firmware/core/fixed.h"
 
 int32_t crn_sqrt64(uint64_t a)
@@ -59,7 +60,7 @@ static void sincos_octant(int32_t x_q31, int32_t *sin_q30, int32_t *cos_q30)
 
 void crn_sincos_turn32(uint32_t angle_turn32, int32_t *sin_q30, int32_t *cos_q30)
 {
-    /* Nearest quarter turn, and what is left of it: -1/8 .. 1/8 turn. */
+    /* Nearest quarter turn, and the remainder: -1/8 .. 1/8 turn. */
     const int32_t pi_q29 = 1686629713;
     uint32_t quarter = (angle_turn32 + ((uint32_t)1 << 29)) >> 30;
     uint32_t left_turn32 = angle_turn32 - (quarter << 30);

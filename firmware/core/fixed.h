@@ -1,11 +1,10 @@
-/* Fixed-point operations of the core: the only file that shifts, rounds and saturates.
+/* Fixed-point operations of the core. This is the only file that shifts, rounds and saturates.
  *
- * A number's format ends its name: `x_m_q30` is metres times 2^30 in an int32_t. Every function says what it
- * does, its Format, what happens on Overflow, and its Error (bound in LSB of the result, checked against
+ * A number's format ends its name: `x_m_q30` is metres times 2^30 in an int32_t. Every function states what
+ * it does, its Format, what happens on Overflow, and its Error (bound in LSB of the result, checked against
  * double in firmware/tests/test_fixed.c). Rounding is to nearest with ties toward +infinity, written as an
- * addition and an arithmetic shift, which is what the Cortex-M7 DSP instructions (SMMULR) do, so every
- * machine agrees bit for bit.
- */
+ * addition and an arithmetic shift. The Cortex-M7 DSP instructions (SMMULR) do the same, so every machine
+ * agrees bit for bit. */
 #ifndef CRN_FIXED_H
 #define CRN_FIXED_H
 
@@ -16,15 +15,14 @@
 #define CRN_ONE_Q30 ((int32_t)1 << 30)
 
 /* Arithmetic shift right of a possibly negative value.
- * Format: 64 bit -> 64 bit, floor(a / 2^n), 0 <= n <= 63. Overflow: none. Error: exact floor.
- * C11 leaves >> of a negative value to the implementation; the test asserts that ours shifts arithmetically.
- */
+ * Format: 64 bit -> 64 bit, floor(a / 2^n), 0 <= n <= 63. Overflow: none. Error: exact floor. C11 leaves >>
+ * of a negative value to the implementation; the test asserts that the compiler shifts arithmetically. */
 static inline int64_t crn_asr64(int64_t a, unsigned n)
 {
     return a >> n;
 }
 
-/* The same for 32 bits, 0 <= n <= 31. */
+/* The same as crn_asr64 for 32 bits, 0 <= n <= 31. */
 static inline int32_t crn_asr32(int32_t a, unsigned n)
 {
     return a >> n;
@@ -37,7 +35,7 @@ static inline int64_t crn_rshift_round64(int64_t a, unsigned n)
     return (a + ((int64_t)1 << (n - 1))) >> n;
 }
 
-/* Saturate to 32 bits. Format: int64 -> int32. Overflow: saturates. Error: none in range. */
+/* Saturates to 32 bits. Format: int64 -> int32. Overflow: saturates. Error: none in range. */
 static inline int32_t crn_sat32(int64_t a)
 {
     int32_t low = (int32_t)(uint32_t)(uint64_t)a;
@@ -47,7 +45,8 @@ static inline int32_t crn_sat32(int64_t a)
     return a < 0 ? INT32_MIN : INT32_MAX;
 }
 
-/* The Cortex-M7's DSP instructions do some of this in one step; elsewhere the same values come from C. */
+/* The Cortex-M7's DSP instructions do some of this in one step; on other machines C computes the same
+ * values. */
 #if defined(__ARM_FEATURE_DSP) && defined(__thumb__)
 #define CRN_HIGH_WORDS_BY_DSP 1
 #else
@@ -55,8 +54,7 @@ static inline int32_t crn_sat32(int64_t a)
 #endif
 
 /* Saturating sum and difference (QADD, QSUB). Format: same format in and out. Overflow: saturates. Error:
- * exact in range.
- */
+ * exact in range. */
 static inline int32_t crn_add_sat(int32_t a, int32_t b)
 {
 #if CRN_HIGH_WORDS_BY_DSP
@@ -87,8 +85,8 @@ static inline int32_t crn_sub_sat(int32_t a, int32_t b)
 }
 
 /* a >> n between -most and most. Format: 64 bit -> 32 bit, floor, `most_high` being the high word of `most`
- * << n, 1 <= n <= 31. Overflow: limited, and a bit of `flag` set in `*flags`. A 32-bit machine looks at the
- * high word only. */
+ * << n, 1 <= n <= 31. Overflow: the value is limited, and a bit of `flag` is set in `*flags`. A 32-bit
+ * machine looks at the high word only. */
 static inline int32_t crn_limit64(int64_t a, unsigned n, int32_t most_high, uint32_t flag, uint32_t *flags)
 {
     int64_t most = (int64_t)most_high << (32 - n);
@@ -107,8 +105,8 @@ static inline int32_t crn_limit64(int64_t a, unsigned n, int32_t most_high, uint
     return (int32_t)(a < 0 ? -most : (most > INT32_MAX ? INT32_MAX : most));
 }
 
-/* a b, exactly. On the Cortex-M7 one SMULL, also where the compiler would take a widened operand for one of
- * 64 bits. */
+/* a b, exactly. On the Cortex-M7 this is one SMULL, even where the compiler would take a widened operand for
+ * a 64-bit one. */
 static inline int64_t crn_product(int32_t a, int32_t b)
 {
 #if CRN_HIGH_WORDS_BY_DSP
@@ -146,8 +144,8 @@ static inline int32_t crn_mul(int32_t a, int32_t b, unsigned n)
     return (int32_t)((uint32_t)high << (32 - n) | (uint32_t)sum >> n);
 }
 
-/* Product with a Q30 factor. Format: Qa x Q30 -> Qa. Overflow: saturates (only when |b| > 1). Error: 1/2 LSB.
- */
+/* Product with a Q30 factor. Format: Qa x Q30 -> Qa. Overflow: saturates (only when |b| > 1). Error: 1/2
+ * LSB. */
 static inline int32_t crn_mul_q30(int32_t a, int32_t b_q30)
 {
     return crn_mul(a, b_q30, 30);
@@ -199,8 +197,8 @@ static inline int32_t crn_scale_q30(int32_t a, int32_t b_q30)
     return crn_mulh(a, b_q30) * 4;
 }
 
-/* High word. Format: 64 bit -> 32 bit, floor(a / 2^32). Written so that a 32-bit compiler does not go on with
- * 64 bits. */
+/* High word. Format: 64 bit -> 32 bit, floor(a / 2^32). It is written so that a 32-bit compiler does not
+ * continue with 64 bits. */
 static inline int32_t crn_high64(int64_t a)
 {
     return (int32_t)(uint32_t)((uint64_t)a >> 32);
@@ -217,7 +215,7 @@ static inline int32_t crn_round_high64(int64_t a)
 }
 
 /* Low 32 bits of a >> n for 1 <= n <= 31. Format: 64 bit -> 32 bit, floor. Overflow: bits above are lost; the
- * caller states why there are none. Error: exact floor. A 32-bit machine takes three instructions for it and
+ * caller states why there are none. Error: exact floor. A 32-bit machine needs three instructions for it, and
  * nine for the shift. */
 static inline int32_t crn_narrow64(int64_t a, unsigned n)
 {
@@ -248,7 +246,7 @@ extern const crn_line_q30 crn_reciprocal_lines[128];
 extern const crn_line_q30 crn_rsqrt_lines[192];
 extern const int32_t crn_asin_coefficients_q31[7];
 
-/* Point on a line, `fraction` of `bits` bits into its interval. Format: Q30. Overflow: impossible (drop <
+/* Point on a line, at `fraction` (of `bits` bits) of its interval. Format: Q30. Overflow: impossible (drop <
  * 2^25). Error: the table's, 2^-16.4 relative at most; the Newton step of the caller squares it. */
 static inline uint32_t crn_line_at(const crn_line_q30 *line, uint32_t fraction, unsigned bits)
 {
@@ -257,7 +255,7 @@ static inline uint32_t crn_line_at(const crn_line_q30 *line, uint32_t fraction, 
 
 /* Reciprocal of a positive normalised mantissa: table line, then one Newton step y + y (1 - m y). No divide.
  * Format: m in [2^30, 2^31) read as Q31 in [0.5, 1) -> Q30 in (1, 2]. The caller normalises; another m gives
- * a wrong number but reads inside the table. Overflow: 1/0.5 = 2 does not fit: m = 2^30 gives 2^31 - 1.
+ * a wrong number but still reads inside the table. Overflow: 1/0.5 = 2 does not fit: m = 2^30 gives 2^31 - 1.
  * Error: <= 1 LSB of Q30 (checked: 0.63 LSB). */
 static inline int32_t crn_reciprocal_q30(uint32_t m_q31)
 {
@@ -294,10 +292,10 @@ int32_t crn_sqrt64(uint64_t a);
  * Format: floor(a / b). b = 0 gives UINT64_MAX. Error: exact floor. */
 uint64_t crn_divide_u64(uint64_t a, uint64_t b);
 
-/* Sine and cosine of a binary angle: what is left of the nearest quarter turn, then the
- * Taylor series to x^11 and x^12.
- * Format: one turn = 2^32 -> Q30. Overflow: impossible, |result| <= 2^30. Error: <= 1.5 LSB of Q30
- * (checked: 1.27 LSB). */
+/* Sine and cosine of a binary angle: the angle is reduced to the nearest quarter turn, then the Taylor series
+ * to x^11 and x^12 is used.
+ * Format: one turn = 2^32 -> Q30. Overflow: impossible, |result| <= 2^30. Error: <= 1.5 LSB of Q30 (checked:
+ * 1.27 LSB). */
 void crn_sincos_turn32(uint32_t angle_turn32, int32_t *sin_q30, int32_t *cos_q30);
 
 /* Arc sine: polynomial for |a| <= 1/2, beyond it pi/2 - 2 asin(sqrt((1 - |a|)/2)).

@@ -3,15 +3,15 @@
 #include "firmware/core/rod.h"
 
 enum {
-    RELAX_LOG2 = 5,      /* a 32nd of what is missing in a tick */
-    SNAP_Q30 = 1 << 20,  /* and all of it once it is a thousandth: what springs back comes back exactly */
-    STEEP_Q26 = 1 << 28, /* 4: change of k times the place across, in a spacing */
+    RELAX_LOG2 = 5, /* a 32nd of what is missing, in each tick */
+    /* the rest at once when less than a thousandth is missing, so that recoil ends exactly */
+    SNAP_Q30 = 1 << 20,
+    STEEP_Q26 = 1 << 28, /* 4: largest change of k times the distance across, within one spacing */
 };
 
-/* --- places
- * ------------------------------------------------------------------------------------------------- */
+/* --- places --------------------------------------------------------------------------------------------- */
 
-/* Between two stations. */
+/* The segment between two stations. */
 typedef struct segment {
     const crn_lesion_station *a, *b;
     uint32_t index;
@@ -54,8 +54,8 @@ static bool is_near(const crn_lesion *lesion, const crn_vec3 *p)
     return true;
 }
 
-/* First guess along the chord, then twice by the centreline's own direction: an error e becomes about e times
- * bend times offset, which in a vessel is below a half. */
+/* The first guess is along the chord; two corrections follow along the centreline's own direction. Each turns
+ * an error e into about e times bend times offset, which in a vessel is below a half. */
 bool crn_lesion_arc(const crn_lesion *lesion, const crn_vec3 *place_m_q30, int32_t *arc_m_q30)
 {
     if (!is_near(lesion, place_m_q30)) {
@@ -79,8 +79,7 @@ bool crn_lesion_arc(const crn_lesion *lesion, const crn_vec3 *place_m_q30, int32
     return arc > 0 && arc < end;
 }
 
-/* --- the wall of an open lesion
- * ------------------------------------------------------------------------------- */
+/* --- the wall of an open lesion ------------------------------------------------------------------------- */
 
 /* A station's map: X = c + k (x - middle). */
 typedef struct station_map {
@@ -96,14 +95,14 @@ static station_map map_of(const crn_lesion_station *station, int32_t open_q30)
     return (station_map){now > r ? crn_quotient(r, now, 30) : CRN_ONE_Q30, point_between(c, h, open_q30)};
 }
 
-/* Change of k times a place across, over a spacing. Format: Q30, Q30 m -> Q26. */
+/* Change of k times a distance across the vessel, divided by the spacing. Format: Q30, Q30 m -> Q26. */
 static int32_t steepness(int32_t change_q30, int32_t across_m_q30, uint32_t spacing_log2)
 {
     int64_t product = crn_asr64((int64_t)change_q30 * across_m_q30, spacing_log2 + 4);
     return crn_clamp(crn_sat32(product), -STEEP_Q26, STEEP_Q26);
 }
 
-/* A sample of the narrowed wall, as that of the open one. */
+/* Converts a sample of the narrowed wall to a sample of the opened one. */
 static crn_lumen_sample mapped(crn_lumen_sample sample, const crn_vec3 *slope_q26, int32_t ratio_q30,
                                const crn_vec3 *along_q30)
 {
@@ -122,8 +121,8 @@ static crn_lumen_sample mapped(crn_lumen_sample sample, const crn_vec3 *slope_q2
     return sample;
 }
 
-/* The wall of one lesion; false: beyond its ends, beyond two radii from its middle, or where it is not open.
- */
+/* The wall of one lesion. Returns false beyond its ends, beyond two radii from its middle, or where it is not
+ * open. */
 static bool wall_of(const crn_lumen *lumen, const crn_lesion *lesion, const int32_t *open_q30,
                     const crn_vec3 *place, crn_lumen_sample *sample)
 {
@@ -236,10 +235,9 @@ bool crn_lesion_wall(const crn_model *model, const crn_state_words *words, crn_m
     return true;
 }
 
-/* --- giving way
- * ---------------------------------------------------------------------------------------------- */
+/* --- giving way ----------------------------------------------------------------------------------------- */
 
-/* Towards the pressure's opening, one station after the other. */
+/* Moves each station of a lesion towards the opening that belongs to its pressure. */
 static void step(const crn_lesion *lesion, crn_lesion_state *lesions, uint32_t index,
                  const int32_t pressure_Pa[CRN_LESION_STATION_MAX])
 {
@@ -261,7 +259,7 @@ static void step(const crn_lesion *lesion, crn_lesion_state *lesions, uint32_t i
     lesions->bits = (lesions->bits & ~(1u << index)) | (any != 0 ? 1u << index : 0);
 }
 
-/* Where the balloon's balls are in the reference pose. */
+/* Places of the balloon's balls in the reference pose. */
 static void places_of(const crn_model *model, crn_state *state, crn_vec3 places_m_q30[])
 {
     const crn_motion *motion = model->lumen->motion;
@@ -271,7 +269,7 @@ static void places_of(const crn_model *model, crn_state *state, crn_vec3 places_
     }
 }
 
-/* The pressure between two neighbouring balls at the stations between them. */
+/* Interpolates the pressure of two neighbouring balls at the stations between them. */
 static void press_between(const crn_lesion *lesion, int32_t from_m_q30, int32_t from_Pa, int32_t to_m_q30,
                           int32_t to_Pa, int32_t pressure_Pa[CRN_LESION_STATION_MAX])
 {
@@ -322,8 +320,7 @@ void crn_lesions_give_way(const crn_model *model, crn_state *state)
     }
 }
 
-/* --- what others ask
- * ------------------------------------------------------------------------------------------ */
+/* --- orders and queries --------------------------------------------------------------------------------- */
 
 bool crn_state_scaffold(const crn_model *model, crn_state *state, const crn_scaffold *order)
 {

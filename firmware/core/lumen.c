@@ -1,8 +1,7 @@
 /* Sampling of the lumen: docs/lumen.md has the layout, the equations and their errors.
  *
- * Both samplers go the same way: world point -> coarse brick -> finer brick where refined -> position in the
- * brick in voxels (Q20) -> 27 int8 coefficients of one brick. Fixed work: two refinements, 27 taps.
- */
+ * Both samplers take the same steps: world point -> coarse brick -> finer brick where refined -> position in
+ * the brick in voxels (Q20) -> 27 int8 coefficients of one brick. Fixed work: two refinements, 27 taps. */
 #include "firmware/core/lumen.h"
 
 enum {
@@ -14,9 +13,9 @@ enum {
     IN_BRICK_MASK = (1 << BRICK_LOG2) - 1,
 };
 
-/* Where a point lies: its brick, its place there in voxels (Q20, 0 .. 8), and the brick's level. */
+/* Place of a point: its brick, its position in the brick in voxels (Q20, 0 .. 8), and the brick's level. */
 typedef struct lumen_place {
-    const int8_t *brick; /* when it was found */
+    const int8_t *brick; /* set once the brick was found */
     uint32_t x_q20, y_q20, z_q20;
     uint32_t level;
     int32_t far_m_q30;
@@ -31,9 +30,9 @@ static inline uint32_t child_entry(const crn_lumen *lumen, uint32_t entry, uint3
     return lumen->children[(ptrdiff_t)entry * 8 + octant - (ptrdiff_t)CRN_LUMEN_ENTRY_REFINED * 8];
 }
 
-/* Finds the brick; false where `far_m_q30` holds instead. Overflow: the validated lattice lies within the Q30
- * range, so that a difference modulo 2^32 inside the lattice is the true difference, and any other fails the
- * comparison. */
+/* Finds the brick. Returns false where `far_m_q30` is the answer instead. Overflow: the validated lattice
+ * lies within the Q30 range, so that a difference modulo 2^32 inside the lattice is the true difference, and
+ * any other fails the comparison. */
 static inline bool find(const crn_lumen *lumen, const crn_vec3 *p, lumen_place *place)
 {
     place->level = 0;
@@ -68,8 +67,8 @@ static inline bool find(const crn_lumen *lumen, const crn_vec3 *p, lumen_place *
 }
 
 /* The quadratic B-spline at fraction u of a voxel: weights (1-u)^2/2, the rest, u^2/2; those of the slope per
- * voxel are
- * -(1-u), 1-2u, u. The fast types have the width that the machine multiplies best; values fit 32 bits. */
+ * voxel are -(1-u), 1-2u, u. The fast types have the width that the machine multiplies fastest; values fit 32
+ * bits. */
 typedef struct lumen_weights {
     int_fast32_t low, middle, high;
     int_fast32_t fall, rise; /* 1-u and u */
@@ -118,7 +117,7 @@ typedef struct lumen_row_weights {
 #endif
 } lumen_row_weights;
 
-/* Format: fraction Q20 -> values Q15, slopes Q14, each within 16 bits. Error: 1/2 LSB. */
+/* Format: fraction Q20 -> values Q15, slopes Q14, each within 16 bits. */
 static inline lumen_row_weights row_weights_at(uint32_t x_q20)
 {
     const uint32_t u_q20 = x_q20 & VOXEL_MASK_Q20;
@@ -200,14 +199,15 @@ static inline lumen_plane plane_of(const int8_t *c, const lumen_row_weights *x, 
                          slope(first.value, second.value, third.value, y)};
 }
 
-/* The 27 taps, first along x, then y, then z. Overflow: a value lies between the extremes of its taps, within
- * 2^7, and a slope within twice that. Error: 1 LSB of Q15 in the weights, 15 nm and 3e-5 of a slope of one.
- */
+/* Evaluates the 27 taps, first along x, then y, then z. Overflow: a value lies between the extremes of its
+ * taps, within 2^7, and a slope within twice that. Error: 1 LSB of Q15 in the weights, 15 nm and 3e-5 of a
+ * slope of one. */
 static inline lumen_taps spline_27(const lumen_place *p)
 {
     const lumen_row_weights x = row_weights_at(p->x_q20);
     const lumen_weights y = weights_at(p->y_q20), z = weights_at(p->z_q20);
-    /* The nearest sample of floor(x) is coefficient floor(x) + 1: the taps are floor(x) .. floor(x) + 2. */
+    /* The nearest sample of floor(x) is coefficient floor(x) + 1, so the taps are floor(x) .. floor(x) +
+     * 2. */
     const int8_t *c = p->brick + ((p->z_q20 >> 20) * SLICE + (p->y_q20 >> 20) * ROW + (p->x_q20 >> 20));
     const lumen_plane a = plane_of(c, &x, &y), b = plane_of(c + SLICE, &x, &y),
                       d = plane_of(c + 2 * SLICE, &x, &y);
@@ -228,8 +228,8 @@ static inline crn_vec3 inward(const lumen_taps *taps)
     }
     unsigned lead = crn_clz64(square) & ~1u;
     int32_t root_q30 = crn_rsqrt_q30((uint32_t)((square << lead) >> 32));
-    /* 1/|g| = root 2^(lead/2 - 62), and |g| 2^(lead/2) < 2^32: halved here, doubled by the root's Q30 read as
-     * Q31 */
+    /* 1/|g| = root 2^(lead/2 - 62), and |g| 2^(lead/2) < 2^32: it is halved here and doubled again by reading
+     * the root's Q30 as Q31 */
     int32_t scale = -((int32_t)1 << (lead / 2 - 1));
     return crn_vec3_make(crn_mulh(x * scale, root_q30) * 2, crn_mulh(y * scale, root_q30) * 2,
                          crn_mulh(z * scale, root_q30) * 2);

@@ -3,9 +3,9 @@
  * phi < 0 inside the lumen (where blood is), phi > 0 in the wall and beyond; metres in Q30. A wire of radius
  * r has contact depth phi + r. The inward normal is n = -grad(phi)/|grad(phi)|.
  *
- * Layout. Space is a regular lattice of coarse bricks of 8x8x8 voxels. Voxel edge of level L is 2^(20-L) Q30
- * units (level 0: 0.977 mm, level 1: 0.488 mm, level 2: 0.244 mm), so a world coordinate becomes voxel and
- * fraction by shift and mask. A coarse index entry is
+ * Layout. Space is a regular lattice of coarse bricks of 8x8x8 voxels. The voxel edge of level L is 2^(20-L)
+ * Q30 units (level 0: 0.977 mm, level 1: 0.488 mm, level 2: 0.244 mm), so a world coordinate becomes voxel
+ * and fraction by shift and mask. A coarse index entry is
  *     0                     far outside the lumen
  *     1                     deep inside the lumen, farther than the field's band from any wall
  *     2 .. 0x7fff           brick number + 2 of a level-0 brick
@@ -17,8 +17,7 @@
  * values themselves are never stored: the baker prefilters so that the spline passes through the true
  * distances.
  *
- * Validated before use by shared/scene (hostile until checked).
- */
+ * shared/scene validates the data before use (they are hostile until checked). */
 #ifndef CRN_LUMEN_H
 #define CRN_LUMEN_H
 
@@ -38,10 +37,10 @@ enum {
 struct crn_motion;
 
 /* A lesion that gives way (lesion.h): stations along the healthy centreline, spacing 2^log2 apart by arc
- * length. In place in a scene. */
+ * length. It is read in place from a scene. */
 typedef struct crn_lesion_station {
     int32_t healthy_m_q30[3], healthy_radius_m_q30;
-    int32_t channel_m_q30[3], channel_radius_m_q30; /* of what is left, in the plane across the vessel */
+    int32_t channel_m_q30[3], channel_radius_m_q30; /* remaining channel, in the plane across the vessel */
     int32_t along_q30[3];                           /* unit vector to the next station */
     int32_t reserved;
 } crn_lesion_station;
@@ -49,14 +48,14 @@ typedef struct crn_lesion_station {
 enum { CRN_LESION_MAX = 4, CRN_LESION_STATION_MAX = 24 };
 
 typedef struct crn_lesion {
-    int32_t low_m_q30[3], high_m_q30[3]; /* box around everything that it can move */
+    int32_t low_m_q30[3], high_m_q30[3]; /* box around everything that the lesion can move */
     int32_t chord_q30[3];                /* unit vector from the first station to the last */
     int32_t stretch_q28;                 /* arc length over chord */
     uint32_t spacing_log2_q30, station_count;
     int32_t yield_Pa; /* pressure on the wall at which it begins to give way */
-    int32_t full_Pa;  /* and how much more opens it wholly */
+    int32_t full_Pa;  /* additional pressure that opens it completely */
     int32_t recoil_q30;
-    int32_t pace_q30; /* of opening, in a tick at most */
+    int32_t pace_q30; /* largest change of the opening in a tick */
     const crn_lesion_station *stations;
 } crn_lesion;
 
@@ -69,23 +68,23 @@ typedef struct crn_lumen {
     const uint16_t *children; /* child_row_count x 8 entries */
     const int8_t *samples;    /* brick_count x CRN_LUMEN_BRICK_SAMPLES */
     const struct crn_motion
-        *motion;           /* motion.h; NULL: the vessel stands still. Not looked at by the samplers below */
-    uint32_t lesion_count; /* that give way, at most CRN_LESION_MAX. Nor are they */
+        *motion;           /* motion.h; NULL: the vessel does not move. The samplers below ignore it */
+    uint32_t lesion_count; /* lesions that give way, at most CRN_LESION_MAX. The samplers ignore them too */
     const crn_lesion *lesions;
 } crn_lumen;
 
 typedef struct crn_lumen_sample {
-    int32_t distance_m_q30; /* phi; saturated at the band where the field does */
+    int32_t distance_m_q30; /* phi; it saturates at the field's band */
     crn_vec3 normal_q30;    /* inward unit normal; zero where the gradient vanishes (no contact there) */
 } crn_lumen_sample;
 
-/* The distance that crn_lumen_contact gives, bit for bit, without the normal: whether a node can touch the
- * wall at all. Format: Q30 m -> Q30 m. Outside the lattice or in OUTSIDE bricks: +2^24 (15.6 mm); INSIDE:
- * -2^24. */
+/* The distance that crn_lumen_contact gives, bit for bit, without the normal: it decides whether a node can
+ * touch the wall at all. Format: Q30 m -> Q30 m. Outside the lattice or in OUTSIDE bricks: +2^24 (15.6 mm);
+ * INSIDE: -2^24. */
 int32_t crn_lumen_distance(const crn_lumen *lumen, const crn_vec3 *position_m_q30);
 
-/* Value and inward normal of the triquadratic B-spline (27 taps, C1), for contact. Same far values as above.
- */
+/* Value and inward normal of the triquadratic B-spline (27 taps, C1), for contact. The far values are the
+ * same as above. */
 crn_lumen_sample crn_lumen_contact(const crn_lumen *lumen, const crn_vec3 *position_m_q30);
 
 #endif

@@ -1,12 +1,12 @@
-/* Looking up the lattices of a moving vessel (motion.h, docs/heart.md). Fixed work: 8 corners of one cell, of
- * three components, of three coefficients, for now and for what the tick changed, and 8 corners of breath;
- * the blend of a cell is kept for the next point in it, which changes no result. The step of the wall is in
- * motion_wall.c. */
+/* Look-up in the lattices of a moving vessel (motion.h, docs/heart.md). The work is fixed: 8 corners of one
+ * cell, of three components, of three coefficients, for the present and for the change in the tick, and 8
+ * corners of breath. The blend of a cell is kept for the next point in it, which changes no result. The step
+ * of the wall is in motion_wall.c. */
 #include "firmware/core/motion_cell.h"
 #include "firmware/core/rod.h"
 
-/* The quadratic B-spline's weights at the fraction f between two half keyframes: (1-f)^2/2, the rest, f^2/2.
- */
+/* The quadratic B-spline's weights at the fraction f between two half keyframes: (1-f)^2/2, the rest,
+ * f^2/2. */
 crn_motion_moment crn_motion_moment_at(uint32_t heart_phase32, uint32_t breath_phase32)
 {
     uint64_t place_q32 = (uint64_t)heart_phase32 * CRN_MOTION_KEYFRAMES + ((uint64_t)1 << 31);
@@ -62,7 +62,7 @@ void crn_motion_pose_begin(const crn_motion *motion, crn_motion_pose *pose, cons
     pose->before = crn_motion_moment_at(before->heart_phase32, before->breath_phase32);
 }
 
-/* The ways at a cell's corners now. */
+/* Blends the present displacements at a cell's corners. */
 static void enter_cell(const crn_motion *motion, crn_motion_pose *pose, uint32_t node)
 {
     const corner_list fresh = move_on(&motion->beat, node, &pose->beat.ways);
@@ -85,13 +85,13 @@ static inline int32_t product(int32_t a_q31, int32_t b_q31)
     return crn_high64((int64_t)a_q31 * b_q31) * 2;
 }
 
-/* Finds the cell and the place in it. As in lumen.c a difference modulo 2^32 is the true one in the lattice.
- */
+/* Finds the cell and the place in it. As in lumen.c, a difference modulo 2^32 is the true difference inside
+ * the lattice. */
 typedef enum found { OUTSIDE, SAME_CELL, OTHER_CELL } found;
 
 static inline void place_in_cell(crn_motion_field *field, uint32_t log2, uint32_t x, uint32_t y, uint32_t z)
 {
-    const uint32_t up = 31 - log2; /* the fraction's bits to the top of 31 */
+    const uint32_t up = 31 - log2; /* moves the fraction's bits to the top of 31 */
     field->powers_q31[1] = (int32_t)(x << up);
     field->powers_q31[2] = (int32_t)(y << up);
     field->powers_q31[4] = (int32_t)(z << up);
@@ -133,15 +133,15 @@ static inline found find(const crn_lattice *lattice, crn_motion_field *field, co
     return find_other(lattice, field, p, node);
 }
 
-/* Which tetrahedron of a cell holds the point: it goes from the low node along the axis with the largest
- * fraction, then the next. */
+/* Finds the tetrahedron of a cell that holds the point: its path goes from the low node along the axis with
+ * the largest fraction, then along the next. */
 static inline uint32_t tetrahedron_at(const int32_t *p_q31)
 {
     return (p_q31[1] >= p_q31[2] ? 4u : 0u) | (p_q31[2] >= p_q31[4] ? 2u : 0u) |
            (p_q31[1] >= p_q31[4] ? 1u : 0u);
 }
 
-/* Where it would be with the chest at rest. */
+/* The place with the chest at the end of expiration. */
 static inline crn_vec3 exhale(const crn_motion *motion, crn_motion_pose *pose, const crn_vec3 *world_m_q30)
 {
     crn_motion_field *field = &pose->breath;
@@ -172,7 +172,7 @@ static inline crn_vec3 exhale(const crn_motion *motion, crn_motion_pose *pose, c
     return rest;
 }
 
-/* Beyond both lattices; as in find a difference modulo 2^32. */
+/* Is the point beyond both lattices? As in find(), differences are modulo 2^32. */
 static inline bool stands_still(crn_motion_pose *pose, const crn_vec3 *p)
 {
     const bool is_beyond = (uint32_t)p->v[0] - (uint32_t)pose->low_m_q30[0] >= pose->size_m_q30[0] ||
@@ -225,7 +225,8 @@ static void add_longest(const crn_lattice *lattice, const int16_t *numbers, uint
     const uint32_t steps[3] = {1, n[0], n[0] * n[1]}, nodes = n[0] * n[1] * n[2];
     uint32_t longest[CRN_MOTION_ROW] = {0};
     for (uint32_t node = 0; node + steps[axis] < nodes; node++) {
-        /* past the end of a line comes the next line's boundary, which is 0 as the end's: no difference */
+        /* past the end of a line lies the boundary of the next line, which is 0 like the end: no
+         * difference */
         const int16_t *here = numbers + (size_t)node * 3 * row, *next = here + (size_t)steps[axis] * 3 * row;
         for (uint32_t i = 0; i < row; i++) {
             uint32_t square = 0;
@@ -278,15 +279,15 @@ int32_t crn_motion_shrink_q30(const crn_motion_steepness *steepness, const crn_m
     return crn_scale_q30(crn_quotient(one, one + beat_q28, 30), crn_quotient(one, one + breath_q28, 30));
 }
 
-/* A derivative: the term of one axis, those of it and another, and that of all three. Overflow: as
- * value_here's. */
+/* A derivative: the term of one axis, the terms of this axis with one other, and the term of all three.
+ * Overflow: as value_here's. */
 static inline int32_t slope_here(int32_t axis, int32_t with_b, int32_t b_q31, int32_t with_c, int32_t c_q31,
                                  int32_t with_both, int32_t both_q31)
 {
     return axis + from_q31((int64_t)with_b * b_q31 + (int64_t)with_c * c_q31 + (int64_t)with_both * both_q31);
 }
 
-/* I + dw_i/dx_j in the cell of the last point; I outside the lattice. Format: Q34 m per spacing -> Q28.
+/* I + dw_i/dx_j in the cell of the last point; it is I outside the lattice. Format: Q34 m per spacing -> Q28.
  * Overflow: at most 1 5/8 (checked). */
 static void gradient_here(const crn_motion *motion, crn_motion_pose *pose)
 {
@@ -312,8 +313,8 @@ static inline int32_t size_of(int32_t a)
     return a < 0 ? -a : a;
 }
 
-/* A bound of a matrix' norm: its square is at most the largest sum of magnitudes of a column times that of a
- * row. */
+/* A bound of the norm of a matrix: the square of the norm is at most the largest column sum of magnitudes
+ * times the largest row sum. */
 static inline int32_t norm_at_most(const int32_t m[3][3])
 {
     int32_t most = 0;
@@ -327,15 +328,15 @@ static inline int32_t norm_at_most(const int32_t m[3][3])
     return most;
 }
 
-/* 1 / |I + J| at least, at most 1. Format: Q28 -> Q30. Overflow: norms are at most 1 + 3 x 5/8 (checked), 2.9
- * in Q28. */
+/* A lower bound of 1 / |I + J|, at most 1. Format: Q28 -> Q30. Overflow: norms are at most 1 + 3 x 5/8
+ * (checked), 2.9 in Q28. */
 static inline int32_t shrink_of_gradient(const int32_t gradient_q28[3][3])
 {
     const int32_t one = 1 << 28, norm = norm_at_most(gradient_q28);
     return norm > one ? crn_quotient(one, norm, 30) : 1 << 30;
 }
 
-/* 1 / (1 + |J|) of breath, made once for the points of a tetrahedron. Format: Q30. */
+/* 1 / (1 + |J|) of breath, computed once for all points of a tetrahedron. Format: Q30. */
 static int32_t shrink_of_breath(const crn_motion *motion, crn_motion_pose *pose)
 {
     crn_motion_field *field = &pose->breath;
@@ -353,7 +354,7 @@ static int32_t shrink_of_breath(const crn_motion *motion, crn_motion_pose *pose)
     return field->shrink_q30;
 }
 
-/* 1 / |I + J| here, of both factors. Format: Q30. */
+/* 1 / |I + J| at the last point, with both factors. Format: Q30. */
 static int32_t shrink_here(const crn_motion *motion, crn_motion_pose *pose)
 {
     const int32_t beat_q30 = shrink_of_gradient((const int32_t(*)[3])pose->gradient_q28);
@@ -362,9 +363,10 @@ static int32_t shrink_here(const crn_motion *motion, crn_motion_pose *pose)
 
 enum {
     ROUNDING_M_Q30 = 32
-}; /* of the quotients here and in crn_motion_contact, of distances up to 15.6 mm */
+}; /* bounds the quotients here and in crn_motion_contact, for distances up to 15.6 mm */
 
-/* Within a lattice; apart from the rest, so that a node beyond both pays for nothing. */
+/* Handles a point within a lattice. It is a separate function, so that a node beyond both lattices pays
+ * nothing for it. */
 CRN_APART static int32_t distance_inside(const crn_lumen *lumen, const crn_motion *motion,
                                          crn_motion_pose *pose, const crn_vec3 *world_m_q30,
                                          int32_t shrink_q30, int32_t far_m_q30)
@@ -405,7 +407,8 @@ static inline crn_vec3 mapped_normal(const crn_motion_pose *pose, const crn_vec3
     return mapped;
 }
 
-/* (I + depth db/dx)^T of it. Overflow: 1 + 3/8 sqrt(3) times as much at most, below 8. */
+/* Applies (I + depth db/dx)^T to the mapped normal. Overflow: 1 + 3/8 sqrt(3) times as much at most, below
+ * 8. */
 static inline void map_by_breath(const crn_motion *motion, const crn_motion_pose *pose, crn_vec3 *mapped_q26)
 {
     const crn_vec3 beaten_q26 = *mapped_q26;

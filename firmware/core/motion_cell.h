@@ -1,11 +1,11 @@
-/* Cells of the lattices of a moving vessel: what the look-up (motion.c) and the step of the wall
- * (motion_wall.c) share. */
+/* Cells of the lattices of a moving vessel, shared by the look-up (motion.c) and the step of the wall
+ * (motion_wall.c). */
 #ifndef CRN_MOTION_CELL_H
 #define CRN_MOTION_CELL_H
 
 #include "firmware/core/motion.h"
 
-/* What few nodes need stays a function of its own, so that the many do not save registers for it. */
+/* Code that few nodes need stays in a separate function, so that it costs the other nodes no registers. */
 #define CRN_APART __attribute__((noinline))
 
 enum {
@@ -16,14 +16,14 @@ enum {
     NO_TETRAHEDRON = 8,
 };
 
-/* Corners to blend. */
+/* The corners to blend. */
 typedef struct corner_list {
     const uint8_t *corners;
     uint32_t count;
 } corner_list;
 
-/* Goes on to another cell: where that is one step along an axis away, the four corners that they share move
- * to their new places. Returns the others. */
+/* Moves on to another cell. Where that cell is one step along an axis away, the four shared corners move to
+ * their new places. Returns the other corners. */
 static inline corner_list move_on(const crn_lattice *lattice, uint32_t to, crn_motion_cell *cell)
 {
     /* corners on the low and the high side along x, y, z */
@@ -47,8 +47,9 @@ static inline corner_list move_on(const crn_lattice *lattice, uint32_t to, crn_m
     return (corner_list){all, 8};
 }
 
-/* From corners to terms, differences along one axis after the other. Overflow: neighbours differ by at most
- * 5/8 of a spacing (checked), so that the last term is at most 5/2 of one: below 2^30. */
+/* Converts corner values to polynomial terms, by differences along one axis after the other. Overflow:
+ * neighbours differ by at most 5/8 of a spacing (checked), so that the last term is at most 5/2 of one: below
+ * 2^30. */
 static inline void make_terms(crn_motion_field *field)
 {
     const crn_vec3 *c = field->ways.corners_m_q34;
@@ -96,15 +97,15 @@ static inline int32_t breathed(int32_t full, int32_t part_q15)
     return (int32_t)crn_rshift_round64(crn_product(full, part_q15), FRACTION_BITS);
 }
 
-/* A sum in Q31 more: its bits from 31 on. Error: 1 LSB (floor). */
+/* Takes the bits from 31 on of a sum with 31 more fraction bits. Error: 1 LSB (floor). */
 static inline int32_t from_q31(int64_t sum)
 {
     return (int32_t)(uint32_t)((uint64_t)sum >> 31);
 }
 
 /* A polynomial at the last point. Format: that of the terms. Overflow: terms of 3 x 5/8, 3 x 5/4 and 5/2 of a
- * spacing of at most 2^28 and powers below 2^31: below 8.2 x 2^59; the value lies between those at the
- * corners. */
+ * spacing of at most 2^28 and powers below 2^31 give less than 8.2 x 2^59; the value lies between those at
+ * the corners. */
 static inline int32_t value_here(const int32_t *terms, const int32_t *powers_q31)
 {
     const int32_t *t = terms, *p = powers_q31;
@@ -117,7 +118,7 @@ static inline int32_t value_here(const int32_t *terms, const int32_t *powers_q31
  * spacing (checked). */
 static inline void make_plane(crn_motion_field *field, uint32_t tetrahedron)
 {
-    /* corners on the way from 0 to 7; two of the eight orders cannot be */
+    /* corners on the path from 0 to 7; two of the eight orders are impossible */
     static const uint8_t ways[8][2] = {{4, 6}, {4, 6}, {2, 6}, {2, 3}, {4, 5}, {1, 5}, {2, 3}, {1, 3}};
     const uint32_t first = ways[tetrahedron][0], second = ways[tetrahedron][1];
     const crn_vec3 *c = field->ways.corners_m_q34;
@@ -140,7 +141,7 @@ static inline bool moves_here(const crn_motion_pose *pose)
     return pose->beat.is_inside || pose->breath.is_inside;
 }
 
-/* db_i/dx_j, of a full breath. Format: Q34 m per spacing -> Q30. Overflow: at most 3/8 (checked). */
+/* db_i/dx_j, for a full breath. Format: Q34 m per spacing -> Q30. Overflow: at most 3/8 (checked). */
 static inline crn_vec3 breath_slope(const crn_motion *motion, const crn_motion_pose *pose, int j)
 {
     const int32_t up = (int32_t)1 << (26 - motion->breath.spacing_log2_q30);

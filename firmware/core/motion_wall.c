@@ -1,17 +1,18 @@
-/* How the wall of a moving vessel moves in a tick (motion.h, docs/heart.md). */
+/* Displacement of a moving vessel's wall in a tick (motion.h, docs/heart.md). */
 #include "firmware/core/motion_cell.h"
 #include "firmware/core/rod.h"
 
 enum {
     DETERMINANT_MIN_q20 = 1 << 17
-}; /* 1/8: a lattice that folds over is none, but must not divide by nothing */
+}; /* 1/8: a lattice that folds over is invalid, but must not cause a division by zero */
 
 enum {
     MOST_M_Q34 = 2 * CRN_MOTION_WALL_STEP_MAX_M_Q33,
-    FASTEST_Q15 = 1 << 13 /* of a weight in a tick: a quarter of a keyframe, 600 beats a minute */
+    /* largest change of a weight in a tick: a quarter of a keyframe, 600 beats a minute */
+    FASTEST_Q15 = 1 << 13
 };
 
-/* What the tick has changed at a corner, when it began before the last keyframe and ended after it. */
+/* Change at a corner in a tick that began before the last keyframe and ended after it. */
 static int32_t change_across(const int16_t *row, const crn_motion_pose *pose)
 {
     const int32_t change =
@@ -19,9 +20,9 @@ static int32_t change_across(const int16_t *row, const crn_motion_pose *pose)
     return crn_clamp(change, -MOST_M_Q34, MOST_M_Q34);
 }
 
-/* What the tick has changed in the ways at a cell's corners. As a rule both moments lie between the same
- * keyframes, and the change of the weights, which sums to nothing, makes it. Overflow: two products of 2^15
- * and 2^13. */
+/* Changes of the displacements at a cell's corners in this tick. Usually both moments lie between the same
+ * keyframes, and the change of the weights, which sums to zero, gives the result. Overflow: two products of
+ * 2^15 and 2^13. */
 static void enter_changing_cell(const crn_motion *motion, crn_motion_pose *pose, uint32_t node)
 {
     const corner_list fresh = move_on(&motion->beat, node, &pose->changes);
@@ -43,7 +44,7 @@ static void enter_changing_cell(const crn_motion *motion, crn_motion_pose *pose,
     }
 }
 
-/* Between two corners or edges. Overflow: they are below 2^29. */
+/* Interpolates between two corners or edges. Overflow: they are below 2^29. */
 static inline int32_t between(int32_t a, int32_t b, int32_t share_q31)
 {
     return a + from_q31((int64_t)(b - a) * share_q31);
@@ -107,7 +108,7 @@ static void step_with_breath(const crn_motion *motion, crn_motion_pose *pose, cr
 {
     enum {
         TERMS = 2,
-        MOST_Q15 = 1 << 10 /* nobody breathes in so fast: 2 mm of 31 mm */
+        MOST_Q15 = 1 << 10 /* no one inhales this fast: 2 mm of 31 mm */
     };
     const int32_t depth_q15 = pose->now.breath_q15,
                   deeper_q15 = crn_clamp(depth_q15 - pose->before.breath_q15, -MOST_Q15, MOST_Q15);

@@ -1,14 +1,14 @@
-/* Beats one after the other: the length of each is chosen when it begins, and the phase goes evenly to the
- * end of systole and from there to the next beat. What is asked for changes lengths, never the phase itself:
- * it has no jumps. */
+/* Beats follow one another: the length of each is chosen when it begins, and the phase advances evenly to the
+ * end of systole and from there to the next beat. Orders change the lengths, never the phase itself, so the
+ * phase has no jumps. */
 #include "firmware/core/rhythm.h"
 
 enum {
     MINUTE_ms = 60000,
-    INTERVAL_MIN_ms = 300, /* of a beat with variability */
+    INTERVAL_MIN_ms = 300, /* shortest beat with variability */
     INTERVAL_MAX_ms = 2400,
     DIASTOLE_MIN_ms = 60, /* however early the next beat comes */
-    NOTICE_ms = 40,       /* a premature beat comes no sooner after it was asked for */
+    NOTICE_ms = 40,       /* a premature beat comes no sooner than this after its order */
     BEAT_MAX_ms = 1 << 30,
     BREATH_PER_MIN = 71583, /* 2^32 / 60 000: phase of one tick at one breath a minute */
 };
@@ -34,7 +34,7 @@ static int32_t next_random_q15(crn_rhythm *rhythm)
     return (int32_t)(x >> 16) - 32768;
 }
 
-/* Three even deviates of -1 .. 1 have the variance 1 together, and end at three standard deviations. */
+/* Three uniform deviates of -1 .. 1 have a total variance of 1, and end at three standard deviations. */
 static uint32_t varied_interval_ms(crn_rhythm *rhythm)
 {
     uint32_t mean = mean_interval_ms(rhythm);
@@ -47,13 +47,13 @@ static uint32_t varied_interval_ms(crn_rhythm *rhythm)
     return bounded(interval < 0 ? 0 : (uint32_t)interval, INTERVAL_MIN_ms, INTERVAL_MAX_ms);
 }
 
-/* The present beat becomes as short as the premature one asks, if there is still time. */
+/* Shortens the present beat to the coupling of the ordered premature beat, if there is still time. */
 static void place_premature(crn_rhythm *rhythm)
 {
     uint32_t cut = mean_interval_ms(rhythm) * rhythm->premature_milli / 1000u;
     uint32_t least = rhythm->systole_ms + DIASTOLE_MIN_ms;
     cut = cut < least ? least : cut;
-    if (cut >= rhythm->interval_ms) { /* the next beat is as early anyway */
+    if (cut >= rhythm->interval_ms) { /* the next beat comes at least as early anyway */
         cut = rhythm->interval_ms;
     }
     if (rhythm->beat_ms + NOTICE_ms > cut) {
@@ -64,8 +64,8 @@ static void place_premature(crn_rhythm *rhythm)
     rhythm->bits |= CRN_RHYTHM_NEXT_PREMATURE;
 }
 
-/* A premature beat is short itself and followed by the pause that brings the rhythm back into its step: both
- * intervals together are two of the mean. */
+/* A premature beat is short itself, and the pause after it brings the rhythm back into step: both intervals
+ * together are two mean intervals. */
 static void begin_premature(crn_rhythm *rhythm)
 {
     uint32_t before = rhythm->interval_ms;
@@ -99,7 +99,7 @@ static void begin_beat(crn_rhythm *rhythm)
     }
 }
 
-/* An equal share of what is left of the phase for each of the ticks that are left, all of it for the last.
+/* Each remaining tick gets an equal share of the remaining phase; the last tick gets all of it.
  * Format: 2^-32 cycle. Overflow: impossible, 2^32 x 2^31. Error: 4 LSB. */
 static uint32_t share_of(uint32_t left, uint32_t ticks)
 {
@@ -111,7 +111,7 @@ static uint32_t share_of(uint32_t left, uint32_t ticks)
     return (uint32_t)((left * inverse) >> (61 - lead));
 }
 
-/* Phase after this tick. Overflow: 2^32 less a phase above 0 fits 32 bits. */
+/* Advances the phase by one tick. Overflow: 2^32 less a phase above 0 fits 32 bits. */
 static void go_on(crn_rhythm *rhythm)
 {
     uint32_t *phase = &rhythm->heart_phase32;
@@ -208,7 +208,7 @@ void crn_rhythm_step(crn_rhythm *rhythm, const crn_rhythm_order *order)
     }
 }
 
-/* The phase lies in the part of the cycle that beat_ms says. */
+/* Checks that the phase lies in the part of the cycle that beat_ms implies. */
 static bool phase_is_valid(const crn_rhythm *rhythm)
 {
     if ((rhythm->bits & CRN_RHYTHM_IS_RESTING) != 0) {

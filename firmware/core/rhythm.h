@@ -1,12 +1,10 @@
-/* Heartbeat and breath: where in its cycle the heart is at a tick, and where the chest (docs/heart.md,
- * "rhythm").
+/* Heartbeat and breath: the position of heart and chest in their cycles at a tick (docs/heart.md, "rhythm").
  *
- * One cycle of either is 2^32 of phase. The heart's phase 0 is the beginning of the QRS complex (end of
- * filling); CRN_PHASE_SYSTOLE_END is the closure of the aortic valve, whatever the rate: systole and diastole
- * each have their own length and the phase is linear in time within each. Breath's phase 0 is the end of
+ * One cycle of either is a phase of 2^32. The heart's phase 0 is the beginning of the QRS complex (end of
+ * filling); CRN_PHASE_SYSTOLE_END is the closure of the aortic valve, whatever the rate. Systole and diastole
+ * each have their own length, and the phase is linear in time within each. Breath's phase 0 is the end of
  * expiration, 2^31 that of inspiration. Keyframe k of a scene's motion belongs to phase k / 24, so that
- * keyframe 10 is the end of systole.
- */
+ * keyframe 10 is the end of systole. */
 #ifndef CRN_RHYTHM_H
 #define CRN_RHYTHM_H
 
@@ -14,7 +12,7 @@
 
 #define CRN_PHASE_SYSTOLE_END 1789569707u /* 10 / 24 of a cycle: the share of QS2 at 60 /min */
 
-/* Ranges of what can be asked for. */
+/* Ranges of the orders. */
 enum {
     CRN_HEART_RATE_MIN_per_min = 40,
     CRN_HEART_RATE_MAX_per_min = 160,
@@ -29,15 +27,15 @@ enum {
 };
 #define CRN_RHYTHM_SEED 2463534242u /* of the beat-to-beat variability */
 
-/* What a tick's input may ask of the rhythm. The numbers stand on the wire and in recordings. */
+/* Orders to the rhythm in a tick's input. The numbers are used on the wire and in recordings. */
 typedef enum crn_rhythm_action {
     CRN_RHYTHM_KEEP = 0,        /* nothing; value 0 */
     CRN_RHYTHM_HEART_RATE = 1,  /* beats per minute, from the next beat on */
     CRN_RHYTHM_VARIABILITY = 2, /* standard deviation of the intervals, 1/1000 of their mean */
-    CRN_RHYTHM_PREMATURE = 3,   /* a ventricular beat that comes after so many 1/1000 of the mean interval */
-    CRN_RHYTHM_ASYSTOLE = 4,    /* 1: no beat follows the present one; 0: beats again */
+    CRN_RHYTHM_PREMATURE = 3, /* a ventricular beat that comes after this many 1/1000 of the mean interval */
+    CRN_RHYTHM_ASYSTOLE = 4,  /* 1: no beat follows the present one; 0: beats again */
     CRN_RHYTHM_BREATH_RATE = 5, /* breaths per minute */
-    CRN_RHYTHM_BREATH_HOLD = 6, /* 1: the chest stays where it is; 0: breathes on */
+    CRN_RHYTHM_BREATH_HOLD = 6, /* 1: the chest holds its position; 0: breathing continues */
     CRN_RHYTHM_ACTION_COUNT
 } crn_rhythm_action;
 
@@ -48,9 +46,9 @@ typedef struct crn_rhythm_order {
 
 enum {
     CRN_RHYTHM_IS_PREMATURE = 1u << 0,   /* the present beat came too early */
-    CRN_RHYTHM_NEXT_PREMATURE = 1u << 1, /* the next one will */
+    CRN_RHYTHM_NEXT_PREMATURE = 1u << 1, /* the next one will come too early */
     CRN_RHYTHM_WANTS_ASYSTOLE = 1u << 2,
-    CRN_RHYTHM_IS_RESTING = 1u << 3, /* the last beat is over and none began: phase 0 */
+    CRN_RHYTHM_IS_RESTING = 1u << 3, /* the last beat is over and none has begun: phase 0 */
     CRN_RHYTHM_HOLDS_BREATH = 1u << 4,
 };
 
@@ -59,36 +57,36 @@ typedef struct crn_rhythm {
     uint32_t heart_phase32;
     uint32_t breath_phase32;
     uint32_t beat_ms;      /* since the QRS of the present beat, held at 2^30 */
-    uint32_t interval_ms;  /* from it to the next QRS */
-    uint32_t systole_ms;   /* to the closure of the aortic valve; 0 < systole < interval */
+    uint32_t interval_ms;  /* time from that QRS to the next one */
+    uint32_t systole_ms;   /* time from the QRS to the closure of the aortic valve; 0 < systole < interval */
     uint32_t beat_count;   /* beats begun */
     uint32_t rate_per_min; /* wanted */
     uint32_t variability_milli;
-    uint32_t premature_milli; /* coupling of a premature beat that is asked for and not placed yet, else 0 */
+    uint32_t premature_milli; /* coupling of a premature beat that is ordered and not placed yet, else 0 */
     uint32_t breath_per_min;
     uint32_t random; /* xorshift32, never 0 */
     uint32_t bits;   /* CRN_RHYTHM_* */
 } crn_rhythm;
 
-/* At the start: a beat and a breath just begin. */
+/* The start: a beat and a breath have just begun. */
 void crn_rhythm_init(crn_rhythm *rhythm);
 
-/* Is it an action with a value in its range? */
+/* Is this a known action with a value in its range? */
 bool crn_rhythm_order_is_valid(const crn_rhythm_order *order);
 
-/* One tick of 1 ms. An order that is not valid is no order. */
+/* Advances by one tick of 1 ms. An invalid order has no effect. */
 void crn_rhythm_step(crn_rhythm *rhythm, const crn_rhythm_order *order);
 
-/* Could crn_rhythm_step have left it so? For states that come from outside. */
+/* Could crn_rhythm_step have left it so? The check is for states from outside. */
 bool crn_rhythm_is_valid(const crn_rhythm *rhythm);
 
-/* How far the chest is in, 0 at the end of expiration to 1 at that of inspiration: sin^4(pi phase), which
- * dwells at the end of expiration (Lujan et al., Med Phys 1999;26:715, n = 2). Format: phase -> Q15. Error: 1
- * LSB. */
+/* Depth of inspiration, from 0 at the end of expiration to 1 at the end of inspiration: sin^4(pi phase),
+ * which dwells at the end of expiration (Lujan et al., Med Phys 1999;26:715, n = 2). Format: phase -> Q15.
+ * Error: 1 LSB. */
 int32_t crn_breath_depth_q15(uint32_t breath_phase32);
 
-/* From the QRS to the closure of the aortic valve, ms: 540 - 2.1 rate, the mean of men and women (Boudoulas
- * et al., Chest 1981;80:613: 541 - 2.2 rate and 540 - 2.0 rate). */
+/* Time from the QRS to the closure of the aortic valve, ms: 540 - 2.1 rate, the mean of men and women
+ * (Boudoulas et al., Chest 1981;80:613: 541 - 2.2 rate and 540 - 2.0 rate). */
 static inline uint32_t crn_systole_ms(uint32_t rate_per_min)
 {
     return (5400u - 21u * rate_per_min) / 10u;

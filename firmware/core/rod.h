@@ -1,11 +1,12 @@
-/* The parts of one tick, in the order core_step.c calls them. Private to firmware/core. docs/rod.md has the
- * equations. */
+/* The parts of one tick, in the order in which core_step.c calls them. Private to firmware/core. docs/rod.md
+ * has the equations. */
 #ifndef CRN_ROD_H
 #define CRN_ROD_H
 
 #include "firmware/core/core_state.h"
 
-/* Kept out of the loops that call it: what happens seldom must not cost the others registers. */
+/* Marks functions to be kept out of the loops that call them: rare cases must not cost the common ones
+ * registers. */
 #define CRN_RARE __attribute__((noinline, cold))
 
 /* num / den for den > 0. Format: same Q in -> Q(q), q <= 30. Overflow: saturates. Error: 2^-29 relative. */
@@ -21,10 +22,9 @@ static inline int32_t crn_clamp(int32_t value, int32_t low, int32_t high)
     return value < low ? low : (value > high ? high : value);
 }
 
-/* --- a tool's properties along its arc length
- * ---------------------------------------------------------------- */
+/* --- a tool's properties along its arc length ----------------------------------------------------------- */
 
-/* Place within a span, Q30, clamped to its ends. */
+/* Fraction of an arc length within a span, Q30, clamped to the span's ends. */
 static inline int32_t crn_span_fraction(const crn_span *span, int32_t arc_m_q30)
 {
     int32_t beyond = arc_m_q30 - span->begin_m_q30;
@@ -49,8 +49,9 @@ static inline int64_t crn_bend_spring_q8(int32_t bend_N_m_q26, int32_t a_per_m_q
     return (ac_q4 * bend_N_m_q26) >> 22;
 }
 
-/* EA / length of an edge between joints of which the softer has W: at most 512 W a^2, because far above that
- * the determinant of a block loses its bits, and at most the cap. N/m with 8 fractional bits. */
+/* EA / length of an edge between joints of which the softer one has W. It is at most 512 W a^2, because far
+ * above that the determinant of a block loses its bits, and at most the cap. The unit is N/m with 8
+ * fractional bits. */
 static inline int64_t crn_axial_spring_q8(const crn_model *model, uint32_t edge, int32_t bend_N_m_q26)
 {
     int32_t inverse = model->mesh[edge].inverse_length_per_m_q18;
@@ -72,16 +73,15 @@ static inline int32_t crn_line_inertia(const crn_model *model, const crn_line_no
     return crn_asr32(crn_mulh(line->mass_kg_q40, 1024000000), 18 - model->stiffness_exponent);
 }
 
-/* --- parts of the tick
- * --------------------------------------------------------------------------------------- */
+/* --- parts of the tick ---------------------------------------------------------------------------------- */
 
-/* The shortest line: three elements beyond the mouth. */
+/* The shortest line: three elements beyond the inserter's distal end. */
 static inline int32_t crn_least_inserted(const crn_model *model)
 {
     return model->mesh[3].arc_m_q30 + 1024;
 }
 
-/* How far the leading tip is beyond the mouth. */
+/* Length of the leading tip beyond the inserter's distal end. */
 static inline int32_t crn_lead_inserted(const crn_model *model, const crn_state_words *words)
 {
     int32_t lead = words->tools[0].inserted_m_q30;
@@ -91,7 +91,7 @@ static inline int32_t crn_lead_inserted(const crn_model *model, const crn_state_
     return lead;
 }
 
-/* Whose tip that is: the innermost of those that are farthest in. */
+/* The leading tool: the innermost of those that are farthest in. */
 static inline uint32_t crn_lead_tool(const crn_model *model, const crn_state_words *words)
 {
     uint32_t lead = 0;
@@ -107,11 +107,11 @@ static inline uint32_t crn_edge_curved(const crn_state *state, uint32_t j)
     return state->line.nodes[j].joint.curved | state->line.nodes[j + 1].joint.curved;
 }
 
-/* rod_line.c: joints, edges and surfaces of the tools together where they stand; nothing to do while none
- * slides against another. */
+/* rod_line.c: joints, edges and surfaces of the tools together at their present positions; it does nothing
+ * while no tool slides against another. */
 void crn_line_update(const crn_model *model, crn_state *state);
 
-/* Compliance of the line from its tip to node i along itself, Q40 m/N, saturated. */
+/* Compliance of the line along itself from its tip to node i, Q40 m/N, saturated. */
 static inline int32_t crn_line_compliance(const crn_line *line, uint32_t i)
 {
     if (i <= line->steady) {
@@ -121,8 +121,8 @@ static inline int32_t crn_line_compliance(const crn_line *line, uint32_t i)
                      (int64_t)(i - line->steady) * line->edge_compliance_m_N_q40);
 }
 
-/* rod_feed.c: hands -> feeds and base angles, nodes freed or captured, predicted configuration and inertia.
- */
+/* rod_feed.c: hands -> feeds and base angles, nodes freed or captured, predicted configuration and
+ * inertia. */
 void crn_rod_feed(const crn_model *model, crn_state *state, const crn_input *input);
 
 /* rod_force.c: edges (tangents, strain, axial forces) at the predicted configuration; then, with the twisting
@@ -130,84 +130,88 @@ void crn_rod_feed(const crn_model *model, crn_state *state, const crn_input *inp
 void crn_rod_stretch(const crn_model *model, crn_state *state);
 void crn_rod_bend(const crn_model *model, crn_state *state);
 
-/* rod_tip.c: number of nodes from the tip that go on as one rigid body in this tick, at most free_count - 1,
- * and how far each will turn with it: in `slide_m_q33` of the scratch. */
+/* rod_tip.c: number of nodes from the tip that move on as one rigid body in this tick, at most free_count -
+ * 1. It also predicts the rotation of each of them: `slide_m_q33` of the scratch. */
 uint32_t crn_tip_predict(const crn_model *model, crn_state *state, uint32_t free_count);
 
-/* rod_length.c: adds to the shift of the nodes ahead what keeps edge i as long at x* as it is at x.
- * `slide_m_q33` is node i's without this addition; node i + 1 is at x* already. */
+/* rod_length.c: adds a correction to the shift of the nodes ahead, so that edge i is as long at x* as it is
+ * at x. `slide_m_q33` is node i's slide without this addition; node i + 1 is at x* already. */
 void crn_slide_keep_length(const crn_model *model, const crn_state *state, uint32_t i,
                            const crn_vec3 *slide_m_q33, crn_vec3 *shift_m_q33);
 
-/* rod_length.c: the same for the solve's deviation, whose largest component is given, from the hand to the
- * tip. */
+/* rod_length.c: the same for the solve's deviation, from the hand to the tip; the caller passes the
+ * deviation's largest component. */
 void crn_rod_keep_lengths(const crn_model *model, crn_state *state, int32_t largest_m_q33);
 
-/* The joint at node i as this tick sees it: clipped at the mouth for i = na-1 and na. */
+/* The joint at node i as this tick sees it: clipped at the inserter's distal end for i = na-1 and na. */
 static inline const crn_joint *crn_rod_joint(const crn_state *state, uint32_t i)
 {
     uint32_t na = state->words.free_count;
     return i + 1 < na ? &state->line.nodes[i].joint : &state->scratch.mouth[i + 1 - na];
 }
 
-/* One edge's half of a joint's rest turning vector of tool k, times the share that is in force. Q30. */
+/* One edge's half of the rest turning vector of tool k at a joint, times the share that is applied. Q30. */
 void crn_rod_rest_turn(const crn_joint *joint, uint32_t tool, int32_t release_q30, const crn_vec3 *axis1,
                        const crn_vec3 *tangent, crn_vec3 *half);
 
-/* Way of a surface of this radius that turns. Format: Q30 m x Q30 rad -> Q33 m. Overflow: 2 mm x 0.5 rad = 1
- * mm. */
+/* Displacement of the surface of a turning tool of this radius. Format: Q30 m x Q30 rad -> Q33 m. Overflow: 2
+ * mm x 0.5 rad = 1 mm. */
 static inline int32_t crn_surface_way(int32_t radius_m_q30, int32_t turn_q30)
 {
     return (int32_t)(((int64_t)radius_m_q30 * turn_q30 + (1 << 26)) >> 27);
 }
 
-/* Rest turning of joint i at this tick's frames: of one tool, and of all that have one there. Q30. */
+/* Rest turning of joint i at this tick's frames: that of one tool, and that of all tools with a rest shape
+ * there. Q30. */
 crn_vec3 crn_rod_tool_turn(const crn_state *state, const crn_joint *joint, uint32_t tool, uint32_t i);
 crn_vec3 crn_rod_line_turn(const crn_model *model, const crn_state *state, const crn_joint *joint,
                            uint32_t i);
 
-/* rod_frames.c: reference axes from the inserter to the tip, material axes where a rest shape needs them. */
+/* rod_frames.c: reference axes from the inserter to the tip, and material axes where a rest shape needs
+ * them. */
 void crn_frames_carry(const crn_model *model, crn_state *state);
-/* First-order repair: orthogonal to t, unit length. Leaves an error of the square of what it finds. */
+/* First-order repair: makes the axis orthogonal to t and of unit length. The remaining error is the square of
+ * the error found. */
 void crn_frames_orthonormalise(crn_vec3 *axis, const crn_vec3 *tangent);
 
-/* rod_twist.c: turns and twisting moments at the predicted configuration; the wall's friction resists. */
+/* rod_twist.c: rotations and twisting moments at the predicted configuration; the wall's friction resists. */
 void crn_rod_twist(const crn_model *model, crn_state *state);
 
-/* rod_tools.c: what tools do to each other and to the hands of those that do not lead. `grip` (how hard tools
- * press on each other) before the twist, `turned` after it, `handles` before the solve, `slide` after it. */
+/* rod_tools.c: forces between tools, and on the hands of those that do not lead. `grip` (how hard tools press
+ * on each other) runs before the twist, `turned` after it, `handles` before the solve, and `slide` after
+ * it. */
 void crn_tools_grip(const crn_model *model, crn_state *state);
 void crn_tools_turned(const crn_model *model, crn_state *state);
 void crn_tools_handles(const crn_model *model, crn_state *state);
 void crn_tools_slide(const crn_model *model, crn_state *state);
 
-/* Contact sample of the wall as it is at the state's moment, for readers outside a tick. */
+/* Contact sample of the wall at the state's moment, for readers outside a tick. */
 crn_lumen_sample crn_wall_sample(const crn_model *model, const crn_state *state,
                                  const crn_vec3 *position_m_q30);
 
-/* rod_contact.c: contacts at the predicted configuration with their stiffnesses; their forces, once the turn
- * of the surface is known. */
+/* rod_contact.c: finds contacts and their stiffnesses at the predicted configuration, and computes their
+ * forces once the rotation of the surface is known. */
 void crn_contact_find(const crn_model *model, crn_state *state);
 void crn_contact_forces(const crn_model *model, crn_state *state);
-/* Looks for contacts the prediction missed, given the solution and its largest component; returns how many it
- * added. */
+/* Looks for contacts that the prediction missed, given the solution and its largest component; returns how
+ * many it added. */
 uint32_t crn_contact_missed(const crn_model *model, crn_state *state, int32_t largest_m_q33);
-/* How much of the solution may happen before such a node is 0.1 mm deep, at most 1, given the largest
- * component that will happen of it whatever this says. Format: Q30. */
+/* The part of the solution, at most 1, that may be applied before such a node is 0.1 mm deep. The caller
+ * passes the largest component that is applied in any case. Format: Q30. */
 int32_t crn_contact_share(const crn_model *model, crn_state *state, int32_t largest_m_q33);
-/* Friction bristles after the solve; fills the output's contact fields. */
+/* Updates the friction bristles after the solve and fills the output's contact fields. */
 void crn_contact_finish(const crn_model *model, crn_state *state, crn_output *output);
 
 /* rod_solve.c: block LDL^T from tip to base and back; solution in scratch, Q33 m. */
 void crn_rod_solve(const crn_model *model, crn_state *state);
-/* Force of the line on the two nodes that the inserter holds, along its axis, after the solve; + pushes out.
- * Q22 N. */
+/* Force of the line on the two nodes that the inserter holds, along its axis, after the solve; positive
+ * pushes out. Q22 N. */
 int32_t crn_rod_handle_axial(const crn_model *model, const crn_state *state);
 
-/* rod_advance.c: new positions; fills the output's length error. */
+/* rod_advance.c: computes the new positions and fills the output's length error. */
 void crn_rod_advance(const crn_model *model, crn_state *state, crn_output *output);
 
-/* core_state.c: the cheap hash of every tick. */
+/* core_state.c: the cheap hash that every tick computes. */
 void crn_state_hash_lanes(const crn_state *state, uint32_t lane[2]);
 
 #endif

@@ -1,8 +1,8 @@
-/* After the solve: nodes move, and the length error is read off. */
+/* After the solve: moves the nodes and reads off the length error. */
 #include "firmware/core/rod.h"
 
-/* +-1.98 m, so that a tick's slide can be added without overflow. Beyond it only in a scene without walls.
- * Overflow of the sum: impossible, a tick's motion is below 2^22 in Q30. */
+/* +-1.98 m, so that a tick's slide can be added without overflow. A position reaches this limit only in a
+ * scene without walls. Overflow of the sum: impossible, a tick's motion is below 2^22 in Q30. */
 static int32_t limit_position(int32_t m_q30)
 {
     return crn_clamp(m_q30, -CRN_POSITION_MAX_M_Q30, CRN_POSITION_MAX_M_Q30);
@@ -19,8 +19,9 @@ static void move_node(crn_state *state, uint32_t i)
     }
 }
 
-/* Elongation of all free edges: that at x* plus t . (delta[i+1] - delta[i]), plus what rod_length.c took back
- * for turning. Edges that turn by less than that acts on add half the square of their turn, below 0.4 %.
+/* Elongation of all free edges: the value at x* plus t . (delta[i+1] - delta[i]), plus what rod_length.c took
+ * back for turning. Edges that turn too slowly for rod_length.c add half the square of their turn, below 0.4
+ * %.
  * Format: sum of Q33 m in 64 bits. Overflow: edges are below 2^25 in Q30. */
 static int64_t elongation_m_q33(const crn_model *model, const crn_state *state)
 {

@@ -1,26 +1,33 @@
-/* Wall contact and friction (docs/rod.md, "contact"). At the predicted configuration x*:
- *   depth = phi + r, n = inward normal; touching when depth > 0 or when the drift will make it so
- *   normal: k_n n n^T in the matrix, k_c depth (+ k_deep beyond 0.2 mm) along n on the right
- *   friction: bristle z with stiffness k_f = min(k_t, mu N / |z + way|) (lagged secant: true stick, no
- * chatter); while it does not stick mu N is limited to some times what it was after the last solve. The way
- * of the surface is that of the node, plus what the outer tool slides against the line, plus what it turns:
- * r theta along n x t. So one limit mu N bounds sliding and turning together, and a wire that slides turns
- * freely. After the solve z takes the way and is limited to mu N / k_t. Struts of a stent (strut.h) are met
- * as the wall is. Between struts and wall a node has two contacts: both normals are in the matrix, the deeper
- * one carries the bristle, and friction has the sum of both forces. */
+/* Wall contact and friction (docs/rod.md, "contact").
+ *
+ * At the predicted configuration x* a node has depth = phi + r and n = inward normal. It touches when depth >
+ * 0 or when the drift will make it so.
+ * - Normal direction: k_n n n^T goes into the matrix, and k_c depth (+ k_deep beyond 0.2 mm) along n into the
+ *   right side.
+ * - Friction: the bristle z has the stiffness k_f = min(k_t, mu N / |z + displacement|) (lagged secant: true
+ *   stick, no chatter). While it does not stick, mu N is limited to some times its value after the last
+ *   solve.
+ *
+ * The displacement of the surface is that of the node, plus the slide of the outer tool against the line,
+ * plus its rotation: r theta along n x t. So one limit mu N bounds sliding and turning together, and a wire
+ * that slides turns freely. After the solve z takes over the displacement and is limited to mu N / k_t.
+ *
+ * Struts of a stent (strut.h) are treated like the wall. Between struts and wall a node has two contacts:
+ * both normals are in the matrix, the deeper contact carries the bristle, and friction uses the sum of both
+ * forces. */
 #include "firmware/core/lesion.h"
 #include "firmware/core/rod.h"
 #include "firmware/core/rod_friction.h"
 #include "firmware/core/strut.h"
 
 enum {
-    ROUNDING_M_Q30 =
-        4, /* of ways along the normal, which decide beside the distance whether a node can touch */
+    ROUNDING_M_Q30 = 4, /* rounding of displacements along the normal; these and the distance decide whether a
+                           node can touch */
     NORMAL_MAX_N_Q22 = 1 << 29, /* 128 N: bounds a bristle to 66 mm, below 2^30 in Q33 */
 };
 
-/* Component along n. Format: Q33 . Q30 -> Q33. Overflow: impossible, displacements stay below 2^30 (125 mm).
- */
+/* Component along n. Format: Q33 . Q30 -> Q33. Overflow: impossible, displacements stay below 2^30 (125
+ * mm). */
 static inline int32_t along(const crn_vec3 *a, const crn_vec3 *n)
 {
     return crn_vec3_dot_unit(a, n);
@@ -53,7 +60,7 @@ static inline int32_t normal_force(int32_t depth_m_q30)
     return force > 0 ? NORMAL_MAX_N_Q22 : -NORMAL_MAX_N_Q22;
 }
 
-/* How far the outer tool slides along the line at node i, Q33 m; towards the tip. */
+/* Slide of the outer tool along the line at node i, Q33 m, positive towards the tip. */
 static inline int32_t surface_slide(const crn_state *state, const crn_line_node *line)
 {
     int32_t under = state->scratch.slide_m_q33[line->under];
@@ -61,7 +68,7 @@ static inline int32_t surface_slide(const crn_state *state, const crn_line_node 
     return under + (int32_t)(more >> 15);
 }
 
-/* Bristle and what the surface does besides the node's deviation and its turn.
+/* Bristle plus the surface's displacement, without the node's deviation and its rotation.
  * Overflow: impossible. Bristles stay below 2^29.1 (NORMAL_MAX), slides below 2^24. */
 static inline crn_vec3 surface_way(const crn_model *model, const crn_state *state, const crn_node_state *node,
                                    const crn_work *work, const crn_line_node *line)
@@ -73,7 +80,7 @@ static inline crn_vec3 surface_way(const crn_model *model, const crn_state *stat
     return slide != 0 ? without(&way, &node->tangent_q30, slide) : way;
 }
 
-/* Way of the surface at node i by the last turn of the outer tool, along normal x tangent. */
+/* Displacement of the surface at node i by the last rotation of the outer tool, along normal x tangent. */
 static inline int32_t surface_roll(const crn_node_state *node, const crn_line_node *line)
 {
     return crn_surface_way(line->radius_m_q30, node->spin_q30[line->outer]);
@@ -86,7 +93,8 @@ static inline void add_roll(crn_vec3 *way, const crn_vec3 *around_q30, int32_t r
     }
 }
 
-/* The bristle stands on the wall: what the wall does at the node sampled last is no way of the surface.
+/* The bristle is attached to the wall, so the wall's own motion at the node sampled last is no displacement
+ * of the surface.
  * Overflow: 2^24. */
 static void take_wall_step(const crn_model *model, crn_state *state, crn_vec3 *way)
 {
@@ -106,7 +114,8 @@ static inline const crn_second_contact *second_of(const crn_state *state, const 
     return &state->scratch.second[work->touching - 2];
 }
 
-/* A node's normal force and that of its second contact after a deviation. Overflow: limited as one is.
+/* Sum of the forces of a node's first and second contact after a deviation. Overflow: limited like a single
+ * one.
  * Format: Q22 N, Q33 m -> Q22 N. */
 CRN_RARE static int32_t both_forces(const crn_state *state, const crn_work *work, int32_t force_N_q22,
                                     const crn_vec3 *deviation_m_q33)
@@ -116,10 +125,11 @@ CRN_RARE static int32_t both_forces(const crn_state *state, const crn_work *work
     return crn_clamp(force_N_q22 + (depth > 0 ? normal_force(depth) : 0), 0, NORMAL_MAX_N_Q22);
 }
 
-/* Contact of node i after the expected motion: its stiffnesses. `expected` is the node's deviation (it may
- * lie where `around` takes its place), `inwards` its part along the normal, `predicted` the depth after it.
- * Overflow: impossible. Held way 2^29.2, deviations 2^29, roll 2^23: reach below 2^30.5 in every component.
- */
+/* Sets the stiffnesses of node i's contact after the expected motion. `expected` is the node's deviation (it
+ * may share memory with `around`, which replaces it), `inwards` its part along the normal, `predicted` the
+ * depth after it.
+ * Overflow: impossible. The held displacement is below 2^29.2, deviations below 2^29 and the roll below 2^23:
+ * the reach is below 2^30.5 in every component. */
 static inline void touch(const crn_model *model, crn_state *state, const crn_node_state *node, crn_work *work,
                          const crn_line_node *line, int32_t predicted_m_q30, const crn_vec3 *expected,
                          int32_t inwards)
@@ -159,7 +169,7 @@ static inline void touch(const crn_model *model, crn_state *state, const crn_nod
     work->touching = work->touching > 1 ? work->touching : 1;
 }
 
-/* Right side of contact and friction in newtons Q22, once the turn of the surface is known. Overflow: a
+/* Right side of contact and friction in newtons Q22, once the rotation of the surface is known. Overflow: a
  * bristle's force is below 2000 N/m x 180 mm; the sum saturates. */
 static inline void push_node(const crn_model *model, const crn_node_state *node, crn_work *work,
                              const crn_line_node *line)
@@ -191,7 +201,7 @@ CRN_RARE static void push_second(crn_state *state, const crn_second_contact *sec
     }
 }
 
-/* The wall at x*. `placed`: wall_distance has looked there last. */
+/* Samples the wall at x*. `placed` says that wall_distance() looked up the same place last. */
 static inline crn_lumen_sample wall_at(const crn_model *model, crn_state *state, const crn_work *work,
                                        bool placed)
 {
@@ -208,7 +218,7 @@ static inline crn_lumen_sample wall_at(const crn_model *model, crn_state *state,
                   : crn_motion_contact(lumen, lumen->motion, &state->scratch.pose, &work->position_m_q30);
 }
 
-/* Depth and normal at x*; false when the field has no gradient there. */
+/* Computes depth and normal at x*; returns false when the field has no gradient there. */
 static inline bool sample(const crn_model *model, crn_state *state, crn_work *work, const crn_line_node *line,
                           bool placed)
 {
@@ -232,8 +242,8 @@ static void clear(crn_node_state *node)
     node->contact = CRN_CONTACT_NONE;
 }
 
-/* Distance to the wall at x* where no lesion is open, which is never less than where one is; of a wall that
- * moves no less than the sample will give, or at least 0. */
+/* Distance to the wall at x* without open lesions, which is a lower bound of the distance with them. For a
+ * moving wall it is a lower bound of what the sample will give, or at least 0. */
 static inline int32_t wall_distance(const crn_model *model, crn_state *state, const crn_work *work,
                                     int32_t far_m_q30)
 {
@@ -244,7 +254,8 @@ static inline int32_t wall_distance(const crn_model *model, crn_state *state, co
                                      state->scratch.wall_shrink_q30, far_m_q30);
 }
 
-/* A node that touched in the last tick is sampled at once, another only when its distance allows contact. */
+/* A node that touched in the last tick is sampled at once; another node is sampled only when its distance
+ * allows contact. */
 static inline bool may_touch(const crn_model *model, crn_state *state, const crn_node_state *node,
                              crn_work *work, const crn_line_node *line)
 {
@@ -259,15 +270,15 @@ static inline bool may_touch(const crn_model *model, crn_state *state, const crn
     return sample(model, state, work, line, placed);
 }
 
-/* How deep something is, at x* or after the drift, whichever is more. */
+/* Depth of a contact at x* or after the drift, whichever is greater. */
 static int32_t worst_depth(const crn_vec3 *normal_q30, int32_t depth_m_q30, const crn_vec3 *drift_m_q33)
 {
     const int32_t predicted = crn_sub_sat(depth_m_q30, along(drift_m_q33, normal_q30) >> 3);
     return predicted > depth_m_q30 ? predicted : depth_m_q30;
 }
 
-/* Struts take the place of what the wall is to the node when they are deeper; what is less deep and touches
- * as well is its second contact. */
+/* Struts replace the wall as the node's contact where they are deeper; a shallower surface that also touches
+ * becomes its second contact. */
 CRN_RARE static bool meet_struts(const crn_model *model, crn_state *state, crn_work *work,
                                  const crn_line_node *line, bool is_at_wall)
 {
@@ -319,7 +330,7 @@ static inline void find_node(const crn_model *model, crn_state *state, crn_node_
     touch(model, state, node, work, line, predicted, &work->drift_m_q33, inwards);
 }
 
-/* The springs of a held tip take the place of a contact. */
+/* The springs of a held tip replace a contact. */
 static void hold_node(const crn_model *model, crn_state *state, uint32_t i, const crn_vec3 *anchor_m_q30)
 {
     crn_work *work = &state->scratch.nodes[i];
@@ -349,7 +360,7 @@ void crn_contact_find(const crn_model *model, crn_state *state)
     const crn_line_node *line = state->line.nodes;
     state->scratch.outside_m_q30 = 0;
     state->scratch.second_count = 0;
-    /* two held nodes too: the solve reads past the last free one */
+    /* this includes the two held nodes: the solve reads past the last free one */
     for (uint32_t i = 0; i < na + 2; i++, work++, node++, line++) {
         work->touching = 0;
         work->wall_normal = 0;
@@ -384,7 +395,7 @@ void crn_contact_forces(const crn_model *model, crn_state *state)
     }
 }
 
-/* Struts instead of the wall, or of nothing, where they are deeper at x*. */
+/* Replaces the wall, or no contact, by struts where they are deeper at x*. */
 CRN_RARE static bool or_struts(const crn_model *model, crn_state *state, crn_work *work,
                                const crn_line_node *line, bool is_known)
 {
@@ -399,8 +410,8 @@ CRN_RARE static bool or_struts(const crn_model *model, crn_state *state, crn_wor
     return true;
 }
 
-/* Does node i, not seen to touch at x*, end deeper than 0.1 mm? Then also how far it goes inwards. `reach`:
- * of the deviation's components, twice the largest, less the 0.1 mm. */
+/* Does node i, whose contact was not seen at x*, end deeper than 0.1 mm? If so, the inward displacement is
+ * returned too. `reach` is twice the largest component of the deviation, less the 0.1 mm. */
 static inline bool was_missed(const crn_model *model, crn_state *state, uint32_t i, int32_t reach_m_q30,
                               int32_t *inwards_m_q33)
 {
@@ -454,7 +465,7 @@ int32_t crn_contact_share(const crn_model *model, crn_state *state, int32_t larg
         if (!was_missed(model, state, i, reach, &inwards)) {
             continue;
         }
-        /* what is deeper already was pushed in by a lesion or a strut and gets no deeper */
+        /* a node that is deeper already was pushed in by a lesion or a strut and gets no deeper */
         const int32_t room = CRN_MISSED_CONTACT_M_Q30 - state->scratch.nodes[i].depth_m_q30;
         const int32_t share = room > 0 ? crn_quotient(room, -(inwards >> 3), 30) : 0;
         share_q30 = share < share_q30 ? share : share_q30;
@@ -462,8 +473,8 @@ int32_t crn_contact_share(const crn_model *model, crn_state *state, int32_t larg
     return share_q30;
 }
 
-/* z + way limited to mu N / k_t; sticks when it was not limited. `inwards` is the deviation along the normal.
- */
+/* Moves the bristle: z + displacement, limited to mu N / k_t; the contact sticks when it was not limited.
+ * `inwards` is the deviation along the normal. */
 static inline void move_bristle(const crn_state *state, crn_node_state *node, const crn_work *work,
                                 const crn_line_node *line, int32_t depth_m_q30, int32_t inwards_m_q33)
 {
@@ -491,7 +502,7 @@ static inline void move_bristle(const crn_state *state, crn_node_state *node, co
     node->bristle_m_q33 = way;
 }
 
-/* Friction along the line falls to the tool that touches: -k_t z along its axis. Format: N/m x Q33 m -> Q22
+/* Friction along the line loads the tool that touches: -k_t z along its axis. Format: N/m x Q33 m -> Q22
  * N. */
 static void charge_outer_tool(crn_state *state, const crn_node_state *node, const crn_line_node *line)
 {
@@ -507,7 +518,7 @@ void crn_contact_finish(const crn_model *model, crn_state *state, crn_output *ou
 {
     output->contact_count = 0;
     output->penetration_max_m_q30 =
-        state->scratch.outside_m_q30; /* no contact acts there, and it is the deepest */
+        state->scratch.outside_m_q30; /* no contact acts outside the field, so this is the deepest node */
     const crn_work *work = state->scratch.nodes;
     crn_node_state *node = state->words.nodes;
     const crn_line_node *line = state->line.nodes;
@@ -528,7 +539,7 @@ void crn_contact_finish(const crn_model *model, crn_state *state, crn_output *ou
     }
 }
 
-/* The wall as it is at the state's moment, which the pose gets. */
+/* Samples the wall at the state's moment; the pose is set to that moment. */
 static crn_lumen_sample wall_now(const crn_model *model, const crn_state *state, crn_motion_pose *pose,
                                  const crn_vec3 *position_m_q30)
 {

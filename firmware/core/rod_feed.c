@@ -1,19 +1,19 @@
-/* From the hands to the predicted configuration: how far each tool is fed this tick, which nodes that
- * frees or captures, and where every node would be if the line only slid along itself (x* = x - T ds, ds
- * being the way of the leading tip). The solve then finds the deviation from that slide, so that a fast feed
- * puts no force of its own into the right side (docs/rod.md, "feed"). */
+/* From the hands to the predicted configuration: how far each tool is fed in this tick, which nodes that
+ * frees or captures, and where every node would be if the line only slid along itself (x* = x - T ds, where
+ * ds is the displacement of the leading tip). The solve then finds the deviation from that slide, so a fast
+ * feed adds no force of its own to the right side (docs/rod.md, "feed"). */
 #include "firmware/core/rod.h"
 
 enum {
     FOLD_Q28 = 265751102, /* 0.99: cos^2 of half a turn of 11.5 degrees from edge to edge */
     FOLLOW_SHIFT = 2,     /* the feed covers a quarter of the hand's lead each tick */
-    WALL_COMPLIANCE_m_N_Q40 =
-        43980465,                   /* 4e-5 m/N: the contact that blocks the tip, k_c + k_deep = 25 kN/m */
+    /* 4e-5 m/N: compliance of the contact that blocks the tip, k_c + k_deep = 25 kN/m */
+    WALL_COMPLIANCE_m_N_Q40 = 43980465,
     TURN32_TO_Q30_RAD = 1686629713, /* pi / 2 in Q30 */
 };
 
 /* Feed that brings the handle to its force limit: (F_max - H) x compliance of the free part and the wall.
- * Beyond the limit it is negative: the tool slips back through the hand, slowly. Format: N Q22 x m/N Q40 -> m
+ * Beyond the limit it is negative: the tool slips back slowly through the hand. Format: N Q22 x m/N Q40 -> m
  * Q30. Overflow: saturates at the feed limit. */
 static int32_t stall_limit(int32_t margin_N_q22, uint32_t compliance_m_N_q40)
 {
@@ -26,10 +26,10 @@ static int32_t stall_limit(int32_t margin_N_q22, uint32_t compliance_m_N_q40)
     return limit > CRN_FEED_MAX_M_Q30 ? CRN_FEED_MAX_M_Q30 : (int32_t)limit;
 }
 
-/* How far the hand may move for each newton, Q40 m/N: what the free part and the wall give, or what the last
- * ticks have shown to be less, since the wall's friction holds the front of a wire and leaves the hand the
- * stiff rest. What was seen relaxes by 1/128 a tick, so that one soft tick (a snap, a rest) does not forget a
- * stiff line (docs/rod.md, "stall"). */
+/* Displacement of the hand for each newton, Q40 m/N. It is the compliance of the free part and the wall, or
+ * less where the last ticks have shown less, since the wall's friction may hold the front of a wire and leave
+ * the hand only the stiff rest. The observed value relaxes by 1/128 a tick, so that one soft tick (a snap, a
+ * rest) does not forget a stiff line (docs/rod.md, "stall"). */
 static uint32_t line_compliance(const crn_state *state)
 {
     enum { SEEN_FROM_M_Q30 = 107, LEAST_m_N_Q40 = WALL_COMPLIANCE_m_N_Q40 / 16 }; /* 0.1 um; 400 kN/m */
@@ -50,9 +50,8 @@ static uint32_t line_compliance(const crn_state *state)
     return most > LEAST_m_N_Q40 ? most : LEAST_m_N_Q40;
 }
 
-/* What a tool may be fed: as far as its hand's force limit allows, and the leading tip no farther than the
- * force of all hands together allows, or two tips at one wall would push each other's share on, tick by tick.
- */
+/* Limits a tool's feed by its hand's force limit. The leading tip is also limited by the force of all hands
+ * together; otherwise two tips at one wall would increase each other's share, tick by tick. */
 static int32_t limit_feed(const crn_model *model, const crn_state *state, uint32_t k, int32_t feed_m_q30)
 {
     const crn_state_words *words = &state->words;
@@ -66,9 +65,9 @@ static int32_t limit_feed(const crn_model *model, const crn_state *state, uint32
     return crn_clamp(feed_m_q30, -pull, push < line ? push : line);
 }
 
-/* Feed of one tool in this tick, Q30 m. The hand may lead by four times the largest feed; beyond that it
- * slips, as a hand does on a wire or a wire in the rig's rollers. A tool that pushes or pulls as hard as a
- * hand can stalls. */
+/* Feed of one tool in this tick, Q30 m. The hand may lead by four times the largest feed. Beyond that it
+ * slips, like a hand on a wire or a wire in the rig's rollers. A tool stalls when it pushes or pulls as hard
+ * as a hand can. */
 static int32_t choose_feed(const crn_model *model, crn_state *state, uint32_t k, int32_t hand_m_q30)
 {
     const int32_t lead_max = 4 * CRN_FEED_MAX_M_Q30;
@@ -90,7 +89,8 @@ static int32_t choose_feed(const crn_model *model, crn_state *state, uint32_t k,
     return allowed - tool->inserted_m_q30;
 }
 
-/* Feeds every tool. The line never gets shorter than a few elements: the last tool to leave stops there. */
+/* Feeds every tool. The line never gets shorter than a few elements: the last tool to be withdrawn stops
+ * there. */
 static void feed_tools(const crn_model *model, crn_state *state, const crn_input *input)
 {
     crn_state_words *words = &state->words;
@@ -119,8 +119,8 @@ static void feed_tools(const crn_model *model, crn_state *state, const crn_input
     }
 }
 
-/* The material frames in the inserter follow the hands' angles a quarter of the way each tick, at most 20
- * rad/s. */
+/* Turns the material frames in the inserter towards the hands' angles: by a quarter of the difference in each
+ * tick, at most 20 rad/s. */
 static void turn_bases(const crn_model *model, crn_state *state, const crn_input *input)
 {
     for (uint32_t k = 0; k < model->tool_count; k++) {
@@ -132,7 +132,7 @@ static void turn_bases(const crn_model *model, crn_state *state, const crn_input
     }
 }
 
-/* Position of a node inside the inserter: on its axis, arc - s behind the mouth. */
+/* Position of a node inside the inserter: on its axis, at the distance arc - s behind its distal end. */
 static crn_vec3 position_inside(const crn_model *model, int32_t inserted_m_q30, uint32_t node)
 {
     int32_t behind = model->mesh[node].arc_m_q30 - inserted_m_q30;
@@ -143,7 +143,7 @@ static crn_vec3 position_inside(const crn_model *model, int32_t inserted_m_q30, 
     return p;
 }
 
-/* Node i and the edge behind it as they are inside the inserter: straight, unloaded, moving with the feed. */
+/* Places node i and the edge behind it inside the inserter: straight, unloaded, moving with the feed. */
 static void place_inside(const crn_model *model, crn_state *state, int32_t inserted_m_q30, uint32_t i)
 {
     crn_node_state *node = &state->words.nodes[i];
@@ -185,8 +185,8 @@ static void add_weight(const crn_model *model, const crn_line_node *line, weight
     }
 }
 
-/* A node freed this tick: x* is on the axis at the new feed, it came from there less the slide, under its
- * weight. */
+/* A node freed in this tick: x* is on the axis at the new feed, its previous place is x* less the slide, and
+ * its weight acts. */
 static void free_node(crn_state *state, uint32_t i)
 {
     crn_work *work = &state->scratch.nodes[i];
@@ -209,8 +209,8 @@ static inline int32_t mean_tangent(const crn_state *state, uint32_t i, crn_vec3 
     return square_q28;
 }
 
-/* How a node of a fold slides: T / T^2 ds, which takes it as far along both edges as their other ends go;
- * doubled at most, from a right angle on. Overflow: a slide of 0.5 mm becomes 0.71 mm. */
+/* Slide of a node in a fold: T / T^2 ds, which moves it along both edges as far as their other ends move.
+ * From a right angle on it is limited to twice the slide. Overflow: a slide of 0.5 mm becomes 0.71 mm. */
 CRN_RARE static void slide_round(crn_vec3 *slide_m_q33, int32_t square_q28)
 {
     const int32_t factor_q28 = square_q28 > 1 << 27 ? crn_quotient(1 << 28, square_q28, 28) : 1 << 29;
@@ -240,15 +240,15 @@ static inline void predict_node(const crn_model *model, crn_state *state, uint32
     }
 }
 
-/* What the nodes ahead have moved on by to keep the edges of folds behind them as long as they are. */
+/* Shift of the nodes ahead that keeps the length of the edges in folds behind them. */
 typedef struct fold_shift {
     crn_vec3 shift_m_q33;
-    bool was_fold;  /* the node behind is one of a fold, */
-    bool is_passed; /* some node behind is */
+    bool was_fold;  /* the node behind belongs to a fold, */
+    bool is_passed; /* some node behind belongs to a fold */
 } fold_shift;
 
-/* The slide of a node in a fold or ahead of one; `is_inside`: the edge behind it slides too and is no part of
- * the rigid tip. */
+/* The slide of a node in a fold or ahead of one. `is_inside` says that the edge behind it slides too and is
+ * not part of the rigid tip. */
 CRN_RARE static void slide_apart(const crn_model *model, const crn_state *state, uint32_t i, bool is_inside,
                                  int32_t square_q28, fold_shift *fold, crn_vec3 *slide_m_q33)
 {
@@ -266,9 +266,9 @@ CRN_RARE static void slide_apart(const crn_model *model, const crn_state *state,
     fold->is_passed |= is_fold;
 }
 
-/* Nodes 0 .. count-1 slide by -T ds; the first `rigid` of them as node `rigid` does, plus the turn that the
- * scratch holds. From the hand on, so that where the line is folded the nodes ahead follow the edges behind
- * them. */
+/* Nodes 0 .. count-1 slide by -T ds. The first `rigid` of them slide like node `rigid`, plus the rotation
+ * that the scratch holds. The loop starts at the hand, so that where the line is folded the nodes ahead
+ * follow the edges behind them. */
 static void slide_nodes(const crn_model *model, crn_state *state, uint32_t count, uint32_t rigid)
 {
     const int32_t back_m_q35 = -4 * state->scratch.feed_m_q33;
@@ -289,8 +289,8 @@ static void slide_nodes(const crn_model *model, crn_state *state, uint32_t count
     }
 }
 
-/* Factor by which a joint's stiffness may grow: its entries stay below 2^26, of which four meet in a diagonal
- * below 2^29 (core_build.c), and W below 16 N m. */
+/* Factor by which a joint's stiffness may grow. Its entries must stay below 2^26, of which four meet in a
+ * diagonal below 2^29 (core_build.c), and W below 16 N m. */
 static int32_t clip_room(const crn_joint *joint)
 {
     int32_t entry = joint->p > joint->r ? joint->p : joint->r;
@@ -302,9 +302,9 @@ static int32_t clip_room(const crn_joint *joint)
     return room > CRN_CLIP_SURE ? room : CRN_CLIP_SURE;
 }
 
-/* The two joints at the mouth own only the part of their cell that lies outside it: W grows by cell / part,
- * the rest turning shrinks by part / cell. The format sets how little of a cell may be left, and what is
- * kept too much bends as if the line were that much longer. */
+/* The two joints at the inserter's distal end own only the part of their cell that lies outside it: W grows
+ * by cell / part, the rest turning shrinks by part / cell. The number format sets the smallest part of a cell
+ * that may remain. Any excess bends as if the line were that much longer. */
 static void clip_joint(const crn_model *model, crn_state *state, int32_t inserted_m_q30, uint32_t i)
 {
     crn_joint *joint = &state->scratch.mouth[i + 1 - state->words.free_count];
@@ -328,8 +328,8 @@ static void clip_joint(const crn_model *model, crn_state *state, int32_t inserte
     }
 }
 
-/* Nodes beyond the mouth once the tip has advanced to arc length s. A tick's feed passes at most eight nodes.
- */
+/* Number of nodes beyond the inserter's distal end once the tip has advanced to arc length s. A tick's feed
+ * passes at most eight nodes. */
 static uint32_t count_free(const crn_model *model, uint32_t count, int32_t inserted_m_q30)
 {
     for (int step = 0; step < 8 && model->mesh[count].arc_m_q30 < inserted_m_q30; step++) {
@@ -356,7 +356,7 @@ static void load_nodes(const crn_model *model, crn_state *state)
 void crn_rod_feed(const crn_model *model, crn_state *state, const crn_input *input)
 {
     crn_state_words *words = &state->words;
-    crn_line_update(model, state); /* for the stall's compliance, after a restored state */
+    crn_line_update(model, state); /* gives the stall its compliance after a restored state */
     feed_tools(model, state, input);
     turn_bases(model, state, input);
     if (words->release_q30 < CRN_ONE_Q30) {

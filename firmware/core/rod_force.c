@@ -3,26 +3,26 @@
  *
  * Edge: w = (x*[i+1] - x*[i]) / l, strain from |w|^2 by series (no root), F = EA strain,
  *       S = (k_s - k_g) t t^T + k_g I with k_g = max(F, 0) / l plus what twist adds there, at most k_s.
- * Joint: b = w[i] - w[i-1], v = W (b - g), f[i-1] -= a v, f[i] += (a + c) v, f[i+1] -= c v, g summed over the
- * tools' rest turnings; the tools' twisting moment tau bends the line by F = tau kb / 2, kb = 2 t x t' / (1 +
- * t.t'). */
+ * Joint: b = w[i] - w[i-1], v = W (b - g), f[i-1] -= a v, f[i] += (a + c) v, f[i+1] -= c v, where g is the
+ * sum of the tools' rest turnings. The tools' twisting moment tau bends the line by F = tau kb / 2, kb = 2 t
+ * x t' / (1 + t.t'). */
 #include "firmware/core/rod.h"
 
 enum {
-    STRAIN_SMALL_Q30 = 1 << 27, /* series for the direction too up to 12.5 % strain, */
-    STRAIN_MAX_Q30 = 1 << 28, /* a root for it up to 25 %: 13 % were seen where the soft end of a wire folds;
-                                 clamped beyond */
-    W_MAX_Q30 = 1503238553,   /* 1.4: |w|^2 and the square of a difference of two fit 64 bits */
-    TENSION_MAX_N_Q22 = 240 << 22, /* edge force, clamped: forty times what a hand can do */
+    STRAIN_SMALL_Q30 = 1 << 27,    /* up to 12.5 % strain a series gives the direction too, */
+    STRAIN_MAX_Q30 = 1 << 28,      /* up to 25 % a root gives it: 13 % were seen where the soft end of a wire
+                                      folds; clamped beyond */
+    W_MAX_Q30 = 1503238553,        /* 1.4: |w|^2 and the square of a difference of two fit 64 bits */
+    TENSION_MAX_N_Q22 = 240 << 22, /* edge force, clamped: forty times the force of a hand */
     TENSION_STIFF_MAX_N_Q22 = 32 << 22,
-    /* One joint's force on one node: a 6F guide's curve of R = 7 mm in elements of 1 mm needs 52 N to be
-     * straight, and 91 N were seen where hands push it at the mouth of the sheath, which bends it the other
-     * way. Twice this fits 32 bits. */
+    /* One joint's force on one node. A 6F guide's curve of R = 7 mm in elements of 1 mm needs 52 N to be
+     * straight, and 91 N were seen where hands push it at the distal end of the sheath, which bends it the
+     * other way. Twice this fits 32 bits. */
     PART_MAX_N_Q22 = 240 << 22,
 };
 
-/* Adds one force component. Overflow: saturates at 512 N, beyond what the solve takes (rod_solve.c says so).
- */
+/* Adds one force component. Overflow: saturates at 512 N, which is more than the solve accepts (rod_solve.c
+ * states its limit). */
 static inline void add(crn_vec3 *sum, int k, int32_t value)
 {
     sum->v[k] = crn_add_sat(sum->v[k], value);
@@ -42,11 +42,11 @@ static int32_t inverse_stretch_of(int32_t e)
 }
 
 /* w of the edge between two positions. Format: positions Q30 m, 1/l Q18 -> Q30 (floor: the same in all
- * directions, so that no joint bends by it). Overflow: saturates component by component. */
+ * directions, so that it bends no joint). Overflow: saturates component by component. */
 static crn_vec3 relative(int32_t inverse_per_m_q18, const crn_vec3 *from, const crn_vec3 *to)
 {
     crn_vec3 w;
-    uint32_t unseen = 0; /* the strain says it */
+    uint32_t unseen = 0; /* the strain reports it */
     for (int k = 0; k < 3; k++) {
         int64_t product = (int64_t)crn_sub_sat(to->v[k], from->v[k]) * inverse_per_m_q18 + (1 << 17);
         w.v[k] = crn_limit64(product, 18, 1 << 17, 0, &unseen);
@@ -83,7 +83,7 @@ static int32_t stretch_of(int32_t inverse_per_m_q18, const crn_vec3 *from, const
     return strain_of(e);
 }
 
-/* k_g in Q(a): tension / length, none in compression. */
+/* k_g in Q(a): tension / length, 0 in compression. */
 static int32_t geometric_stiffness(int32_t tension_N_q22, int32_t inverse_per_m_q18, unsigned exponent)
 {
     if (tension_N_q22 <= 0) {
@@ -136,9 +136,9 @@ void crn_rod_rest_turn(const crn_joint *joint, uint32_t tool, int32_t release_q3
     }
 }
 
-/* 1 / (1 + c) in Q30 and 1 - c: for small turning 1/2 + lack/4 + lack^2/8, good to 1e-4 at 40 degrees; beyond
- * a right angle both stay at that of one. The cosine of nearly straight edges may be rounded to more than
- * one: lack is 0 to 1. Overflow: impossible, 7/8 at most. */
+/* 1 / (1 + c) in Q30 and 1 - c: for small turning 1/2 + lack/4 + lack^2/8, accurate to 1e-4 at 40 degrees;
+ * beyond a right angle both keep their values at a right angle. The cosine of nearly straight edges may be
+ * rounded to more than one: lack is 0 to 1. Overflow: impossible, 7/8 at most. */
 static int32_t inverse_of_one_and(int32_t cosine_q30, int32_t *lack_q30)
 {
     const int32_t lack = CRN_ONE_Q30 - crn_clamp(cosine_q30, 0, CRN_ONE_Q30);
@@ -160,12 +160,13 @@ static crn_vec3 twist_force(int32_t torque_N_m_q30, const crn_vec3 *before, cons
     return across;
 }
 
-/* Tilting the two edges of a bent joint out of its plane by d and d' twists it by |kb| / 2 |d + d'|, and
- * where a rest shape holds the frames, GJ resists that. The right side has the force; the matrix gets k
- * |kb|^2 / 4 (|d|^2 + |d'|^2), half of the resistance or more, so that a swing does not grow and what else is
- * in the matrix ends it: without it a J of 1.5 mm swung by 11 um to and fro for ever (docs/rod.md, "rows").
- * Tools without a rest shape there are not held and give nothing. Overflow: the sum is limited to 32 bits,
- * its product with at most 7/8 fits; with k_g no more than the edge's spring. */
+/* Tilting the two edges of a bent joint out of its plane by d and d' twists it by |kb| / 2 |d + d'|. Where a
+ * rest shape holds the frames, GJ resists that twist. The right side has the force; the matrix gets k |kb|^2
+ * / 4 (|d|^2 + |d'|^2). That is at least half of the resistance, so that an oscillation does not grow and the
+ * other terms in the matrix damp it: without it a J of 1.5 mm oscillated by 11 um for ever (docs/rod.md,
+ * "rows"). Tools without a rest shape there are not held and add nothing.
+ * Overflow: the sum is limited to 32 bits, its product with at most 7/8 fits; with k_g no more than the
+ * edge's spring. */
 static void resist_twist(const crn_model *model, crn_state *state, const crn_joint *joint, uint32_t i)
 {
     const crn_node_state *node = &state->words.nodes[i];
@@ -187,8 +188,8 @@ static void resist_twist(const crn_model *model, crn_state *state, const crn_joi
     }
 }
 
-/* v / l as one component of a joint's force on a neighbour, limited to 240 N: thirty times what a hand can
- * bend in. Format: Q30 N m x Q18 -> Q22 N, rounded. */
+/* v / l as one component of a joint's force on a neighbour, limited to 240 N: thirty times the force that a
+ * hand can cause by bending. Format: Q30 N m x Q18 -> Q22 N, rounded. */
 static inline int32_t part(int32_t moment_N_m_q30, int32_t inverse_per_m_q18, uint32_t *fault_bits)
 {
     int64_t force = (int64_t)moment_N_m_q30 * inverse_per_m_q18 + (1 << 25);
@@ -199,7 +200,7 @@ static inline int32_t part(int32_t moment_N_m_q30, int32_t inverse_per_m_q18, ui
  * 8 mm. */
 static inline int32_t moment_of(int32_t bend_N_m_q26, int32_t turn_q28)
 {
-    uint32_t unseen = 0; /* the force says it */
+    uint32_t unseen = 0; /* the force reports it */
     return crn_limit64((int64_t)bend_N_m_q26 * turn_q28 + (1 << 23), 24, 1 << 23, 0, &unseen);
 }
 
@@ -228,7 +229,7 @@ crn_vec3 crn_rod_line_turn(const crn_model *model, const crn_state *state, const
 
 /* Bending and twist at the joint of node i (1 .. na). Format: W Q26 x b Q28 -> v Q30 N m; a Q18 x v Q30 ->
  * Q22 N. b loses two bits of the edges' Q30, below the step of a position. Both ends get the same rounded
- * force, so momentum is exact. */
+ * force, so momentum is exactly conserved. */
 static void joint_forces(const crn_model *model, crn_state *state, uint32_t i)
 {
     crn_work *here = &state->scratch.nodes[i];

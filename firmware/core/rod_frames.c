@@ -1,16 +1,16 @@
 /* Reference and material axes of the edges, at the predicted configuration.
  *
- * A reference axis u is carried without turning from the inserter's edge to the tip (Bishop frame), one for
- * all tools. A tool's material axis is d1 = cos(angle) u + sin(angle) (t x u), so that a joint's twist is
+ * A reference axis u is carried without rotation from the inserter's edge to the tip (Bishop frame); all
+ * tools share it. A tool's material axis is d1 = cos(angle) u + sin(angle) (t x u), so a joint's twist is
  * just the difference of two angles (docs/rod.md, "twist"). */
 #include "firmware/core/rod.h"
 
 enum {
     LACK_FAST_Q30 = 1 << 28, /* 1 - t.t' up to 1/4 (41 degrees per joint): series for 1 / (1 + t.t') */
-    FOLD_Q30 = 1 << 28,      /* 1 + t.t' below 1/4 (beyond 139 degrees): no transport, only projection */
+    FOLD_Q30 = 1 << 28,      /* 1 + t.t' below 1/4 (beyond 139 degrees): no transport, only a projection */
 };
 
-/* Vectors here are unit, amounts below one: sums and products stay inside Q30. */
+/* Vectors here have unit length and amounts are below one, so sums and products stay inside Q30. */
 static void add_scaled(crn_vec3 *sum, const crn_vec3 *direction_q30, int32_t amount)
 {
     for (int k = 0; k < 3; k++) {
@@ -27,8 +27,8 @@ void crn_frames_orthonormalise(crn_vec3 *axis, const crn_vec3 *tangent)
     }
 }
 
-/* Transport across a sharp bend: the exact factor up to 139 degrees, beyond it the projection of the old
- * axis. */
+/* Transport across a sharp bend: the exact factor is used up to 139 degrees, beyond that the projection of
+ * the old axis. */
 static crn_vec3 transport_sharply(crn_vec3 axis, const crn_vec3 *from, const crn_vec3 *to, int32_t tilt,
                                   int32_t lack)
 {
@@ -84,7 +84,7 @@ void crn_frames_carry(const crn_model *model, crn_state *state)
     crn_node_state *nodes = state->words.nodes;
     uint32_t na = state->words.free_count;
     crn_vec3 reference = model->base_axis1_q30;
-    uint32_t last = 0; /* nothing beyond it needs an axis */
+    uint32_t last = 0; /* no edge beyond it needs an axis */
     while (last <= na && crn_edge_curved(state, last) == 0) {
         last++;
     }

@@ -1,10 +1,11 @@
-/* Friction of one node on the wall: what it may be, its stiffness in the matrix (docs/rod.md, "Contact"). */
+/* Friction of one node on the wall: its limit and its stiffness in the matrix (docs/rod.md, "Contact"). */
 #ifndef CRN_CORE_ROD_FRICTION_H
 #define CRN_CORE_ROD_FRICTION_H
 
 #include "firmware/core/rod.h"
 
-/* No less than the length: half of the largest magnitude and of their sum. Overflow: saturates. */
+/* An upper bound of the length: half of the sum of the largest magnitude and of all magnitudes. Overflow:
+ * saturates. */
 static inline int32_t length_at_most(const crn_vec3 *a)
 {
     int64_t sum = 0, most = 0;
@@ -28,11 +29,11 @@ static inline int32_t bristle_limit(int32_t limit_N_q22)
     return limit_N_q22 + crn_mulh(limit_N_q22, 25166 << 12);
 }
 
-/* What friction may be while a node does not stick: in each tick CRN_FRICTION_GROWTH times k_t |z|, which is
- * mu N after the last solve (|z| is taken up to a sixth too long), and CRN_FRICTION_FRESH. mu N of the
- * predicted depth alone lets a node that hops on the wall by micrometres rub with many times its force (5 mN
- * for each), and what that pushes on makes others hop: a soft wire at 40 mm/s felt six times as hard. Format:
- * Q33 m -> Q22 N, 2000 / 2^11. Overflow: impossible in 64 bits. */
+/* The limit of friction while a node does not stick. In each tick it is CRN_FRICTION_GROWTH times k_t |z|,
+ * which is mu N after the last solve (|z| is taken up to a sixth too long), plus CRN_FRICTION_FRESH. mu N of
+ * the predicted depth alone would let a node that hops on the wall by micrometres rub with many times its
+ * real force (5 mN for each micrometre). The nodes that this pushes on would hop in turn: a soft wire at 40
+ * mm/s felt six times as hard. Format: Q33 m -> Q22 N, 2000 / 2^11. Overflow: impossible in 64 bits. */
 static inline int32_t growing_limit(const crn_node_state *node, int32_t limit_N_q22)
 {
     const int64_t last_m_q33 = length_at_most(&node->bristle_m_q33);

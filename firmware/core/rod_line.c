@@ -1,18 +1,18 @@
-/* What the tools add up to where they stand: joints, edges, masses and surfaces of the line (docs/rod.md,
+/* Sums the tools at their present positions: joints, edges, masses and surfaces of the line (docs/rod.md,
  * "tools").
  *
- * Node i lies at arc length S behind the leading tip, tool k is sampled at S - offset[k]. Within a cell
- * compliance is averaged, not stiffness ("series"): arithmetic averages across a tool's tip or a step give
- * force spikes at the handle.
+ * Node i lies at arc length S behind the leading tip; tool k is sampled at S - offset[k]. Within a cell the
+ * compliance is averaged, not the stiffness ("series"): arithmetic averages across a tool's tip or a step
+ * give force spikes at the handle.
  *   1/W = integral ds / EI,  EI = sum EI_k;   turn_k = integral (EI_k / EI) kappa_k ds
  * A cell that a tip divides is summed piece by piece, so everything moves smoothly as tools slide. */
 #include "firmware/core/rod.h"
 
 enum {
     TWIST_MAX_N_m_Q26 = CRN_TWIST_MAX_N_m << 26
-}; /* of one joint; two of them fit a pivot (rod_twist.c) */
+}; /* limit for one joint; two of them fit a pivot (rod_twist.c) */
 
-/* One tick's walk along the line: the span that each tool is in. */
+/* One tick's walk along the line; it keeps the span that each tool is in. */
 typedef struct walk {
     const crn_model *model;
     crn_line *line;
@@ -22,7 +22,7 @@ typedef struct walk {
 /* Integrals over a stretch of one tool. */
 typedef struct stretch {
     int64_t bend_q32,
-        twist_q32; /* ds / EI, ds / GJ: 1 / (N m); in a divided cell bend is the part of ds EI_k / EI */
+        twist_q32; /* ds / EI, ds / GJ: 1 / (N m); in a divided cell bend is the share of ds in EI_k / EI */
     int64_t turn1_q30, turn2_q30;
 } stretch;
 
@@ -61,9 +61,9 @@ static int32_t series_stiffness_q35(int32_t length_m_q30, int64_t compliance)
     return shift <= 0 ? INT32_MAX : crn_sat32(crn_rshift_round64(length_m_q30 * inverse, (unsigned)shift));
 }
 
-/* A cell's rest turning that the format and the joint's own force can bear: 1.2 rad. A tool whose own cells
- * turn farther is refused (core_build.c); its hook gets there only inside a stiffer tool that leads, in the
- * long cells of the shaft. */
+/* Limits a cell's rest turning to what the format and the joint's own force can bear: 1.2 rad. core_build.c
+ * refuses a tool whose own cells turn farther. A hook reaches the limit only inside a stiffer tool that
+ * leads, in the long cells of the shaft. */
 static int32_t limit_turn(int32_t turn_q30)
 {
     return crn_clamp(turn_q30, -CRN_TURN_OF_CELL_MAX_Q30, CRN_TURN_OF_CELL_MAX_Q30);
@@ -74,9 +74,9 @@ static int32_t turn_of(int32_t per_m_q20, int32_t length_m_q30)
     return crn_mul(per_m_q20, length_m_q30, 20);
 }
 
-/* What makes two unit edges rest at this angle: they differ by 2 sin(turn / 2), and the rest turning is
- * applied along the mean of their axes, which is cos(turn / 2) long, so 2 tan(turn / 2) = turn (1 + turn^2 /
- * 12 + turn^4 / 120). Error: 0.1 % at 1 rad. */
+/* The rest turning for which two unit edges rest at this angle. The edges differ by 2 sin(turn / 2), and the
+ * rest turning is applied along the mean of their axes, which is cos(turn / 2) long, so it is 2 tan(turn / 2)
+ * = turn (1 + turn^2 / 12 + turn^4 / 120). Error: 0.1 % at 1 rad. */
 static int32_t rest_turn_of(int32_t turn_q30)
 {
     int32_t square = crn_mul_q30(turn_q30, turn_q30);
@@ -91,7 +91,7 @@ static void seek(const crn_tool *tool, uint32_t *span, int32_t arc_m_q30)
     }
 }
 
-/* Sums of a tool between two of its own arc lengths, by the middle of each span's share. */
+/* Integrals of a tool between two of its own arc lengths; each span's part is evaluated at its middle. */
 static stretch integrate(const crn_tool *tool, uint32_t span, int32_t from, int32_t to)
 {
     stretch sum = {0, 0, 0, 0};
@@ -111,7 +111,7 @@ static stretch integrate(const crn_tool *tool, uint32_t span, int32_t from, int3
     return sum;
 }
 
-/* Share of the tools up to each pair's inner one in the joint's stiffness. Q15. */
+/* For each pair, the share of the tools up to its inner one in the joint's stiffness. Q15. */
 static void share_stiffness(const walk *w, const int32_t own_q26[CRN_TOOL_MAX], crn_joint *joint)
 {
     if (w->model->tool_count < 2) {
@@ -128,8 +128,7 @@ static void share_stiffness(const walk *w, const int32_t own_q26[CRN_TOOL_MAX], 
     }
 }
 
-/* --- cells that no tip divides
- * ------------------------------------------------------------------------------- */
+/* --- cells that no tip divides -------------------------------------------------------------------------- */
 
 /* Tool k over a whole cell: its own W, twist stiffness and turns. */
 static int32_t whole_cell(walk *w, uint32_t k, const crn_mesh_node *mesh, cell c, crn_joint *joint)
@@ -154,10 +153,9 @@ static int32_t whole_cell(walk *w, uint32_t k, const crn_mesh_node *mesh, cell c
     return inverse_of(sum.bend_q32, 58);
 }
 
-/* --- cells that one or more tips divide
- * ---------------------------------------------------------------------- */
+/* --- cells that one or more tips divide ----------------------------------------------------------------- */
 
-/* Adds the piece [from, to] of a cell, in which the same tools are all along. */
+/* Adds the piece [from, to] of a cell, throughout which the same tools are present. */
 static void add_piece(walk *w, int32_t from, int32_t to, stretch sums[CRN_TOOL_MAX], int64_t *compliance)
 {
     stretch part[CRN_TOOL_MAX] = {{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}};
@@ -186,7 +184,7 @@ static void add_piece(walk *w, int32_t from, int32_t to, stretch sums[CRN_TOOL_M
     }
 }
 
-/* A cell piece by piece, tip after tip. At most CRN_TOOL_MAX tips lie in it. */
+/* Integrates a cell piece by piece, from tip to tip. At most CRN_TOOL_MAX tips lie in it. */
 static void divided_cell(walk *w, cell c, crn_joint *joint)
 {
     stretch sums[CRN_TOOL_MAX] = {{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}};
@@ -214,7 +212,8 @@ static void divided_cell(walk *w, cell c, crn_joint *joint)
         }
         int64_t least = 1;
         if (w->line->offset_m_q30[k] > c.begin) {
-            /* At least a tenth of the cell, so that a tip that just enters it is no rigid joint. */
+            /* At least a tenth of the cell counts, so that a tip that just enters it does not make a rigid
+             * joint. */
             int32_t tip_q35 = w->model->tools[k].spans[0].from[CRN_TWIST_N_M2_Q35];
             least = compliance_q32((c.end - c.begin) / 10, tip_q35);
         }
@@ -224,8 +223,7 @@ static void divided_cell(walk *w, cell c, crn_joint *joint)
     }
 }
 
-/* --- one node
- * ------------------------------------------------------------------------------------------------ */
+/* --- one node ------------------------------------------------------------------------------------------- */
 
 static bool is_divided(const walk *w, cell c)
 {
@@ -237,7 +235,7 @@ static bool is_divided(const walk *w, cell c)
     return false;
 }
 
-/* Several tools: each turns the joint by its share of the stiffness. */
+/* Where there are several tools, each turns the joint by its share of the stiffness. */
 static void share_turns(const walk *w, const int32_t own_q26[CRN_TOOL_MAX], crn_joint *joint)
 {
     for (uint32_t k = 0; k < w->model->tool_count; k++) {
@@ -306,8 +304,8 @@ static int32_t blend(int32_t under, int32_t over, int32_t share_q30)
     return under + crn_scale_q30(over - under, share_q30);
 }
 
-/* Mass and surface of a node: masses add, the outermost tool touches the wall; in the cell of its tip its
- * radius and friction are blended in, since a hard switch jumps (docs/rod.md). */
+/* Mass and surface of a node. Masses add, and the outermost tool touches the wall. In the cell of its tip its
+ * radius and friction are blended in, because a hard switch would cause a jump (docs/rod.md). */
 static void build_surface(walk *w, uint32_t i, cell c)
 {
     crn_line_node *node = &w->line->nodes[i];
@@ -341,7 +339,7 @@ static void build_surface(walk *w, uint32_t i, cell c)
     node->mass_kg_q40 = crn_sat32(crn_rshift_round64(mass_kg_per_m_q34 * (c.end - c.begin), 24));
 }
 
-/* Edge i: EA is what the weaker of its two joints bears in the number format, at most the cap. */
+/* Edge i: EA is what the weaker of its two joints can bear in the number format, at most the cap. */
 static void build_edge(walk *w, uint32_t i)
 {
     crn_line_node *node = &w->line->nodes[i];
@@ -356,8 +354,7 @@ static void build_edge(walk *w, uint32_t i)
     node[1].compliance_m_N_q40 = crn_add_sat(node->compliance_m_N_q40, w->line->edge_compliance_m_N_q40);
 }
 
-/* --- cells like most of them: each tool either absent or in one span, straight
- * ------------------------------------ */
+/* --- cells like most of them: each tool either absent or in one span, straight -------------------------- */
 
 static bool is_straight(const crn_span *s)
 {
@@ -365,7 +362,7 @@ static bool is_straight(const crn_span *s)
             s->delta[CRN_CURVE2_PER_M_Q20]) == 0;
 }
 
-/* Is the cell such a one? Brings every tool's span to it. */
+/* Is the cell a plain one? The walk moves every tool's span to the cell. */
 static bool is_plain(walk *w, cell c)
 {
     for (uint32_t k = 0; k < w->model->tool_count; k++) {
@@ -413,7 +410,7 @@ static void build_plain(walk *w, uint32_t i, cell c)
         outer = k;
         outer_fraction = fraction;
     }
-    /* The leading tool is everywhere, so that there is an outer one. */
+    /* The leading tool is present everywhere, so there is always an outer one. */
     const crn_span *s = &w->model->tools[outer].spans[w->span[outer]];
     node->joint.bend_N_m_q26 = bend;
     share_stiffness(w, own_q26, &node->joint);
@@ -425,8 +422,7 @@ static void build_plain(walk *w, uint32_t i, cell c)
     node->mass_kg_q40 = crn_sat32(crn_rshift_round64(mass_kg_per_m_q34 * (c.end - c.begin), 24));
 }
 
-/* --- the whole line
- * ------------------------------------------------------------------------------------------ */
+/* --- the whole line ------------------------------------------------------------------------------------- */
 
 /* Is node i like node i-1: same elements, each tool absent or in one flat span over both cells? */
 static bool repeats(const walk *w, uint32_t i)
@@ -448,8 +444,8 @@ static bool repeats(const walk *w, uint32_t i)
     return true;
 }
 
-/* Arc length behind the leading tip from which every tool is in its last span and that is flat, as most of a
- * shaft is. */
+/* Arc length behind the leading tip from which every tool is in its last span and that span is flat, as most
+ * of a shaft is. */
 static int32_t steady_arc(const crn_model *model, const crn_line *line)
 {
     int32_t arc = 0;
@@ -461,7 +457,7 @@ static int32_t steady_arc(const crn_model *model, const crn_line *line)
     return arc;
 }
 
-/* First node that is like all nodes behind it; `count` when there is none. */
+/* First node that equals all nodes behind it; `count` when there is none. */
 static uint32_t steady_node(const crn_model *model, const crn_line *line, uint32_t count)
 {
     int32_t arc = steady_arc(model, line);
@@ -477,7 +473,7 @@ static uint32_t steady_node(const crn_model *model, const crn_line *line, uint32
     return i < count ? i : count;
 }
 
-/* First node that has two edges in front of it as long as all behind it. */
+/* First node whose two edges in front are as long as all edges behind it. */
 static uint32_t uniform_node(const crn_model *model)
 {
     uint32_t i = model->node_count + 2;
@@ -507,7 +503,7 @@ static void build_node(walk *w, uint32_t i)
     build_entries(w, i, &node->joint);
 }
 
-/* Edge behind node i: like the one in front. */
+/* Edge behind node i: a copy of the one in front. */
 static void repeat_edge(crn_line *line, uint32_t i)
 {
     line->nodes[i].spring = line->nodes[i - 1].spring;
@@ -521,8 +517,9 @@ static void build_line(const crn_model *model, crn_line *line, uint32_t count)
         line->uniform = uniform_node(model);
     }
     uint32_t steady = steady_node(model, line, count);
-    uint32_t kept = line->count > 0 ? line->steady
-                                    : count; /* these nodes are as they would be again, up to line->count */
+    uint32_t kept = line->count > 0
+                        ? line->steady
+                        : count; /* these nodes would get the same values again, up to line->count */
     line->nodes[0].compliance_m_N_q40 = 0;
     for (uint32_t i = 0; i < count && i <= steady; i++) {
         build_node(&w, i);
@@ -538,7 +535,7 @@ static void build_line(const crn_model *model, crn_line *line, uint32_t count)
             line->nodes[i] = line->nodes[i - 1];
         }
     }
-    repeat_edge(line, count - 1); /* no joint behind it */
+    repeat_edge(line, count - 1); /* there is no joint behind it */
     line->count = count;
     line->steady = steady;
 }

@@ -1,17 +1,19 @@
 /* The implicit step: A delta = r by block LDL^T, 3x3 blocks, two blocks to the right, from tip to base.
  *
- *   A[i][i] = D = R + S,  A[i][i+1] = Q - S,  A[i][i+2] = kb I;  nodes na, na+1 do not deviate from the slide (delta = 0)
- *   S is the edge behind the node, R what else acts on it; T = R + Q, V = D^-1 T (D^-1 (Q - S) is V - I), P =
- * kb D^-1
+ *   A[i][i] = D = R + S,  A[i][i+1] = Q - S,  A[i][i+2] = kb I
+ *
+ * Nodes na, na+1 do not deviate from the slide (delta = 0). S is the edge behind the node, R is everything
+ * else that acts on it; T = R + Q, V = D^-1 T (D^-1 (Q - S) is V - I), P = kb D^-1.
+ *
  *   R[i+1] += R + Q + Q^T - T^T V     R[i+2] -= kb P      Q[i+1] += kb (I - V^T)
  *   r[i+1] += r - V^T r               r[i+2] -= P r
  *   back: delta[i] = D^-1 r[i] + delta[i+1] - V delta[i+1] - P delta[i+2]
  *
- * Nothing of the size of S cancels, and from the tip the free rod's bending factor is exactly [1, -2, 1]. One
- * reciprocal per node, by Newton; no divide. Each row gathers what the two rows before it give, so that a sum
- * of up to six products is rounded once and nothing half-finished is stored. Operands have 32 bits and sums
- * 64: one SMLAL each on the Cortex-M7. Formats: D, R, S, Q, T, kb in Q(a) N/m below 2^29; V, P in Q29; r in
- * Q22 N; delta in Q33 m. */
+ * No terms of the size of S cancel, and from the tip the free rod's bending factor is exactly [1, -2, 1].
+ * Each node takes one reciprocal by Newton's method and no divide. Each row gathers the contributions of the
+ * two rows before it, so that a sum of up to six products is rounded once and no intermediate result is
+ * stored. Operands have 32 bits and sums 64: one SMLAL each on the Cortex-M7. Formats: D, R, S, Q, T, kb in
+ * Q(a) N/m below 2^29; V, P in Q29; r in Q22 N; delta in Q33 m. */
 #include "firmware/core/rod.h"
 
 /* Inverse of a block: D^-1 = mantissa 2^-exponent in units of 1/D. */
@@ -23,7 +25,7 @@ typedef struct inverse3 {
 enum { XX, XY, XZ, YY, YZ, ZZ };
 enum {
     FORCE_MAX_N_Q22 = 1 << 30,    /* 256 N; bounds the sums of products below 2^63 */
-    SOLUTION_MAX_M_Q33 = 1 << 29, /* 62 mm in one tick; the step cap of core_step.c acts far below */
+    SOLUTION_MAX_M_Q33 = 1 << 29, /* 62 mm in one tick; the step cap of core_step.c acts far below that */
 };
 
 static inline int32_t limit(int64_t value, int32_t most)
@@ -45,24 +47,24 @@ static inline int64_t minor(int32_t a, int32_t b, int32_t c, int32_t d)
     return (int64_t)a * b - (int64_t)c * d;
 }
 
-/* Adjugate over determinant. Format: D Q(a), |D| < 2^29, positive definite.
- * The adjugate is exact in 64 bits (2 x 2^58), cut to 30 bits by its largest diagonal, which bounds every
- * entry of a positive definite matrix. The determinant keeps 22 bits or more while k_s / w <= 2^9. Overflow:
- * determinant below 3 * 2^29 * 2^30. */
+/* Adjugate over determinant. Format: D Q(a), |D| < 2^29, positive definite. The adjugate is exact in 64 bits
+ * (2 x 2^58). It is cut to 30 bits by its largest diagonal, which bounds every entry of a positive definite
+ * matrix. The determinant keeps 22 bits or more while k_s / w <= 2^9. Overflow: determinant below 3 * 2^29 *
+ * 2^30. */
 static inline void invert(const crn_sym3 *d, inverse3 *inverse)
 {
     const int32_t xx = d->m[XX], xy = d->m[XY], xz = d->m[XZ], yy = d->m[YY], yz = d->m[YZ], zz = d->m[ZZ];
     const int64_t n[6] = {minor(yy, zz, yz, yz), minor(xz, yz, xy, zz), minor(xy, yz, xz, yy),
                           minor(xx, zz, xz, xz), minor(xy, xz, xx, yz), minor(xx, yy, xy, xy)};
     uint64_t size = ((uint64_t)(n[XX] | n[YY] | n[ZZ]) & (uint64_t)INT64_MAX) | ((uint64_t)1 << 30);
-    unsigned cut = 34 - clz64(size); /* largest diagonal to below 2^30: 1 .. 30 */
+    unsigned cut = 34 - clz64(size); /* brings the largest diagonal below 2^30: 1 .. 30 */
     int32_t m[6];
     for (int k = 0; k < 6; k++) {
         m[k] = crn_narrow64(n[k], cut);
     }
     int64_t determinant = (int64_t)xx * m[XX] + (int64_t)xy * m[XY] + (int64_t)xz * m[XZ];
-    /* An instrument far softer than its format's step could fall below; the floor keeps every shift in range.
-     */
+    /* An instrument far softer than its format's step could get below this; the floor keeps every shift in
+     * range. */
     const int64_t least = (int64_t)1 << 31;
     determinant = determinant < least ? least : determinant;
     unsigned lead = clz64((uint64_t)determinant); /* 3 .. 32 */
@@ -99,7 +101,7 @@ static inline int32_t row_apply(int_fast32_t a, int_fast32_t b, int_fast32_t c, 
                                 unsigned shift)
 {
     int64_t sum = (int64_t)a * r[0] + (int64_t)b * r[1] + (int64_t)c * r[2];
-    if (shift > 32) { /* the low word cannot carry */
+    if (shift > 32) { /* the low word cannot carry over */
         int32_t value = crn_asr32(crn_high64(sum) + ((int32_t)1 << (shift - 33)), shift - 32);
         return value > SOLUTION_MAX_M_Q33 ? SOLUTION_MAX_M_Q33
                                           : (value < -SOLUTION_MAX_M_Q33 ? -SOLUTION_MAX_M_Q33 : value);
@@ -157,10 +159,11 @@ static inline void add_edge(const crn_state *state, uint32_t i, crn_sym3 *d)
     add_along(t, state->line.nodes[i].spring - geometric, d);
 }
 
-/* Adds k_n n n^T + k_f (I - n n^T) + k_r (I - n n^T - t' t'^T) of a touching node, t' the tangent across n. A
- * step across both turns the normal force with the round wall, which without k_r = N / r swings for ever
- * where nothing rubs (docs/rod.md, "contact"). With b = n x t and c = n.t the last bracket is b b^T + c^2 (I
- * - n n^T): a tip that meets the wall head on has no t', and k_r acts all round. */
+/* Adds k_n n n^T + k_f (I - n n^T) + k_r (I - n n^T - t' t'^T) of a touching node, where t' is the tangent
+ * across n. A step across both turns the normal force with the round wall. Without k_r = N / r it would
+ * oscillate for ever where there is no friction (docs/rod.md, "contact"). With b = n x t and c = n.t the last
+ * bracket is b b^T + c^2 (I - n n^T): a tip that meets the wall head on has no t', and k_r acts in all
+ * directions across n. */
 static inline void add_wall(const crn_work *work, const crn_vec3 *tangent, crn_sym3 *d)
 {
     const crn_vec3 *n = &work->normal_q30;
@@ -176,8 +179,8 @@ static inline void add_wall(const crn_work *work, const crn_vec3 *tangent, crn_s
     add_along(n, work->wall_normal - across, d);
 }
 
-/* What two rows give to the third, besides their V and P: of the row before T, R + Q + Q^T, kb and r, of the
- * one before that kb and r. */
+/* What two rows contribute to the third, besides their V and P: the row before contributes T, R + Q + Q^T, kb
+ * and r, the one before that contributes kb and r. */
 typedef struct given {
     int_fast32_t t[9];
     crn_sym3 rest;
@@ -231,8 +234,8 @@ static inline void gather_rest(crn_sym3 *rest, const given *from, const int32_t 
     rest->m[ZZ] += r[ZZ] - taken(t + 2, v_q29 + 2, second, p_q29[ZZ]);
 }
 
-/* Q = next I + kb' (I - V'^T). Overflow: kb < 2^27 (a diagonal holds W (a + c)^2 >= 4 kb), so that 8 kb fits.
- */
+/* Q = next I + kb' (I - V'^T). Overflow: kb < 2^27 (a diagonal holds W (a + c)^2 >= 4 kb), so that 8 kb
+ * fits. */
 static inline void gather_upper(int32_t *q, int32_t next, int32_t second, const int32_t *v_q29)
 {
     const int32_t minus_q3 = -8 * second;
@@ -255,7 +258,7 @@ static inline int32_t gather_force(int64_t sum_N_q22, const int32_t *v_q29, cons
     return limit(sum_N_q22 - (sum >> 29), FORCE_MAX_N_Q22);
 }
 
-/* Keeps what the next two rows need. */
+/* Keeps the values that the next two rows need. */
 static inline void give(given *from, const int32_t *q, const int32_t *t, const int32_t *r, int32_t second)
 {
     from->rest = (crn_sym3){{t[0] + q[0], t[1] + q[3], t[2] + q[6], t[4] + q[4], t[5] + q[7], t[8] + q[8]}};
@@ -270,7 +273,7 @@ static inline void give(given *from, const int32_t *q, const int32_t *t, const i
     from->second = second;
 }
 
-/* Eliminates row i; V' and P'' are those of the rows before. The assembled forces stay as they are, so that a
+/* Eliminates row i; V' and P'' belong to the rows before. The assembled forces stay unchanged, so that a
  * second solve can start from them. Returns true when a force had to be limited. */
 static inline bool eliminate_row(const crn_model *model, crn_state *state, uint32_t i, const joints3 *joint,
                                  const int32_t *v_q29, const int32_t *p_q29, given *from)
@@ -356,8 +359,8 @@ void crn_rod_solve(const crn_model *model, crn_state *state)
     substitute(state);
 }
 
-/* Force of the line on the two held nodes: f - A delta. Bending is part of it: the edge force alone jumps
- * when a node is freed and reads low with a bent mouth (docs/rod.md). */
+/* Force of the line on the two held nodes: f - A delta. Bending is included: the edge force alone jumps when
+ * a node is freed, and it reads low when the line is bent at the inserter's distal end (docs/rod.md). */
 int32_t crn_rod_handle_axial(const crn_model *model, const crn_state *state)
 {
     uint32_t na = state->words.free_count;

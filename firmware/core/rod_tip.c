@@ -1,25 +1,27 @@
-/* A tip with a tight curve goes on as a rigid body: with the way of the node behind it and, while it touches
- * nothing, turning as it turned in the last tick. Sliding along its own curve would turn it by ds / R in each
- * tick; standing still would hold it back when the hand turns it, because the matrix keeps rest turns fixed
- * in space: of what is missing the solve gives a tip of length s on a wire of length L about 1 / (kappa^2 s
- * L) in each tick (docs/rod.md, "feed"). Not on the wall: there the solve ends the turn, and a tip that is
- * expected to go on trembles. */
+/* A tip with a tight curve moves on as a rigid body: with the displacement of the node behind it and, while
+ * it touches nothing, with the rotation of the last tick.
+ *
+ * If the tip slid along its own curve, that would turn it by ds / R in each tick. If it did not turn, that
+ * would hold it back when the hand turns it, because the matrix keeps rest turns fixed in space: for a tip of
+ * length s on a wire of length L the solve recovers about 1 / (kappa^2 s L) of the missing rotation in each
+ * tick (docs/rod.md, "feed"). A tip on the wall gets no predicted rotation: there the solve ends the turn,
+ * and a tip that is expected to turn on trembles. */
 #include "firmware/core/rod.h"
 
 enum {
-    TURN_LOST_SHIFT = 4,     /* a sixteenth of the last tick's turn does not go on */
-    WAY_MAX_M_Q33 = 1717987, /* 0.2 mm: of a node by one of the three turns; more, and a step might be more
-                                than a state may hold */
-    LEVER_LEAST_M2_Q60 =
-        1 << 30,           /* (0.03 mm)^2: sum of squared distances from an axis below which nothing turns */
-    AXIS_LEAST_M_Q24 = 64, /* 4 um: of the sum of distances that a plane is taken from */
+    TURN_LOST_SHIFT = 4,     /* a sixteenth of the last tick's rotation is lost */
+    WAY_MAX_M_Q33 = 1717987, /* 0.2 mm: displacement of a node by one of the three rotations; with more, a
+                                step might exceed what a state may hold */
+    /* (0.03 mm)^2: sum of squared distances from an axis below which nothing turns */
+    LEVER_LEAST_M2_Q60 = 1 << 30,
+    AXIS_LEAST_M_Q24 = 64, /* 4 um: smallest sum of distances that determines a plane */
 };
 
-/* Number of nodes from the tip that go on as one rigid body: to the last joint, within 40 mm, whose rest
- * shape is curved more tightly than 110 / m (a J, a pigtail, the first bend of a guide). Sliding along its
- * own curve would turn such a tip by ds / R in each tick, and the solve, whose matrix holds rest turns fixed
- * in space, gives that back over EI kappa^2 s / (EI / L) ticks: a J of 1.5 mm on 50 mm of soft wire lay 20 mm
- * behind at 30 mm/s. Overflow: turns are below 1.3 rad, a cell below 2^24 m Q30. */
+/* Number of nodes from the tip that move on as one rigid body. They reach to the last joint, within 40 mm,
+ * whose rest shape is curved more tightly than 110 / m (a J, a pigtail, the first bend of a guide). Sliding
+ * along its own curve would turn such a tip by ds / R in each tick. The solve, whose matrix holds rest turns
+ * fixed in space, undoes that only over EI kappa^2 s / (EI / L) ticks: a J of 1.5 mm on 50 mm of soft wire
+ * lagged by 20 mm at 30 mm/s. Overflow: turns are below 1.3 rad, a cell below 2^24 m Q30. */
 static uint32_t count_rigid(const crn_model *model, const crn_state *state, uint32_t free_count)
 {
     uint32_t rigid = 0;
@@ -40,11 +42,11 @@ static uint32_t count_rigid(const crn_model *model, const crn_state *state, uint
     return rigid < free_count ? rigid : free_count - 1;
 }
 
-/* Takes the turn about an axis through node `root` out of what is left of the tip's motion and adds what is
- * kept of it to the slide. `drift_m_q33` holds that motion here, against the root's. Least squares: angle =
- * sum (a x r).w / sum (a x r)^2. Returns the sum of a x r, Q24 m. Overflow: arms are below 2^26.7 in Q30 (96
- * mm, where restored edges are twice as long), motions below 2^26.9 in Q33, nodes below 2^8: sums below 2^62.
- */
+/* Removes the rotation about an axis through node `root` from the remaining motion of the tip, and adds the
+ * part that is kept to the slide. `drift_m_q33` holds that motion here, relative to the root's. Least
+ * squares: angle = sum (a x r).w / sum (a x r)^2. Returns the sum of a x r, Q24 m. Overflow: arms are below
+ * 2^26.7 in Q30 (96 mm, where restored edges are twice as long), motions below 2^26.9 in Q33, nodes below
+ * 2^8: sums below 2^62. */
 static crn_vec3 turn_about(crn_state *state, uint32_t root, const crn_vec3 *axis_q30)
 {
     const crn_vec3 *centre = &state->words.nodes[root].position_m_q30;
@@ -101,7 +103,8 @@ uint32_t crn_tip_predict(const crn_model *model, crn_state *state, uint32_t free
     if (touching != CRN_CONTACT_NONE || model->hold.pinned || model->hold.turn) {
         return rigid;
     }
-    /* About the line behind the tip, then across it: in the tip's plane, and out of it. */
+    /* First about the line behind the tip, then about two axes across it: in the tip's plane, and out of
+     * it. */
     crn_vec3 out = turn_about(state, rigid, &root->tangent_q30);
     int32_t size = 0;
     out = crn_vec3_normalise(out, root->tangent_q30, &size);

@@ -1,17 +1,16 @@
-/* What coaxial tools do to each other and to their hands (docs/rod.md, "tools").
+/* Forces between coaxial tools and on their hands (docs/rod.md, "tools").
  *
- * They share a centreline, so the wall between them is implied: a tool presses on the next one with the force
- * that its bending puts on the nodes they share. Friction mu N then resists sliding (one bristle along the
- * line for each pair) and turning (one bristle for each edge, in rod_twist.c), both ways.
+ * The tools share a centreline, so the wall between them is implied: a tool presses on the next one with the
+ * force that its bending puts on the nodes they share. Friction mu N then resists sliding (one bristle along
+ * the line for each pair) and turning (one bristle for each edge, in rod_twist.c), in both directions.
  *
  * The hand of a tool that does not lead feels how the line's energy changes as the tool slides at fixed
- * shape. At a place where the tool's properties change, that is the jump of psi = |M + P|^2 / (2 EI) - S / 2
- * with the moment M, P = sum EI_m kappa_m and S = sum EI_m kappa_m^2 over all tools there (the
- * configurational force of a rod whose section jumps). */
+ * shape. At a place where the tool's properties change, that is the jump of psi = |M + P|^2 / (2 EI) - S / 2.
+ * M is the moment, P = sum EI_m kappa_m and S = sum EI_m kappa_m^2 over all tools there (the configurational
+ * force of a rod whose section jumps). */
 #include "firmware/core/rod.h"
 
-/* --- how hard tools press on each other
- * ---------------------------------------------------------------------- */
+/* --- how hard tools press on each other ----------------------------------------------------------------- */
 
 enum {
     MOMENT_MAX_N_m_Q30 = 1 << 29, /* 0.5 N m: differences of two fit 32 bits */
@@ -27,8 +26,8 @@ static inline int32_t limited(int64_t value, int64_t most)
     return (int32_t)(value > 0 ? most : -most);
 }
 
-/* a / 2^n limited to +-2^log2_most, looking at the upper word only on a 32-bit machine. 32 - log2_most < n
- * < 32. */
+/* a / 2^n limited to +-2^log2_most; a 32-bit machine looks at the upper word only. 32 - log2_most < n <
+ * 32. */
 static inline int32_t limited_shift(int64_t a, unsigned n, unsigned log2_most)
 {
     if (sizeof(void *) > 4) {
@@ -57,8 +56,8 @@ static int32_t length_of(const crn_vec3 *a)
     return (int32_t)((top * root) >> (30 + (lead >> 1)));
 }
 
-/* Moments W b of all joints as the unturned line sees them, where the solution will be. Format: b in Q29 so
- * that it fits, W Q26 -> Q30 N m, limited. */
+/* Moments W b of all joints at the configuration of the solution, for the line without rest turning. Format:
+ * b in Q29 so that it fits, W Q26 -> Q30 N m, limited. */
 static void bending_moments(crn_state *state)
 {
     for (uint32_t i = 1; i <= state->words.free_count; i++) {
@@ -72,7 +71,7 @@ static void bending_moments(crn_state *state)
     }
 }
 
-/* Less W times a rest turning. */
+/* Subtracts W times a rest turning. */
 static void take_turn(const crn_vec3 *turn_q30, int32_t bend_N_m_q26, crn_vec3 *moment)
 {
     for (int c = 0; c < 3; c++) {
@@ -108,7 +107,7 @@ static inline void inner_moment(const crn_state *state, uint32_t pair, uint32_t 
     }
 }
 
-/* First edge where both tools of a pair are. */
+/* First edge where both tools of a pair are present. */
 static uint32_t first_shared(const crn_model *model, const crn_state *state, uint32_t pair)
 {
     int32_t a = state->line.offset_m_q30[pair];
@@ -135,9 +134,9 @@ static inline int32_t pressing_force(const crn_vec3 *before, const crn_vec3 *her
     return length_of(&force);
 }
 
-/* A tool bears on the next one over a length that its clearance and stiffness set, about 3 mm for a wire in a
- * catheter (sqrt(2 EI delta / M) with 0.05 mm, docs/rod.md); without it a step of the moment would press the
- * harder the finer the mesh. */
+/* A tool bears on the next one over a length that its clearance and stiffness set: about 3 mm for a wire in a
+ * catheter (sqrt(2 EI delta / M) with 0.05 mm, docs/rod.md). Without this length a step of the moment would
+ * press harder the finer the mesh is. */
 static inline void soften(int32_t share_q30, crn_vec3 *moment, const crn_vec3 *ahead)
 {
     for (int c = 0; c < 3; c++) {
@@ -146,7 +145,7 @@ static inline void soften(int32_t share_q30, crn_vec3 *moment, const crn_vec3 *a
 }
 
 /* Stiffness of the friction against turning: that of the bristle while its reach is within the limit mu N r,
- * else limit / reach, where the reach is that of the last tick's turns. Overflow: the quotient is then below
+ * else limit / reach. The reach is that of the last tick's rotations. Overflow: the quotient is then below
  * 4e-4 N m. */
 static inline uint16_t grip_stiffness(const crn_node_state *node, uint32_t pair, int32_t limit_N_m_q30)
 {
@@ -159,8 +158,8 @@ static inline uint16_t grip_stiffness(const crn_node_state *node, uint32_t pair,
     return (uint16_t)crn_quotient(limit_N_m_q30, reach, 26);
 }
 
-/* Turning limit mu N r of every edge of a pair with its stiffness, and the sum of mu N, which limits sliding.
- */
+/* Turning limit mu N r of every edge of a pair with its stiffness, and the sum of mu N, which limits
+ * sliding. */
 static void grip_pair(const crn_model *model, crn_state *state, uint32_t pair)
 {
     uint32_t na = state->words.free_count;
@@ -207,8 +206,7 @@ void crn_tools_grip(const crn_model *model, crn_state *state)
     }
 }
 
-/* --- what the hand of a tool that does not lead feels
- * -------------------------------------------------------- */
+/* --- forces on the hand of a tool that does not lead ---------------------------------------------------- */
 
 /* All tools at one place: EI, P and S of the header. */
 typedef struct section {
@@ -288,8 +286,8 @@ static int32_t straight_handle(const crn_vec3 *moment_N_m_q30, int32_t before_q3
     return crn_mul(crn_sat32(sum), crn_quotient(change_q35, before_q35, 30), 31);
 }
 
-/* Moment at joint i from the joints around it: moments are continuous; that of the cell itself lags while a
- * tip slides through it. Q30 N m. */
+/* Moment at joint i from the joints around it. Moments are continuous, but that of the cell itself lags while
+ * a tip slides through it. Q30 N m. */
 static crn_vec3 moment_around(const crn_model *model, const crn_state *state, uint32_t i)
 {
     crn_vec3 ahead, behind, moment;
@@ -313,7 +311,7 @@ static int32_t joint_handle(const crn_model *model, const crn_state *state, uint
         }
     }
     if (others.bend_q35 == 0) {
-        return 0; /* its tip is with the leading one */
+        return 0; /* its tip is level with the leading one */
     }
     section before = others;
     section after = others;
@@ -325,7 +323,7 @@ static int32_t joint_handle(const crn_model *model, const crn_state *state, uint
     return crn_sub_sat(potential(&before, &moment), potential(&after, &moment));
 }
 
-/* Energy that a curved tool keeps in the straight inserter, per length, where it leaves the mouth. */
+/* Energy per length that a curved tool stores in the straight inserter, at the inserter's distal end. */
 static int32_t mouth_handle(const crn_model *model, const crn_state *state, uint32_t k, int32_t arc_m_q30)
 {
     section own = {0, {{0, 0, 0}}, 0};
@@ -345,11 +343,12 @@ static bool holds_tip(const crn_model *model, const crn_state *state, uint32_t i
     return false;
 }
 
-/* The same for a cell within one span of tool k: EI comes from the joint, its change from the span. */
+/* Like joint_handle(), for a cell within one span of tool k: EI comes from the joint, its change from the
+ * span. */
 static int32_t smooth_handle(const crn_model *model, const crn_state *state, uint32_t k, uint32_t i,
                              const crn_span *span, int32_t from, int32_t to)
 {
-    /* the change follows from the way within the span, which only the tool's own end can cut */
+    /* the change follows from the length within the span, which only the tool's own end can cut */
     int32_t way = (to < span->end_m_q30 ? to : span->end_m_q30) - from;
     int32_t part = way > 0 ? (int32_t)(((int64_t)way * span->inverse_mantissa) >> span->shift) : 0;
     int32_t change = crn_scale_q30(span->delta[CRN_BEND_N_M2_Q35], part);
@@ -377,7 +376,7 @@ static int32_t elastic_handle(const crn_model *model, const crn_state *state, ui
     const crn_span *span = tool->spans;
     int32_t sum = 0;
     for (uint32_t i = 1; i <= state->words.free_count; i++) {
-        /* The tip's half cell has no joint of its own: the first one stands for it. */
+        /* The tip's half cell has no joint of its own: the first joint represents it. */
         int32_t from = (i > 1 ? model->mesh[i - 1].cell_end_m_q30 : 0) - offset;
         int32_t to = model->mesh[i].cell_end_m_q30;
         to = (to < inserted ? to : inserted) - offset;
@@ -392,16 +391,16 @@ static int32_t elastic_handle(const crn_model *model, const crn_state *state, ui
         } else if (!span->flat) {
             sum = crn_add_sat(sum, smooth_handle(model, state, k, i, span, from, to));
         } else if (span == last) {
-            break; /* nothing changes from here on */
+            break; /* the properties do not change from here on */
         }
     }
     return inserted > offset ? crn_add_sat(sum, mouth_handle(model, state, k, inserted - offset)) : 0;
 }
 
-/* A bent line pushes on the inserter along its axis with EI kappa^2 / 2 at the mouth: what is fed in has to
- * be straight (the configurational force of a sliding sleeve; Bigoni et al., Mech. Res. Commun. 2014). The
- * cut joint's W is EI / part and its edges differ by kappa part. Format: Q26 N m x Q30^2 -> Q30 N m, / Q30 m
- * -> Q22 N. */
+/* A bent line pushes on the inserter along its axis with EI kappa^2 / 2 at the distal end, because the part
+ * that is fed in has to be straight (the configurational force of a sliding sleeve; Bigoni et al., Mech. Res.
+ * Commun. 2014). The cut joint's W is EI / part and its edges differ by kappa part.
+ * Format: Q26 N m x Q30^2 -> Q30 N m, / Q30 m -> Q22 N. */
 static int32_t mouth_axial(const crn_model *model, const crn_state *state)
 {
     uint32_t na = state->words.free_count;
@@ -417,7 +416,7 @@ static int32_t mouth_axial(const crn_model *model, const crn_state *state)
         square += (bend * bend) >> 30;
     }
     int32_t energy = crn_mul(crn_sat32(square >> 1), joint->bend_N_m_q26, 26);
-    /* the part that the joint's stiffness stands for */
+    /* the part that the joint's stiffness represents */
     int32_t cell = model->mesh[cut].cell_end_m_q30 - model->mesh[cut - 1].cell_end_m_q30;
     int32_t least = crn_mul(cell, crn_quotient(whole, joint->bend_N_m_q26, 30), 30);
     return -crn_quotient(energy, part > least ? part : least, 22);
@@ -433,10 +432,9 @@ void crn_tools_handles(const crn_model *model, crn_state *state)
     }
 }
 
-/* --- after the solve
- * ----------------------------------------------------------------------------------------- */
+/* --- after the solve ------------------------------------------------------------------------------------ */
 
-/* Elastic turn of each edge of a pair, limited to mu N r / stiffness. */
+/* Elastic rotation of each edge of a pair, limited to mu N r / stiffness. */
 void crn_tools_turned(const crn_model *model, crn_state *state)
 {
     for (uint32_t pair = 0; pair + 1 < model->tool_count; pair++) {
@@ -452,7 +450,7 @@ void crn_tools_turned(const crn_model *model, crn_state *state)
     }
 }
 
-/* Sliding between neighbours: a bristle along the line, the same force on both hands. */
+/* Sliding between neighbours: a bristle along the line puts the same force on both hands. */
 void crn_tools_slide(const crn_model *model, crn_state *state)
 {
     for (uint32_t pair = 0; pair + 1 < model->tool_count; pair++) {

@@ -1,18 +1,18 @@
 /* The quasi-static twist of every tool, at the predicted configuration.
  *
- * Unknown turns theta of a tool's edges minimise sum k/2 (m + theta[i] - theta[i-1])^2 plus the bending
- * energy's dependence on the rest curvature, which turns with the frames: this is how a J tip follows the
- * hand. Friction resists: that of the wall on the tool that touches it, and that between a tool and the next
- * one. One tridiagonal solve per tool from its tip to the base; the inserter's edge is held at the hand's
- * angle, so torque reaches the tip within the tick (docs/rod.md, "twist"). */
+ * The unknown rotations theta of a tool's edges minimise sum k/2 (m + theta[i] - theta[i-1])^2 plus the
+ * bending energy, which depends on the rest curvature that turns with the frames: this makes a J tip follow
+ * the hand. Two kinds of friction resist: that of the wall on the tool that touches it, and that between a
+ * tool and the next one. There is one tridiagonal solve per tool from its tip to the base. The inserter's
+ * edge is held at the hand's angle, so torque reaches the tip within the tick (docs/rod.md, "twist"). */
 #include "firmware/core/rod.h"
 
 enum {
     ANGLE_STEP_MAX_Q30 = 1 << 29, /* correction of one edge in one tick: 0.5 rad */
     HALF_PI_Q30 = 1686629713,
     TWO_OVER_PI_Q30 = 683565276,
-    CURVE_MAX_N_M_Q26 = 1 << 29, /* 8 N m: what a rest shape may add to a pivot */
-    NEW_EDGES_MAX = 8,           /* edges that a tool's tip can pass in one tick */
+    CURVE_MAX_N_M_Q26 = 1 << 29, /* 8 N m: the most that a rest shape may add to a pivot */
+    NEW_EDGES_MAX = 8,           /* largest number of edges that a tool's tip can pass in one tick */
 };
 
 /* Twist of a joint. Format: difference of binary angles -> Q30 rad, saturated at 2 rad (114 degrees in one
@@ -22,8 +22,8 @@ static int32_t joint_angle(uint32_t ahead_turn32, uint32_t here_turn32)
     return crn_mul_q30((int32_t)(here_turn32 - ahead_turn32), HALF_PI_Q30);
 }
 
-/* What tool k's rest curvature adds to the twist equations of the two edges of joint i: torque W b.(t x half)
- * on the right, max(0, W b.half) on the diagonal. */
+/* Terms that tool k's rest curvature adds to the twist equations of the two edges of joint i: torque W b.(t x
+ * half) on the right, max(0, W b.half) on the diagonal. */
 static void curvature_torque(const crn_state *state, uint32_t k, uint32_t i, int32_t *torque_N_m_q30,
                              int32_t *stiffness_q26)
 {
@@ -44,14 +44,14 @@ static void curvature_torque(const crn_state *state, uint32_t k, uint32_t i, int
     }
 }
 
-/* What resists the turn theta of an edge: torque - stiffness theta. */
+/* Resistance to the rotation theta of an edge: torque - stiffness theta. */
 typedef struct resistance {
     int32_t torque_N_m_q30, stiffness_q26;
 } resistance;
 
-/* The wall's friction on the tool that touches it: the surface moves by r theta along n x t besides its way
- * along the wall, all against one bristle (rod_contact.c). Overflow: impossible; k_f r is below 2000 N/m x 2
- * mm = 2^24 in Q22, the reach below 2^30.5, so the torque below 2^29. */
+/* The wall's friction on the tool that touches it. The surface moves by r theta along n x t in addition to
+ * its displacement along the wall, and one bristle carries both (rod_contact.c). Overflow: impossible; k_f r
+ * is below 2000 N/m x 2 mm = 2^24 in Q22, the reach below 2^30.5, so the torque below 2^29. */
 static inline __attribute__((always_inline)) resistance
 wall_resistance(unsigned exponent, const crn_work *work, int32_t radius_m_q30)
 {
@@ -62,8 +62,9 @@ wall_resistance(unsigned exponent, const crn_work *work, int32_t radius_m_q30)
     return (resistance){crn_mulh(lever_N_q28, -work->reach_m_q33) * 2, crn_mulh(lever_N_q28, radius_m_q30)};
 }
 
-/* Friction on tool k at an edge: between it and its neighbours (the other's turn is the newest known), and of
- * the wall. Overflow: stiffnesses of pairs are below 2^15, so a pair's torque is below 2^20. */
+/* Friction on tool k at an edge: that between it and its neighbours (with the newest known rotation of the
+ * neighbour), and that of the wall. Overflow: stiffnesses of pairs are below 2^15, so a pair's torque is
+ * below 2^20. */
 static inline __attribute__((always_inline)) resistance
 edge_resistance(unsigned exponent, const crn_node_state *node, const crn_work *work,
                 const crn_line_node *line, uint32_t k, bool outermost)
@@ -87,12 +88,12 @@ edge_resistance(unsigned exponent, const crn_node_state *node, const crn_work *w
     return sum;
 }
 
-/* What elimination hands from one edge to the next. */
+/* Values that elimination passes from one edge to the next. */
 typedef struct twist_carry {
-    int32_t left_q26; /* k of the joint ahead less what eliminating the edge ahead takes: not negative */
+    int32_t left_q26; /* k of the joint ahead less what eliminating the edge ahead takes away: not negative */
     int32_t moment;   /* k m of the joint ahead */
     int32_t curve_torque, curve_q26; /* curvature terms of this edge from the joint ahead */
-    int32_t reduced_torque;          /* what eliminating the edge ahead leaves here */
+    int32_t reduced_torque;          /* the remaining torque after the edge ahead was eliminated */
 } twist_carry;
 
 /* A 32-bit machine looks at the upper word. right / pivot in Q30 for right in Q30 and pivot = mantissa 2^(1 -
@@ -144,7 +145,8 @@ static inline __attribute__((always_inline)) void eliminate_edge(const crn_model
     }
     unsigned lead = (unsigned)__builtin_clz(pivot);
     int32_t reciprocal = crn_reciprocal_q30(pivot << lead >> 1);
-    /* k / pivot, at most one since the pivot is k and more; 2^-30 of room for the reciprocal's rounding */
+    /* k / pivot, at most one since the pivot is k or more; 2^-30 is the reserve for the reciprocal's
+     * rounding */
     int32_t ratio = (int32_t)(((uint64_t)((uint32_t)next << lead) * (uint32_t)reciprocal) >> 32);
     ratio = ratio > CRN_ONE_Q30 ? CRN_ONE_Q30 : ratio;
     work->u.a.twist_ratio_q30 = ratio;
@@ -165,11 +167,12 @@ static void turn_axis(const crn_vec3 *tangent, int32_t angle_q30, crn_vec3 *axis
     crn_frames_orthonormalise(axis1, tangent);
 }
 
-/* From the base to tool k's tip; edges that the tip is about to reach take the frame of its last edge. */
+/* Back substitution from the base to tool k's tip. Edges that the tip is about to reach take the frame of its
+ * last edge. */
 static inline __attribute__((always_inline)) void substitute(crn_state *state, uint32_t k, uint32_t first)
 {
     uint32_t na = state->words.free_count;
-    int32_t turn = 0; /* of the edge nearer the base */
+    int32_t turn = 0; /* rotation of the edge nearer the base */
     uint32_t angle = state->words.nodes[na].angle_turn32[k];
     for (uint32_t n = na; n > first; n--) {
         crn_work *work = &state->scratch.nodes[n - 1];
@@ -195,7 +198,7 @@ static inline __attribute__((always_inline)) void substitute(crn_state *state, u
     }
 }
 
-/* The edge that tool k's tip lies in; free_count when the tool is still in the inserter. */
+/* The edge that tool k's tip lies in, or free_count when the tool is still in the inserter. */
 static uint32_t tip_edge(const crn_model *model, const crn_state *state, uint32_t k)
 {
     uint32_t j = 0;
@@ -205,8 +208,8 @@ static uint32_t tip_edge(const crn_model *model, const crn_state *state, uint32_
     return j;
 }
 
-/* A spring of 16 N m/rad that holds the first edge of tool 0, for validation: as if it were a rest shape's.
- */
+/* Adds a spring of 16 N m/rad that holds the first edge of tool 0, for validation, in the form of a rest
+ * shape's term. */
 static void hold_turn(const crn_model *model, const crn_state *state, twist_carry *carry)
 {
     int32_t miss = (int32_t)(model->hold.turn32 - state->words.nodes[0].angle_turn32[0]);
@@ -214,7 +217,7 @@ static void hold_turn(const crn_model *model, const crn_state *state, twist_carr
     carry->curve_q26 = 16 << 26;
 }
 
-/* Inline, so that k and whether a tool is the outermost are constants in the loops. */
+/* The function is inline, so that k and whether a tool is the outermost are constants in the loops. */
 static inline __attribute__((always_inline)) void twist_tool(const crn_model *model, crn_state *state,
                                                              uint32_t k, bool outermost)
 {

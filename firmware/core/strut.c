@@ -1,13 +1,13 @@
-/* Rings of struts and what a node meets of them (strut.h, docs/lesions.md). */
+/* Rings of struts and their contact with a node (strut.h, docs/lesions.md). */
 #include "firmware/core/strut.h"
 #include "firmware/core/rod.h"
 
 enum {
-    MARGIN_M_Q30 = 536871,           /* 0.5 mm: as far as a tick may take a node */
+    MARGIN_M_Q30 = 536871,           /* 0.5 mm: the most that a tick may move a node */
     NODE_RADIUS_MAX_M_Q30 = 2147484, /* 2 mm: the widest tool (core.h) */
-    PACE_M_Q30 = 5369,               /* 5 um a tick, as a balloon grows */
+    PACE_M_Q30 = 5369,               /* 5 um a tick, the pace at which a balloon grows */
     APART_MAX_M_Q30 = 1 << 24,       /* rings farther apart in any direction, or wider, are not joined */
-    STEEP_Q30 = 1 << 29,             /* change of the radius along the stent */
+    STEEP_Q30 = 1 << 29,             /* largest change of the radius along the stent */
     CENTRE_MAX_um = 1900000,
     INSIDE_MIN_um = 200,
     INSIDE_MAX_um = 20000,
@@ -15,8 +15,7 @@ enum {
     THICKNESS_MAX_um = 1000,
 };
 
-/* --- orders
- * -------------------------------------------------------------------------------------------------- */
+/* --- orders --------------------------------------------------------------------------------------------- */
 
 static bool is_within(int32_t value, int32_t low, int32_t high)
 {
@@ -130,7 +129,7 @@ void crn_struts_step(crn_state *state)
         if (has_bit(struts->moving_bits, i)) {
             move_on(struts, i);
         }
-        /* below 25 mm, and a place below 1.9 m: within 2^31 */
+        /* below 25 mm, and a place is below 1.9 m: within 2^31 */
         const int32_t reach =
             ring->inside_m_q30 + ring->thickness_m_q30 + NODE_RADIUS_MAX_M_Q30 + MARGIN_M_Q30;
         for (int k = 0; k < 3; k++) {
@@ -143,8 +142,7 @@ void crn_struts_step(crn_state *state)
     state->scratch.struts_high_m_q30 = high;
 }
 
-/* --- contact
- * ------------------------------------------------------------------------------------------------- */
+/* --- contact -------------------------------------------------------------------------------------------- */
 
 static bool is_joined(const crn_strut_state *struts, uint32_t i)
 {
@@ -162,8 +160,8 @@ static bool is_joined(const crn_strut_state *struts, uint32_t i)
     return true;
 }
 
-/* Along the chain at one of its rings, from the ring before to the one behind. Overflow: rings that are
- * joined are less than 2^24 apart. */
+/* Direction of the chain at one of its rings, from the ring before to the one behind. Overflow: rings that
+ * are joined are less than 2^24 apart. */
 static crn_vec3 along_chain(const crn_strut_state *struts, uint32_t i, bool has_before, bool has_behind)
 {
     const crn_strut_ring *ring = &struts->rings[i];
@@ -174,11 +172,11 @@ static crn_vec3 along_chain(const crn_strut_state *struts, uint32_t i, bool has_
 typedef struct section {
     crn_vec3 centre_m_q30, along_q30;
     int32_t inside_m_q30, thickness_m_q30, slope_q30;
-    int32_t
-        beyond_m_q30; /* the end of the chain: how far the place is from it, along_q30 being the way out */
+    int32_t beyond_m_q30; /* at an end of the chain: distance of the place beyond it, where along_q30 points
+                             outwards */
 } section;
 
-/* Between a and b. Overflow: impossible, a convex sum. */
+/* Interpolates between a and b. Overflow: impossible, a convex sum. */
 static int32_t between(int32_t a, int32_t b, int32_t share_q30)
 {
     return crn_scale_q30(a, CRN_ONE_Q30 - share_q30) + crn_scale_q30(b, share_q30);
@@ -190,8 +188,8 @@ static crn_vec3 vector_between(const crn_vec3 *a, const crn_vec3 *b, int32_t sha
                          between(a->v[2], b->v[2], share_q30));
 }
 
-/* Within the box of rings i and i + 1, with room for the node? Overflow: radii are below 2^25, places below
- * 2^30.93. */
+/* Is the place within the box of rings i and i + 1, with a margin for the node? Overflow: radii are below
+ * 2^25, places below 2^30.93. */
 static bool is_near(const crn_strut_ring *ring, const crn_vec3 *place, int32_t radius_m_q30)
 {
     const int32_t wider =
@@ -220,8 +218,8 @@ static crn_vec3 unit_of(const crn_vec3 *way)
     return crn_vec3_normalise(*way, none, NULL);
 }
 
-/* Between the planes across the chain at two rings. Overflow: within the box a place is less than 2^26 off.
- */
+/* A section between the planes across the chain at two rings. Overflow: within the box a place is less than
+ * 2^26 away. */
 static section section_between(const crn_strut_ring *ring, const crn_vec3 *first, const crn_vec3 *last,
                                const crn_vec3 *off_a, const crn_vec3 *off_b)
 {
@@ -242,8 +240,9 @@ static section section_between(const crn_strut_ring *ring, const crn_vec3 *first
                      0};
 }
 
-/* The section of the struts from ring i to the next in which a place lies; false: in another one's, or beyond
- * an end. Signs first: of the segments near a place all but one or two end there. */
+/* Finds the section of the struts between ring i and the next in which a place lies. Returns false when the
+ * place lies in another section. The signs come first, because they rule out all but one or two of the
+ * segments near a place. */
 static bool section_at(const crn_strut_state *struts, uint32_t i, const crn_vec3 *place, section *at)
 {
     const crn_strut_ring *a = &struts->rings[i], *b = a + 1;
@@ -272,7 +271,7 @@ static bool section_at(const crn_strut_state *struts, uint32_t i, const crn_vec3
     return true;
 }
 
-/* Beside the edge: round, its normal at least 45 degrees to the side. */
+/* Contact beside a round edge; its normal is tilted at least 45 degrees to the side. */
 static crn_lumen_sample beside_edge(const section *at, const crn_vec3 *outwards_q30, int32_t off_middle_m_q30)
 {
     const int32_t beyond = at->beyond_m_q30,
@@ -291,7 +290,7 @@ static crn_lumen_sample beside_edge(const section *at, const crn_vec3 *outwards_
     return sample;
 }
 
-/* Beside the struts, inside or outside. Overflow: slope and unit vector are below 1.5 together. */
+/* Contact beside the struts, inside or outside. Overflow: slope and unit vector are below 1.5 together. */
 static crn_lumen_sample beside_struts(const section *at, const crn_vec3 *outwards_q30, int32_t rho_m_q30,
                                       bool is_inside)
 {
@@ -310,7 +309,7 @@ static crn_lumen_sample beside_struts(const section *at, const crn_vec3 *outward
     return sample;
 }
 
-/* One shell's contact; false: on its axis, where it has no normal. */
+/* Contact with one shell. Returns false on its axis, where it has no normal. */
 static bool contact_of(const section *at, const crn_vec3 *place, int32_t radius_m_q30,
                        crn_lumen_sample *sample)
 {
@@ -329,7 +328,7 @@ static bool contact_of(const section *at, const crn_vec3 *place, int32_t radius_
     const int32_t off_middle = rho - at->inside_m_q30 - at->thickness_m_q30 / 2;
     *sample = at->beyond_m_q30 > 0 ? beside_edge(at, &across, off_middle)
                                    : beside_struts(at, &across, rho, off_middle < 0);
-    /* a tool wider than the struts inside comes to lie on their axis */
+    /* a tool that is wider than the inside of the struts settles on their axis */
     if (off_middle < 0 && sample->distance_m_q30 > rho - radius_m_q30) {
         sample->distance_m_q30 = rho - radius_m_q30;
     }
@@ -400,8 +399,7 @@ bool crn_struts_wall(const crn_model *model, const crn_state_words *words, crn_m
     return true;
 }
 
-/* --- a restored state
- * ---------------------------------------------------------------------------------------- */
+/* --- a restored state ----------------------------------------------------------------------------------- */
 
 static bool ring_is_valid(const crn_strut_ring *ring)
 {

@@ -1,4 +1,4 @@
-/* The vector functions too long to be inline; formats and bounds stand in vector.h. */
+/* The vector functions that are too long to be inline; vector.h states formats and bounds. */
 #include "firmware/core/vector.h"
 
 /* a b - c d, rounded once. Overflow: impossible before saturation, since |a b - c d| <= 2^63 - 2^31; the half

@@ -1,4 +1,4 @@
-/* Three-component vectors in fixed point. A vector's format is that of its components and ends its name. */
+/* Three-component vectors in fixed point. A vector has the format of its components, which ends its name. */
 #ifndef CRN_VECTOR_H
 #define CRN_VECTOR_H
 
@@ -62,7 +62,8 @@ crn_vec3 crn_vec3_cross(crn_vec3 a, crn_vec3 b, unsigned n);
 
 /* Scale to unit length. Format: any Q -> Q30. Overflow: none; *length saturates at INT32_MAX. Error: <= 3 LSB
  * of Q30 per component for a vector of any length >= 1 LSB; *length <= 1/2 LSB + 2^-29 relative. A zero
- * vector gives `fallback` and length 0. *length gets the length in the input's format when not NULL. */
+ * vector gives `fallback` and length 0. If `length` is not NULL, *length receives the length in the input's
+ * format. */
 crn_vec3 crn_vec3_normalise(crn_vec3 a, crn_vec3 fallback, int32_t *length);
 
 #endif

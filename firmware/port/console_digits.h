@@ -1,12 +1,12 @@
-/* Decimal digits for a board's console. Freestanding. */
+/* Decimal digits for a board's console. It is freestanding. */
 #ifndef CRN_PORT_CONSOLE_DIGITS_H
 #define CRN_PORT_CONSOLE_DIGITS_H
 
 #include <stdint.h>
 
-enum { CONSOLE_DIGITS_BYTES = 11 }; /* of 2^32 - 1, and the end */
+enum { CONSOLE_DIGITS_BYTES = 11 }; /* the digits of 2^32 - 1 and the terminator */
 
-/* The first digit, in `text`. */
+/* Writes the digits into `text` and returns the first one. */
 static inline const char *console_digits(char text[CONSOLE_DIGITS_BYTES], uint32_t value)
 {
     int at = CONSOLE_DIGITS_BYTES - 1;

@@ -1,4 +1,4 @@
-/* The whole hardware contract: what a port gives the app, and what it calls.
+/* The complete hardware interface: what a port provides to the app, and which functions it calls.
  *
  * A port owns the memory (one crn_app, two scene slots), the pipe of bytes, and the 1 ms timer:
  *   at power-up      crn_app_init(app, &port)               outputs are off from here on
@@ -6,8 +6,7 @@
  *   1 ms passed      crn_app_timer(app)                     from the main loop, per edge of the timer, late ones too
  *
  * The timer owns the tick in FREE_RUN, and in every mode and state the app reads `inputs` and writes
- * `outputs` once per edge. A port reaches nothing else of the app.
- */
+ * `outputs` once per edge. A port uses nothing else of the app. */
 #ifndef CRN_PORT_H
 #define CRN_PORT_H
 
@@ -17,14 +16,14 @@
 
 enum {
     CRN_PORT_TOOL_MAX = 3,      /* tracks: one per tool, from the innermost */
-    CRN_PORT_DRIVE_HOLD_ms = 5, /* the power stage drops power so long after the last flip */
+    CRN_PORT_DRIVE_HOLD_ms = 5, /* the power stage drops power this long after the last flip */
     CRN_PORT_SERIAL_BYTES = 24, /* longest serial */
 };
 
-/* What a sensor, or the electronics in front of it, says about its own reading. Only OK readings are used. */
+/* Verdict of a sensor, or of its electronics, on its own reading. Only OK readings are used. */
 typedef enum crn_port_sensor {
     CRN_PORT_SENSOR_OK = 0,
-    CRN_PORT_SENSOR_ABSENT, /* this rig has none; a motor without a force sensor needs the local unlock */
+    CRN_PORT_SENSOR_ABSENT, /* not fitted; a motor without a force sensor needs the local unlock */
     CRN_PORT_SENSOR_RANGE,  /* outside its electrical range: cable broken or shorted, amplifier saturated */
     CRN_PORT_SENSOR_ERROR,  /* signal error: illegal step, check sum, no new sample since the last tick */
 } crn_port_sensor;
@@ -34,28 +33,28 @@ typedef struct crn_port_hand {
     int32_t rotation_counts;    /* absolute, may wrap; + right-handed about the direction of insertion */
 } crn_port_hand;
 
-/* What the electronics of one track report beside its encoders. */
+/* Reports of the electronics of one track beside its encoders. */
 typedef struct crn_port_track {
     int32_t force_raw; /* axial force on the hand in the sensor's counts, + pushes the hand back out */
     uint8_t translation_sensor; /* CRN_PORT_SENSOR_* */
     uint8_t rotation_sensor;
     uint8_t force_sensor;
-    bool over_current; /* a motor driver of this track limits or trips */
+    bool over_current; /* a motor driver of this track limits its current or has tripped */
 } crn_port_track;
 
 /* One sample of the whole rig. */
 typedef struct crn_port_inputs {
     crn_port_hand hands[CRN_PORT_TOOL_MAX];
     crn_port_track tracks[CRN_PORT_TOOL_MAX];
-    int32_t syringe_counts; /* contrast syringe's plunger, absolute, may wrap; + injects */
+    int32_t syringe_counts; /* plunger of the contrast syringe, absolute, may wrap; + injects */
     int32_t inflator_raw;   /* pressure of the balloon's inflator in the sensor's counts */
     uint8_t syringe_sensor; /* CRN_PORT_SENSOR_* */
     uint8_t inflator_sensor;
     uint32_t buttons;    /* bit 0: X-ray pedal, 1: cine pedal, 2 .. 7: buttons of the rig */
     bool emergency_stop; /* pressed, or its loop is open */
-    bool supply_good;    /* the motors' supply is in its range */
-    bool stage_on; /* the power stage says that it drives: supply good, stop released, drive line flipping */
-    bool local_unlock; /* the switch inside the rig; limits can be raised only while it is closed */
+    bool supply_good;    /* the motors' supply is within its range */
+    bool stage_on;       /* the power stage drives: supply good, stop released, drive line flipping */
+    bool local_unlock;   /* the switch inside the rig; limits can be raised only while it is closed */
 } crn_port_inputs;
 
 typedef struct crn_port_motor {
@@ -65,34 +64,34 @@ typedef struct crn_port_motor {
 
 typedef enum crn_port_lamp {
     CRN_PORT_LAMP_IDLE = 0, /* INIT, READY */
-    CRN_PORT_LAMP_ARMED,    /* motors may come on: slow blinking */
+    CRN_PORT_LAMP_ARMED,    /* motors may be powered: slow blinking */
     CRN_PORT_LAMP_RUNNING,
     CRN_PORT_LAMP_FAULT, /* fast blinking */
 } crn_port_lamp;
 
-/* Written once per edge of the timer, and once more at once when a fault takes the power away. */
+/* The outputs are written once per edge of the timer, and at once when a fault removes the power. */
 typedef struct crn_port_outputs {
-    crn_port_motor
-        motors[CRN_PORT_TOOL_MAX]; /* all 0 unless RUNNING in FREE_RUN; 0 for a track without a tool */
-    bool drive; /* level of the drive line: flipped on every edge while power is wanted, else left as it is */
-    bool enable;  /* false: take the power away now, without waiting for CRN_PORT_DRIVE_HOLD_ms */
+    /* all 0 unless RUNNING in FREE_RUN; 0 for a track without a tool */
+    crn_port_motor motors[CRN_PORT_TOOL_MAX];
+    bool drive;   /* level of the drive line: flipped on every edge while power is wanted, else unchanged */
+    bool enable;  /* false: remove the power now, without waiting for CRN_PORT_DRIVE_HOLD_ms */
     uint8_t lamp; /* CRN_PORT_LAMP_* */
 } crn_port_outputs;
 
 typedef struct crn_port {
-    void *context; /* handed back in every call */
-    /* Queue one whole frame for the host, or none of it: false, no room. */
+    void *context; /* passed back in every call */
+    /* Queues one whole frame for the host. When there is no room it queues nothing and returns false. */
     bool (*transmit)(void *context, const uint8_t *frame, size_t frame_bytes);
-    size_t (*transmit_room)(void *context); /* bytes of the longest frame that `transmit` would take now */
-    /* Sample the rig. False: no rig; the app uses the host's `input` messages, powers nothing. */
+    size_t (*transmit_room)(void *context); /* length of the longest frame that `transmit` would accept now */
+    /* Samples the rig. False: there is no rig; the app uses the host's `input` messages, powers nothing. */
     bool (*inputs)(void *context, crn_port_inputs *inputs);
     void (*outputs)(void *context, const crn_port_outputs *outputs);
-    uint32_t (*now_us)(void *context); /* free-running, wraps at 2^32; tells how long a tick took */
+    uint32_t (*now_us)(void *context); /* free-running, wraps at 2^32; measures how long a tick took */
     const char *serial;          /* unique to this device, printable ASCII, at most CRN_PORT_SERIAL_BYTES */
     uint8_t *scene_slots[2];     /* two buffers: the old scene stays valid until the new one is validated */
     uint32_t scene_slot_bytes;   /* size of each, 4-byte aligned */
     uint32_t capabilities;       /* CRN_WIRE_CAPABILITY_* that depend on the port: encoders, motors */
-    uint32_t force_uN_per_count; /* scale of the force sensors; 0: 1,000. Hosts may move it by a quarter */
+    uint32_t force_uN_per_count; /* scale of the force sensors; 0: 1,000. Hosts may change it by a quarter */
     crn_port_built built;        /* port_built.h */
 } crn_port;
 

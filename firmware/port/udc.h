@@ -1,16 +1,16 @@
-/* The USB device controller as the device stack sees it: what a port gives, what firmware/app/usb asks for.
+/* The USB device controller as the device stack sees it: the functions that a port provides and
+ * firmware/app/usb calls.
  *
- * The port powers its controller up itself and hands the stack a filled crn_udc. From then on the stack
- * calls, always from the main loop and never from an interrupt. Nothing here waits, and no call takes longer
- * than handling a packet.
+ * The port powers up its controller itself and passes a filled crn_udc to the stack. From then on the stack
+ * calls, always from the main loop and never from an interrupt. No call waits, and no call takes longer than
+ * handling a packet.
  *
  * Buffers belong to the stack; the controller reads and writes them in place (no copy). Buffers of OUT
  * transfers are aligned to 32 bytes and fill whole lines of 32, so that a cache may be invalidated; those of
  * IN transfers are not.
  *
- * Endpoints are named by their address: number 0 .. 15, bit 7 set for IN. Endpoint 0 is always open, both
- * ways, with packets of 64 bytes.
- */
+ * Endpoints are named by their address: number 0 .. 15, bit 7 set for IN. Endpoint 0 is always open in both
+ * directions, with packets of 64 bytes. */
 #ifndef CRN_UDC_H
 #define CRN_UDC_H
 
@@ -32,12 +32,13 @@ typedef enum crn_udc_speed {
 
 typedef enum crn_udc_event_kind {
     CRN_UDC_NOTHING = 0,
-    CRN_UDC_RESET,   /* the bus was reset, `speed` is known. Address 0, only endpoint 0 open, nothing armed */
+    CRN_UDC_RESET,   /* the bus was reset and `speed` is known; address 0, only endpoint 0 is open, nothing is
+                        armed */
     CRN_UDC_SUSPEND, /* no traffic for 3 ms */
     CRN_UDC_RESUME,
-    CRN_UDC_UNPLUG, /* the cable is out; everything as after a reset */
-    CRN_UDC_SETUP,  /* a setup packet came: what was armed on endpoint 0 is void and gives no CRN_UDC_DONE */
-    CRN_UDC_DONE,   /* the transfer armed on `endpoint` is over after `bytes` */
+    CRN_UDC_UNPLUG, /* the cable is out; the state is that after a reset */
+    CRN_UDC_SETUP,  /* a setup packet arrived: what was armed on endpoint 0 is void, without CRN_UDC_DONE */
+    CRN_UDC_DONE,   /* the transfer armed on `endpoint` ended after `bytes` */
 } crn_udc_event_kind;
 
 typedef struct crn_udc_event {
@@ -49,33 +50,35 @@ typedef struct crn_udc_event {
 } crn_udc_event;
 
 typedef struct crn_udc {
-    void *context; /* handed back in every call */
+    void *context; /* passed back in every call */
     bool can_high_speed;
 
-    /* Pull-up on or off: with it off the host sees an empty socket. */
+    /* Turns the pull-up on or off; with it off the host sees an empty socket. */
     void (*connect)(void *context, bool connected);
 
-    /* The address to answer from now on; called when the status stage of SET_ADDRESS is over. */
+    /* Sets the address to answer from now on; called when the status stage of SET_ADDRESS is over. */
     void (*set_address)(void *context, uint8_t address);
 
-    /* Start an endpoint afresh: next packet DATA0, not stalled, nothing armed. Opening an open one does the
-     * same. False: the controller cannot have such an endpoint. */
+    /* Opens an endpoint in its initial state: next packet DATA0, not stalled, nothing armed. Opening an open
+     * endpoint does the same. Returns false when the controller cannot have such an endpoint. */
     bool (*open)(void *context, uint8_t endpoint, crn_udc_type type, uint16_t packet_bytes);
     void (*close)(void *context, uint8_t endpoint);
 
-    /* Begin one transfer; the stack never begins a second one on an endpoint before the first is done or
-     * void. IN: send `count` bytes in packets, the last one short or full; `count` 0 sends one empty packet.
-     * OUT: receive until `count` bytes are full or a short packet came; `count` 0 awaits one empty packet. */
+    /* Begins one transfer; the stack never begins a second one on an endpoint before the first is done or
+     * void. IN: sends `count` bytes in packets, the last one short or full; `count` 0 sends one empty packet.
+     * OUT: receives until `count` bytes are full or a short packet came; `count` 0 awaits one empty
+     * packet. */
     void (*arm)(void *context, uint8_t endpoint, uint8_t *bytes, uint32_t count);
 
-    /* Answer STALL and drop what is armed. Ends by open, a bus reset or, on endpoint 0 (both ways), the next
-     * setup packet. */
+    /* Answers STALL and drops the armed transfer. The stall ends by open, by a bus reset or, on endpoint 0
+     * (in both directions), by the next setup packet. */
     void (*stall)(void *context, uint8_t endpoint);
 
-    /* Electrical test mode `selector` (USB 2.0, 9.4.9) until power-down. NULL: the controller has none. */
+    /* Enters the electrical test mode `selector` (USB 2.0, 9.4.9) until power-down. NULL means that the
+     * controller has no test modes. */
     void (*test)(void *context, uint8_t selector);
 
-    /* The next event. False: nothing new. */
+    /* Returns the next event. False means that there is no new event. */
     bool (*poll)(void *context, crn_udc_event *event);
 } crn_udc;
 

@@ -1,7 +1,8 @@
-/* firmware/port/imxrt1062/usb_udc.c, whole and as it is, on a model of the controller as the chip's manual
- * tells it (i.MX RT1060, chapter 42): heads, transfer descriptors, prime, flush, bits that are cleared by
- * writing ones, the trip wire of setup packets; and the host on its bus. Every register is reached through
- * the macros LOAD and STORE of imxrt1062_registers.h, which are the model's here. */
+/* Compiles firmware/port/imxrt1062/usb_udc.c unchanged against a model of the controller as the chip's manual
+ * describes it (i.MX RT1060, chapter 42). The model covers heads, transfer descriptors, prime, flush, bits
+ * that are cleared by writing ones, the trip wire of setup packets, and the host on its bus. The code
+ * accesses every register through the macros LOAD and STORE of imxrt1062_registers.h, which the model defines
+ * here. */
 #ifndef CRN_BOARD_USB_MODEL_H
 #define CRN_BOARD_USB_MODEL_H
 
@@ -20,12 +21,11 @@ static void model_store(volatile uint32_t *where, uint32_t value);
 #define R32(base, offset) (*model_place(base, offset))
 #define LOAD(REGISTER) model_load(&(REGISTER))
 #define STORE(REGISTER, value) model_store(&(REGISTER), value)
-#define CRN_CORTEX_M7_H /* no such processor here */
+#define CRN_CORTEX_M7_H /* the test machine has no such processor */
 static inline void core_data_barrier(void) {}
 #include "firmware/port/imxrt1062/usb_udc.c"
 
-/* --- the controller
- * ---------------------------------------------------------------------------------------------------- */
+/* --- the controller ------------------------------------------------------------------------------------- */
 enum { REGISTER_BYTES = 0x200, STATUS_TRANSFER = 1 };
 
 typedef enum host_answer { HOST_ACKED, HOST_NAKED, HOST_STALLED, HOST_SILENT } host_answer;
@@ -35,8 +35,8 @@ static struct model {
     uint32_t done[PIPES]; /* bytes of the transfer under way */
     uint32_t armed[PIPES];
     unsigned toggle[PIPES];
-    int flushes_outlived;      /* a packet is under way for so many flushes */
-    const uint8_t *next_setup; /* comes while the one before is being read */
+    int flushes_outlived;      /* number of flushes during which a packet is still under way */
+    const uint8_t *next_setup; /* arrives while the one before is being read */
 } model;
 
 static volatile uint32_t *cell(uint32_t offset)
@@ -51,7 +51,7 @@ static volatile uint32_t *model_place(uint32_t base, uint32_t offset)
     return cell(offset);
 }
 
-/* Descriptors hold 32 bits of an address: the one nearest to the controller's memory is meant. */
+/* Descriptors hold 32 bits of an address, which stand for the address nearest to the controller's memory. */
 static uint8_t *address_of(uint32_t low)
 {
     uintptr_t here = (uintptr_t)&memory;
@@ -90,7 +90,7 @@ static void prime_pipe(uint32_t pipe)
 {
     usb_head *head = &memory.heads[pipe];
     if (pipe < 2 && *cell(USB_ENDPTSETUPSTAT) != 0)
-        return; /* the manual's: not before the setup packet is taken */
+        return; /* required by the manual: not before the setup packet is taken */
     assert_int_equal(*cell(USB_ASYNCLISTADDR), (uint32_t)(uintptr_t)memory.heads);
     assert_int_equal(head->next % 32, 0);
     assert_int_equal(head->token & (TOKEN_ACTIVE | TOKEN_HALTED), 0);
@@ -105,7 +105,7 @@ static void prime_pipe(uint32_t pipe)
 
 static void write_control(uint32_t number, uint32_t value)
 {
-    /* Both ways alike in the bits used here; a way that is off keeps no toggle. */
+    /* Both directions use the same bits here; a direction that is off keeps no toggle. */
     if (number != 0 && (value & MASK(USB_ENDPTCTRL_0_RXR)) != 0) model.toggle[2 * number] = 0;
     if (number != 0 && (value & MASK(USB_ENDPTCTRL_0_TXR)) != 0) model.toggle[2 * number + 1] = 0;
     *cell(USB_ENDPTCTRL0 + 4 * number) = value & ~(MASK(USB_ENDPTCTRL_0_RXR) | MASK(USB_ENDPTCTRL_0_TXR));
@@ -134,7 +134,7 @@ static void model_store(volatile uint32_t *where, uint32_t value)
         else
             *cell(USB_ENDPTSTAT) &= ~value;
         break;
-    case USB_PORTSC1: /* the test mode is all that is written here */
+    case USB_PORTSC1: /* only the test mode is ever written here */
         *where = (*where & ~MASK(USB_PORTSC1_PTC)) | (value & MASK(USB_PORTSC1_PTC));
         break;
     case USB_ENDPTSTAT:
@@ -148,8 +148,7 @@ static void model_store(volatile uint32_t *where, uint32_t value)
     }
 }
 
-/* --- the host on the bus
- * ------------------------------------------------------------------------------------------------ */
+/* --- the host on the bus -------------------------------------------------------------------------------- */
 static uint8_t *buffer_byte(uint32_t pipe, uint32_t index)
 {
     const usb_transfer *transfer = transfer_of(pipe);
@@ -166,7 +165,7 @@ static void retire(uint32_t pipe, uint32_t left, uint32_t status)
     *cell(USB_USBSTS) |= STATUS_TRANSFER;
 }
 
-/* HOST_ACKED: there is a transfer for this token. */
+/* Returns HOST_ACKED when there is a transfer for this token. */
 static host_answer look(uint32_t pipe)
 {
     const uint32_t number = pipe / 2, control = *cell(USB_ENDPTCTRL0 + 4 * number);
@@ -216,7 +215,7 @@ static host_answer host_out(uint32_t number, const uint8_t *bytes, uint32_t coun
     return HOST_ACKED;
 }
 
-/* What was primed on endpoint 0 stays; the controller's user has to take it away. */
+/* A transfer primed on endpoint 0 stays primed; the controller's user has to remove it. */
 static void host_setup(const uint8_t bytes[8])
 {
     take_setup_bytes(bytes);

@@ -1,24 +1,24 @@
-/* Any host and any rig against the whole app, behind a port of its own. The input is a list of operations, so
- * that the fuzzer reaches behind the CRC:
+/* Exposes the whole app to arbitrary hosts and rigs, behind a port of its own. The input is a list of
+ * operations, so that the fuzzer gets past the CRC:
  *
  *   op u8:  0 .. 0x7f  a message of that type, properly framed: length u8, payload
  *           0x80       raw bytes into the pipe: length u8, bytes
  *           0x81       milliseconds pass: u8 modulo 24, each sampling the rig
- *           0x82       another device: u8 modulo the number of devices below, as it stands after a valid set-up
+ *           0x82       another device: u8 modulo the number of devices below, in the state after a valid set-up
  *           0x83       a step: ticks u8 modulo 6, then per tool translation i8 x 64 um a tick
  *           0x84       a good snapshot with bytes changed: count u8 modulo 4, then mask u8, place u16 each
- *           0x85       what the rig's sensors say: attached u8, then per track translation, rotation, force i8, sensors u8, and
- *                      lines u8
+ *           0x85       sensor values of the rig: attached u8, then per track translation, rotation, force i8,
+ *                      sensors u8, and lines u8
  *           0x86       FREE_RUN with powered motors, by both steps: 0 u8
  *           0x87       a pipe with this much room: hundreds of bytes u8
  *           0x88       a long message: type u8, length u16, payload
- *           0x89       an order without a frame, as HID gives it: action u8
+ *           0x89       an order without a frame, as HID sends it: action u8
  *           0x8a       every millisecond's work takes this long: u8 x 50 us
  *
- * At most 48 operations, so that an input ends in time. Devices are built once and copied: building a line
- * for every input took a hundred times as long as what is looked for. After every write of the outputs the
- * promises of docs/faults.md hold: no power but in FREE_RUN and RUNNING, no force beyond limit and slew, the
- * drive line still without power. */
+ * There are at most 48 operations, so that an input ends in time. Devices are built once and copied, because
+ * building a line for every input took a hundred times as long as the fuzzed operations. After every write of
+ * the outputs the guarantees of docs/faults.md hold: no power except in FREE_RUN and RUNNING, no force beyond
+ * limit and slew, and no flips of the drive line without power. */
 #include "firmware/app/app.h"
 #include "firmware/tests/reference/client.h"
 
@@ -31,8 +31,8 @@ size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity);
 enum { OPERATIONS_MAX = 48, SLOT_BYTES = 4096, ROOM_BYTES = 1 << 18, DEVICES = 7, SENT_MAX = 100000 };
 
 static crn_app app, devices[DEVICES];
-static uint8_t snapshots[CRN_TOOL_MAX]
-                        [CRN_APP_SNAPSHOT_BYTES]; /* of coupled devices with one, two and three tools */
+/* of coupled devices with one, two and three tools */
+static uint8_t snapshots[CRN_TOOL_MAX][CRN_APP_SNAPSHOT_BYTES];
 static uint8_t slots[2][SLOT_BYTES];
 static struct rig {
     crn_port_inputs inputs;
@@ -55,7 +55,7 @@ static size_t transmit_room(void *context)
     return rig.room;
 }
 
-static client *listener; /* while devices are built */
+static client *listener; /* set while devices are built */
 static uint8_t heard[1 << 17];
 static size_t heard_begin, heard_end;
 
@@ -86,8 +86,8 @@ static int32_t size_of(int32_t value)
     return value < 0 ? -value : value;
 }
 
-/* Limit, and growth in one write: a force may begin and fall at once, and it may turn its sign within the
- * slew limit. */
+/* Checks the limit, and the growth in one write: a force may begin and fall at once, and it may change its
+ * sign within the slew limit. */
 static void check_motor(int32_t value, int32_t last, int32_t limit, int32_t slew)
 {
     promise(size_of(value) <= limit);
@@ -185,7 +185,7 @@ static size_t read_pipe(void *context, uint8_t *bytes, size_t capacity)
     return count;
 }
 
-/* Short tools of few elements: a tick of them costs a tenth of a real one. */
+/* Short tools of few elements: one of their ticks costs a tenth of a real one. */
 static void short_tools(crn_wire_tools *tools, uint16_t count)
 {
     client_plain_tools(tools, count);
@@ -205,7 +205,7 @@ static void build_device(client *c, uint16_t tools_count, bool is_coupled)
     promise(client_receive(c) == CRN_WIRE_TYPE_hello_reply);
     if (is_coupled) {
         crn_wire_track track = client_plain_track();
-        track.seal_mN = 2000; /* the sheath holds the tool, so that a push is felt at once */
+        track.seal_mN = 2000; /* the seal holds the tool, so that a push is felt at once */
         const crn_wire_track tracks[] = {track, track, track};
         client_rig(c, tracks, CRN_WIRE_TOOL_MAX);
         promise(client_expect_status(c, &status));
@@ -245,7 +245,7 @@ static void build_devices(void)
         forget();
         crn_app_init(&app, &port);
         if (i > 0) build_device(&c, (uint16_t)(1 + (i - 1) % CRN_WIRE_TOOL_MAX), i > 3);
-        if (i == 4) power(); /* one coupled tool, powered, a hand that pushes */
+        if (i == 4) power(); /* one coupled tool, with power, and a hand that pushes */
         for (int ms = 0; i == 4 && ms < 20; ms++) {
             rig.inputs.hands[0].translation_counts += 200;
             rig.inputs.tracks[0].force_raw = app.motors[0].axial_mN;
@@ -324,7 +324,7 @@ static void step(input *in, uint8_t count)
     send(CRN_WIRE_TYPE_step, payload, writer.length);
 }
 
-/* As if the chunks had come: behind the CRC the checks of head and core decide. */
+/* Acts as if the chunks had arrived: behind the CRC, the checks of head and core decide. */
 static void restore_damaged(input *in, uint8_t count)
 {
     command(CRN_WIRE_ACTION_STOP, 0);
@@ -435,7 +435,7 @@ enum {
 /* A command as an operation: code and tick are 0. */
 #define COMMAND(action) 0x16, CRN_WIRE_BYTES_command, action, 0, 0, 0, 0, 0, 0, 0, 0
 
-/* A device back in READY, then one long message as an operation: what a mutation of set-up begins with. */
+/* A device back in READY, then one long message as an operation: the start for mutations of set-up. */
 static size_t message_seed(uint8_t type, const crn_wire_writer *writer, uint8_t *bytes)
 {
     const uint8_t begin[] = {0x82, 1,    COMMAND(STOP),           COMMAND(RESET),
@@ -445,7 +445,7 @@ static size_t message_seed(uint8_t type, const crn_wire_writer *writer, uint8_t 
     return sizeof begin + writer->length;
 }
 
-/* A wire as they are sold: a shaped tip, a taper and a shaft, with 2 + `knots` knots. */
+/* A typical commercial wire: a shaped tip, a taper and a shaft, with 2 + `knots` knots. */
 static void shaped_wire(crn_wire_tools *tools, uint16_t knots)
 {
     short_tools(tools, 1);
@@ -464,7 +464,7 @@ static void shaped_wire(crn_wire_tools *tools, uint16_t knots)
     wire->element_fine_um = 10000;
 }
 
-/* `tools`: plain ones of two knots, then one with a shape. */
+/* Messages `tools`: plain ones of two knots, then one with a shape. */
 static size_t tools_seed(uint16_t which, uint8_t *bytes)
 {
     static crn_wire_tools tools;
@@ -508,7 +508,7 @@ size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)
         SEED(0x82, 1, COMMAND(STOP), COMMAND(FREE), COMMAND(START), 0x81, 23);
     case 2:
         SEED(0x82, 1, 0x30, 1, 5, 0x30, 1, 2, 0x81, 23);
-    case 3: /* an upload, cut and taken up again */
+    case 3: /* an upload that is interrupted and resumed */
         SEED(0x82, 1, COMMAND(RESET), 0x10, 8, 64, 0, 0, 0, 1, 2, 3, 4, 0x11, 10, 0, 0, 0, 0, 4, 0, 9, 9, 9,
              9, 0x30, 1, 9, 0x10, 8, 64, 0, 0, 0, 1, 2, 3, 4, 0x12, 4, 64, 0, 0, 0);
     case 4:
@@ -519,21 +519,21 @@ size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)
         SEED(0x82, 5, 0x83, 5, 120, 140, 0x84, 3, 4, 50, 0, 0x40, 100, 0, 0x80, 110, 1, 0x83, 5, 128, 128);
     case 7:
         SEED(0x82, 3, 0x84, 0, 0, 0x84, 2, 0x80, 80, 1, 1, 0, 9, 0x83, 5, 1, 1, 1);
-    case 8: /* powered: a hand that moves, then a sensor that fails */
+    case 8: /* with power: a hand that moves, then a sensor that fails */
         SEED(0x82, 4, 0x85, 1, 140, 130, 140, 0, 128, 128, 128, 0, 128, 128, 128, 0, 0, 0x81, 8, 0x85, 1, 140,
              130, 160, 16, 128, 128, 128, 0, 128, 128, 128, 0, 0, 0x81, 5, COMMAND(RESET));
     case 9: /* a stream with events and pictures through a narrow pipe */
         SEED(0x82, 4, 0x26, 3, 1, 2, 0, 0x87, 60, 0x81, 23, 0x81, 23, 0x87, 255, 0x81, 23, 0x30, 1, 8, 0x30,
              1, 10, 0x30, 1, 6);
-    case 10: /* the two steps, with a wrong code and a STOP to come */
+    case 10: /* the two steps, with a wrong code and a STOP at a later tick */
         SEED(0x82, 6, 0x86, 0, 0x16, 9, 3, 0, 0, 0, 0, 30, 0, 0, 0, 0x81, 12, 0x16, 9, 7, 0, 0, 0, 0, 0, 0, 0,
              0, 0x16, 9, 8, 1, 2, 3, 4, 0, 0, 0, 0, COMMAND(START));
-    case 11: /* a host that falls silent and comes back; orders by HID */
+    case 11: /* a host that falls silent and returns; orders by HID */
         SEED(0x82, 4, 0x81, 23, 0x81, 23, 0x30, 1, 1, 0x81, 9, 0x89, 3, 0x89, 4, 0x86, 0);
-    case 12: /* work that takes too long, and a processor that stood still */
+    case 12: /* work that takes too long, and a processor that was halted */
         SEED(0x82, 4, 0x8a, 21, 0x81, 3, 0x8a, 120, 0x81, 2, COMMAND(RESET));
-    case 13: /* rings of struts in FREE_RUN: two that are joined, one that is none, one taken away; and back
-                into LOCKSTEP with a snapshot */
+    case 13: /* strut rings in FREE_RUN: two joined, an invalid one, one removed; then back into LOCKSTEP with
+                a snapshot */
         SEED(0x82, 4, 0x29, 18, 1, 1, 0, 0, 0, 0, 32, 78, 0, 0, 0, 0, 0, 0, 220, 5, 80, 0, 0x29, 18, 2, 0, 0,
              0, 0, 0, 240, 85, 0, 0, 0, 0, 0, 0, 220, 5, 80, 0, 0x81, 4, 0x29, 18, 65, 0, 0, 0, 0, 0, 0, 0, 0,
              0, 0, 0, 0, 0, 1, 0, 80, 0, 0x29, 18, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0x81,

@@ -1,6 +1,6 @@
 /* Claims about the app, shown through bytes on the sim port: states and modes follow the diagram of app.h,
- * refusals are typed and change nothing, encoder jumps stop, forces are limited, snapshots continue bit for
- * bit. */
+ * refusals are typed and change nothing, encoder jumps stop the session, forces are limited, snapshots
+ * continue bit for bit. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -249,7 +249,7 @@ static void the_instrument_follows_the_encoder(void **state)
     }
 }
 
-/* The same motion with a counter that starts anywhere, so that it wraps on the way: same hashes. */
+/* The same motion gives the same hashes with a counter that starts anywhere and so wraps during it. */
 static void counters_may_wrap(void **state)
 {
     (void)state;
@@ -266,7 +266,7 @@ static void counters_may_wrap(void **state)
     assert_memory_equal(lanes[0], lanes[1], sizeof lanes[0]);
 }
 
-/* 5 mm in a tick is the last believable change at 1 um per count. */
+/* 5 mm in a tick is the largest plausible change at 1 um per count. */
 static void an_encoder_jump_stops_the_session(void **state)
 {
     (void)state;
@@ -314,7 +314,7 @@ static void force_limits_can_be_lowered_but_not_raised(void **state)
     assert_int_equal(reject.detail2, 2);
 }
 
-/* A jerk of the hand, felt with gain 4: the motor command stays within its limit and grows within its slew in
+/* With a jerk of the hand at gain 4, the motor command stays within its limit and grows within its slew in
  * every tick. */
 static void motor_commands_stay_within_limit_and_slew(void **state)
 {
@@ -338,7 +338,7 @@ static void motor_commands_stay_within_limit_and_slew(void **state)
         }
     }
     assert_true(largest > 0);
-    assert_int_equal(crn_sim_read_motors(host.sim).drive, 0); /* LOCKSTEP holds them off */
+    assert_int_equal(crn_sim_read_motors(host.sim).drive, 0); /* LOCKSTEP keeps the motors off */
 }
 
 /* --- FREE_RUN --- */
@@ -456,7 +456,8 @@ static void a_snapshot_is_refused_while_running(void **state)
     assert_int_equal(host.decoder.header.type, CRN_WIRE_TYPE_reject);
 }
 
-/* Hostile head fields: known flag, motor beyond its limit, tick that differs from the core's. */
+/* Hostile fields of the snapshot's head: unknown flags, a motor beyond its limit, a tick that differs from
+ * the core's. */
 static void a_snapshot_with_impossible_contents_leaves_the_state(void **state)
 {
     (void)state;

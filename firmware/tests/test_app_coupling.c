@@ -1,7 +1,7 @@
-/* Claims about the virtual coupling (docs/haptics.md), shown on the sim port: in free motion the tool follows
- * without lag and nothing is felt; a seal is felt as the friction it is and holds without chatter; a blocked
- * tool is felt as a spring; the hand slips at the force limit; gain, limit and slew hold; the state is in the
- * snapshot; energy that comes from nowhere takes the force away. */
+/* Claims about the virtual coupling (docs/haptics.md), shown on the sim port. In free motion the tool follows
+ * without lag and no force is felt. A seal is felt as its own friction and holds without chatter; a blocked
+ * tool is felt as a spring. The hand slips at the force limit; gain, limit and slew hold. The state is in the
+ * snapshot. Unexplained energy removes the force. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -29,7 +29,7 @@ static void start_lockstep(const crn_wire_track *track)
     tick_now = 0;
 }
 
-/* One tick with the hand at (um, 2^-16 turn); the result of the tool. */
+/* One tick with the hand at (um, 2^-16 turn); returns the result of the tool. */
 static const crn_wire_tool_state *step_to(int32_t translation, int32_t rotation)
 {
     uint8_t payload[64];
@@ -49,7 +49,8 @@ static double inserted_um(const crn_wire_tool_state *tool)
     return tool->inserted_m_q30 / 1073741824.0 * 1e6;
 }
 
-/* 0.1 m/s through free space: behind by the few um that the wire's own weight and inertia ask for. */
+/* At 0.1 m/s through free space the tool lags by the few um that the wire's own weight and inertia
+ * require. */
 static void a_free_tool_follows_without_lag_or_drag(void **state)
 {
     (void)state;
@@ -70,8 +71,8 @@ static void a_free_tool_follows_without_lag_or_drag(void **state)
     assert_true(worst_um < 120 && worst_mN < 120);
 }
 
-/* The seal alone: the hand feels its friction against the motion, forth and back, and stands without chatter.
- */
+/* With the seal alone, the hand feels its friction against the motion in both directions, and it comes to
+ * rest without chatter. */
 static void a_seal_is_felt_as_its_friction_and_does_not_chatter(void **state)
 {
     (void)state;
@@ -105,7 +106,8 @@ static void a_seal_resists_turning_too(void **state)
     assert_in_range(tool->motor_torque_uN_m, 350, 450);
 }
 
-/* Held by a seal of 2 N, 1 mm of lead is 1 N at 1 N/mm; 20 mm are the 2 N at which it slides, and no more. */
+/* With a seal of 2 N, 1 mm of lead is 1 N at 1 N/mm; 20 mm give the 2 N at which the tool slides, and no
+ * more. */
 static void a_held_tool_is_felt_as_the_coupling_s_spring(void **state)
 {
     (void)state;
@@ -121,7 +123,8 @@ static void a_held_tool_is_felt_as_the_coupling_s_spring(void **state)
     assert_in_range(tool->motor_axial_mN, 1900, 2100);
 }
 
-/* Pulled far out of the patient, the tool ends; the hand goes on and slips at the force limit of 8 N. */
+/* When the hand pulls far out of the patient, the tool stops at its end; the hand moves on and slips at the
+ * force limit of 8 N. */
 static void the_hand_slips_at_the_force_limit(void **state)
 {
     (void)state;
@@ -133,13 +136,13 @@ static void the_hand_slips_at_the_force_limit(void **state)
     print_message("# withdrawn to %.0f um: %d mN\n", end_um, tool->motor_axial_mN);
     assert_in_range(-tool->motor_axial_mN, 7900, 8000);
     for (int32_t i = 0; i < 400; i++) tool = step_to(-199800 + 25 * i, 0);
-    assert_in_range(abs(tool->motor_axial_mN), 0,
-                    300); /* back by 10 mm: what slipped has not to be made up for */
+    /* back by 10 mm: the slipped distance does not have to be travelled back */
+    assert_in_range(abs(tool->motor_axial_mN), 0, 300);
     assert_true(inserted_um(tool) > end_um + 500);
 }
 
-/* Pressing against the seal, in the midst of it a snapshot: the session that goes on from it gives the same
- * ticks. */
+/* A snapshot is taken while the hand presses against the seal: the session that continues from it gives the
+ * same ticks. */
 static void the_coupling_is_part_of_the_snapshot(void **state)
 {
     (void)state;
@@ -189,9 +192,9 @@ static void shake(int tick)
     bench_tick(&b);
 }
 
-/* A hand that shakes by 0.5 mm from tick to tick gains from every sampled spring. The observer sees it, takes
- * the force away and says so; a hand that then pushes on has given back what it got, and the session goes on.
- */
+/* A hand that shakes by 0.5 mm from tick to tick gains energy from every sampled spring. The observer detects
+ * it, removes the force and reports it. A hand that then pushes on has returned the energy, and the session
+ * continues. */
 static void forces_that_give_energy_are_reduced(void **state)
 {
     (void)state;
@@ -212,7 +215,8 @@ static void forces_that_give_energy_are_reduced(void **state)
     assert_true(least_mN < begin_mN / 4);
 }
 
-/* The same hand goes on. 100 ticks of it in a row take the power: a limit cycle would never end by itself. */
+/* The same hand continues to shake. After 100 such ticks in a row the power is removed, because a limit cycle
+ * would never end by itself. */
 static void energy_that_a_track_gives_for_100_ms_takes_the_power(void **state)
 {
     (void)state;
@@ -222,7 +226,7 @@ static void energy_that_a_track_gives_for_100_ms_takes_the_power(void **state)
     status = bench_status(&b);
     assert_int_equal(status.state, CRN_WIRE_STATE_FAULT);
     assert_int_equal(status.fault_code, CRN_FAULT_CODE_PASSIVITY_LASTS);
-    assert_in_range(status.passivity_ticks, 100, 150); /* some came one by one before */
+    assert_in_range(status.passivity_ticks, 100, 150); /* some single ones came before */
     assert_int_equal(crn_sim_read_motors(host->sim).axial_mN[0], 0);
     assert_false(crn_sim_read_outputs(host->sim).enable);
     assert_int_equal(bench_fault(&b, CRN_FAULT_CODE_PASSIVITY_LASTS, &entry), 1);

@@ -1,7 +1,7 @@
-/* Claims about what can hurt a finger, one test per fault of shared/wire/wire_faults.def
- * (tools/check/tests/test_faults.py compares the names): with a force at the motor the fault is put in at the
- * sensors, and the time until no motor gives a force is counted in edges of the timer, behind the power
- * stage. It is at most what the table says, and it stays so. */
+/* Claims about everything that can hurt a finger, one test per fault of shared/wire/wire_faults.def
+ * (tools/check/tests/test_faults.py compares the names). With a force at the motor, the test injects the
+ * fault at the sensors and counts the time until no motor gives a force, in edges of the timer, behind the
+ * power stage. That time is at most the table's value, and the force does not return. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -35,7 +35,7 @@ static void expect_state(uint8_t expected)
     }
 }
 
-/* Neither time nor START nor a healthy rig brings the power back; RESET and both steps of arming do. */
+/* Neither time nor START nor a healthy rig restores the power; RESET and both steps of arming do. */
 static void expect_latched(crn_fault_code code)
 {
     const crn_port_inputs healthy = crn_sim_healthy_inputs();
@@ -134,8 +134,8 @@ static void a_power_stage_that_does_not_go_off_is_told(void **state)
     expect_latched(CRN_FAULT_CODE_STAGE_STUCK);
 }
 
-/* The cause of FAULT is another one, and stays; that somebody must cut the supply by hand is in the log all
- * the same, once. */
+/* FAULT has another cause, which stays. The log still records, once, that a person must cut the supply by
+ * hand. */
 static void a_stage_that_does_not_go_off_in_a_fault_is_told_too(void **state)
 {
     (void)state;
@@ -219,7 +219,7 @@ static void a_lost_force_sensor_takes_the_power(void **state)
     }
 }
 
-/* The hand pushes along while the encoder goes on: what is left over comes from the motor. */
+/* The hand pushes in the direction in which the encoder moves, so the excess force comes from the motor. */
 static void a_force_that_was_not_asked_takes_the_power(void **state)
 {
     (void)state;
@@ -235,7 +235,7 @@ static void a_force_that_was_not_asked_takes_the_power(void **state)
     expect_latched(CRN_FAULT_CODE_FORCE_MISMATCH);
 }
 
-/* In READY, ARMED and RUNNING with no force asked for. */
+/* This is shown in READY, ARMED and RUNNING while no force is commanded. */
 static void a_force_while_none_is_asked_takes_the_power(void **state)
 {
     (void)state;
@@ -257,7 +257,7 @@ static void a_force_while_none_is_asked_takes_the_power(void **state)
     }
 }
 
-/* A limit of 1 N, and a sensor that reads 1.4 N more than the motor is asked for. */
+/* The limit is 1 N, and the sensor reads 1.4 N more than the motor is commanded to give. */
 static void a_force_beyond_the_limit_takes_the_power(void **state)
 {
     (void)state;
@@ -293,7 +293,7 @@ static void one_spike_of_over_current_is_no_fault(void **state)
     expect_state(CRN_WIRE_STATE_RUNNING);
 }
 
-/* The hand lets go: the motor's 1.5 N are not held, and the carriage of 0.1 kg runs away. */
+/* The hand releases the handle: nobody holds the motor's 1.5 N, and the carriage of 0.1 kg runs away. */
 static int released_ms;
 static void release(int encoder_sign)
 {
@@ -353,7 +353,7 @@ static void a_silent_host_takes_the_forces_within_its_time(void **state)
     int32_t before = INT32_MAX;
     while (edges < 200 && !bench_is_safe(&b)) {
         b.rig.hands[0].translation_counts +=
-            PUSH_um; /* the hand goes on pushing, so that there is a force to fade */
+            PUSH_um; /* the hand keeps pushing, so that there is a force to fade */
         bench_tick(&b);
         edges++;
         int32_t now = abs(crn_sim_read_motors(b.host.sim).axial_mN[0]);
@@ -362,7 +362,9 @@ static void a_silent_host_takes_the_forces_within_its_time(void **state)
         before = now;
     }
     print_message("# HOST_SILENT: no force after %d ms\n", edges);
-    enum { MOTOR_LAG_ms = 8 }; /* of the slowest motor that docs/faults.md allows; the meter here has none */
+    enum {
+        MOTOR_LAG_ms = 8
+    }; /* lag of the slowest motor that docs/faults.md allows; the meter here has none */
     assert_in_range(edges, 1, crn_wire_fault_safe_ms(CRN_FAULT_CODE_HOST_SILENT) - MOTOR_LAG_ms);
     const uint32_t tick = bench_status(&b).tick;
     for (int i = 0; i < 100; i++) bench_tick(&b);
@@ -408,7 +410,7 @@ static void a_device_that_cannot_keep_up_takes_the_power(void **state)
     expect_latched(CRN_FAULT_CODE_TICK_STALLED);
 }
 
-/* The stage drops the power by itself, and the firmware says so as soon as it runs again. */
+/* The stage drops the power by itself, and the firmware reports it as soon as it runs again. */
 static void a_frozen_processor_has_no_power_and_says_so_afterwards(void **state)
 {
     (void)state;
@@ -423,7 +425,8 @@ static void a_frozen_processor_has_no_power_and_says_so_afterwards(void **state)
     expect_latched(CRN_FAULT_CODE_TICK_STALLED);
 }
 
-/* Without being asked: the host of a device that stood still hears of it as of every other end of RUNNING. */
+/* The report is unsolicited: the host of a device that was halted learns of it like of every other end of
+ * RUNNING. */
 static void a_device_that_stood_still_says_so_by_itself(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
-/* Claims about a second program at a rig that has power, and about what a port's watchdog lives on: a
- * conversation that begins in the middle of another takes nothing away, one that begins after a program that
- * is gone works, and only edges that the app has done to their end count as signs of life. */
+/* Claims about a second program at a rig that has power, and about what feeds a port's watchdog. A
+ * conversation that begins in the middle of another takes nothing away, and one that begins after a program
+ * has gone works. Only edges that the app has completed count as signs of life. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -21,8 +21,8 @@ static void power_and_push(void)
     assert_true(bench_push(&b, FORCE_mN));
 }
 
-/* The library of any host opens with HELLO, and a device that is not READY gets RESET. The refusal keeps it
- * from getting that far. */
+/* The library of any host opens with HELLO, and sends RESET to a device that is not READY. The refusal of
+ * HELLO prevents that RESET. */
 static void a_second_program_is_refused_while_the_first_leads_with_power(void **state)
 {
     (void)state;
@@ -37,10 +37,12 @@ static void a_second_program_is_refused_while_the_first_leads_with_power(void **
     }
     assert_int_equal(crn_sim_read_motors(b.host.sim).drive, 1);
     assert_true(crn_sim_read_motors(b.host.sim).axial_mN[0] >= FORCE_mN / 2);
-    assert_int_equal(bench_status(&b).state, CRN_WIRE_STATE_RUNNING); /* and the first is still heard */
+    /* and the device still obeys the first program */
+    assert_int_equal(bench_status(&b).state, CRN_WIRE_STATE_RUNNING);
 }
 
-/* A refused HELLO is no sign of life of the program that leads: its silence ends the forces in their time. */
+/* A refused HELLO is no sign of life of the program in charge: its silence ends the forces in the usual
+ * time. */
 static void a_refused_hello_does_not_keep_the_forces_of_a_dead_host(void **state)
 {
     (void)state;
@@ -58,8 +60,8 @@ static void a_refused_hello_does_not_keep_the_forces_of_a_dead_host(void **state
     assert_in_range(edges, CRN_APP_HOST_SILENT_ticks, CRN_APP_HOST_SILENT_ticks + CRN_APP_FADE_ticks + 1);
 }
 
-/* A program that crashed is forgotten when its silence has ended the forces; the next one says HELLO, RESET,
- * and begins. */
+/* A program that crashed is forgotten when its silence has ended the forces; the next one sends HELLO and
+ * RESET, and begins. */
 static void after_a_host_that_is_gone_hello_works(void **state)
 {
     (void)state;
@@ -76,7 +78,7 @@ static void after_a_host_that_is_gone_hello_works(void **state)
     assert_true(bench_power(&b));
 }
 
-/* STOP or a stopping fault ends the leading as well. */
+/* STOP or a stopping fault also ends a program's control. */
 static void after_stop_hello_works_at_once(void **state)
 {
     (void)state;
@@ -129,8 +131,8 @@ static uint32_t no_time(void *context)
     return 0;
 }
 
-/* In the middle of an edge's work: what never comes back from here is left by a jump, so that the test may go
- * on. */
+/* The test leaves the middle of an edge's work by a jump, to simulate work that never returns, so that the
+ * test can continue. */
 static void outputs(void *context, const crn_port_outputs *wanted)
 {
     (void)context;
@@ -156,7 +158,7 @@ static void only_an_edge_done_to_its_end_counts_for_the_watchdog(void **state)
         crn_app_timer(&app);
         assert_int_equal(app.edges_done, i);
     }
-    for (int i = 0; i < 100; i++) crn_app_receive(&app, bytes, sizeof bytes); /* a busy host is no tick */
+    for (int i = 0; i < 100; i++) crn_app_receive(&app, bytes, sizeof bytes); /* a busy host is not a tick */
     assert_int_equal(app.edges_done, 5);
     hangs = true;
     if (setjmp(stuck) == 0) {

@@ -1,6 +1,6 @@
-/* Claims about commands and set-up: motors need two steps that no stray frame can make, an upload that was
- * cut goes on, what is set is read back, and what is refused changes nothing. Shown through bytes on the sim
- * port. */
+/* Claims about commands and set-up: motors need two steps that no stray frame can complete, an interrupted
+ * upload can be resumed, settings are read back as they were set, and a refused message changes nothing. They
+ * are shown through bytes on the sim port. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -54,7 +54,7 @@ static void motors_need_both_steps_in_their_order_and_time(void **state)
     refuse(CRN_WIRE_ACTION_START, CRN_REJECT_NOT_CONFIRMED);
     client_confirm(host, first ^ 1);
     expect_reject(CRN_REJECT_CODE_WRONG);
-    client_confirm(host, first); /* spent by the wrong answer */
+    client_confirm(host, first); /* used up by the wrong answer */
     expect_reject(CRN_REJECT_CODE_WRONG);
     command(CRN_WIRE_ACTION_ARM_MOTORS);
     assert_true(status.arm_code != first);
@@ -70,7 +70,7 @@ static void motors_need_both_steps_in_their_order_and_time(void **state)
     assert_int_equal(crn_sim_read_motors(host->sim).drive, 1);
 }
 
-/* What powers is one START; STOP, RESET, another mode and a fault all ask for both steps again. */
+/* A permission powers one START; STOP, RESET, another mode and a fault all require both steps again. */
 static void a_permission_is_good_for_one_start(void **state)
 {
     (void)state;
@@ -88,8 +88,8 @@ static void a_permission_is_good_for_one_start(void **state)
     refuse(CRN_WIRE_ACTION_START, CRN_REJECT_NOT_CONFIRMED);
 }
 
-/* Somebody confirmed and did not press START: neither a host that comes an hour later nor one that says HELLO
- * now has that permission. */
+/* A person confirmed and did not press START: neither a host that comes an hour later nor one that sends
+ * HELLO now has that permission. */
 static void a_permission_is_not_left_lying_about(void **state)
 {
     (void)state;
@@ -112,8 +112,8 @@ static void a_permission_is_not_left_lying_about(void **state)
     expect_reject(CRN_REJECT_CODE_WRONG);
 }
 
-/* Every frame of a conversation that powers the motors, alone and twice, at a device that is armed: none of
- * them does. */
+/* Every frame of a conversation that powers the motors is sent alone, and twice, to an armed device: none of
+ * them powers a motor. */
 static void no_single_frame_powers_a_motor(void **state)
 {
     (void)state;
@@ -165,7 +165,8 @@ static void an_unsafe_rig_is_not_armed_and_the_cause_is_named(void **state)
     refuse(CRN_WIRE_ACTION_ARM_MOTORS, CRN_REJECT_NO_RIG);
 }
 
-/* No sensor, no check of forces: only for somebody who stands at the rig and closes the switch inside. */
+/* Without a sensor forces cannot be checked, so power is only for a person at the rig who closes the switch
+ * inside. */
 static void a_rig_without_force_sensor_is_powered_only_by_the_local_unlock(void **state)
 {
     (void)state;
@@ -232,9 +233,9 @@ static void begin_upload(uint32_t bytes, uint32_t crc32)
     assert_true(client_expect_status(host, &status));
 }
 
-/* Cut after 1,000 of 3,000 bytes; the host comes back, asks what is there, and sends the rest. What decides
- * at the end is the CRC over everything (here it fails on purpose in the scene's own check, after the CRC was
- * found good). */
+/* The upload is cut after 1,000 of 3,000 bytes; the host returns, requests the number of received bytes, and
+ * sends the rest. The CRC over everything decides at the end (here the scene's own check fails on purpose,
+ * after the CRC was found good). */
 static void an_upload_that_was_cut_goes_on_where_it_stopped(void **state)
 {
     (void)state;
@@ -244,7 +245,7 @@ static void an_upload_that_was_cut_goes_on_where_it_stopped(void **state)
     bench_drain(&b);
     begin_upload(sizeof scene, crc);
     send_chunk(scene, 0, 1000);
-    client_hello(host, crn_wire_schema_hash()); /* the host is back */
+    client_hello(host, crn_wire_schema_hash()); /* the host has returned */
     bench_drain(&b);
     crn_wire_set_up there = read_set_up();
     assert_int_equal(there.upload_bytes, sizeof scene);
@@ -259,7 +260,7 @@ static void an_upload_that_was_cut_goes_on_where_it_stopped(void **state)
     assert_int_equal(read_set_up().upload_bytes, 0);
     begin_upload(sizeof scene, crc);
     send_chunk(scene, 0, 1000);
-    begin_upload(sizeof scene, crc ^ 1); /* another scene begins anew */
+    begin_upload(sizeof scene, crc ^ 1); /* another scene starts from the beginning */
     assert_int_equal(read_set_up().upload_received, 0);
 }
 
@@ -299,7 +300,7 @@ static void the_rig_is_read_back_as_it_is_in_force(void **state)
     assert_int_equal(rig.tracks[2].force_limit_mN, CRN_APP_FORCE_LIMIT_mN);
 }
 
-/* Each field out of its range, alone: refused with the field's number, and nothing changed. */
+/* Each field out of its range, alone, is refused with the field's number, and nothing changes. */
 static void a_rig_that_cannot_be_is_refused_by_field(void **state)
 {
     (void)state;
@@ -328,7 +329,7 @@ static void a_rig_that_cannot_be_is_refused_by_field(void **state)
     }
 }
 
-/* b > K (T / 2 + t) + B without lag: 1 N s/m less 0.2 of damping bear 1,600 N/m, not 1,601. */
+/* b > K (T / 2 + t) + B without lag: 1 N s/m less 0.2 of damping support 1,600 N/m, not 1,601. */
 static void a_coupling_stiffer_than_the_rig_can_render_is_refused(void **state)
 {
     (void)state;
@@ -341,8 +342,8 @@ static void a_coupling_stiffer_than_the_rig_can_render_is_refused(void **state)
     expect_reject(CRN_REJECT_RIG_RANGE);
 }
 
-/* A host that says that a count is a thousandth of what it is would blind every check of forces. The bench's
- * sensors have 1 mN per count; what is in force may always be said again. */
+/* A host that states a count as a thousandth of its true value would defeat every check of forces. The
+ * bench's sensors have 1 mN per count; the present value may always be stated again. */
 static void the_force_sensors_scale_moves_by_a_quarter_without_the_local_unlock(void **state)
 {
     (void)state;
@@ -382,7 +383,7 @@ static void limits_rise_only_with_the_local_unlock(void **state)
     b.rig.local_unlock = true;
     bench_tick(&b);
     bench_drain(&b);
-    track.force_limit_mN = 8001; /* no unlock goes beyond what is built in */
+    track.force_limit_mN = 8001; /* even the unlock allows nothing beyond the built-in limit */
     client_rig(host, &track, 1);
     expect_reject(CRN_REJECT_RIG_RANGE);
     track.force_limit_mN = 8000;
@@ -421,7 +422,7 @@ static void the_sensors_are_read_as_they_are(void **state)
     assert_int_equal(sensors.lines, CRN_WIRE_LINE_SUPPLY);
 }
 
-/* A device of its own, since a sim hides its app; what it says goes nowhere. */
+/* A separate app, since a sim hides its own; its messages are discarded. */
 static crn_app alone;
 static uint32_t frames_sent;
 
@@ -461,7 +462,7 @@ static void hear_hello(uint16_t sequence)
     hear(sequence, CRN_WIRE_TYPE_hello, writer.length, payload);
 }
 
-/* Between the frames of the stream, of which none is counted as missing. */
+/* These orders come between the frames of the stream, of which none is counted as missing. */
 static void orders_without_a_frame_take_power_away_and_do_nothing_else(void **state)
 {
     (void)state;

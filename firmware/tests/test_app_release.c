@@ -1,7 +1,7 @@
-/* Claims about a carriage that nobody holds: its force goes within 32 ms, it gets no faster than a hand would
- * make it, a motor that makes it fast all the same loses its power, and neither a hand that throws it nor one
- * that moves it fast is taken for a motor. Also: a cycle that the loop keeps up in a hand ends, a tremor goes
- * on. The bench's hand is what the test says; its sensor reads what the hand holds. */
+/* Claims about a carriage that nobody holds. Its force disappears within 32 ms, it gets no faster than a hand
+ * would make it, and a motor that accelerates it nevertheless loses its power. Neither a hand that throws it
+ * nor one that moves it fast is mistaken for a motor. A cycle that the loop sustains in a hand ends, while a
+ * tremor may continue. The test defines the bench's hand; its sensor reads the force that the hand holds. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -29,8 +29,8 @@ static void expect_running(void)
         fail_msg("ended by %s", crn_wire_fault_name(status.fault_code));
 }
 
-/* One edge at which the carriage moved by `um` and the hand holds `held_mN`; the bench adds what the motor
- * gives to a sensor. */
+/* One edge at which the carriage moved by `um` and the hand holds `held_mN`; the bench adds the motor's force
+ * to the sensor. */
 static void edge(int32_t um, int32_t held_mN)
 {
     b.rig.hands[0].translation_counts += um;
@@ -38,7 +38,7 @@ static void edge(int32_t um, int32_t held_mN)
     bench_tick(&b);
 }
 
-/* A wire in a seal of 2 N, and a hand that has pushed in by `um` of the coupling's 1 N/mm and holds. */
+/* A wire in a seal of 2 N, and a hand that has pushed in by `um` against the coupling's 1 N/mm and holds. */
 static void push_seal(int32_t um)
 {
     crn_wire_track track = client_plain_track();
@@ -53,8 +53,8 @@ static void push_seal(int32_t um)
     assert_in_range(motor_mN(), um - 100, um + 100);
 }
 
-/* Nobody holds 0.8 N, and the carriage stands in its friction: all of the force for a moment, less from tick
- * to tick, then less than a hand feels. It comes back when a hand does. */
+/* Nobody holds 0.8 N, and friction keeps the carriage at rest. All of the force remains for a moment, then
+ * less from tick to tick, until it is less than a hand feels. The force returns when a hand returns. */
 static void a_force_that_nobody_holds_goes(void **state)
 {
     (void)state;
@@ -71,7 +71,7 @@ static void a_force_that_nobody_holds_goes(void **state)
     assert_in_range(motor_mN(), 700, 900);
 }
 
-/* 0.8 N swing to and fro in a carriage that nobody holds: after 32 ms no swing is felt. */
+/* 0.8 N oscillate in a carriage that nobody holds: after 32 ms no oscillation is felt. */
 static void a_cycle_of_a_carriage_that_nobody_holds_ends(void **state)
 {
     (void)state;
@@ -86,8 +86,8 @@ static void a_cycle_of_a_carriage_that_nobody_holds_ends(void **state)
     assert_true(largest <= LOOSE_mN);
 }
 
-/* Away from the wall along its motor's force: when it will have 0.1 m/s in a tick, nothing is left of what
- * nobody holds. */
+/* The carriage runs away from the wall along its motor's force: when it would reach 0.1 m/s in the next tick,
+ * no unheld force is left. */
 static void a_carriage_that_runs_along_its_force_loses_it(void **state)
 {
     (void)state;
@@ -99,10 +99,10 @@ static void a_carriage_that_runs_along_its_force_loses_it(void **state)
     assert_true(slow_mN > 1500 && motor_mN() <= LOOSE_mN);
 }
 
-/* --- what stops --- */
+/* --- causes of a stop --- */
 
-/* Nobody touches it, and with 1.8 N on its motor the carriage gets 20 to 40 mm/s faster from ms to ms, as if
- * more came than is asked for. */
+/* Nobody touches the carriage. With 1.8 N on its motor it gets 20 to 40 mm/s faster from ms to ms, as if the
+ * motor gave more than commanded. */
 static void a_carriage_that_its_motor_drives_too_fast_takes_the_power(void **state)
 {
     (void)state;
@@ -119,8 +119,8 @@ static void a_carriage_that_its_motor_drives_too_fast_takes_the_power(void **sta
     assert_in_range(fast, 1, crn_wire_fault_safe_ms(CRN_FAULT_CODE_CARRIAGE_FAST) + 1);
 }
 
-/* A hand that throws the carriage at 0.5 m/s against the coupling, and has released it: the speed is the
- * hand's. */
+/* A hand throws the carriage at 0.5 m/s against the coupling and has released it: the hand caused the
+ * speed. */
 static void a_carriage_that_was_thrown_is_no_fault(void **state)
 {
     (void)state;
@@ -130,8 +130,8 @@ static void a_carriage_that_was_thrown_is_no_fault(void **state)
     expect_running();
 }
 
-/* In at 0.25 m/s against a seal that gives way at 0.3 N, and out at 0.5 m/s, gaining 5 m/s^2, which takes 0.4
- * N of the carriage's 80 g. */
+/* The hand moves in at 0.25 m/s against a seal that gives way at 0.3 N, and out at 0.5 m/s, with an
+ * acceleration of 5 m/s^2, which takes 0.4 N for the carriage's 80 g. */
 static void a_fast_hand_is_no_fault(void **state)
 {
     (void)state;
@@ -153,8 +153,8 @@ static void a_fast_hand_is_no_fault(void **state)
     expect_running();
 }
 
-/* The hand gives way to a force that swings with it, as a hand does that is shaken: 0.3 N, 20 Hz, and every
- * swing takes work from the motor. It ends within 0.2 s. */
+/* The hand yields to a force that oscillates with it, like a hand that is shaken: 0.3 N, 20 Hz. Every
+ * oscillation takes work from the motor. It ends within 0.2 s. */
 static void a_cycle_that_the_loop_keeps_up_in_a_hand_takes_the_power(void **state)
 {
     (void)state;
@@ -172,7 +172,7 @@ static void a_cycle_that_the_loop_keeps_up_in_a_hand_takes_the_power(void **stat
     assert_in_range(ms, 50, 200);
 }
 
-/* The same motion by a hand that trembles: it puts the work in. */
+/* A hand that trembles makes the same motion, but it supplies the work. */
 static void a_tremor_goes_on(void **state)
 {
     (void)state;
@@ -186,7 +186,7 @@ static void a_tremor_goes_on(void **state)
     expect_running();
 }
 
-/* A heart of 200 a minute moves the wall, and the wall the hand. */
+/* A heart at 200 beats a minute moves the wall, and the wall moves the hand. */
 static void a_heart_in_the_hand_is_no_cycle(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
-/* Claims about what a host may ask of heart and breath: in LOCKSTEP a tick's input asks, and a batch with one
- * bad request is refused whole; in FREE_RUN a message asks, each request has a tick of its own that says so,
- * and the session replays bit for bit. */
+/* Claims about a host's orders to heart and breath. In LOCKSTEP the order is in a tick's input, and a batch
+ * with one bad order is refused as a whole. In FREE_RUN a message carries the order, each order gets a tick
+ * of its own that reports it, and the session replays bit for bit. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -23,7 +23,7 @@ static void ask(uint8_t action, uint16_t value)
     client_send(&b.host, CRN_WIRE_TYPE_rhythm, payload, writer.length);
 }
 
-/* One tick in LOCKSTEP that asks something; its result in `ticks`. */
+/* One tick in LOCKSTEP with an order; its result is in `ticks`. */
 static void step_asking(uint32_t tick, uint8_t action, uint16_t value)
 {
     static crn_wire_step step;
@@ -49,7 +49,7 @@ static void an_input_asks_at_its_own_tick(void **state)
     assert_int_equal(beats, 2);
 }
 
-/* A batch of 20 whose 13th input asks for 161 /min, or for something unknown. */
+/* The batch has 20 inputs, of which the 13th orders 161 /min, or something unknown. */
 static void a_batch_with_one_bad_request_is_refused_whole(void **state)
 {
     (void)state;
@@ -106,8 +106,8 @@ static void ask_now_and_then(int ms)
     if (ms == 300) ask(CRN_WIRE_RHYTHM_BREATH_HOLD, 0);
 }
 
-/* Two requests in one millisecond take two ticks; the recorded inputs give the same beats, hashes and phases
- * in LOCKSTEP. */
+/* Two orders in one millisecond take two ticks; the recorded inputs give the same beats, hashes and phases in
+ * LOCKSTEP. */
 static void requests_of_free_run_replay_in_lockstep_bit_for_bit(void **state)
 {
     (void)state;

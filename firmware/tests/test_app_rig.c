@@ -1,6 +1,7 @@
-/* Claims about the configuration of the tracks: which couplings a rig can render with what its force is
- * multiplied by, and what a host may state about a rig without somebody at it. Shown through bytes on the sim
- * port, whose rig was built with 1 um per count, 1 N s/m and 2 uN m s/rad of own damping and no lag. */
+/* Claims about the configuration of the tracks: which couplings a rig can render, given the gain of its
+ * force, and what a host may state about a rig without a person at it. They are shown through bytes on the
+ * sim port, whose rig was built with 1 um per count, 1 N s/m and 2 uN m s/rad of its own damping and no
+ * lag. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -25,7 +26,7 @@ enum {
     FIELD_COUPLING_ABOUT = 16,
 };
 
-/* A port with motors that says nothing and hears nothing. */
+/* A port with motors that sends and receives nothing. */
 static bool swallow(void *context, const uint8_t *frame, size_t bytes)
 {
     (void)context;
@@ -73,10 +74,10 @@ static void expect_refused(const crn_wire_track *track, uint32_t field)
     assert_int_equal(reject.detail2, field);
 }
 
-/* --- what a rig can render --- */
+/* --- couplings that a rig can render --- */
 
-/* b > G (K (T / 2 + t) + B): 1 N s/m bears 800 N/m and 0.2 N s/m at 0.5 ms of lag, just so; a gain of 2 makes
- * the hand feel 1,600 N/m, and only half of both is left. */
+/* b > G (K (T / 2 + t) + B): 1 N s/m just supports 800 N/m and 0.2 N s/m at 0.5 ms of lag. A gain of 2 makes
+ * the hand feel 1,600 N/m, so only half of both is allowed. */
 static void a_gain_above_one_counts_as_stiffness_and_damping(void **state)
 {
     (void)state;
@@ -98,7 +99,7 @@ static void a_gain_above_one_counts_as_stiffness_and_damping(void **state)
     expect_refused(&track, FIELD_COUPLING_ALONG);
 }
 
-/* The tool pushes back less than the hand feels: the coupling itself is as stiff as ever. */
+/* The tool pushes back less than the hand feels, but the coupling itself is as stiff as before. */
 static void a_gain_below_one_allows_nothing_stiffer(void **state)
 {
     (void)state;
@@ -124,9 +125,9 @@ static void a_gain_counts_about_the_line_too(void **state)
     expect_refused(&track, FIELD_COUPLING_ABOUT);
 }
 
-/* --- who may state what --- */
+/* --- who may state which values --- */
 
-/* Values of one field, asked for one after the other with the local unlock open or closed. */
+/* Values of one field, which are stated one after the other with the local unlock open or closed. */
 typedef struct ask {
     uint32_t value;
     bool is_unlocked, is_taken;
@@ -150,7 +151,7 @@ static void ask_each(crn_wire_track *track, uint32_t *value, uint32_t field, con
         ask_each(&track, &track.field, number, asks, sizeof asks / sizeof asks[0]);                          \
     } while (0)
 
-/* A coupling along the line that every damping and gain below bears. */
+/* A coupling along the line that every damping and gain below supports. */
 static crn_wire_track soft_track(void)
 {
     crn_wire_track track = client_plain_track();
@@ -159,8 +160,8 @@ static crn_wire_track soft_track(void)
     return track;
 }
 
-/* Nobody gets a force that is more than the tool's without somebody at the rig; less is always free, and what
- * was allowed may be said again. */
+/* No user gets a force greater than the tool's without a person at the rig. Less is always allowed, and the
+ * present value may be stated again. */
 static void a_gain_above_one_needs_the_local_unlock(void **state)
 {
     (void)state;
@@ -170,7 +171,7 @@ static void a_gain_above_one_needs_the_local_unlock(void **state)
         {1000, false, true}, {4000, false, false}, {4001, true, false});
 }
 
-/* Damping that is not there makes the device take a coupling that the rig cannot render. */
+/* Stated damping that does not exist makes the device accept a coupling that the rig cannot render. */
 static void more_damping_than_was_built_needs_the_local_unlock(void **state)
 {
     (void)state;
@@ -183,7 +184,7 @@ static void more_damping_than_was_built_needs_the_local_unlock(void **state)
         {2001, true, true}, {0, false, true});
 }
 
-/* A lag that is hidden does the same. The rig was built with 700 us. */
+/* A concealed lag does the same. The rig was built with 700 us. */
 static void less_lag_than_was_built_needs_the_local_unlock(void **state)
 {
     (void)state;
@@ -211,8 +212,8 @@ static void less_lag_than_was_built_needs_the_local_unlock(void **state)
     }
 }
 
-/* As the force sensor's: a quarter up or down from what was built, and anything with the unlock. It could
- * move by 5 x 10^5 before. */
+/* The rule is that of the force sensor: a quarter up or down from the built value, and any value with the
+ * unlock. Before this rule it could change by a factor of 5 x 10^5. */
 static void an_encoder_s_scale_moves_by_a_quarter_without_the_local_unlock(void **state)
 {
     (void)state;
@@ -227,8 +228,8 @@ static void an_encoder_s_scale_moves_by_a_quarter_without_the_local_unlock(void 
         {65536, false, true});
 }
 
-/* A host that says that a count is a quarter more than it is makes the coupling a quarter stiffer than it
- * says. */
+/* A host that states a count as a quarter more than its true value makes the coupling a quarter stiffer than
+ * stated. */
 static void a_larger_scale_counts_as_stiffness(void **state)
 {
     (void)state;
@@ -241,18 +242,18 @@ static void a_larger_scale_counts_as_stiffness(void **state)
     expect_taken(&track); /* 1.25 x 1,600 x 0.5 ms = 1 N s/m */
     track.coupling_N_per_m = 1601;
     expect_refused(&track, FIELD_COUPLING_ALONG);
-    track.translation_pm_per_count = 750000; /* and one that says less gains nothing */
+    track.translation_pm_per_count = 750000; /* and one that states less gains nothing */
     track.coupling_N_per_m = 2000;
     expect_taken(&track);
     track.coupling_N_per_m = 2001;
     expect_refused(&track, FIELD_COUPLING_ALONG);
-    track.translation_pm_per_count = 50000000; /* somebody at the rig has another encoder */
+    track.translation_pm_per_count = 50000000; /* a person at the rig has installed another encoder */
     track.coupling_N_per_m = 2000;
     lock(true);
     expect_taken(&track);
 }
 
-/* An encoder that is said to count the other way turns every spring into a push. */
+/* An encoder that is said to count in the opposite direction turns every spring into a push. */
 static void the_sense_of_an_encoder_changes_only_with_the_local_unlock(void **state)
 {
     (void)state;
@@ -263,9 +264,9 @@ static void the_sense_of_an_encoder_changes_only_with_the_local_unlock(void **st
         {CRN_WIRE_OPTION_TRANSLATION_REVERSED, false, false});
 }
 
-/* A session in LOCKSTEP has its hands on the host, in counts of its own, and drives nothing. What somebody at
- * the rig said is still good when the host gives the rig back, and what only the host said is not good for a
- * coupling. */
+/* A session in LOCKSTEP has its hands on the host, in counts of its own, and drives nothing. Values that a
+ * person at the rig stated are still valid when the host returns the rig; values that only the host stated
+ * are not valid for a coupling. */
 static void a_track_without_a_coupling_may_have_any_scale(void **state)
 {
     (void)state;
@@ -282,12 +283,12 @@ static void a_track_without_a_coupling_may_have_any_scale(void **state)
     session.coupling_N_per_m = 1;
     expect_refused(&session, FIELD_TRANSLATION);
     session.coupling_N_per_m = 0;
-    session.force_uN_per_count = 1; /* the force sensor is looked at in every state */
+    session.force_uN_per_count = 1; /* the force sensor is checked in every state */
     expect_refused(&session, FIELD_FORCE_SCALE);
     expect_taken(&rig);
 }
 
-/* The same table for every way in: here the one that HID takes. */
+/* The same table applies to every path; this is the one that HID uses. */
 static void settings_without_frames_obey_the_same_table(void **state)
 {
     (void)state;

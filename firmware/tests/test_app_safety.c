@@ -1,6 +1,6 @@
-/* Claims about safety and continuation with several tools, shown through bytes on the sim port: limits, slew
- * and faults are per tool, snapshots hold all of them, and in FREE_RUN neither a hand that moved while nobody
- * listened nor a silent host does harm. */
+/* Claims about safety and continuation with several tools, shown through bytes on the sim port. Limits, slew
+ * and faults are per tool, and snapshots hold all of them. In FREE_RUN neither a hand that moved while the
+ * session was stopped nor a silent host does harm. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -76,7 +76,7 @@ static void expect_inserted(int tool, double expected_mm, double tolerance_mm)
     }
 }
 
-/* `ticks` ticks at constant speeds of the three hands, from wherever they are. */
+/* Runs `ticks` ticks at constant speeds of the three hands, from their present positions. */
 static int32_t hands_at[TOOLS];
 static void move(uint32_t *tick, uint32_t count, const int32_t *per_tick)
 {
@@ -97,7 +97,7 @@ static void start_three(void)
 
 /* --- safety --- */
 
-/* The second hand jumps by 6 mm: no tool moves any more, and the fault names tool and counts. */
+/* The second hand jumps by 6 mm: all tools stop, and the fault names tool and counts. */
 static void a_jump_of_one_hand_stops_all_and_names_it(void **state)
 {
     (void)state;
@@ -133,7 +133,8 @@ static void send_rig(const uint32_t *limits_mN, uint16_t count)
     client_rig(&host, tracks, count);
 }
 
-/* The third track asks for more than it has: the first two, which ask for less, keep what they had. */
+/* The third track requests more than it may have: the first two, which request less, keep their old
+ * values. */
 static void a_rig_is_taken_over_whole_or_not_at_all(void **state)
 {
     (void)state;
@@ -156,7 +157,7 @@ static bool grows_within(int32_t last, int32_t now, int32_t slew)
     return now <= (last > 0 ? last : 0) + slew && now >= (last < 0 ? last : 0) - slew;
 }
 
-/* Jerks of all hands at gain 4: every motor within its own limit and the slew, in every tick, and more than
+/* All hands jerk at gain 4: every motor stays within its own limit and the slew in every tick, and more than
  * one moves. */
 static void motors_stay_within_their_own_limit_and_slew(void **state)
 {
@@ -188,8 +189,8 @@ static void motors_stay_within_their_own_limit_and_slew(void **state)
 
 /* --- snapshots --- */
 
-/* Three heavy tools (100 g/m) held upright by their hands: 0.25 N of weight each, so that every motor is
- * asked for 1 N at gain 4, and a motor that lost its slew state needs 20 ticks to come back. */
+/* Their hands hold three heavy tools (100 g/m) upright. Each weighs 0.25 N, so every motor is commanded to
+ * give 1 N at gain 4, and a motor that lost its slew state needs 20 ticks to return. */
 static void start_upright(uint16_t count)
 {
     static crn_wire_tools tools;
@@ -213,7 +214,7 @@ static void expect_weight(int32_t axial_mN)
     if (axial_mN < 800 || axial_mN > 1200) fail_msg("motor = %d mN, expected 981 +- 20 %%", axial_mN);
 }
 
-/* Every result of every tick, the motors' among them, is that of the session that was not interrupted. */
+/* Every result of every tick, including the motors, is that of the uninterrupted session. */
 static void a_snapshot_of_three_tools_continues_bit_for_bit(void **state)
 {
     (void)state;
@@ -260,7 +261,7 @@ static void a_lockstep_session_goes_on_after_stop_as_if_it_had_not_stopped(void 
     assert_memory_equal(&last[0], &last[1], sizeof last[0]);
 }
 
-/* Hostile head fields of every tool, and a snapshot of fewer tools. */
+/* Hostile head fields of every tool, and a snapshot of fewer tools, are refused. */
 static void a_damaged_or_foreign_snapshot_leaves_the_state(void **state)
 {
     (void)state;
@@ -307,8 +308,8 @@ static void take_ticks(void)
     }
 }
 
-/* A hand that was far from zero before anybody listened, and one that moves while the session is stopped:
- * neither is a jump, and neither moves the tool. */
+/* One hand was far from zero before the session began, and one moves while the session is stopped: neither is
+ * a jump, and neither moves the tool. */
 static void what_hands_do_while_stopped_is_no_motion(void **state)
 {
     (void)state;
@@ -334,8 +335,9 @@ static void what_hands_do_while_stopped_is_no_motion(void **state)
     expect_inserted(CATHETER, 50, 0.05);
 }
 
-/* The motor holds the weight of an upright wire. When the host says no more, it fades to nothing (30 ticks of
- * patience, 20 of fading), stays there though the weight stays, and comes back with the next frame. */
+/* The motor holds the weight of an upright wire. When the host falls silent, the force fades to nothing (30
+ * ticks of patience, 20 of fading). It stays there though the weight stays, and returns with the next
+ * frame. */
 static void forces_fade_when_the_host_is_silent_and_come_back(void **state)
 {
     (void)state;

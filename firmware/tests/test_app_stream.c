@@ -1,6 +1,6 @@
-/* Claims about what the device says by itself: FREE_RUN loses a picture rather than a tick and says when it
- * lost one, notices tell what happened at which tick, a STOP comes at its tick, and the ticks of FREE_RUN
- * replay in LOCKSTEP bit for bit. */
+/* Claims about the device's unsolicited messages. FREE_RUN loses a picture rather than a tick and reports the
+ * loss. Notices report what happened at which tick, a STOP acts at its tick, and the ticks of FREE_RUN replay
+ * in LOCKSTEP bit for bit. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -17,7 +17,7 @@ static client *const host = &b.host;
 
 /* --- stream --- */
 
-/* A pipe with room for little more than the ticks: pictures are dropped and counted, of the ticks none. */
+/* The pipe has room for little more than the ticks: pictures are dropped and counted, and no tick is. */
 static void a_slow_host_loses_pictures_and_no_tick(void **state)
 {
     (void)state;
@@ -29,7 +29,7 @@ static void a_slow_host_loses_pictures_and_no_tick(void **state)
     client_stream(host, 0, 10);
     assert_true(client_expect_status(host, &status));
     tick = bench_status(&b).tick;
-    const uint32_t begin = tick / 16 * 16; /* what waits in the queue is still to come */
+    const uint32_t begin = tick / 16 * 16; /* frames in the queue still have to arrive */
     tick = begin;
     for (int i = 0; i < 2000; i++) {
         crn_sim_timer(host->sim, 1);
@@ -52,8 +52,8 @@ static void a_slow_host_loses_pictures_and_no_tick(void **state)
     assert_int_equal(status.ticks_lost, 0);
 }
 
-/* Nobody reads for a second, then somebody does: 256 ticks were kept, the gap is told, and the rest is in
- * order. */
+/* Nobody reads for a second, then the host reads: 256 ticks were kept, the gap is reported, and the rest is
+ * in order. */
 static void ticks_that_nobody_takes_are_counted_as_lost(void **state)
 {
     (void)state;
@@ -87,7 +87,7 @@ static void notices_tell_what_happened_at_which_tick(void **state)
     client_stream(host, 1, 0);
     assert_true(client_expect_status(host, &status));
     assert_true(bench_power(&b));
-    b.host_speaks = false; /* and does not read */
+    b.host_speaks = false; /* and it does not read */
     crn_sim_timer(host->sim, 100);
     b.rig.buttons = CRN_WIRE_BUTTON_XRAY;
     bench_tick(&b);
@@ -131,7 +131,7 @@ static void events_that_nobody_takes_are_counted_as_lost(void **state)
     assert_int_equal(bench_fault(&b, CRN_FAULT_CODE_EVENTS_LOST, NULL), bench_status(&b).events_lost);
 }
 
-/* STOP at a tick to come, in FREE_RUN and in the midst of a batch of LOCKSTEP. */
+/* STOP at a later tick, in FREE_RUN and in the middle of a batch of LOCKSTEP. */
 static void a_stop_is_carried_out_at_its_tick(void **state)
 {
     (void)state;
@@ -160,8 +160,8 @@ static void a_stop_is_carried_out_at_its_tick(void **state)
 
 static crn_wire_live_tick session[600];
 
-/* A hand that pushes, turns and trembles, felt through the coupling with seal friction; the same inputs in
- * LOCKSTEP give the same hashes, forces and motor values in every tick. */
+/* The hand pushes, turns and trembles, and feels the tool through the coupling with seal friction. The same
+ * inputs in LOCKSTEP give the same hashes, forces and motor values in every tick. */
 static void free_run_replays_in_lockstep_bit_for_bit(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* Claims about several tools on one line, shown through bytes on the sim port: each hand moves its own tool,
- * set-up is whole or nothing with the tool at fault named, and the wall's forces come on request. */
+ * set-up succeeds or fails as a whole and names the tool at fault, and the wall's forces come on request. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -78,7 +78,7 @@ static void expect_inserted(int tool, double expected_mm, double tolerance_mm)
     }
 }
 
-/* `ticks` ticks at constant speeds of the three hands, from wherever they are. */
+/* Runs `ticks` ticks at constant speeds of the three hands, from their present positions. */
 static int32_t hands_at[TOOLS];
 static void move(uint32_t *tick, uint32_t count, const int32_t *per_tick)
 {
@@ -99,8 +99,9 @@ static void start_three(void)
 
 /* --- motion --- */
 
-/* The wire is pushed by 30 mm, the catheter by 10 mm, the guide pulled back by 10 mm, all at once. Free
- * space, so each follows its own hand; 0.3 mm is left to friction between them and to the hands' coupling. */
+/* The wire is pushed by 30 mm and the catheter by 10 mm, while the guiding catheter is pulled back by 10 mm.
+ * In free space each follows its own hand; 0.3 mm is the allowance for friction between them and for the
+ * hands' coupling. */
 static void each_hand_moves_its_own_tool(void **state)
 {
     (void)state;
@@ -146,8 +147,8 @@ static void a_session_with_three_tools_gives_the_same_hashes_every_time(void **s
 
 /* --- set-up --- */
 
-/* A wire of 0.6 mm does not pass the catheter's lumen of 0.5 mm; refused as a whole, and the old tools still
- * arm. */
+/* A wire of 0.6 mm does not pass the catheter's lumen of 0.5 mm: the tools are refused as a whole, and the
+ * old tools can still be armed. */
 static void tools_that_do_not_nest_are_refused_by_name_and_leave_the_old_ones(void **state)
 {
     (void)state;
@@ -165,7 +166,7 @@ static void tools_that_do_not_nest_are_refused_by_name_and_leave_the_old_ones(vo
     assert_int_equal(ticks.states[0].tools_count, TOOLS);
 }
 
-/* One wrong value anywhere refuses the whole set, with the tool and the knot. */
+/* One wrong value anywhere refuses the whole set and names the tool and the knot. */
 static void a_wrong_value_names_its_tool_and_knot(void **state)
 {
     (void)state;
@@ -207,7 +208,7 @@ static void none_and_four_tools_are_refused(void **state)
     assert_int_equal(reject.code, CRN_REJECT_MALFORMED);
 }
 
-/* An entry gives one length per tool; after a change of their number it must come again. */
+/* An entry gives one length per tool; after a change of the number of tools it must be sent again. */
 static void an_entry_belongs_to_its_number_of_tools(void **state)
 {
     (void)state;
@@ -298,8 +299,9 @@ static void send_tube(void)
     assert_true(client_load_scene(&host, file, (uint32_t)bytes));
 }
 
-/* A straight wire lies on the floor of a horizontal tube. In sum the wall carries what it weighs beyond the
- * mouth, less what the inserter carries; every force points up, and there are as many as the tick reports. */
+/* A straight wire lies on the floor of a horizontal tube. In sum the wall carries its weight outside the
+ * inserter, less the part that the inserter carries. Every force points up, and their number is the one that
+ * the tick reports. */
 static void contact_forces_carry_the_weight(void **state)
 {
     (void)state;

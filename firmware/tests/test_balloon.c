@@ -1,6 +1,7 @@
-/* Claims: a balloon on a tool follows its maker's table where nothing holds it, fills a rigid vessel narrower
- * than itself and presses on it as pressure times area say, holds by friction, gives everything back when it
- * is deflated, and bursts above its limit (docs/balloon.md). Shown against closed forms. */
+/* Claims about a balloon on a tool (docs/balloon.md). It follows its maker's table where nothing confines it.
+ * It fills a rigid vessel narrower than itself, presses on it with pressure times area, and holds by
+ * friction. It leaves no trace when it is deflated, and it bursts above its limit. They are shown against
+ * closed forms. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -94,7 +95,7 @@ static double diameter_mm(int32_t radius_m_q30)
     return 2e3 * radius_m_q30 / Q30;
 }
 
-/* Bar: 2 %. In between the table is linear; below it the folds come out. */
+/* Bar: 2 %. Between its points the table is linear; below it the balloon unfolds. */
 static void a_free_balloon_has_the_diameter_of_its_table(void **state)
 {
     (void)state;
@@ -113,7 +114,7 @@ static void a_free_balloon_has_the_diameter_of_its_table(void **state)
 }
 
 /* Bars: 0.1 mm, and 5 % of pressure times the area covered, 2 pi r 18 mm. The vessel is narrower than the
- * unfolded balloon, so that the balloon's own wall bears nothing. */
+ * unfolded balloon, so the balloon's own wall bears nothing. */
 static void in_a_rigid_tube_it_fills_the_bore_and_presses_with_pressure_times_area(void **state)
 {
     (void)state;
@@ -133,8 +134,8 @@ static void in_a_rigid_tube_it_fills_the_bore_and_presses_with_pressure_times_ar
     }
 }
 
-/* Pulled at 5 mm/s it slips when the hand bears friction times wall force; nothing else of the catheter
- * presses hard. */
+/* When it is pulled at 5 mm/s it slips once the hand bears friction times wall force; no other part of the
+ * catheter presses hard. */
 static void an_inflated_balloon_is_held_by_friction_times_wall_force(void **state)
 {
     (void)state;
@@ -160,7 +161,7 @@ static void an_inflated_balloon_is_held_by_friction_times_wall_force(void **stat
     rig_free(r);
 }
 
-/* The tallest of what the hands felt, and the worst length error, since the last call. */
+/* The largest force at the hands, and the worst length error, since the last call. */
 typedef struct worst {
     double hand_N, length_pct, aside_mm;
 } worst;
@@ -172,7 +173,7 @@ static void look(const rig *r, uint32_t tools, worst *w)
     w->length_pct = fmax(w->length_pct, 100 * fabs(r->output.strain_max_q30 / Q30));
 }
 
-/* Where a patient's sheath is: not at the origin, and not on a line through it. */
+/* A patient's sheath: neither at the origin nor on a line through it. */
 static crn_entry entry_of_a_patient(void)
 {
     const crn_entry entry = {{{(int32_t)(-0.08 * Q30), (int32_t)(-0.3 * Q30), (int32_t)(0.04 * Q30)}},
@@ -180,7 +181,7 @@ static crn_entry entry_of_a_patient(void)
     return entry;
 }
 
-/* How far the farthest free node lies off the sheath's axis. */
+/* Largest distance of a free node from the sheath's axis. */
 static double aside_mm(const rig *r)
 {
     double most = 0;
@@ -194,10 +195,10 @@ static double aside_mm(const rig *r)
     return most;
 }
 
-/* In free space, with nothing that could press: what a hand feels is the weight. A ball that comes out of the
- * sheath or of another tool begins on the line there. It began at the origin of the patient frame, some 300
- * mm away, and was tied to it by 2 N/mm: 512 N at the hand, 9.5 % of length error and 3.5 mm in the wall of
- * the shipped scene. Bars: some times what is printed. */
+/* In free space nothing can press, so the hand feels only the weight. A ball that leaves the sheath or
+ * another tool begins on the line there. In an earlier version it began at the origin of the patient frame,
+ * some 300 mm away, and was tied to it by 2 N/mm. This gave 512 N at the hand, 9.5 % of length error and 3.5
+ * mm in the wall of the shipped scene. The bars are a few times the printed values. */
 static void an_inflated_balloon_comes_out_of_sheath_and_guide_without_a_jolt(void **state)
 {
     (void)state;
@@ -209,7 +210,8 @@ static void an_inflated_balloon_comes_out_of_sheath_and_guide_without_a_jolt(voi
     tools[1].element_tip_um = 1000;
     tools[1].element_fine_um = 40000;
     const crn_entry entry = entry_of_a_patient();
-    for (uint32_t count = 1; count <= 2; count++) { /* alone: out of the sheath; with a guide: out of that */
+    for (uint32_t count = 1; count <= 2;
+         count++) { /* alone: out of the sheath; with a guiding catheter: out of that */
         rig *r = calloc(1, sizeof *r);
         worst w = {0, 0, 0};
         crn_build_place place;
@@ -235,9 +237,9 @@ static void an_inflated_balloon_comes_out_of_sheath_and_guide_without_a_jolt(voi
     }
 }
 
-/* However hard it presses, 20 bar in a bore of 1.2 mm hold 36 N at mu 0.1 and more than any hand: pushed and
- * pulled at 250 mm/s the tool stalls and slips through the hand (docs/rod.md, "Feed"), and nothing leaves its
- * range. Bar: 30 N, what a hand's grip bears. */
+/* 20 bar in a bore of 1.2 mm hold 36 N at mu 0.1, more than any hand. Pushed and pulled at 250 mm/s the tool
+ * stalls and slips through the hand (docs/rod.md, "Feed"), and no value leaves its range. Bar: 30 N, which a
+ * hand's grip can bear. */
 static void a_balloon_that_holds_harder_than_a_hand_yields_in_the_hand(void **state)
 {
     (void)state;
@@ -258,8 +260,8 @@ static void a_balloon_that_holds_harder_than_a_hand_yields_in_the_hand(void **st
     rig_free(r);
 }
 
-/* Bar 2 of a vessel that springs back: the words of the balloon exactly, the nodes within 1 um. What friction
- * keeps of the first inflations is there before the count begins. */
+/* Bar 2 for an elastic vessel: the words of the balloon are equal exactly, the nodes within 1 um. The
+ * friction that remains of the first inflations is there before the count begins. */
 static void two_hundred_inflations_leave_nothing_behind(void **state)
 {
     (void)state;
@@ -288,8 +290,8 @@ static void two_hundred_inflations_leave_nothing_behind(void **state)
     rig_free(r);
 }
 
-/* Narrowed about 105 mm: where the balloon's middle is with the tip at 120 mm. Kept, because making it takes
- * long. */
+/* The vessel is narrowed about 105 mm, where the balloon's middle is with the tip at 120 mm. The lumen is
+ * kept, because making it takes long. */
 static rig *rig_in_stenosis(uint32_t inserted_um)
 {
     static reference_tube *tube;
@@ -314,7 +316,7 @@ static void across_a_hard_stenosis_it_takes_the_shape_of_a_dog_bone(void **state
         const double centre[3] = {ball_x_m(r, (int)j), 0, 0};
         const double room_m = fmin(-reference_tube_distance(r->tube, centre), 1.5e-3);
         if (fabs(centre[0] - 105e-3) < 1e-3 ||
-            fabs(centre[0] - 105e-3) > 7e-3) /* elsewhere a taper's wall is slanted */
+            fabs(centre[0] - 105e-3) > 7e-3) /* elsewhere the wall of the taper is slanted */
             assert_true(fabs(radius_m - room_m) < 0.1e-3);
         narrowest_m = fmin(narrowest_m, radius_m);
         widest_m = fmax(widest_m, radius_m);
@@ -322,11 +324,12 @@ static void across_a_hard_stenosis_it_takes_the_shape_of_a_dog_bone(void **state
     print_message("# dog bone: radius %.2f mm in the waist, %.2f mm at the ends\n", narrowest_m * 1e3,
                   widest_m * 1e3);
     assert_true(narrowest_m < 0.9e-3 && widest_m > 1.48e-3);
-    assert_true(fabs(ball_x_m(r, 9) - 104.5e-3) < 2e-3); /* the tapers' pushes cancel: it stays */
+    assert_true(fabs(ball_x_m(r, 9) - 104.5e-3) <
+                2e-3); /* the forces of the two tapers cancel, so it stays */
     free(r);
 }
 
-/* Only its distal end in the stenosis: the taper's slope, up to 0.18, is more than friction holds, 0.1. */
+/* Only its distal end is in the stenosis: the taper's slope, up to 0.18, exceeds what friction holds, 0.1. */
 static void badly_placed_it_is_squeezed_out(void **state)
 {
     (void)state;

@@ -1,7 +1,7 @@
-/* The USB controller of the real board (firmware/port/imxrt1062/usb_udc.c), which nobody has run on hardware,
- * on a model of the controller (board_usb_model.h). Claims: what the stack asks for is what a host on the bus
- * sees, packet by packet, and what a host does comes out as the events of firmware/port/udc.h. What the
- * chip's manual does not say, no model can show. */
+/* Tests the USB controller driver of the real board (firmware/port/imxrt1062/usb_udc.c), which nobody has run
+ * on hardware, on a model of the controller (board_usb_model.h). Claims: a host on the bus sees exactly what
+ * the stack requests, packet by packet, and the host's actions arrive as the events of firmware/port/udc.h. A
+ * model cannot show what the chip's manual does not state. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,9 +14,7 @@
 #include "firmware/app/usb/usb.h"
 #include "firmware/tests/board_usb_model.h"
 
-/* --- helpers
- * -------------------------------------------------------------------------------------------------------------
- */
+/* --- helpers -------------------------------------------------------------------------------------------- */
 static const crn_udc *udc;
 static crn_udc_event event;
 
@@ -25,10 +23,10 @@ static bool poll(void)
     return udc->poll(udc->context, &event);
 }
 
-/* A controller on the bus with power, and after a reset at high speed. */
+/* Puts a controller on the bus with power, after a reset at high speed. */
 static void begin(void)
 {
-    memset(&model, 0xa5, sizeof model); /* what was there before the reset means nothing */
+    memset(&model, 0xa5, sizeof model); /* contents from before the reset have no meaning */
     memset(&memory, 0xa5, sizeof memory);
     memset(&controller, 0, sizeof controller);
     model.flushes_outlived = 0;
@@ -60,13 +58,12 @@ static uint8_t pattern(uint32_t i)
     return (uint8_t)(i * 167 + i / 251);
 }
 
-/* Wherever in a page a buffer begins. */
+/* The buffer begins anywhere in a page. */
 static _Alignas(4096) uint8_t area[TRANSFER_BYTES_MAX + 2 * PAGE_BYTES];
 static uint8_t packet[1024];
 static uint32_t count;
 
-/* --- start, reset, sleep
- * ------------------------------------------------------------------------------------------------- */
+/* --- start, reset, sleep -------------------------------------------------------------------------------- */
 static void it_starts_as_a_device_that_nobody_sees(void **state)
 {
     (void)state;
@@ -104,7 +101,7 @@ static void a_reset_voids_everything_and_tells_the_speed(void **state)
     }
 }
 
-/* The loop was away while a whole reset went by. */
+/* The loop was busy during a whole reset. */
 static void a_reset_that_is_seen_late_is_one_reset(void **state)
 {
     (void)state;
@@ -148,9 +145,7 @@ static void a_test_mode_is_the_ports(void **state)
     assert_int_equal(*cell(USB_PORTSC1) & MASK(USB_PORTSC1_PTC), BITS(USB_PORTSC1_PTC, 4));
 }
 
-/* --- setup packets
- * ---------------------------------------------------------------------------------------------------------
- */
+/* --- setup packets -------------------------------------------------------------------------------------- */
 static void a_setup_packet_comes_whole_and_voids_endpoint_0(void **state)
 {
     (void)state;
@@ -166,7 +161,7 @@ static void a_setup_packet_comes_whole_and_voids_endpoint_0(void **state)
     assert_false(poll());
 }
 
-/* The bytes must be those of one packet: here the second comes when the first has been read. */
+/* The bytes must be those of one packet: here the second packet comes when the first has been read. */
 static void a_setup_packet_that_another_overtakes_is_not_mixed_with_it(void **state)
 {
     (void)state;
@@ -176,7 +171,7 @@ static void a_setup_packet_that_another_overtakes_is_not_mixed_with_it(void **st
     model.next_setup = second;
     assert_true(poll());
     assert_memory_equal(event.setup, second, 8);
-    /* What is armed for a packet that is not the last one never goes out; the last one is told. */
+    /* A transfer armed for an earlier packet is never sent; the last packet is reported. */
     udc->arm(udc->context, 0x80, area, 18);
     assert_int_equal(host_in(0, packet, &count), HOST_NAKED);
     assert_true(poll());
@@ -203,10 +198,9 @@ static void a_stall_of_endpoint_0_ends_with_the_next_setup_packet(void **state)
     assert_int_equal(host_out(0, packet, 0), HOST_NAKED);
 }
 
-/* --- transfers
- * -------------------------------------------------------------------------------------------------------------
- */
-/* Every byte of every length from everywhere in a page, in packets of 512 and a short or full last one. */
+/* --- transfers ------------------------------------------------------------------------------------------ */
+/* Every byte arrives, for every length and from every place in a page, in packets of 512 and a short or full
+ * last one. */
 static void bytes_leave_as_they_lie_in_memory(void **state)
 {
     (void)state;
@@ -275,8 +269,8 @@ static void endpoints_end_in_one_poll_each_and_none_is_lost(void **state)
     assert_int_equal(seen, bit_of(2) | bit_of(0x82) | bit_of(0x81));
 }
 
-/* A transfer that the bus spoilt is begun again; one with more bytes than were asked for is refused for good.
- */
+/* A transfer that the bus disturbed is started again; one with more bytes than requested is refused
+ * permanently. */
 static void a_broken_transfer_is_repeated_and_a_longer_one_stalls(void **state)
 {
     (void)state;
@@ -320,8 +314,8 @@ static void an_endpoint_that_is_opened_begins_afresh(void **state)
     assert_int_equal(host_in(2, packet, &count), HOST_SILENT);
 }
 
-/* The other way of a number that is used one way only must not be of type control (the manual's note to
- * ENDPTCTRL). */
+/* If a number is used in one direction only, the other direction must not be of type control (the manual's
+ * note to ENDPTCTRL). */
 static void no_half_of_an_endpoint_is_left_a_control_one(void **state)
 {
     (void)state;
@@ -334,8 +328,7 @@ static void no_half_of_an_endpoint_is_left_a_control_one(void **state)
     }
 }
 
-/* --- the stack on it
- * ------------------------------------------------------------------------------------------------------- */
+/* --- the stack on this controller ----------------------------------------------------------------------- */
 static struct device {
     crn_usb usb;
     uint8_t queue[1 << 14];
@@ -346,7 +339,7 @@ static void send_back(void *context, const uint8_t *bytes, size_t length)
 {
     (void)context;
     if (length > 1)
-        crn_usb_transmit(&device.usb, bytes, length); /* a stream begins with a zero to the app, too */
+        crn_usb_transmit(&device.usb, bytes, length); /* to the app, too, a stream begins with a zero */
 }
 
 static void note_link(void *context, crn_usb_link link)
@@ -383,8 +376,8 @@ static uint32_t request(uint8_t type, uint8_t number, uint16_t value, uint16_t l
     return total;
 }
 
-/* Addressed, described, configured, and a frame sent back through the bulk pair: as the token mailbox does it
- * (docs/usb.md). */
+/* The device is addressed, described and configured, and a frame comes back through the bulk pair, as with
+ * the token mailbox (docs/usb.md). */
 static void the_stack_enumerates_and_talks_on_this_controller(void **state)
 {
     (void)state;

@@ -1,7 +1,7 @@
-/* Claims: every operation of firmware/core/fixed.h stays within the error its comment states. Shown against
- * exact 128-bit integers where the result is exact, else against long double (64-bit mantissa, libm error <
- * 2^-62 relative), on millions of seeded inputs and on the borders of each range. The seed is fixed: a
- * failure prints its inputs, and running the program again reproduces it. */
+/* Claims: every operation of firmware/core/fixed.h stays within the error its comment states. Results are
+ * compared with exact 128-bit integers where they are exact, otherwise with long double (64-bit mantissa,
+ * libm error < 2^-62 relative), on millions of seeded inputs and on the borders of each range. The seed is
+ * fixed: a failure prints its inputs, and running the program again reproduces it. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,7 +1,7 @@
-/* Claims about the closed loop of hand, rig, coupling and rod (docs/haptics.md): in the five contact
- * situations a hand that comes, holds and goes, firm or loose, sees no limit cycle above 0.05 N, no fault,
- * and no energy beyond the observer's bound. The plant is firmware/tests/reference/haptic_rig.c; its motor
- * lags, its encoder has steps and jitter. */
+/* Claims about the closed loop of hand, rig, coupling and rod (docs/haptics.md). In the five contact
+ * situations a hand approaches, holds and leaves, firmly or loosely. No limit cycle above 0.05 N, no fault,
+ * and no energy beyond the observer's bound occurs. The plant is firmware/tests/reference/haptic_rig.c; its
+ * motor lags, its encoder has steps and jitter. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -25,8 +25,8 @@ typedef struct situation {
     uint32_t piece_count; /* 0: free space */
     double radius_m;
     uint32_t inserted_um, seal_mN;
-    double way_m;   /* of the hand, forth and half of it back */
-    double force_N; /* that must have been felt, at least */
+    double way_m;   /* displacement of the hand forwards, and half of it back */
+    double force_N; /* the least force that must have been felt */
 } situation;
 
 static const situation situations[] = {
@@ -66,7 +66,7 @@ static crn_wire_instrument wire_of(double bend_N_m2)
     return wire;
 }
 
-/* The stiffest that the device takes for this rig. */
+/* The stiffest track that the device accepts for this rig. */
 static crn_wire_track track_of(uint32_t seal_mN)
 {
     return (crn_wire_track){.translation_pm_per_count = 1000000,
@@ -83,7 +83,7 @@ static crn_wire_track track_of(uint32_t seal_mN)
 
 static haptic_rig rig;
 
-/* Hold for `ticks`; half the span of the force in the second half. */
+/* Holds for `ticks`; returns half the span of the force in the second half. */
 static double hold(double at_m, int ticks, double *mean_N)
 {
     double low = INFINITY, high = -INFINITY, sum = 0;
@@ -167,9 +167,9 @@ static void a_buckled_wire_in_the_aorta_is_quiet(void **state)
     check_both(4);
 }
 
-/* The control: twice the stiffness, taken because the rig's damping was stated wrongly, shakes at the end
- * wall in a loose hand. The cycle that goes on in the hand, or the measured force, gives it away, and the
- * power is off. */
+/* The control case: twice the stiffness, which is accepted because the rig's damping was stated wrongly,
+ * oscillates at the end wall in a loose hand. Either the sustained cycle in the hand or the measured force
+ * reveals it, and the power is off. */
 static void twice_the_allowed_stiffness_shakes_and_ends_safe(void **state)
 {
     (void)state;
@@ -178,8 +178,8 @@ static void twice_the_allowed_stiffness_shakes_and_ends_safe(void **state)
     const crn_wire_instrument wire = wire_of(s->bend_N_m2);
     crn_wire_track track = track_of(0);
     track.coupling_N_per_m *= 2;
-    assert_false(haptic_begin(&rig, &tube->lumen, &wire, s->inserted_um, &track,
-                              &loose)); /* refused as it should be */
+    /* refused as it should be */
+    assert_false(haptic_begin(&rig, &tube->lumen, &wire, s->inserted_um, &track, &loose));
     track.damping_mN_s_per_m *= 2;
     double largest_N = 0, mean_N;
     assert_true(haptic_begin(&rig, &tube->lumen, &wire, s->inserted_um, &track, &loose));
@@ -192,7 +192,7 @@ static void twice_the_allowed_stiffness_shakes_and_ends_safe(void **state)
     reference_tube_free(tube);
 }
 
-/* Nobody holds the handle: what is left of the force moves the carriage, and it comes to rest. */
+/* Nobody holds the handle: the remaining force moves the carriage, and it comes to rest. */
 static void a_hand_that_lets_go_leaves_a_rig_at_rest(void **state)
 {
     (void)state;

@@ -1,5 +1,6 @@
-/* Claims: an edge keeps its length while it turns fast: when a folded line slides along itself, and in the
- * deviation that the solve finds. Shown against the distances of the nodes. docs/rod.md, "Turning edges". */
+/* Claims: an edge keeps its length while it turns fast, both when a folded line slides along itself and in
+ * the deviation that the solve finds. They are shown by the distances of the nodes. See docs/rod.md, "Turning
+ * edges". */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,8 +16,8 @@
 static const double Q30 = 1073741824.0, Q33 = 8589934592.0;
 enum { FOLD_AT = 5 };
 
-/* A wire in elements of 1 mm in free space, straight along +x but for its first five, which point `angle_rad`
- * away from it. */
+/* A wire in elements of 1 mm in free space. It is straight along +x except for its first five elements, which
+ * point `angle_rad` away from it. */
 static rig *folded_rig(double angle_rad)
 {
     crn_instrument wire = reference_wire(1e-5, 300000, 1000, 0);
@@ -36,7 +37,7 @@ static rig *folded_rig(double angle_rad)
     return r;
 }
 
-/* Of edge i between predicted places, plus the deviation of the solve. */
+/* Length of edge i between predicted places, plus the deviation of the solve. */
 static double length_m(const rig *r, int i, bool has_solved)
 {
     double square = 0;
@@ -59,8 +60,8 @@ static double worst_length_error(const rig *r, int edges, bool has_solved)
     return worst;
 }
 
-/* Drawn back and pushed by 0.25 mm a tick, as by a hand at 250 mm/s. Tolerance 12 ppm, 4 are left; a slide
- * along the mean of two tangents alone makes it 12 % at a right angle. */
+/* The line is drawn back and pushed by 0.25 mm a tick, as by a hand at 250 mm/s. Tolerance: 12 ppm; 4 are
+ * measured. A slide along the mean of two tangents alone makes it 12 % at a right angle. */
 static void a_fold_that_is_drawn_along_keeps_its_edges(void **context)
 {
     (void)context;
@@ -76,8 +77,9 @@ static void a_fold_that_is_drawn_along_keeps_its_edges(void **context)
     }
 }
 
-/* A right angle's corner goes as far along both its edges as their other ends do, fed by 10 um a tick.
- * Tolerance 0.1 um: the square of the feed over an edge. The mean of two tangents takes it half as far. */
+/* The corner of a right angle, fed by 10 um a tick, moves as far along both its edges as their other ends do.
+ * Tolerance 0.1 um: the square of the feed over an edge. With the mean of two tangents it moves half as
+ * far. */
 static void the_corner_of_a_fold_goes_as_far_along_both_edges(void **context)
 {
     (void)context;
@@ -91,8 +93,8 @@ static void the_corner_of_a_fold_goes_as_far_along_both_edges(void **context)
     free(r);
 }
 
-/* The solve swings the first two edges aside by 0.25 rad. Tolerance 0.4 %: 0.14 are left of the fourth power.
- * Without, each is 3.1 % longer. */
+/* The solve swings the first two edges aside by 0.25 rad. Tolerance: 0.4 %; 0.14 remain from the fourth
+ * power. Without the correction each edge is 3.1 % longer. */
 static void edges_that_the_solve_swings_keep_their_length(void **context)
 {
     (void)context;
@@ -110,20 +112,20 @@ static void edges_that_the_solve_swings_keep_their_length(void **context)
     free(r);
 }
 
-/* A rig whose solve moved every second node aside by so much. */
+/* A rig whose solve moved every second node aside by this displacement. */
 static rig *shaken_rig(double way_m)
 {
     rig *r = folded_rig(0);
     crn_rod_feed(&r->model, &r->state, &r->input);
     for (uint32_t i = 0; i < r->state.words.free_count; i++)
         r->state.scratch.nodes[i].solution_m_q33 = (crn_vec3){{0, i % 2 ? (int32_t)(way_m * Q33) : 0, 0}};
-    r->state.scratch.kept_m_q33 = 12345; /* of the tick before */
+    r->state.scratch.kept_m_q33 = 12345; /* a value of the tick before */
     crn_rod_keep_lengths(&r->model, &r->state, (int32_t)(way_m * Q33));
     return r;
 }
 
-/* Where no edge of 1 mm turns by more than 0.06 rad the solve's nodes stay to the last bit, and nothing
- * counts as taken back. */
+/* Where no edge of 1 mm turns by more than 0.06 rad, the solve's nodes are unchanged to the last bit, and
+ * nothing is counted as taken back. */
 static void a_small_deviation_is_left_as_it_is(void **context)
 {
     (void)context;
@@ -141,8 +143,8 @@ static void a_small_deviation_is_left_as_it_is(void **context)
     free(r);
 }
 
-/* Beyond a right angle the limits of rod_length.c leave something. Tolerances: three times what is left, 0.23
- * % at 120 degrees and 1.4 % at 150. */
+/* Beyond a right angle the limits of rod_length.c leave a remainder. Tolerances: three times the remainder,
+ * which is 0.23 % at 120 degrees and 1.4 % at 150. */
 static void a_sharp_fold_keeps_its_edges_nearly(void **context)
 {
     (void)context;

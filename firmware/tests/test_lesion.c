@@ -1,7 +1,7 @@
-/* Claims: a lesion that is opened is the healthy vessel, in between a vessel in between, and its normals are
- * those of its distances; a balloon opens it by the pressure that it has on the wall, it springs back by its
- * recoil, wholly where it is elastic, and a scaffold holds it (docs/lesions.md). Shown against the closed
- * form of a stenosis in a straight tube. */
+/* Claims about lesions (docs/lesions.md). A fully opened lesion is the healthy vessel, a partly opened one
+ * lies in between, and its normals are those of its distances. A balloon opens it by its pressure on the
+ * wall. It recoils by its recoil share, completely where it is elastic, and a scaffold holds it. They are
+ * shown against the closed form of a stenosis in a straight tube. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -45,7 +45,8 @@ static double channel_m(double x_m)
     return fabs(u) > 0.5 ? healthy_m : healthy_m - (healthy_m - throat_m) * 0.5 * (1 + cos(2 * pi * u));
 }
 
-/* Soft: begins at 2 bar, wholly open with 2 more. `recoil` 1: springs back wholly. */
+/* A soft lesion: it begins to open at 2 bar and is completely open with 2 more. With a `recoil` of 1 it
+ * recoils completely. */
 static void describe(rig *r, double yield_kPa, double recoil)
 {
     for (int i = 0; i < STATIONS; i++) {
@@ -72,7 +73,7 @@ static void describe(rig *r, double yield_kPa, double recoil)
     };
 }
 
-/* A balloon of 3.2 x 18 mm on a catheter of 0.9 mm, its middle at the throat. */
+/* A balloon of 3.2 x 18 mm on a catheter of 0.9 mm, with its middle at the minimal lumen diameter. */
 static crn_instrument balloon_catheter(void)
 {
     crn_instrument tool = reference_wire(2e-5, 600000, 4000, 0.1);
@@ -122,7 +123,7 @@ static double open_at(const rig *r, uint32_t station)
     return crn_state_open(&r->state, 0, station) / Q30;
 }
 
-/* All of it, to the same share. */
+/* All stations are open to the same share. */
 static crn_lesion_state opened(double share)
 {
     crn_lesion_state lesions = {.bits = 1};
@@ -144,8 +145,8 @@ static double distance_mm(const rig *r, const crn_lesion_state *lesions, crn_vec
     return sample.distance_m_q30 * 1e3 / Q30;
 }
 
-/* On the wall that should be there: 0.02 mm, what the field of the narrow channel has (docs/lesions.md),
- * times what it is widened by. */
+/* The distance is checked on the expected wall. The tolerance is 0.02 mm, the error of the field of the
+ * narrow channel (docs/lesions.md), times the factor of widening. */
 static void open_by_a_share_its_radius_is_between_channel_and_vessel(void **state)
 {
     (void)state;
@@ -168,14 +169,14 @@ static void open_by_a_share_its_radius_is_between_channel_and_vessel(void **stat
     free(r);
 }
 
-/* Finite differences over 0.02 mm, near the wall, where contact is: the distance's gradient is the normal
- * within 4 degrees, since what lies between stations is linear and has edges there. */
+/* Finite differences over 0.02 mm, near the wall, where contact takes place: the distance's gradient is the
+ * normal within 4 degrees. The map between stations is linear and has edges at them. */
 static void normals_are_those_of_the_distance(void **state)
 {
     (void)state;
     rig *r = rig_make(200, 0.3);
     crn_lesion_state lesions = opened(0.6);
-    for (int i = 0; i < STATIONS; i++) /* more open in its middle */
+    for (int i = 0; i < STATIONS; i++) /* wider open in its middle */
         lesions.open_q30[0][i] = (int32_t)(Q30 * (0.9 - 0.08 * abs(i - MIDDLE)));
     const double h_mm = 0.02;
     double worst = 0;
@@ -200,8 +201,8 @@ static void normals_are_those_of_the_distance(void **state)
     free(r);
 }
 
-/* In a vessel that beats: what lies on the open wall in the reference pose lies on it in the world, wherever
- * the wall has gone. */
+/* In a vessel that beats, a point on the open wall in the reference pose lies on it in the world, wherever
+ * the wall has moved. */
 static void an_open_lesion_goes_with_a_beating_vessel(void **state)
 {
     (void)state;
@@ -250,8 +251,8 @@ static void closed_it_is_the_lumen_as_described(void **state)
     free(r);
 }
 
-/* A balloon as wide as the vessel at 8 bar. Its pressure is more than the lesion bears: it opens; deflated,
- * 30 % of the way springs back. */
+/* The balloon is as wide as the vessel at 8 bar. Its pressure is more than the lesion bears, so it opens;
+ * after deflation, 30 % of the opening recoils. */
 static void a_balloon_opens_a_soft_lesion_which_keeps_its_plastic_share(void **state)
 {
     (void)state;
@@ -269,7 +270,7 @@ static void a_balloon_opens_a_soft_lesion_which_keeps_its_plastic_share(void **s
     free(r);
 }
 
-/* At 8 bar it leaves a waist in the balloon; at 14 it gives way. */
+/* At 8 bar the lesion leaves a waist in the balloon; at 14 it gives way. */
 static void a_hard_lesion_leaves_a_waist_until_its_yield(void **state)
 {
     (void)state;
@@ -284,8 +285,8 @@ static void a_hard_lesion_leaves_a_waist_until_its_yield(void **state)
     free(r);
 }
 
-/* A balloon of 2 mm comes to rest where its own wall bears what the lesion does not: the lesion opens no
- * farther than the balloon. */
+/* A balloon of 2 mm comes to rest where its own wall bears the pressure that the lesion does not: the lesion
+ * opens no farther than the balloon. */
 static void a_balloon_too_small_opens_no_farther_than_itself(void **state)
 {
     (void)state;
@@ -305,8 +306,8 @@ static void a_balloon_too_small_opens_no_farther_than_itself(void **state)
     free(r);
 }
 
-/* Bar 2: the words of an elastic lesion come back exactly after every inflation, the nodes within 1 um; a
- * plastic one has its residual from the first one on. */
+/* Bar 2: the words of an elastic lesion return exactly after every inflation, the nodes within 1 um; a
+ * plastic one has its residual opening from the first inflation on. */
 static void inflations(int count, double recoil, bool is_elastic)
 {
     rig *r = rig_make(200, recoil);
@@ -352,8 +353,8 @@ static void two_hundred_inflations_leave_a_plastic_lesion_at_its_residual(void *
     inflations(REFERENCE_RUN(200), 0.3, false);
 }
 
-/* The host's order: its stations stay open by so much once the balloon is down; an order for what is not
- * there does nothing. */
+/* The host orders a scaffold: its stations stay open to the ordered extent once the balloon is deflated; an
+ * order for stations that do not exist does nothing. */
 static void a_scaffold_holds_its_stations(void **state)
 {
     (void)state;

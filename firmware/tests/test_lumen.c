@@ -1,6 +1,6 @@
-/* Claims: the samplers of the lumen are the quadratic B-spline that lumen.h states,
- * at every level, continuous across bricks, and safe for every position. Shown against double precision and
- * against walls whose distance is known in closed form. */
+/* Claims: the samplers of the lumen are the quadratic B-spline that lumen.h states, at every level,
+ * continuous across bricks, and safe for every position. They are shown against double precision and against
+ * walls whose distance is known in closed form. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -16,7 +16,7 @@
 
 enum { BRICKS = 32, RANDOM_POINTS = 200000, VOXEL_Q30 = 1 << 20, BRICK_Q30 = 1 << 23 };
 
-/* Lattice of 3 x 2 x 2 coarse bricks, with refinements written by the tests. */
+/* A lattice of 3 x 2 x 2 coarse bricks, with refinements that the tests write. */
 static int8_t samples[BRICKS][10][10][10];
 static uint16_t entries[12];
 static uint16_t children[4 * 8];
@@ -99,7 +99,7 @@ typedef struct where {
     crn_vec3 position;
 } where;
 
-/* A random point in a brick of a level of the scene above. */
+/* A random point in a brick of the given level of the scene above. */
 static where random_point(reference_random *random, int level)
 {
     where w = {0, level, {0, 0, 0}, {{0, 0, 0}}};
@@ -136,14 +136,14 @@ static void contact_is_the_quadratic_b_spline(void **state)
             worst_normal = fmax(worst_normal, fabs(ldexp(got.normal_q30.v[k], -30) + g[k] / length));
         }
     }
-    /* The weights along x carry 2^-16, on random neighbours that differ by up to 8 voxels; a wall's differ by
-     * one. */
+    /* The weights along x have a step of 2^-16, on random neighbours that differ by up to 8 voxels; those of
+     * a wall differ by one. */
     if (worst_m > 2e-7) fail_msg("worst distance error %.3g m, allowed 2e-7", worst_m);
     if (worst_normal > 2e-3) fail_msg("worst normal error %.3g, allowed 2e-3", worst_normal);
 }
 
-/* What is culled by it can never have been a contact: also in vessels as narrow as a voxel, at creases, and
- * in fields that are no distances. */
+/* A point that the cheap distance culls can never have been a contact. This holds also in vessels as narrow
+ * as a voxel, at creases, and in fields that are no distances. */
 static void distance_is_that_of_contact_bit_for_bit(void **state)
 {
     (void)state;
@@ -157,7 +157,7 @@ static void distance_is_that_of_contact_bit_for_bit(void **state)
     }
 }
 
-/* Fill every level-0 brick from a function of the place in voxels from the lattice corner, prefiltered for
+/* Fills every level-0 brick from a function of the place in voxels from the lattice corner, prefiltered for
  * quadratic functions: c = f - (second differences) / 8. */
 typedef double (*field)(double x, double y, double z);
 static void fill(field f)
@@ -232,8 +232,8 @@ static void known_walls_are_met_within_the_rounding_of_the_samples(void **state)
     }
 }
 
-/* Points on both sides of every brick border, 1 LSB apart: value and normal may differ only by what a step of
- * 1 nm and the rounding of the weights explain. */
+/* Points on both sides of every brick border are 1 LSB apart: value and normal may differ only by what a step
+ * of 1 nm and the rounding of the weights explain. */
 static void field_is_smooth_across_bricks_and_voxels(void **state)
 {
     (void)state;
@@ -273,7 +273,7 @@ static void normals_have_unit_length_and_point_inward(void **state)
         double radius = tube(x, y, z) + 3;
         double along = -(ny * (y - 8.3) + nz * (z - 7.9)) / radius;
         if (along < cos(0.06))
-            fail_msg("normal off by %.4f rad, allowed 0.06", acos(along)); /* int8: 1.6 deg seen */
+            fail_msg("normal off by %.4f rad, allowed 0.06", acos(along)); /* int8: 1.6 deg were seen */
     }
 }
 

@@ -1,6 +1,6 @@
-/* Claims about vessels that move: the lattice gives back the map it was made from, its normal and its wall's
- * step are those of that map, a wire in a beating vessel is carried and stays within the penetration of a
- * resting one, and a wall that moves along drags at mu N. */
+/* Claims about vessels that move. The lattice reproduces the map from which it was made, and its normal and
+ * its wall's step are those of that map. A wire in a beating vessel is carried along and stays within the
+ * penetration of one in a resting vessel. A wall that moves along the wire drags it with mu N. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -47,7 +47,8 @@ static uint32_t phase32(double phase)
     return (uint32_t)(uint64_t)floor((phase - floor(phase)) * 4294967296.0);
 }
 
-/* Pose of a tick that leads to `phase` from `step` before, with the chest at rest or, at `breath` 1, full. */
+/* Pose of a tick that ends at `phase` and began `step` before, with the chest at rest or, at `breath` 1,
+ * full. */
 static crn_motion_pose pose_of(const crn_motion *motion, double phase, double step, double breath)
 {
     crn_rhythm now = {.heart_phase32 = phase32(phase), .breath_phase32 = breath > 0 ? 1u << 31 : 0},
@@ -81,8 +82,8 @@ static void draw_place(reference_random *random, double phase, double breath, do
     reference_beating_sphere(X, phase, breath, x);
 }
 
-/* At the nodes and keyframes the lattice is the map but for half a unit of its numbers and the rounding of
- * weights. */
+/* At the nodes and keyframes the lattice equals the map, apart from half a unit of its numbers and the
+ * rounding of the weights. */
 static void the_lattice_passes_through_its_keyframes(void **state)
 {
     (void)state;
@@ -126,7 +127,7 @@ static void the_lattice_represents_the_map(void **state)
     assert_true(worst < 0.3e-3 && deepest < 0.3e-3);
 }
 
-/* The cycle closes, and from cell to cell and keyframe to keyframe nothing jumps by more than what the way
+/* The cycle closes. From cell to cell and from keyframe to keyframe no value jumps by more than the distance
  * between explains. */
 static void the_map_is_continuous_in_place_and_time(void **state)
 {
@@ -160,7 +161,7 @@ static void outside_the_lattice_nothing_moves(void **state)
     }
 }
 
-/* Depth as the core sees it at a place, metres. */
+/* Depth that the core computes at a place, metres. */
 static double depth_at(crn_motion_pose *pose, const double *x)
 {
     crn_vec3 world = to_q30(x);
@@ -168,8 +169,9 @@ static double depth_at(crn_motion_pose *pose, const double *x)
     return crn_lumen_contact(&tube->lumen, &reference).distance_m_q30 / q30_per_m;
 }
 
-/* Central differences over 20 um of the pulled-back distance: direction within 1 degree, and the distance is
- * phi over the length of the gradient. Near cell borders the difference sees both cells: 2 % may. */
+/* Central differences over 20 um of the pulled-back distance give the direction within 1 degree, and the
+ * distance is phi over the length of the gradient. Near cell borders the difference covers both cells, so 2 %
+ * of the points may fail. */
 static void the_normal_is_the_gradient_of_the_moved_distance(void **state)
 {
     (void)state;
@@ -194,7 +196,7 @@ static void the_normal_is_the_gradient_of_the_moved_distance(void **state)
         const double phi = depth_at(&pose, x);
         crn_vec3 world = to_q30(x);
         crn_lumen_sample wall = crn_motion_contact(&tube->lumen, &beating->motion, &pose, &world);
-        if (phi < -0.0005 || length < 0.5) continue; /* farther in phi itself is no exact distance */
+        if (phi < -0.0005 || length < 0.5) continue; /* farther away phi itself is no exact distance */
         for (int k = 0; k < 3; k++) dot -= g[k] / length * (wall.normal_q30.v[k] / q30_per_m);
         wide += dot < cos(acos(-1.0) / 180);
         far += fabs(wall.distance_m_q30 / q30_per_m * length - phi) > 10e-6 + 0.05 * fabs(phi);
@@ -210,9 +212,9 @@ static int16_t up_to(reference_random *random, int32_t most)
     return (int16_t)((int32_t)reference_random_below(random, 2u * (uint32_t)most + 1) - most);
 }
 
-/* A node is taken for far from the wall by the cheap distance alone: where the contact's is not, that must
- * say so. In the beating lattice, and in one as steep as a scene may be, where neighbours differ at random.
- */
+/* The cheap distance alone decides that a node is far from the wall, so where the contact's distance is not
+ * far it must not be either. This is shown in the beating lattice, and in one as steep as a scene may be,
+ * where neighbours differ at random. */
 static void the_cheap_distance_never_hides_a_contact(void **state)
 {
     (void)state;
@@ -259,8 +261,8 @@ static void the_cheap_distance_never_hides_a_contact(void **state)
     }
 }
 
-/* Against the way of the map's own point in the tick, at 120 /min: within 5 % of the fastest wall (0.13 mm in
- * a tick) and 2 um. Every other time the chest fills as well, at 20 /min. */
+/* The step is compared with the displacement of the map's own point in the tick, at 120 /min: within 5 % of
+ * the fastest wall (0.13 mm in a tick) and 2 um. Every other time the chest fills as well, at 20 /min. */
 static void the_wall_step_is_that_of_the_map(void **state)
 {
     (void)state;
@@ -293,13 +295,13 @@ static void the_wall_step_is_that_of_the_map(void **state)
     assert_true(fmax(worst[0], worst[1]) < 0.05 * fastest + 2e-6);
 }
 
-/* --- the rod in it
- * --------------------------------------------------------------------------------------------------- */
+/* --- the rod in a moving vessel ------------------------------------------------------------------------- */
 
 static crn_model model;
 static crn_state core;
 
-/* 0.014 in wire with a soft tip, pushed 130 mm into the vessel at rest (asystole from the first tick on). */
+/* A 0.014 in wire with a soft tip is pushed 130 mm into the vessel at rest (asystole from the first tick
+ * on). */
 static void insert_coronary_wire(const crn_motion *motion)
 {
     const crn_instrument wire = reference_coronary_wire();
@@ -335,8 +337,8 @@ typedef struct beat_figures {
     uint32_t solved_twice, faults;
 } beat_figures;
 
-/* Four seconds at 90 /min with breath. `miss`: how far a node of the wire ever is from the moved vessel's
- * axis. */
+/* Four seconds at 90 /min with breath. `miss` is the largest distance of a node of the wire from the moved
+ * vessel's axis. */
 static beat_figures beat_on(crn_input *input)
 {
     beat_figures f = {0};
@@ -364,8 +366,8 @@ static beat_figures beat_on(crn_input *input)
     return f;
 }
 
-/* The wire goes along by more than 8 mm where the wall does so by 10, and no node is ever deeper in the wall
- * than 0.15 mm. */
+/* The wire moves by more than 8 mm where the wall moves by 10, and no node is ever deeper in the wall than
+ * 0.15 mm. */
 static void a_wire_in_a_beating_vessel_is_carried(void **state)
 {
     (void)state;
@@ -380,10 +382,12 @@ static void a_wire_in_a_beating_vessel_is_carried(void **state)
         f.miss_m * 1e3, f.penetration_m * 1e3, f.excursion_m * 1e3, f.solved_twice, f.faults);
     assert_true(f.excursion_m > 8e-3);
     assert_true(f.penetration_m < 0.15e-3 && f.miss_m < 0.15e-3);
-    assert_int_equal(f.faults & ~(uint32_t)CRN_FAULT_STEP_CAPPED, 0); /* it may snap when the vessel widens */
+    /* the wire may snap when the vessel widens */
+    assert_int_equal(f.faults & ~(uint32_t)CRN_FAULT_STEP_CAPPED, 0);
 }
 
-/* A snapshot in mid-beat goes on with the same hashes: nothing of the motion is kept outside the state. */
+/* A snapshot in mid-beat continues with the same hashes, so no part of the motion is kept outside the
+ * state. */
 static void a_beating_state_can_be_saved_and_goes_on_the_same(void **state)
 {
     (void)state;
@@ -404,14 +408,14 @@ static void a_beating_state_can_be_saved_and_goes_on_the_same(void **state)
     }
 }
 
-/* Everything 6 mm along +x at the end of systole: a floor that slides under a wire lying on it. */
+/* Everything moves 6 mm along +x at the end of systole: a floor that slides under a wire lying on it. */
 static void slide_along(const double *X, double phase, double breath, double *x)
 {
     memcpy(x, X, 3 * sizeof *x);
     x[0] += 0.006 * reference_contraction(phase) + 0 * breath;
 }
 
-/* Sum of what the floor bears of the wire, N. */
+/* Total weight of the wire that the floor bears, N. */
 static double normal_sum_N(void)
 {
     double sum = 0;
@@ -422,9 +426,10 @@ static double normal_sum_N(void)
     return sum;
 }
 
-/* A soft wire of 5 g/m on the floor of a narrow straight tube, held by its hand while the floor slides: the
- * hand feels mu times what the floor bears, within 2 %, one way in systole and the other in diastole. The
- * floor bears the weight but for what hangs at the mouth. */
+/* A soft wire of 5 g/m lies on the floor of a narrow straight tube, and its hand holds it while the floor
+ * slides. The hand feels mu times the weight on the floor, within 2 %, in one direction in systole and in the
+ * other in diastole. The floor bears the weight except for the span that hangs at the inserter's distal
+ * end. */
 static void a_wall_that_slides_drags_at_mu_N(void **state)
 {
     (void)state;

@@ -1,7 +1,7 @@
-/* Claims about heartbeat and breath: beats have the length asked for, systole follows its formula and not the
- * interval, the phase has no jumps whatever is asked for, intervals vary as stated and the same on every run,
- * a premature beat is followed by the pause that brings the rhythm back into step, and what is out of range
- * is no order. */
+/* Claims about heartbeat and breath. Beats have the ordered length, systole follows its formula and not the
+ * interval, and the phase has no jumps whatever is ordered. Intervals vary as stated and identically on every
+ * run. A premature beat is followed by the pause that brings the rhythm back into step. An out-of-range order
+ * has no effect. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -22,7 +22,7 @@ static void ask(crn_rhythm *rhythm, uint32_t action, uint32_t value)
     crn_rhythm_step(rhythm, &order);
 }
 
-/* Ticks until the next beat begins; the phase must rise all the way. */
+/* Ticks until the next beat begins; the phase must rise throughout. */
 static uint32_t to_next_beat(crn_rhythm *rhythm)
 {
     uint32_t ticks = 0, count = rhythm->beat_count, phase = rhythm->heart_phase32;
@@ -37,8 +37,9 @@ static uint32_t to_next_beat(crn_rhythm *rhythm)
     return ticks;
 }
 
-/* 60 000 / rate ms to 1 ms, and the aortic valve closes 540 - 2.1 rate ms after the QRS: 456 ms at 40 /min,
- * 204 ms at 160 /min. A linear stretch would have 624 ms at 40 /min where 393 ms at 70 /min is right. */
+/* The interval is 60 000 / rate ms to 1 ms, and the aortic valve closes 540 - 2.1 rate ms after the QRS: 456
+ * ms at 40 /min, 204 ms at 160 /min. Linear scaling with the interval would give 624 ms at 40 /min from the
+ * correct 393 ms at 70 /min. */
 static void systole_follows_its_formula_and_not_the_interval(void **state)
 {
     (void)state;
@@ -58,7 +59,7 @@ static void systole_follows_its_formula_and_not_the_interval(void **state)
     }
 }
 
-/* Phase per tick differs by at most one part in 2^20 of a cycle within each part. */
+/* Within each part, the phase per tick differs by at most one part in 2^20 of a cycle. */
 static void the_phase_is_linear_in_systole_and_in_diastole(void **state)
 {
     (void)state;
@@ -100,9 +101,9 @@ static void intervals_vary_as_stated_and_the_same_on_every_run(void **state)
     assert_true(fabs(mean - 800) < 2.4 && fabs(deviation - 40) < 2);
 }
 
-/* Asked for 100 ms after a QRS with a coupling of 60 %: the next QRS comes at 60 % of the interval, that beat
- * is marked, and the one after it comes where the second regular one would have come. Its own systole is that
- * of its short interval. */
+/* The beat is ordered 100 ms after a QRS with a coupling of 60 %. The next QRS comes at 60 % of the interval,
+ * that beat is marked, and the one after it comes where the second regular one would have come. Its own
+ * systole is that of its short interval. */
 static void a_premature_beat_is_followed_by_its_pause(void **state)
 {
     (void)state;
@@ -120,7 +121,7 @@ static void a_premature_beat_is_followed_by_its_pause(void **state)
     assert_int_equal(to_next_beat(&rhythm), 857);
 }
 
-/* Late in a beat there is no time left: the beat after the next QRS is the early one. */
+/* Late in a beat no time is left: the beat after the next QRS is the early one. */
 static void a_premature_beat_that_is_asked_for_too_late_comes_in_the_next_cycle(void **state)
 {
     (void)state;
@@ -133,7 +134,7 @@ static void a_premature_beat_that_is_asked_for_too_late_comes_in_the_next_cycle(
     assert_true((rhythm.bits & CRN_RHYTHM_IS_PREMATURE) != 0);
 }
 
-/* The present beat ends; then the heart stands still at the end of filling until it is asked to beat. */
+/* The present beat ends; then the heart rests at the end of filling until it is ordered to beat. */
 static void asystole_stands_at_the_end_of_filling(void **state)
 {
     (void)state;
@@ -151,7 +152,7 @@ static void asystole_stands_at_the_end_of_filling(void **state)
     assert_int_equal(to_next_beat(&rhythm), 857);
 }
 
-/* 15 breaths take a minute to 1 ms (the increment's rounding is 3e-6); held breath keeps its phase. */
+/* 15 breaths take a minute to 1 ms (the increment's rounding is 3e-6); a held breath keeps its phase. */
 static void breath_has_its_rate_and_can_be_held(void **state)
 {
     (void)state;
@@ -206,8 +207,8 @@ static void what_is_out_of_range_is_no_order(void **state)
     }
 }
 
-/* 200,000 ticks under random orders, 1 in 50 of them: every state is one that a snapshot may bring back, and
- * the phase goes from one keyframe to the next in no less than 2 ms (what the wall's speed is bounded by). */
+/* 200,000 ticks run with random orders, in 1 of 50 ticks. Every state is one that a snapshot may restore, and
+ * the phase goes from one keyframe to the next in no less than 2 ms (this bounds the wall's speed). */
 static void whatever_is_asked_for_the_phase_has_no_jumps(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
-/* Claims: the rod bends, hangs, slides and stalls as the equations of docs/rod.md say; the state can be
- * hashed, saved and restored; bad instruments and states are refused by name. Shown against closed forms
- * (elastica), exact tube distances in double precision, and invariants. */
+/* Claims: the rod bends, hangs, slides and stalls as the equations of docs/rod.md state; the state can be
+ * hashed, saved and restored; bad instruments and states are refused by name. They are shown against closed
+ * forms (elastica), exact tube distances in double precision, and invariants. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -19,11 +19,10 @@
 
 static const double Q30 = 1073741824.0;
 
-/* --- elastica: FACTS of docs/validation.md, cases 1 and 2
- * ------------------------------------------------------ */
+/* --- elastica: FACTS of docs/validation.md, cases 1 and 2 ----------------------------------------------- */
 
-/* Tolerance 0.5 % of L at 64 elements is the project's bar; the discretisation's own error is 0.03 %. Every
- * stiffness of the range is run by `make bench`; here the softest and a stiff one. */
+/* The tolerance of 0.5 % of L at 64 elements is the project's bar; the discretisation's own error is 0.03 %.
+ * `make bench` runs every stiffness of the range; this test runs the softest and a stiff one. */
 static void tip_loaded_cantilever_takes_the_elastica(void **context)
 {
     (void)context;
@@ -47,7 +46,7 @@ static void heavy_cantilever_takes_the_elastica(void **context)
     }
 }
 
-/* Unequal elements, 1 mm growing to 4 mm, must hang like equal ones: 0.1 % of L between the two. */
+/* Unequal elements, 1 mm growing to 4 mm, must hang like equal ones: the two may differ by 0.1 % of L. */
 static void graded_elements_hang_like_equal_ones(void **context)
 {
     (void)context;
@@ -67,14 +66,13 @@ static void graded_elements_hang_like_equal_ones(void **context)
     check_below("distance of the tips in % of L", 100 * sqrt(off) / 0.2, 0.1);
 }
 
-/* --- insertion
- * ------------------------------------------------------------------------------------------------- */
+/* --- insertion ------------------------------------------------------------------------------------------ */
 
 typedef struct insertion {
     double depth_mm, strain_pct, force_N, resting_um;
 } insertion;
 
-/* Worst of a whole insertion at 0.1 m/s and one second of rest. */
+/* Worst values of a whole insertion at 0.1 m/s and one second of rest. */
 static insertion insert(const reference_tube *tube, double bend_N_m2, double to_m)
 {
     crn_instrument wire = reference_wire(bend_N_m2, 900000, 3000, 0.2);
@@ -118,7 +116,7 @@ static void wires_pass_the_bends_without_leaving_the_tube(void **context)
     reference_tube_free(tube);
 }
 
-/* The narrow vessel in which a trilinear field chatters at 0.4 mm per tick (docs/lumen.md). */
+/* This is the narrow vessel in which a trilinear field chatters at 0.4 mm per tick (docs/lumen.md). */
 static void wire_rests_in_a_vessel_of_1_5_mm_radius(void **context)
 {
     (void)context;
@@ -152,13 +150,12 @@ static void blocked_tip_stalls_the_feed(void **context)
     reference_tube_free(tube);
 }
 
-/* --- friction
- * -------------------------------------------------------------------------------------------------- */
+/* --- friction ------------------------------------------------------------------------------------------- */
 
-/* Two-way: resting on the floor of a straight tube of 1.5 mm radius, pulled and pushed at constant speed, the
- * handle carries mu N, N being the weight less what the mouth carries: two thirds of the span (72 EI h /
- * w)^(1/4) that hangs from height h. 10 mm of travel first brings every bristle to its limit. Tolerance 10 %:
- * the push bends the hanging span. */
+/* In both directions: a wire rests on the floor of a straight tube of 1.5 mm radius and is pulled and pushed
+ * at constant speed. The handle carries mu N, where N is the weight less what the inserter carries: two
+ * thirds of the span (72 EI h / w)^(1/4) that hangs from height h. The first 10 mm of travel bring every
+ * bristle to its limit. Tolerance 10 %: the push bends the hanging span. */
 static void sliding_on_the_floor_costs_mu_times_weight(void **context)
 {
     (void)context;
@@ -183,7 +180,7 @@ static void sliding_on_the_floor_costs_mu_times_weight(void **context)
     reference_tube_free(tube);
 }
 
-/* Mean push of a wire that is fed along the floor at 20 mm/s while its weight changes every 3 ms by `share`
+/* Mean push on a wire that is fed along the floor at 20 mm/s while its weight changes every 3 ms by `share`
  * of it. */
 static double push_when_shaken_N(double share)
 {
@@ -204,9 +201,9 @@ static double push_when_shaken_N(double share)
     return sum_N / 1000;
 }
 
-/* A wire shaken between no weight and twice its weight is pushed as hard as one at rest: friction follows the
- * mean. Tolerance 20 %, as the nodes hop. Friction by the force that was foreseen for a hopping node (5 mN
- * for each micrometre) made it 19 times as hard. */
+/* A wire shaken between no weight and twice its weight needs the same push as one at rest, because friction
+ * follows the mean. Tolerance: 20 %, as the nodes hop. When friction used the predicted force of a hopping
+ * node (5 mN for each micrometre), the push was 19 times as large. */
 static void a_shaken_wire_rubs_with_its_mean_weight(void **context)
 {
     (void)context;
@@ -214,12 +211,11 @@ static void a_shaken_wire_rubs_with_its_mean_weight(void **context)
                 fabs(push_when_shaken_N(1) / push_when_shaken_N(0) - 1), 0.2);
 }
 
-/* --- hostile hand
- * ---------------------------------------------------------------------------------------------- */
+/* --- hostile hand --------------------------------------------------------------------------------------- */
 
-/* A hand that jumps at random for 20 s, turning at up to 12 rad/s, neither blows the rod up nor leaves the
- * lumen by more than 1 mm in more than 1 in 1000 ticks. Length error within 0.6 % as in the prototype's fuzz.
- */
+/* A hand jumps at random for 20 s and turns at up to 12 rad/s. The rod stays stable, and it leaves the lumen
+ * by more than 1 mm in at most 1 in 1000 ticks. The length error is within 0.6 %, as in the prototype's fuzz
+ * test. */
 static void random_hand_does_not_blow_the_rod_up(void **context)
 {
     (void)context;
@@ -249,10 +245,10 @@ static void random_hand_does_not_blow_the_rod_up(void **context)
     reference_tube_free(tube);
 }
 
-/* What a tick's prediction did not see touch the wall is hardly deeper than 0.1 mm when the first tick of
- * several ends: the deviation of all nodes is cut short there, which costs no second solve. Measured along
- * the normal at x*: a way of 0.75 mm (the cap) along a wall of 4 mm radius leaves its plane by 0.07 mm more,
- * which is the bound; 0.0135 were seen. */
+/* A contact that a tick's prediction missed is hardly deeper than 0.1 mm when the first tick of several ends:
+ * there the deviation of all nodes is cut short, which costs no second solve. The depth is measured along the
+ * normal at x*. A displacement of 0.75 mm (the cap) along a wall of 4 mm radius leaves its plane by 0.07 mm
+ * more, which is the bound; 0.0135 were seen. */
 static void a_contact_that_was_missed_ends_0_1_mm_deep(void **context)
 {
     (void)context;
@@ -289,8 +285,8 @@ static void a_contact_that_was_missed_ends_0_1_mm_deep(void **context)
     reference_tube_free(tube);
 }
 
-/* Beyond the field there is no normal and so no contact, but such a node is deeper than any. The whole wire
- * lies 0.1 m beside the tube; the field's far value is 15.6 mm, the wire's radius comes to it. */
+/* Beyond the field there is no normal and so no contact, but such a node counts as the deepest. The whole
+ * wire lies 0.1 m beside the tube; the field's far value is 15.6 mm, and the wire's radius is added. */
 static void a_node_beyond_the_field_is_the_deepest(void **context)
 {
     (void)context;
@@ -314,8 +310,7 @@ static void a_node_beyond_the_field_is_the_deepest(void **context)
     reference_tube_free(tube);
 }
 
-/* --- state
- * ----------------------------------------------------------------------------------------------------- */
+/* --- state ---------------------------------------------------------------------------------------------- */
 
 static rig *busy_rig(const reference_tube *tube)
 {
@@ -342,7 +337,7 @@ static void restored_state_goes_on_bit_for_bit(void **context)
         uint64_t *hash = run ? got : expected;
         r->input = input;
         if (run) {
-            crn_state_init(&r->model, &r->state, &(uint32_t){50000}); /* nothing of the first run survives */
+            crn_state_init(&r->model, &r->state, &(uint32_t){50000}); /* nothing of the first run remains */
             assert_true(crn_state_restore(&r->model, &r->state, saved));
         }
         hash[0] = crn_state_hash64(&r->state);
@@ -359,7 +354,7 @@ static void restored_state_goes_on_bit_for_bit(void **context)
 }
 
 /* Every word that a check guards, set to a value no state can have, is refused and leaves the old state
- * alone. */
+ * unchanged. */
 static void restore_refuses_impossible_words(void **context)
 {
     (void)context;
@@ -404,8 +399,7 @@ static void one_more_count_of_the_hand_gives_another_hash(void **context)
     assert_true(lanes[0][0] != lanes[1][0] || lanes[0][1] != lanes[1][1]);
 }
 
-/* --- set-up
- * ---------------------------------------------------------------------------------------------------- */
+/* --- set-up --------------------------------------------------------------------------------------------- */
 
 static crn_build_status build(const crn_instrument *wire, const crn_entry *entry, crn_build_place *place)
 {
@@ -432,7 +426,7 @@ static void bad_instruments_are_refused_with_their_knot(void **context)
     assert_int_equal(build(&bad, &entry, &place), CRN_BUILD_RANGE);
     assert_int_equal(place.knot, 1);
     bad = good;
-    bad.knots[1].friction_kinetic_milli = 300; /* above the static 200 */
+    bad.knots[1].friction_kinetic_milli = 300; /* above the static value of 200 */
     assert_int_equal(build(&bad, &entry, &place), CRN_BUILD_RANGE);
     bad = good;
     bad.knots[1].arc_um = 19999;
@@ -448,8 +442,8 @@ static void bad_instruments_are_refused_with_their_knot(void **context)
     assert_int_equal(build(&good, &entry, &place), CRN_BUILD_ENTRY);
 }
 
-/* Inserting past the end or pulling out entirely stops at the end, says so, and does not wind the hand up:
- * turning round, the wire follows within 2 mm. */
+/* Inserting past the end or pulling out completely stops at the end, reports it, and does not store up hand
+ * motion: when the hand reverses, the wire follows within 2 mm. */
 static void feed_stops_at_both_ends(void **context)
 {
     (void)context;

@@ -1,5 +1,6 @@
-/* Claims: no snapshot, however wrong, leads to undefined behaviour: it is refused and changes nothing, or its
- * ticks stay within their formats and the same on every run (the sanitizers are the judges of this test). */
+/* Claims: no snapshot, however wrong, leads to undefined behaviour. Either it is refused and changes nothing,
+ * or its ticks stay within their formats and are the same on every run (the sanitizers are the judges of this
+ * test). */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -95,7 +96,7 @@ static uint64_t run(rig *r)
     return crn_state_hash64(&r->state);
 }
 
-/* Restores the altered bytes; an accepted state runs twice. True when it was accepted. */
+/* Restores the altered bytes and runs an accepted state twice. Returns true when the state was accepted. */
 static bool check_altered(rig *r)
 {
     memcpy(&r->state, &r->start, sizeof r->state);
@@ -128,8 +129,8 @@ static void any_one_word_of_a_snapshot_may_be_wrong(void **context)
     rig_free(r);
 }
 
-/* A line of its own making: zigzags of whole edges along one axis, which fold back by 180 degrees at every
- * node, with velocities, bristles, turns and forces at random, ended by the held nodes as they are. */
+/* The test makes its own line: zigzags of whole edges along one axis, which fold back by 180 degrees at every
+ * node, with random velocities, bristles, rotations and forces. It ends with the held nodes unchanged. */
 static void a_folded_line_with_wild_velocities_stays_defined(void **context)
 {
     (void)context;
@@ -156,11 +157,11 @@ static void a_folded_line_with_wild_velocities_stays_defined(void **context)
         for (size_t i = 3; i < 6; i++) set_word(r, i, (uint32_t)reference_random_next(&r->random));
         accepted += check_altered(r);
     }
-    assert_true(accepted > 20); /* most are states that the checks let pass, or the test would show nothing */
+    assert_true(accepted > 20); /* most of the states must pass the checks, or the test would show nothing */
     rig_free(r);
 }
 
-/* The straight start of a tool that begins near the border of space stays inside it. */
+/* The straight start of a tool near the border of space stays inside it. */
 static void a_start_beyond_the_border_of_space_is_cut_off_there(void **context)
 {
     (void)context;

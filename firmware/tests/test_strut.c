@@ -1,8 +1,8 @@
-/* Claims: a wire meets the struts of a stent that was deployed as it meets a wall: from inside it rests on
- * their inside, from outside on their outside, and below the force that a cell bears it does not go through;
- * between struts and wall it is held by friction on both; an end sends a tip to one side; balloons do not
- * feel them; all of it is state, and what is no order changes nothing (docs/lesions.md). Shown against closed
- * forms of shells in straight tubes. */
+/* Claims about a wire and the struts of a deployed stent (docs/lesions.md). It meets them like a wall: from
+ * inside it rests on their inside, from outside on their outside, and it does not pass through below the
+ * force that a cell bears. Between struts and wall, friction on both holds it. An end sends a tip to one
+ * side. Balloons do not feel the struts. All of this is state, and an invalid order changes nothing. They are
+ * shown against closed forms of shells in straight tubes. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -65,7 +65,7 @@ static void run(rig *r, int ticks)
     for (int t = 0; t < ticks; t++) crn_step(&r->model, &r->state, &r->input, &r->output);
 }
 
-/* A straight stent along x, its middle line at this height; one order a tick. */
+/* A straight stent along x with its middle line at this height; one order a tick. */
 static crn_strut_order ring(uint32_t i, int32_t z_um, uint32_t inside_um)
 {
     return (crn_strut_order){i + 1,
@@ -89,7 +89,7 @@ static double place_m(const rig *r, uint32_t node, int axis)
     return crn_state_position(&r->state, node).v[axis] / Q30;
 }
 
-/* Nodes between the rings, a millimetre from either end. */
+/* Nodes between the rings, at least a millimetre from either end. */
 static bool is_in_stent(const rig *r, uint32_t node)
 {
     const double x_m = place_m(r, node, 0);
@@ -101,8 +101,7 @@ static crn_vec3 at_m(double x, double y, double z)
     return crn_vec3_make((int32_t)lround(x * Q30), (int32_t)lround(y * Q30), (int32_t)lround(z * Q30));
 }
 
-/* --- the shell
- * ---------------------------------------------------------------------------------------------------- */
+/* --- the shell ------------------------------------------------------------------------------------------ */
 
 typedef struct felt {
     bool is_near;
@@ -119,7 +118,7 @@ static felt feel(const crn_strut_state *struts, double x, double y, double z)
     return f;
 }
 
-/* Straight, 1.5 mm inside: distances on both sides and round the edge, to a nanometre's hundredth of a
+/* A straight stent, 1.5 mm inside: distances on both sides and round the edge agree to a hundredth of a
  * micrometre. */
 static void a_straight_shell_is_a_tube_with_a_round_edge(void **state)
 {
@@ -162,8 +161,8 @@ static void a_straight_shell_is_a_tube_with_a_round_edge(void **state)
     assert_false(feel(struts, 27e-3, 1.5e-3, -0.7e-3).is_near);
 }
 
-/* A stent in a bend of 20 mm that widens by a tenth: on the torus between its rings but for what chords of 2
- * mm cut off (25 um) and what the cone's slope adds. */
+/* A stent in a bend of 20 mm that widens by a tenth follows the torus between its rings, apart from what
+ * chords of 2 mm cut off (25 um) and what the cone's slope adds. */
 static void a_bent_shell_follows_its_rings(void **state)
 {
     (void)state;
@@ -197,7 +196,7 @@ static void a_bent_shell_follows_its_rings(void **state)
     assert_true(worst_m < 30e-6 && least > cos(3.5 * pi / 180));
 }
 
-/* In a vessel that beats: what lies on the struts in the reference pose lies on them in the world. */
+/* In a vessel that beats, a point on the struts in the reference pose lies on them in the world. */
 static void struts_go_with_a_beating_vessel(void **state)
 {
     (void)state;
@@ -234,11 +233,10 @@ static void struts_go_with_a_beating_vessel(void **state)
     free(r);
 }
 
-/* --- a wire on one side
- * ---------------------------------------------------------------------------------------- */
+/* --- a wire on one side --------------------------------------------------------------------------------- */
 
-/* By ten times its weight on the inside, the tube being wider: at their radius less its own, but for what the
- * weight presses in. */
+/* The wire is pressed on the inside by ten times its weight, in a wider tube. It rests at the struts' radius
+ * less its own, apart from the penetration that the weight causes. */
 static void from_inside_a_wire_rests_on_the_struts_inside(void **state)
 {
     (void)state;
@@ -260,8 +258,8 @@ static void from_inside_a_wire_rests_on_the_struts_inside(void **state)
     free(r);
 }
 
-/* The stent lies beneath it: it rests on top. Stiffer than inside, so that what hangs between mouth and stent
- * does not lift the rest. */
+/* The stent lies beneath the wire, which rests on top. The wire is stiffer than in the test inside, so that
+ * the span between sheath and stent does not lift the rest. */
 static void from_outside_a_wire_rests_on_the_struts_outside(void **state)
 {
     (void)state;
@@ -293,7 +291,7 @@ static void below_the_force_of_a_cell_it_does_not_go_through(void **state)
         const crn_instrument tool = wire(1e-6, 0.1);
         rig *r = rig_make(&tool, 4e-3, 40000);
         order_stent(r, 0, 1500);
-        for (int t = 1; t <= 200; t++) { /* gently: 17 mN a tick */
+        for (int t = 1; t <= 200; t++) { /* slowly: 17 mN a tick */
             const double load = loads_N[i] * t / 200;
             crn_model_set_tip_load(&r->model, (crn_vec3){{0, (int32_t)lround(load * 4194304), 0}});
             run(r, 1);
@@ -306,7 +304,8 @@ static void below_the_force_of_a_cell_it_does_not_go_through(void **state)
     }
 }
 
-/* Head on at the edge and beside it, against friction of 0.3: it goes on at one side, inside or outside. */
+/* The tip meets the edge head on and beside it, with a friction of 0.3: it moves on at one side, inside or
+ * outside. */
 static void an_end_sends_a_tip_to_one_side(void **state)
 {
     (void)state;
@@ -333,8 +332,7 @@ static void an_end_sends_a_tip_to_one_side(void **state)
     }
 }
 
-/* --- between struts and wall
- * -------------------------------------------------------------------------------------- */
+/* --- between struts and wall ---------------------------------------------------------------------------- */
 
 /* The wire lies on the wall of a tube of 2 mm; struts that grow from 1.2 to 1.66 mm leave it 0.26 mm of its
  * 0.5. */
@@ -363,7 +361,7 @@ static uint32_t held_nodes(const rig *r, double *worst_m)
     return count;
 }
 
-/* It rests in the middle of what is left, and does not move for 10,000 ticks. */
+/* It rests in the middle of the remaining gap, and does not move for 10,000 ticks. */
 static void between_struts_and_wall_it_rests_without_chatter(void **state)
 {
     (void)state;
@@ -383,7 +381,7 @@ static void between_struts_and_wall_it_rests_without_chatter(void **state)
     free(r);
 }
 
-/* Pulled, it slips at friction times what struts and wall press it with; it stays outside. */
+/* When pulled, it slips at friction times the forces of struts and wall on it; it stays outside. */
 static void pulling_it_out_needs_friction_on_both_sides(void **state)
 {
     (void)state;
@@ -391,7 +389,7 @@ static void pulling_it_out_needs_friction_on_both_sides(void **state)
     const double one_N = 5e3 * squeezed_m;
     double mean_N = 0, expected_N = 0;
     for (int t = 0; t < 500;
-         t++) { /* 5 mm at 10 mm/s, the last of them to be looked at: nodes are a millimetre apart */
+         t++) { /* 5 mm at 10 mm/s; the last of them are examined: nodes are a millimetre apart */
         r->input.hands[0].feed_m_q30 -= (int32_t)(10e-6 * Q30);
         run(r, 1);
         mean_N += t >= 400 ? -r->output.tools[0].axial_N_q22 / 4194304.0 / 100 : 0;
@@ -407,10 +405,9 @@ static void pulling_it_out_needs_friction_on_both_sides(void **state)
     free(r);
 }
 
-/* --- balloon, orders, states
- * ---------------------------------------------------------------------------------------- */
+/* --- balloon, orders, states ---------------------------------------------------------------------------- */
 
-/* A balloon in struts narrower than it grows as wide as without them: the host opens them. */
+/* A balloon in struts narrower than itself grows as wide as without them, because the host opens them. */
 static void a_balloon_presses_through(void **state)
 {
     (void)state;
@@ -438,7 +435,7 @@ static void a_balloon_presses_through(void **state)
     assert_true(fabs(widest_m[0] - 1.6e-3) < 2e-6 && fabs(widest_m[1] - widest_m[0]) < 2e-6);
 }
 
-/* 5 um a tick, and there to the last bit. */
+/* A ring moves by 5 um a tick and arrives exactly, to the last bit. */
 static void a_ring_goes_where_it_is_ordered(void **state)
 {
     (void)state;
@@ -492,7 +489,7 @@ static void what_is_no_order_changes_nothing(void **state)
     free(r);
 }
 
-/* Saved among struts that move, and gone on with: the same words and hashes. */
+/* A state saved among moving struts continues with the same words and hashes. */
 static void a_restored_state_goes_on_alike(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
 /* Claims: a wire with a rest shape takes it, turns with the hand, keeps it while it is fed, and rests on a
- * wall. Shown against closed forms (circles, the hand's own angle) and by the motion of its nodes.
- * docs/rod.md, "Feed", "Rows", "Twist". */
+ * wall. They are shown against closed forms (circles, the hand's own angle) and by the motion of its nodes.
+ * See docs/rod.md, "Feed", "Rows", "Twist". */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -21,7 +21,7 @@ static rig *rig_in_air(const crn_instrument *wire, uint32_t inserted_um)
     return r;
 }
 
-/* A wire of the softest tip with a half circle of this radius at its end; EI goes from 80 to 200 mm to that
+/* A wire of the softest tip with a half circle of this radius at its end; from 80 to 200 mm EI rises to that
  * of the shaft. */
 static crn_instrument make_j(double radius_m, double shaft_N_m2)
 {
@@ -51,7 +51,7 @@ static double tip_angle_deg(const rig *r)
 }
 
 /* A J in free space without gravity follows the hand: after three quarters of a turn the tip's offset has
- * turned by 270 degrees. 0.5 degrees is a tenth of what a hand can tell. */
+ * turned by 270 degrees. 0.5 degrees is a tenth of what a hand can perceive. */
 static void curved_tip_follows_the_hand_in_free_space(void **context)
 {
     (void)context;
@@ -73,16 +73,16 @@ static void curved_tip_follows_the_hand_in_free_space(void **context)
         }
         crn_vec3 p = crn_state_position(&r->state, 0);
         angle[turned] = tip_angle_deg(r);
-        assert_true(hypot(p.v[1], p.v[2]) / Q30 > 0.005); /* the tip does stand off the axis */
+        assert_true(hypot(p.v[1], p.v[2]) / Q30 > 0.005); /* the tip is indeed off the axis */
     }
     double turn = fmod(angle[1] - angle[0] + 720, 360);
     check_below("error of a 270 degree turn", fabs(turn - 270), 0.5);
     free(r);
 }
 
-/* A J of 1.5 mm radius (a Rosen's) 200 mm out, turned at half a turn a second: how far behind the hand it is.
- * Tolerance 6 degrees: 5.4 are left, 0.7 of them the filter of the hand. A tip that was not expected to go on
- * turning was 23 behind. */
+/* A J of 1.5 mm radius (a Rosen's), 200 mm out, turned at half a turn a second: its lag behind the hand is
+ * measured. Tolerance: 6 degrees; 5.4 are measured, 0.7 of them from the filter of the hand. A tip without
+ * predicted rotation lagged by 23. */
 static void a_tight_j_keeps_up_with_a_turning_hand(void **context)
 {
     (void)context;
@@ -102,8 +102,8 @@ static void a_tight_j_keeps_up_with_a_turning_hand(void **context)
     free(r);
 }
 
-/* Rest curvature only: without load a uniform curve of radius R takes its circle. Chord after arc s: 2 R
- * sin(s / 2R). */
+/* Rest curvature only: without load a uniform curve of radius R takes its circular shape. Chord after arc s:
+ * 2 R sin(s / 2R). */
 static void curved_wire_without_load_takes_its_circle(void **context)
 {
     (void)context;
@@ -119,8 +119,8 @@ static void curved_wire_without_load_takes_its_circle(void **context)
     free(r);
 }
 
-/* A half circle of 1.5 mm (a Rosen's J) on soft wire, fed at 30 mm/s through free space and drawn back: its
- * tip stays 2 R off the axis. Tolerance 0.1 mm: 0.05 mm are left of its settling when the hand starts. A tip
+/* A half circle of 1.5 mm (a Rosen's J) on soft wire is fed at 30 mm/s through free space and drawn back: its
+ * tip stays 2 R off the axis. Tolerance: 0.1 mm; 0.05 mm remain from settling when the hand starts. A tip
  * that slid along its own curve swung 50 mm aside. */
 static void tight_tip_keeps_its_shape_while_it_is_fed(void **context)
 {
@@ -139,9 +139,9 @@ static void tight_tip_keeps_its_shape_while_it_is_fed(void **context)
     free(r);
 }
 
-/* The same J on the wall of a tube, three seconds after the hand has stopped: no node moves by more than a
- * micrometre a tick, as a wire without a tip (0.1 measured). Without the twist's resistance in the matrix it
- * swung by 11 um to and fro. */
+/* The same J lies on the wall of a tube, three seconds after the hand has stopped: no node moves by more than
+ * a micrometre a tick, as in a wire without a tip (0.1 measured). Without the twist's resistance in the
+ * matrix it oscillated by 11 um. */
 static void a_tight_j_rests_on_the_wall(void **context)
 {
     (void)context;

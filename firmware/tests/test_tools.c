@@ -1,7 +1,7 @@
-/* Claims: coaxial tools on one line add their stiffness, keep their own feed, turn and rest shape, press and
- * rub on each other both ways, and may lead in turn without a jolt; the wall resists turning as Coulomb says
- * (docs/rod.md, "tools"). Shown against closed forms of composite beams, stored energy, and force balances.
- */
+/* Claims about coaxial tools on one line (docs/rod.md, "tools"). They add their stiffness and keep their own
+ * feed, rotation and rest shape. They press and rub on each other in both directions, and may lead in turn
+ * without a jolt. The wall resists turning by Coulomb's law. They are shown against closed forms of composite
+ * beams, stored energy, and force balances. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -52,8 +52,8 @@ static crn_instrument make_tool(const tool_plan *plan)
     return tool;
 }
 
-/* From the tip: 6 mm straight, 90 degrees of R = 7 mm, 23 mm of arm, 180 degrees of R = 10 mm the other way.
- */
+/* From the tip: 6 mm straight, 90 degrees of R = 7 mm, 23 mm of arm, 180 degrees of R = 10 mm in the opposite
+ * direction. */
 static void judkins(crn_instrument *tool)
 {
     static const uint32_t arc_um[] = {0, 6000, 6000, 17000, 17000, 40000, 40000, 71400, 71400};
@@ -109,8 +109,8 @@ typedef struct journey {
     double work_J, step_mm;
 } journey;
 
-/* Moves one tool by `way_m` at `speed_m_s` and lets it rest for two seconds; work of all hands, largest node
- * motion. */
+/* Moves one tool by `way_m` at `speed_m_s` and lets it rest for two seconds; returns the work of all hands
+ * and the largest node motion. */
 static journey move_tool(rig *r, int tool, double way_m, double speed_m_s)
 {
     journey j = {0, 0};
@@ -166,11 +166,10 @@ static rig *rig_in_air(const tool_plan *wire, const tool_plan *catheter, uint32_
     return r;
 }
 
-/* --- shapes: a composite beam rests at kappa = sum EI_k kappa_k / sum EI_k
- * --------------------------------------------- */
+/* --- shapes: a composite beam rests at kappa = sum EI_k kappa_k / sum EI_k ------------------------------ */
 
-/* Wire EI 1e-4, 60/m over 30 mm, in a catheter of 4e-4: 60 / 5 = 12/m over 30 mm = 20.6 degrees. Tolerance 1
- * degree: the catheter's frictionless tip is 5 mm beyond. */
+/* A wire of EI 1e-4, 60/m over 30 mm, lies in a catheter of 4e-4: 60 / 5 = 12/m over 30 mm = 20.6 degrees.
+ * Tolerance 1 degree: the catheter's frictionless tip is 5 mm beyond. */
 static void a_catheter_opens_the_j_of_the_wire_inside_it(void **context)
 {
     (void)context;
@@ -182,7 +181,7 @@ static void a_catheter_opens_the_j_of_the_wire_inside_it(void **context)
     free(r);
 }
 
-/* 20/m over 60 mm: alone 68.8 degrees; with the straight wire inside, a quarter of it. */
+/* 20/m over 60 mm: alone it bends by 68.8 degrees; with the straight wire inside, by a quarter of that. */
 static void withdrawing_the_wire_lets_a_shaped_catheter_take_its_shape(void **context)
 {
     (void)context;
@@ -198,8 +197,8 @@ static void withdrawing_the_wire_lets_a_shaped_catheter_take_its_shape(void **co
     free(r);
 }
 
-/* Sag of a heavy line under both tools: (m_w + m_c) g L^4 / (8 (EI_w + EI_c)) for small sags. L 100 mm, 1 %.
- */
+/* Sag of a heavy line under both tools: (m_w + m_c) g L^4 / (8 (EI_w + EI_c)) for small sags. L 100 mm, 1
+ * %. */
 static void stiffness_and_weight_add_where_tools_overlap(void **context)
 {
     (void)context;
@@ -214,12 +213,11 @@ static void stiffness_and_weight_add_where_tools_overlap(void **context)
     free(r);
 }
 
-/* --- forces
- * ------------------------------------------------------------------------------------------------------------
- */
+/* --- forces --------------------------------------------------------------------------------------------- */
 
-/* Pushing the catheter over the J stores EI_w EI_c / (EI_w + EI_c) kappa^2 / 2 x 30 mm = 4.32 mJ; the hands'
- * work is that, and comes back when the wire is pushed out again. 5 %: drag of the moving tip in blood. */
+/* Pushing the catheter over the J stores EI_w EI_c / (EI_w + EI_c) kappa^2 / 2 x 30 mm = 4.32 mJ. The hands'
+ * work equals that, and it is returned when the wire is pushed out again. The tolerance of 5 % allows for the
+ * drag of the moving tip in blood. */
 static void work_of_the_hands_is_the_energy_stored_in_the_j(void **context)
 {
     (void)context;
@@ -233,8 +231,8 @@ static void work_of_the_hands_is_the_energy_stored_in_the_j(void **context)
     free(r);
 }
 
-/* With friction in the catheter's lumen the same move costs more both ways, and neither way gives energy
- * back. */
+/* With friction in the catheter's lumen the same move costs more in both directions, and neither direction
+ * returns energy. */
 static void friction_between_tools_takes_work_both_ways(void **context)
 {
     (void)context;
@@ -248,7 +246,7 @@ static void friction_between_tools_takes_work_both_ways(void **context)
     free(r);
 }
 
-/* The catheter slides, the wire is held: what one hand feels more, the other feels less. */
+/* The catheter slides while the wire is held: one hand feels more by what the other feels less. */
 static void sliding_friction_acts_on_both_hands(void **context)
 {
     (void)context;
@@ -284,11 +282,9 @@ static void turning_friction_acts_on_both_hands(void **context)
     free(r);
 }
 
-/* --- lead
- * ----------------------------------------------------------------------------------------------------------------
- */
+/* --- lead ----------------------------------------------------------------------------------------------- */
 
-/* 0.05 mm of it is the feed itself. */
+/* 0.05 mm of this is the feed itself. */
 static void a_change_of_the_lead_moves_no_node_by_more_than_0_1_mm(void **context)
 {
     (void)context;
@@ -307,8 +303,7 @@ static void a_change_of_the_lead_moves_no_node_by_more_than_0_1_mm(void **contex
     free(r);
 }
 
-/* The catheter follows the wire round three bends; it stays in the tube and the wire's tip stays where it is.
- */
+/* The catheter follows the wire round three bends; it stays in the tube and the wire's tip does not move. */
 static void a_catheter_tracks_over_the_wire_round_the_bends(void **context)
 {
     (void)context;
@@ -336,12 +331,10 @@ static void a_catheter_tracks_over_the_wire_round_the_bends(void **context)
     reference_tube_free(tube);
 }
 
-/* --- turning
- * -------------------------------------------------------------------------------------------------------------
- */
+/* --- turning -------------------------------------------------------------------------------------------- */
 
-/* Straight and frictionless: every edge of either tool stands at its own hand's angle. 1e-6 turn = 0.0004
- * degrees. */
+/* The tools are straight and frictionless: every edge of either tool has the angle of its own hand. 1e-6 turn
+ * = 0.0004 degrees. */
 static void without_friction_each_tool_follows_its_own_hand(void **context)
 {
     (void)context;
@@ -380,8 +373,8 @@ static double resting_torque(double friction, double sliding_m_s)
     return torque;
 }
 
-/* A wire that lies on the floor of a tube resists turning with mu N r. N is its weight less what the
- * mouth carries (from 2 mm height: (72 EI h / w)^(1/4) = 123 mm, two thirds of it): 8 %. */
+/* A wire that lies on the floor of a tube resists turning with mu N r. N is its weight less what the inserter
+ * carries (from 2 mm height: (72 EI h / w)^(1/4) = 123 mm, two thirds of it); the tolerance is 8 %. */
 static void the_wall_resists_turning_with_mu_n_r(void **context)
 {
     (void)context;
@@ -391,7 +384,7 @@ static void the_wall_resists_turning_with_mu_n_r(void **context)
     assert_true(fabs(resting_torque(0, 0)) < 1e-7);
 }
 
-/* One limit mu N holds for the whole slip: a wire that is drawn ten times as fast as its surface turns
+/* One limit mu N holds for the whole slip. A wire that is drawn ten times as fast as its surface turns
  * resists turning a tenth as much (0.667 mm/s of surface against 6.67 mm/s): 1 / sqrt(101). */
 static void a_wire_that_slides_turns_almost_freely(void **context)
 {
@@ -402,8 +395,7 @@ static void a_wire_that_slides_turns_almost_freely(void **context)
     check_near("torque while sliding in % of that at rest", 100 * sliding / held, 100 / sqrt(101), 3);
 }
 
-/* --- contact forces
- * ------------------------------------------------------------------------------------------------------ */
+/* --- contact forces ------------------------------------------------------------------------------------- */
 
 static void contact_forces_of_the_nodes_carry_the_weight(void **context)
 {
@@ -428,9 +420,7 @@ static void contact_forces_of_the_nodes_carry_the_weight(void **context)
     reference_tube_free(tube);
 }
 
-/* --- robustness
- * ----------------------------------------------------------------------------------------------------------
- */
+/* --- robustness ----------------------------------------------------------------------------------------- */
 
 static const tool_plan three_shaped[] = {{1e-5, 5e-4, 66, 20, 445, 0, 0.1, 0},
                                          {2e-4, 5e-4, 30, 40, 800, 500, 0.1, 0.05},
@@ -479,7 +469,8 @@ static void three_tools_are_restored_bit_for_bit(void **context)
     free(r);
 }
 
-/* What is kept of the line between ticks equals what a fresh start derives, wherever the tools slide. */
+/* The part of the line that is kept between ticks equals what a fresh start derives, wherever the tools
+ * slide. */
 static void a_line_that_is_kept_is_the_line_built_afresh(void **context)
 {
     (void)context;
@@ -491,7 +482,8 @@ static void a_line_that_is_kept_is_the_line_built_afresh(void **context)
     int32_t way[3] = {0, 0, 0};
     for (int t = 0; t < 3000; t++) {
         for (int k = 0; k < 3; k++) {
-            /* half of the time it moves, often alone: the line behind is steady, shifts, or is another's */
+            /* half of the time the tool moves, often alone: the line behind is steady, shifts, or belongs to
+             * another tool */
             if (t % 50 == 0) {
                 bool moves = reference_random_below(&random, 2) == 1;
                 way[k] = moves ? (int32_t)reference_random_below(&random, 800000) - 330000 : 0;
@@ -509,9 +501,10 @@ static void a_line_that_is_kept_is_the_line_built_afresh(void **context)
     free(afresh);
 }
 
-/* A 6F Judkins left guide with a 0.014 in wire and a balloon catheter in it comes out of the sheath into an
- * artery of 3.6 mm radius: the artery keeps its primary curve (R = 7 mm, 0.052 N m when straight) from
- * closing and its mouth bends it the other way: more than 60 N in elements of 1 mm. */
+/* A 6F Judkins left guiding catheter with a 0.014 in wire and a balloon catheter in it leaves the sheath and
+ * enters an artery of 3.6 mm radius. The artery keeps its primary curve (R = 7 mm, 0.052 N m when straight)
+ * from closing, and the sheath's distal end bends it in the opposite direction: more than 60 N in elements of
+ * 1 mm. */
 static void a_tight_guide_comes_out_of_the_sheath_without_saturating(void **context)
 {
     (void)context;

@@ -1,6 +1,6 @@
-/* Claims: the vector functions stay within the bounds stated in firmware/core/vector.h. Shown against exact
- * 128-bit integers (sums, products) and long double (lengths), on seeded vectors of every magnitude and on
- * extreme ones. */
+/* Claims: the vector functions stay within the bounds stated in firmware/core/vector.h. They are compared
+ * with exact 128-bit integers (sums, products) and long double (lengths), on seeded vectors of every
+ * magnitude and on extreme ones. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -92,7 +92,7 @@ void set_word(Fault &fault, const std::string &word)
     }
 }
 
-// What all_faults() writes its list with.
+// Helper with which all_faults() builds its list.
 class Catalogue
 {
   public:
@@ -104,7 +104,7 @@ class Catalogue
     std::vector<Fault> faults;
 };
 
-// Frames of a conversation that is asked and answered.
+// Frames of a conversation of requests and answers.
 void add_frames(Catalogue &c, Session session, std::uint32_t count)
 {
     for (bool to_host : {false, true}) {
@@ -160,13 +160,13 @@ void add_free_run(Catalogue &c)
 void add_rig(Catalogue &c)
 {
     for (std::uint32_t i = 0; i < 20; i++) {
-        const std::uint32_t at = i < 10 ? i + 1 : i * 7 - 57; // tick 1, 2, 3 ... and into the hard push
+        const std::uint32_t at = i < 10 ? i + 1 : i * 7 - 57; // tick 1, 2, 3 ... and then into the hard push
         c.add("rig.encoder_jump", Session::free_run, at, 5500 + 500 * i);
         c.add("rig.encoder_turn_jump", Session::free_run, at, 17000 + 500 * i);
         for (const char *name : {"rig.force_sensor_range", "rig.force_sensor_silent", "rig.over_current",
                                  "rig.supply_lost", "rig.emergency_stop"})
             c.add(name, Session::free_run, at);
-        for (std::uint32_t hand : {0u, 1u}) { // lets go, or holds on
+        for (std::uint32_t hand : {0u, 1u}) { // the hand releases, or holds on
             c.add("rig.encoder_turn_stuck", Session::free_run, at, hand);
             c.add("rig.encoder_turn_reversed", Session::free_run, at, hand);
             c.add("rig.encoder_stuck", Session::free_run, at, hand);
@@ -251,7 +251,8 @@ std::vector<Fault> spread_of(const std::vector<Fault> &faults, std::size_t count
     std::vector<Fault> chosen;
     for (std::size_t round = 0; chosen.size() < std::min(count, faults.size()); round++) {
         for (const auto &[name, group] : by_kind) {
-            // A step that has no common divisor with most sizes, so that rounds reach all ticks and ways.
+            // The step shares no divisor with most group sizes, so that rounds reach all ticks and
+            // directions.
             if (round < group.size() && chosen.size() < count)
                 chosen.push_back(group[(round * 7919 + 13) % group.size()]);
         }

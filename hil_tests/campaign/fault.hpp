@@ -1,10 +1,10 @@
-// Faults on purpose, each named by one line that says it all:
+// Faults on purpose; one line names each of them completely:
 //
 //   link.flip session=lockstep way=to_host frame=12 bit=37 seed=1
 //   rig.encoder_jump session=free_run tick=33 um=7000 seed=1
 //
-// A kind belongs to a group (link, host, device, rig), happens at one moment (the n-th frame of its way, or a
-// tick, counted from START; in session=setup from the first HELLO), and may have one value.
+// A kind belongs to a group (link, host, device, rig) and happens at one moment: the n-th frame of its
+// direction, or a tick, counted from START (in session=setup from the first HELLO). It may have one value.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -25,7 +25,7 @@ struct FaultKind {
 struct Fault {
     const FaultKind *kind = nullptr;
     Session session = Session::lockstep;
-    bool to_host = false; // way of the frame: from the device to the host
+    bool to_host = false; // direction of the frame: from the device to the host
     std::uint32_t at = 1;
     std::uint32_t value = 0;
     std::uint32_t seed = 1;
@@ -35,15 +35,15 @@ struct Fault {
 
 std::span<const FaultKind> fault_kinds();
 std::string line_of(const Fault &fault);
-// Throws std::invalid_argument that names the word it does not understand.
+// Throws std::invalid_argument that names the word it does not recognise.
 Fault fault_of(const std::string &line);
 
-// Every fault of the campaign, in a fixed order, all different.
+// Returns every fault of the campaign, in a fixed order, all different.
 std::vector<Fault> all_faults();
-// `count` of them, spread over all kinds.
+// Returns `count` of them, spread over all kinds.
 std::vector<Fault> spread_of(const std::vector<Fault> &faults, std::size_t count);
 
-// Lies of any frame, and those of `set_up`, the third that comes in a set-up.
+// Lies that fit any frame, and those of `set_up`, the third frame in a set-up.
 inline constexpr std::uint32_t lies = 9, lie_scene_is_there = 9, lie_scene_is_another = 10,
                                lie_upload_is_there = 11, set_up_frame = 3;
 inline constexpr std::uint32_t second_actions = 7, hostile_types = 14;

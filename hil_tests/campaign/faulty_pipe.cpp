@@ -18,7 +18,7 @@ namespace
     throw crn::LinkError("the device is gone: its cable was cut. Remedy: plug it in, then begin with HELLO");
 }
 
-// A device that speaks of another scene than it has: all of ours, another of this size, or all of our upload.
+// The device claims a scene that it does not have: all of ours, another of this size, or all of our upload.
 void claim_scene(std::uint32_t lie, std::vector<std::uint8_t> &payload)
 {
     crn_wire_set_up there;
@@ -37,7 +37,8 @@ void claim_scene(std::uint32_t lie, std::vector<std::uint8_t> &payload)
     crn_wire_put_set_up(&writer, &there);
 }
 
-// Changes one thing in a message. Numbers that no device sends: far too large, negative, all ones.
+// Changes one thing in a message. The numbers are ones that no device sends: far too large, negative, all
+// ones.
 void change(std::uint32_t lie, Random &random, crn_wire_header &header, std::vector<std::uint8_t> &payload)
 {
     const std::size_t size = payload.size(),
@@ -166,7 +167,7 @@ void FaultyPipe::write(std::span<const std::uint8_t> bytes)
 {
     if (is_cut_) gone();
     Bytes frame(bytes.begin(), bytes.end()), late = std::exchange(held_[0], {});
-    if (stall_ms_ > 0) return; // a host that does not get to run sends nothing
+    if (stall_ms_ > 0) return; // a host whose program is suspended sends nothing
     if (strikes(false, ++written_)) {
         for (const Bytes &part : struck(frame)) {
             inner_.write(part);
@@ -180,7 +181,7 @@ void FaultyPipe::write(std::span<const std::uint8_t> bytes)
     if (!late.empty()) inner_.write(late);
 }
 
-// Splits what the device sent into frames, and lets the fault have its frame.
+// Splits the device's bytes into frames, and applies the fault to its frame.
 void FaultyPipe::take_from_device()
 {
     std::uint8_t bytes[4096];

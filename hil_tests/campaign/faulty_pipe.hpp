@@ -1,6 +1,6 @@
-// A pipe to a device with one fault in it: it counts frames each way and does to one of them what the fault
-// says. A lying device is a pipe, too: the frame is taken apart, changed, and put together again with a good
-// CRC.
+// A pipe to a device with one fault in it: it counts frames in each direction and applies the fault to one of
+// them. A lying device is also modelled by the pipe: the frame is taken apart, changed, and put together
+// again with a good CRC.
 #pragma once
 #include "hil_tests/campaign/fault.hpp"
 #include "host/link/transport.hpp"
@@ -14,11 +14,11 @@ class FaultyPipe final : public crn::Transport
   public:
     explicit FaultyPipe(crn::Transport &inner) : inner_(inner) {}
 
-    void arm(const Fault &fault); // frames count from here on
-    void plug();                  // a cut cable is whole again; what was on its way is lost
+    void arm(const Fault &fault); // frames are counted from here on
+    void plug();                  // repairs a cut cable; bytes that were under way are lost
     bool has_struck() const { return has_struck_; }
     std::uint32_t frames_written() const { return written_; }
-    std::uint32_t delivered() const { return delivered_; } // frames that reached the device whole
+    std::uint32_t delivered() const { return delivered_; } // frames that reached the device complete
     void tick();                                           // a millisecond of a stall
 
     void write(std::span<const std::uint8_t> bytes) override;
@@ -28,19 +28,19 @@ class FaultyPipe final : public crn::Transport
   private:
     using Bytes = std::vector<std::uint8_t>;
     bool strikes(bool to_host, std::uint32_t count);
-    std::vector<Bytes> struck(Bytes frame); // what is sent instead of it
+    std::vector<Bytes> struck(Bytes frame); // the frames that are sent instead
     void take_from_device();
 
     crn::Transport &inner_;
     Fault fault_{};
     bool is_armed_ = false, has_struck_ = false, is_cut_ = false;
     std::uint32_t written_ = 0, read_ = 0, delivered_ = 0, stall_ms_ = 0;
-    Bytes held_[2]; // a frame that waits for its successor, to the device and to the host
-    Bytes partial_; // of the device's stream, up to its next zero
+    Bytes held_[2]; // a frame that waits for its successor: one to the device and one to the host
+    Bytes partial_; // part of the device's stream, up to its next zero
     std::deque<std::uint8_t> ready_;
 };
 
-// The frame as a liar would send it, with a good CRC.
+// The frame as a lying device would send it, with a good CRC.
 std::vector<std::uint8_t> lie_of(const std::vector<std::uint8_t> &frame, std::uint32_t lie,
                                  std::uint64_t seed);
 

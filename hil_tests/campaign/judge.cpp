@@ -23,7 +23,7 @@ crn_wire_instrument short_wire()
     return wire;
 }
 
-// Frames that no host of ours sends, in a good envelope.
+// Sends frames that no host of this project sends, in a valid envelope.
 void send_raw(crn::Transport &pipe, std::uint16_t type, std::span<const std::uint8_t> payload)
 {
     const crn_wire_header header = {1, 0, type};
@@ -69,12 +69,12 @@ const char *name_of(SafeClass which)
 int bar_ms(SafeClass which)
 {
     if (which == SafeClass::processor)
-        return 8; // the stage drops power after 5 ms by itself; the current decays
+        return 8; // the stage drops power after 5 ms by itself, and the current decays
     return which == SafeClass::host_silence ? 50 : 5;
 }
 
-// A motor that no longer listens is held by its driver's current limit, as the rig's builder sets it.
-// Otherwise that lies half as high again, so that it is the firmware's own limit which the actuator shows.
+// The driver's current limit, which the rig's builder sets, holds a motor that no longer obeys. Otherwise the
+// current limit is half as high again, so that the actuator shows the limit of the firmware itself.
 PlantSettings campaign_plant(bool has_stuck_motor)
 {
     const double above = has_stuck_motor ? 1.0 : 1.5;
@@ -98,7 +98,7 @@ void campaign_set_up(crn::Link &link)
     link.set_entry(entry);
     crn_wire_rig rig = plant_rig();
     for (crn_wire_track &track : rig.tracks) {
-        track.seal_mN = 2000; // the sheath holds the wire, so that a push is felt at once
+        track.seal_mN = 2000; // the seal holds the wire, so that a push is felt at once
         track.seal_uN_m = 1000;
     }
     link.set_rig(rig);

@@ -1,7 +1,7 @@
-// One fault in one session at any level, and what must hold afterwards: force within its limit, no force in
-// time, the host told, every tick up to the fault recorded, and the session resumed to the same hash or ended
-// as documented (docs/hil.md). What the same sessions are without a fault is always level 0's: so levels are
-// compared, too.
+// One fault in one session at any level, and the conditions that must hold afterwards: the force stays within
+// its limit, the force ends in time, the host is informed, every tick up to the fault is recorded, and the
+// session is resumed to the same hash or ended as documented (docs/hil.md). The reference sessions without a
+// fault always come from level 0, so levels are compared, too.
 #pragma once
 #include "hil_tests/campaign/fault.hpp"
 #include "hil_tests/campaign/faulty_pipe.hpp"
@@ -11,15 +11,16 @@
 namespace hil
 {
 
-inline constexpr double force_limit_N = 8.0;     // of the track and of its driver's current
+inline constexpr double force_limit_N = 8.0;     // limit of the track and of its driver's current
 inline constexpr double torque_limit_N_m = 0.02; // likewise
-inline constexpr double force_none_N = 0.02, torque_none_N_m = 0.0002; // less than the bearings' friction
+inline constexpr double force_none_N = 0.02,
+                        torque_none_N_m = 0.0002; // less than the friction of the bearings
 
-// What the same sessions are without a fault.
+// Results of the same sessions without a fault.
 struct Undisturbed {
     std::vector<crn_wire_tick_state> lockstep, free_run;
     std::uint64_t lockstep_hash = 0;
-    std::vector<double> motor_N; // of the hand's axis at the end of every millisecond of FREE_RUN
+    std::vector<double> motor_N; // force on the hand's axis at the end of every millisecond of FREE_RUN
 };
 
 enum class SafeClass { none, host_silence, sensors_and_forces, supply, processor, command };
@@ -29,14 +30,14 @@ int bar_ms(SafeClass which);
 
 struct Outcome {
     std::string failure; // empty: all held
-    std::string ending;  // what became of the session
-    std::string message; // the last that the host was told
+    std::string ending;  // how the session ended
+    std::string message; // the last message to the host
     SafeClass safe_class = SafeClass::none;
-    int safe_ms = -1; // -1: no power had to go
+    int safe_ms = -1; // -1: no power had to be removed
     double peak_N = 0.0, peak_N_m = 0.0;
 };
 
-// Set-up of the campaign: a short wire in the tube, a sheath that holds it, one track driven.
+// Set-up of the campaign: a short wire in the tube, a seal that holds it, one driven track.
 void campaign_set_up(crn::Link &link);
 PlantSettings campaign_plant(bool has_stuck_motor = false);
 bool same_state(const crn_wire_tick_state &a, const crn_wire_tick_state &b);
@@ -49,7 +50,7 @@ void run_asked(Level &level, const Fault &fault, const Undisturbed &undisturbed,
 void run_free(Level &level, const Fault &fault, const Undisturbed &undisturbed, Outcome &outcome);
 void free_run_undisturbed(Level &level, Undisturbed &undisturbed);
 
-// What another host says in the middle of a session, to the very device; its answers go where answers go.
+// Messages of another host in the middle of a session, to the same device; its answers take the usual path.
 void strange_host(const Fault &fault, crn::Transport &pipe);
 
 } // namespace hil

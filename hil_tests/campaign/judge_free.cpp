@@ -1,5 +1,5 @@
-// Sessions in FREE_RUN: a hand pushes against a wire that a sheath holds, the motors have power, and
-// something breaks.
+// Sessions in FREE_RUN: a hand pushes against a wire that a seal holds, the motors have power, and a fault
+// occurs.
 #include "hil_tests/campaign/judge.hpp"
 #include <cmath>
 #include <cstring>
@@ -12,9 +12,10 @@ namespace
 
 constexpr std::uint32_t host_every_ms = 8, silent_ms = 30, latched_ms = 20, lasting_ms = 8;
 constexpr double hand_m_per_s = 0.1, hand_rad_per_s = 3.0, harm_N = 1.0;
-constexpr double reversed_growth_N = 12 * 0.050; // the lag that is believed, 4 ms of judging, 50 mN per ms
+constexpr double reversed_growth_N = 12 * 0.050; // the lag that is assumed, 4 ms of judging, 50 mN per ms
 
-// What the device may say to a fault of the rig; 0 in the list: nothing, if nothing came of it.
+// Reports that the device may send after a fault of the rig. A 0 in the list allows no report, if the fault
+// had no effect.
 struct Answer {
     const char *kind;
     std::vector<int> codes;
@@ -22,7 +23,7 @@ struct Answer {
 const Answer answers[] = {
     {"rig.encoder_jump", {CRN_FAULT_CODE_ENCODER_JUMP_TRANSLATION}},
     {"rig.encoder_turn_jump", {CRN_FAULT_CODE_ENCODER_JUMP_ROTATION}},
-    {"rig.encoder_turn_stuck", {0}}, // looks like a hand: the torque limit is what protects
+    {"rig.encoder_turn_stuck", {0}}, // it looks like a hand: the torque limit protects
     {"rig.encoder_turn_reversed", {0, CRN_FAULT_CODE_ENCODER_JUMP_ROTATION}},
     {"rig.encoder_stuck", {0, CRN_FAULT_CODE_ENCODER_STUCK}},
     {"rig.encoder_reversed", {0, CRN_FAULT_CODE_ENCODER_REVERSED, CRN_FAULT_CODE_ENCODER_JUMP_TRANSLATION}},
@@ -140,7 +141,7 @@ void Loop::talk()
     is_cut_ = fault_ != nullptr && is("link.cut") && pipe_.has_struck();
 }
 
-// From now on no force may be left after the class' time.
+// From now on no force may remain after the time of the class.
 void Loop::expect_off(SafeClass which)
 {
     if (onset_ms_ >= 0) return;
@@ -157,7 +158,7 @@ void Loop::observe()
     if (fault_ == nullptr) return;
     if (fault_->is_group("link.")) watch_silence();
     if (is_wrong_way()) {
-        // A motor's force of 1 N that lasts and that no hand holds, as docs/faults.md says it.
+        // Checks for a lasting motor force of 1 N that no hand holds, as docs/faults.md defines it.
         const double held = plant.track(0).translation.force_on_hand();
         double least = harm_N;
         for (std::size_t i = motor_N_.size(); i > 0 && i + lasting_ms > motor_N_.size(); i--)
@@ -177,7 +178,7 @@ void Loop::observe()
               plant.motor_torque_peak_N_m() * 1e3, since, bar_ms(outcome_.safe_class));
 }
 
-// Silence counts from the last frame that came whole.
+// Silence counts from the last frame that arrived complete.
 void Loop::watch_silence()
 {
     const std::uint32_t gap = ms_ - last_frame_ms_;
@@ -196,7 +197,7 @@ void Loop::watch_silence()
 void Loop::inject()
 {
 
-    if (fault_->is_group("link.") || fault_->is_group("device.")) return; // the pipe does it
+    if (fault_->is_group("link.") || fault_->is_group("device.")) return; // the pipe applies the fault
     if (fault_->is_group("host.")) {
         const bool stops =
             is("host.wrong_schema") || (is("host.second") && (fault_->value == 3 || fault_->value == 4));
@@ -350,8 +351,8 @@ void Loop::judge()
           "the actuator gave %.3f N and %.2f mN m, limits %.3f and %.2f", outcome_.peak_N,
           outcome_.peak_N_m * 1e3, force_limit_N, torque_limit_N_m * 1e3);
     if (is("rig.encoder_reversed") && fault_->value == 0) {
-        // Nobody holds: what was there, or what frees the carriage, and 12 ms of the slew limit until it is
-        // judged.
+        // Nobody holds. Allowed are the force that was there, or the force that frees the carriage, and 12 ms
+        // of the slew limit until the fault is judged.
         const double there_N = std::max(harm_N, std::abs(undisturbed_.motor_N[fault_->at - 1]));
         check(outcome_.peak_N <= there_N + reversed_growth_N, "the reversed track rose to %.3f N from %.3f N",
               outcome_.peak_N, there_N);
@@ -375,7 +376,7 @@ void Loop::judge()
     start_again();
 }
 
-// After RESET and repair the next session is as if nothing had been.
+// After RESET and repair the next session runs as if nothing had happened.
 void Loop::start_again()
 {
     repair();

@@ -1,4 +1,5 @@
-// The program hil_campaign: faults on purpose (docs/hil.md), all of them, a spread, or one by its line.
+// The program hil_campaign: it runs faults on purpose (docs/hil.md), all of them, a spread, or one by its
+// line.
 #include "hil_tests/campaign/passivity.hpp"
 #include "hil_tests/campaign/table.hpp"
 #include "hil_tests/l0/sim_bench.hpp"

@@ -30,12 +30,12 @@ const std::vector<std::uint8_t> &end_wall()
     return scene;
 }
 
-// False: refused by the rule.
+// Returns false when the rule refused the settings.
 bool set_up(Bench &bench, crn::Link &link, const PassivityTrial &trial)
 {
     link.hello();
     bench.plant().local_unlock = true;
-    bench.advance(2); // the sample with it has come to the device
+    bench.advance(2); // the sample with the change has reached the device
     crn_wire_rig rig = crn::host_rig();
     for (crn_wire_track &track : rig.tracks) {
         track.force_gain_milli = trial.gain_milli;
@@ -105,7 +105,7 @@ class Session
             if (ms_++ % talk_every_ms == 0) keep_talking(link_);
             bench_.advance(1);
             if (meter != nullptr) meter->take(axis().motor_force());
-            // A hand that pushes against a motor which loses its power moves the carriage by itself.
+            // A hand that pushes against a motor which loses its power moves the carriage itself.
             if (bench_.plant().is_stage_on() || is_released_)
                 outcome_.fastest_m_per_s = std::max(outcome_.fastest_m_per_s, std::abs(axis().tool_speed()));
             outcome_.largest_N = std::max(outcome_.largest_N, axis().motor_peak());
@@ -151,7 +151,7 @@ void CycleMeter::take(double force_N)
     double &far_N = rises ? high_N_ : low_N_;
     if (rises ? force_N > far_N : force_N < far_N) far_N = force_N;
     if (std::abs(force_N - far_N) <= span_N_) return;
-    // a turn: back by more than the span
+    // a reversal: back by more than the span
     if (first_turn_ms_ < 0 || ms_ - turn_ms_ > apart_ms) {
         first_turn_ms_ = ms_;
         turns_ = 0;
@@ -213,7 +213,7 @@ std::size_t run_passivity_grid(Level &level, std::size_t nth, const std::string 
         fastest_m_per_s = std::max(fastest_m_per_s, outcome.fastest_m_per_s);
         if (!outcome.failure.empty()) std::printf("BROKEN %s", line.c_str());
     }
-    // Name and value, one line each: what make bars reads, at the end of the table too.
+    // Name and value, one line each, which make bars reads, also at the end of the table.
     char totals[256];
     std::snprintf(totals, sizeof totals,
                   "passivity.combinations\t%zu\npassivity.accepted\t%zu\npassivity.stopped\t%zu\n"

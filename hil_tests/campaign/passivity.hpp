@@ -1,12 +1,12 @@
-// Gain, coupling, stated damping and lag, and the hand, one against the other over the rig's model at an end
-// wall: the device refuses what its rule says, and whatever it takes must be quiet. Nobody is at the rig who
-// would say that damping or lag are stated falsely: the local unlock is closed, so that the rule of passivity
-// alone refuses.
+// A grid of gain, coupling, stated damping and lag, and hand, on the rig's model at an end wall. The device
+// refuses what its rule forbids, and every setting that it accepts must be quiet. Nobody is at the rig who
+// could state a false damping or lag: the local unlock is closed, so that the rule of passivity alone
+// refuses.
 //
-// A trial pushes a stiff wire by 30 mm against the end of its tube, holds it for 0.6 s, and lets go of it for
-// 0.6 s. Broken is one in which the carriage got faster than 0.25 m/s, or the motor's force went forth and
-// back by more than 50 mN for more than 100 ms: from the moment of the release on; before, in the second half
-// of the hold, when the blow of the wall is over.
+// A trial pushes a stiff wire by 30 mm against the end of its tube, holds it for 0.6 s, and releases it for
+// 0.6 s. A trial fails when the carriage got faster than 0.25 m/s, or the motor's force oscillated by more
+// than 50 mN for more than 100 ms. This is judged from the moment of the release on, and before it in the
+// second half of the hold, when the impact on the wall is over.
 #pragma once
 #include "hil_tests/cases/conversation.hpp"
 #include <vector>
@@ -22,18 +22,19 @@ struct PassivityTrial {
 struct PassivityOutcome {
     bool is_accepted = false;
     double fastest_m_per_s = 0.0, largest_N = 0.0, cycle_ms = 0.0, cycle_N = 0.0;
-    const char *fault = ""; // that stopped the device, if any
+    const char *fault = ""; // the fault that stopped the device, if any
     std::string failure;    // empty: all held
 };
 
-// How long a force has gone forth and back by more than `span_N`, each turn within 150 ms of the last.
+// Measures how long a force has oscillated by more than `span_N`, with each reversal within 150 ms of the
+// last.
 class CycleMeter
 {
   public:
     explicit CycleMeter(double span_N) : span_N_(span_N) {}
     void take(double force_N);
     double longest_ms() const { return longest_ms_; }
-    double largest_N() const { return largest_N_; } // half the span of the largest swing that counted
+    double largest_N() const { return largest_N_; } // half the span of the largest oscillation that counted
 
   private:
     double span_N_, low_N_ = 0.0, high_N_ = 0.0, longest_ms_ = 0.0, largest_N_ = 0.0;
@@ -43,8 +44,8 @@ class CycleMeter
 std::vector<PassivityTrial> passivity_grid();
 PassivityOutcome run_passivity(Level &level, const PassivityTrial &trial);
 
-// Every `nth` trial of the grid; prints the four rows, writes one line each to `file` unless it is empty. The
-// number that broke.
+// Runs every `nth` trial of the grid, prints the four rows, and writes one line for each trial to `file`
+// unless it is empty. Returns the number of failed trials.
 std::size_t run_passivity_grid(Level &level, std::size_t nth, const std::string &file);
 
 } // namespace hil

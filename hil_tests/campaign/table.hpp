@@ -1,5 +1,5 @@
-// Counts of a campaign: one line per kind, worst times to safe per class; as a table and as a file of
-// tab-separated values.
+// Counts of a campaign, as a table and as a file of tab-separated values: one line per kind, and the worst
+// times to safety per class.
 #pragma once
 #include "hil_tests/campaign/judge.hpp"
 #include <map>

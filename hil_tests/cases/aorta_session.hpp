@@ -1,5 +1,5 @@
-// The aorta session of `make run` on a device at the other end of any pipe, tick by tick: hashes, and what a
-// tick costs.
+// The aorta session of `make run` on a device at the other end of any pipe, tick by tick: hashes, and the
+// cost of a tick.
 #pragma once
 #include "host/link/link.hpp"
 #include "host/script/session.hpp"
@@ -16,34 +16,34 @@ struct AortaFiles {
     std::string scene = "out/aorta.scene";
     std::string instrument = "shared/examples/instruments/j_wire.toml";
     std::string session = "shared/examples/sessions/demo.session";
-    std::uint32_t element_shaft_um = 0; // longest element of the wire; 0: as in its file
+    std::uint32_t element_shaft_um = 0; // longest element of the wire; 0: the value of its file
 };
 
 struct AortaRun {
     std::uint32_t ticks = 0;
     std::uint64_t hash = 0;
     std::uint32_t elements = 0;
-    double seconds = 0.0;                  // of ours, without set-up
-    std::vector<double> tick_instructions; // where they are counted
+    double seconds = 0.0;                  // of wall-clock time, without set-up
+    std::vector<double> tick_instructions; // per tick, where they are counted
     std::vector<std::uint16_t> tick_solves;
 };
 
-// HELLO to READY with the session's scene, wire and entry.
+// From HELLO to READY with the session's scene, wire and entry.
 void set_up_aorta(crn::Link &link, const AortaFiles &files, const crn::Session &session,
                   const crn_wire_rig &rig);
 
-// The vessels by whose names the session steers: from the bodies beside the scene.
+// The vessels whose names the session uses for steering, from the bodies beside the scene.
 std::unique_ptr<crn::TipPlaces> vessels_of(const AortaFiles &files);
-// What the session decides by, where it looks at the tip: read from the device.
+// Reads from the device the state on which the session decides when it checks the tip.
 void look_at_aorta(crn::Link &link, const AortaFiles &files, const crn::TipPlaces &vessels,
                    crn::SessionPlayer &player, double inserted_m);
 
-// One step per tick when `counts` is given, which tells the instructions spent so far; else steps as long as
-// they can be.
+// Runs one step per tick when `counts` is given, which returns the instructions spent so far; otherwise steps
+// are as long as possible.
 AortaRun run_aorta(crn::Transport &pipe, const AortaFiles &files, std::uint32_t ticks_max,
                    const std::function<double()> &instructions = {});
 
-// The shaft's element length in um that gives the wire at most so many elements.
+// The shaft's element length in um that gives the wire at most this many elements.
 std::uint32_t shaft_of(const AortaFiles &files, std::uint32_t elements);
 
 // The value that a share `quantile` of the values does not exceed.

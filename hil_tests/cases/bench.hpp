@@ -1,12 +1,12 @@
-// A device on a test bench: the pipe to it, the rig around it, and time. The same at every level; cases know
-// nothing else.
+// A device on a test bench: the pipe to it, the rig around it, and time. It is the same at every level; cases
+// use nothing else.
 //
 //   L0  SimBench        the app as a library in this process            (hil_tests/l0)
 //   L1  EmulatedBench   the image on an emulated Cortex-M7              (hil_tests/l1)
 //   L2, L3  RemoteBench the image beside a program hil_rig, by USB      (remote_bench.hpp)
 //
-// Time is the bench's: advance() makes milliseconds of device and plant in turn. A device that is not asked
-// stands still.
+// The bench makes time: advance() makes milliseconds of device and plant in turn. A device that is not
+// advanced does not move.
 #pragma once
 #include "hil_tests/plant/plant.hpp"
 #include "host/link/transport.hpp"
@@ -27,7 +27,7 @@ class Bench
     Plant &plant() { return plant_; }
     const crn_port_outputs &outputs() const { return outputs_; }
 
-    // Milliseconds of the device with its rig.
+    // Runs milliseconds of the device with its rig.
     void advance(std::uint32_t milliseconds)
     {
         for (std::uint32_t i = 0; i < milliseconds; i++) {
@@ -36,8 +36,8 @@ class Bench
         }
     }
 
-    // The processor stands still, as under a debugger; the rig does not. `wall_s`: for so long in our time,
-    // too.
+    // Halts the processor, as under a debugger; the rig runs on. `wall_s` makes this last that long in
+    // wall-clock time, too.
     void freeze(std::uint32_t milliseconds, double wall_s = 0.0)
     {
         hold(true);
@@ -49,16 +49,17 @@ class Bench
         hold(false);
     }
 
-    // The device's cable comes out once so many more bytes have gone to it, in the middle of a transfer, and
-    // is in again after `away_ms` of the rig. False: it hangs on no cable here.
+    // The device's cable comes out once this many more bytes have been sent to it, in the middle of a
+    // transfer, and is plugged in again after `away_ms` of the rig. Returns false when the device has no
+    // cable here.
     virtual bool pull_cable(std::uint32_t bytes, std::uint32_t away_ms)
     {
         static_cast<void>(bytes), static_cast<void>(away_ms);
         return false;
     }
 
-    // Supply gone and back: the device starts again, wherever it was. The rig sees `milliseconds` without
-    // supply.
+    // The supply fails and returns: the device restarts, whatever it was doing. The rig sees `milliseconds`
+    // without supply.
     void brown_out(std::uint32_t milliseconds)
     {
         plant_.supply_good = false;
@@ -69,10 +70,10 @@ class Bench
     }
 
   protected:
-    // One edge of the device's timer with this sample; what it then wants from the rig.
+    // Runs one edge of the device's timer with this sample; returns the outputs for the rig.
     virtual crn_port_outputs edge(const crn_port_inputs &inputs) = 0;
     virtual void hold(bool held) = 0;
-    virtual void pass_frozen_ms() {} // where the device's clock is not its own
+    virtual void pass_frozen_ms() {} // for levels where the device's clock is not its own
     virtual crn_port_outputs restart() = 0;
 
   private:
@@ -82,7 +83,7 @@ class Bench
     crn_port_outputs outputs_{};
 };
 
-// Makes benches of one level, with a device just powered up.
+// Makes benches of one level, each with a device that has just been powered up.
 class Level
 {
   public:

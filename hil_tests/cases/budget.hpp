@@ -1,5 +1,5 @@
-// What a tick of the aorta session costs on the emulated Cortex-M7: exact instructions in LOCKSTEP, and
-// overruns in FREE_RUN.
+// Cost of a tick of the aorta session on the emulated Cortex-M7: exact instructions in LOCKSTEP, and overruns
+// in FREE_RUN.
 #pragma once
 #include "hil_tests/cases/aorta_session.hpp"
 #include <cstdint>
@@ -8,17 +8,18 @@
 namespace hil
 {
 
-// The aorta session in LOCKSTEP, one step per transfer, every instruction from the first byte of a step to
-// the end of its answer counted (shift 7).
+// Runs the aorta session in LOCKSTEP, one step per transfer. It counts every instruction from the first byte
+// of a step to the end of its answer (shift 7).
 AortaRun count_aorta(const AortaFiles &files, std::uint32_t ticks_max);
 
 struct Overruns {
     std::vector<double> edge_us; // work on each edge
-    std::size_t count() const;   // of those that took longer than 1 ms
+    std::size_t count() const;   // number of edges that took longer than 1 ms
     double worst_us() const;
 };
 
-// The aorta session in FREE_RUN, the hands moved by the plant, at 1,000 / 2^shift instructions per us.
+// Runs the aorta session in FREE_RUN with the hands moved by the plant, at 1,000 / 2^shift instructions per
+// us.
 Overruns overruns_of_aorta(const AortaFiles &files, int icount_shift, std::uint32_t ticks_max);
 
 } // namespace hil

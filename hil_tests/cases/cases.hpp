@@ -1,6 +1,6 @@
-// The cases: claims about a device with its rig, the same at every level.
-// A case makes its own bench, talks to the device through host/link and to the rig through the plant. It
-// fails by an exception whose text has the value and the bar. What it measured it leaves in the report.
+// The cases: claims about a device with its rig, the same at every level. A case makes its own bench, talks
+// to the device through host/link and to the rig through the plant. It fails by an exception whose text
+// contains the value and the bar. Its measurements go into the report.
 #pragma once
 #include "hil_tests/cases/bench.hpp"
 #include <span>
@@ -17,27 +17,28 @@ class Failure : public std::runtime_error
     using std::runtime_error::runtime_error;
 };
 
-// Figures of a case, for the table: "power off after 5 ms".
+// Results of a case for the table: "power off after 5 ms".
 struct Report {
     std::string text;
     std::string hash;              // of the aorta session
     double worst_instructions = 0; // of a tick
-    int cases = 1, passed = 1;     // of a command that ran several
-    std::vector<std::string> rows; // of a command that printed a table as ours: what has figures
+    int cases = 1, passed = 1;     // for a command that ran several
+    std::vector<std::string>
+        rows; // for a command that printed a table like this program's: rows with figures
     void add(const std::string &figure) { text += (text.empty() ? "" : "; ") + figure; }
 };
 
 struct CaseOptions {
-    double pause_s = 0.2;        // how long a pause lasts in our time
+    double pause_s = 0.2;        // duration of a pause in wall-clock time
     std::uint32_t ticks = 400;   // of sessions in LOCKSTEP
     std::uint32_t free_ms = 600; // of sessions in FREE_RUN
-    std::uint32_t spread = 1;    // of the rig's faults every so many, where time is short
+    std::uint32_t spread = 1;    // runs one of this many faults of the rig, where time is short
 };
 
 struct Case {
     const char *name;
     void (*run)(Level &level, const CaseOptions &options, Report &report);
-    bool needs_plant = true; // false: also on a rig of metal, whose hands rest and whose sensors are well
+    bool needs_plant = true; // false: it also runs on a real rig, whose hands rest and whose sensors work
 };
 
 std::span<const Case> all_cases();

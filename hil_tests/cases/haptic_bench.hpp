@@ -1,4 +1,4 @@
-// What the haptic cases and the grid of passivity have in common: a wire, and a carriage in a hand.
+// Common parts of the haptic cases and the grid of passivity: a wire, and a carriage in a hand.
 #pragma once
 #include "hil_tests/plant/plant.hpp"
 #include "shared/wire/wire.h"
@@ -8,8 +8,8 @@ namespace hil
 
 // 350 mm of a solid wire of 0.89 mm.
 crn_wire_instrument haptic_wire(double bend_N_m2);
-// A carriage of 80 g with 1 N s/m and 20 mN of friction, a motor with 0.5 ms of lag, in a hand of so many N/m
-// and N s/m.
+// A carriage of 80 g with 1 N s/m and 20 mN of friction and a motor with 0.5 ms of lag, in a hand of the
+// given N/m and N s/m.
 PlantSettings haptic_plant(double hand_stiffness, double hand_damping);
 
 } // namespace hil

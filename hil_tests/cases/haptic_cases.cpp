@@ -1,7 +1,7 @@
-// The closed loop of hand, rig, coupling and rod in the five contact situations of docs/haptics.md: a hand
-// that comes, holds, goes half of the way back and holds, loose and firm, sees no limit cycle above 0.05 N,
-// and the passivity observer nothing beyond its bound. firmware/tests/test_haptics.c has the same with a
-// plant of its own; here the very image of a device is in the loop.
+// The closed loop of hand, rig, coupling and rod in the five contact situations of docs/haptics.md. A hand
+// approaches, holds, goes half of the distance back and holds, loosely and firmly. No limit cycle above 0.05
+// N occurs, and the passivity observer sees nothing beyond its bound. firmware/tests/test_haptics.c does the
+// same with a plant of its own; here the actual image of a device is in the loop.
 #include "hil_tests/cases/conversation.hpp"
 #include "hil_tests/cases/haptic_bench.hpp"
 #include "hil_tests/cases/tube_scene.h"
@@ -25,7 +25,7 @@ struct Situation {
     double radius_m;
     std::uint32_t inserted_um, seal_mN;
     double way_m;   // of the hand
-    double force_N; // that must have been felt, at least
+    double force_N; // the least force that must have been felt
 };
 
 const Situation situations[] = {
@@ -41,7 +41,7 @@ struct Grip {
 };
 constexpr Grip grips[] = {{200, 1}, {800, 5}}; // loose, firm
 
-// The stiffest coupling along the line that the device takes for this rig; none about it.
+// The stiffest coupling along the line that the device accepts for this rig; there is none about it.
 crn_wire_rig rig_of(std::uint32_t seal_mN)
 {
     crn_wire_rig rig = crn::host_rig();
@@ -89,7 +89,7 @@ class Trial
         axis().move_hand(0.0);
     }
 
-    // Half the span of the hand's force in the second half.
+    // Returns half the span of the hand's force in the second half.
     double hold()
     {
         pass(hold_ms / 2);

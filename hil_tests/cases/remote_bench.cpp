@@ -15,8 +15,9 @@ namespace hil
 namespace
 {
 
-constexpr std::uint32_t settle_ms = 3; // of ours: what the device said in its time has come, as a rule
-constexpr std::uint32_t return_limit_ms = 20000; // of a device that starts again
+constexpr std::uint32_t settle_ms =
+    3; // of wall-clock time: by then the device's messages have usually arrived
+constexpr std::uint32_t return_limit_ms = 20000; // for a device that restarts
 
 constexpr unsigned request_limit_ms = 2000;
 constexpr int opens_max = 50;
@@ -92,7 +93,7 @@ crn_port_outputs RemoteBench::restart()
     return channel_.ask(BenchOrder::power_cycle).outputs;
 }
 
-// By the device itself: vendor request 0x21 of docs/usb.md.
+// The device itself does this: vendor request 0x21 of docs/usb.md.
 bool RemoteBench::pull_cable(std::uint32_t bytes, std::uint32_t away_ms)
 {
     constexpr std::uint8_t to_device = 0x40, unplug = 0x21;
@@ -106,7 +107,7 @@ bool RemoteBench::pull_cable(std::uint32_t bytes, std::uint32_t away_ms)
     return true;
 }
 
-// One that went is looked for again, and whoever asked last is told by then.
+// A device that disappeared is searched for again, and the last caller has been informed by then.
 crn::UsbTransport &RemoteBench::usb()
 {
     if (usb_) return *usb_;
@@ -117,7 +118,7 @@ crn::UsbTransport &RemoteBench::usb()
     return *usb_;
 }
 
-// The bus may still show a device that has just been switched off: one that has not answered yet is looked
+// The bus may still show a device that has just been switched off: one that has not answered yet is searched
 // for again.
 void RemoteBench::write(std::span<const std::uint8_t> bytes)
 {
@@ -174,7 +175,7 @@ class MetalBench final : public Bench
 
 } // namespace
 
-// Whatever the session before left.
+// Clears whatever the session before left.
 std::unique_ptr<Bench> MetalLevel::make(const PlantSettings &settings)
 {
     auto bench = std::make_unique<MetalBench>(settings, serial_);

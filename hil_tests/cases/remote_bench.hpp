@@ -1,8 +1,8 @@
-// Levels 2 and 3: the device is in an emulator elsewhere (hil_rig) and is reached by the host's real USB
-// code; the plant is here.
+// Levels 2 and 3: the device is in an emulator elsewhere (hil_rig), and the host's real USB code accesses it;
+// the plant is here.
 //
-// Time is the plant's. What was written has been taken by the device before the next millisecond begins; what
-// the device says meanwhile comes a little later, in order and whole.
+// The plant makes time. The device has taken all written bytes before the next millisecond begins. Its
+// messages arrive a little later, in order and complete.
 #pragma once
 #include "hil_tests/cases/bench.hpp"
 #include "hil_tests/l1/bench_server.hpp"
@@ -19,7 +19,7 @@ class BenchChannel
     ~BenchChannel();
     BenchChannel(const BenchChannel &) = delete;
     BenchChannel &operator=(const BenchChannel &) = delete;
-    // Throws std::runtime_error: the other end is gone, or what went wrong there.
+    // Throws std::runtime_error when the other end is gone, or with the error that occurred there.
     BenchAnswer ask(BenchOrder order, const crn_port_inputs &inputs = {}, std::uint32_t milliseconds = 0);
 
   private:
@@ -50,7 +50,7 @@ class RemoteBench final : public Bench, private crn::Transport
     bool has_answered_ = false;
 };
 
-// A rig of metal, or what stands in for one: no plant of ours, so only cases that need none.
+// A real rig, or its replacement: it has no simulated plant, so only cases that need none run on it.
 class MetalLevel final : public Level
 {
   public:

@@ -1,4 +1,4 @@
-// Sessions: the same hashes wherever the device runs, and time that may stand still.
+// Sessions: the same hashes wherever the device runs, and pauses that change nothing.
 #include "hil_tests/cases/conversation.hpp"
 #include "hil_tests/l0/sim_bench.hpp"
 #include <chrono>
@@ -10,7 +10,8 @@ namespace hil
 namespace
 {
 
-// LOCKSTEP through this level's pipe against the host's own device: every tick's hash and the final one.
+// Compares LOCKSTEP through this level's pipe with the host's own device: every tick's hash and the final
+// one.
 void lockstep_gives_the_hash_of_the_host_alone(Level &level, const CaseOptions &options, Report &report)
 {
     const auto bench = level.make({});
@@ -22,8 +23,7 @@ void lockstep_gives_the_hash_of_the_host_alone(Level &level, const CaseOptions &
         text("%u ticks, hash %016llx", unsigned{here.tick}, static_cast<unsigned long long>(here.hash)));
 }
 
-// The processor stands still between two steps of a session, as under a debugger, while the rig's time goes
-// on.
+// The processor is halted between two steps of a session, as under a debugger, while the rig's time goes on.
 void a_pause_in_lockstep_changes_nothing(Level &level, const CaseOptions &options, Report &report)
 {
     const auto bench = level.make({});
@@ -40,8 +40,8 @@ void a_pause_in_lockstep_changes_nothing(Level &level, const CaseOptions &option
     report.add(text("%d pauses of 10 s of the rig, the first %.1f s of ours", pauses, options.pause_s));
 }
 
-// The closed loop of hand, rig, device and motors, against level 0: force of the motors, motion of the tool,
-// hashes.
+// Compares the closed loop of hand, rig, device and motors with level 0: force of the motors, motion of the
+// tool, hashes.
 void a_free_run_closes_the_loop_as_at_level_0(Level &level, const CaseOptions &options, Report &report)
 {
     Ending endings[2];
@@ -72,7 +72,8 @@ void a_free_run_closes_the_loop_as_at_level_0(Level &level, const CaseOptions &o
                     places_m[1] * 1e3, peaks_N[1]));
 }
 
-// What the rig has besides tracks: every level comes with the next ticks, in the input that is recorded.
+// Pedals, syringe and inflator of the rig: every signal level arrives with the next ticks, in the recorded
+// input.
 void pedals_syringe_and_inflator_reach_the_host(Level &level, const CaseOptions &, Report &report)
 {
     const auto bench = level.make({});
@@ -98,8 +99,8 @@ void pedals_syringe_and_inflator_reach_the_host(Level &level, const CaseOptions 
     report.add(text("%d levels of two pedals, syringe and inflator", changes));
 }
 
-// A tool that slides over its roller: the encoder sees the roller, the session goes on, and the hand gets no
-// more than the grip.
+// A tool slips on its roller: the encoder sees the roller, the session continues, and the hand gets no more
+// than the grip.
 void a_roller_that_slips_is_no_fault(Level &level, const CaseOptions &, Report &report)
 {
     PlantSettings settings;
@@ -124,8 +125,8 @@ void a_roller_that_slips_is_no_fault(Level &level, const CaseOptions &, Report &
     report.add(text("slipped by %.1f mm, %.2f N at most", slipped_m * 1e3, most_N));
 }
 
-// Question and answer, one after the other, for a second of ours: every one is answered, and none is lost on
-// the way.
+// Requests and answers alternate for a second of wall-clock time: every request is answered, and none is
+// lost.
 void every_question_is_answered(Level &level, const CaseOptions &, Report &report)
 {
     using Clock = std::chrono::steady_clock;

@@ -1,6 +1,6 @@
-// The cable is pulled in the middle of a transfer. Where the device hangs on USB it takes itself off the bus
-// with a packet of the transfer (docs/usb.md); elsewhere the pipe ends within a frame. What was on its way is
-// lost, both ways.
+// The cable is pulled in the middle of a transfer. A device on USB takes itself off the bus with a packet of
+// the transfer (docs/usb.md); elsewhere the pipe ends within a frame. Bytes under way are lost in both
+// directions.
 #include "hil_tests/cases/conversation.hpp"
 #include <algorithm>
 #include <optional>
@@ -25,7 +25,7 @@ class Cable final : public crn::Transport
         if (!bench_.pull_cable(bytes, away_ms)) left_ = bytes;
     }
 
-    // The device is away for so long, and then there is somebody to talk to again.
+    // The device is away for this long, and then a device can be reached again.
     void plug()
     {
         bench_.advance(away_ms + 1);
@@ -35,7 +35,7 @@ class Cable final : public crn::Transport
         try {
             while (bench_.pipe().read(lost) > 0) {
             }
-        } catch (const crn::LinkError &) { // it tells once that the device was away
+        } catch (const crn::LinkError &) { // it reports once that the device was away
         }
     }
 
@@ -71,8 +71,8 @@ class Cable final : public crn::Transport
     bool is_out_ = false;
 };
 
-// A host whose cable is pulled once in the upload of the scene and once in the session, and that goes on each
-// time.
+// A host whose cable is pulled once in the upload of the scene and once in the session, and which continues
+// each time.
 class Traveller
 {
   public:
@@ -109,7 +109,7 @@ class Traveller
         cable_.pull(bytes_[which]);
     }
 
-    // The device did what it was asked last, and stands where the answers ended.
+    // The device executed the last request, and is at the point where the answers ended.
     bool goes_on()
     {
         const crn_wire_status status = link_->read_status();
@@ -162,7 +162,7 @@ void a_cable_pulled_in_mid_transfer_costs_no_bit(Level &level, const CaseOptions
         std::max<std::uint32_t>(4 * batch, std::min<std::uint32_t>(options.ticks, 400));
     const Ending alone = host_only_session(ticks, batch);
     std::uint32_t pulls = 0, resumed = 0;
-    // Within a frame of the upload and of the session, and between two frames.
+    // The cable is pulled within a frame of the upload and of the session, and between two frames.
     static constexpr std::uint32_t places[][2] = {{9000, 1}, {700, 700}, {30000, 1300}};
     for (std::size_t i = 0; i < std::size(places); i += options.spread) {
         const auto bench = level.make({});
@@ -177,8 +177,8 @@ void a_cable_pulled_in_mid_transfer_costs_no_bit(Level &level, const CaseOptions
                     unsigned{pulls - resumed}));
 }
 
-// Forces are gone 50 ms after the last byte, the session goes on without a host, and with one the forces come
-// back.
+// The forces are zero 50 ms after the last byte, the session continues without a host, and with one the
+// forces return.
 void a_cable_pulled_under_power_fades_the_forces(Level &level, const CaseOptions &, Report &report)
 {
     constexpr std::uint32_t push_ms = 200, silent_ms = 50;

@@ -15,7 +15,7 @@ class SimBench final : public Bench, private crn::Transport
 
   protected:
     crn_port_outputs edge(const crn_port_inputs &inputs) override;
-    void hold(bool) override {} // nobody asks it meanwhile
+    void hold(bool) override {} // the device gets no time meanwhile
     void pass_frozen_ms() override;
     crn_port_outputs restart() override;
 

@@ -15,7 +15,7 @@ std::uint32_t word(std::int32_t value)
     return static_cast<std::uint32_t>(value);
 }
 
-// False: the other end is gone.
+// Returns false when the other end is gone.
 bool read_all(int file, void *bytes, std::size_t count)
 {
     auto *place = static_cast<char *>(bytes);
@@ -43,7 +43,7 @@ bool write_all(int file, const void *bytes, std::size_t count)
 void carry_out(crn::Emulator &emulator, const BenchRequest &request)
 {
     switch (request.order) {
-    case BenchOrder::power_on: // of another rig, whose time begins
+    case BenchOrder::power_on: // starts the time of a new rig
         emulator.page().host.milliseconds = 0;
         [[fallthrough]];
     case BenchOrder::power_cycle:
@@ -105,7 +105,7 @@ void make_rig_edge(crn::Emulator &emulator, const crn_port_inputs &inputs, std::
 {
     rig_page &page = emulator.page();
     rig_host_half &host = page.host;
-    // What was said before this edge is heard before it, on every run.
+    // Messages sent before this edge are received before it, on every run.
     emulator.wait([&] { return rig_read(&page.device.to_device_tail) == host.to_device_head; }, "a request");
     rig_write(&host.inputs_begin, host.inputs_begin + 1);
     std::atomic_thread_fence(std::memory_order_release);

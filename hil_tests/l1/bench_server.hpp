@@ -1,11 +1,11 @@
-// A bench whose device is in another process, or another machine: what RemoteBench asks for and EmulatedBench
-// does, over a pipe of bytes. The plant stays with the case; only samples, outputs and power go over the
-// pipe.
+// A bench whose device is in another process, or on another machine: RemoteBench sends requests and
+// EmulatedBench executes them, over a pipe of bytes. The plant stays with the case; only samples, outputs and
+// power orders pass through the pipe.
 //
 //   case, plant, host/link  <--- requests, answers ---> server, emulator, image
 //        +------------------- USB ----------------------------+
 //
-// Both ends are built from this tree for one kind of machine, so structs go over as they are.
+// Both ends are built from this tree for one kind of machine, so structs are sent unchanged.
 #pragma once
 #include "firmware/port/port.h"
 #include "host/link/emulator.hpp"
@@ -31,10 +31,11 @@ struct BenchAnswer {
 // Samples and outputs of an emulated device's rig page.
 void put_rig_inputs(const crn_port_inputs &from, rig_inputs &to);
 crn_port_outputs take_rig_outputs(rig_page &page);
-// One edge of the device's timer with this sample; returns when the device has done it.
+// Runs one edge of the device's timer with this sample; returns when the device has completed it.
 void make_rig_edge(crn::Emulator &emulator, const crn_port_inputs &inputs, std::uint32_t milliseconds);
 
-// Answers requests from `connection` until it is closed. False: it broke in the middle of one.
+// Answers requests from `connection` until it is closed. Returns false when it broke in the middle of a
+// request.
 bool serve_bench(crn::Emulator &emulator, int connection);
 
 } // namespace hil

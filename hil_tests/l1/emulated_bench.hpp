@@ -27,7 +27,7 @@ class EmulatedBench final : public Bench
 class EmulatedLevel final : public Level
 {
   public:
-    // Milliseconds need a processor that has time for them: 0 gives 1,000 instructions per us.
+    // Milliseconds need a processor that is fast enough: 0 gives 1,000 instructions per us.
     explicit EmulatedLevel(int icount_shift = 0, const std::string &debugger = "")
         : options_{{}, icount_shift, {}, debugger}
     {

@@ -1,13 +1,13 @@
 #!/bin/sh
-# The program cournand with the image in an emulator (--device emulator): the sim's hash, and a remedy for what is missing.
-# Prints TAP.
+# Runs the program cournand with the image in an emulator (--device emulator): it gives the sim's hash, and names a
+# remedy for what is missing. Prints TAP.
 build="${BUILD:-build}"
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 count=0
 status=0
 
-# expect NAME CODE TEXT COMMAND...: it ends with CODE and says TEXT
+# expect NAME CODE TEXT COMMAND...: the command ends with CODE and prints TEXT
 expect() {
     name="$1"
     code="$2"

@@ -1,10 +1,10 @@
-/* What the files of level L2 share: a device, its transfers, and the nodes under which programs see it. One
- * lock guards each; programs' calls are answered by umockdev's thread, the bus moves in another.
+/* Declarations shared by the files of level L2: a device, its transfers, and the nodes under which programs
+ * see it. One lock guards each device; umockdev's thread answers the programs' calls, and the bus moves in
+ * another thread.
  *
- * Programs poll their nodes, and a plain file is always ready: then libusb would spin. So a node is a FIFO:
- * /dev/bus/usb/... is ready for writing (that is how usbfs says it) while a transfer is done and not reaped,
- * and full otherwise; /dev/hidraw0 holds one byte per report that waits.
- */
+ * Programs poll their nodes. A plain file is always ready, which would make libusb spin. So a node is a FIFO.
+ * /dev/bus/usb/... is ready for writing (this is how usbfs reports it) while a transfer is done and not
+ * reaped, and full otherwise; /dev/hidraw0 holds one byte per report that waits. */
 #ifndef CRN_MOCK_H
 #define CRN_MOCK_H
 
@@ -19,32 +19,32 @@ enum { MOCK_REPORTS = 64, MOCK_PIPE_BYTES = 4096 };
 
 typedef struct mock_urb { /* a transfer of a program */
     struct mock_urb *next;
-    UMockdevIoctlClient *client; /* who sent it; only compared */
+    UMockdevIoctlClient *client; /* the program that sent it; the value is only compared */
     UMockdevIoctlData *urb, *buffer;
     bool is_done;
 } mock_urb;
 
 typedef struct mock {
     pthread_mutex_t lock;
-    pthread_cond_t handed_in; /* a transfer, for the bus to move */
+    pthread_cond_t handed_in; /* a transfer for the bus to move */
     bool is_handed_in;
     usb_peer peer;
     usb_urbs urbs;
     UMockdevTestbed *testbed;
     UMockdevIoctlBase *usbfs, *hidraw;
     char *root;
-    bool is_plugged, is_attached; /* the nodes of a device that went answer until it comes back */
+    bool is_plugged, is_attached; /* after an unplug the nodes answer until the device returns */
     int64_t unplugged_ns;
-    unsigned number; /* of the device, from 0 */
+    unsigned number; /* number of the device, from 0 */
     char usb_path[64], hid_path[96], usb_node[32], hid_node[32];
 
-    mock_urb *first; /* in the order they were sent */
+    mock_urb *first; /* in the order of submission */
     int usbfs_fifo, hidraw_fifo;
     bool usbfs_is_full;
 
     unsigned hidraw_clients;
     bool hidraw_is_reading;
-    bool hid_is_claimed; /* by a program: usbhid is unbound, and nobody else takes reports */
+    bool hid_is_claimed; /* a program has unbound usbhid, and nothing else takes reports */
     uint8_t hidraw_packet[CRN_MAILBOX_DATA_MAX];
     uint8_t reports[MOCK_REPORTS][CRN_HID_REPORT_BYTES_MAX];
     uint32_t report_first, report_count, reports_lost;

@@ -1,5 +1,5 @@
-/* What the kernel's usbhid and hidraw do for hidapi: reads reports while somebody has the node open, keeps
- * the last 64, sends written ones, and turns feature reports into control transfers. */
+/* The work of the kernel's usbhid and hidraw for hidapi: it reads reports while a program has the node open,
+ * keeps the last 64, sends written ones, and turns feature reports into control transfers. */
 #include "hil_tests/l2/mock.h"
 
 #include <errno.h>
@@ -155,7 +155,7 @@ gboolean mock_hidraw_ioctl(UMockdevIoctlBase *base, UMockdevIoctlClient *client,
     return TRUE;
 }
 
-/* --- who has it open --- */
+/* --- programs that have the node open --- */
 void mock_hidraw_connected(UMockdevIoctlBase *base, UMockdevIoctlClient *client, mock *m)
 {
     (void)base;

@@ -1,5 +1,5 @@
-/* What the kernel's usbfs does for libusb: transfers are submitted, reaped and discarded by ioctl. An ioctl's
- * argument is the pointer that the program gave; resolving it fetches what it points to. */
+/* The work of the kernel's usbfs for libusb: transfers are submitted, reaped and discarded by ioctl. An
+ * ioctl's argument is the pointer that the program passed; resolving it fetches the data behind it. */
 #include "hil_tests/l2/mock.h"
 
 #include <errno.h>
@@ -63,7 +63,7 @@ void mock_usbfs_complete(mock *m, const usb_urb *urb)
         if ((uint64_t)(uintptr_t)one == urb->id) finish(m, one, mock_errno(urb->result), urb->done);
 }
 
-/* What is under way ends as the kernel ends it, and the node is ready for whoever looks. */
+/* Ends transfers under way as the kernel does, and makes the node ready for its readers. */
 void mock_usbfs_unplugged(mock *m)
 {
     usb_urb urb;
@@ -178,8 +178,8 @@ static int clear_halt(mock *m, UMockdevIoctlData *argument)
     return m->is_plugged ? mock_errno(usb_host_clear_halt(m->peer.host, (uint8_t)endpoint)) : ENODEV;
 }
 
-/* Interface 0 is the HID one: libusb takes it from usbhid when a program claims it,. The first number of
- * what the argument points to is the interface, in both calls. */
+/* Interface 0 is the HID one: libusb takes it from usbhid when a program claims it. In both calls, the first
+ * number behind the argument is the interface. */
 static int claim(mock *m, UMockdevIoctlData *argument, bool is_taken)
 {
     unsigned interface;
@@ -213,7 +213,7 @@ static int answer(mock *m, UMockdevIoctlClient *client, UMockdevIoctlData *argum
     case USBDEVFS_GET_CAPABILITIES:
         return capabilities(argument);
     case USBDEVFS_GET_SPEED:
-        *result = 3; /* high, in the kernel's own numbers */
+        *result = 3; /* high speed, in the kernel's own numbering */
         return 0;
     case USBDEVFS_CLAIMINTERFACE:
     case USBDEVFS_DISCONNECT_CLAIM:
@@ -248,7 +248,7 @@ gboolean mock_usbfs_ioctl(UMockdevIoctlBase *base, UMockdevIoctlClient *client, 
     return TRUE;
 }
 
-/* A program closed the node, or died: the kernel takes back what it had under way. */
+/* A program closed the node, or died: the kernel takes back its transfers. */
 void mock_usbfs_vanished(UMockdevIoctlBase *base, UMockdevIoctlClient *client, mock *m)
 {
     (void)base;

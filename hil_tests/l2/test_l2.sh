@@ -1,17 +1,19 @@
 #!/bin/sh
-# Level L2: libusb and hidapi, unmodified, see the loop-back rig, the whole app and the image on a machine without USB. Prints TAP. The programs come from
-# $HIL, by default the sanitized ones: every call of theirs and all of the stack run under the address and undefined-behaviour
-# sanitizers. (Leaks are umockdev's own until it ends, so they are not looked for.)
+# Level L2: libusb and hidapi, unmodified, see the loop-back rig, the whole app and the image on a machine without USB.
+# Prints TAP. The programs come from $HIL, by default the sanitized ones: all their calls and the whole stack run under
+# the address and undefined-behaviour sanitizers. (umockdev itself has leaks until it ends, so leaks are not checked.)
 folder="${HIL:-${BUILD:-build}/san/hil}"
-# In `make test` (which names no folder) nothing is judged by the machine's pace: whether a reader keeps up with 1,000 reports a second.
+# In `make test` (which sets no folder) no verdict depends on the machine's pace, such as whether a reader keeps up
+# with 1,000 reports a second.
 [ -n "$HIL" ] || export UNPACED=1
-# gcc's address sanitizer is a library and wants to be the first; clang's is in the program.
+# gcc's address sanitizer is a library that must be loaded first; clang's is in the program.
 preload="$(ldd "$folder/mock_bus" | awk '/libasan/ { print $3 }') libumockdev-preload.so.0"
 count=0
 status=0
 
-# run_on_bus COMMAND...: its output in $output, its state as the result. umockdev before its pull request 254 (Debian 12 has it so) ends itself
-# when a listener goes away while it is told of a device; that is no verdict on ours, so it is tried again, twice at most.
+# run_on_bus COMMAND...: puts its output into $output and returns its status. umockdev before its pull request 254
+# (Debian 12 has it so) ends itself when a listener disappears while umockdev reports a device to it. That is no
+# verdict on the tested program, so the run is repeated, twice at most.
 run_on_bus() {
     for try in 1 2 3; do
         output=$("$@" 2>&1)
@@ -24,7 +26,7 @@ run_on_bus() {
     return $state
 }
 
-# one DEVICE NAME PROGRAM ARGUMENT...: the program's own verdict, its figures as notes
+# one DEVICE NAME PROGRAM ARGUMENT...: prints the program's own verdict, with its figures as notes
 one() {
     device="$1"
     name="$2"
@@ -41,7 +43,7 @@ one() {
     fi
 }
 
-# One after the other on one bus: who came before must leave nothing behind.
+# The programs run one after the other on one bus: none may leave anything behind for the next.
 one --here libusb_and_both_hidapis_pass env HIL="$folder" "$(dirname "$0")/../l3/checks.sh"
 one --app the_whole_app_passes "$folder/app_check"
 

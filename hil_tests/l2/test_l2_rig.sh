@@ -1,16 +1,16 @@
 #!/bin/sh
-# Level L2: the program cournand itself, with libusb and hidapi unmodified, sees the whole app on a machine without USB. The
-# programs come from $BUILD, by default the sanitized ones. Prints TAP.
+# Level L2: the program cournand itself, with libusb and hidapi unmodified, sees the whole app on a machine without USB.
+# The programs come from $BUILD, by default the sanitized ones. Prints TAP.
 build="${BUILD:-build}"
 [ -n "$HIL" ] || build="$build/san"
-# gcc's address sanitizer is a library and wants to be the first; clang's is in the program.
+# gcc's address sanitizer is a library that must be loaded first; clang's is in the program.
 preload="$(ldd "$build/hil/mock_bus" | awk '/libasan/ { print $3 }') libumockdev-preload.so.0"
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 count=0
 status=0
 
-# expect NAME TEXT ARGUMENT...: cournand succeeds and says TEXT
+# expect NAME TEXT ARGUMENT...: cournand succeeds and prints TEXT
 expect() {
     name="$1"
     text="$2"
@@ -39,7 +39,7 @@ expect rig_monitor_by_libusb 'reports in' rig monitor --seconds 1 --hid libusb
 expect a_session_has_the_hash_of_the_sim "final hash *${hash:-none}" run --quiet --device usb --instrument $wire \
     --session "$folder/a.session"
 
-# The image on an emulated Cortex-M7, with the rig around it, in the place of the app in a process.
+# The image on an emulated Cortex-M7, with the rig around it, replaces the app in a process.
 plain="${build%/san}"
 count=$((count + 1))
 if "$plain/bin/hil_rig" --live -- env ASAN_OPTIONS=detect_leaks=0 LD_PRELOAD="$preload" timeout 60 "$build/hil/mock_bus" --mailbox '{mailbox}' -- \

@@ -4,10 +4,9 @@
  *   bridge SOCKET --app                      the whole app, in this process
  *   bridge SOCKET --mailbox FILE[:OFFSET]    whatever serves the mailbox in FILE
  *
- * Waits for QEMU to connect (`-chardev socket,path=SOCKET -device usb-redir`), ends when it disconnects. The
- * device may unplug itself, start again and come back at any time. Exit code 0; 1 when the device hangs; 2
- * for bad arguments.
- */
+ * It waits for QEMU to connect (`-chardev socket,path=SOCKET -device usb-redir`), and ends when QEMU
+ * disconnects. The device may unplug itself, restart and come back at any time. Exit code 0; 1 when the
+ * device hangs; 2 for bad arguments. */
 #define _GNU_SOURCE /* ppoll */
 #include <errno.h>
 #include <poll.h>
@@ -35,8 +34,8 @@ typedef struct bridge {
     bool is_shown; /* device_connect was sent */
     bool is_dead;
     uint8_t configuration;
-    int64_t stream_ns; /* when the stream's last transfer was done: the next one follows soon, and waking up
-                          takes time */
+    int64_t stream_ns; /* end of the stream's last transfer: the next one follows soon, and waking up takes
+                          time */
 } bridge;
 
 static uint8_t status_of(usb_result result)
@@ -63,7 +62,7 @@ static usb_result control(bridge *b, uint8_t type, uint8_t request, uint16_t val
     return result;
 }
 
-/* --- what the device is: read by ourselves, since usbredir tells QEMU before the guest asks --- */
+/* --- the device's descriptors, which usbredir reports to QEMU before the guest's requests --- */
 static void cancel_all(bridge *b)
 {
     usb_urb urb;
@@ -80,10 +79,10 @@ static bool address_device(bridge *b)
     return true;
 }
 
-/* Interfaces and endpoints of the configuration into usbredir's two tables. Interrupt endpoints are told as
- * bulk: usbredir would read them at the bridge's pace and pile up what the guest does not fetch; so every
- * read of the guest is one of the device, at the pace of the guest's own xHCI, as on a cable. The guest sees
- * the type in the descriptors. */
+/* Enters interfaces and endpoints of the configuration into usbredir's two tables. Interrupt endpoints are
+ * reported as bulk, because usbredir would read them at the bridge's pace and pile up what the guest does not
+ * fetch. This way every read of the guest is one read of the device, at the pace of the guest's own xHCI, as
+ * on a cable. The guest sees the type in the descriptors. */
 static void describe(bridge *b, const uint8_t *bytes, uint32_t count)
 {
     struct usb_redir_interface_info_header interfaces;
@@ -141,7 +140,7 @@ static bool show(bridge *b)
     return true;
 }
 
-/* Plugged, unplugged, or started again behind our back. */
+/* The device was plugged, unplugged, or restarted unnoticed. */
 static void watch_plug(bridge *b)
 {
     const usb_host *host = b->peer.host;
@@ -157,7 +156,7 @@ static void watch_plug(bridge *b)
     }
 }
 
-/* --- what the guest asks for --- */
+/* --- requests of the guest --- */
 static void on_reset(void *context)
 {
     bridge *b = context;
@@ -194,7 +193,7 @@ static void on_set_alt_setting(void *context, uint64_t id, struct usb_redir_set_
     bridge *b = context;
     const usb_result result = control(b, 0x01, 11, header->alt, header->interface, 0, NULL, NULL);
     struct usb_redir_alt_setting_status_header answer = {status_of(result), header->interface, header->alt};
-    if (result == USB_OK && header->interface == 1) /* begins the pair afresh, so both ends do */
+    if (result == USB_OK && header->interface == 1) /* restarts the endpoint pair, so both ends do */
         b->peer.host->toggle_in[2] = b->peer.host->toggle_out[2] = false;
     if (result == USB_OK && header->interface == 0)
         b->peer.host->toggle_in[1] = b->peer.host->toggle_out[1] = false;
@@ -212,7 +211,7 @@ static void on_cancel(void *context, uint64_t id)
 {
     bridge *b = context;
     usb_urb urb;
-    if (!usb_urbs_cancel(&b->urbs, id, &urb)) return; /* it is done, and the answer is on its way */
+    if (!usb_urbs_cancel(&b->urbs, id, &urb)) return; /* it is done, and the answer is under way */
     struct usb_redir_bulk_packet_header answer = {.endpoint = urb.endpoint, .status = usb_redir_cancelled};
     usbredirparser_send_bulk_packet(b->parser, id, &answer, NULL, 0);
     free(urb.bytes);
@@ -243,7 +242,7 @@ static void on_control(void *context, uint64_t id, struct usb_redir_control_pack
     usbredirparser_send_control_packet(b->parser, id, header, count > 0 ? bytes : NULL, (int)count);
 }
 
-/* A transfer of the guest: its buffer is ours until the answer is sent. */
+/* A transfer of the guest: the bridge owns its buffer until the answer is sent. */
 static bool submit(bridge *b, uint64_t id, uint8_t endpoint, uint32_t length, const uint8_t *data,
                    int data_bytes)
 {
@@ -273,7 +272,7 @@ static void on_bulk(void *context, uint64_t id, struct usb_redir_bulk_packet_hea
     usbredirparser_send_bulk_packet(b->parser, id, header, NULL, 0);
 }
 
-/* --- what the device answered --- */
+/* --- answers of the device --- */
 static void on_complete(void *context, const usb_urb *urb)
 {
     bridge *b = context;
@@ -338,7 +337,7 @@ static void make_parser(bridge *b)
     usbredirparser_init(b->parser, "cournand bridge", caps, USB_REDIR_CAPS_SIZE, usbredirparser_fl_usb_host);
 }
 
-/* Until QEMU goes, or the device hangs. */
+/* Runs until QEMU disconnects, or the device hangs. */
 static int serve(bridge *b)
 {
     for (;;) {

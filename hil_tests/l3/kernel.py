@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""Debian's own kernel for the guest of level L3: fetches the packages, takes out of them what the guest needs.
+"""Debian's own kernel for the guest of level L3: fetches the packages and extracts what the guest needs.
 
-  kernel.py FOLDER     leaves FOLDER/vmlinux and FOLDER/initrd; does nothing when they are there and of this program
+  kernel.py FOLDER     leaves FOLDER/vmlinux and FOLDER/initrd; does nothing when this program has made them
 
-The kernel is the one that the package linux-image-amd64 depends on today. It is unpacked, never installed. vmlinux is the
-payload of vmlinuz: without the real-mode stub and its own unpacking the guest boots three seconds sooner. The initrd holds
-busybox, the modules for 9p, xHCI, HID and a virtual serial port with all that they depend on, and an init that runs one script in
-the host's own file tree, read-only, with a folder of the host to write into at /mnt."""
+The kernel is the one that the package linux-image-amd64 depends on today. It is unpacked, never installed. vmlinux is
+the payload of vmlinuz: without the real-mode stub and its own unpacking the guest boots three seconds sooner. The
+initrd holds busybox, the modules for 9p, xHCI, HID and a virtual serial port with all that they depend on, and an
+init. The init runs one script in the host's own file tree, which is read-only; a folder of the host at /mnt is
+writable."""
 
 import hashlib
 import io
@@ -20,7 +21,7 @@ import tempfile
 MODULES = ["virtio_pci", "virtio_console", "9pnet_virtio", "9p", "xhci_pci", "usbhid", "hid_generic", "usbmon"]
 XZ_MAGIC = b"\xfd7zXZ\x00"
 
-# What comes out of the serial line between the two marks is the command's; the last line is its exit code.
+# The output of the serial line between the two marks is the command's; the last line is its exit code.
 INIT = """#!/bin/sh
 /bin/busybox mkdir -p /proc /sys /dev /host
 /bin/busybox mount -t proc proc /proc
@@ -59,7 +60,7 @@ def fetch(folder):
 
 
 def extract_vmlinux(vmlinuz):
-    """The ELF inside a bzImage."""
+    """Returns the ELF file inside a bzImage."""
     place = vmlinuz.find(XZ_MAGIC)
     while place >= 0:
         try:
@@ -73,7 +74,7 @@ def extract_vmlinux(vmlinuz):
 
 
 def module_paths(root):
-    """Module name -> file, with - and _ the same."""
+    """Maps module names to files; - and _ are treated as equal."""
     paths = {}
     for folder, _, names in os.walk(root):
         for name in names:
@@ -89,7 +90,7 @@ def dependencies(path):
 
 
 def module_order(paths, wanted):
-    """Files in the order of loading. What has no file is built into the kernel."""
+    """Lists files in the order of loading. A module without a file is built into the kernel."""
     order, seen = [], set()
 
     def add(name):
@@ -108,7 +109,7 @@ def module_order(paths, wanted):
 
 
 def cpio_entry(out, number, name, mode, data=b""):
-    """One file of a `newc` archive: a head of hexadecimal numbers, the name, the bytes, each padded to 4."""
+    """Encodes one file of a `newc` archive: a header of hexadecimal numbers, name and bytes, each padded to 4."""
     path = name.encode() + b"\x00"
     fields = [number, mode, 0, 0, 1, 0, len(data), 0, 0, 0, 0, len(path), 0]
     head = b"070701" + b"".join(b"%08x" % field for field in fields) + path
@@ -149,7 +150,7 @@ def write(path, data):
 
 
 def prepare(folder):
-    """(vmlinux, initrd), made when they are missing."""
+    """Returns (vmlinux, initrd), and makes them when they are missing."""
     vmlinux, initrd, stamp = (os.path.join(folder, name) for name in ("vmlinux", "initrd", "made_by"))
     with open(os.path.abspath(__file__), "rb") as file:
         made_by = hashlib.sha256(file.read()).hexdigest()

@@ -3,10 +3,10 @@
 
   run_guest.py [options] (--here | --app | --mailbox FILE[:OFFSET])... -- COMMAND ARGUMENT...
 
-QEMU emulates an x86-64 PC with an xHCI controller; a bridge hands it each device by usbredir. COMMAND runs in the guest in
-the current folder, with the host's file tree mounted read-only, so it runs the very programs of the build tree; --out's folder
-is /mnt there, and may be written. Its output is printed as it comes; the exit code is its own, or 1 when something did not
-come up or took too long. Nothing outlives the deadline."""
+QEMU emulates an x86-64 PC with an xHCI controller; a bridge connects each device by usbredir. COMMAND runs in the
+guest in the current folder, with the host's file tree mounted read-only, so it runs the programs of the build tree
+itself. --out's folder is /mnt there and is writable. The output is printed as it comes; the exit code is that of
+COMMAND, or 1 when something did not start or took too long. No process outlives the deadline."""
 
 import argparse
 import os
@@ -98,7 +98,7 @@ def write_script(path, command):
 
 
 def watch(guest, deadline):
-    """The command's exit code, its output printed line by line; None when the guest did not come that far."""
+    """Returns the command's exit code and prints its output; None when the guest did not start the command."""
     late = threading.Timer(max(deadline - time.monotonic(), 0), guest.kill)
     late.start()
     code = None

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Level L4: the whole app and its wire on a big-endian machine (s390x), on RISC-V, on a 32-bit PC and here, the former two by user-mode
-# emulation: one session, the same hashes. Run from the root of the tree. Prints TAP.
+# Level L4: the whole app and its wire on a big-endian machine (s390x), on RISC-V, on a 32-bit PC and here, the former
+# two by user-mode emulation. One session must give the same hashes. Run it from the root of the tree. Prints TAP.
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 sources="hil_tests/l4/app_session.c $(ls firmware/tests/reference/*.c firmware/core/*.c firmware/app/*.c firmware/port/sim/*.c shared/wire/*.c shared/scene/*.c)"

@@ -1,6 +1,7 @@
 #!/bin/sh
-# The aorta session of `make run` by the program cournand, unmodified, on the rig that it finds on USB. Runs on a mocked bus (L2), in
-# the guest (L3), or on a desk. Prints TAP. $AORTA_HASH: the final hash that it has to have; without, the host alone tells.
+# Runs the aorta session of `make run` with the unmodified program cournand on the rig that it finds on USB. The bus is
+# a mocked one (L2), one in the guest (L3), or a real one. Prints TAP. $AORTA_HASH is the required final hash; without
+# it, the host alone computes it.
 build="${BUILD:-build}"
 session="--scene ${AORTA_SCENE:-out/aorta.scene} --tool shared/examples/instruments/j_wire.toml --session shared/examples/sessions/demo.session"
 final='s/^final hash *//p'

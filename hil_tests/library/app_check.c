@@ -1,6 +1,5 @@
 /* A LOCKSTEP session with three tools over libusb, against the whole app on USB, gives the state hashes of
- * the same session over the sim's pipe in this process. Prints TAP.
- */
+ * the same session over the sim's pipe in this process. Prints TAP. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -37,7 +36,7 @@ static void bulk_write(void *context, const uint8_t *bytes, size_t count)
         b->is_broken = true;
 }
 
-/* Waits for what the device has to say; nothing within the time-out is an answer too. */
+/* Waits for bytes from the device; no bytes within the time-out are a valid answer too. */
 static size_t bulk_read(void *context, uint8_t *bytes, size_t capacity)
 {
     bulk *b = context;
@@ -61,14 +60,14 @@ static bool bulk_open(bulk *b)
     return libusb_clear_halt(b->device, STREAM_OUT) == 0 && libusb_clear_halt(b->device, STREAM_IN) == 0;
 }
 
-/* Forth and back, so that the line moves both ways. */
+/* The tools move back and forth, so that the line moves in both directions. */
 static bool run_session(client *c, crn_wire_tick_state *last)
 {
     static crn_wire_ticks ticks;
     client_hello(c, crn_wire_schema_hash());
     if (client_receive(c) != CRN_WIRE_TYPE_hello_reply) return false;
-    client_command(c,
-                   CRN_WIRE_ACTION_RESET); /* whatever the session before left; refused when there was none */
+    client_command(
+        c, CRN_WIRE_ACTION_RESET); /* clears what the session before left; refused when there was none */
     if (client_receive(c) == 0 || !client_start_tools(c, 3)) return false;
     for (uint32_t tick = 0; tick < TICKS; tick += BATCH) {
         const int32_t step = tick < TICKS / 2 ? 25 : -25;

@@ -1,4 +1,5 @@
-/* What the programs of this folder share: TAP lines, a clock, and the option that names the device. */
+/* Functions shared by the programs of this folder: TAP lines, a clock, and the option that names the
+ * device. */
 #ifndef CRN_LIBRARY_CHECK_H
 #define CRN_LIBRARY_CHECK_H
 
@@ -14,16 +15,15 @@ enum { CHECK_VENDOR_ID = CRN_USB_VENDOR_ID, CHECK_PRODUCT_ID = CRN_USB_PRODUCT_I
 /* Prints "ok N - name" or "not ok N - name"; returns `good`. */
 bool check(bool good, const char *name);
 
-/* A line "# ..." as printf. */
+/* Prints a line "# ...", with printf's format. */
 void check_note(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/* Prints the plan; the program's exit code. */
+/* Prints the plan; returns the program's exit code. */
 int check_end(void);
 
 int64_t check_now_us(void);
 
-/* The serial number in `--serial NUMBER`, NULL without; ends the program with 2 when the arguments are
- * others. */
+/* The serial number in `--serial NUMBER`, or NULL without it; other arguments end the program with 2. */
 const char *check_serial(int argc, char **argv);
 
 #endif

@@ -1,6 +1,7 @@
 #!/bin/sh
-# A session that the rig leads, with power, by the program cournand, unmodified: the stream's ticks and shapes by libusb, and beside it the
-# state of every millisecond by hidapi. Needs a rig that moves by itself (hil_rig --live), or hands. Prints TAP.
+# A session that the rig leads, with power, by the unmodified program cournand. The stream's ticks and shapes come by
+# libusb, and beside it the state of every millisecond comes by hidapi. It needs a rig that moves by itself (hil_rig
+# --live), or hands. Prints TAP.
 #   free_run.sh SECONDS FOLDER      the recording is left in FOLDER
 build="${BUILD:-build}"
 seconds="$1"
@@ -18,7 +19,7 @@ verdict() {
 
 "$build/bin/cournand" rig calibrate --device "$device" --load hil_tests/rig/plant.json --yes >"$folder/rig.log" 2>&1
 verdict $? the_rig_takes_the_couplings_of_the_plant
-# Who watches every millisecond comes first where a machine, or the emulation of one, is short of time.
+# The program that monitors every millisecond has priority where a machine, or its emulation, is short of time.
 urgent=""
 chrt -f 10 true 2>/dev/null && urgent="chrt -f 10"
 $urgent "$build/bin/cournand" rig monitor --device "$device" --seconds "$seconds" >"$folder/monitor.log" 2>&1 &
@@ -29,10 +30,11 @@ wait
 sed -n 's/^led by the rig */#- /p' "$folder/run.log"
 tail -1 "$folder/monitor.log" | sed 's/^/#- HID: /'
 grep -e '^ticks' -e '^final' -e '^led' -e '^device' -e 'inserted  ' -e 'hand force' "$folder/run.log" | sed 's/^/# /'
-# What is lost makes the host go back and resume; so there must be none.
+# A lost tick makes the host go back and resume, so there must be none.
 grep -q '^led by the rig' "$folder/run.log" && ! grep -q -e 'came back' -e TICKS_LOST "$folder/run.log"
 verdict $? no_tick_of_the_stream_is_lost
-# Judged where the machine keeps real time, of an emulated rig too: a rig's milliseconds do not wait. $STRICT judges it always.
+# This is judged where the machine keeps real time, for an emulated rig too, because a rig's milliseconds do not wait.
+# $STRICT judges it always.
 came=$(sed -n 's/^\([0-9]*\) reports in.*/\1/p' "$folder/monitor.log")
 lost=$(sed -n 's/^.* s, \([0-9]*\) ticks lost.*/\1/p' "$folder/monitor.log")
 skip=""

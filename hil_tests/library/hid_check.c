@@ -1,6 +1,6 @@
-/* hidapi, as Debian ships it, against a loop-back device (hil_tests/usb/usb_peer.h): feature reports, state
- * reports tick by tick, commands and their answer. Built twice: for hidraw and for libusb. Prints TAP.
- */
+/* hidapi, as shipped by Debian, against a loop-back device (hil_tests/usb/usb_peer.h): feature reports, state
+ * reports tick by tick, commands and their answer. It is built twice: for hidraw and for libusb. Prints
+ * TAP. */
 #include <stdlib.h>
 #include <string.h>
 #include <wchar.h>
@@ -47,7 +47,7 @@ static bool write_limits(const crn_hid_limits *limits)
            hid_send_feature_report(device, bytes, sizeof bytes) == (int)sizeof bytes;
 }
 
-/* Lowered and read back; raised and refused. */
+/* Limits are lowered and read back; raising them is refused. */
 static bool settings_work(void)
 {
     crn_hid_limits limits, read;
@@ -66,7 +66,7 @@ static bool read_state(crn_hid_state *state)
     return count == 64 && bytes[0] == CRN_HID_ID_state && crn_hid_decode_state(bytes + 1, 63, state);
 }
 
-/* What waits from before is skipped; then every tick counts. */
+/* Earlier reports are skipped; then every tick counts. */
 static bool states_follow(void)
 {
     crn_hid_state state;
@@ -84,9 +84,9 @@ static bool states_follow(void)
     const int64_t us = check_now_us() - begin;
     check_note("link.hid_reports_per_s %lld", (long long)REPORTS * 1000000 / us);
     check_note("link.hid_ticks_lost %u of %u", (unsigned)lost, (unsigned)(REPORTS + lost));
-    /* A busy machine loses a few; who shares the reports with somebody loses every second one. A machine that
-     * is too slow for 1 kHz loses as many, so `make test` states the figure and leaves the verdict to `make
-     * hil-mock`. */
+    /* A busy machine loses a few; a program that shares the reports with another one loses every second
+     * report. A machine that is too slow for 1 kHz loses as many, so `make test` prints the figure and leaves
+     * the verdict to `make hil-mock`. */
     return getenv("UNPACED") != NULL || lost < REPORTS / 2;
 }
 

@@ -1,5 +1,6 @@
 #!/bin/sh
-# Two rigs at once: told apart by serial number, and a session on each at the same time, with the hash of the sim. Prints TAP.
+# Two rigs at once, distinguished by serial number, with a session on each at the same time and the hash of the sim.
+# Prints TAP.
 #   two_rigs.sh SERIAL SERIAL
 build="${BUILD:-build}"
 count=0

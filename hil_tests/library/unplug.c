@@ -1,5 +1,5 @@
-/* Asks a rig to leave the bus for so many milliseconds, as if somebody pulled its cable, whoever is using it:
- * unplug MILLISECONDS. */
+/* Makes a rig leave the bus for this many milliseconds, as if its cable was pulled, whichever program is
+ * using it: unplug MILLISECONDS. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

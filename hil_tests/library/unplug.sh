@@ -1,6 +1,7 @@
 #!/bin/sh
-# The rig leaves the bus three times in the middle of the aorta session, with transfers under way in both directions; the session goes on to
-# the hash of an undisturbed one. Prints TAP.     unplug.sh FOLDER      the recording is left there
+# The rig leaves the bus three times in the middle of the aorta session, with transfers under way in both directions.
+# The session reaches the hash of an undisturbed one. Prints TAP.
+#   unplug.sh FOLDER      the recording is left there
 build="${BUILD:-build}"
 hil="${HIL:-$build/hil}"
 folder="$1"
@@ -10,7 +11,7 @@ hash="${AORTA_HASH:-$("$build/bin/cournand" run --quiet $session | sed -n 's/^fi
 "$build/bin/cournand" run --quiet --device usb --record "$folder/unplug.rec" $session >"$folder/unplug.log" 2>&1 &
 program=$!
 pulls=0
-# The recording begins when the session does, and grows with it, under another name until it is whole.
+# The recording begins with the session and grows with it, under another name until it is complete.
 has_begun() {
     for file in "$folder"/unplug.rec.part*; do [ -s "$file" ] && return 0; done
     return 1

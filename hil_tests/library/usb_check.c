@@ -1,6 +1,6 @@
-/* libusb, as Debian ships it, against a loop-back device (hil_tests/usb/usb_peer.h): descriptors, refusals,
- * the stream both ways, time-outs, cancelling, halts, and a device that unplugs itself. Prints TAP.
- */
+/* libusb, as shipped by Debian, against a loop-back device (hil_tests/usb/usb_peer.h): descriptors, refusals,
+ * the stream in both directions, time-outs, cancelling, halts, and a device that unplugs itself. Prints
+ * TAP. */
 #define _POSIX_C_SOURCE 200809L
 #include <stdlib.h>
 #include <string.h>
@@ -68,7 +68,7 @@ static void make_frame(int length)
     frame[length - 1] = 0;
 }
 
-/* Everything up to `length` bytes; short reads are put together. */
+/* Reads everything up to `length` bytes; short reads are joined. */
 static bool read_bytes(int length)
 {
     int got = 0;
@@ -237,15 +237,15 @@ static bool recovers_from_a_halt(void)
     return begin_stream() && echo(700);
 }
 
-/* A device that came back is listed before it can be talked to: the bus' table has it first, its node's
- * rights (and at L2 the one who answers for it) come after. So whoever finds it and is not answered looks
- * again. */
+/* A device that returned is listed before it can be accessed: the bus's table has it first, and its node's
+ * rights (and at L2 the program that answers for it) come after. So a program that finds the device but gets
+ * no answer searches again. */
 static bool answers(void)
 {
     return libusb_claim_interface(device, STREAM_INTERFACE) == 0 && begin_stream() && echo(64);
 }
 
-/* The device takes itself off the bus for 300 ms; whoever looks again finds it, within 10 s. */
+/* The device takes itself off the bus for 300 ms; a new search finds it within 10 s. */
 static bool comes_back(const char *serial)
 {
     int count = 0;
@@ -254,7 +254,7 @@ static bool comes_back(const char *serial)
     int result = 0;
     while (result != LIBUSB_ERROR_NO_DEVICE && check_now_us() < end) {
         result = libusb_bulk_transfer(device, STREAM_IN, back, 512, &count, 50);
-        if (result == LIBUSB_ERROR_IO || result == LIBUSB_ERROR_PIPE) break; /* on its way out */
+        if (result == LIBUSB_ERROR_IO || result == LIBUSB_ERROR_PIPE) break; /* it is leaving the bus */
     }
     check_note("gone after %lld ms: %s", (long long)(check_now_us() - begin) / 1000,
                libusb_error_name(result));

@@ -105,7 +105,7 @@ int run_command(const LiedTo &command, const Lie &lie, const std::string &folder
     std::vector<char *> argv;
     for (std::string &word : words) argv.push_back(word.data());
     const int code = crn::command_line(static_cast<int>(argv.size()), argv.data(), nullptr);
-    fake_usb::change([&] { // the liar ends here, and the clock goes on
+    fake_usb::change([&] { // the lying device ends here, and the clock goes on
         rig.take = {};
         rig.give = {};
     });
@@ -117,7 +117,7 @@ int run_command(const LiedTo &command, const Lie &lie, const std::string &folder
 namespace
 {
 
-// A recording once more, tick by tick, on a device of this process.
+// Runs a recording again, tick by tick, on a device of this process.
 class Referee
 {
   public:
@@ -163,7 +163,8 @@ class Referee
         }
         return "";
     }
-    // The state in it, by its hash: a rig's own hands and motors are not the referee's.
+    // Compares the states in the snapshots by their hashes; the referee does not have the rig's hands and
+    // motors.
     std::string check_snapshots(std::uint32_t tick)
     {
         for (const crn::RecordedSnapshot &recorded : recording_.snapshots) {

@@ -1,5 +1,5 @@
-// The commands that talk to a device, each in this process from its command line to its exit code, with a
-// liar on the bus; and whether what they recorded is true.
+// The commands that talk to a device. Each runs in this process from its command line to its exit code, with
+// a lying device on the bus. Also a check whether their recordings are true.
 #pragma once
 #include "hil_tests/lies/lie.hpp"
 #include <functional>
@@ -11,20 +11,22 @@ namespace hil
 
 struct LiedTo {
     const char *name;      // in tables
-    unsigned frames;       // about so many come from an honest device
-    bool is_by_hid;        // lies about the HID interface; else about the wire
-    const char *recording; // its name in the folder; empty: none
+    unsigned frames;       // an honest device sends about this many
+    bool is_by_hid;        // the lie is about the HID interface; otherwise about the wire
+    const char *recording; // its name in the folder; empty: there is none
 };
 const std::vector<LiedTo> &lied_to();
 
-// Scene, tool and session into the folder. `ticks` long.
+// Writes scene, tool and session into the folder. The session is `ticks` long.
 void write_inputs(const std::string &folder, unsigned ticks);
-// Does the command and returns its exit code. Ends with the process: threads of the bus go on.
+// Runs the command and returns its exit code. The process must end afterwards, because threads of the bus run
+// on.
 int run_command(const LiedTo &command, const Lie &lie, const std::string &folder,
                 const std::function<void()> &struck);
 
-// Empty: every tick, full hash and snapshot of the recording, as far as it goes, is what this machine's core
-// has; and where the command said that all is well, it is complete. Else what is false.
+// Returns an empty text when the recording is true: every tick, full hash and snapshot in it equals what this
+// machine's core computes, and it is complete where the command reported success. Otherwise it returns what
+// is false.
 std::string falsehood(const std::string &recording, bool has_to_be_complete);
 
 } // namespace hil

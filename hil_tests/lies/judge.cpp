@@ -23,17 +23,17 @@ namespace
 using Clock = std::chrono::steady_clock;
 namespace fs = std::filesystem;
 
-constexpr double patience_s = lie_limit_s + 2.0;             // then it is killed
-constexpr double interrupt_patience_s = 3.0, second_s = 0.5; // the second Ctrl-C ends anything
-constexpr double quick_s = 0.5;                              // ended before a hand is at the keyboard
+constexpr double patience_s = lie_limit_s + 2.0;             // then the process is killed
+constexpr double interrupt_patience_s = 3.0, second_s = 0.5; // the second Ctrl-C must end any command
+constexpr double quick_s = 0.5;                              // it ended before a person could press a key
 
 double since(Clock::time_point begin)
 {
     return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-// A child that does `work` and whose exit code is what that returns; its output goes to a file. A byte comes
-// through the pipe when the lie is told.
+// A child process that runs `work` and exits with its result; its output goes to a file. A byte comes through
+// the pipe when the lie is applied.
 class Child
 {
   public:
@@ -71,7 +71,7 @@ class Child
     Child(const Child &) = delete;
     Child &operator=(const Child &) = delete;
 
-    // Until it is over, `may_stop` says so, or time is over. True: it is over.
+    // Waits until it has ended, `may_stop` returns true, or time is up. Returns true when it has ended.
     bool wait(double seconds, const std::function<bool()> &may_stop = {})
     {
         const Clock::time_point begin = Clock::now();
@@ -116,7 +116,7 @@ bool has_control_characters(const std::string &path)
     return text.find("\x1b[2J") != std::string::npos;
 }
 
-// How soon after the first Ctrl-C it ends; and a second one ends what the first did not.
+// Measures how soon it ends after the first Ctrl-C; a second one must end what the first did not.
 void interrupt(const LieCase &one, const std::string &folder, const std::string &output, Verdict &verdict)
 {
     Child child(output, [&](const std::function<void()> &struck) {
@@ -134,7 +134,7 @@ void interrupt(const LieCase &one, const std::string &folder, const std::string 
         verdict.failure =
             is_ended_by_second ? "Ctrl-C did not end it, a second one did" : "two Ctrl-C did not end it";
     } else if (child.end_signal() == SIGINT && !child.has_struck()) {
-        verdict.interrupt_s = -1.0; // so early that the program did not ask to be asked
+        verdict.interrupt_s = -1.0; // so early that the program had not installed its handler yet
     } else if (child.end_signal() != 0) {
         verdict.failure = std::string("after Ctrl-C it died: ") + strsignal(child.end_signal());
     } else if (verdict.interrupt_s > lie_interrupt_limit_s) {
@@ -142,7 +142,8 @@ void interrupt(const LieCase &one, const std::string &folder, const std::string 
     }
 }
 
-// Whether the recording is true, in a process of its own as well: it is read, and it may be anything.
+// Checks in a separate process whether the recording is true, because the recording is read and may contain
+// anything.
 std::string check_recording(const std::string &recording, const std::string &output, bool has_to_be_complete)
 {
     Child child(output, [&](const std::function<void()> &) {
@@ -187,7 +188,7 @@ Verdict judge_one(const LieCase &one, const std::string &folder)
         const std::string wrong = check_recording(recording, folder + "/check", verdict.code == 0);
         verdict.is_false = !wrong.empty();
         if (verdict.is_false) verdict.failure = "recorded falsely: " + wrong;
-        // A run that the lie did not reach is left beside its name by the end of its process.
+        // A run that the lie did not reach leaves a file under a temporary name when its process ends.
         for (const fs::directory_entry &entry : fs::directory_iterator(folder))
             if (entry.path().string().find(".part") != std::string::npos) fs::remove(entry.path());
     }
@@ -197,7 +198,7 @@ Verdict judge_one(const LieCase &one, const std::string &folder)
 
 // --- several at a time ---
 
-// One line per case: index, then the verdict's fields, tabs between them.
+// One line per case: the index, then the verdict's fields, separated by tabs.
 void work(const std::vector<LieCase> &cases, std::size_t first, std::size_t step, unsigned ticks, int end)
 {
     char name[] = "/tmp/cournand_lies_XXXXXX";
@@ -210,7 +211,7 @@ void work(const std::vector<LieCase> &cases, std::size_t first, std::size_t step
         line << i << '\t' << verdict.code << '\t' << verdict.seconds << '\t' << verdict.interrupt_s << '\t'
              << verdict.has_struck << '\t' << verdict.is_false << '\t' << verdict.failure.substr(0, 400)
              << '\t' << verdict.message.substr(0, 1000) << '\n';
-        const std::string text = line.str(); // less than what a pipe takes at once
+        const std::string text = line.str(); // less than a pipe accepts at once
         static_cast<void>(!::write(end, text.data(), text.size()));
     }
     fs::remove_all(folder);
@@ -281,7 +282,7 @@ std::vector<Verdict> judge_once(const std::vector<LieCase> &cases, unsigned jobs
     return verdicts;
 }
 
-// What a machine that does other work may be to blame for.
+// Failures for which other load on the machine may be the cause.
 bool is_about_time(const std::string &failure)
 {
     for (const char *words : {"did not end", "too late", "too long"})
@@ -297,7 +298,8 @@ std::vector<Verdict> judge(const std::vector<LieCase> &cases, unsigned jobs, uns
     constexpr int more_rounds = 2;
     constexpr std::size_t again_max = 40;
     std::vector<Verdict> verdicts = judge_once(cases, jobs, ticks, tell);
-    // Who was too slow is judged again with nothing beside it: a command that hangs does so each time.
+    // A command that was too slow is judged again with nothing else running: one that hangs does so each
+    // time.
     for (int round = 0; round < more_rounds; round++) {
         std::vector<LieCase> late;
         std::vector<std::size_t> places;

@@ -1,5 +1,5 @@
-// One lie to one command, in a process of its own: how it ended, how soon, how soon after Ctrl-C, and whether
-// a falsehood was recorded.
+// One lie to one command, in a separate process: how it ended, how soon, how soon after Ctrl-C, and whether a
+// falsehood was recorded.
 #pragma once
 #include "hil_tests/lies/commands.hpp"
 
@@ -14,18 +14,18 @@ struct LieCase {
 struct Verdict {
     int code = -1;             // exit code; -1: none
     double seconds = 0.0;      // until it ended
-    double interrupt_s = -1.0; // from Ctrl-C on; -1: it ended by itself before
+    double interrupt_s = -1.0; // from Ctrl-C on; -1: it had ended by itself before
     bool has_struck = false;
     bool is_false = false; // a falsehood was recorded
     std::string message;   // its last line on stderr
-    std::string failure;   // empty: everything is as it has to be
+    std::string failure;   // empty: everything is as it must be
 };
 
 inline constexpr double lie_limit_s = 10.0, lie_interrupt_limit_s = 1.0;
 
-std::vector<LieCase> cases_of(std::size_t lies_per_command); // 0: all
-// Lies of `cases`, `jobs` at a time. `tell` may be empty. Ctrl-C ends it early. Ticks of the session: 5,000
-// and more have a snapshot.
+std::vector<LieCase> cases_of(std::size_t lies_per_command); // 0: all.
+// Runs the lies of `cases`, `jobs` at a time. `tell` may be empty. Ctrl-C ends it early. Sessions of 5,000
+// ticks and more have a snapshot.
 std::vector<Verdict> judge(const std::vector<LieCase> &cases, unsigned jobs, unsigned ticks,
                            const std::function<void(std::size_t done)> &tell);
 

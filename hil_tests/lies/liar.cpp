@@ -23,7 +23,7 @@ Frame notice_frame()
     return {{1, 0, CRN_WIRE_TYPE_notice}, empty_message(CRN_WIRE_TYPE_notice).payload};
 }
 
-// The lies about whole messages are the campaign's.
+// The campaign defines the lies about whole messages.
 std::uint32_t campaign_lie(const Lie &lie)
 {
     static const char *const words[] = {"half",     "longer", "type",  "",      "ones",
@@ -75,7 +75,7 @@ void Liar::say(const Bytes &bytes)
         out_.insert(out_.end(), bytes.begin(), bytes.end());
 }
 
-// What the device has to say, frame by frame.
+// Reads the device's messages, frame by frame.
 void Liar::pull()
 {
     std::uint8_t bytes[4096];
@@ -158,8 +158,7 @@ bool Liar::lie_about_frame(const Frame &frame, const Bytes &raw)
 
 // --- messages ---
 
-// Begin, chunks and end belong together: what is changed in the middle needs another checksum at the
-// beginning.
+// Begin, chunks and end belong together: a change in the middle needs another checksum at the beginning.
 bool Liar::lie_about_snapshot(const Frame &frame, const Bytes &raw)
 {
     if (!lie_.is_group("snapshot.")) return false;
@@ -226,7 +225,7 @@ bool Liar::lie_about_message(Frame &frame)
     return change_field(lie_, frame, last_ticks_);
 }
 
-// Unasked, as an answer to what is asked now.
+// Sends an unsolicited message as an answer to the present request.
 void Liar::forge()
 {
     Frame frame = empty_message(type_of(lie_));
@@ -286,7 +285,7 @@ std::size_t Liar::stream(std::span<std::uint8_t> bytes)
 std::size_t Liar::give(std::span<std::uint8_t> bytes)
 {
     pull();
-    // What was said before the lie comes whole.
+    // Messages from before the lie arrive complete.
     if (is_streaming_ && out_.empty() && !is_only_slow()) return stream(bytes);
     if (is_streaming_ && lie_.is("stream.drip_frames")) return drip(bytes);
     while (!late_.empty() && late_.front().first <= Clock::now()) {

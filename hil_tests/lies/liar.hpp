@@ -1,5 +1,5 @@
-// A rig on the fake bus that tells one lie: the firmware's own device behind a mouth that changes what it
-// says. Called by the bus, with its lock held.
+// A rig on the fake bus that tells one lie: the firmware's own device behind a filter that changes its
+// messages. The bus calls it with its lock held.
 #pragma once
 #include "firmware/port/sim/sim.h"
 #include "hil_tests/lies/lie.hpp"
@@ -17,7 +17,7 @@ namespace hil
 
 using Bytes = std::vector<std::uint8_t>;
 
-// A frame taken apart, and put together again with a good CRC.
+// A frame taken apart; it can be put together again with a good CRC.
 struct Frame {
     crn_wire_header header{};
     Bytes payload;
@@ -27,8 +27,8 @@ Bytes encode(const Frame &frame);
 class Liar
 {
   public:
-    // `frames`: how many an honest device sends to this command; a lie about a later one is told about an
-    // earlier one. `struck` is called when the lie is told first.
+    // `frames` is the number of frames that an honest device sends to this command; a lie about a later frame
+    // is applied to an earlier one. `struck` is called when the lie is first applied.
     Liar(const Lie &lie, unsigned frames, crn_sim *sim, std::function<void()> struck);
     void take(std::span<const std::uint8_t> bytes);
     std::size_t give(std::span<std::uint8_t> bytes);
@@ -40,7 +40,7 @@ class Liar
     void say(const Bytes &bytes);
     void pass(Frame frame, const Bytes &raw);
     void strike();
-    bool is_only_slow() const; // it says what the device says
+    bool is_only_slow() const; // it passes the device's messages on
     bool lie_about_frame(const Frame &frame, const Bytes &raw);
     bool lie_about_snapshot(const Frame &frame, const Bytes &raw);
     bool lie_about_message(Frame &frame);
@@ -53,7 +53,7 @@ class Liar
     crn_sim *sim_;
     std::function<void()> struck_;
     bool has_struck_ = false, is_streaming_ = false;
-    unsigned frames_ = 0, seen_ = 0; // frames said, and messages of the lie's type among them
+    unsigned frames_ = 0, seen_ = 0; // frames sent, and messages of the lie's type among them
     std::unique_ptr<crn_wire_decoder> from_device_, from_host_;
     crn_wire_header asked_{};
     Bytes partial_, same_, held_, last_ticks_;
@@ -64,12 +64,12 @@ class Liar
     std::deque<std::pair<Clock::time_point, Bytes>> late_;
 };
 
-// Changes one field of a message as the lie says; false: this message is not what it is about.
+// Changes one field of a message as the lie states; returns false when the lie is not about this message.
 // (liar_fields.cpp)
 bool change_field(const Lie &lie, Frame &frame, const Bytes &last_ticks);
-// The type of message that a lie about a field is about; 0: none in particular.
+// The type of message that a lie about a field concerns; 0: no particular type.
 std::uint16_t type_of(const Lie &lie);
-// A message of that type with nothing in it, for a lie that comes unasked.
+// An empty message of that type, for an unsolicited lie.
 Frame empty_message(std::uint16_t type);
 
 } // namespace hil

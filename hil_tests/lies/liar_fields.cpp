@@ -11,8 +11,8 @@ namespace hil
 namespace
 {
 
-// Applies `change` to the message in the frame; what it cannot decode or what does not fit any more stays as
-// it is.
+// Applies `change` to the message in the frame. A message that cannot be decoded, or that no longer fits,
+// stays unchanged.
 template <class Message>
 bool alter(Frame &frame, bool (*decode)(const std::uint8_t *, std::size_t, Message *),
            bool (*put)(crn_wire_writer *, const Message *), const std::function<void(Message &)> &change)

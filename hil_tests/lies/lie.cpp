@@ -110,7 +110,7 @@ const std::vector<Kind> field_kinds = {
 
 const std::vector<Kind> hid_kinds = {
     {"hid.silent", {1, 5, 300}, no},
-    {"hid.busy_silence", {1, 5, 300}, no}, // answers at once that there is nothing
+    {"hid.busy_silence", {1, 5, 300}, no}, // answers at once that there is no data
     {"hid.flood_short", {1, 5, 300}, no},
     {"hid.flood_other_id", {1, 5, 300}, no},
     {"hid.flood_long", {1, 5}, no},

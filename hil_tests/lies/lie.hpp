@@ -1,10 +1,10 @@
-// Lies of a device, each named by one line that says it all: "ticks.lane0 at=3 value=0".
+// Lies of a device; one line names each of them completely: "ticks.lane0 at=3 value=0".
 //
 //   stream.*   from the n-th frame on the device only does this, for ever: zeros, garbage, silence, drips
 //   frame.*    the n-th frame is damaged, lost, repeated, or answers something else
 //   message.*  its payload is another one, with a good CRC
-//   others     one field of the n-th message of that type says something else; where a command gets no such message, a forged
-//              one comes unasked
+//   others     one field of the n-th message of that type is changed; where a command gets no such message, a
+//              forged one comes unsolicited
 #pragma once
 #include <string>
 #include <vector>
@@ -23,12 +23,12 @@ struct Lie {
 };
 
 std::string line_of(const Lie &lie);
-// Throws std::invalid_argument that names the word it does not understand.
+// Throws std::invalid_argument that names the word it does not recognise.
 Lie lie_of_line(const std::string &line);
 
 std::vector<Lie> stream_lies(); // of the wire
-std::vector<Lie> hid_lies();    // of the HID interface
-// `count` of them, spread evenly.
+std::vector<Lie> hid_lies();    // of the HID interface.
+// Returns `count` of them, spread evenly.
 std::vector<Lie> spread_lies(const std::vector<Lie> &lies, std::size_t count);
 
 } // namespace hil

@@ -11,7 +11,7 @@ namespace
 constexpr int steps_per_ms = 20;
 constexpr double step_s = 1e-3 / steps_per_ms;
 constexpr int sweeps_max =
-    200; // converges by the ratio of the inertias: 50 sweeps for 1e-12 when they are equal
+    200; // it converges by the ratio of the inertias: 50 sweeps for 1e-12 when they are equal
 
 } // namespace
 
@@ -62,7 +62,7 @@ void Axis::advance(double command, bool powered)
     if (hand_ == Hand::none) hand_force_ = 0.0;
 }
 
-// Impulses of grip (tool -> roller) and bearing, each within its bound, so that slip and bearing speed are
+// Impulses of grip (tool -> roller) and bearing, each within its bound. Either slip and bearing speed are
 // zero or the bound is reached: projected Gauss-Seidel on two unknowns.
 void Axis::solve(double tool_free, double tool_mobility, double roller_free)
 {

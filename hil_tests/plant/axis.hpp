@@ -7,20 +7,20 @@
 //      motor force, first-order lag ----> roller, inertia m_r, speed w: Coulomb and viscous friction, encoder
 //
 // Positions in m or rad, + into the patient; forces in N or N m. A motor command is + when it pushes the hand
-// back out, so it accelerates towards minus. The two frictions are solved as bounded impulses in every step
-// of 50 us, together, so that sticking is exact: a body at rest under less than its friction does not creep.
+// back out, so it accelerates towards minus. In every step of 50 us the two frictions are solved together as
+// bounded impulses, so that sticking is exact: a body at rest under less than its friction does not creep.
 #pragma once
 
 namespace hil
 {
 
 struct AxisSettings {
-    double tool_inertia = 0.02;    // kg: what of tool and hand moves with it
+    double tool_inertia = 0.02;    // kg: the part of tool and hand that moves with it
     double roller_inertia = 0.01;  // kg: roller and motor, reflected to the tool
     double coulomb = 0.05;         // N, bearing of the roller
     double viscous = 1.0;          // N s/m
-    double grip_limit = 12.0;      // N, beyond it the tool slips over the roller
-    double motor_limit = 10.0;     // N, by the limit of its current
+    double grip_limit = 12.0;      // N; beyond it the tool slips on the roller
+    double motor_limit = 10.0;     // N, set by the limit of its current
     double motor_lag_s = 0.0015;   // of the current
     double motor_decay_s = 0.0003; // of the current when the power stage is off
     double hand_stiffness = 600.0; // N/m
@@ -33,13 +33,13 @@ inline constexpr AxisSettings rotation_axis_settings{2e-7,  2e-7,   2e-4,   2e-6
 
 enum class Hand {
     prescribed, // the tool is where the hand is
-    spring,     // the hand's place is prescribed, the tool hangs on it
+    spring,     // the hand's place is prescribed, and a spring connects the tool
     none,       // nobody holds the tool
 };
 
 enum class MotorFault {
     none,
-    stuck_on, // the driver gives its limit, whatever it is asked for, as long as it has power
+    stuck_on, // the driver gives its limit whatever the command, as long as it has power
     dead,     // no current
 };
 
@@ -48,25 +48,25 @@ class Axis
   public:
     explicit Axis(const AxisSettings &settings) : settings_(settings) {}
 
-    // One millisecond. `command` in N is what the motor is asked for; `powered` is the power stage.
+    // Runs one millisecond. `command` in N is the motor's commanded force; `powered` is the power stage.
     void step(double command, bool powered);
 
     void set_hand(Hand hand) { hand_ = hand; }
     void move_hand(double speed) { hand_speed_ = speed; } // from now on
     void set_motor_fault(MotorFault fault) { motor_fault_ = fault; }
 
-    double roller() const { return roller_; } // what an encoder turns with
+    double roller() const { return roller_; } // the encoder turns with it
     double tool() const { return tool_; }
     double tool_speed() const { return tool_speed_; }
     double hand() const { return hand_place_; }
-    double motor_force() const { return motor_force_; } // now, + pushes the hand out
+    double motor_force() const { return motor_force_; } // present value, + pushes the hand out
     double motor_peak() const { return motor_peak_; }   // largest size within the last millisecond
     double force_on_hand() const
     {
         return hand_force_;
     } // mean of the last millisecond, + pushes the hand out
     bool is_slipping() const { return is_slipping_; }
-    bool is_limited() const { return is_limited_; } // the driver cannot give what is asked
+    bool is_limited() const { return is_limited_; } // the driver cannot give the commanded force
     const AxisSettings &settings() const { return settings_; }
 
   private:

@@ -1,13 +1,13 @@
-// A rig made of numbers: three tracks with two axes each, syringe, inflator, switches and the power stage,
-// advanced by one millisecond at a time. It reads what a port writes (crn_port_outputs) and gives what a port
-// samples (crn_port_inputs).
+// A simulated rig: three tracks with two axes each, syringe, inflator, switches and the power stage, advanced
+// by one millisecond at a time. It reads the outputs of a port (crn_port_outputs) and makes the samples of a
+// port (crn_port_inputs).
 //
 //   outputs of the device --> power stage --> motors --> axes --> encoders, force sensors --> inputs of the
 //   device
 //
 // The power stage is on while the supply is good, the stop released, `enable` set, and the last flip of the
-// drive line at most CRN_PORT_DRIVE_HOLD_ms ago. It watches by itself: a device that stands still loses
-// power, whoever stopped it. Deterministic: the same seed and the same outputs give the same inputs.
+// drive line at most CRN_PORT_DRIVE_HOLD_ms ago. It monitors this by itself: a halted device loses power,
+// whatever halted it. It is deterministic: the same seed and the same outputs give the same inputs.
 #pragma once
 #include "firmware/port/port.h"
 #include "hil_tests/plant/axis.hpp"
@@ -25,11 +25,11 @@ struct EncoderSettings {
 
 enum class SensorFault {
     none,
-    stuck,    // the reading stays where it is, and nothing tells so
-    jump,     // one step, then right again relative to it
-    reversed, // counts the other way from here on
-    range,    // the electronics say so
-    silent,   // no new sample: the electronics say so
+    stuck,    // the reading does not change, and nothing reports it
+    jump,     // one step, then correct again relative to it
+    reversed, // counts in the opposite direction from here on
+    range,    // the electronics report it
+    silent,   // no new sample, which the electronics report
 };
 
 // A counter behind an encoder, with its faults.
@@ -54,7 +54,7 @@ struct PlantSettings {
     EncoderSettings translation_encoder{1e-6, 0.0}, rotation_encoder{6.283185307179586 / 65536.0, 0.0};
     double force_per_count_N = 1e-3; // of the force sensor
     double force_noise_N = 0.002;    // standard deviation
-    double force_range_N = 20.0;     // beyond it the sensor saturates and says so
+    double force_range_N = 20.0;     // beyond it the sensor saturates and reports it
     bool has_force_sensor = true;
 };
 
@@ -73,23 +73,23 @@ class Plant
         double force_jump_N = 0.0; // added by SensorFault::jump
         std::int32_t force_raw = 0;
         bool is_force_saturated = false;
-        bool is_over_current = false; // set from outside; a driver at its limit sets it too
+        bool is_over_current = false; // set from outside; a driver at its limit also sets it
     };
 
     explicit Plant(const PlantSettings &settings);
 
-    // One millisecond with these outputs; `inputs()` is the sample at its end.
+    // Runs one millisecond with these outputs; `inputs()` is the sample at its end.
     void step(const crn_port_outputs &outputs);
     const crn_port_inputs &inputs() const { return inputs_; }
 
     Track &track(int k) { return tracks_[static_cast<std::size_t>(k)]; }
     std::uint64_t milliseconds() const { return milliseconds_; }
     bool is_stage_on() const { return is_stage_on_; }
-    // Largest force of any motor within the last millisecond: what a meter at the actuator shows.
+    // Largest force of any motor within the last millisecond: the reading of a meter at the actuator.
     double motor_peak_N() const;
     double motor_torque_peak_N_m() const;
 
-    // Set from outside; seen in the next sample.
+    // The caller sets these; they are visible in the next sample.
     bool emergency_stop = false, supply_good = true, local_unlock = false;
     std::uint32_t buttons = 0;
     std::int32_t syringe_counts = 0, inflator_raw = 0;

@@ -1,4 +1,4 @@
-// Seeded noise that is the same on every machine: no library decides about it.
+// Seeded noise that is the same on every machine, because it depends on no library.
 #pragma once
 #include <cstdint>
 

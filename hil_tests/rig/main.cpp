@@ -1,11 +1,11 @@
-// The program hil_rig: a rig of numbers and emulation, for as long as a command runs beside it.
+// The program hil_rig: a simulated rig with an emulated device, which runs as long as a command beside it.
 //
 //   hil_rig [--serial S] [--live] -- COMMAND ARGUMENT...
 //
-// The image runs in an emulator. Its milliseconds and its sensors are a plant's in this process, in real time
-// (--live: a hand that pushes, turns and pulls back against the motors), or those of whoever connects to the
-// bench socket. In COMMAND, {mailbox} becomes the place of the device's USB tokens, for bridge and mock_bus,
-// and {bench} the socket. The exit code is the command's, or 1.
+// The image runs in an emulator. Its milliseconds and its sensors come from a plant in this process, in real
+// time (--live: a hand that pushes, turns and pulls back against the motors), or from the client of the bench
+// socket. In COMMAND, {mailbox} is replaced by the place of the device's USB tokens, for bridge and mock_bus,
+// and {bench} by the socket. The exit code is the command's, or 1.
 #include "hil_tests/l1/bench_server.hpp"
 #include "hil_tests/l1/emulated_bench.hpp"
 #include "host/base/interrupt.hpp"
@@ -37,7 +37,7 @@ struct Options {
 
 // --- the rig by itself ---
 
-// What the meters of a live rig saw.
+// Readings of the meters of a live rig.
 struct Meters {
     double motor_N = 0.0, torque_N_m = 0.0, way_m = 0.0;
     std::uint64_t milliseconds = 0, powered_ms = 0, stalls = 0;
@@ -65,8 +65,8 @@ class LiveRig
 
     std::string mailbox() { return bench_.emulator().memory_path() + ":0"; }
 
-    // In real time until `is_over`. A machine that stood still is not made up for: neither rig nor device saw
-    // it.
+    // Runs in real time until `is_over`. Time in which the machine was suspended is not made up for: neither
+    // rig nor device saw it.
     void run(const std::atomic<bool> &is_over)
     {
         Clock::time_point due = Clock::now();
@@ -136,7 +136,7 @@ pid_t start(const std::vector<std::string> &command)
     _exit(127);
 }
 
-// The exit code once the command has ended; empty while it runs.
+// Returns the exit code once the command has ended; empty while it runs.
 std::optional<int> ended(pid_t child)
 {
     int status = 0;

@@ -44,7 +44,7 @@ void write_script(const std::string &path, const Shrunk &shrunk, const Verdict &
     crn::write_whole_file(path, text + script_of(shrunk.session));
 }
 
-// The processes at work, and what they said so far.
+// The worker processes, and their output so far.
 class Pool
 {
   public:
@@ -75,7 +75,7 @@ class Pool
         std::string text;
     };
 
-    // Those that are under way count as sessions, not yet as ticks.
+    // Sessions under way count as sessions, but not yet their ticks.
     bool is_done() const
     {
         if (settings_.hours > 0) return seconds_since(begin_) >= settings_.hours * 3600;
@@ -90,7 +90,7 @@ class Pool
         workers_.push_back({process, session, ""});
     }
 
-    // The session's row as a line; nothing: it could not be judged.
+    // Returns the session's row as a line, or nothing when it could not be judged.
     std::optional<std::string> work(const DrawnSession &session) const
     {
         try {
@@ -130,7 +130,7 @@ class Pool
         const int status = status_of_end(worker.process.who);
         if (status != 0 && !crn::is_interrupted())
             throw std::runtime_error(name_of(worker.session) + ": its judge ended by itself");
-        if (worker.text.empty() || status != 0) return; // interrupted: it is done again next time
+        if (worker.text.empty() || status != 0) return; // interrupted: the session is repeated next time
         const Row row = row_of(worker.text);
         rows_.add(row);
         ticks_ += row.verdict.ticks;

@@ -13,7 +13,7 @@ namespace
 
 namespace fs = std::filesystem;
 
-constexpr int depth_beyond_root_mm = 40;      // against the closed end of the tree
+constexpr int depth_beyond_root_mm = 40;      // as far as the closed end of the tree
 constexpr int depth_beyond_coronary_mm = 180; // along the arteries of the heart
 constexpr int depth_limit_mm = 1000;
 
@@ -25,7 +25,7 @@ double length_mm(const crn::VesselBranch &branch, std::size_t last_point)
     return sum_m * 1e3;
 }
 
-// From the sheath against the blood to where it enters the tree.
+// Distance from the sheath, against the blood flow, to the place where it enters the tree.
 int depth_of(const SoakScene &scene)
 {
     const crn::VesselTree &tree = scene.vessels;
@@ -96,7 +96,7 @@ SoakTool read_soak_tool(const std::string &path)
     return tool;
 }
 
-// Every set that begins with `set`, the same rule as the core's (crn_check_tools).
+// Adds every set that begins with `set`, by the same rule as the core's (crn_check_tools).
 void add_sets(const std::vector<SoakTool> &tools, const std::vector<std::size_t> &set,
               std::vector<std::vector<std::size_t>> &sets)
 {

@@ -1,4 +1,4 @@
-// Random numbers that are the same with every library: std::mt19937_64 is defined to the bit, its
+// Random numbers that are the same with every library: std::mt19937_64 is defined to the bit, while its
 // distributions are not.
 #pragma once
 #include <cstdint>
@@ -23,7 +23,7 @@ class Dice
     }
     bool chance(int percent) { return below(100) < static_cast<std::size_t>(percent); }
     template <typename T> const T &of(const std::vector<T> &all) { return all[below(all.size())]; }
-    // Index into weights, each as often as its share.
+    // Returns an index into weights; each index comes as often as its share.
     std::size_t weighted(const std::vector<int> &weights)
     {
         int sum = 0;

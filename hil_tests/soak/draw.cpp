@@ -10,8 +10,8 @@ namespace soak
 namespace
 {
 
-constexpr int begin_max_mm = 15;          // every shipped sheath is straight so far into its vessel
-constexpr double injecting_bore_mm = 0.9; // thinner ones are balloon catheters on a coronary wire
+constexpr int begin_max_mm = 15;          // every shipped sheath is straight this far into its vessel
+constexpr double injecting_bore_mm = 0.9; // a narrower bore belongs to a balloon catheter on a coronary wire
 constexpr double guide_bore_mm = 1.5;
 constexpr int statements_max = 200;
 
@@ -21,11 +21,11 @@ struct Cast {
     std::optional<std::size_t> balloon; // index into tools
 };
 
-// An instrument first, then any set that has it, so that every one comes about as often as another. Three of
-// ten sessions have one tool.
+// An instrument is drawn first, then any set that contains it, so that every one comes about as often as
+// another. Three of ten sessions have one tool.
 Cast draw_tools(const Catalogue &catalogue, const SoakScene &scene, Dice &dice)
 {
-    const bool is_treated = !scene.stations.empty(); // there is something for a balloon
+    const bool is_treated = !scene.stations.empty(); // there is a lesion for a balloon
     const std::size_t count =
         1 + dice.weighted(is_treated ? std::vector<int>{10, 25, 65} : std::vector<int>{35, 40, 25});
     const bool wants_balloon = is_treated && dice.chance(70);
@@ -90,7 +90,7 @@ void move_hands(Scribe &scribe)
     scribe.end();
 }
 
-// Two hands at once, one of them maybe against the other.
+// Moves two hands at once, possibly in opposite directions.
 void move_two_hands(Scribe &scribe)
 {
     Dice &dice = scribe.dice();
@@ -110,7 +110,7 @@ void move_two_hands(Scribe &scribe)
     scribe.end();
 }
 
-// As much as a hand or a pump gives through such a lumen with a wire in it.
+// Injects as much as a hand or a pump can through such a lumen with a wire in it.
 void inject(Scribe &scribe)
 {
     Dice &dice = scribe.dice();
@@ -235,7 +235,7 @@ DrawnSession draw_session(const Catalogue &catalogue, std::uint64_t seed, std::u
         scribe.begin(k, std::min(begin_mm, begin_max_mm));
     }
     go_in(scribe, cast);
-    // When the first stent is loaded by the script, none is on the balloon at the start.
+    // When the script loads the first stent, none is on the balloon at the start.
     std::size_t loads_left = cast.stents.empty() || dice.chance(50) ? 0 : cast.stents.size();
     const int seconds = dice.between(settings.seconds_min, settings.seconds_max);
     for (int k = 0; scribe.seconds() < seconds && k < statements_max; k++) wander(scribe, cast, loads_left);

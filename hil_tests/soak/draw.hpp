@@ -1,6 +1,6 @@
-// Random sessions that `cournand run` would take: tools that fit into each other, a way into the vessels, and
-// what hands, inflator, syringe, heart and X-ray room may do on it. The same seed and index give the same
-// session on every machine (docs/soak.md).
+// Random sessions that `cournand run` would accept: tools that fit into each other, a route into the vessels,
+// and the possible actions of hands, inflator, syringe, heart and X-ray room. The same seed and index give
+// the same session on every machine (docs/soak.md).
 #pragma once
 #include "hil_tests/soak/catalogue.hpp"
 #include "hil_tests/soak/drawn.hpp"
@@ -8,11 +8,11 @@
 namespace soak
 {
 
-// The fastest that a hand is drawn with.
+// The largest speeds that are drawn for a hand.
 inline constexpr int speed_max_mm_s = 250, turn_max_deg_s = 687; // 12 rad/s
 
 struct DrawSettings {
-    int seconds_min = 25, seconds_max = 65; // of the session, as far as it can be told beforehand
+    int seconds_min = 25, seconds_max = 65; // of the session, as far as it can be predicted
 };
 
 // Throws std::runtime_error when the catalogue is empty.

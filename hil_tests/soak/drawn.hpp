@@ -1,5 +1,5 @@
-// A drawn session: which scene, which tools, which stents, and an ordinary session script (docs/session.md)
-// as lines. What is drawn can therefore be printed and done again by `cournand run`.
+// A drawn session: its scene, its tools, its stents, and an ordinary session script (docs/session.md) as
+// lines. So a drawn session can be printed and repeated by `cournand run`.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -20,9 +20,9 @@ struct DrawnSession {
 // "seed 1 session 17"
 std::string name_of(const DrawnSession &session);
 std::string script_of(const DrawnSession &session);
-// The command that does it again, with the script in a file of that name.
+// The command that repeats it, with the script in a file of that name.
 std::string command_of(const DrawnSession &session, const std::string &script_path);
-// The same without scene: "j_wire + beacon_5f".
+// The tools without the scene: "j_wire + beacon_5f".
 std::string tools_of(const DrawnSession &session);
 
 } // namespace soak

@@ -1,4 +1,4 @@
-// A trial in a process of its own, and verdicts as lines.
+// A trial in a separate process, and verdicts as lines.
 #include "hil_tests/soak/process.hpp"
 #include "hil_tests/soak/trial.hpp"
 #include "host/base/interrupt.hpp"
@@ -22,7 +22,7 @@ namespace
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int look_ms = 200; // at the clock and at Ctrl-C
+constexpr int look_ms = 200; // interval for checking the clock and Ctrl-C
 
 std::string without_tabs(std::string text)
 {
@@ -31,7 +31,7 @@ std::string without_tabs(std::string text)
     return text.empty() ? "-" : text;
 }
 
-// Until the pipe is closed. False: too late.
+// Reads until the pipe is closed. Returns false when it took too long.
 bool read_all(int pipe, pid_t who, double seconds_max, std::string &text)
 {
     const Clock::time_point begin = Clock::now();

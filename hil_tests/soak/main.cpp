@@ -1,5 +1,5 @@
-// The program soak: random legal sessions for hours, held against the bars of docs/soak.md. Exit codes: 0
-// every bar held, 1 one broke or the program failed, 2 wrong usage.
+// The program soak: random legal sessions for hours, judged by the bars of docs/soak.md. Exit codes: 0 every
+// bar held, 1 one broke or the program failed, 2 wrong usage.
 #include "hil_tests/soak/campaign.hpp"
 #include "host/base/interrupt.hpp"
 #include "host/base/output_files.hpp"
@@ -26,9 +26,9 @@ struct Options {
                                        "out/lad_pci.scene", "out/renal_pci.scene"};
     std::string tool_folder = shipped_tools, stent_folder = shipped_stents;
     std::optional<std::uint32_t> print, only; // index of a session
-    std::string script;                       // judged instead of a drawn one
+    std::string script;                       // judged instead of a drawn session
     std::vector<std::string> tools, stents;   // of it
-    std::uint32_t disturb_tick = 0;           // tests: the recording is changed there before its replay
+    std::uint32_t disturb_tick = 0; // for tests: the recording is changed at this tick before its replay
 };
 
 void parse_goals(CLI::App &app, Options &options)
@@ -110,7 +110,8 @@ void check(Options &options)
         };
 }
 
-// What the rows depend on: another program, scene, instrument or bar begins them anew.
+// The inputs on which the rows depend: with another program, scene, instrument or bar they start from the
+// beginning.
 std::string key_of(const Options &options, const soak::Catalogue &catalogue)
 {
     std::uint32_t crc = 0;
@@ -145,7 +146,7 @@ std::vector<std::string> lines_of(const std::string &text)
     return lines;
 }
 
-// One session, aloud.
+// Judges one session and prints the details.
 int judge_one(const Options &options, const soak::Catalogue &catalogue, const soak::DrawnSession &session)
 {
     const std::optional<soak::Row> row = soak::judge_session(catalogue, options.campaign, session);

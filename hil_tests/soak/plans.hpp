@@ -1,6 +1,6 @@
-// Ways into the vessels that chance alone would not find: over the wire, round the arch into a coronary
-// artery, into a renal artery; and what is done with a balloon. Each is a sequence of statements whose
-// numbers are drawn about those of the shipped sessions.
+// Routes into the vessels that chance alone would not find: over the wire, round the arch into a coronary
+// artery, into a renal artery. Also the uses of a balloon. Each is a sequence of statements whose numbers are
+// drawn around those of the shipped sessions.
 #pragma once
 #include "hil_tests/soak/scribe.hpp"
 
@@ -9,10 +9,11 @@ namespace soak
 
 void plan_deep(Scribe &scribe);           // the innermost tool far ahead of the others
 void plan_over_the_wire(Scribe &scribe);  // at least two tools
-void plan_coronary(Scribe &scribe);       // three tools: as pci_lad.session
-void plan_coronary_guide(Scribe &scribe); // two tools: as coronary.session
-void plan_renal(Scribe &scribe);          // three tools: as pci_renal.session
-// Bring the balloon somewhere, fill it, move what it is on, empty it. `load`: with the next stent.
+void plan_coronary(Scribe &scribe);       // three tools, like pci_lad.session
+void plan_coronary_guide(Scribe &scribe); // two tools, like coronary.session
+void plan_renal(Scribe &scribe);          // three tools, like pci_renal.session.
+// Brings the balloon to a place, fills it, moves the tool that carries it, and empties it. `load`: with the
+// next stent.
 void plan_balloon(Scribe &scribe, std::size_t balloon, bool load);
 
 } // namespace soak

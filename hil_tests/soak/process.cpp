@@ -16,7 +16,7 @@ namespace
 
 [[noreturn]] void be_process(int pipe, const std::function<std::optional<std::string>()> &work)
 {
-    prctl(PR_SET_PDEATHSIG, SIGKILL); // none is left behind
+    prctl(PR_SET_PDEATHSIG, SIGKILL); // no process is left behind
     const std::optional<std::string> text = work();
     if (!text) _exit(1);
     for (std::size_t done = 0; done < text->size();) {

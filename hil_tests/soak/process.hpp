@@ -1,4 +1,4 @@
-// A process that says one text and ends.
+// A process that writes one text and ends.
 #pragma once
 #include <functional>
 #include <optional>
@@ -10,14 +10,14 @@ namespace soak
 
 struct Process {
     pid_t who;
-    int pipe; // of what it says; it closes when it ends
+    int pipe; // carries its output; it is closed when the process ends
 };
 
-// Runs `work` there and ends with 0 when all that it returned was taken, else, or for nothing, with 1. It
-// ends with its parent. Throws std::runtime_error.
+// Runs `work` in the new process. It ends with 0 when the whole returned text was read, otherwise, or without
+// a text, with 1. It ends with its parent. Throws std::runtime_error.
 Process start_process(const std::function<std::optional<std::string>()> &work);
 
-// As waitpid() tells it.
+// The status in the form of waitpid().
 int status_of_end(pid_t who);
 
 } // namespace soak

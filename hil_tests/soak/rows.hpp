@@ -1,4 +1,4 @@
-// The results of one seed as a file of tab-separated rows, a session each, which a later call goes on from.
+// The results of one seed as a file of tab-separated rows, one per session, which a later call continues.
 #pragma once
 #include "hil_tests/soak/trial.hpp"
 #include <map>
@@ -11,7 +11,7 @@ struct Row {
     std::uint32_t index = 0;
     std::string scene, tools;
     Verdict verdict;
-    std::string script; // shrunk; empty: nothing broke
+    std::string script; // the shrunk script; empty: nothing broke
 };
 
 std::string line_of(const Row &row);
@@ -20,11 +20,11 @@ Row row_of(const std::string &line); // throws std::runtime_error
 class RowsFile
 {
   public:
-    // `key` says what the rows were made with; rows of another key are put aside as "path.old". A last line
-    // that was cut off is dropped. Throws std::runtime_error.
+    // `key` states how the rows were made; rows of another key are put aside as "path.old". An incomplete
+    // last line is dropped. Throws std::runtime_error.
     RowsFile(const std::string &path, const std::string &key);
 
-    void add(const Row &row); // at once into the file
+    void add(const Row &row); // written to the file at once
     bool has(std::uint32_t index) const { return rows_.count(index) > 0; }
     const std::map<std::uint32_t, Row> &rows() const { return rows_; }
     bool was_put_aside() const { return was_put_aside_; }
@@ -44,7 +44,7 @@ struct Summary {
     std::map<std::string, std::uint64_t> by_bar;                   // broken ones
 };
 Summary sum_of(const RowsFile &rows);
-// Lines as those of out/bench.tsv: name, value, unit, context (docs/bench.md).
+// Lines in the format of out/bench.tsv: name, value, unit, context (docs/bench.md).
 std::string bench_rows(const Summary &summary, std::uint64_t seed);
 
 } // namespace soak

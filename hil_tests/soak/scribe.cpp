@@ -11,7 +11,7 @@ namespace
 
 const std::vector<std::string> tool_names = {"wire", "catheter", "guide"};
 constexpr double ramp_s = 0.2, regrasp_s = 0.35;
-constexpr int spare_mm = 50; // of a tool's length stays in the hand
+constexpr int spare_mm = 50; // of a tool's length remain in the hand
 
 std::string number(int value)
 {
@@ -102,7 +102,7 @@ void Scribe::inflate(int bar, int bar_s)
     bar_ = bar;
 }
 
-// Most hands are steady, some hurry, one in eight is as fast as it can.
+// Most hands are steady, some hurry, and one in eight is as fast as possible.
 int Scribe::some_speed_mm_s()
 {
     switch (dice_.weighted({25, 45, 18, 12})) {

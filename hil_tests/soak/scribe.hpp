@@ -1,4 +1,4 @@
-// Writes the statements of a session and remembers where that leaves the tools, as far as a script can know.
+// Writes the statements of a session and tracks where they leave the tools, as far as a script can know.
 #pragma once
 #include "hil_tests/soak/catalogue.hpp"
 #include "hil_tests/soak/dice.hpp"
@@ -18,14 +18,14 @@ class Scribe
     std::size_t tool_count() const { return tools_.size(); }
     const SoakTool &tool(std::size_t k) const { return *tools_[k]; }
     int inserted_mm(std::size_t k) const { return inserted_mm_[k]; }
-    int depth_max_mm(std::size_t k) const; // that this tool is sent to
+    int depth_max_mm(std::size_t k) const; // the depth to which this tool is sent at most
     double seconds() const { return seconds_; }
     std::vector<std::string> take() { return std::move(lines_); }
 
     void say(const std::string &line) { lines_.push_back(line); }
     void begin(std::size_t k, int mm);
     void wait_ms(int ms);
-    // Pieces of a statement; `end` writes it. Only the longest of the pieces takes time.
+    // Pieces of a statement; `end` writes the statement. Only the longest of the pieces takes time.
     void push(std::size_t k, int mm, int mm_s, int stroke_mm = 0); // negative: withdraw
     void push_together(int mm, int mm_s);
     void turn(std::size_t k, int deg, int deg_s);

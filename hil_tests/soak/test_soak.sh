@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# The soak on vessels: a few dozen short sessions of a fixed seed in the phantom, twice: in one go, and interrupted and gone on with. A printed
-# session is one that `cournand run` takes, to the same hash; a bar that is planted too low is found, and shrinks to a short script
-# that shows it; a recording that was changed is told.
+# The soak on vessels: a few dozen short sessions of a fixed seed in the phantom, run twice: once without a break, and
+# once interrupted and continued. `cournand run` accepts a printed session and gives the same hash. A bar that is
+# deliberately too low is found, and shrinks to a short script that shows it. A changed recording is reported.
 set -u
 . "$(dirname "$0")/../../host/app/tests/program.sh"
 soak="$build/bin/soak"
@@ -15,7 +15,8 @@ scene=(--scene "$work/phantom.scene")
 short=(--seed 3 --seconds-min 1 --seconds-max 3 --session-ticks 6000 --ticks 0 --jobs 2)
 rows() { grep -v '^#' "$1" | sort; }
 
-# What the core of today breaks is the long soak's matter: here the bars are out of reach, and what is left is the program's own.
+# The long soak tests what the present core breaks: here the bars are out of reach, so that only the program itself is
+# tested.
 free=(--penetration-mm 1e9 --length-pct 1e9 --force-N 1e9 --shrink 4)
 "$soak" "${scene[@]}" "${short[@]}" "${free[@]}" --sessions 24 --folder "$work/whole" >"$log" 2>&1
 whole=$?
@@ -44,7 +45,7 @@ result $? "Ctrl-C ends it with a summary of what was done"
 diff <(rows "$work/whole/seed_3.tsv" | sed "s#$work/whole#F#") <(rows "$work/parts/seed_3.tsv" | sed "s#$work/parts#F#") >>"$log"
 result $? "and the same command goes on to the same rows (after $first)"
 
-# A session that is not cut, by the program itself.
+# A complete session, run by the program itself.
 one=$(awk -F'\t' '$5 == "-" && $6 < 6000 {print $1; exit}' "$work/whole/seed_3.tsv")
 "$soak" "${scene[@]}" "${short[@]}" --print "$one" >"$work/one.session" 2>"$log"
 sed -n 's/^# build.bin.cournand run //p' "$work/one.session" >"$work/command"
@@ -55,7 +56,7 @@ cp "$work/run" "$log"
 [ -n "$hash" ] && [ "$hash" = "$(awk -F'\t' -v one="$one" '$1 == one {print $13}' "$work/whole/seed_3.tsv")" ]
 result $? "a printed session is run by cournand to the hash of its row"
 
-# A hand that may feel no more than a milli-newton breaks its bar with the first push.
+# A hand that may feel no more than a millinewton breaks its bar with the first push.
 "$soak" "${scene[@]}" "${short[@]}" --force-N 0.001 --folder "$work/planted" --only 1 >"$log" 2>&1
 [ $? = 1 ] && grep -q "broken at tick .* force of" "$log" && script="$work/planted/3_1.session" && [ -s "$script" ]
 result $? "a planted bar is found, with its tick"

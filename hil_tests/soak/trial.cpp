@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 constexpr crn::RoomCommand first_stent{crn::RoomAction::load_stent, {}};
 
-// Removed when the trial is over, however it ends.
+// It is removed when the trial is over, however it ends.
 struct RecordingFile {
     explicit RecordingFile(const std::string &folder)
         : path((folder.empty() ? fs::temp_directory_path() : fs::path(folder)) /
@@ -41,14 +41,14 @@ bool has_action(const crn::Session &script, crn::RoomAction action)
     return false;
 }
 
-// Everything that one session needs, made as `cournand run` makes it.
+// Everything that one session needs, made in the same way as by `cournand run`.
 struct Stage {
     Stage(const Catalogue &catalogue, const DrawnSession &drawn)
         : scene(catalogue.scene(drawn.scene)), script(crn::parse_session(script_of(drawn), name_of(drawn)))
     {
         for (const std::string &path : drawn.tools) tools.push_back(catalogue.tool(path).instrument);
         for (const std::string &path : drawn.stents) designs.push_back(catalogue.stent(path).design);
-        crn::SceneAnatomy anatomy; // no bodies: nobody is X-rayed
+        crn::SceneAnatomy anatomy; // no bodies: no one is X-rayed
         anatomy.bodies.vessels = scene.vessels;
         anatomy.motion = scene.motion;
         anatomy.stations = scene.stations;
@@ -85,7 +85,7 @@ struct Stage {
     crn_wire_entry entry{};
 };
 
-// With a recorder whose recording is closed however the session ends.
+// Runs the session with a recorder whose recording is closed however the session ends.
 Verdict run_once(Stage &stage, const TrialSettings &settings, const std::string &recording)
 {
     const std::unique_ptr<crn::Device> device = stage.device();
@@ -124,7 +124,7 @@ Verdict run_once(Stage &stage, const TrialSettings &settings, const std::string 
     return verdict;
 }
 
-// On a device that knows nothing of the session, from the file.
+// Replays the file on a device that has no state of the session.
 void replay_once(const Stage &stage, const TrialSettings &settings, const std::string &path, Verdict &verdict)
 {
     crn::Recording recording = crn::read_recording(path);
@@ -159,7 +159,7 @@ Verdict run_trial(const Catalogue &catalogue, const DrawnSession &session, const
         if (settings.replays && verdict.broken.empty() && !verdict.was_interrupted)
             replay_once(stage, settings, file.path.string(), verdict);
     } catch (const std::exception &error) {
-        if (crn::is_interrupted()) { // what it was doing when Ctrl-C came is no verdict
+        if (crn::is_interrupted()) { // a session that Ctrl-C interrupted has no verdict
             verdict.was_interrupted = true;
             return verdict;
         }

@@ -1,4 +1,4 @@
-// The sink of a trial: holds every tick against the bars.
+// The sink of a trial: it compares every tick with the bars.
 #pragma once
 #include "hil_tests/soak/trial.hpp"
 #include "host/patient/patient.hpp"
@@ -11,7 +11,7 @@ namespace soak
 
 // Ends a session from within.
 struct Enough {
-    std::string broken, text; // as in Verdict; empty: it is long enough
+    std::string broken, text; // as in Verdict; empty: the session is long enough
     std::uint32_t tick = 0;
 };
 
@@ -26,9 +26,10 @@ class Watch final : public crn::FrameSink
     std::uint32_t next_tick() const override;
     void frame(const crn::SessionFrame &frame) override;
 
-    // The device's log as it is now. Throws Enough for what no session may have.
+    // Reads the device's present log. Throws Enough for a fault that no session may have.
     void look_at_faults(std::uint32_t tick);
-    // In = in the vessels + out, when the session is over. Throws Enough.
+    // Checks that the injected iodine = iodine in the vessels + iodine that left, when the session is over.
+    // Throws Enough.
     void balance_iodine(std::uint32_t tick) const;
     const Verdict &worst() const { return worst_; }
 
@@ -40,7 +41,7 @@ class Watch final : public crn::FrameSink
     std::function<crn_wire_fault_log()> log_;
     Verdict worst_;
     std::uint32_t fault_bits_ = 0, seen_tick_ = 0;
-    std::uint32_t news_tick_ = UINT32_MAX; // when the log is read for a new fault
+    std::uint32_t news_tick_ = UINT32_MAX; // the tick at which the log is read for a new fault
 };
 
 } // namespace soak

@@ -1,6 +1,6 @@
 /* The whole device in this process behind the token mailbox: the app, the USB stack, the controller in
- * memory. It has no rig; the host says where the hands are. One per process: the scene slots are static.
- */
+ * memory. It has no rig; the host sends the positions of the hands. There is one per process, because the
+ * scene slots are static. */
 #ifndef CRN_USB_DEVICE_H
 #define CRN_USB_DEVICE_H
 
@@ -25,18 +25,18 @@ typedef struct usb_device {
     uint8_t read_bytes[USB_DEVICE_READ_BYTES];
 } usb_device;
 
-/* Power up, on the bus; the host is there and has not reset it yet. False: the stack refused its
+/* Powers up, on the bus; the host is there and has not reset it yet. Returns false when the stack refused its
  * configuration. */
 bool usb_device_start(usb_device *device, const char *serial);
 
-/* The same, then reset, address, configuration; the zero that begins the stream is read. False: something was
- * refused. */
+/* The same, then reset, address and configuration; the zero that begins the stream is read. Returns false
+ * when something was refused. */
 bool usb_device_open(usb_device *device);
 
-/* One millisecond. */
+/* Runs one millisecond. */
 void usb_device_tick(usb_device *device);
 
-/* Everything that the device can do without the host. */
+/* Lets the device do everything that it can do without the host. */
 void usb_device_settle(usb_device *device);
 
 /* The stream as a pipe of bytes; `context` is the usb_device. */

@@ -71,7 +71,7 @@ usb_result usb_host_token(usb_host *host, crn_mailbox_token kind, uint8_t endpoi
     return USB_OK;
 }
 
-/* What a reply means for a packet: USB_OK on success; USB_NAKED and USB_SILENT may be tried again. */
+/* The result of a packet with this reply: USB_OK on success; USB_NAKED and USB_SILENT may be tried again. */
 static usb_result judge(crn_mailbox_reply reply)
 {
     switch (reply) {
@@ -86,7 +86,7 @@ static usb_result judge(crn_mailbox_reply reply)
     }
 }
 
-/* Count a fruitless try; false when that was the last. */
+/* Counts a failed try; returns false when it was the last. */
 static bool try_again(usb_host *host, usb_result result, uint32_t *naks, uint32_t *silences)
 {
     if (result == USB_NAKED) {
@@ -114,7 +114,7 @@ static usb_result packet_out(usb_host *host, crn_mailbox_token kind, uint8_t end
         if (result != USB_OK) return result;
         result = judge(reply);
         if (result == USB_OK && kind == CRN_MAILBOX_OUT && is_lost(host->lose_out, &host->count_out)) {
-            host->repeats++; /* the device's ACK did not come: the same packet again */
+            host->repeats++; /* the device's ACK did not come: the same packet is sent again */
             continue;
         }
         if (result == USB_OK) {
@@ -143,8 +143,8 @@ usb_result usb_host_packet_in(usb_host *host, uint8_t endpoint, uint8_t *bytes, 
         result = judge(reply);
         if (result == USB_OK) {
             if (lost) {
-                host->repeats++; /* our ACK does not arrive; the device must say it again with the same toggle
-                                  */
+                host->repeats++; /* the host's ACK does not arrive; the device must repeat the packet with the
+                                    same toggle */
                 continue;
             }
             if ((reply == CRN_MAILBOX_REPLY_DATA1) != host->toggle_in[endpoint]) return USB_BROKEN;
@@ -164,7 +164,7 @@ usb_result usb_host_in(usb_host *host, uint8_t endpoint, uint16_t packet_bytes, 
         uint32_t packet_count = 0;
         usb_result result = usb_host_packet_in(host, endpoint, packet, packet_bytes, &packet_count);
         if (result != USB_OK) return result;
-        if (packet_count > capacity - *count) return USB_BROKEN; /* babble: more than was asked for */
+        if (packet_count > capacity - *count) return USB_BROKEN; /* babble: more than was requested */
         memcpy(bytes + *count, packet, packet_count);
         *count += packet_count;
         if (packet_count < packet_bytes) break;

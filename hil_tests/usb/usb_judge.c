@@ -1,4 +1,4 @@
-/* Descriptors read from the standards' side. */
+/* Checks descriptors against the standards. */
 #include "hil_tests/usb/usb_judge.h"
 
 #include <string.h>

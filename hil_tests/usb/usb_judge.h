@@ -1,6 +1,5 @@
-/* Are these descriptors right? Read from the standards' side, without a look at the table they were made
- * from: USB 2.0 chapter 9, HID 1.11 section 6, Microsoft OS 2.0.
- */
+/* Are these descriptors right? They are checked against the standards, without the table from which they were
+ * made: USB 2.0 chapter 9, HID 1.11 section 6, Microsoft OS 2.0. */
 #ifndef CRN_USB_JUDGE_H
 #define CRN_USB_JUDGE_H
 
@@ -19,7 +18,7 @@ typedef struct usb_judged {
     uint8_t interface_count, endpoint_count;
     uint8_t interface_classes[8];
     usb_judged_endpoint endpoints[USB_JUDGE_ENDPOINT_MAX];
-    uint16_t report_descriptor_bytes; /* as the HID descriptor says; 0 without one */
+    uint16_t report_descriptor_bytes; /* as stated in the HID descriptor; 0 without one */
 } usb_judged;
 
 typedef struct usb_judged_report {
@@ -28,7 +27,7 @@ typedef struct usb_judged_report {
     uint32_t bits;
 } usb_judged_report;
 
-/* Each returns NULL, or a sentence that says what is wrong. */
+/* Each returns NULL, or an error message. */
 const char *usb_judge_device(const uint8_t *bytes, size_t count);
 const char *usb_judge_qualifier(const uint8_t *bytes, size_t count, const uint8_t *device);
 const char *usb_judge_configuration(const uint8_t *bytes, size_t count, uint8_t type, bool high_speed,

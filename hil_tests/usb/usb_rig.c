@@ -81,7 +81,7 @@ static bool app_set_limits(void *context, const crn_hid_limits *limits)
     return true;
 }
 
-/* --- the host's patience: so many looks at the mailbox --- */
+/* --- the host's patience: a number of looks at the mailbox --- */
 static bool host_wait(void *context)
 {
     usb_rig *rig = context;

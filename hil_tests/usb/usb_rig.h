@@ -1,6 +1,5 @@
-/* A rig that is nothing but its USB side, in this process: stack, controller in memory, and an app that sends
- * back every frame it gets and remembers what it was asked for.
- */
+/* A rig that is only its USB side, in this process: stack, controller in memory, and an app that sends back
+ * every frame it gets and records the requests. */
 #ifndef CRN_USB_RIG_H
 #define CRN_USB_RIG_H
 
@@ -10,7 +9,7 @@
 
 enum {
     USB_RIG_QUEUE_BYTES = 3 * CRN_WIRE_FRAME_MAX,
-    USB_RIG_WAITS_MAX = 100, /* polls of the device before the host calls it dead */
+    USB_RIG_WAITS_MAX = 100, /* polls of the device before the host regards it as dead */
     USB_RIG_NAKS_MAX = 500,
 };
 
@@ -23,7 +22,7 @@ typedef struct usb_rig {
     usb_host host;
 
     /* the app */
-    bool is_deaf; /* takes bytes and sends nothing back */
+    bool is_deaf; /* it takes bytes and sends nothing back */
     uint8_t frame[CRN_WIRE_FRAME_MAX];
     uint32_t frame_bytes;
     uint32_t frames_back, frames_lost, bytes_in;
@@ -34,19 +33,19 @@ typedef struct usb_rig {
     crn_hid_calibration calibration;
     crn_hid_limits limits;
 
-    uint32_t waits; /* left until the host gives up */
+    uint32_t waits; /* polls left until the host gives up */
 } usb_rig;
 
-/* Power up, on the bus; the host is there and has not reset it yet. */
+/* Powers up, on the bus; the host is there and has not reset it yet. */
 void usb_rig_open(usb_rig *rig, bool can_high_speed);
 
-/* Device power-up again, with the host's half as it is: a brown-out. */
+/* Powers the device up again, with the host's half unchanged: a brown-out. */
 void usb_rig_reboot(usb_rig *rig, bool can_high_speed);
 
 /* One millisecond on the device: the next state report. */
 void usb_rig_tick(usb_rig *rig);
 
-/* Let the device do everything it can do without the host. */
+/* Lets the device do everything it can do without the host. */
 void usb_rig_settle(usb_rig *rig);
 
 /* Reset, address 5, configuration 1. */

@@ -43,7 +43,7 @@ bool usb_urbs_cancel_any(usb_urbs *urbs, usb_urb *urb)
     return false;
 }
 
-/* True: the transfer is over. */
+/* Returns true when the transfer is over. */
 static bool step_out(usb_urbs *urbs, usb_urb *urb, uint16_t packet_bytes, bool *moved)
 {
     uint32_t packet = urb->length - urb->done;
@@ -67,7 +67,7 @@ static bool step_in(usb_urbs *urbs, usb_urb *urb, uint16_t packet_bytes, bool *m
     if (urb->result == USB_NAKED) return false;
     *moved = true;
     if (urb->result != USB_OK) return true;
-    if (count > urb->length - urb->done) { /* more than was asked for */
+    if (count > urb->length - urb->done) { /* more than was requested */
         urb->result = USB_BROKEN;
         return true;
     }

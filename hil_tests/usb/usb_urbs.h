@@ -1,7 +1,6 @@
-/* Transfers that wait: what a host controller driver keeps per endpoint. Each step tries one packet of the
- * first transfer of every endpoint and never waits for a device that has nothing, so that one slow endpoint
- * holds up no other.
- */
+/* Transfers that wait: the records of a host controller driver for each endpoint. Each step tries one packet
+ * of the first transfer of every endpoint. It never waits for a device that has no data, so that one slow
+ * endpoint holds up no other. */
 #ifndef CRN_USB_URBS_H
 #define CRN_USB_URBS_H
 
@@ -16,7 +15,7 @@ enum {
 typedef struct usb_urb {
     uint64_t id; /* the submitter's */
     uint8_t endpoint;
-    uint8_t *bytes; /* the submitter's, until the transfer is done */
+    uint8_t *bytes; /* owned by the submitter until the transfer is done */
     uint32_t length, done;
     bool ends_empty; /* OUT: an empty packet behind a full last one */
     usb_result result;
@@ -36,17 +35,18 @@ static inline unsigned usb_urbs_pipe(uint8_t endpoint)
     return (endpoint & 0x0fu) | (endpoint & 0x80 ? 0x10u : 0);
 }
 
-/* False: no such endpoint, or too many wait. */
+/* Returns false when there is no such endpoint, or too many transfers wait. */
 bool usb_urbs_submit(usb_urbs *urbs, const usb_urb *urb);
 
-/* Take a transfer back; its buffer is the submitter's again, and `complete` is not called. False: it is not
- * there. */
+/* Takes a transfer back; the submitter owns its buffer again, and `complete` is not called. Returns false
+ * when it does not exist. */
 bool usb_urbs_cancel(usb_urbs *urbs, uint64_t id, usb_urb *urb);
 
-/* The first one of an endpoint, or none. */
+/* Takes back the first one of an endpoint, if there is one. */
 bool usb_urbs_cancel_any(usb_urbs *urbs, usb_urb *urb);
 
-/* One packet per endpoint. True: something moved. USB_DEAD ends up as the result of the transfer. */
+/* Tries one packet per endpoint. Returns true when something moved. USB_DEAD becomes the result of the
+ * transfer. */
 bool usb_urbs_step(usb_urbs *urbs);
 
 #endif

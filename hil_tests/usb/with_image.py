@@ -3,9 +3,9 @@
 
   with_image.py IMAGE COMMAND ARGUMENT...
 
-Where an argument is `{mailbox}` the place of the USB tokens in the emulator's memory is put in: FILE:OFFSET, for `bridge` and
-`mock_bus`. The device has no rig; its milliseconds are the emulator's. The exit code is the command's; 1 when the device does
-not start. Nothing outlives the command."""
+In an argument, `{mailbox}` is replaced by the place of the USB tokens in the emulator's memory: FILE:OFFSET, for
+`bridge` and `mock_bus`. The device has no rig; its milliseconds are the emulator's. The exit code is the command's,
+or 1 when the device does not start. No process outlives the command."""
 
 import os
 import struct

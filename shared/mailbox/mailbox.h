@@ -1,5 +1,5 @@
-/* USB tokens in shared memory: how an emulated device controller and an emulated host controller talk, in one
- * process or in two that map the same 64 KiB.
+/* USB tokens in shared memory: the connection between an emulated device controller and an emulated host
+ * controller, in one process or in two that map the same 64 KiB.
  *
  *   host writes its half, then counts up `token` (or `bus`)  --->  device sees a new number, acts, writes its half
  *   host reads the answer when `token_done` has its number   <---  and then repeats the number in `token_done`
@@ -7,11 +7,9 @@
  * One token is under way at a time, as on a real bus; the host never waits for a device that is busy for
  * longer than its deadline. Each half has one writer. Every field is a little-endian 32-bit word; numbers
  * that order the exchange are written with release and read with acquire. Neither side trusts the other:
- * lengths are bounded after they are read once. Lost handshakes are told by a flag, since memory loses
- * nothing.
+ * lengths are bounded after they are read once. A flag reports lost handshakes, since memory loses nothing.
  *
- * C11 (gcc, clang).
- */
+ * C11 (gcc, clang). */
 #ifndef CRN_MAILBOX_H
 #define CRN_MAILBOX_H
 
@@ -20,14 +18,14 @@
 
 enum {
     CRN_MAILBOX_BYTES = 0x10000,
-    CRN_MAILBOX_HOST_OFFSET = 0x1000, /* the halves stand on pages of their own */
+    CRN_MAILBOX_HOST_OFFSET = 0x1000, /* the halves are on pages of their own */
     CRN_MAILBOX_DATA_OFFSET = 0x100,  /* in each half */
     CRN_MAILBOX_DATA_MAX = 1024,      /* largest packet of USB 2.0 */
     CRN_MAILBOX_MAGIC = 0x42535553,   /* "SUSB" */
     CRN_MAILBOX_VERSION = 1,
 };
 
-/* What the host does to the bus. */
+/* State of the bus that the host sets. */
 typedef enum crn_mailbox_bus {
     CRN_MAILBOX_UNPLUGGED = 0, /* no power on the cable */
     CRN_MAILBOX_RESET_FULL,    /* reset that ends at full speed */
@@ -45,11 +43,11 @@ typedef enum crn_mailbox_token {
 /* Bits of `token_flags`. */
 enum {
     CRN_MAILBOX_DATA1 = 1,    /* SETUP, OUT: the packet's toggle */
-    CRN_MAILBOX_LOST_ACK = 2, /* IN: the host's acknowledgement gets lost: the device has to send again */
+    CRN_MAILBOX_LOST_ACK = 2, /* IN: the host's acknowledgement is lost, so the device has to send again */
 };
 
 typedef enum crn_mailbox_reply {
-    CRN_MAILBOX_SILENCE = 0, /* nobody answers: wrong address, no such endpoint, detached, malformed */
+    CRN_MAILBOX_SILENCE = 0, /* no answer: wrong address, no such endpoint, detached, malformed */
     CRN_MAILBOX_ACK,
     CRN_MAILBOX_NAK,
     CRN_MAILBOX_STALL,
@@ -60,11 +58,11 @@ typedef enum crn_mailbox_reply {
 typedef struct crn_mailbox_device_half {
     uint32_t magic; /* written last at power-up */
     uint32_t version;
-    uint32_t boot_count; /* a new number: the device started again and knows nothing of before */
+    uint32_t boot_count; /* a new number means that the device restarted and has lost its history */
     uint32_t attached;   /* 1: pull-up on */
     uint32_t can_high_speed;
     uint32_t bus_done;   /* = bus: that change was seen */
-    uint32_t token_done; /* = token: reply, reply_bytes and data are its answer */
+    uint32_t token_done; /* = token: reply, reply_bytes and data are the answer to it */
     uint32_t reply;
     uint32_t reply_bytes;
     uint32_t test_selector; /* test mode the device was put into, 0: none */
@@ -78,7 +76,7 @@ typedef struct crn_mailbox_host_half {
     uint32_t token_flags;
     uint32_t token_address;
     uint32_t token_endpoint; /* 0 .. 15 */
-    uint32_t token_bytes;    /* SETUP, OUT: of data */
+    uint32_t token_bytes;    /* SETUP, OUT: length of data */
 } crn_mailbox_host_half;
 
 typedef struct crn_mailbox {
@@ -104,13 +102,13 @@ static inline uint32_t crn_mailbox_little(uint32_t value)
 #endif
 }
 
-/* Read a word of the other half: once, and before anything that is read after it. */
+/* Reads a word of the other half: once, and before anything that is read after it. */
 static inline uint32_t crn_mailbox_read(const uint32_t *word)
 {
     return crn_mailbox_little(__atomic_load_n(word, __ATOMIC_ACQUIRE));
 }
 
-/* Write a word of the own half, after everything that was written before it. */
+/* Writes a word of this side's half, after everything that was written before it. */
 static inline void crn_mailbox_write(uint32_t *word, uint32_t value)
 {
     __atomic_store_n(word, crn_mailbox_little(value), __ATOMIC_RELEASE);

@@ -1,4 +1,4 @@
-/* Checking a scene container, in the order header, section table, sections: scene.h. */
+/* Check of a scene container, in the order header, section table, sections (scene.h). */
 #include "shared/scene/scene.h"
 #include "shared/scene/scene_check.h"
 #include "shared/wire/wire_frame.h"
@@ -45,14 +45,15 @@ static const uint8_t magic[8] = {'C', 'R', 'N', '-', 'S', 'C', 'N', 0};
 /* Scenes from before the project was renamed begin like this and differ in nothing else. */
 static const uint8_t earlier_magic[8] = {0x53, 0x45, 0x4c, 0x44, 'S', 'C', 'N', 0};
 
-/* True for a file that is shorter than the mark, too, if it begins like it. */
+/* True also for a file that is shorter than the mark, if it begins like it. */
 static bool begins_as_a_scene(const uint8_t *bytes, size_t size)
 {
     const size_t there = size < sizeof magic ? size : sizeof magic;
     return memcmp(bytes, magic, there) == 0 || memcmp(bytes, earlier_magic, there) == 0;
 }
 
-/* Version before CRC: what a newer version protects by its CRC is not ours to know. */
+/* The version is checked before the CRC, because this reader cannot know what a newer version protects by its
+ * CRC. */
 static crn_scene_status check_version(crn_scene_check *check)
 {
     const uint8_t *b = check->bytes;
@@ -115,8 +116,8 @@ crn_scene_span crn_scene_section_span(const uint8_t *bytes, uint32_t index)
     return span;
 }
 
-/* A body file ends with its bodies, or with one tree behind them, or with that tree's lesions behind it; and
- * behind all of these may be what names its scene. */
+/* A body file ends with its bodies, with one tree behind them, or with that tree's lesions behind it. A
+ * section that names its scene may follow all of these. */
 static bool section_type_fits(const crn_scene_check *check, uint32_t index, uint32_t type)
 {
     static const uint32_t scene_types[5] = {CRN_SCENE_META, CRN_SCENE_ENTRY, CRN_SCENE_LUMEN,
@@ -144,7 +145,7 @@ static crn_scene_status check_zeros(crn_scene_check *check, size_t from, size_t 
     return CRN_SCENE_OK;
 }
 
-/* One section: type, place right behind the one before (padded with zeros), CRC. */
+/* Checks one section: type, position right behind the one before (padded with zeros), CRC. */
 static crn_scene_status check_section(crn_scene_check *check, uint32_t index, size_t *end)
 {
     size_t row = CRN_SCENE_HEADER_BYTES + (size_t)index * CRN_SCENE_TABLE_ROW_BYTES;
@@ -219,7 +220,7 @@ static crn_scene_status check_entry(crn_scene_check *check, crn_scene_span span,
     return CRN_SCENE_OK;
 }
 
-/* Any size and CRC-32 will do: whether they are those of a scene is for whoever has that scene to say. */
+/* Any size and CRC-32 are accepted: only the owner of the scene can compare them. */
 static crn_scene_status check_partner(crn_scene_check *check, crn_scene *scene)
 {
     if (check->content_count == check->section_count) return CRN_SCENE_OK;

@@ -1,14 +1,13 @@
-/* The scene container: one check for device and host, before anything of a scene is used.
+/* The scene container: device and host run one check before they use anything of a scene.
  *
  *   crn_scene_open()   bytes -> status; on OK a view into the bytes (nothing is copied, nothing is kept)
  *   crn_scene_body()   one body of a body file
  *   crn_scene_branch() one vessel of its tree, where it has one
  *
- * A caller that replaces a scene opens the new bytes first, in another place, and changes over only on OK: a
- * refused scene leaves the old one as it was. docs/scene.md has every byte.
+ * A caller that replaces a scene opens the new bytes first, in another place, and switches only on OK, so a
+ * refused scene leaves the old one unchanged. docs/scene.md has every byte.
  *
- * C11 and C++20.
- */
+ * C11 and C++20. */
 #ifndef CRN_SCENE_H
 #define CRN_SCENE_H
 
@@ -22,13 +21,14 @@ extern "C" {
 
 enum {
     CRN_SCENE_MAJOR = 1,
-    CRN_SCENE_MINOR = 5,      /* written only into files that need it: 1 for a body that moves, a TREE; 2 for
-                                 LESIONS; 3 for PLAQUES; 4 for MOTION and BREATH; 5 for PARTNER */
-    CRN_SCENE_ALIGNMENT = 16, /* of sections in the file */
+    /* minor version; files get the lowest that covers their contents: 1 for a body that moves, a TREE; 2 for
+       LESIONS; 3 for PLAQUES; 4 for MOTION and BREATH; 5 for PARTNER */
+    CRN_SCENE_MINOR = 5,
+    CRN_SCENE_ALIGNMENT = 16,       /* of sections in the file */
     CRN_SCENE_ADDRESS_MULTIPLE = 4, /* of the bytes in memory */
     CRN_SCENE_HEADER_BYTES = 32,
     CRN_SCENE_TABLE_ROW_BYTES = 16,
-    CRN_SCENE_BYTES_MAX = 16 << 20,         /* a device says in its set-up how much of it fits */
+    CRN_SCENE_BYTES_MAX = 16 << 20,         /* a device reports in its set-up how large a scene it can hold */
     CRN_SCENE_BODIES_BYTES_MAX = 256 << 20, /* body files stay on the host */
     CRN_SCENE_BODY_MAX = 256,
     CRN_SCENE_TRIANGLE_MAX = 8000000, /* of all bodies */
@@ -71,7 +71,7 @@ enum {
     CRN_SCENE_MOTION_COUNT_MAX = 256, /* nodes along an axis */
     CRN_SCENE_MOTION_SPACING_LOG2_MIN = 20,
     CRN_SCENE_MOTION_SPACING_LOG2_MAX = 24,
-    CRN_SCENE_ENTRY_REACH_Q30 = 2040109465, /* 1.9 m, as the core takes it */
+    CRN_SCENE_ENTRY_REACH_Q30 = 2040109465, /* 1.9 m, the limit that the core accepts */
 };
 
 typedef enum crn_scene_kind {
@@ -97,48 +97,49 @@ typedef enum crn_scene_status {
     CRN_SCENE_OK = 0,
     CRN_SCENE_UNALIGNED,       /* the bytes do not lie at a multiple of 4 */
     CRN_SCENE_BYTE_ORDER,      /* this processor is big-endian */
-    CRN_SCENE_TRUNCATED,       /* fewer bytes than the header says, or no whole header */
-    CRN_SCENE_TRAILING,        /* more bytes than the header says */
-    CRN_SCENE_OVERSIZED,       /* more than the limit of its kind */
+    CRN_SCENE_TRUNCATED,       /* fewer bytes than the header states, or an incomplete header */
+    CRN_SCENE_TRAILING,        /* more bytes than the header states */
+    CRN_SCENE_OVERSIZED,       /* larger than the limit of its kind */
     CRN_SCENE_MAGIC,           /* no scene at all */
     CRN_SCENE_NEWER,           /* written by a newer format */
-    CRN_SCENE_OLDER,           /* of a major version before this one */
+    CRN_SCENE_OLDER,           /* written by an older major version */
     CRN_SCENE_HEADER_CRC,      /* header or section table damaged */
-    CRN_SCENE_KIND,            /* neither scene nor bodies */
+    CRN_SCENE_KIND,            /* neither a scene nor bodies */
     CRN_SCENE_RESERVED,        /* a field or gap that must be zero is not */
     CRN_SCENE_SECTION_COUNT,   /* too few or too many sections */
-    CRN_SCENE_SECTION_TYPE,    /* a section that does not belong there */
+    CRN_SCENE_SECTION_TYPE,    /* a section of a type that is not allowed there */
     CRN_SCENE_SECTION_PLACE,   /* unaligned, overlapping, with a gap, or beyond the end */
     CRN_SCENE_SECTION_SIZE,    /* its size does not follow from its contents */
     CRN_SCENE_SECTION_CRC,     /* its bytes are damaged */
-    CRN_SCENE_TEXT,            /* a text without end, or with control characters */
+    CRN_SCENE_TEXT,            /* an unterminated text, or one with control characters */
     CRN_SCENE_ENTRY_POSITION,  /* beyond 1.9 m */
     CRN_SCENE_ENTRY_DIRECTION, /* no unit vector */
     CRN_SCENE_LATTICE,         /* brick counts out of range, or the lattice leaves the number range */
-    CRN_SCENE_CHILD_ROWS,      /* more rows refining coarse bricks than rows */
-    CRN_SCENE_INDEX_BRICK,     /* an index entry names a brick that is not there */
-    CRN_SCENE_INDEX_ROW,       /* an index entry names a child row that is not there or not allowed there */
-    CRN_SCENE_MOTION_LATTICE,  /* node counts, spacing or keyframes out of range, or the lattice leaves the
-                                  number range */
-    CRN_SCENE_MOTION_VALUE,    /* a displacement over 31 mm, or a row that contradicts itself */
-    CRN_SCENE_MOTION_STEEP,    /* neighbours differ so much that the vessel would fold over */
-    CRN_SCENE_MOTION_EDGE,     /* the lattice's boundary moves */
-    CRN_SCENE_MOTION_OLDER,    /* of a minor version before 4: breath and beat in one lattice */
-    CRN_SCENE_BODY_PARENT,     /* a parent that is not there, or bodies lying in each other in a circle */
-    CRN_SCENE_BODY_SIZE,       /* no triangles, or too many in all */
-    CRN_SCENE_BODY_VERTEX,     /* a vertex beyond 2 m */
-    CRN_SCENE_BODY_TRIANGLE,   /* a triangle names a vertex that is not there, or one twice */
-    CRN_SCENE_TREE_SIZE,       /* no branches or points, or too many */
-    CRN_SCENE_TREE_BRANCH, /* a branch of one that does not come before it, or of a place that is not there */
-    CRN_SCENE_TREE_POINT,  /* a point beyond 2 m or where the last one was, or a radius out of range */
+    CRN_SCENE_CHILD_ROWS,      /* more rows that refine coarse bricks than rows in all */
+    CRN_SCENE_INDEX_BRICK,     /* an index entry names a brick that does not exist */
+    CRN_SCENE_INDEX_ROW, /* an index entry names a child row that does not exist or is not allowed there */
+    CRN_SCENE_MOTION_LATTICE, /* node counts, spacing or keyframes out of range, or the lattice leaves the
+                                 number range */
+    CRN_SCENE_MOTION_VALUE,   /* a displacement over 31 mm, or a row that contradicts itself */
+    CRN_SCENE_MOTION_STEEP,   /* neighbours differ so much that the vessel would fold over */
+    CRN_SCENE_MOTION_EDGE,    /* the lattice's boundary moves */
+    CRN_SCENE_MOTION_OLDER,   /* written before minor version 4: breath and beat in one lattice */
+    CRN_SCENE_BODY_PARENT,   /* a parent that does not exist, or bodies that contain each other in a circle */
+    CRN_SCENE_BODY_SIZE,     /* no triangles, or too many in all */
+    CRN_SCENE_BODY_VERTEX,   /* a vertex beyond 2 m */
+    CRN_SCENE_BODY_TRIANGLE, /* a triangle names a vertex that does not exist, or the same one twice */
+    CRN_SCENE_TREE_SIZE,     /* no branches or points, or too many */
+    CRN_SCENE_TREE_BRANCH, /* a branch whose parent does not come before it, or whose place on the parent does
+                              not exist */
+    CRN_SCENE_TREE_POINT,  /* a point beyond 2 m or equal to the one before, or a radius out of range */
     CRN_SCENE_LESION_SIZE, /* no lesions, or too many */
-    CRN_SCENE_LESION_PLACE, /* a lesion on a branch or at points that are not there, or healthy points or
-                               radii out of range */
+    CRN_SCENE_LESION_PLACE, /* a lesion on a branch or at points that do not exist, or healthy points or radii
+                               out of range */
     CRN_SCENE_PLAQUE, /* no plaques, too many, or one whose stations, radii or pressures are out of range */
     CRN_SCENE_STATUS_COUNT,
 } crn_scene_status;
 
-/* The lumen, as firmware/core's crn_lumen wants it. */
+/* The lumen, in the form that crn_lumen of firmware/core needs. */
 typedef struct crn_scene_lumen {
     int32_t origin_m_q30[3];
     uint16_t brick_count_xyz[3];
@@ -149,8 +150,8 @@ typedef struct crn_scene_lumen {
     const int8_t *samples;
 } crn_scene_lumen;
 
-/* How it moves, as firmware/core's crn_motion wants it: of the beat rows of CRN_SCENE_MOTION_ROW numbers, of
- * breath one number, for each of a node's three components. */
+/* The motion of the lumen, in the form that crn_motion of firmware/core needs. For each of a node's three
+ * components the beat has a row of CRN_SCENE_MOTION_ROW numbers, and breath has one number. */
 typedef struct crn_scene_motion {
     int32_t origin_m_q30[3];
     uint16_t node_count_xyz[3];
@@ -158,10 +159,10 @@ typedef struct crn_scene_motion {
     const int16_t *rows;
 } crn_scene_motion;
 
-/* A checked file. Valid as long as the bytes are. */
+/* A checked file. It is valid as long as the bytes are. */
 typedef struct crn_scene {
     crn_scene_kind kind;
-    uint32_t hash; /* the header's CRC-32, which covers those of the sections */
+    uint32_t hash; /* the header's CRC-32, which covers the CRCs of the sections */
     const char *name;
     const char *source;
     int32_t entry_position_m_q30[3]; /* KIND_SCENE */
@@ -171,14 +172,14 @@ typedef struct crn_scene {
     crn_scene_motion motion;
     bool has_breath; /* only with motion */
     crn_scene_motion breath;
-    uint32_t plaque_count; /* lesions that give way, in the order of the body file's */
+    uint32_t plaque_count; /* lesions that give way, in the order of the body file's lesions */
     const uint8_t *plaques;
     uint32_t body_count;   /* KIND_BODIES */
-    uint32_t branch_count; /* of its tree of vessels; 0: it has none */
+    uint32_t branch_count; /* branches of its tree of vessels; 0: it has no tree */
     const uint8_t *tree;
     uint32_t lesion_count; /* of that tree */
     const uint8_t *lesions;
-    bool has_partner;       /* the body file names the scene it was baked with, as a recording does: */
+    bool has_partner;       /* the body file names the scene with which it was baked, as a recording does: */
     uint32_t partner_bytes; /* its size */
     uint32_t partner_crc32; /* and the CRC-32 of the whole file */
     const uint8_t *bytes;
@@ -188,14 +189,14 @@ typedef struct crn_scene_body_view {
     const char *name;
     const char *material;
     int32_t parent; /* -1: in air */
-    bool moves;     /* with the scene's motion */
+    bool moves;     /* the body moves with the scene's motion */
     uint32_t vertex_count;
     uint32_t triangle_count;
     const uint8_t *vertices_um; /* 3 x i32 each: crn_scene_i32 */
     const uint8_t *triangles;   /* 3 x u32 each: crn_scene_u32 */
 } crn_scene_body_view;
 
-/* What a vessel feeds: decides when in the beat blood flows there. */
+/* The organ that a vessel feeds; it decides when in the beat blood flows there. */
 typedef enum crn_scene_bed {
     CRN_SCENE_BED_SYSTEMIC = 0,
     CRN_SCENE_BED_LEFT_CORONARY = 1,
@@ -203,28 +204,28 @@ typedef enum crn_scene_bed {
     CRN_SCENE_BED_COUNT,
 } crn_scene_bed;
 
-/* A vessel from where it leaves its parent to its end. Branch 0 is the root: blood enters at its first point.
- */
+/* A vessel from the place where it leaves its parent to its end. Branch 0 is the root: blood enters at its
+ * first point. */
 typedef struct crn_scene_branch_view {
     const char *name;
     int32_t parent;        /* an earlier branch; -1: the root */
     uint32_t parent_point; /* the point of the parent nearest to this branch's first one */
     uint32_t point_count;  /* at least 2 */
     crn_scene_bed bed;
-    uint32_t flow_mm3_per_s; /* mean, out of its end; 0: not stated */
+    uint32_t flow_mm3_per_s; /* mean flow out of its end; 0: not stated */
     const uint8_t *points;   /* i32 x 3 in um and u32 radius in um each */
 } crn_scene_branch_view;
 
-/* A stretch of a branch that disease has narrowed: the branch's points are those of the narrowed lumen. */
+/* A stretch of a branch that disease has narrowed; the branch's points are those of the narrowed lumen. */
 typedef struct crn_scene_lesion_view {
     const char *name;
     uint32_t branch;
     uint32_t first_point;          /* of the branch */
     uint32_t point_count;          /* at least 3 */
-    const uint8_t *healthy_points; /* one for each: i32 x 3 in um and u32 radius in um */
+    const uint8_t *healthy_points; /* one for each point: i32 x 3 in um and u32 radius in um */
 } crn_scene_lesion_view;
 
-/* A lesion that gives way, as firmware/core's crn_lesion wants it. */
+/* A lesion that gives way, in the form that crn_lesion of firmware/core needs. */
 typedef struct crn_scene_plaque_view {
     int32_t low_m_q30[3], high_m_q30[3], chord_q30[3], stretch_q28;
     uint32_t spacing_log2_q30, station_count;
@@ -233,11 +234,12 @@ typedef struct crn_scene_plaque_view {
                                 along i32[3], 0 */
 } crn_scene_plaque_view;
 
-/* Check everything. On OK fills *scene; otherwise leaves it alone and, when where_byte is not NULL, says at
- * which byte of the file the fault stands. Time is linear in size; no memory, no recursion. */
+/* Checks everything. On OK it fills *scene. Otherwise it leaves *scene alone and, when where_byte is not
+ * NULL, stores the byte of the file at which the fault is. Time is linear in size; it needs no memory and no
+ * recursion. */
 crn_scene_status crn_scene_open(const uint8_t *bytes, size_t size, crn_scene *scene, uint32_t *where_byte);
 
-/* What a status means and what to do about it, one line without full stop. */
+/* The meaning of a status and what to do about it: one line without a full stop. */
 const char *crn_scene_status_text(crn_scene_status status);
 
 /* Body number `index` < body_count of an opened body file. */

@@ -1,4 +1,4 @@
-/* Checking and reading BODY sections. */
+/* Check and access of BODY sections. */
 #include "shared/scene/scene_check.h"
 
 crn_scene_body_view crn_scene_body(const crn_scene *scene, uint32_t index)
@@ -67,7 +67,7 @@ static crn_scene_status check_body(crn_scene_check *check, uint32_t index, uint3
     return check_triangles(check, first + 12 * (size_t)vertices, triangles, vertices);
 }
 
-/* Does the way from a body through its parents end in air? It has at most body_count steps when it does. */
+/* Does the path from a body through its parents end in air? If it does, it has at most body_count steps. */
 static bool parents_end(const crn_scene_check *check, uint32_t index, uint32_t body_count)
 {
     int32_t at = (int32_t)index;

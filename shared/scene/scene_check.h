@@ -1,4 +1,4 @@
-/* What the parts of the scene check share. */
+/* Declarations shared by the parts of the scene check. */
 #ifndef CRN_SCENE_CHECK_H
 #define CRN_SCENE_CHECK_H
 
@@ -10,7 +10,7 @@ typedef struct crn_scene_check {
     crn_scene_kind kind;
     uint16_t minor;
     uint32_t section_count;
-    uint32_t content_count; /* without a body file's PARTNER, which is its last section */
+    uint32_t content_count; /* sections without a body file's PARTNER, which is its last section */
     size_t table_end;
     uint32_t where; /* of the fault */
 } crn_scene_check;
@@ -21,7 +21,7 @@ typedef struct crn_scene_span {
     uint32_t size;
 } crn_scene_span;
 
-/* Remember the place, return the status. */
+/* Stores the place and returns the status. */
 crn_scene_status crn_scene_fault_at(crn_scene_check *check, crn_scene_status status, size_t where);
 
 /* Row `index` of the section table; not checked. */
@@ -31,16 +31,16 @@ crn_scene_span crn_scene_section_span(const uint8_t *bytes, uint32_t index);
 crn_scene_status crn_scene_check_text(crn_scene_check *check, size_t where, size_t capacity);
 
 crn_scene_status crn_scene_check_lumen(crn_scene_check *check, crn_scene_span span, crn_scene_lumen *lumen);
-/* MOTION or BREATH, as the span's type says. */
+/* Checks MOTION or BREATH, depending on the span's type. */
 crn_scene_status crn_scene_check_motion(crn_scene_check *check, crn_scene_span span,
                                         crn_scene_motion *motion);
 crn_scene_status crn_scene_check_bodies(crn_scene_check *check, uint32_t body_count);
 crn_scene_status crn_scene_check_tree(crn_scene_check *check, crn_scene_span span, uint32_t *branch_count);
-/* Of a tree that has passed its check. */
+/* The tree must have passed its check. */
 crn_scene_status crn_scene_check_lesions(crn_scene_check *check, crn_scene_span span, const crn_scene *scene,
                                          uint32_t *lesion_count);
 crn_scene_status crn_scene_check_plaques(crn_scene_check *check, crn_scene_span span, uint32_t *plaque_count);
-/* Coordinates of a point within reach and a radius in range. */
+/* Checks that a point's coordinates are within reach and its radius is in range. */
 crn_scene_status crn_scene_check_tree_point(crn_scene_check *check, size_t at, crn_scene_status fault);
 
 #endif

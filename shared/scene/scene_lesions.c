@@ -1,4 +1,4 @@
-/* Checking and reading the LESIONS section of a body file. */
+/* Check and access of the LESIONS section of a body file. */
 #include "shared/scene/scene_check.h"
 
 /* Fields of a lesion, as bytes from its beginning. */
@@ -6,7 +6,7 @@ enum {
     BRANCH_AT = 32,
     POINT_AT = 36,
     COUNT_AT = 40,
-    FIRST_AT = 44, /* of its healthy points in the list of all */
+    FIRST_AT = 44, /* index of its first healthy point in the list of all */
     POINTS_MIN = 3
 };
 
@@ -28,7 +28,7 @@ crn_scene_lesion_view crn_scene_lesion(const crn_scene *scene, uint32_t index)
     return view;
 }
 
-/* On points that its branch has; healthy points follow each other without a gap. */
+/* A lesion must lie on points that its branch has; healthy points follow each other without a gap. */
 static crn_scene_status check_lesion(crn_scene_check *check, const crn_scene *scene, size_t where,
                                      uint32_t *points_before)
 {

@@ -1,5 +1,5 @@
-/* Checking the LUMEN section. The child rows form two ranks: rows that refine coarse bricks come first and
- * may name rows of the second rank, which name none. So no walk is needed to see that refinement ends. */
+/* Check of the LUMEN section. The child rows form two ranks: rows that refine coarse bricks come first and
+ * may name rows of the second rank, which name none. So the end of refinement is proved without a walk. */
 #include "shared/scene/scene_check.h"
 
 enum { OUTSIDE_AND_INSIDE = 2, REFINED = 0x8000 };
@@ -67,7 +67,7 @@ crn_scene_status crn_scene_check_lumen(crn_scene_check *check, crn_scene_span sp
     status = check_entries(check, children_at + 16 * (size_t)row_first_rank,
                            8 * (size_t)(rows - row_first_rank), lumen->brick_count, 0, 0);
     if (status != CRN_SCENE_OK) return status;
-    /* In place: the section begins at a multiple of 16 of an address that is a multiple of 4. */
+    /* The section is used in place: it begins at a multiple of 16 of an address that is a multiple of 4. */
     lumen->index = (const uint16_t *)(const void *)(check->bytes + index_at);
     lumen->children = (const uint16_t *)(const void *)(check->bytes + children_at);
     lumen->samples = (const int8_t *)(check->bytes + span.offset + samples);

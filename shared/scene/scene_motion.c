@@ -1,15 +1,15 @@
-/* Checking the MOTION and BREATH sections: every number within what the core's arithmetic is proved for,
- * neighbours close enough that the map is one to one for any wall that a heart has, and a boundary that
- * stands still, where a lattice ends. */
+/* Check of the MOTION and BREATH sections. Every number must be within the range for which the core's
+ * arithmetic is proved. Neighbours must be close enough that the map is one to one for any wall that a heart
+ * has. The boundary, where a lattice ends, must not move. */
 #include "shared/scene/scene_check.h"
 
 enum { COMPONENTS = 3, COPIES = 2 };
 
-/* What the two lattices differ in. */
+/* The differences between the two lattices. */
 typedef struct lattice_rules {
-    uint32_t keyframes; /* as the header says */
+    uint32_t keyframes; /* as stated in the header */
     uint32_t row;       /* numbers of a component */
-    int32_t eighths;    /* of a spacing, by which neighbours may differ */
+    int32_t eighths;    /* eighths of a spacing by which neighbours may differ */
 } lattice_rules;
 
 static lattice_rules rules_of(uint32_t type)
@@ -38,7 +38,8 @@ static crn_scene_status check_header(crn_scene_check *check, const lattice_rules
     return CRN_SCENE_OK;
 }
 
-/* One component of one node: in range, the copies at the row's ends what they copy. */
+/* Checks one component of one node: the numbers are in range, and the copies at the row's ends equal their
+ * originals. */
 static bool row_is_valid(const lattice_rules *rules, const int16_t *row)
 {
     for (uint32_t i = 0; i < rules->row; i++) {
@@ -67,7 +68,8 @@ static bool is_still(const int16_t *node, uint32_t count)
     return true;
 }
 
-/* Node at (x, y, z): its rows, the way to its next neighbours, and whether it stands still where it must. */
+/* Checks the node at (x, y, z): its rows, the differences from its next neighbours, and that it does not move
+ * where it must not. */
 static crn_scene_status check_node(const lattice_rules *rules, const crn_scene_motion *motion,
                                    const uint32_t at[3])
 {
@@ -107,7 +109,7 @@ crn_scene_status crn_scene_check_motion(crn_scene_check *check, crn_scene_span s
     motion->spacing_log2_q30 = crn_scene_u16(header + 18);
     if (span.size != CRN_SCENE_MOTION_HEADER_BYTES + 2 * COMPONENTS * rules.row * nodes)
         return crn_scene_fault_at(check, CRN_SCENE_SECTION_SIZE, span.offset + 12);
-    /* In place, as the lumen's samples. */
+    /* The rows are used in place, like the lumen's samples. */
     const size_t rows_at = span.offset + CRN_SCENE_MOTION_HEADER_BYTES;
     motion->rows = (const int16_t *)(const void *)(check->bytes + rows_at);
     size_t node = 0;

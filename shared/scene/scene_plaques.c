@@ -1,4 +1,5 @@
-/* Checking and reading the PLAQUES section: every number within what the core's arithmetic is proved for. */
+/* Check and access of the PLAQUES section: every number must be within the range for which the core's
+ * arithmetic is proved. */
 #include "shared/scene/scene_check.h"
 
 /* Fields, as bytes from the beginning of a plaque's record and of a station. */
@@ -12,11 +13,11 @@ enum {
     FULL_AT = 52,
     RECOIL_AT = 56,
     PACE_AT = 60,
-    FIRST_AT = 64, /* of its stations in the list of all */
+    FIRST_AT = 64, /* index of its first station in the list of all */
     RESERVED_AT = 68,
     HEALTHY_AT = 0,
     CHANNEL_AT = 16,
-    RADIUS_AT = 12, /* behind the point of either */
+    RADIUS_AT = 12, /* offset of the radius behind the point of vessel and channel */
     ALONG_AT = 32,
     STATION_RESERVED_AT = 44,
     BOX_MAX_Q30 = 1 << 27,     /* 125 mm */
@@ -24,7 +25,7 @@ enum {
     RADIUS_MAX_Q30 = 21474836, /* 20 mm */
     PRESSURE_MAX_Pa = 4000000,
     SPACINGS_APART_MAX = 2, /* neighbours */
-    SPACINGS_ASIDE_MAX = 4, /* the channel's middle off the vessel's */
+    SPACINGS_ASIDE_MAX = 4, /* largest distance of the channel's middle from the vessel's */
 };
 
 static const uint8_t *record_at(const uint8_t *plaques, uint32_t index)
@@ -37,7 +38,7 @@ static bool is_between(int32_t value, int32_t low, int32_t high)
     return value >= low && value <= high;
 }
 
-/* Length of three words Q30 within 2^-19 of one. */
+/* Is the length of three words in Q30 within 2^-19 of one? */
 static bool is_unit(const uint8_t *words)
 {
     const uint64_t one_q60 = (uint64_t)1 << 60, tolerance_q60 = (uint64_t)1 << 42;
@@ -78,7 +79,7 @@ static bool record_is_good(const uint8_t *record, uint32_t stations_before)
            crn_scene_u32(record + FIRST_AT) == stations_before;
 }
 
-/* `before` NULL: the first one. */
+/* `before` is NULL for the first station. */
 static bool station_is_good(const uint8_t *record, const uint8_t *station, const uint8_t *before)
 {
     const int64_t spacing = (int64_t)1 << crn_scene_u32(record + SPACING_AT);

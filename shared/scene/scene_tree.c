@@ -1,4 +1,4 @@
-/* Checking and reading the TREE section of a body file. */
+/* Check and access of the TREE section of a body file. */
 #include "shared/scene/scene_check.h"
 
 /* Fields of a branch, as bytes from its beginning. */
@@ -60,7 +60,7 @@ static crn_scene_status check_points(crn_scene_check *check, size_t where, uint3
     return CRN_SCENE_OK;
 }
 
-/* Parents come first, so that there is no circle, and points follow each other without a gap. */
+/* Parents come first, so that there is no circle; points follow each other without a gap. */
 static crn_scene_status check_branch(crn_scene_check *check, const uint8_t *tree, uint32_t index,
                                      uint32_t *points_before)
 {

@@ -1,4 +1,4 @@
-/* Laying out a scene container: scene_write.h. */
+/* Writes the layout of a scene container (scene_write.h). */
 #include "shared/scene/scene_write.h"
 #include "shared/wire/wire_frame.h"
 
@@ -30,7 +30,7 @@ size_t crn_scene_write_bytes(const crn_scene_part *parts, uint32_t part_count)
     return (size_t)padded(total);
 }
 
-/* The oldest version that knows this part. */
+/* The oldest version that can read this part. */
 static uint16_t minor_of_part(const crn_scene_part *part)
 {
     if (part->type == CRN_SCENE_PARTNER) return 5;
@@ -43,7 +43,7 @@ static uint16_t minor_of_part(const crn_scene_part *part)
     return moves ? 1 : 0;
 }
 
-/* Files without lesions, motion and tree are as they were. */
+/* Files without lesions, motion and tree keep their old version. */
 static uint16_t minor_of(const crn_scene_part *parts, uint32_t part_count)
 {
     uint16_t minor = 0;

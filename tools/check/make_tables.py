@@ -72,7 +72,8 @@ def table(text, name, rows):
 
 def generate():
     text = [
-        "/* Constants of firmware/core/fixed.h. Written by tools/check/make_tables.py: change that, not this file. */",
+        "/* Constants of firmware/core/fixed.h. tools/check/make_tables.py writes this file: change that script, not",
+        " * this file. */",
         '#include "firmware/core/fixed.h"',
         "",
         "// clang-format off",

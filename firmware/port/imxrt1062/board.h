@@ -1,4 +1,5 @@
-/* Never run on hardware. What the files of this port share, and what a builder sets for his rig.
+/* This port has never run on hardware. Declarations that the files of this port share, and values that a
+ * builder sets for their rig.
  *
  *   boot_header.c  what the processor's ROM reads from the flash     start.c    reset, memory, vectors, exceptions
  *   memory_map.c   caches and protection                             clocks.c   600 MHz, tick, time, watchdog, serial
@@ -6,52 +7,53 @@
  *   scene_ram.c    the PSRAM for scenes                              usb_phy.c, usb_udc.c   the USB controller
  *   encoders.c     quadrature decoders                               sensors.c  ADC
  *   motors.c       PWM and its fault input                           rig.c      port inputs and outputs
- *   main.c         memory, the port's table, the loop
- */
+ *   main.c         memory, the port's table, the loop */
 #ifndef CRN_IMXRT1062_BOARD_H
 #define CRN_IMXRT1062_BOARD_H
 
 #include "firmware/port/port.h"
 #include "firmware/port/udc.h"
 
-/* --- of the rig: measured and set by its builder, docs/porting.md
- * ------------------------------------------------------ */
+/* --- of the rig: measured and set by its builder, docs/porting.md --------------------------------------- */
 enum {
     BOARD_AXIAL_FULL_mN = 12000,    /* force of an axial motor at full duty */
     BOARD_TORQUE_FULL_uN_m = 30000, /* torque of a rotation motor at full duty */
-    BOARD_CURRENT_MAX_raw = 3000,   /* of a track's current sensor: over this is over-current */
-    BOARD_SUPPLY_MIN_raw = 2400,    /* of the supply's divider: the motors' supply is good between these */
+    BOARD_CURRENT_MAX_raw = 3000, /* limit of a track's current sensor: a reading above it is over-current */
+    BOARD_SUPPLY_MIN_raw = 2400,  /* range of the supply's divider in which the motors' supply is good */
     BOARD_SUPPLY_MAX_raw = 3500,
-    BOARD_SENSOR_MIN_raw = 100, /* of force and pressure sensors: outside is a broken cable */
+    /* range of force and pressure sensors: a reading outside means a broken cable */
+    BOARD_SENSOR_MIN_raw = 100,
     BOARD_SENSOR_MAX_raw = 3995,
-    BOARD_FORCE_ZERO_raw = 2048,     /* counts that are subtracted; the exact zero comes by calibration */
+    BOARD_FORCE_ZERO_raw = 2048,     /* counts that are subtracted; calibration gives the exact zero */
     BOARD_FORCE_uN_per_count = 9766, /* 20 N at full scale; a host corrects it by a quarter at most */
     BOARD_TRANSLATION_pm_per_count = 1000000, /* likewise */
     BOARD_ROTATION_counts_per_turn = 65536,
-    BOARD_OPTIONS = 0, /* CRN_WIRE_OPTION_*: which encoders count the other way */
-    BOARD_DAMPING_mN_s_per_m =
-        0, /* own damping as measured, the least of the tracks: hosts state more only with */
-    BOARD_DAMPING_nN_m_s_per_rad = 0, /* the local unlock; 0, not measured: no coupling without the unlock */
-    BOARD_ACTUATOR_LAG_us = 2000,     /* the longest of the tracks: hosts state less only with the unlock */
+    BOARD_OPTIONS = 0, /* CRN_WIRE_OPTION_*: the encoders that count in the opposite direction */
+    /* measured damping of the rig itself, the least of the tracks; hosts may state more only with */
+    BOARD_DAMPING_mN_s_per_m = 0,
+    /* the local unlock. 0 means not measured: no coupling without the unlock */
+    BOARD_DAMPING_nN_m_s_per_rad = 0,
+    /* the longest lag of the tracks; hosts may state less only with the unlock */
+    BOARD_ACTUATOR_LAG_us = 2000,
     BOARD_DEBOUNCE_ticks = 5,
-    BOARD_STOP_RELEASE_ticks = 50, /* an emergency stop counts at once; its release only after this */
+    /* an emergency stop acts at once; its release counts only after this time */
+    BOARD_STOP_RELEASE_ticks = 50,
 };
 
-/* --- of the board
- * ----------------------------------------------------------------------------------------------------------
- */
+/* --- of the board --------------------------------------------------------------------------------------- */
 enum {
     BOARD_CLOCK_HZ = 600000000,
-    BOARD_PERIPHERAL_HZ = 150000000, /* of PWM, decoders, ADC */
-    BOARD_CRYSTAL_HZ = 24000000,     /* of tick, time, console */
-    BOARD_WAIT_MAX = 1000000, /* turns of a loop that waits for the hardware at start-up: then it is broken */
-    BOARD_SLOT_BYTES = 4 << 20, /* of one scene in the PSRAM */
+    BOARD_PERIPHERAL_HZ = 150000000, /* clock of PWM, decoders and ADC */
+    BOARD_CRYSTAL_HZ = 24000000,     /* clock of tick, time and console */
+    BOARD_WAIT_MAX = 1000000, /* iterations of a loop that waits for the hardware at start-up; more mean that
+                                 it is broken */
+    BOARD_SLOT_BYTES = 4 << 20, /* size of one scene in the PSRAM */
     BOARD_SERIAL_BYTES = 24,
 };
 
 int main(void);
 
-/* Waits for `register & mask` to become `value`; false: it did not. Start-up only. */
+/* Waits for `register & mask` to become `value`; returns false if it does not. It is for start-up only. */
 static inline bool board_wait(volatile uint32_t *where, uint32_t mask, uint32_t value)
 {
     for (int i = 0; i < BOARD_WAIT_MAX; i++) {
@@ -64,15 +66,15 @@ static inline bool board_wait(volatile uint32_t *where, uint32_t mask, uint32_t 
 void memory_map_start(void);
 
 /* clocks.c */
-bool clocks_start(void); /* false: a PLL does not lock; the rig must not run */
+bool clocks_start(void); /* false: a PLL does not lock, and the rig must not run */
 void clocks_start_tick(void);
 void clocks_tick(void);          /* the interrupt */
-uint32_t clocks_edges_due(void); /* milliseconds that have begun and are not done */
+uint32_t clocks_edges_due(void); /* milliseconds that have begun and are not processed yet */
 void clocks_edge_done(void);
 uint32_t clocks_now_us(void *context);
-uint32_t clocks_cycles(void); /* of the processor; wraps after 7 s */
+uint32_t clocks_cycles(void); /* cycles of the processor; wraps after 7 s */
 void clocks_feed_watchdog(void);
-bool clocks_was_watchdog(void); /* the last reset came from a watchdog */
+bool clocks_was_watchdog(void); /* true when the last reset came from a watchdog */
 void clocks_serial(char serial[BOARD_SERIAL_BYTES + 1]);
 
 /* pins.c */
@@ -85,7 +87,7 @@ void console_number(const char *name, uint32_t value);
 void console_hex(const char *name, uint32_t value);
 
 /* scene_ram.c */
-bool scene_ram_start(void); /* false: there is none */
+bool scene_ram_start(void); /* false: there is no PSRAM */
 
 /* usb_phy.c, usb_udc.c */
 bool usb_phy_start(void);
@@ -111,13 +113,13 @@ sensors_sample sensors_read(void);
 /* motors.c */
 void motors_start(void);
 void motors_write(const crn_port_motor motors[CRN_PORT_TOOL_MAX]);
-void motors_off(void);   /* from any state of the processor */
+void motors_off(void);   /* can be called in any state of the processor */
 bool motors_fault(void); /* the fault input has turned the outputs off since the last motors_clear_fault */
-void motors_clear_fault(void); /* no effect while the input still says so */
+void motors_clear_fault(void); /* no effect while the input still reports the fault */
 
 /* rig.c */
 bool rig_inputs(void *context, crn_port_inputs *inputs);
 void rig_outputs(void *context, const crn_port_outputs *outputs);
-void rig_outputs_off(void); /* from any state of the processor */
+void rig_outputs_off(void); /* can be called in any state of the processor */
 
 #endif

@@ -1,6 +1,6 @@
-/* Never run on hardware. What the processor's ROM reads from the flash before it starts the image: how to
- * read the flash (FlexSPI configuration block, at 0), where the image is (image vector table, at 0x1000), how
- * long it is (boot data).
+/* This port has never run on hardware. Data that the processor's ROM reads from the flash before it starts
+ * the image: how to read the flash (FlexSPI configuration block, at 0), where the image is (image vector
+ * table, at 0x1000), how long it is (boot data).
  *
  * The layout is that of the i.MX RT1060 reference manual, chapter 9 (system boot), tables "FlexSPI NOR
  * configuration block" and "image vector table"; the read command and its dummy cycles are those of the
@@ -21,14 +21,14 @@ extern const struct start_entry start_vectors;
 
 typedef struct boot_flash { /* 512 bytes */
     uint32_t tag, version, reserved0;
-    uint8_t sample_clock, hold_time, setup_time, column_width; /* 1: sample by the looped-back strobe */
+    uint8_t sample_clock, hold_time, setup_time, column_width; /* 1: sample with the looped-back strobe */
     uint8_t mode_enable[32], mode_rest[16];
     uint32_t controller_options;
     uint8_t device, lines, clock, has_own_sequences; /* 1: NOR; 4; 3: 60 MHz */
     uint32_t reserved1[2];
     uint32_t sizes[4]; /* A1, A2, B1, B2, bytes */
     uint32_t reserved2[8];
-    uint32_t sequences[64]; /* 16 of 4 words; the first reads */
+    uint32_t sequences[64]; /* 16 sequences of 4 words; the first one reads */
     uint32_t reserved3[16];
     uint32_t page_bytes, sector_bytes;
     uint32_t reserved4[14];

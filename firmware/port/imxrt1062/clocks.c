@@ -1,5 +1,5 @@
-/* Never run on hardware. The processor's clock, the edge of every millisecond, time, the watchdog and the
- * chip's number.
+/* This port has never run on hardware. The processor's clock, the edge of every millisecond, the time, the
+ * watchdog and the chip's serial number.
  *
  *   crystal 24 MHz -> ARM PLL 1,200 MHz / 2 -> processor 600 MHz / 4 -> peripherals 150 MHz
  *   crystal 24 MHz -> PIT (the 1 ms edge), GPT1 (microseconds), console */
@@ -9,15 +9,16 @@
 
 enum {
     INTERRUPT_PIT = 122,
-    CORE_VOLTAGE_TARGET = 18, /* 0.8 V + 18 x 25 mV = 1.25 V: what 600 MHz need */
+    CORE_VOLTAGE_TARGET = 18, /* 0.8 V + 18 x 25 mV = 1.25 V: required for 600 MHz */
     PLL_MULTIPLIER = 100,     /* x 24 MHz / 2 */
     PRE_PERIPHERAL_ARM_PLL = 3,
-    GPT_CLOCK_CRYSTAL = 2,     /* the peripheral clock, which take_clocks has connected to the crystal */
-    WATCHDOG_HALF_SECONDS = 3, /* + 1: 2 s. The longest request is a scene's validation, under 0.5 s */
+    GPT_CLOCK_CRYSTAL = 2, /* the peripheral clock, which take_clocks has connected to the crystal */
+    /* + 1: 2 s. The longest request is a scene's validation, which takes under 0.5 s */
+    WATCHDOG_HALF_SECONDS = 3,
     ALL_GATES_OPEN = -1,
 };
 
-static volatile uint32_t edges; /* counted by the interrupt */
+static volatile uint32_t edges; /* the interrupt increments it */
 static uint32_t edges_done;
 
 static void open_gates(void)
@@ -26,7 +27,7 @@ static void open_gates(void)
         R32(BASE_CCM, gate) = (uint32_t)ALL_GATES_OPEN;
 }
 
-/* The processor waits on the crystal while its PLL is set. */
+/* The processor runs on the crystal while its PLL is set. */
 static bool take_clocks(void)
 {
     volatile uint32_t *pll = &R32(BASE_CCM_ANALOG, CCM_ANALOG_PLL_ARM), *bus = &R32(BASE_CCM, CCM_CBCDR);
@@ -57,7 +58,8 @@ static bool take_clocks(void)
 
 static void start_watchdog(void)
 {
-    /* The ROM may have left the other watchdog on: unlock, then off, before its window of 255 clocks ends. */
+    /* The ROM may have left the other watchdog on. It is unlocked, then turned off, before its window of 255
+     * clocks ends. */
     if (R32(BASE_RTWDOG, RTWDOG_CS) & MASK(RTWDOG_CS_EN)) {
         R32(BASE_RTWDOG, RTWDOG_CNT) = 0xd928c520u;
         R32(BASE_RTWDOG, RTWDOG_TOVAL) = 0xffffu;
@@ -99,7 +101,7 @@ bool clocks_start(void)
 
 void clocks_start_tick(void)
 {
-    R32(BASE_PIT, PIT_MCR) = 0; /* on, also in debug: a halted processor is late, and finds that out */
+    R32(BASE_PIT, PIT_MCR) = 0; /* on, also in debug: a halted processor is late, and detects that */
     R32(BASE_PIT, PIT_LDVAL_0) = BOARD_CRYSTAL_HZ / 1000 - 1;
     R32(BASE_PIT, PIT_TFLG_0) = MASK(PIT_TFLG_0_TIF);
     R32(BASE_PIT, PIT_TCTRL_0) = MASK(PIT_TCTRL_0_TIE) | MASK(PIT_TCTRL_0_TEN);
@@ -111,7 +113,7 @@ void clocks_tick(void)
 {
     R32(BASE_PIT, PIT_TFLG_0) = MASK(PIT_TFLG_0_TIF);
     edges++;
-    __asm__ volatile("dsb" ::: "memory"); /* the flag is down before the interrupt ends */
+    __asm__ volatile("dsb" ::: "memory"); /* the flag is cleared before the interrupt ends */
 }
 
 uint32_t clocks_edges_due(void)
@@ -146,7 +148,7 @@ bool clocks_was_watchdog(void)
     return (R32(BASE_SRC, SRC_SRSR) & (MASK(SRC_SRSR_WDOG_RST_B) | MASK(SRC_SRSR_WDOG3_RST_B))) != 0;
 }
 
-/* The chip's own 64-bit number, as text. */
+/* Converts the chip's own 64-bit number to text. */
 void clocks_serial(char serial[BOARD_SERIAL_BYTES + 1])
 {
     static const char head[] = "RT1062-";

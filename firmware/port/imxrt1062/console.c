@@ -1,5 +1,6 @@
-/* Never run on hardware. Text on LPUART6 (115,200 baud, pin 1), for people and logs: a banner at power-up and
- * a line for every exception. Waits for the UART, so never called while ticks run. */
+/* This port has never run on hardware. Text on LPUART6 (115,200 baud, pin 1), for people and logs: a banner
+ * at power-up and a line for every exception. It waits for the UART, so it is never called while ticks
+ * run. */
 #include "firmware/port/console_digits.h"
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/imxrt1062/imxrt1062_registers.h"

@@ -1,7 +1,7 @@
-/* Never run on hardware. Seven quadrature encoders, every edge counted in hardware:
+/* This port has never run on hardware. Seven quadrature encoders, of which hardware counts every edge:
  *
- *   decoders ENC1 to ENC4 (32 bits, tell an illegal step) by the crossbar: translation 1, 2, 3 and rotation 1
- *   timers TMR3 and TMR1 (16 bits, widened here, cannot tell one): rotation 2 and 3, syringe
+ *   decoders ENC1 to ENC4 (32 bits, detect an illegal step) by the crossbar: translation 1, 2, 3, rotation 1
+ *   timers TMR3 and TMR1 (16 bits, widened here, detect none): rotation 2 and 3, syringe
  *
  * A timer must not pass 32,767 counts between two ticks: 32 million a second, beyond any encoder. */
 #include "firmware/port/imxrt1062/board.h"
@@ -10,11 +10,11 @@
 enum {
     DECODERS = 4,
     TIMERS = 3,
-    CROSSBAR_ENC1_A =
-        66, /* the crossbar's outputs: phases A and B of ENC1, then 5 further for each decoder */
+    /* the crossbar's outputs: phases A and B of ENC1; each further decoder is 5 higher */
+    CROSSBAR_ENC1_A = 66,
     CROSSBAR_PER_DECODER = 5,
-    FILTER_SAMPLES = 2, /* + 3 samples alike */
-    FILTER_CLOCKS = 6,  /* between them: pulses under 200 ns are noise */
+    FILTER_SAMPLES = 2, /* + 3 equal samples */
+    FILTER_CLOCKS = 6,  /* clocks between the samples: pulses under 200 ns are noise */
     COUNT_QUADRATURE = 4,
 };
 
@@ -23,7 +23,7 @@ static const uint32_t decoder_base[DECODERS] = {BASE_ENC1, BASE_ENC2, BASE_ENC3,
 static const uint8_t decoder_inputs[DECODERS][2] = {{6, 7}, {8, 9}, {22, 23}, {14, 15}};
 
 static const struct timer_channel {
-    uint32_t base, channel; /* counts on the inputs `channel` and `channel` + 1 */
+    uint32_t base, channel; /* it counts on the inputs `channel` and `channel` + 1 */
 } timer_channels[TIMERS] = {{BASE_TMR3, 0}, {BASE_TMR3, 2}, {BASE_TMR1, 0}};
 
 static struct {
@@ -31,7 +31,7 @@ static struct {
     uint32_t counts;
 } wide[TIMERS];
 
-/* Which decoder (0 .. 3) or timer (4 .. 6) counts what. */
+/* The decoder (0 .. 3) or timer (4 .. 6) of each encoder. */
 static const uint8_t source[ENCODERS_COUNT] = {0, 3, 1, 4, 2, 5, 6};
 
 static void connect(uint32_t output, uint8_t input)
@@ -83,7 +83,7 @@ static int32_t signed_of(uint32_t word)
     return word <= INT32_MAX ? (int32_t)word : -1 - (int32_t)(UINT32_MAX - word);
 }
 
-/* Reading the low half keeps the high half of the same moment. */
+/* Reading the low half latches the high half of the same moment. */
 static encoders_reading read_decoder(uint32_t base)
 {
     uint32_t low = R16(base, ENC_LPOS), high = R16(base, ENC_UPOSH);

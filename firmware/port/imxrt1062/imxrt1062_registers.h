@@ -1,13 +1,13 @@
-/* Never run on hardware. The i.MX RT1062's registers that this port uses, and no others.
+/* This port has never run on hardware. The i.MX RT1062's registers that this port uses, and no others.
  *
  *   BASE_<instance>            address of a peripheral
- *   <MODULE>_<REGISTER>        offset; _0 is the first of an array, <MODULE>_STRIDE_<REGISTER> the way to the next
+ *   <MODULE>_<REGISTER>        offset; _0 is the first of an array, <MODULE>_STRIDE_<REGISTER> the step to the next
  *   <MODULE>_<REGISTER>_<FIELD> lowest bit, bits
  *   PAD_<pad>_<function>       offset of its mux register, its mux mode, offset of its pad register (of IOMUXC)
  *   DAISY_<input>_<pad>        offset of an input's selection register, its value (of IOMUXC)
  *
- * `make registers` (tools/check/check_registers.py) holds every line here, and the width of every access,
- * against the machine-readable description of the crate imxrt-ral. */
+ * `make registers` (tools/check/check_registers.py) compares every line here, and the width of every access,
+ * with the machine-readable description in the crate imxrt-ral. */
 #ifndef CRN_IMXRT1062_REGISTERS_H
 #define CRN_IMXRT1062_REGISTERS_H
 
@@ -16,7 +16,7 @@
 #ifndef R32
 #define R16(base, offset) (*(volatile uint16_t *)(uintptr_t)((base) + (offset)))
 #define R32(base, offset) (*(volatile uint32_t *)(uintptr_t)((base) + (offset)))
-/* Where a test has a model: every access by name. */
+/* Where a test provides a model, these macros pass it every access by name. */
 #define LOAD(REGISTER) (REGISTER)
 #define STORE(REGISTER, value) ((REGISTER) = (value))
 #endif

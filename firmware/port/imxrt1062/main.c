@@ -1,9 +1,11 @@
-/* Never run on hardware. The device on an i.MX RT1062 (Teensy 4.1): memory, the port's table, and the loop
- * that hands bytes and milliseconds to the app. Nothing here allocates; the one interrupt only counts.
+/* This port has never run on hardware. The device on an i.MX RT1062 (Teensy 4.1): memory, the port's table,
+ * and the loop that passes bytes and milliseconds to the app. Nothing here allocates memory; the one
+ * interrupt only counts.
  *
- *   loop:  USB -> crn_app_receive     an edge is due -> crn_app_timer (reads inputs, writes outputs), then the state report
+ *   loop:  USB -> crn_app_receive
+ *          an edge is due -> crn_app_timer (reads inputs, writes outputs), then the state report
  *
- * Some packets and one edge per round, so that neither starves the other. */
+ * A round handles some packets and one edge, so that neither starves the other. */
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/usb/rig_usb.h"
 
@@ -48,7 +50,7 @@ static void greet(bool has_scenes)
     if (clocks_was_watchdog()) console_text("the last start ended by the watchdog\n");
 }
 
-/* The hardware is broken: say so, stay off, let the watchdog try again. */
+/* The hardware is broken: reports it, keeps everything off, and lets the watchdog restart the device. */
 static void give_up(const char *what)
 {
     rig_outputs_off();
@@ -68,8 +70,8 @@ static void tick(void)
     clocks_edge_done();
 }
 
-/* The watchdog lives on edges that the app has done to their end, on nothing else: neither a loop that goes
- * round without its milliseconds nor a host that keeps the pipe busy keeps it quiet. */
+/* Only edges that the app has completed feed the watchdog. Neither a loop that runs without its milliseconds
+ * nor a host that keeps the pipe busy can feed it. */
 static void feed_watchdog(void)
 {
     static uint32_t fed;
@@ -80,7 +82,7 @@ static void feed_watchdog(void)
 
 int main(void)
 {
-    bool has_clock = clocks_start(); /* opens the gates of everything below */
+    bool has_clock = clocks_start(); /* enables the clocks of everything below */
     pins_start();
     console_start();
     if (!has_clock) give_up("the processor's clock does not lock\n");

@@ -1,11 +1,11 @@
-/* Never run on hardware. Caches and protection. What is written by others than the processor is never cached:
- * registers, and the OCRAM with the USB controller's lists and buffers. */
+/* This port has never run on hardware. Caches and protection. Memory that others than the processor write is
+ * never cached: registers, and the OCRAM with the USB controller's lists and buffers. */
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/imxrt1062/cortex_m7.h"
 
 extern uint32_t stack_guard[];
 
-enum { /* of CORE_MPU_RASR: type (TEX, S, C, B), access, size as 2^(n + 1) bytes */
+enum { /* fields of CORE_MPU_RASR: type (TEX, S, C, B), access, size as 2^(n + 1) bytes */
        TYPE_DEVICE = 1 << 16,
        TYPE_UNCACHED = 1 << 19,
        TYPE_WRITE_THROUGH = 1 << 17,
@@ -27,7 +27,7 @@ typedef struct region {
     uint32_t attributes, size;
 } region;
 
-/* Where two overlap, the later one holds. */
+/* Where two regions overlap, the later one applies. */
 static void protect(void)
 {
     const region regions[] = {
@@ -50,7 +50,8 @@ static void protect(void)
     core_barrier();
 }
 
-/* After a reset the caches hold noise: they are emptied before they are turned on. */
+/* After a reset the contents of the caches are undefined, so they are invalidated before they are turned
+ * on. */
 static void start_caches(void)
 {
     CORE_ICIALLU = 0;

@@ -1,11 +1,11 @@
-/* Never run on hardware. Six motors: a pulse width each (20 kHz) by FlexPWM2 and 3, and a direction line. The
- * fault line (pin 5, low: over-current, or its cable is broken) turns all outputs off in the PWM's own logic,
- * without a clock or the processor. */
+/* This port has never run on hardware. Six motors: each has a pulse width (20 kHz) from FlexPWM2 or 3, and a
+ * direction line. The fault line (pin 5, low: over-current, or its cable is broken) turns all outputs off in
+ * the PWM's own logic, without a clock or the processor. */
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/imxrt1062/imxrt1062_registers.h"
 
 enum {
-    MOTORS = 2 * CRN_PORT_TOOL_MAX, /* axial of track k: 2 k; rotation: 2 k + 1 */
+    MOTORS = 2 * CRN_PORT_TOOL_MAX, /* motor 2 k: axial of track k; motor 2 k + 1: its rotation */
     PERIOD_counts = BOARD_PERIPHERAL_HZ / 20000,
     SUBMODULE_BYTES = PWM_STRIDE_SMCTRL,
     FAULT_INPUT = 1, /* bit of fault 0 */
@@ -14,7 +14,7 @@ enum {
     CROSSBAR_FAULT_LINE = 17,
     CROSSBAR_PWM2_FAULT0 = 49,
     CROSSBAR_PWM3_FAULT0 = 56,
-    DIRECTION_BIT = 12, /* of GPIO3, axial 1; the others follow */
+    DIRECTION_BIT = 12, /* bit of GPIO3 for axial 1; the others follow */
 };
 
 static const struct output {
@@ -51,7 +51,8 @@ static void start_module(uint32_t base, uint32_t submodules)
     R16(base, PWM_OUTEN) = 0;
     R16(base, PWM_FFILT0) = (uint16_t)(BITS(PWM_FFILT0_FILT_CNT, FAULT_FILTER_SAMPLES) |
                                        BITS(PWM_FFILT0_FILT_PER, FAULT_FILTER_CLOCKS));
-    /* Low is a fault; it stays until it is cleared by hand, and not while the line is low. */
+    /* A low level is a fault. It stays until software clears it, which is impossible while the line is
+     * low. */
     R16(base, PWM_FCTRL0) = (uint16_t)(BITS(PWM_FCTRL0_FLVL, 0) | BITS(PWM_FCTRL0_FAUTO, 0) |
                                        BITS(PWM_FCTRL0_FSAFE, FAULT_INPUT));
     for (uint32_t i = 0; i < 4; i++) {

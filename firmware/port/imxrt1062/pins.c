@@ -1,4 +1,5 @@
-/* Never run on hardware. What every pin is: the table of docs/porting.md, "Pins", row by row. */
+/* This port has never run on hardware. The function of every pin: the table of docs/porting.md, "Pins", row
+ * by row. */
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/imxrt1062/imxrt1062_registers.h"
 
@@ -12,7 +13,7 @@ enum {
     INPUT_DOWN = PULL(0) | PAD_FIELD(HYS, 1), /* 100 kOhm to ground: a broken cable reads low */
     ANALOG = 0,
     MEMORY = PAD_FIELD(DSE, 6) | PAD_FIELD(SPEED, 3) | PAD_FIELD(HYS, 1),
-    FORCE_INPUT_PATH = 1 << 4, /* the strobe that goes out is read back */
+    FORCE_INPUT_PATH = 1 << 4, /* the outgoing strobe is read back */
     NO_DAISY = 0,
 };
 
@@ -81,7 +82,7 @@ static const pin pins[] = {
     {PAD_EMC_29_FLEXSPI2_A_DATA03, MEMORY, DAISY_FLEXSPI2_IPP_IND_IO_FA_BIT3_EMC_29},
 };
 
-/* Outputs are low before they are outputs. The pins' fast twins (GPIO6 to 9) are left unused. */
+/* Outputs are set low before they become outputs. The pins' fast alternatives (GPIO6 to 9) are not used. */
 void pins_start(void)
 {
     for (uint32_t gpr = IOMUXC_GPR_GPR26; gpr <= IOMUXC_GPR_GPR29; gpr += 4) R32(BASE_IOMUXC_GPR, gpr) = 0;

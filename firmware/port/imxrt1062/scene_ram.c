@@ -1,6 +1,6 @@
-/* Never run on hardware. The PSRAM for scenes (8 MB, APS6404L or ESP-PSRAM64H) at 0x70000000 through
- * FlexSPI2, four lines for commands, addresses and data: commands of the chip's data sheet. It is trusted
- * after a test of its address lines. */
+/* This port has never run on hardware. The PSRAM for scenes (8 MB, APS6404L or ESP-PSRAM64H) at 0x70000000
+ * through FlexSPI2, with four lines for commands, addresses and data. The commands are those of the chip's
+ * data sheet. It is used only after a test of its address lines. */
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/imxrt1062/imxrt1062_registers.h"
 
@@ -71,7 +71,7 @@ static bool command(uint32_t sequence)
     return is_good;
 }
 
-/* A different word at 0 and at every power of two: a missing chip or address line shows. */
+/* Writes a different word at 0 and at every power of two, which reveals a missing chip or address line. */
 static bool test_memory(void)
 {
     volatile uint32_t *ram = (volatile uint32_t *)(uintptr_t)RAM_BEGIN;
@@ -83,7 +83,7 @@ static bool test_memory(void)
     return is_good;
 }
 
-/* Called before the caches are on: the test sees the chip. */
+/* It is called before the caches are on, so that the test reaches the chip. */
 bool scene_ram_start(void)
 {
     volatile uint32_t *control = &R32(BASE_FLEXSPI2, FLEXSPI_MCR0);
@@ -107,7 +107,7 @@ bool scene_ram_start(void)
     uint32_t idle = MASK(FLEXSPI_STS0_SEQIDLE) | MASK(FLEXSPI_STS0_ARBIDLE);
     if (!board_wait(&R32(BASE_FLEXSPI2, FLEXSPI_STS0), idle, idle)) return false;
     set_sequences();
-    /* After a reset of the processor alone the chip still listens on four lines. */
+    /* After a reset of the processor alone the chip still uses four lines. */
     return command(SEQUENCE_ONE_LINE) && command(SEQUENCE_RESET_ENABLE) && command(SEQUENCE_RESET) &&
            command(SEQUENCE_FOUR_LINES) && test_memory();
 }

@@ -1,12 +1,13 @@
-/* Never run on hardware. Force, current, pressure and supply by the two 12-bit converters, each the mean of
- * four samples. Both convert side by side; one sample of everything takes some 20 us. */
+/* This port has never run on hardware. Force, current, pressure and supply, measured by the two 12-bit
+ * converters; each value is the mean of four samples. Both convert in parallel; one sample of everything
+ * takes some 20 us. */
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/imxrt1062/imxrt1062_registers.h"
 
 enum {
-    WAIT_MAX = 2000, /* turns, about 50 us: a converter that does not end is broken */
+    WAIT_MAX = 2000, /* iterations, about 50 us: a converter that takes longer is broken */
     BITS_12 = 2,
-    CLOCK_HALF = 1, /* 150 MHz / 2 / 2 = 37.5 MHz, of 40 MHz at most */
+    CLOCK_HALF = 1, /* 150 MHz / 2 / 2 = 37.5 MHz; the maximum is 40 MHz */
     DIVIDE_BY_2 = 1,
     NO_CHANNEL = 31,
     /* channels of ADC1, by pin: docs/porting.md */

@@ -1,7 +1,7 @@
-/* Never run on hardware. From reset to main(): the ROM jumps to `start` in the flash, which splits the
- * FlexRAM, copies code and data, and changes to the stack in the data memory. And what is left when an
- * exception ends the program: power off, a line on the console, and the watchdog's reset. The floating-point
- * unit stays off: nothing uses it. */
+/* This port has never run on hardware. From reset to main(): the ROM jumps to `start` in the flash, which
+ * splits the FlexRAM, copies code and data, and switches to the stack in the data memory. It also handles an
+ * exception that ends the program: power off, a line on the console, and the watchdog's reset. The
+ * floating-point unit stays off, because nothing uses it. */
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/imxrt1062/cortex_m7.h"
 #include "firmware/port/imxrt1062/imxrt1062_registers.h"
@@ -12,9 +12,10 @@ extern uint32_t bss_begin[], bss_end[], dma_begin[], dma_end[], stack_top[], sta
 void start(void);
 
 enum {
-    /* FlexRAM's 16 banks of 32 kB, two bits each: 3 code memory (the lowest 6 banks), 2 data memory (10). */
+    /* FlexRAM has 16 banks of 32 kB, with two bits each: 3 is code memory (the lowest 6 banks), 2 is data
+     * memory (10 banks). */
     BANKS_CODE = 6,
-    SIZE_512_kB = 10, /* of both memories, which must hold their banks: a power of two */
+    SIZE_512_kB = 10, /* size field of both memories, which must hold their banks: a power of two */
     EXCEPTIONS = 16,
     INTERRUPTS = 160,
     INTERRUPT_PIT = 122,
@@ -32,7 +33,7 @@ __attribute__((section(".start"))) static void clear(uint32_t *to, const uint32_
     while (to < end) *to++ = 0;
 }
 
-/* Runs in the flash, on a stack in the OCRAM, before any other memory is there. */
+/* It runs in the flash, on a stack in the OCRAM, before any other memory exists. */
 __attribute__((section(".start"), noreturn)) void start(void)
 {
     __asm__ volatile("cpsid i");
@@ -54,7 +55,7 @@ __attribute__((section(".start"), noreturn)) void start(void)
     __builtin_unreachable();
 }
 
-/* `frame` is what the processor pushed when the exception came. */
+/* `frame` is what the processor pushed at the exception. */
 __attribute__((used)) static void crashed(const uint32_t *frame)
 {
     rig_outputs_off();
@@ -69,9 +70,9 @@ __attribute__((used)) static void crashed(const uint32_t *frame)
     }
 }
 
-/* Changes to the stack of `start`: the one in use may be what overflowed. A frame that could not be pushed
- * into the guard is not read: then the old stack pointer lies below the stack, and the words shown are those
- * of the guard's end. */
+/* Switches to the stack of `start`, because the one in use may have overflowed. A frame that could not be
+ * pushed into the guard is not read: then the old stack pointer lies below the stack, and the words shown are
+ * those at the guard's end. */
 __attribute__((naked)) static void unexpected(void)
 {
     __asm__ volatile("mrs r0, msp\n"
@@ -86,7 +87,8 @@ __attribute__((naked)) static void unexpected(void)
 }
 
 typedef void vector(void);
-/* What the ROM is pointed to by boot_header.c: stack and entry, as a processor finds them after reset. */
+/* boot_header.c points the ROM to this table: stack and entry, in the form that a processor reads after
+ * reset. */
 __attribute__((section(".start_vectors"), used)) const struct start_entry {
     const uint32_t *stack;
     vector *start;

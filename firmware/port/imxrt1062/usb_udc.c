@@ -1,21 +1,21 @@
-/* Never run on hardware. The USB device controller (EHCI's registers, used from the device's side) behind
- * firmware/port/udc.h.
+/* This port has never run on hardware. The USB device controller (EHCI's registers, used from the device's
+ * side) behind firmware/port/udc.h.
  *
- * Every endpoint has a head (64 bytes, in one table that the controller knows) and one transfer descriptor of
- * up to 16 kB. Arming writes the descriptor, points the head at it and primes the endpoint; the controller
- * does the packets and sets a bit of ENDPTCOMPLETE. Heads, descriptors and buffers lie in memory that is not
- * cached (the section .dma, or tightly coupled memory). Interrupts stay off: poll() reads what has happened.
- * Every loop has a bound. */
+ * Every endpoint has a head (64 bytes, in one table whose address the controller holds) and one transfer
+ * descriptor of up to 16 kB. Arming writes the descriptor, points the head at it and primes the endpoint; the
+ * controller transfers the packets and sets a bit of ENDPTCOMPLETE. Heads, descriptors and buffers lie in
+ * memory that is not cached (the section .dma, or tightly coupled memory). Interrupts stay off: poll() reads
+ * what has happened. Every loop has a bound. */
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/imxrt1062/cortex_m7.h"
 #include "firmware/port/imxrt1062/imxrt1062_registers.h"
 
 enum {
     ENDPOINTS = 8,
-    PIPES = 2 * ENDPOINTS, /* out 0, in 0, out 1, in 1 ... as the controller's table has them */
+    PIPES = 2 * ENDPOINTS, /* out 0, in 0, out 1, in 1 ... in the order of the controller's table */
     PAGES = 5,
     PAGE_BYTES = 4096,
-    TRANSFER_BYTES_MAX = (PAGES - 1) * PAGE_BYTES, /* fits wherever in a page it begins */
+    TRANSFER_BYTES_MAX = (PAGES - 1) * PAGE_BYTES, /* fits wherever in a page the transfer begins */
     WAIT_MAX = 1000,                               /* turns: some microseconds */
     LINK_END = 1,
     TOKEN_ACTIVE = 1 << 7,
@@ -25,9 +25,9 @@ enum {
     TOKEN_BYTES_SHIFT = 16,
     TOKEN_BYTES_MASK = 0x7fff,
     HEAD_INTERRUPT_ON_SETUP = 1 << 15,
-    HEAD_NO_EMPTY_PACKETS = 1 << 29, /* the stack says itself when one is due */
+    HEAD_NO_EMPTY_PACKETS = 1 << 29, /* the stack itself requests an empty packet when one is due */
     HEAD_PACKET_SHIFT = 16,
-    IN_SHIFT = 16, /* of the endpoint bit maps: OUT below, IN above */
+    IN_SHIFT = 16, /* in the endpoint bit maps: OUT below, IN above */
     SPEED_HIGH = 2,
     MODE_DEVICE = 2,
     TYPE_UNUSED = CRN_UDC_BULK, /* the other direction of an endpoint must not be a control one */
@@ -54,7 +54,7 @@ static struct usb_memory {
 
 static struct usb_controller {
     uint32_t armed_bytes[PIPES];
-    uint32_t complete; /* bits taken from ENDPTCOMPLETE and not yet told */
+    uint32_t complete; /* bits taken from ENDPTCOMPLETE and not yet reported */
     bool is_resetting, is_suspended, has_power;
     crn_udc udc;
 } controller;
@@ -87,7 +87,8 @@ static void wait_clear(volatile uint32_t *where, uint32_t bits)
     }
 }
 
-/* A packet under way may outlive one flush: until the endpoint's status says that nothing is ready. */
+/* A packet under way may outlive one flush, so it repeats until the endpoint's status shows that nothing is
+ * ready. */
 static void flush(uint32_t bits)
 {
     for (int i = 0; i < 4; i++) {
@@ -99,7 +100,7 @@ static void flush(uint32_t bits)
     controller.complete &= ~bits;
 }
 
-/* --- what the stack asks for --- */
+/* --- requests of the stack --- */
 static void udc_connect(void *context, bool connected)
 {
     (void)context;
@@ -145,7 +146,7 @@ static void udc_close(void *context, uint8_t endpoint)
            endpoint & CRN_UDC_IN ? MASK(USB_ENDPTCTRL_0_TXE) : MASK(USB_ENDPTCTRL_0_RXE), 0);
 }
 
-/* Lets the controller have the transfer that is described. */
+/* Gives the controller the described transfer. */
 static void prime(uint8_t endpoint)
 {
     usb_head *head = &memory.heads[pipe_of(endpoint)];
@@ -158,7 +159,7 @@ static void prime(uint8_t endpoint)
 static void udc_arm(void *context, uint8_t endpoint, uint8_t *bytes, uint32_t count)
 {
     (void)context;
-    /* A setup packet that is still to be told makes this transfer void: priming now would answer the wrong
+    /* A setup packet that is not yet reported voids this transfer: priming now would answer the wrong
      * request. */
     if ((endpoint & 0x7fu) == 0 && LOAD(R32(BASE_USB1, USB_ENDPTSETUPSTAT)) != 0) return;
     usb_transfer *transfer = &memory.transfers[pipe_of(endpoint)];
@@ -193,7 +194,7 @@ static void udc_test(void *context, uint8_t selector)
     change(&R32(BASE_USB1, USB_PORTSC1), MASK(USB_PORTSC1_PTC), BITS(USB_PORTSC1_PTC, selector));
 }
 
-/* --- what has happened --- */
+/* --- events --- */
 static void close_all(void)
 {
     STORE(R32(BASE_USB1, USB_ENDPTSETUPSTAT), LOAD(R32(BASE_USB1, USB_ENDPTSETUPSTAT)));
@@ -213,8 +214,8 @@ static void close_all(void)
     }
 }
 
-/* The bus: a reset begins (URI) and ends (port change, the speed is known); quiet for 3 ms (SLI); the cable
- * (BSV). */
+/* Events of the bus: a reset begins (URI) and ends (port change, the speed is known); the bus is quiet for 3
+ * ms (SLI); the cable changes (BSV). */
 static bool take_bus(crn_udc_event *event)
 {
     uint32_t status = LOAD(R32(BASE_USB1, USB_USBSTS)), port = LOAD(R32(BASE_USB1, USB_PORTSC1));
@@ -246,8 +247,8 @@ static bool take_bus(crn_udc_event *event)
     return event->kind != CRN_UDC_NOTHING;
 }
 
-/* The eight bytes are read again when another setup packet came meanwhile: then the controller clears the
- * trip wire. */
+/* The eight bytes are read again when another setup packet came meanwhile; in that case the controller has
+ * cleared the trip wire. */
 static bool take_setup(crn_udc_event *event)
 {
     volatile uint32_t *command = &R32(BASE_USB1, USB_USBCMD);
@@ -267,8 +268,8 @@ static bool take_setup(crn_udc_event *event)
     return true;
 }
 
-/* A transfer that ended by an error of the bus is begun again; one that was halted (the host sent more than
- * was asked for) is answered with STALL. */
+/* A transfer that ended by an error of the bus is started again. A halted one (the host sent more than was
+ * requested) is answered with STALL. */
 static bool take_transfer(uint8_t endpoint, crn_udc_event *event)
 {
     usb_transfer *transfer = &memory.transfers[pipe_of(endpoint)];
@@ -313,7 +314,7 @@ static bool udc_poll(void *context, crn_udc_event *event)
     return take_bus(event) || take_setup(event) || take_complete(event);
 }
 
-/* NULL: the controller does not come out of its reset. */
+/* Returns NULL when the controller does not come out of its reset. */
 const crn_udc *usb_udc_start(void)
 {
     volatile uint32_t *command = &R32(BASE_USB1, USB_USBCMD);

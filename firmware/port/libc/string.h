@@ -1,5 +1,5 @@
 /* The part of <string.h> that shared/ and firmware/app use, for images that are linked without a C library;
- * the functions are those of the port (memory.c). */
+ * the port provides the functions (memory.c). */
 #ifndef CRN_PORT_STRING_H
 #define CRN_PORT_STRING_H
 

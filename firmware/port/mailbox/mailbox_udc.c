@@ -1,7 +1,7 @@
-/* The controller in memory. Called through crn_udc. */
+/* The controller in memory. Its functions are called through crn_udc. */
 #include "firmware/port/mailbox/mailbox_udc.h"
 
-/* --- what the stack asks for --- */
+/* --- requests of the stack --- */
 static crn_mailbox_endpoint *endpoint_of(crn_mailbox_udc *controller, uint8_t endpoint)
 {
     uint8_t number = endpoint % CRN_MAILBOX_ENDPOINT_COUNT;
@@ -135,10 +135,11 @@ static crn_mailbox_reply out(crn_mailbox_udc *controller, const crn_mailbox_host
     if (!pipe->is_open || bytes > pipe->packet_bytes) return CRN_MAILBOX_SILENCE;
     if (pipe->is_stalled) return CRN_MAILBOX_STALL;
     bool toggle = (token->token_flags & CRN_MAILBOX_DATA1) != 0;
-    if (toggle != pipe->toggle) return CRN_MAILBOX_ACK; /* the host missed our last ACK: it sends again */
+    if (toggle != pipe->toggle)
+        return CRN_MAILBOX_ACK; /* the host missed the last ACK of this device and sends again */
     if (!pipe->is_armed) return CRN_MAILBOX_NAK;
     uint32_t room = pipe->count - pipe->done;
-    if (bytes > room) { /* more than was asked for: a protocol error of the host */
+    if (bytes > room) { /* more than was requested: a protocol error of the host */
         udc_stall(controller, (uint8_t)token->token_endpoint);
         return CRN_MAILBOX_STALL;
     }

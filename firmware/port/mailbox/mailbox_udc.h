@@ -1,6 +1,6 @@
-/* A USB device controller made of memory: answers the tokens of shared/mailbox as the chip on a board would,
- * with addresses, data toggles, NAK and STALL. For tests in one process and for the image in an emulator.
- */
+/* A USB device controller made of memory. It answers the tokens of shared/mailbox as the chip on a board
+ * would, with addresses, data toggles, NAK and STALL. It serves tests in one process and the image in an
+ * emulator. */
 #ifndef CRN_MAILBOX_UDC_H
 #define CRN_MAILBOX_UDC_H
 
@@ -11,7 +11,7 @@ enum { CRN_MAILBOX_ENDPOINT_COUNT = 16 };
 
 typedef struct crn_mailbox_endpoint { /* one direction of an endpoint number */
     bool is_open, is_stalled, is_armed;
-    bool toggle; /* of the next packet */
+    bool toggle; /* toggle of the next packet */
     uint16_t packet_bytes;
     uint8_t *bytes;
     uint32_t count, done;
@@ -21,18 +21,18 @@ typedef struct crn_mailbox_udc {
     crn_udc udc; /* for the stack */
     crn_mailbox *mailbox;
     uint8_t address;
-    bool is_powered; /* a host is at the other end, and has reset the bus since */
+    bool is_powered; /* a host is connected, and has reset the bus since */
     crn_mailbox_endpoint in[CRN_MAILBOX_ENDPOINT_COUNT];
     crn_mailbox_endpoint out[CRN_MAILBOX_ENDPOINT_COUNT];
 } crn_mailbox_udc;
 
-/* Power up on `mailbox`, 64 KiB aligned to 4 bytes, all zero before the first start; both must outlive the
- * controller. A start while a host is waiting leaves its token without an answer, as a device that loses
- * power does. */
+/* Powers up on `mailbox`, 64 KiB aligned to 4 bytes, all zero before the first start; both must outlive the
+ * controller. A start while a host is waiting leaves its token without an answer, like a device that loses
+ * power. */
 void crn_mailbox_udc_init(crn_mailbox_udc *controller, crn_mailbox *mailbox, bool can_high_speed);
 
-/* What an idle loop may look at instead of polling: whether the host asks for something, and whether that may
- * bring the device work (it may not when the host only asks for data). */
+/* The state that an idle loop may check instead of polling: whether the host has a request, and whether that
+ * request may bring the device work (it may not when the host only asks for data). */
 typedef enum crn_mailbox_demand {
     CRN_MAILBOX_IDLE,
     CRN_MAILBOX_ASKS_DATA,

@@ -1,6 +1,6 @@
 /* The four memory functions that a freestanding compiler may call, under their C names (gcc) and their names
- * in ARM's run-time ABI (clang), where the suffix 4 or 8 promises alignment. Compiled without the
- * transformation that would turn their loops into calls of themselves. */
+ * in ARM's run-time ABI (clang), where the suffix 4 or 8 guarantees alignment. The file is compiled without
+ * the transformation that would turn their loops into calls of themselves. */
 #include <stddef.h>
 #include <stdint.h>
 
@@ -9,8 +9,8 @@ void *memmove(void *to, const void *from, size_t size);
 void *memset(void *to, int value, size_t size);
 int memcmp(const void *a, const void *b, size_t size);
 
-/* Words while both sides are aligned, then bytes. Right for overlapping blocks when `to` lies below `from`.
- */
+/* Copies words while both sides are aligned, then bytes. It is correct for overlapping blocks when `to` lies
+ * below `from`. */
 static void *copy_upwards(unsigned char *to, const unsigned char *from, size_t size)
 {
     unsigned char *t = to;
@@ -51,8 +51,7 @@ int memcmp(const void *a, const void *b, size_t size)
     return 0;
 }
 
-/* --- ARM's run-time ABI
- * ---------------------------------------------------------------------------------------------- */
+/* --- ARM's run-time ABI --------------------------------------------------------------------------------- */
 
 #define COPY(name)                                                                                           \
     void name(void *to, const void *from, size_t size);                                                      \

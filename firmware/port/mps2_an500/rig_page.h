@@ -11,12 +11,11 @@
  * tails of the rings, magics) is written with release and read with acquire, by rig_write() and rig_read().
  * The other half is never trusted: a number out of its range is treated as a broken sensor.
  *
- * The plant makes milliseconds: it fills its inputs, then counts `edge` up; the device does the tick, writes
- * its outputs and repeats the number in `edge_done`. Whoever drives both in turn has a simulation without any
- * real time in it.
+ * The plant makes milliseconds: it fills its inputs, then increments `edge`; the device runs the tick, writes
+ * its outputs and repeats the number in `edge_done`. A program that drives both in turn gets a simulation
+ * that does not depend on real time.
  *
- * C11 and C++20 (gcc, clang).
- */
+ * C11 and C++20 (gcc, clang). */
 #ifndef CRN_RIG_PAGE_H
 #define CRN_RIG_PAGE_H
 
@@ -24,7 +23,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define RIG_MEMORY_ADDRESS 0x60000000u /* of the memory that a file backs */
+#define RIG_MEMORY_ADDRESS 0x60000000u /* address of the memory that a file backs */
 
 enum {
     RIG_MEMORY_BYTES = 16 << 20,
@@ -43,7 +42,7 @@ enum {
     RIG_CLOCK_HZ = 25000000,
 };
 
-/* Who makes milliseconds. */
+/* The source of milliseconds. */
 typedef enum rig_tick_source {
     RIG_TICK_TIMER = 0, /* the board's own timer */
     RIG_TICK_PLANT = 1, /* `edge` */
@@ -79,7 +78,7 @@ typedef struct rig_outputs {
     uint32_t lamp;
 } rig_outputs;
 
-/* What an exception left behind; kept over a reset, told on the console after it. */
+/* Record of an exception. It survives a reset, after which the console prints it. */
 typedef struct rig_crash {
     uint32_t exception; /* number, 2: watchdog, 3: hard fault; 0: none */
     uint32_t pc, lr, status, address;
@@ -88,13 +87,13 @@ typedef struct rig_crash {
 typedef struct rig_device_half {
     uint32_t magic; /* written last at power-up */
     uint32_t version;
-    uint32_t boot_count; /* a new number: the device started again and knows nothing of before */
+    uint32_t boot_count; /* a new number means that the device restarted and has lost its history */
     uint32_t app_bytes;
     uint32_t edge_done;
     uint32_t to_device_tail, to_host_head; /* counts of bytes; wrap */
-    /* Processor time of work, in counts of RIG_CLOCK_HZ; with -icount shift=7 an instruction is 3.2 counts.
-     */
-    uint32_t receive_counts; /* sum over all bytes received, with what they caused */
+    /* Processor time of work, in counts of RIG_CLOCK_HZ; with -icount shift=7 an instruction is 3.2
+     * counts. */
+    uint32_t receive_counts; /* sum over all received bytes, including the work that they caused */
     uint32_t edge_counts;    /* of the last edge */
     uint32_t edge_counts_max;
     rig_outputs outputs;
@@ -103,15 +102,15 @@ typedef struct rig_device_half {
 } rig_device_half;
 
 typedef struct rig_host_half {
-    uint32_t magic; /* 0: no rig at the other end */
+    uint32_t magic; /* 0: no rig is connected */
     uint32_t version;
     uint32_t tick_source; /* rig_tick_source */
     uint32_t edge;
-    uint32_t milliseconds; /* of the rig; wraps. More than one since the last edge: the device stood still */
+    uint32_t milliseconds; /* of the rig; wraps. More than one since the last edge: the device was halted */
     uint32_t to_device_head, to_host_tail;
-    uint32_t inputs_begin, inputs_end; /* equal, and equal again after reading: a whole sample */
+    uint32_t inputs_begin, inputs_end; /* equal, and still equal after reading: a complete sample */
     rig_inputs inputs;
-    char serial[RIG_SERIAL_BYTES]; /* of the device; empty: its own */
+    char serial[RIG_SERIAL_BYTES]; /* serial number of the device; empty: its own */
 } rig_host_half;
 
 typedef struct rig_page {
@@ -129,13 +128,13 @@ static_assert(sizeof(rig_page) == RIG_PAGE_BYTES, "the page fills its place");
 _Static_assert(sizeof(rig_page) == RIG_PAGE_BYTES, "the page fills its place");
 #endif
 
-/* The word of the other half, read before anything that is read after it. */
+/* Reads a word of the other half before anything that is read after it. */
 static inline uint32_t rig_read(const uint32_t *word)
 {
     return __atomic_load_n(word, __ATOMIC_ACQUIRE);
 }
 
-/* A word of the own half, written after everything that was written before it. */
+/* Writes a word of this side's half after everything that was written before it. */
 static inline void rig_write(uint32_t *word, uint32_t value)
 {
     __atomic_store_n(word, value, __ATOMIC_RELEASE);

@@ -43,7 +43,8 @@ size_t semihost_read_file(const char *path, void *bytes, size_t capacity)
     intptr_t size = call(SYS_FLEN, of_file);
     if (size > 0 && (size_t)size <= capacity) {
         const uintptr_t read[3] = {(uintptr_t)handle, (uintptr_t)bytes, (uintptr_t)size};
-        size = call(SYS_READ, read) == 0 ? size : 0; /* the result is what was not read */
+        size =
+            call(SYS_READ, read) == 0 ? size : 0; /* the result is the number of bytes that were not read */
     } else {
         size = 0;
     }

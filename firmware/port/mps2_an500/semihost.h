@@ -1,5 +1,4 @@
-/* What an image asks of the debugger or emulator that runs it ("semihosting"): text, files, arguments, exit.
- */
+/* Services of the debugger or emulator that runs the image ("semihosting"): text, files, arguments, exit. */
 #ifndef CRN_PORT_SEMIHOST_H
 #define CRN_PORT_SEMIHOST_H
 

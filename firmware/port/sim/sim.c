@@ -41,7 +41,7 @@ static bool sim_transmit(void *context, const uint8_t *frame, size_t frame_bytes
 
 /* --- the rig --- */
 
-/* Sampling begins a tick's work, so that is where its time passes. */
+/* Sampling begins a tick's work, so its time passes there. */
 static bool sim_inputs(void *context, crn_port_inputs *inputs)
 {
     crn_sim *sim = context;
@@ -88,7 +88,7 @@ static void pass_millisecond(crn_sim *sim)
 crn_sim *crn_sim_create(uint32_t scene_slot_bytes)
 {
     crn_sim *sim = calloc(1, sizeof *sim);
-    /* One byte more, so that slots of 0 bytes are slots too. */
+    /* Each slot gets one byte more, so that slots of 0 bytes are valid allocations too. */
     uint8_t *slots[2] = {malloc((size_t)scene_slot_bytes + 1), malloc((size_t)scene_slot_bytes + 1)};
     if (sim == NULL || slots[0] == NULL || slots[1] == NULL) {
         free(slots[0]);

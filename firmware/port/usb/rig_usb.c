@@ -178,7 +178,7 @@ static bool set_limits(void *context, const crn_hid_limits *report)
 
 /* --- the loop --- */
 
-/* Nothing to do here: the app notices a host that is gone by its silence, whatever the cause. */
+/* Nothing is needed here: the app notices an absent host by its silence, whatever the cause. */
 static void link(void *context, crn_usb_link link)
 {
     (void)context;

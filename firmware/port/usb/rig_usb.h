@@ -6,9 +6,9 @@
  *   1 ms passed     crn_app_timer, then crn_rig_usb_timer
  *
  * The stream carries the wire. HID carries the state, STOP and RESET, and reads and writes calibration and
- * limits, as the wire's `command` and `rig` do: the app judges both alike, so nothing can be done by HID that
- * the wire would refuse. Its answer to such a message goes to the stream as one that nobody asked for.
- */
+ * limits, like the wire's `command` and `rig`. The app applies the same checks to both, so HID cannot do
+ * anything that the wire would refuse. Its answer to such a message goes to the stream as an unsolicited
+ * message. */
 #ifndef CRN_RIG_USB_H
 #define CRN_RIG_USB_H
 
@@ -25,24 +25,25 @@ typedef struct crn_rig_usb {
     crn_app *app;
     crn_usb usb;
     crn_usb_app callbacks;
-    uint32_t works; /* how often bytes, commands or settings of the host came to the app; wraps */
+    uint32_t works; /* how often bytes, commands or settings of the host reached the app; wraps */
     uint8_t command_number, command_result;
     uint8_t queue[CRN_RIG_USB_QUEUE_BYTES];
 } crn_rig_usb;
 
-/* `app` and `udc` must outlive it. The serial number is that of the app's port. False: it is empty or not
- * printable. */
+/* `app` and `udc` must outlive it. The serial number is that of the app's port. Returns false when it is
+ * empty or not printable. */
 bool crn_rig_usb_init(crn_rig_usb *rig, crn_app *app, const crn_udc *udc);
 void crn_rig_usb_connect(crn_rig_usb *rig, bool connected);
 
-/* A host has the device, and what the app says is kept for it, also while the bus sleeps. */
+/* True when a host has configured the device. The app's messages are then kept for it, also while the bus
+ * sleeps. */
 bool crn_rig_usb_is_configured(const crn_rig_usb *rig);
 
-/* True: there may be more to do. */
+/* Returns true when there may be more to do. */
 bool crn_rig_usb_poll(crn_rig_usb *rig);
 void crn_rig_usb_timer(crn_rig_usb *rig);
 
-/* For crn_port; `context` is the crn_rig_usb. */
+/* Functions for crn_port; `context` is the crn_rig_usb. */
 bool crn_rig_usb_transmit(void *context, const uint8_t *frame, size_t frame_bytes);
 size_t crn_rig_usb_room(void *context);
 

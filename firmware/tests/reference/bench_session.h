@@ -1,5 +1,5 @@
-/* A session on the bench of a test file: steps in LOCKSTEP, and a FREE_RUN that is recorded and replayed.
- * Include behind bench_fixture.h, once per file. */
+/* A session on the bench of a test file: steps in LOCKSTEP, and a FREE_RUN session that is recorded and
+ * replayed. Include it behind bench_fixture.h, once per file. */
 #ifndef CRN_TEST_BENCH_SESSION_H
 #define CRN_TEST_BENCH_SESSION_H
 
@@ -25,7 +25,7 @@ static void start_lockstep(void)
     command(CRN_WIRE_ACTION_START);
 }
 
-/* FREE_RUN on a track that moves by 1 um per count, without feedback from the motor. */
+/* Starts FREE_RUN on a track that moves by 1 um per count, without feedback from the motor. */
 static void start_free_run(void)
 {
     const crn_wire_track uncoupled = {.translation_pm_per_count = 1000000,
@@ -39,8 +39,8 @@ static void start_free_run(void)
     command(CRN_WIRE_ACTION_START);
 }
 
-/* As many ticks of FREE_RUN as they come, into `session`; `meanwhile` acts before each. The host speaks and
- * reads later. Returns how many. */
+/* Records ticks of FREE_RUN into `session`; `meanwhile` acts before each. The host keeps sending but reads
+ * later. Returns the number of ticks. */
 static uint32_t record(void (*meanwhile)(int ms))
 {
     static crn_wire_live live;
@@ -60,7 +60,7 @@ static uint32_t record(void (*meanwhile)(int ms))
     return count;
 }
 
-/* The recorded inputs give the same states, to the last bit, in LOCKSTEP. */
+/* Checks that the recorded inputs give the same states, to the last bit, in LOCKSTEP. */
 static void replays(uint32_t count)
 {
     command(CRN_WIRE_ACTION_STOP);

@@ -25,8 +25,8 @@ typedef struct cantilever {
     double length_m;
 } cantilever;
 
-/* An element of ceil(L / n) micrometres leaves the mouth inside the last element, where its cell is clipped.
- */
+/* An element of ceil(L / n) micrometres places the inserter's distal end inside the last element, where its
+ * cell is clipped. */
 static cantilever *make(double bend_N_m2, uint32_t elements)
 {
     cantilever *c = malloc(sizeof *c);

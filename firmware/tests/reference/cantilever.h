@@ -1,6 +1,6 @@
-/* A cantilever held by the inserter, for the elastica cases: uniform rod of `elements` free elements, no
- * lumen. Table values: inextensible elastica, solved by shooting to 1e-6 (docs/validation.md names the
- * source). */
+/* A cantilever held by the inserter, for the elastica cases: a uniform rod of `elements` free elements,
+ * without a lumen. Table values: inextensible elastica, solved by shooting to 1e-6 (docs/validation.md names
+ * the source). */
 #ifndef CRN_REFERENCE_CANTILEVER_H
 #define CRN_REFERENCE_CANTILEVER_H
 
@@ -20,7 +20,7 @@ double reference_length_m(double bend_N_m2);
 
 /* Settles the rod (until the tip's error changes by less than 1e-5 % of L in 500 ms, at most `ticks_max`) and
  * returns the distance of the tip from the closed form in percent of the length. The mass per length does not
- * enter a static shape; it is chosen so that the slowest motion dies within seconds. */
+ * enter a static shape; it is chosen so that the slowest motion decays within seconds. */
 double reference_tip_load_error_pct(const reference_elastica *load, double bend_N_m2, uint32_t elements,
                                     uint32_t ticks_max);
 double reference_self_weight_error_pct(const reference_elastica *load, double bend_N_m2, uint32_t elements,

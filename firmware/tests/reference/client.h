@@ -5,7 +5,7 @@
 #include "firmware/port/sim/sim.h"
 #include "shared/wire/wire_frame.h"
 
-/* Another way to a device than a sim's: `read` returns 0 when the device has said everything. */
+/* A connection to a device other than a sim: `read` returns 0 when the device has nothing more to send. */
 typedef struct client_pipe {
     void *context;
     void (*write)(void *context, const uint8_t *bytes, size_t count);
@@ -17,25 +17,26 @@ typedef struct client {
     client_pipe pipe;
     crn_wire_decoder decoder;
     uint16_t sequence;
-    uint16_t tool_count; /* of the last client_tools or client_start_tools */
+    uint16_t tool_count; /* set by the last client_tools or client_start_tools */
     uint8_t payload[CRN_WIRE_PAYLOAD_MAX];
     uint8_t frame[CRN_WIRE_FRAME_MAX];
     uint8_t snapshot[1 << 17];
     uint32_t snapshot_bytes;
 } client;
 
-/* A sim that has been powered up; client_close ends it. */
+/* Opens a sim that has been powered up; client_close ends it. */
 void client_open(client *c, uint32_t scene_slot_bytes);
 void client_open_pipe(client *c, const client_pipe *pipe);
 void client_close(client *c);
 
-/* Frame `length` payload bytes as a message and hand it to the device. */
+/* Frames `length` payload bytes as a message and sends it to the device. */
 void client_send(client *c, uint16_t type, const uint8_t *payload, size_t length);
 
-/* The next frame of the device into c->decoder; its type, or 0 when the device has said everything. */
+/* Reads the device's next frame into c->decoder. Returns its type, or 0 when the device has nothing more to
+ * send. */
 uint16_t client_receive(client *c);
 
-/* Typed senders for the messages tests need. */
+/* Senders for the types of messages that tests need. */
 void client_hello(client *c, uint64_t schema_hash);
 void client_command(client *c, uint8_t action);
 void client_stop_at(client *c, uint32_t tick);
@@ -45,8 +46,8 @@ void client_get(client *c, uint8_t what);
 void client_stream(client *c, uint8_t events, uint16_t nodes_every_ticks);
 void client_rig(client *c, const crn_wire_track *tracks, uint16_t count);
 
-/* 1 um and 1/65 536 turn per count, true force, highest limits, a coupling of 1 N/mm on a rig with damping
- * enough. */
+/* 1 um and 1/65 536 turn per count, true force, highest limits, and a coupling of 1 N/mm on a rig with enough
+ * damping. */
 crn_wire_track client_plain_track(void);
 void client_tools(client *c, const crn_wire_tools *tools);
 void client_entry(client *c, uint32_t inserted_um); /* the same for every tool */
@@ -56,27 +57,29 @@ bool client_load_scene(client *c, const uint8_t *bytes, uint32_t count);
 /* Tool 0 moves, the others rest. */
 void client_step(client *c, uint32_t tick, uint16_t count, int32_t translation_begin,
                  int32_t translation_per_tick);
-/* Every tool k: begin[k] + i per_tick[k] counts of translation in input i. */
+/* Every tool k moves: its translation in input i is begin[k] + i per_tick[k] counts. */
 void client_step_each(client *c, uint32_t tick, uint16_t count, const int32_t *begin,
                       const int32_t *per_tick);
 void client_input(client *c, const int32_t *translation, const int32_t *rotation);
 
-/* A whole snapshot from the device into c->snapshot, and from there to the device, whose last answer is left
- * in the pipe. False when a frame is missing or refused. */
+/* Reads a whole snapshot from the device into c->snapshot, and writes it back to the device, whose last
+ * answer is left in the pipe. Returns false when a frame is missing or refused. */
 bool client_read_snapshot(client *c);
 void client_write_snapshot(client *c);
 
-/* What the device answered last, of that kind. False when the next frame is something else. */
+/* Reads the device's next answer, which must be of that kind. Returns false when the next frame is of another
+ * kind. */
 bool client_expect_status(client *c, crn_wire_status *status);
 bool client_expect_reject(client *c, crn_wire_reject *reject);
-bool client_expect_ticks(client *c, crn_wire_ticks *ticks); /* of either mode; skips hash64 */
+bool client_expect_ticks(client *c, crn_wire_ticks *ticks); /* in either mode; it skips hash64 */
 bool client_expect_live(client *c, crn_wire_live *live);    /* skips hash64 */
 
-/* Straight tools of 300 mm that every check accepts: a wire, a catheter around it, a guide around both. */
+/* Straight tools of 300 mm that every check accepts: a wire, a catheter around it, and a guiding catheter
+ * around both. */
 void client_plain_tools(crn_wire_tools *tools, uint16_t count);
 
-/* hello, tools, entry with 50 mm of each inserted, ARM and START in free space. False when something was
- * refused. */
+/* Sends hello, tools, entry with 50 mm of each inserted, ARM and START in free space. Returns false when
+ * something was refused. */
 bool client_start_tools(client *c, uint16_t count);
 bool client_start_session(client *c); /* with one tool */
 

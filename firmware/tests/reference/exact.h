@@ -6,7 +6,7 @@
 
 __extension__ typedef __int128 reference_wide;
 
-/* floor(a / 2^n), by division so that no shift of a negative value is trusted. */
+/* floor(a / 2^n), by division, so that it does not rely on a shift of a negative value. */
 static inline reference_wide reference_floor_shift(reference_wide a, unsigned n)
 {
     reference_wide unit = (reference_wide)1 << n;

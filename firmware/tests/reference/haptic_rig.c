@@ -81,7 +81,7 @@ static void set_up(haptic_rig *rig, const crn_lumen *lumen, const crn_wire_instr
     tools.tools[0] = *wire;
     SAY(rig, tools, &tools);
     SAY(rig, entry, &entry);
-    if (lumen != NULL) { /* as a validated scene would leave it */
+    if (lumen != NULL) { /* the state in which validation leaves a scene */
         rig->app.lumen = *lumen;
         rig->app.has_scene = true;
     }
@@ -115,7 +115,7 @@ bool haptic_begin(haptic_rig *rig, const crn_lumen *lumen, const crn_wire_instru
 
 /* --- physics --- */
 
-/* Coulomb friction that holds a carriage which would otherwise turn round within the step. */
+/* Coulomb friction; it stops a carriage that would otherwise reverse within the step. */
 static double slowed(double speed_m_s, double force_N, double step_s)
 {
     const double mass = HAPTIC_MASS_g * 1e-3, friction = HAPTIC_FRICTION_mN * 1e-3;

@@ -1,10 +1,10 @@
-/* How much of a long run a test does: all of it, or a tenth under the sanitizers, which take five times as
- * long and see in a tenth what they look for. What the test claims of the whole run is held by the build
- * without them. C11 and C++. */
+/* Length of long runs in tests: the whole run, or a tenth of it under the sanitizers, which take five times
+ * as long and find their errors in a tenth. The build without sanitizers proves what the test claims of the
+ * whole run. C11 and C++. */
 #ifndef CRN_REFERENCE_LONG_RUN_H
 #define CRN_REFERENCE_LONG_RUN_H
 
-// gcc tells by a macro, clang by a feature.
+// gcc reports it by a macro, clang by a feature.
 #if defined __SANITIZE_ADDRESS__
 #define REFERENCE_SANITIZED
 #elif defined __has_feature

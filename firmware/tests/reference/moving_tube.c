@@ -20,7 +20,7 @@ double reference_contraction(double phase)
     return (1 - cos(turn * share)) / 2;
 }
 
-/* Way from the sphere's middle, and how much of its motion is left there. */
+/* Distance from the sphere's middle, and the share of its motion that is left there. */
 static double faded(const double *place, double *r)
 {
     static const double middle[3] = {0.09, 0.005, 0.045}, reach = 0.09;
@@ -46,8 +46,8 @@ void reference_beating_sphere(const double *X, double phase, double breath, doub
     x[1] -= deep * breath * faded(x, r);
 }
 
-/* X <- X - (map(X) - x): the maps move neighbours by less than themselves, so that this goes to the fixed
- * point. */
+/* X <- X - (map(X) - x): the iteration converges to the fixed point, because the maps move neighbours by less
+ * than their distance. */
 void reference_pull(reference_map map, const double *x, double phase, double breath, double *X)
 {
     memcpy(X, x, 3 * sizeof *X);
@@ -62,8 +62,8 @@ void reference_pull(reference_map map, const double *x, double phase, double bre
     }
 }
 
-/* Coefficients c with (c[i-1] + 6 c[i] + c[i+1]) / 8 = w[i], periodic: Gauss-Seidel, which gains a factor of
- * 9 in each round. */
+/* Finds coefficients c with (c[i-1] + 6 c[i] + c[i+1]) / 8 = w[i], periodic, by Gauss-Seidel iteration, which
+ * gains a factor of 9 in each round. */
 static void prefilter(const double *w, double *c)
 {
     enum { N = CRN_MOTION_KEYFRAMES };
@@ -79,7 +79,7 @@ static int16_t coefficient(double way_m)
     return (int16_t)fmax(-CRN_MOTION_COEFFICIENT_MAX, fmin(CRN_MOTION_COEFFICIENT_MAX, value));
 }
 
-/* The three rows of a node, and its way in a full breath. */
+/* Computes the three rows of a node, and its displacement in a full breath. */
 static void fill_node(const reference_motion *m, const double *x, int16_t *rows, int16_t *inhaled)
 {
     double w[3][CRN_MOTION_KEYFRAMES], X[3], deep[3], c[CRN_MOTION_KEYFRAMES];
@@ -96,7 +96,7 @@ static void fill_node(const reference_motion *m, const double *x, int16_t *rows,
     }
 }
 
-/* Without map, all at rest. */
+/* Makes a lattice without a map, in which nothing moves. */
 static reference_motion *lattice_over(const double *low_m, const double *high_m, uint32_t spacing_log2_q30)
 {
     reference_motion *m = calloc(1, sizeof *m);
@@ -143,14 +143,14 @@ void reference_motion_free(reference_motion *motion)
     free(motion);
 }
 
-/* How many nodes one lies from the end of its axis of `count`, at most `most`. */
+/* Number of nodes between a node and the nearer end of its axis of `count` nodes, at most `most`. */
 static uint32_t steps_inside(uint32_t at, uint32_t count, uint32_t most)
 {
     const uint32_t from_edge = at < count - 1 - at ? at : count - 1 - at;
     return from_edge < most ? from_edge : most;
 }
 
-/* 3.2 mm along x, on nodes twice as far apart, fading to rest over the four outer of them. */
+/* 3.2 mm along x, on nodes twice as far apart, fading to 0 over the four outermost nodes. */
 static void make_breath(reference_motion *m)
 {
     enum { FADE = 4 };
@@ -169,7 +169,7 @@ static void make_breath(reference_motion *m)
     }
 }
 
-/* Contraction and place are factors of the way, so that the filter in time is needed once. */
+/* Contraction and place are factors of the displacement, so the filter in time is needed only once. */
 reference_motion *reference_waves_make(const double *low_m, const double *high_m, uint32_t spacing_log2_q30)
 {
     enum { FADE = 4 };

@@ -1,5 +1,5 @@
-/* Vessels that move by a closed form, for tests, benchmarks and validation: the lattice a baker would fit,
- * made here node by node from the inverse map, and the map itself in double. */
+/* Vessels that move by a closed form, for tests, benchmarks and validation: the lattice that a baker would
+ * fit, made here node by node from the inverse map, and the map itself in double precision. */
 #ifndef CRN_REFERENCE_MOVING_TUBE_H
 #define CRN_REFERENCE_MOVING_TUBE_H
 
@@ -7,41 +7,40 @@
 #include "firmware/core/motion.h"
 #include "firmware/tests/reference/tube_lumen.h"
 
-/* Where the point of the wall that the reference pose has at X is at a phase (0 .. 1) and a depth of breath
- * (0 .. 1). */
+/* Maps a wall point at X in the reference pose to its position at a phase (0 .. 1) and a depth of breath (0
+ * .. 1). */
 typedef void (*reference_map)(const double *X_m, double phase, double breath, double *x_m);
 
 typedef struct reference_motion {
     reference_map map;
-    crn_motion motion; /* owns rows and inhaled */
+    crn_motion motion; /* it owns rows and inhaled */
 } reference_motion;
 
-/* The lattice over a box, with nodes 2^log2 Q30 m apart; its outermost nodes stand still, so that the box
- * must reach beyond what moves, or beyond what is looked at. */
+/* Makes the lattice over a box, with nodes 2^log2 Q30 m apart. Its outermost nodes do not move, so the box
+ * must reach beyond everything that moves, or beyond everything that is looked up. */
 reference_motion *reference_motion_make(reference_map map, const double *low_m, const double *high_m,
                                         uint32_t spacing_log2_q30);
 void reference_motion_free(reference_motion *motion);
 
-/* x with pull(x) = X by Newton's method on the map's inverse: w(x) = X - x, exactly. */
+/* Finds x with pull(x) = X by Newton's method on the map's inverse: w(x) = X - x, exactly. */
 void reference_pull(reference_map map, const double *x_m, double phase, double breath, double *X_m);
 
-/* How far a heart of amplitude 1 is from the end of filling: 0 at phase 0, 1 at the end of systole, smooth.
- */
+/* Contraction of a heart of amplitude 1: 0 at phase 0 (end of filling), 1 at the end of systole, smooth. */
 double reference_contraction(double phase);
 
-/* A beating sphere about (90, 5, 45) mm: it shrinks by 30 %, goes 6 mm along -y and turns by 12 degrees about
- * y at its middle; what lies 40 mm from there moves by up to 11 mm. Breath then carries all of that by 8 mm
+/* A beating sphere about (90, 5, 45) mm. It shrinks by 30 %, moves 6 mm along -y and turns by 12 degrees
+ * about y at its middle; points 40 mm from there move by up to 11 mm. Breath then moves all of that by 8 mm
  * along -y. Both fade out at 90 mm from the middle. */
 void reference_beating_sphere(const double *X_m, double phase, double breath, double *x_m);
 
 /* The pieces of a vessel that enters at the origin and runs round that sphere, 40 mm from its middle, and the
- * box it moves in. */
+ * box in which it moves. */
 extern const reference_piece reference_coronary[3];
 extern const double reference_coronary_low_m[3], reference_coronary_high_m[3];
 
-/* Lattices as steep as the shipped heart's, without a map: in them everything moves by up to 5 mm along each
- * axis, with waves of 250 mm, and by 3.2 mm in a breath; over the four outer cells of the box it fades to
- * rest. */
+/* Lattices as steep as the shipped heart's, without a map. In them everything moves by up to 5 mm along each
+ * axis, with waves of 250 mm, and by 3.2 mm in a breath; the motion fades to 0 over the four outer cells of
+ * the box. */
 reference_motion *reference_waves_make(const double *low_m, const double *high_m, uint32_t spacing_log2_q30);
 
 /* A 0.014 in wire of 400 mm with a soft tip. */

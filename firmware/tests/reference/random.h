@@ -1,4 +1,4 @@
-/* Seeded random numbers for tests: SplitMix64 (Steele, Lea, Flood 2014). One seed reproduces a run. */
+/* Seeded random numbers for tests: SplitMix64 (Steele, Lea, Flood 2014). A seed reproduces a run. */
 #ifndef CRN_REFERENCE_RANDOM_H
 #define CRN_REFERENCE_RANDOM_H
 
@@ -22,13 +22,13 @@ static inline uint64_t reference_random_next(reference_random *random)
     return z ^ (z >> 31);
 }
 
-/* Uniform enough in 0 .. limit - 1 (limit < 2^32). */
+/* Sufficiently uniform in 0 .. limit - 1 (limit < 2^32). */
 static inline unsigned reference_random_below(reference_random *random, unsigned limit)
 {
     return (unsigned)(((reference_random_next(random) >> 32) * limit) >> 32);
 }
 
-/* Signed, every magnitude from 0 to 2^31 equally likely on a log scale. */
+/* A signed value; every magnitude from 0 to 2^31 is equally likely on a log scale. */
 static inline int32_t reference_random_scaled32(reference_random *random)
 {
     int64_t wide = (int64_t)(reference_random_next(random) >> 32) - ((int64_t)1 << 31);

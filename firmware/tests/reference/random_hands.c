@@ -10,7 +10,7 @@
 static const double Q30 = 1073741824.0;
 enum { RELEASE_TICKS = 300, SPEED_TICKS = 200, EXACT_EVERY = 10 };
 
-/* Curved and soft over the first `bent_mm`. */
+/* A tool that is curved and soft over the first `bent_mm`. */
 static crn_instrument make_tool(double tip_N_m2, double shaft_N_m2, double curve_per_m, double bent_mm,
                                 uint32_t radius_um, uint32_t bore_um)
 {
@@ -31,7 +31,7 @@ static crn_instrument make_tool(double tip_N_m2, double shaft_N_m2, double curve
             (uint32_t)lround(1e9 * tip_N_m2);
         tool.knots[i].rest_curvature1_per_m_milli = (int32_t)lround(1000 * curve_per_m);
     }
-    tool.knots[2].bend_stiffness_nN_m2 = tool.knots[1].bend_stiffness_nN_m2; /* tapers to the end */
+    tool.knots[2].bend_stiffness_nN_m2 = tool.knots[1].bend_stiffness_nN_m2; /* it tapers to the end */
     return tool;
 }
 
@@ -83,7 +83,7 @@ static void move_hands(session *s, uint32_t tool_count, int tick)
     }
 }
 
-/* Deepest node by the exact distance, mm. */
+/* Depth of the deepest node by the exact distance, mm. */
 static double exact_depth_mm(const session *s)
 {
     double deepest = -1e3;

@@ -1,15 +1,14 @@
-/* Exact tube distances and the field built from them; see tube_lumen.h. */
+/* Exact tube distances and the field built from them (tube_lumen.h). */
 #include "firmware/tests/reference/tube_lumen.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { EDGE = 8, SUPPORT = 12 /* 10 coefficients and one sample more on either side for the prefilter */ };
+enum { EDGE = 8, SUPPORT = 12 /* 10 coefficients and one more sample on either side for the prefilter */ };
 static const double voxel0_m = 1048576.0 / 1073741824.0;
 
-/* --- path
- * ------------------------------------------------------------------------------------------------------ */
+/* --- path ----------------------------------------------------------------------------------------------- */
 
 typedef struct frame {
     double x[3], t[3], n[3];
@@ -45,8 +44,7 @@ static uint32_t add_piece(double (*points)[3], uint32_t count, frame *f, const r
     return count;
 }
 
-/* --- distance
- * -------------------------------------------------------------------------------------------------- */
+/* --- distance ------------------------------------------------------------------------------------------- */
 
 static double segment_distance(const double *p, const double *a, const double *b)
 {
@@ -74,7 +72,8 @@ static double nearest(const reference_tube *tube, const double *p, uint32_t from
     return best;
 }
 
-/* Distance to the axis -> distance to the wall; of a taper to first order, by the cosine of its slope. */
+/* Converts the distance to the axis to the distance to the wall; for a taper it is accurate to first order,
+ * by the cosine of its slope. */
 static double to_wall(const reference_tube *tube, const double *p, double axis_m)
 {
     const double pi = 3.14159265358979, u = (p[0] - tube->throat_at_m) / tube->throat_length_m;
@@ -89,8 +88,7 @@ double reference_tube_distance(const reference_tube *tube, const double *point_m
     return to_wall(tube, point_m, nearest(tube, point_m, 0, tube->point_count));
 }
 
-/* --- field
- * ----------------------------------------------------------------------------------------------------- */
+/* --- field ---------------------------------------------------------------------------------------------- */
 
 /* First and last path point that can matter within `reach_m` of a centre. */
 static void window(const reference_tube *tube, const double *centre, double reach_m, uint32_t *from,
@@ -147,7 +145,7 @@ typedef struct builder {
     uint32_t bricks, rows, level;
 } builder;
 
-/* Entry for the cube of edge 8 voxels at `corner`. */
+/* Makes the entry for the cube of edge 8 voxels at `corner`. */
 static uint16_t make_entry(builder *b, const double *corner, uint32_t level)
 {
     double voxel = voxel0_m / (1u << level);
@@ -270,8 +268,7 @@ void reference_tube_free(reference_tube *tube)
     free(tube);
 }
 
-/* --- scenes
- * ---------------------------------------------------------------------------------------------------- */
+/* --- scenes --------------------------------------------------------------------------------------------- */
 
 crn_entry reference_entry(void)
 {

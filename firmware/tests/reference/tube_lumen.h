@@ -1,6 +1,6 @@
 /* A lumen from a closed form, for tests and benchmarks: a tube of one radius around a path of straight pieces
- * and arcs. The distance is exact (double), and the field is what a baker would store, made here
- * independently of it. */
+ * and arcs. The distance is exact (double), and the field is what a baker would store, but computed here
+ * independently of the baker. */
 #ifndef CRN_REFERENCE_TUBE_LUMEN_H
 #define CRN_REFERENCE_TUBE_LUMEN_H
 
@@ -12,8 +12,8 @@ typedef struct reference_tube {
     uint32_t branch; /* first point of a second path, which starts where the trunk ends; 0: none */
     double radius_m;
     double throat_m, throat_at_m,
-        throat_length_m; /* of a straight tube: narrowed there as a cosine; length 0: nowhere */
-    crn_lumen lumen;     /* owns index, children, samples */
+        throat_length_m; /* length of the cosine-shaped stenosis in a straight tube; 0: there is none */
+    crn_lumen lumen;     /* it owns index, children and samples */
 } reference_tube;
 
 /* A piece of path: `length_m` along the current direction, or an arc of `angle_rad` and radius `length_m /
@@ -22,11 +22,11 @@ typedef struct reference_piece {
     double length_m, angle_rad, roll_rad;
 } reference_piece;
 
-/* Path from the origin along +x, normal +z; field at refinement `level` (0 .. 2) within about 3 voxels of the
- * wall. */
+/* The path starts at the origin along +x with the normal +z. The field has the refinement `level` (0 .. 2)
+ * within about 3 voxels of the wall. */
 reference_tube *reference_tube_make(const reference_piece *pieces, uint32_t piece_count, double radius_m,
                                     uint32_t level);
-/* A trunk that forks in two: `left` and `right` go on from its end. */
+/* A trunk that forks in two: `left` and `right` continue from its end. */
 reference_tube *reference_fork_make(const reference_piece *trunk, const reference_piece left[2],
                                     const reference_piece right[2], double radius_m, uint32_t level);
 /* A straight tube with a stenosis, its middle `at_m` along it: radius_m - (radius_m - throat_m) (1 + cos(2 pi
@@ -38,11 +38,11 @@ void reference_tube_free(reference_tube *tube);
 /* Exact signed distance in metres, negative inside. */
 double reference_tube_distance(const reference_tube *tube, const double *point_m);
 
-/* Standard scenes. All enter at the origin along +x. */
+/* Standard scenes. All of them have their entry at the origin, along +x. */
 crn_entry reference_entry(void);
-/* Uniform instrument: EI in N m^2, elements of `element_um`, friction kinetic = static. */
+/* A uniform instrument: EI in N m^2, elements of `element_um`, equal kinetic and static friction. */
 crn_instrument reference_wire(double bend_N_m2, uint32_t length_um, uint32_t element_um, double friction);
-/* 0.9 m of it with a floppy J of 12 mm, which snaps from wall to wall. */
+/* The same with a length of 0.9 m and a floppy J of 12 mm, which snaps from wall to wall. */
 crn_instrument reference_floppy_j(double bend_N_m2);
 /* Three bends out of one plane, 0.9 m long, r 4 mm: the insertion scene. */
 reference_tube *reference_three_bends(double radius_m, uint32_t level);

@@ -1,4 +1,5 @@
-// Faults on purpose, a spread over every kind (make hil does all), and what the campaign itself promises.
+// Runs faults on purpose, a spread over every kind (make hil runs all), and checks the claims of the campaign
+// itself.
 #include "hil_tests/campaign/table.hpp"
 #include "hil_tests/l0/sim_bench.hpp"
 #include <csetjmp>
@@ -52,7 +53,7 @@ void a_line_that_names_no_fault_is_refused_with_the_word(void **)
     }
 }
 
-// Half a frame of a host that died stands before our HELLO.
+// Half a frame of a host that died precedes the HELLO of the next one.
 void a_host_that_died_within_a_frame_does_not_keep_the_next_one_out(void **)
 {
     hil::SimBench bench(hil::campaign_plant());
@@ -62,7 +63,7 @@ void a_host_that_died_within_a_frame_does_not_keep_the_next_one_out(void **)
     assert_true(link.hello().accepted);
 }
 
-// The host library speaks by itself while its caller only lets time pass.
+// The host library sends messages by itself while its caller only waits.
 void a_host_that_waits_is_not_silent(void **)
 {
     hil::SimBench bench(hil::campaign_plant());

@@ -1,5 +1,6 @@
-// The grid of gain, coupling, damping, lag and hand, a spread of it (make hil-passivity does all): nothing
-// that the device takes drives a carriage too fast or goes on to and fro. And the meter that says so.
+// Runs a spread of the grid of gain, coupling, damping, lag and hand (make hil-passivity runs all): no
+// setting that the device accepts drives a carriage too fast or keeps oscillating. It also tests the meter
+// that measures this.
 #include "hil_tests/campaign/passivity.hpp"
 #include "hil_tests/l0/sim_bench.hpp"
 #include <cmath>
@@ -20,7 +21,7 @@ void nothing_that_is_accepted_is_fast_or_goes_on_to_and_fro(void **)
     assert_int_equal(hil::run_passivity_grid(level, 41, ""), 0);
 }
 
-// 800 N/m at a gain of 2 on honest damping reached 0.34 m/s in a loose hand; it is refused.
+// 800 N/m at a gain of 2 on honestly stated damping reached 0.34 m/s in a loose hand; it is refused.
 void a_gain_of_two_on_honest_damping_is_refused(void **)
 {
     hil::SimLevel level;
@@ -28,7 +29,7 @@ void a_gain_of_two_on_honest_damping_is_refused(void **)
     assert_false(hil::run_passivity(level, {2000, 800, 1000, 500, false}).is_accepted);
 }
 
-// A sine of 20 Hz for 250 ms: of 60 mN it is a cycle, of 40 mN none; a step is none.
+// A sine of 20 Hz for 250 ms is a cycle at 60 mN and none at 40 mN; a step is none.
 void the_meter_measures_cycles(void **)
 {
     hil::CycleMeter felt(0.1), unfelt(0.1), step(0.1);

@@ -1,6 +1,6 @@
-// What is left when the firmware itself breaks, on the image: a jump into nowhere (a hard fault) and a loop
-// that never ends, put in by a debugger. Power is off before a word is said, the console says where it broke,
-// the watchdog starts the device again, and the next start repeats the cause and works.
+// The state after a failure of the firmware itself, on the image: a debugger causes a jump to an invalid
+// address (a hard fault) and a loop that never ends. Power is off before any text is printed, the console
+// shows where it failed, the watchdog restarts the device, and the next start repeats the cause and works.
 #include "hil_tests/cases/conversation.hpp"
 #include "hil_tests/l1/emulated_bench.hpp"
 #include <csetjmp>
@@ -25,8 +25,8 @@ constexpr std::uint32_t spare = 0x003ff000;   // code memory behind the image
 constexpr int hard_fault = 3, watchdog = 2;
 constexpr int patience_s = 120;
 
-// As much of gdb's protocol as is needed to stop a processor, change its program counter and memory, and let
-// it go.
+// The part of gdb's protocol that is needed to stop a processor, change its program counter and memory, and
+// resume it.
 class Debugger
 {
   public:
@@ -88,7 +88,7 @@ class Debugger
         for (const char letter : packet) sum += static_cast<unsigned char>(letter);
         char tail[8];
         std::snprintf(tail, sizeof tail, "#%02x", sum & 255);
-        const std::string whole = "+$" + packet + tail; // and what was heard is acknowledged
+        const std::string whole = "+$" + packet + tail; // and the received packet is acknowledged
         send(whole.data(), whole.size());
     }
     std::string hear()
@@ -107,7 +107,7 @@ class Debugger
     int socket_ = -1;
 };
 
-// A device that a debugger may break.
+// A device that a debugger may crash.
 class Patient
 {
   public:
@@ -121,7 +121,7 @@ class Patient
     }
     ~Patient() { std::filesystem::remove(path_); }
 
-    // Waits for words on the console.
+    // Waits for this text on the console.
     void expect_console(const char *words)
     {
         for (int i = 0; i < 100 * patience_s; i++, usleep(10000))
@@ -135,8 +135,8 @@ class Patient
         debugger.set_program_counter(address);
         debugger.go_on();
     }
-    // Interrupts off, so that the watchdog never finds the processor in the millisecond's handler (its minute
-    // is a whole number of milliseconds, so a feed right behind an edge ends there).
+    // Turns interrupts off, so that the watchdog never finds the processor in the millisecond's handler (its
+    // minute is a whole number of milliseconds, so a feed right behind an edge ends there).
     void hang()
     {
         debugger.stop();
@@ -172,7 +172,7 @@ class Patient
     hil::EmulatedBench bench;
 };
 
-// cmocka leaves a test by a jump that knows no destructors: errors come out as exceptions first.
+// cmocka leaves a test by a jump that runs no destructors, so errors leave as exceptions first.
 void guarded(void (*body)())
 {
     std::string why;
@@ -184,7 +184,7 @@ void guarded(void (*body)())
     if (!why.empty()) fail_msg("%s", why.c_str());
 }
 
-// With a force at the motors, 1,000 instructions per us.
+// There is a force at the motors, and the processor runs 1,000 instructions per us.
 void power_goes_with_a_hard_fault()
 {
     Patient patient(0);
@@ -199,13 +199,13 @@ void power_goes_with_a_hard_fault()
     hil::check(!patient.has_power(), "the crashed device still asks for power");
     hil::Plant &plant = patient.bench.plant();
     crn_port_outputs outputs = patient.bench.outputs();
-    outputs.enable = false; // as the page says
+    outputs.enable = false; // as in the rig page
     plant.step(outputs);
     hil::check(!plant.is_stage_on(), "the power stage holds");
     patient.expect_console("fault: exception 3 at pc 0x50000000");
 }
 
-// Without milliseconds and scenes, so that the watchdog's minute passes within a second: 1 us per
+// There are no milliseconds and scenes, so that the watchdog's minute passes within a second: 1 us per
 // instruction.
 constexpr int slowest = 10;
 

@@ -1,7 +1,7 @@
-// Claims about sessions that the rig leads (docs/rig.md): what hands do at its encoders is recorded tick by
-// tick and replays in LOCKSTEP bit for bit, also when the cable was pulled on the way; and a rig that stops
-// ends the session with the cause. The rig is the model of level 0 with a hand that pushes against powered
-// motors.
+// Claims about sessions that the rig leads (docs/rig.md). The motion of the hands at its encoders is recorded
+// tick by tick and replays in LOCKSTEP bit for bit, also when the cable was pulled meanwhile. A rig that
+// stops ends the session with the cause. The rig is the model of level 0 with a hand that pushes against
+// powered motors.
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>
@@ -25,7 +25,7 @@ extern "C" {
 namespace
 {
 
-// A cable to a bench: it goes after so many reads, and whoever opens the device again gets a new one.
+// A cable to a bench: it fails after this many reads, and the next open of the device gets a new one.
 class Cable final : public crn::Transport
 {
   public:
@@ -64,12 +64,12 @@ struct Trial {
         choice.free_run = true;
         choice.powers_motors = with_motors;
         choice.opens = [this] {
-            if (++opens > 1) bench.advance(away_ms); // the rig goes on without us
+            if (++opens > 1) bench.advance(away_ms); // the rig runs on without the host
             return std::make_unique<Cable>(bench, reads_left);
         };
         choice.return_limit_ms = 1000;
         crn::Link link(bench.pipe());
-        hil::set_up(link); // the rig knows its couplings
+        hil::set_up(link); // the rig gets its couplings
         hil::push_by_spring_hand(bench.plant());
         bench.plant().track(0).translation.set_hand(hil::Hand::spring);
     }
@@ -96,7 +96,7 @@ struct Trial {
         return crn::run_free_session(device, patient, {}, seconds, &recorder, nullptr, {});
     }
 
-    // Every tick again, on a device of the host's own.
+    // Runs every tick again, on a device of the host's own.
     void check_replay(const crn::RunResult &result)
     {
         const crn::Recording recording = crn::read_recording(path);
@@ -143,7 +143,7 @@ void what_hands_do_at_a_rig_replays_bit_for_bit(void **)
     }
 }
 
-// The rig runs on for 1.5 s without us; the session goes on from the last tick that came.
+// The rig runs on for 1.5 s without the host; the session continues from the last tick that arrived.
 void a_session_goes_on_after_an_unplug_and_replays_bit_for_bit(void **)
 {
     for (std::uint32_t cut : {100u, 401u, 702u}) {
@@ -159,7 +159,7 @@ void a_session_goes_on_after_an_unplug_and_replays_bit_for_bit(void **)
     }
 }
 
-// Beyond free_run_kept_max ticks a snapshot is what a resume begins with; it is part of the recording.
+// Beyond free_run_kept_max ticks a resume begins with a snapshot, which is part of the recording.
 void a_long_session_resumes_from_a_snapshot(void **)
 {
     Trial trial(false);

@@ -1,5 +1,5 @@
 // The image's USB side, token by token: it enumerates, takes its configuration, answers HELLO through the
-// bulk pair, keeps its words for a bus that sleeps, and counts what came by USB as work.
+// bulk pair, keeps its messages for a bus that sleeps, and counts requests by USB as work.
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>
@@ -13,7 +13,7 @@
 #include "host/link/emulator.hpp"
 #include "shared/wire/wire_frame.h"
 
-#define _Static_assert static_assert // of the C headers below
+#define _Static_assert static_assert // for the C headers below
 extern "C" {
 #include "hil_tests/usb/usb_host.h"
 #include <cmocka.h>
@@ -106,7 +106,7 @@ class Session
                "a frame to the device");
     }
 
-    // By the rings of the rig page, until the device has taken it.
+    // Sends the frame by the rings of the rig page, and waits until the device has taken it.
     void write_page(const std::vector<std::uint8_t> &frame)
     {
         rig_page &page = emulator.page();
@@ -116,7 +116,7 @@ class Session
         emulator.wait([&] { return rig_read(&page.device.to_device_tail) == head; }, "a request");
     }
 
-    // The next frame over USB is of this type and is left in the decoder.
+    // Expects that the next frame over USB is of this type, and leaves it in the decoder.
     void expect_frame(std::uint16_t type)
     {
         for (int packets = 0; packets < 8; packets++) {
@@ -161,7 +161,7 @@ void the_image_answers_hello_over_usb(void **)
     assert_int_equal(reply.accepted, 1);
 }
 
-// What the app says while the bus sleeps waits for the host on the bus.
+// The app's messages wait while the bus sleeps, until the host is back on the bus.
 void a_sleeping_bus_keeps_what_the_app_says(void **)
 {
     Session session;
@@ -178,7 +178,7 @@ void a_sleeping_bus_keeps_what_the_app_says(void **)
     assert_int_equal(session.decoder.header.answers, 2);
 }
 
-// Where the plant makes time, waiting takes none, and work takes what it takes, whichever way it came.
+// Where the plant makes time, waiting takes no time, and work takes its own time, whichever path it came by.
 void work_that_comes_by_usb_takes_the_plants_time(void **)
 {
     Session session;

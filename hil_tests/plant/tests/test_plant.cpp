@@ -1,6 +1,6 @@
-// Claims about the rig model, against closed forms: motion under constant forces, friction that stops and
-// holds, slip at its threshold, lag of the motors, quantisation of the encoders, the power stage's timing,
-// and determinism.
+// Claims about the rig model, shown against closed forms: motion under constant forces, friction that stops
+// and holds, slip at its threshold, lag of the motors, quantisation of the encoders, the power stage's
+// timing, and determinism.
 #include <cmath>
 #include <csetjmp>
 #include <cstdarg>
@@ -55,7 +55,7 @@ void a_free_tool_accelerates_by_newton(void **)
     near("tool in m", axis.tool(), expected, 1e-9);
 }
 
-// Thrown at v0 and released, friction F stops it after v0^2 m / 2 F; then it rests to the last bit.
+// Released at v0, it is stopped by the friction F after v0^2 m / 2 F; then it rests to the last bit.
 void friction_stops_a_free_tool_and_holds_it(void **)
 {
     AxisSettings s = ideal();
@@ -69,7 +69,7 @@ void friction_stops_a_free_tool_and_holds_it(void **)
     const double mass = s.tool_inertia + s.roller_inertia;
     near("way to rest in m", axis.tool() - begin, 0.2 * 0.2 * mass / (2.0 * s.coulomb), 0.2 * 50e-6);
     const double rest = axis.roller();
-    run(axis, 100, 0.049); // less than the friction: it holds
+    run(axis, 100, 0.049); // less than the friction: the tool holds
     assert_true(axis.roller() == rest);
     run(axis, 100, 0.051);
     assert_true(axis.roller() < rest);
@@ -85,7 +85,8 @@ void viscous_friction_gives_a_terminal_speed(void **)
     near("speed in m/s", axis.tool_speed(), 0.5, 1e-9);
 }
 
-// A held tool keeps the roller up to grip + bearing; beyond, the roller slips by the rest of the force.
+// A held tool keeps the roller at rest up to grip + bearing; beyond that, the roller slips by the rest of the
+// force.
 void the_roller_slips_at_its_threshold(void **)
 {
     AxisSettings s = ideal();
@@ -139,7 +140,7 @@ void a_motor_that_sticks_on_needs_the_power_stage(void **)
     near("force without power in N", axis.motor_force(), 0.0, 1e-5);
 }
 
-// counts = floor(place / width + 1/2), so the error is at most half a count, jitter added.
+// counts = floor(place / width + 1/2), so the error is at most half a count, plus jitter.
 void encoders_quantise_by_half_a_count(void **)
 {
     hil::Random random(3);
@@ -178,7 +179,7 @@ void encoders_wrap_and_have_faults(void **)
     assert_int_equal(faulty.health(), CRN_PORT_SENSOR_RANGE);
 }
 
-// A device that flips the line every millisecond has power; n ms after the last flip it is gone, n =
+// A device that flips the line every millisecond has power; n ms after the last flip the power is off, n =
 // CRN_PORT_DRIVE_HOLD_ms.
 void the_power_stage_drops_power_5_ms_after_the_last_flip(void **)
 {

@@ -1,8 +1,8 @@
-// Claims about the soak itself, in free space, so that each trial takes moments: sessions follow from seed
-// and number alone and are ones that a device takes; a bar that breaks is found at its tick, and the session
-// shrinks to what breaks it; a replay that differs, a crash and an endless trial are verdicts; rows survive
-// an interruption, a torn last line and a change of program. The program on vessels:
-// hil_tests/soak/test_soak.sh.
+// Claims about the soak itself, in free space, so that each trial takes moments. Sessions follow from seed
+// and number alone, and a device accepts them. A bar that breaks is found at its tick, and the session
+// shrinks to the cause. A replay that differs, a crash and an endless trial are verdicts. Rows survive an
+// interruption, an incomplete last line and a change of program. hil_tests/soak/test_soak.sh tests the
+// program on vessels.
 #include "hil_tests/soak/campaign.hpp"
 #include <algorithm>
 #include <csetjmp>
@@ -24,7 +24,7 @@ namespace
 namespace fs = std::filesystem;
 
 fs::path folder;
-soak::Catalogue catalogue; // free space and all that ships
+soak::Catalogue catalogue; // free space and everything that ships
 
 int make_catalogue(void **)
 {
@@ -103,7 +103,7 @@ void three_hundred_sessions_have_every_instrument_and_every_kind_of_statement(vo
     assert_true(is_fastest);
 }
 
-// The parser's word on whole scripts, and the core's on tools that must fit into each other.
+// The parser judges whole scripts, and the core judges whether tools fit into each other.
 void drawn_sessions_are_ones_that_a_device_takes(void **)
 {
     soak::TrialSettings settings = settings_with({1e9, 1e9, 1e9, 1.0});
@@ -126,10 +126,10 @@ void a_session_that_holds_every_bar_is_replayed_to_its_hash(void **)
     assert_string_equal(a.broken.c_str(), "");
     assert_true(a.ticks > 500);
     assert_true(a.hash != 0);
-    assert_true(fs::is_empty(folder)); // its recording is gone again
+    assert_true(fs::is_empty(folder)); // its recording has been removed
 }
 
-// And its recording is replayed all the same.
+// Its recording is replayed nevertheless.
 void a_session_that_is_long_enough_ends_at_that_tick(void **)
 {
     soak::TrialSettings settings = settings_with();
@@ -161,8 +161,8 @@ void a_recording_that_lost_its_end_is_told(void **)
     assert_string_equal(verdict.broken.c_str(), "replay");
 }
 
-// The wire alone resists a hand with milli-newtons here: a bar of 1 uN is broken by the first push, and by no
-// pause.
+// Only the wire resists a hand here, with millinewtons: the first push breaks a bar of 1 uN, and no pause
+// does.
 void a_bar_that_is_much_too_low_ends_the_session_at_the_first_push(void **)
 {
     const soak::Bars bars{1.0, 1.0, 1e-6, 1e-6};
@@ -211,7 +211,7 @@ void a_verdict_keeps_its_numbers_as_a_line(void **)
 
 // --- shrinking ---
 
-// A judge of words: the session is broken while it has a push of the catheter by at least 20 mm behind an
+// A judge of texts: the session is broken while it has a push of the catheter by at least 20 mm behind an
 // inflation.
 soak::Verdict judge_of_words(const soak::DrawnSession &session)
 {

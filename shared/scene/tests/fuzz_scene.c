@@ -1,6 +1,6 @@
-/* Fuzz target: any bytes may be offered as a scene. What the check accepts is then walked as the core and the
- * host walk it, and a broken promise ends the program. Each input is tried as it is and with its CRCs made
- * right, so that the checks behind them are reached. */
+/* Fuzz target: any bytes may be offered as a scene. The target walks an accepted scene as the core and the
+ * host do, and a broken guarantee ends the program. Each input is tried as it is and with corrected CRCs, so
+ * that the checks behind them are reached. */
 #include "shared/scene/tests/scene_sample.h"
 
 #include <stdlib.h>
@@ -13,7 +13,7 @@ static void promise(bool kept)
     if (!kept) abort();
 }
 
-/* Refinement ends after two rows and every brick is there. */
+/* Checks that refinement ends after two rows and every brick exists. */
 static void walk_entry(const crn_scene_lumen *lumen, uint32_t entry)
 {
     for (int level = 0; entry >= 0x8000; level++) {
@@ -52,7 +52,8 @@ static void walk_lesion(const crn_scene *scene, uint32_t index, const uint8_t *e
     promise(lesion.healthy_points + CRN_SCENE_TREE_POINT_BYTES * (size_t)lesion.point_count <= end);
 }
 
-/* Every number is within its range, so that the core's sums fit, and the boundary stands still. */
+/* Checks that every number is within its range, so that the core's sums fit, and that the boundary does not
+ * move. */
 static void walk_motion(const crn_scene_motion *motion, size_t row, const uint8_t *end)
 {
     const size_t nx = motion->node_count_xyz[0], ny = motion->node_count_xyz[1],
@@ -116,7 +117,7 @@ static void offer(const uint8_t *bytes, size_t size)
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
-    uint8_t *copy = malloc(size + 1); /* exact, so that a read past the end is seen */
+    uint8_t *copy = malloc(size + 1); /* exact size, so that a read past the end is detected */
     if (copy == NULL) return 0;
     memcpy(copy, bytes, size);
     offer(copy, size);

@@ -1,4 +1,5 @@
-/* Small valid files for the tests of the scene container, and sealing of files changed on purpose. */
+/* Small valid files for the tests of the scene container, and a function that seals files changed on
+ * purpose. */
 #ifndef CRN_SCENE_SAMPLE_H
 #define CRN_SCENE_SAMPLE_H
 
@@ -79,7 +80,7 @@ static inline void sample_lattice(uint8_t *motion)
     crn_scene_put_u16(motion + 18, 23);
 }
 
-/* Its middle node breathes 0.5 mm along y. */
+/* The middle node moves by 0.5 mm along y with the breath. */
 static inline void sample_breath(uint8_t *breath)
 {
     memset(breath, 0, SAMPLE_BREATH_BYTES);
@@ -87,7 +88,7 @@ static inline void sample_breath(uint8_t *breath)
     crn_scene_put_u16(breath + 32 + 2 * (3 * SAMPLE_MIDDLE + 1), 262);
 }
 
-/* The middle node goes 1 mm along x and back. */
+/* The middle node moves by 1 mm along x and back. */
 static inline void sample_motion(uint8_t *motion)
 {
     memset(motion, 0, SAMPLE_MOTION_BYTES);
@@ -119,7 +120,7 @@ static inline size_t sample_moving_scene(uint8_t *file, size_t capacity)
 
 enum { SAMPLE_STATIONS = 3, SAMPLE_PLAQUES_BYTES = 16 + 80 + SAMPLE_STATIONS * 48 };
 
-/* One that lies along +y, stations 0.98 mm apart, 1 mm of 2 mm left. */
+/* One plaque along +y: its stations are 0.98 mm apart, and 1 mm of 2 mm is left. */
 static inline void sample_plaques(uint8_t *plaques)
 {
     const uint32_t one_q30 = 1u << 30, mm_q30 = 1073742, spacing = 1u << 20;
@@ -146,7 +147,7 @@ static inline void sample_plaques(uint8_t *plaques)
     }
 }
 
-/* Behind the lumen, or behind its motion. */
+/* The plaques follow the lumen, or its motion. */
 static inline size_t sample_diseased_scene(uint8_t *file, size_t capacity, bool moves)
 {
     uint8_t meta[CRN_SCENE_META_BYTES], entry[CRN_SCENE_ENTRY_BYTES], lumen[SAMPLE_LUMEN_BYTES],
@@ -205,7 +206,7 @@ static inline void sample_tree(uint8_t *tree)
     }
 }
 
-/* One lesion on the whole of the aorta. */
+/* One lesion along the whole aorta. */
 enum { SAMPLE_LESIONS_BYTES = 16 + 48 + 3 * 16 };
 static inline void sample_lesions(uint8_t *lesions)
 {
@@ -220,9 +221,9 @@ static inline void sample_lesions(uint8_t *lesions)
     }
 }
 
-/* What stands behind the two bodies of a body file. */
+/* The sections behind the two bodies of a body file. */
 typedef enum sample_vessels { SAMPLE_NO_TREE, SAMPLE_TREE, SAMPLE_LESIONS } sample_vessels;
-/* And behind these, when it is wanted, the scene that they belong to. */
+/* The scene to which the bodies belong follows these on request. */
 enum { SAMPLE_PARTNER_BYTES = 4112, SAMPLE_PARTNER_CRC32 = 0x1234abcd };
 static inline size_t sample_body_file_of(uint8_t *file, size_t capacity, sample_vessels vessels,
                                          int has_partner)
@@ -259,7 +260,7 @@ static inline size_t sample_bodies(uint8_t *file, size_t capacity)
     return sample_body_file(file, capacity, SAMPLE_NO_TREE);
 }
 
-/* Make every CRC right again where the section table still allows it. */
+/* Corrects every CRC where the section table still allows it. */
 static inline void sample_seal(uint8_t *file, size_t size)
 {
     uint32_t count = size < 32 ? 0 : crn_scene_u32(file + 20);

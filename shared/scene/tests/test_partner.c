@@ -1,6 +1,6 @@
-/* Claims: a body file names the scene it was baked with, behind all that it holds; it is read as it was
- * written, and refused where it stands elsewhere or has another size. Shown on small valid files whose
- * section table is changed with the CRCs made right. */
+/* Claims: a body file names the scene with which it was baked, behind all other contents. The name is read as
+ * it was written, and a file is refused where it is in another place or has another size. They are shown on
+ * small valid files whose section table is changed and whose CRCs are corrected. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,5 +1,6 @@
-/* Claims: every broken scene is refused with its own code and place, and nothing of it is handed out. Shown
- * on small valid files: cut at every length, every bit flipped, each rule of docs/scene.md broken alone. */
+/* Claims: every broken scene is refused with its own code and place, and no part of it reaches the caller.
+ * They are shown on small valid files: cut at every length, every bit flipped, each rule of docs/scene.md
+ * broken alone. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -12,9 +13,9 @@
 
 /* The sample scene: header 32 + table 48 = 80; META 80, ENTRY 336, LUMEN 368. Its bodies: BODY 336, 496. */
 enum { META_AT = 80, ENTRY_AT = 336, LUMEN_AT = 368, BONE_AT = 336, SKIN_AT = 496 };
-/* With a tree: the table is a row longer. Branches at 16 and 80 of the section, points at 144. */
+/* With a tree the table is a row longer. Branches at 16 and 80 of the section, points at 144. */
 enum { TREE_AT = 672, RENAL_AT = TREE_AT + 80, POINTS_AT = TREE_AT + 144 };
-/* With lesions the table has a row more, and behind the tree of 224 bytes LESIONS begins. */
+/* With lesions the table has one row more, and LESIONS begins behind the tree of 224 bytes. */
 enum { LESIONS_AT = TREE_AT + 16 + 224, LESION_AT = LESIONS_AT + 16, HEALTHY_AT = LESION_AT + 48 };
 /* The moving scene: header 32 + table 80 = 112; META 112, LUMEN 400 .. 3468, MOTION 3472 .. 7716. */
 enum { MOTION_AT = 3472, BREATH_AT = 7728 };
@@ -83,7 +84,7 @@ static void refuses(crn_scene_status expected, uint32_t place)
     }
 }
 
-/* Write a word, make the CRCs right, and expect a refusal; then put the word back. */
+/* Writes a word, corrects the CRCs, and expects a refusal; then it puts the word back. */
 static void refuses_word(size_t at, unsigned bytes, uint32_t value, crn_scene_status expected, uint32_t place)
 {
     uint8_t saved[4];
@@ -145,7 +146,7 @@ static void a_tree_gives_back_what_was_written(void **state)
     assert_int_equal(crn_scene_u32(renal.points + 12), 3000);
 }
 
-/* Only files that hold a tree ask for a reader that knows trees. */
+/* Only files that hold a tree require a reader that knows trees. */
 static void a_file_without_a_tree_is_of_the_old_version(void **state)
 {
     (void)state;
@@ -188,8 +189,7 @@ static void other_files_newer_and_older_ones_are_told_apart(void **state)
     refuses_word(8, 2, 0, CRN_SCENE_OLDER, 8);
     refuses_word(12, 4, 7, CRN_SCENE_KIND, 12);
     refuses_word(28, 4, 1, CRN_SCENE_RESERVED, 28);
-    refuses_word(24, 1, file[24] ^ 1u, CRN_SCENE_OK,
-                 0); /* sealed again: the control of refuses_word itself */
+    refuses_word(24, 1, file[24] ^ 1u, CRN_SCENE_OK, 0); /* sealed again: this checks refuses_word itself */
 }
 
 static void a_scene_from_before_the_renaming_is_read(void **state)
@@ -326,7 +326,7 @@ static void a_tree_must_hang_together(void **state)
     refuses_word(POINTS_AT + 12, 4, 100001, CRN_SCENE_TREE_POINT, POINTS_AT + 12);
 }
 
-/* Behind the bodies and once: row 3 of the table is the tree's. */
+/* The tree comes behind the bodies, and once: row 3 of the table belongs to it. */
 static void a_tree_stands_behind_the_bodies(void **state)
 {
     (void)state;
@@ -362,7 +362,7 @@ static void a_lesion_lies_where_there_is_vessel(void **state)
     refuses_word(LESIONS_AT + 12, 4, 1, CRN_SCENE_RESERVED, LESIONS_AT + 8);
     refuses_word(LESION_AT + 31, 1, 'x', CRN_SCENE_TEXT, LESION_AT + 31);
     refuses_word(LESION_AT + 32, 4, 2, CRN_SCENE_LESION_PLACE, LESION_AT + 32);
-    refuses_word(LESION_AT + 32, 4, 1, CRN_SCENE_LESION_PLACE, LESION_AT + 40); /* that one has two points */
+    refuses_word(LESION_AT + 32, 4, 1, CRN_SCENE_LESION_PLACE, LESION_AT + 40); /* it has two points */
     refuses_word(LESION_AT + 36, 4, 3, CRN_SCENE_LESION_PLACE, LESION_AT + 36);
     refuses_word(LESION_AT + 36, 4, 1, CRN_SCENE_LESION_PLACE, LESION_AT + 40);
     refuses_word(LESION_AT + 40, 4, 2, CRN_SCENE_LESION_PLACE, LESION_AT + 40);
@@ -372,7 +372,7 @@ static void a_lesion_lies_where_there_is_vessel(void **state)
     refuses_word(HEALTHY_AT + 12, 4, 9, CRN_SCENE_LESION_PLACE, HEALTHY_AT + 12);
 }
 
-/* Rows 3 and 4 of the table are the tree's and the lesions'. */
+/* Rows 3 and 4 of the table belong to the tree and to the lesions. */
 static void lesions_stand_behind_their_tree(void **state)
 {
     (void)state;
@@ -421,7 +421,7 @@ static void a_lattice_must_fit_the_cores_arithmetic_and_stand_still_at_its_bound
     (void)state;
     const uint32_t middle = MOTION_AT + (uint32_t)sample_motion_at(SAMPLE_MIDDLE, 0, 0);
     const uint32_t breath = BREATH_AT + 32 + 2 * 3 * SAMPLE_MIDDLE;
-    const uint32_t before = middle - 6 * CRN_SCENE_MOTION_ROW; /* the node whose neighbour it is along x */
+    const uint32_t before = middle - 6 * CRN_SCENE_MOTION_ROW; /* the node that precedes it along x */
     refuses_word(MOTION_AT + 18, 2, 19, CRN_SCENE_MOTION_LATTICE, MOTION_AT + 18);
     refuses_word(MOTION_AT + 18, 2, 25, CRN_SCENE_MOTION_LATTICE, MOTION_AT + 18);
     refuses_word(MOTION_AT + 20, 2, 23, CRN_SCENE_MOTION_LATTICE, MOTION_AT + 18);
@@ -431,7 +431,7 @@ static void a_lattice_must_fit_the_cores_arithmetic_and_stand_still_at_its_bound
     refuses_word(MOTION_AT + 14, 2, 4, CRN_SCENE_SECTION_SIZE, MOTION_AT + 12);
     refuses_word(MOTION_AT + 28, 4, 1, CRN_SCENE_RESERVED, MOTION_AT + 22);
     refuses_word(MOTION_AT + 32 + 2 * 5, 2, 16385, CRN_SCENE_MOTION_VALUE, MOTION_AT + 32);
-    refuses_word(middle + 2 * 24, 2, 1, CRN_SCENE_MOTION_VALUE, middle); /* not what keyframe 23 says */
+    refuses_word(middle + 2 * 24, 2, 1, CRN_SCENE_MOTION_VALUE, middle); /* this differs from keyframe 23 */
     refuses_word(middle + 2 * 5, 2, 2561, CRN_SCENE_MOTION_STEEP, middle - 9 * 6 * CRN_SCENE_MOTION_ROW);
     refuses_word(before + 2 * 5, 2, 1, CRN_SCENE_MOTION_EDGE, before);
     refuses_word(BREATH_AT + 20, 2, CRN_SCENE_MOTION_KEYFRAMES, CRN_SCENE_MOTION_LATTICE, BREATH_AT + 18);
@@ -441,7 +441,7 @@ static void a_lattice_must_fit_the_cores_arithmetic_and_stand_still_at_its_bound
     refuses_word(breath - 6, 2, 1, CRN_SCENE_MOTION_EDGE, breath - 6);
 }
 
-/* Before minor version 4 breath stood in the rows of the beat. */
+/* Before minor version 4, breath was stored in the rows of the beat. */
 static void a_motion_of_an_older_format_is_refused_by_name(void **state)
 {
     (void)state;
@@ -483,7 +483,7 @@ static void plaques_give_back_what_was_written(void **state)
     assert_int_equal(scene.plaque_count, 0);
 }
 
-/* Each rule of the PLAQUES section broken alone. */
+/* Each rule of the PLAQUES section is broken alone. */
 static void a_plaque_must_fit_the_cores_arithmetic(void **state)
 {
     (void)state;
@@ -542,7 +542,7 @@ static void writer_refuses_a_buffer_that_is_too_small(void **state)
     assert_int_equal(sample_scene(file, file_bytes), file_bytes);
 }
 
-/* An empty file: no bytes, and no address either. The sanitized run shows that nothing is read. */
+/* An empty file: no bytes, and no address either. The sanitized run shows that no byte is read. */
 static void no_bytes_at_all_are_refused(void **state)
 {
     (void)state;

@@ -10,7 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* 0.5 m / 256, rounded up to a whole micrometre: the last element leaves the mouth with its inner part. */
+/* 0.5 m / 256, rounded up to a whole micrometre, so the inner part of the last element remains in the
+ * sheath. */
 enum { ELEMENTS = 256, ELEMENT_um = 1954, LENGTH_um = 500000, SPARE_ELEMENTS = 8, TICKS_MAX = 1000000 };
 static const double young_Pa = 60e9, density_kg_m3 = 7850, radius_m = 0.445e-3, tube_radius_m = 1.5e-3,
                     friction = 0.2;

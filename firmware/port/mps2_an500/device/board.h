@@ -1,4 +1,4 @@
-/* Registers of ARM's MPS2 board with the AN500 image, as far as the device uses them. */
+/* The registers that the device uses of ARM's MPS2 board with the AN500 image. */
 #ifndef CRN_AN500_BOARD_H
 #define CRN_AN500_BOARD_H
 
@@ -18,7 +18,7 @@ typedef struct board_uart {
 static board_uart *const board_uart0 = (board_uart *)0x40004000u;
 enum { BOARD_UART_TRANSMIT_FULL = 1, BOARD_UART_TRANSMIT_ON = 1, BOARD_UART_DIVIDER_MIN = 16 };
 
-typedef struct board_watchdog { /* first end: NMI; second end: reset */
+typedef struct board_watchdog { /* the first expiry raises an NMI, the second resets */
     volatile uint32_t load, value, control, clear;
 } board_watchdog;
 static board_watchdog *const board_watchdog0 = (board_watchdog *)0x40008000u;
@@ -30,7 +30,7 @@ typedef struct board_systick {
 static board_systick *const board_systick0 = (board_systick *)0xe000e010u;
 enum { BOARD_SYSTICK_ON_INTERRUPT_PROCESSOR_CLOCK = 7 };
 
-typedef struct board_faults { /* of the system control block */
+typedef struct board_faults { /* registers of the system control block */
     volatile uint32_t configurable, hard, debug, memory_address, bus_address;
 } board_faults;
 static board_faults *const board_faults0 = (board_faults *)0xe000ed28u;

@@ -1,5 +1,5 @@
-/* From reset to main(), and what is left when an exception ends the program: power off, a line on the
- * console, a record that outlives the reset by the watchdog. */
+/* From reset to main(), and the end of a program by an exception: power off, a line on the console, and a
+ * record that survives the watchdog's reset. */
 #include "firmware/port/mps2_an500/device/board.h"
 #include "firmware/port/mps2_an500/device/device.h"
 
@@ -16,7 +16,7 @@ void reset(void)
     main();
 }
 
-/* `frame` is what the processor pushed when the exception came. */
+/* `frame` is what the processor pushed at the exception. */
 __attribute__((used)) static void crashed(const uint32_t *frame)
 {
     rig_outputs_off();
@@ -37,7 +37,7 @@ __attribute__((used)) static void crashed(const uint32_t *frame)
     }
 }
 
-/* The stack pointer at entry is what `crashed` needs, before a prologue moves it. */
+/* `crashed` needs the stack pointer at entry, before a prologue moves it. */
 __attribute__((naked)) static void unexpected(void)
 {
     __asm__ volatile("mrs r0, msp\n b crashed");

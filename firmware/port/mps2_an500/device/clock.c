@@ -6,14 +6,14 @@ enum {
     COUNTS_PER_us = BOARD_CLOCK_HZ / 1000000,
     COUNTS_PER_ms = BOARD_CLOCK_HZ / 1000,
     /* Longer than the longest request (a scene's validation: 0.2 s at 1,000 instructions per us; 26 s when an
-     * instruction is made to take 128 ns for counting). The power stage does not wait for this: it drops
-     * power after 5 ms. */
+     * instruction is given 128 ns for counting). The power stage does not depend on it: it drops power after
+     * 5 ms. */
     WATCHDOG_s = 60,
 };
 
 static struct {
     uint32_t counts_last, counts_rest, us;
-    volatile uint32_t edges; /* of the board's timer */
+    volatile uint32_t edges; /* edges of the board's timer */
     uint32_t edges_done;
 } clock;
 
@@ -28,7 +28,7 @@ void clock_start(void)
     board_systick0->control = BOARD_SYSTICK_ON_INTERRUPT_PROCESSOR_CLOCK;
     board_watchdog0->load = (uint32_t)WATCHDOG_s * BOARD_CLOCK_HZ;
     board_watchdog0->control = BOARD_WATCHDOG_INTERRUPT_AND_RESET;
-    rig_write(&rig->device.edge_done, rig_read(&rig->host.edge)); /* what passed before power-up is past */
+    rig_write(&rig->device.edge_done, rig_read(&rig->host.edge)); /* edges from before power-up are skipped */
 }
 
 uint32_t clock_counts(void)
@@ -43,7 +43,7 @@ static void take_counts(uint32_t counts)
     clock.counts_rest %= COUNTS_PER_us;
 }
 
-/* Right as long as it is asked every 171 s. */
+/* The result is correct as long as it is read at least every 171 s. */
 uint32_t clock_us(void)
 {
     uint32_t now = clock_counts();
@@ -57,9 +57,9 @@ static bool is_plants(void)
     return rig_is_there() && rig_read(&rig->host.tick_source) == RIG_TICK_PLANT;
 }
 
-/* When the plant makes time, waiting for it takes none: what lies between two pieces of work is not counted,
- * so that the clock shows the same however long we were kept waiting. The count, for telling how long the
- * work took. */
+/* When the plant makes time, waiting for it takes none. The time between two pieces of work is not counted,
+ * so the clock shows the same value however long the device was kept waiting. Returns the count, from which
+ * the caller derives how long the work took. */
 uint32_t clock_work_begin(void)
 {
     const uint32_t now = clock_counts();
@@ -86,7 +86,7 @@ void clock_tick(void)
 uint32_t clock_edges_due(void)
 {
     if (is_plants()) {
-        clock.edges_done = clock.edges; /* the timer takes over from here when the plant goes */
+        clock.edges_done = clock.edges; /* the timer continues from here when the plant disconnects */
         return rig_read(&rig->host.edge) - rig->device.edge_done;
     }
     return clock.edges - clock.edges_done;

@@ -1,10 +1,10 @@
-/* Text on UART 0, for people and logs: a banner at power-up and a line for every exception. Waits for the
- * UART, so never called while ticks run. */
+/* Text on UART 0, for people and logs: a banner at power-up and a line for every exception. It waits for the
+ * UART, so it is never called while ticks run. */
 #include "firmware/port/console_digits.h"
 #include "firmware/port/mps2_an500/device/board.h"
 #include "firmware/port/mps2_an500/device/device.h"
 
-enum { WAIT_MAX = 100000 }; /* a UART that does not move costs a line, not the device */
+enum { WAIT_MAX = 100000 }; /* a blocked UART costs a line, not the device */
 
 void console_start(void)
 {

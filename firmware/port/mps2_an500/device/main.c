@@ -1,9 +1,9 @@
 /* The device on ARM's MPS2 board (AN500, Cortex-M7) with an emulated rig: memory, the port's table, and the
- * loop that hands bytes and milliseconds to the app. Nothing here allocates; interrupts only count.
+ * loop that passes bytes and milliseconds to the app. Nothing here allocates memory; interrupts only count.
  *
  *   loop:  bytes came -> crn_app_receive     USB tokens -> crn_rig_usb_poll     an edge is due -> crn_app_timer
  *
- * One piece of bytes and one edge per round, so that neither starves the other. */
+ * A round handles one piece of bytes and one edge, so that neither starves the other. */
 #include "firmware/app/app.h"
 #include "firmware/port/mailbox/mailbox_udc.h"
 #include "firmware/port/mps2_an500/device/device.h"
@@ -12,14 +12,14 @@
 static crn_app app __attribute__((section(".hot"), aligned(8)));
 static crn_mailbox_udc controller;
 static crn_rig_usb usb;
-static bool usb_has_more; /* to do without being asked */
+static bool usb_has_more; /* the next round has work even without a demand of the host */
 static uint8_t slots[2][RIG_SLOT_BYTES] __attribute__((section(".scenes"), aligned(8)));
 static char serial[CRN_PORT_SERIAL_BYTES + 1] = "AN500-0001";
 
-static bool has_worked; /* since the watchdog was fed */
+static bool has_worked; /* work was done since the watchdog was fed */
 enum {
     LOOK_EVERY_rounds = 65536
-}; /* an idle round takes some 50 instructions, the watchdog waits for 1.5 x 10^9 cycles */
+}; /* an idle round takes some 50 instructions; the watchdog waits for 1.5 x 10^9 cycles */
 
 static uint32_t now_us(void *context)
 {
@@ -27,8 +27,8 @@ static uint32_t now_us(void *context)
     return clock_us();
 }
 
-/* A host on the USB has the device, also while its bus sleeps; without one the rings of the rig page do,
- * where instructions can be counted. */
+/* A host on the USB owns the device, also while its bus sleeps. Without such a host the rings of the rig page
+ * own it, where instructions can be counted. */
 static bool transmit(void *context, const uint8_t *frame, size_t frame_bytes)
 {
     return crn_rig_usb_is_configured(&usb) ? crn_rig_usb_transmit(context, frame, frame_bytes)
@@ -57,7 +57,7 @@ _Static_assert((int)RIG_TRACK_COUNT == (int)CRN_PORT_TOOL_MAX &&
                    (int)RIG_SERIAL_BYTES == (int)CRN_PORT_SERIAL_BYTES,
                "page and port agree");
 
-/* The serial of the emulated device, when whoever started it gave one. */
+/* The serial of the emulated device, when the program that started it has set one. */
 static void take_serial(void)
 {
     if (!rig_is_there() || rig->host.serial[0] == '\0') return;
@@ -91,13 +91,13 @@ static void greet(void)
     tell_crash();
 }
 
-/* The end of work on what came from the host. */
+/* Ends the work on bytes from the host. */
 static void end_receiving(uint32_t begin)
 {
     rig_write(&rig->device.receive_counts, rig->device.receive_counts + (clock_counts() - begin));
     rig_write(&rig->device.clock_us, clock_us());
     has_worked = true;
-    usb_has_more = true; /* what the app said */
+    usb_has_more = true; /* the app's reply */
 }
 
 static void receive(void)
@@ -111,9 +111,9 @@ static void receive(void)
     pipe_release(count);
 }
 
-/* Only what came to the app is work: how often a host asks for what is not there yet is not the plant's
- * business. The clock is read only where work may come: that costs an emulator more than all the rest of a
- * round. */
+/* Only bytes that reached the app count as work: how often a host polls for data that is not ready does not
+ * concern the plant. The clock is read only where work may come, because reading it costs an emulator more
+ * than all the rest of a round. */
 static void poll_usb(void)
 {
     const crn_mailbox_demand demand = crn_mailbox_udc_demand(&controller);
@@ -132,7 +132,7 @@ static void tick(void)
     uint32_t begin = clock_counts();
     crn_app_timer(&app);
     crn_rig_usb_timer(&usb);
-    usb_has_more = true; /* a report, and what the app said */
+    usb_has_more = true; /* a report, and the app's messages */
     uint32_t counts = clock_counts() - begin;
     rig_write(&rig->device.clock_us, clock_us());
     rig_write(&rig->device.edge_counts, counts);
@@ -140,9 +140,9 @@ static void tick(void)
     clock_edge_done();
 }
 
-/* The watchdog lives on edges that the app has done to their end: neither a loop that goes round without its
- * milliseconds nor a host that keeps the pipe busy keeps it quiet. Only where the plant makes the
- * milliseconds and has none for us is nothing to be done. */
+/* Only edges that the app has completed feed the watchdog. Neither a loop that runs without its milliseconds
+ * nor a host that keeps the pipe busy can feed it. The one exception: it is also fed when the plant makes the
+ * milliseconds and none is due. */
 static void feed_watchdog(uint32_t round)
 {
     static uint32_t fed;

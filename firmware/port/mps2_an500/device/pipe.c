@@ -1,14 +1,14 @@
-/* Bytes from and to the host through the page's two rings. Heads and tails count bytes and wrap; a head
- * further away than the ring is long is the other side's error and empties the ring. */
+/* Bytes from and to the host through the page's two rings. Heads and tails count bytes and wrap. A head that
+ * is ahead by more than the ring's length is an error of the other side and empties the ring. */
 #include "firmware/port/mps2_an500/device/device.h"
 
 enum {
     RING_MASK = RIG_RING_BYTES - 1,
-    PIECE_BYTES =
-        512, /* a packet of USB: a host that floods the ring may not keep the device from its milliseconds */
+    /* a packet of USB: a host that floods the ring must not keep the device from its milliseconds */
+    PIECE_BYTES = 512,
 };
 
-/* What the host sent to an earlier life is not for this one; what that one had to say is gone. */
+/* Bytes that the host sent before a restart are dropped, and so are unsent bytes of the device. */
 void pipe_start(void)
 {
     rig_write(&rig->device.to_device_tail, rig_read(&rig->host.to_device_head));
@@ -41,7 +41,7 @@ size_t pipe_room(void *context)
     return used <= RIG_RING_BYTES ? RIG_RING_BYTES - used : 0;
 }
 
-/* Words first, aligned or not: the PSRAM is normal memory. */
+/* Words are copied first, aligned or not, because the PSRAM is normal memory. */
 static void copy(uint8_t *to, const uint8_t *from, size_t count)
 {
     size_t i = 0;

@@ -1,4 +1,5 @@
-/* The rig's registers as the port's inputs and outputs. What the page says is bounded before it is used. */
+/* The rig's registers as the port's inputs and outputs. Values from the page are bounded before they are
+ * used. */
 #include "firmware/port/mps2_an500/device/device.h"
 
 bool rig_is_there(void)
@@ -42,7 +43,7 @@ static void take_sample(const rig_inputs *from, crn_port_inputs *to)
     to->local_unlock = (from->switches & RIG_LOCAL_UNLOCK) != 0;
 }
 
-/* No new sample: the app holds the hands and decides how long that may last. */
+/* There is no new sample: the app holds the hands and decides how long that may last. */
 static void mark_stale(crn_port_inputs *inputs)
 {
     for (int k = 0; k < RIG_TRACK_COUNT; k++) {
