@@ -57,7 +57,9 @@ def write_whole(path, data):
 
 def write_archive(path, files):
     packed = io.BytesIO()
-    with tarfile.open(fileobj=packed, mode="w:xz", preset=9 | lzma.PRESET_EXTREME, format=tarfile.USTAR_FORMAT) as archive:
+    with tarfile.open(
+        fileobj=packed, mode="w:xz", preset=9 | lzma.PRESET_EXTREME, format=tarfile.USTAR_FORMAT
+    ) as archive:
         for name in sorted(files):
             member = tarfile.TarInfo(name)
             member.size, member.mode = len(files[name]), 0o644

@@ -17,7 +17,7 @@ export DISPLAY=":$DISPLAY"
 # then, and a key that is down through N pieces is held for more than 500 (N - 1) ticks. Everything else in there is smaller.
 recorded() { cat "$1".part* "$1" 2>/dev/null | wc -c; }
 ticks_pass() {
-    local until patience=4000 # 200 s
+    local until patience=2000 # 100 s
     for _ in $(seq "$2"); do
         until=$(($(recorded "$1") + 10000))
         while [ "$(recorded "$1")" -lt "$until" ]; do
@@ -27,4 +27,26 @@ ticks_pass() {
         done
     done
 }
-export -f recorded ticks_pass
+# A tool that talks to the display gets an answer within seconds, or it asks again: a server that is busy must not end the test.
+keys() { timeout 10 xdotool "$@" >/dev/null 2>&1 || timeout 10 xdotool "$@"; }
+# The window has the keyboard: it is on the screen, and the server says that keys go to it. Before that, keys go nowhere.
+focus() {
+    local id
+    for _ in $(seq 600); do # 30 s
+        id=$(timeout 10 xdotool search --onlyvisible --name Cournand 2>/dev/null | tail -n 1)
+        if [ -n "$id" ] && timeout 10 xdotool windowfocus "$id" 2>/dev/null &&
+            [ "$(timeout 10 xdotool getwindowfocus 2>/dev/null)" = "$id" ]; then return 0; fi
+        sleep 0.05
+    done
+    return 1
+}
+# What every process of this display waits for, when a test has waited in vain: `keys.sh` failed || stuck.
+stuck() {
+    local status
+    for status in /proc/[0-9]*/status; do
+        grep -zq "DISPLAY=$DISPLAY" "${status%/status}/environ" 2>/dev/null || continue
+        echo "$(tr '\0' ' ' <"${status%/status}/cmdline" | cut -c1-60): $(sed -n 's/^State:\t//p' "$status")," \
+            "$(cat "${status%/status}/wchan" 2>/dev/null), call $(cut -d' ' -f1 "${status%/status}/syscall" 2>/dev/null)"
+    done
+}
+export -f recorded ticks_pass keys focus stuck

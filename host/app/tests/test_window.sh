@@ -56,10 +56,10 @@ cat >"$work/keys.sh" <<'EOF'
 "$program" view --instrument "$wire" --record "$work/live.rec" >"$work/live" 2>&1 &
 window=$!
 ticks_pass "$work/live.rec" 1
-xdotool search --name Cournand windowfocus >/dev/null 2>&1
-xdotool keydown Up keydown space; ticks_pass "$work/live.rec" 2; xdotool keyup Up keyup space key d key h
+focus || { stuck; exit 1; }
+keys keydown Up keydown space; ticks_pass "$work/live.rec" 2 || stuck; keys keyup Up keyup space key d key h
 ticks_pass "$work/live.rec" 1
-xdotool key Escape
+keys key Escape
 wait "$window"
 EOF
 export program wire work
@@ -83,7 +83,7 @@ done
 ticks_pass "$work/gone.rec" 1
 kill -9 $emulator
 for _ in $(seq 100); do grep -q "the emulator ended" "$work/gone" && break; sleep 0.1; done
-xdotool search --name Cournand windowfocus key Escape >/dev/null 2>&1
+focus && keys key Escape
 wait "$window"
 EOF
 timeout 300 bash "$work/gone.sh"
@@ -99,15 +99,16 @@ cat >"$work/two.sh" <<'EOF'
     --screenshot "$work/two.png" >"$work/two" 2>&1 &
 window=$!
 ticks_pass "$work/two.rec" 1
-xdotool search --name Cournand windowfocus >/dev/null 2>&1
-xdotool key 2; xdotool keydown Up; ticks_pass "$work/two.rec" 3; xdotool keyup Up; ticks_pass "$work/two.rec" 1
-xdotool key g; xdotool keydown Up; ticks_pass "$work/two.rec" 2; xdotool keyup Up; ticks_pass "$work/two.rec" 1
-xdotool key Escape
+focus || { stuck; exit 1; }
+keys key 2; keys keydown Up; ticks_pass "$work/two.rec" 3 || stuck; keys keyup Up; ticks_pass "$work/two.rec" 1
+keys key g; keys keydown Up; ticks_pass "$work/two.rec" 2 || stuck; keys keyup Up; ticks_pass "$work/two.rec" 1
+keys key Escape
 wait "$window"
 EOF
 export catheter=shared/examples/instruments/beacon_5f.toml
-timeout 300 bash "$work/two.sh"
+timeout 300 bash "$work/two.sh" >"$work/two_said" 2>&1
 code=$?
+cat "$work/two_said" >>"$work/two" 2>/dev/null
 ls "$work" >>"$work/two" # a second recording: a key began the session anew
 log="$work/two" result $code "two tools open, move and end with exit code 0"
 "$program" replay "$work/two.rec" --verify >"$work/log" 2>&1

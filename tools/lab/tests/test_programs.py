@@ -23,7 +23,17 @@ def outputs(bench):
         1,
         "cannot be written",
     )
-    case = ["reference_rod", "--instrument", bad.WIRE, "--scene", "good.scene", "--depth", "a:10:0", "-o", "good.toml/x"]
+    case = [
+        "reference_rod",
+        "--instrument",
+        bad.WIRE,
+        "--scene",
+        "good.scene",
+        "--depth",
+        "a:10:0",
+        "-o",
+        "good.toml/x",
+    ]
     bench.bad("a case into a folder below a file is refused first", case, 1, "cannot be written")
 
 

@@ -27,7 +27,16 @@ def made_scene(folder):
     """Bytes of aorta.scene as the tools make it now, or a sentence."""
     for words in (
         ["%s/bin/anatomy" % BUILD, "aorta", "--no-bodies", "--quiet", "-o", folder + "/aorta"],
-        ["%s/bin/bake" % BUILD, folder + "/aorta/scene.toml", "--points", "1000", "--poses", "0", "-o", folder + "/aorta.scene"],
+        [
+            "%s/bin/bake" % BUILD,
+            folder + "/aorta/scene.toml",
+            "--points",
+            "1000",
+            "--poses",
+            "0",
+            "-o",
+            folder + "/aorta.scene",
+        ],
     ):
         code, said = run(*words)
         if code != 0:
@@ -58,7 +67,11 @@ def check_archives(report, folder, files):
     with open(path, "rb") as file, open(os.path.join(ROOT, ARCHIVE), "rb") as other:
         data = file.read()
         report.check("the same files give the same archive", [] if data == other.read() else ["it differs"])
-    for name, broken in (("cut", data[: len(data) // 2]), ("empty", b""), ("flipped", data[:5000] + b"x" + data[5001:])):
+    for name, broken in (
+        ("cut", data[: len(data) // 2]),
+        ("empty", b""),
+        ("flipped", data[:5000] + b"x" + data[5001:]),
+    ):
         with open(path, "wb") as file:
             file.write(broken)
         code, said = run("tools/scenes/shipped.py", "unpack", path, "-o", os.path.join(folder, name))

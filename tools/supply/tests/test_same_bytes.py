@@ -6,6 +6,7 @@ different lengths; and, of everything that is built here, by looking for this fo
 Precompiled headers are left out of the copies, since they take a minute to make (what they do to the bytes is covered by the second part alone),
 and the core is compiled with -O1, which is quicker."""
 
+import json
 import os
 import re
 import shutil
@@ -17,26 +18,19 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import tree  # noqa: E402
 
 BUILD = os.environ.get("BUILD", "build")
-TARGETS = [
-    "build/lib/libshared_wire.a",
-    "build/lib/libshared_scene.a",
-    "build/lib/libfirmware_port_sim.a",
-    "build/obj/host/base/terminal.cpp.o",
-    "build/obj/host/base/pending_file.cpp.o",
-    "build/obj/firmware/core/fixed.c.o",
-    "build/bin/docs",
-    "build/firmware/cournand-imxrt1062.hex",
-]
-COMPARED = re.compile(r"\.(o|a|elf|hex)$|/bin/[a-z]+$")
-# Folders that these targets are made of.
-COPIED = re.compile(
-    r"^(Makefile$|shared/(wire|scene|mailbox)/|firmware/|host/(base|model)/|shared/version.h$|tools/docs/|tools/.*\.mk$|hil_tests/(usb|library)/|hil_tests/.*\.mk$)"
+# Preset, parts and targets of every kind: archives, objects of C and of C++, a linked program, a firmware image and its hex file.
+BUILDS = (
+    ("release", "run,tools", ("crn_shared_scene", "crn_firmware_port_sim", "crn_host_base", "docs")),
+    ("m7", "run", ("cournand-imxrt1062",)),
 )
+COMPARED = re.compile(r"\.(o|a|elf|hex)$|/bin/[a-z]+$")
+SAMPLE = "build/host/base/CMakeFiles/crn_host_base.dir/terminal.cpp.o"
+SKIPPED = re.compile(r"^(docs/images|hil_tests/.*\.rec|.*\.corpus$|shared/examples/scenes)")
 
 
 def copy_tree(folder):
     for path in tree.files(""):
-        if COPIED.match(path):
+        if not SKIPPED.match(path):
             target = os.path.join(folder, path)
             os.makedirs(os.path.dirname(target), exist_ok=True)
             shutil.copy(os.path.join(tree.ROOT, path), target)
@@ -45,15 +39,19 @@ def copy_tree(folder):
 def build(folder):
     environment = {k: v for k, v in os.environ.items() if not k.startswith(("MAKE", "MFLAGS", "CCACHE", "BUILD"))}
     environment["CCACHE_DISABLE"] = "1"
-    done = subprocess.run(
-        ["make", "-s", "PACKAGES=skip", "PCH=", "DEBUG=-g", "CORE_OPT=-O1", *TARGETS],
-        cwd=folder,
-        env=environment,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        check=False,
-    )
-    return [] if done.returncode == 0 else [done.stdout.decode("utf-8", "replace")[-2000:]]
+    environment["CMAKE_ARGS"] = "-DCRN_PREFIX_HEADERS=OFF -DCRN_DEBUG=-g -DCRN_CORE_OPT=-O1"
+    for preset, parts, targets in BUILDS:
+        done = subprocess.run(
+            ["tools/build.sh", preset, parts, *targets],
+            cwd=folder,
+            env=environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            check=False,
+        )
+        if done.returncode != 0:
+            return [done.stdout.decode("utf-8", "replace")[-2000:]]
+    return []
 
 
 def products(folder):
@@ -97,14 +95,14 @@ def check_two_folders(report, work):
     )
     report.check(
         "debug information is among what is compared",
-        [] if b".debug_info" in one["build/obj/host/base/terminal.cpp.o"] else ["it is not there"],
+        [] if b".debug_info" in one[SAMPLE] else ["it is not there"],
     )
 
 
 def check_programs(report):
     folder = os.path.join(tree.ROOT, BUILD, "bin")
-    made = os.path.getmtime(os.path.join(tree.ROOT, "Makefile"))
-    # Programs of an older Makefile say nothing about this one.
+    made = os.path.getmtime(os.path.join(tree.ROOT, "tools", "cmake", "flags.cmake"))
+    # Programs of other flags say nothing about this one.
     names = (
         [n for n in sorted(os.listdir(folder)) if os.path.getmtime(os.path.join(folder, n)) > made]
         if os.path.isdir(folder)
@@ -113,21 +111,18 @@ def check_programs(report):
     report.check(
         "no program names the folder that it was built in (%d programs)" % len(names),
         [
-            "%s names %s: it has an object that was compiled by an older Makefile, or one of its rules lacks $(SAME); make clean tells which"
+            "%s names %s: one of its objects was compiled with other flags; make clean, and build it again"
             % (n, tree.ROOT)
             for n in names
             if holds(os.path.join(folder, n), tree.ROOT.encode())
         ],
     )
-    with open(os.path.join(tree.ROOT, "Makefile"), encoding="utf-8") as file:
-        flags = file.read()
+    with open(os.path.join(tree.ROOT, BUILD, "compile_commands.json"), encoding="utf-8") as file:
+        commands = [one["command"] for one in json.load(file)]
     report.check(
-        "every compiler is told",
-        [
-            "%s lacks $(SAME)" % name
-            for name in ("CFLAGS ", "CXXFLAGS ", "M7_FLAGS ")
-            if not re.search(r"^%s *:= .*\$\(SAME\)" % name.strip(), flags, re.M)
-        ],
+        "every compiler gets the option that writes this folder as '.' (%d commands)" % len(commands),
+        [one[-200:] for one in commands if "-ffile-prefix-map=%s=." % tree.ROOT not in one]
+        or ([] if len(commands) > 200 else ["too few"]),
     )
     timed = [
         p

@@ -19,7 +19,7 @@ sys.path.insert(0, os.path.dirname(HERE))
 import table51_data  # noqa: E402  (after the path)
 
 BUILD = os.environ.get("BUILD", "build")
-CHAIN = os.path.join(ROOT, "tools", "calibrate", "table51.py")
+CHAIN = os.path.join(ROOT, "tools", "lab", "calibrate", "table51.py")
 # After 64 insertions each; measured: 0.32 and 0.19 mm, 4 and 1 %. The instrument's file itself is 23 and 43 % off.
 FAST_DEPTH3_MAX_MM, FAST_AVERAGE_MAX_MM, FAST_BEND_MAX_SHARE, FAST_ALPHA_MAX_SHARE = 0.6, 0.6, 0.15, 0.2
 
