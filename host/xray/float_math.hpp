@@ -1,5 +1,5 @@
-// Powers and logarithms of two by sums and products only: equal bytes from every compiler, and loops over
-// them vectorise.
+// Powers and logarithms of two from sums and products only, so that every compiler gives equal bytes and
+// loops over them vectorise.
 #pragma once
 #include <bit>
 #include <cstdint>
@@ -28,8 +28,8 @@ inline float exp2_negative(float x)
     return exp2_fraction(fraction) * scale;
 }
 
-// log2(x) for normal x > 0; absolute error <= 2e-5. Mantissa m in [1, 2) through atanh: s = (m - q)/(m + q),
-// q = sqrt 2.
+// log2(x) for normal x > 0; absolute error <= 2e-5. The mantissa m in [1, 2) goes through atanh: s = (m -
+// q)/(m + q), q = sqrt 2.
 inline float log2_positive(float x)
 {
     const auto bits = std::bit_cast<std::int32_t>(x);
@@ -47,7 +47,7 @@ inline double exp2_double(double x)
     const double t = (x - static_cast<double>(whole) - 0.5) * 0.69314718055994530942;
     constexpr double inverse[] = {1.0,     1.0 / 2, 1.0 / 3,  1.0 / 4,  1.0 / 5,  1.0 / 6, 1.0 / 7,
                                   1.0 / 8, 1.0 / 9, 1.0 / 10, 1.0 / 11, 1.0 / 12, 1.0 / 13};
-    double sum = 1.0; // Taylor about the middle, |t| <= 0.35
+    double sum = 1.0; // Taylor series about the middle, |t| <= 0.35
     for (int k = 12; k >= 0; --k) sum = 1.0 + sum * t * inverse[k];
     return sum * 1.41421356237309504880 * std::bit_cast<double>((whole + 1023) << 52);
 }
