@@ -1,7 +1,7 @@
-// Claims: a lesion costs the pressure that Poiseuille's law and the jet behind its throat say, takes flow
-// from what lies behind it, more so in hyperaemia and with a wire in it, delays contrast medium, and its
-// state is part of a snapshot; where it gives way it costs what is left, and no iodine is lost. Closed forms
-// stand at each test.
+// Claims: a lesion costs the pressure that Poiseuille's law and the jet behind its narrowest place predict.
+// It takes flow from the vessels behind it, more so in hyperaemia and with a wire in it, and it delays
+// contrast medium. Its state is part of a snapshot; after it yields it costs what remains, and no iodine is
+// lost. Each test states its closed form.
 #include "host/effects/contrast_flow.hpp"
 #include "host/effects/lesion_figures.hpp"
 #include "host/model/lesion_opening.hpp"
@@ -26,7 +26,7 @@ namespace
 constexpr double pi = 3.14159265358979323846, viscosity_mPa_s = 3.5, mmHg_per_Pa = 1 / 133.322;
 constexpr double healthy_mm = 1.5, flow_ml_s = 1.0;
 
-// ml/s into the bed behind the last cell.
+// Returns the flow into the bed behind the last cell, ml/s.
 double out_of_the_last(const FlowNetwork &network)
 {
     return network.outflow_ml_s(network.runs().size() - 1);
@@ -157,8 +157,8 @@ void a_wire_in_the_throat_takes_flow(void **)
     within("ml/s", out_of_the_last(network), free_ml_s, 1e-9);
 }
 
-// Milliseconds from the begin of an injection before the lesion until half of what is injected reaches the
-// last cell.
+// Returns the milliseconds from the start of an injection before the lesion until half of the injected
+// concentration reaches the last cell.
 int arrival_ms(double throat_mm)
 {
     ContrastFlow contrast(vessel(throat_mm));
@@ -184,7 +184,8 @@ void a_snapshot_goes_on_as_the_original_does(void **)
     ContrastFlow contrast(vessel(0.375)), copy(vessel(0.375));
     const CatheterMouth mouth{{0.005, 0, 0}, 1.0};
     contrast.set_mouths({&mouth, 1});
-    for (int ms = 0; ms < 7; ++ms) contrast.step({}, {0.2, 350.0}); // the throat's flow is not settled yet
+    for (int ms = 0; ms < 7; ++ms)
+        contrast.step({}, {0.2, 350.0}); // the flow through the stenosis has not settled yet
     assert_true(copy.restore(contrast.snapshot()));
     for (int ms = 0; ms < 50; ++ms) {
         contrast.step({}, {0.2, 350.0});
@@ -196,9 +197,9 @@ void a_snapshot_goes_on_as_the_original_does(void **)
     assert_false(copy.restore(short_of_it));
 }
 
-// --- lesions that give way ---
+// --- lesions that yield ---
 
-// The same vessel wholly or half open: points stay (it is concentric), radii are half way.
+// The same vessel fully or partly open: points stay (it is concentric), radii change in proportion.
 VesselTree opened(const VesselTree &tree, double share)
 {
     const LesionStations stations{21, 1e-3};
@@ -219,7 +220,7 @@ void opened_wholly_it_costs_what_the_healthy_vessel_does(void **)
     assert_true(std::fabs(f.diameter_percent()) < 1e-9);
 }
 
-// 0.375 + 0.6 (1.5 - 0.375) mm: the drop is that of a vessel baked so.
+// The radius is 0.375 + 0.6 (1.5 - 0.375) mm: the drop is that of a vessel baked with this radius.
 void opened_partly_it_costs_what_is_left(void **)
 {
     const VesselTree tree = vessel(0.375), now = opened(tree, 0.6);
@@ -231,8 +232,8 @@ void opened_partly_it_costs_what_is_left(void **)
     within("ffr", f.ffr, as_baked.ffr, 1e-9);
 }
 
-// Stations lie evenly about the lesion's middle; between two of them it is linear. 20 mm in 7 gaps of 4 mm:
-// from -4 to 24 mm.
+// Stations lie evenly about the lesion's middle; the opening is linear between two of them. 20 mm in 7 gaps
+// of 4 mm: from -4 to 24 mm.
 void a_place_is_open_as_the_stations_beside_it(void **)
 {
     const VesselTree tree = vessel(0.375);
@@ -244,7 +245,7 @@ void a_place_is_open_as_the_stations_beside_it(void **)
         assert_true(std::fabs(LesionOpening::at(opening.place(0, arc_mm * 1e-3), open) - share) < 1e-12);
     assert_true(opening.is_any_open(open));
     assert_false(opening.is_any_open(std::vector<double>(8, 0.0)));
-    assert_false(opening.is_any_open({})); // a device that says nothing
+    assert_false(opening.is_any_open({})); // a device that reports nothing
 }
 
 double lost_mg(const ContrastFlow &contrast)
@@ -253,9 +254,9 @@ double lost_mg(const ContrastFlow &contrast)
     return std::fabs(budget.injected_mg - contrast.held_mg() - budget.out_mg - budget.reflux_mg);
 }
 
-// Opened under a balloon that lets nothing past, deployed, recoiling by a third, opened again, while medium
-// is injected before it: no iodine is lost, none is anywhere stronger than it was injected, and cells hold
-// what their shape says.
+// The lesion is opened under a balloon that blocks the flow, recoils by a third after deflation, and is
+// opened again, while medium is injected before it. No iodine is lost, the concentration nowhere exceeds the
+// injected one, and cells hold the volumes of their shape.
 void iodine_is_conserved_while_the_wall_gives_way(void **)
 {
     const VesselTree tree = vessel(0.375);
@@ -290,8 +291,8 @@ void iodine_is_conserved_while_the_wall_gives_way(void **)
     assert_true(strongest < 350.0 * (1 + 1e-9));
 }
 
-// A vessel full of medium at the strength injected that opens stays full: what is missing comes from the cell
-// before, which has as much.
+// A vessel full of medium at the injected concentration stays full when it opens: the missing volume comes
+// from the cell before, which has the same concentration.
 void what_a_widening_cell_takes_has_its_neighbours_strength(void **)
 {
     const VesselTree tree = vessel(0.9);
