@@ -32,8 +32,8 @@ double out_of_the_last(const FlowNetwork &network)
     return network.outflow_ml_s(network.runs().size() - 1);
 }
 
-// 70 mm along x, radius 1.5 mm; narrowed to `throat_mm` from 22 to 40 mm, with a taper of 1 mm before and
-// behind.
+// A vessel of 70 mm along x, radius 1.5 mm; narrowed to `throat_mm` from 22 to 40 mm, with a taper of 1 mm
+// before and behind.
 VesselTree vessel(double throat_mm)
 {
     VesselBranch branch;
@@ -54,7 +54,7 @@ VesselTree vessel(double throat_mm)
     return {{branch}, {lesion}};
 }
 
-// Integral of ds / r^4 over the lesion: 18 mm of the throat and two tapers.
+// Integral of ds / r^4 over the lesion: 18 mm at the minimal radius, and two tapers.
 double per_r4_mm3(double throat_mm)
 {
     const double a = throat_mm, b = healthy_mm;
@@ -85,8 +85,7 @@ LesionFigures figures_of(const VesselTree &tree)
     return lesion_figures(tree, viscosity_mPa_s).at(0);
 }
 
-// Between the cells before and behind there are up to 4 mm of healthy vessel besides: below 1 % of the
-// lesion's drop.
+// The cells before and behind also include up to 4 mm of healthy vessel: below 1 % of the lesion's drop.
 void a_lesion_costs_what_wall_and_jet_take(void **)
 {
     for (double throat_mm : {0.375, 0.6, 0.9}) {
@@ -99,7 +98,7 @@ void a_lesion_costs_what_wall_and_jet_take(void **)
         print_message("# %.2f mm: %.1f mmHg at %.2f ml/s, FFR %.2f\n", 2 * throat_mm, f.rest_drop_mmHg, q,
                       f.ffr);
     }
-    // 60 ml/min through 0.75 mm x 18 mm: 61 mmHg and about 30.
+    // 60 ml/min through 0.75 mm x 18 mm cost 61 mmHg and about 30.
     within("61 mmHg", 8 * viscosity_mPa_s * 18 / (pi * std::pow(0.375, 4)) * mmHg_per_Pa, 61, 0.02);
     within("about 30 mmHg", jet_mmHg(0.375, 1.0), 30, 0.15);
 }
@@ -114,7 +113,7 @@ void percent_by_diameter_and_by_area(void **)
     assert_string_equal(f.branch.c_str(), "lad");
 }
 
-// Without a narrowing 88 mmHg less what 70 mm of Poiseuille cost reach the bed, also at four times the flow.
+// Without a narrowing, 88 mmHg less the Poiseuille drop of 70 mm reach the bed, also at four times the flow.
 void flow_reserve_falls_with_the_stenosis(void **)
 {
     double before = 1;
@@ -124,10 +123,11 @@ void flow_reserve_falls_with_the_stenosis(void **)
         before = ffr;
     }
     assert_true(figures_of(vessel(1.499)).ffr > 0.9);
-    assert_true(before < 0.5); // 75 % by diameter: surely worth treating (0.80 is the usual limit)
+    assert_true(before < 0.5); // 75 % by diameter: clearly worth treating (0.80 is the usual limit)
 }
 
-// Flow that satisfies both the bed and the lesion, by bisection: not the network's own way.
+// Returns the flow that satisfies both the bed and the lesion, by bisection: independent of the network's
+// method.
 void the_flow_is_the_one_at_which_drops_add_up(void **)
 {
     const double throat_mm = 0.375,
