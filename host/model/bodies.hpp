@@ -1,7 +1,7 @@
 // The closed meshes that make the picture of the patient: skin, lungs, bones, heart, vessels. A body names
 // the body in which it lies; its volume is then subtracted from that parent, so that nothing is counted
-// twice. Read from the BODY sections of an `X.bodies` file (docs/frames.md for the axes), with the tree of
-// its vessels.
+// twice. They are read from the BODY sections of an `X.bodies` file (docs/frames.md for the axes), with the
+// tree of its vessels.
 #pragma once
 #include "host/model/vessel_tree.hpp"
 #include <Eigen/Core>
