@@ -37,7 +37,7 @@ double bound(LineParser &line, Expectation::Kind kind)
     return line.quantity("share", percent_units, -100.0, 100.0);
 }
 
-// "at least", "at most", "below"; one of them at least where `needs_one`.
+// Reads "at least", "at most" or "below"; at least one of them must be there if `needs_one`.
 void parse_bounds(LineParser &line, Expectation &expectation, bool needs_one)
 {
     while (!line.is_at_end() || needs_one) {
@@ -140,7 +140,7 @@ std::optional<double> EffectsWitness::iodine_pct(std::size_t vessel) const
     return 100.0 * contrast.received_mg(map_.vessels()[vessel].branch) / injected_mg;
 }
 
-// The narrowest that is left of the lesions that were narrow.
+// Returns the worst remaining stenosis of the lesions that were narrow.
 std::optional<double> EffectsWitness::residual_stenosis_pct() const
 {
     const PatientContrast &contrast = patient_.contrast();
@@ -164,13 +164,13 @@ std::optional<double> EffectsWitness::apposition_pct() const
     return worst;
 }
 
-// --- the judgement ---
+// --- judgement ---
 
 namespace
 {
 
 struct Finding {
-    std::optional<double> value; // nothing: not held
+    std::optional<double> value; // empty: not held
     std::string text;
 };
 
