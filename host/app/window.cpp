@@ -1,4 +1,5 @@
-// The loop of the window: keys -> hand and C-arm -> ticks -> picture -> screen.
+// The loop of the window turns keys into motion of hand and C-arm, advances the ticks, and draws the picture
+// on the screen.
 #include "host/app/window.hpp"
 #include "host/app/window_keys.hpp"
 #include "host/app/window_live.hpp"

@@ -1,4 +1,4 @@
-// The meaning of the window's keys: one table for their actions and the help panel.
+// Defines the meaning of the window's keys: one table serves their actions and the help panel.
 #pragma once
 #include "host/picture/screen.hpp"
 #include "host/room/room_screen.hpp"

@@ -1,4 +1,4 @@
-// A session controlled by hand: one device, its recording and its pictures. One object is one session; a
+// Controls a session by hand: it has one device, its recording and its pictures. One object is one session; a
 // reset makes a new one. A device in FREE_RUN sets its own pace: its encoders are the hands; the pedals of a
 // rig work in addition to the keys.
 #pragma once

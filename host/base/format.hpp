@@ -1,4 +1,4 @@
-// Text from numbers, and text for pages.
+// Makes text from numbers, and text for pages.
 #pragma once
 #include <cstdarg>
 #include <string>

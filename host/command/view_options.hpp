@@ -1,5 +1,5 @@
-// The options of `cournand view`. The window itself belongs to the program: command_line() receives it as a
-// function.
+// Holds the options of `cournand view`. The window itself belongs to the program: command_line() receives it
+// as a function.
 #pragma once
 #include "host/picture/session_pictures.hpp"
 #include <functional>

@@ -83,7 +83,7 @@ std::string direction_letters(const Eigen::Vector3d &axis)
     return letters;
 }
 
-// C.7.6.1, C.8.7.1 and SOP common
+// Puts the modules C.7.6.1, C.8.7.1 and SOP common.
 void put_image(XaItem &item, const XrayRun &run, const Digest &content, const XaStudy &study, int instance)
 {
     const View view = make_view(run.frames.front().carm, run.size);

@@ -60,7 +60,7 @@ std::string upper(std::string text)
     return text;
 }
 
-// 1 Gy cm2 = 10 dGy cm2; entrance dose in mGy.
+// Puts the dose: 1 Gy cm2 = 10 dGy cm2; entrance dose is in mGy.
 void put_dose(XaItem &item, const XrayRun &run)
 {
     const double kap_Gy_cm2 = sum_of(run, &RunFrame::kap_Gy_cm2);
@@ -177,7 +177,7 @@ void put_table(XaItem &item, const XrayRun &run)
     item.decimals(DCM_TableLateralIncrement, head_mm);
 }
 
-// C.8.7.5: angles of the first frame, and offsets of the other frames from it.
+// C.8.7.5 has the angles of the first frame, and the offsets of the other frames from it.
 void put_positioner(XaItem &item, const XrayRun &run)
 {
     const CArm &carm = run.frames.front().carm;

@@ -68,8 +68,8 @@ class ContrastFlow
     // Advances by one millisecond. Fluid is injected only when the catheter's openings are known.
     void step(const FlowDrive &drive, const InjectedFluid &fluid);
 
-    // Concentrations of a cell, mg/ml: of both layers, of the layer around the axis and of the layer along
-    // the wall.
+    // Returns concentrations of a cell, mg/ml: of both layers, of the layer around the axis and of the layer
+    // along the wall.
     double iodine_mg_per_ml(std::size_t cell) const;
     double core_mg_per_ml(std::size_t cell) const { return 2.0 * core_mg_[cell] / volume_ml_[cell]; }
     double wall_mg_per_ml(std::size_t cell) const { return 2.0 * wall_mg_[cell] / volume_ml_[cell]; }

@@ -46,7 +46,7 @@ class FlowCells
 
     std::size_t size() const { return cells_.size(); }
     const FlowCell &operator[](std::size_t i) const { return cells_[i]; }
-    // The cells of one branch: the first, and one behind the last.
+    // Return the cells of one branch: the first, and one behind the last.
     std::size_t branch_begin(std::size_t branch) const { return branch_begin_[branch]; }
     std::size_t branch_count() const { return branch_begin_.empty() ? 0 : branch_begin_.size() - 1; }
 

@@ -70,7 +70,7 @@ FlowNetwork::FlowNetwork(const FlowCells &cells, double viscosity_mPa_s) : visco
     divide({});
 }
 
-// Hagen-Poiseuille, 8 mu/pi times the integral of ds/r^4, from Pa s/m^3 to mmHg s/ml.
+// Applies Hagen-Poiseuille: 8 mu/pi times the integral of ds/r^4, converted from Pa s/m^3 to mmHg s/ml.
 void FlowNetwork::take_shape(const FlowCells &cells)
 {
     open_.resize(cells.size());

@@ -1,7 +1,8 @@
-// Blood flow in the cells of a tree at one moment. Its inputs are Poiseuille's resistance of every cell,
-// narrowed by the tools in it, a pressure at the inlet, conductances behind the outlets, and injected fluid.
-// The system is linear: one elimination from the outlets to the inlet and one pass back solve it exactly.
-// Cells in a row form one resistance, so that the cost depends only on the places where flow divides.
+// Solves the blood flow in the cells of a tree at one moment. Its inputs are Poiseuille's resistance of every
+// cell, narrowed by the tools in it, a pressure at the inlet, conductances behind the outlets, and injected
+// fluid. The system is linear: one elimination from the outlets to the inlet and one pass back solve it
+// exactly. Cells in a row form one resistance, so that the cost depends only on the places where flow
+// divides.
 #pragma once
 #include "host/effects/beat.hpp"
 #include "host/effects/flow_cells.hpp"
@@ -39,7 +40,7 @@ class FlowNetwork
     // set_tools.
     void reshape(const FlowCells &cells, std::span<const double> tool_radius_mm);
     void set_volumes(std::span<const double> volume_ml); // of the cells
-    // Radius of the thickest tool in each cell, mm; 0: none.
+    // Sets the radius of the thickest tool in each cell, mm; 0: none.
     void set_tools(std::span<const double> tool_radius_mm);
     void solve(const FlowDrive &drive, std::span<const CellSource> sources);
     // Solves until the flows through the stenoses agree with their resistance.

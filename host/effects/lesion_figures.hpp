@@ -18,8 +18,8 @@ struct LesionFigures {
     double rest_flow_ml_s = 0.0,
            rest_drop_mmHg = 0.0; // flow through the narrowest place; drop from before to behind the lesion
     double hyperaemic_flow_ml_s = 0.0, hyperaemic_drop_mmHg = 0.0;
-    // Fractional flow reserve: pressure behind the lesion over that in the aorta, both above the veins, in
-    // hyperaemia.
+    // Fractional flow reserve is the pressure behind the lesion over that in the aorta, both above the veins,
+    // in hyperaemia.
     double ffr = 1.0;
 
     double diameter_percent() const; // share of the reference that is missing

@@ -20,7 +20,7 @@ struct Viscosity {
 constexpr Viscosity label[] = {{0.0, 0.69},  {140.0, 1.5}, {180.0, 2.0},
                                {240.0, 3.4}, {300.0, 6.3}, {350.0, 10.4}};
 
-// A radius of the tool at an arc length from its tip: linear between knots, constant beyond them.
+// Returns a radius of the tool at an arc length from its tip: linear between knots, constant beyond them.
 double radius_m(const Instrument &tool, double arc_m, std::uint32_t crn_wire_knot::*radius_um)
 {
     const crn_wire_knot *knots = tool.table.knots;

@@ -15,8 +15,9 @@ namespace crn
 // Injectors stop at 1200 psi, which is also the limit of high-pressure catheters.
 inline constexpr double injection_pressure_max_kPa = 8274.0;
 
-// Viscosity of iohexol at 37 degrees C, in mPa s (label of Omnipaque: 1.5, 2.0, 3.4, 6.3 and 10.4 at 140,
-// 180, 240, 300 and 350 mg iodine per ml). The logarithm is linear between those, and from water's 0.69 at 0.
+// Returns the viscosity of iohexol at 37 degrees C, in mPa s (label of Omnipaque: 1.5, 2.0, 3.4, 6.3 and 10.4
+// at 140, 180, 240, 300 and 350 mg iodine per ml). The logarithm is linear between those, and from water's
+// 0.69 at 0.
 double contrast_viscosity_mPa_s(double iodine_mg_per_ml);
 
 // A tool inside the lumen, and the distance of its tip behind the tip of the outer tool; negative: ahead of

@@ -41,7 +41,7 @@ class PulseMonitor
     void tick(const crn_wire_tick_state &state);
 
     double pressure_mmHg() const { return aortic_mmHg_; }
-    // Figures of the last complete beat.
+    // Return figures of the last complete beat.
     double systolic_mmHg() const { return systolic_mmHg_; }
     double diastolic_mmHg() const { return diastolic_mmHg_; }
     // 60 000 divided by the mean of the last four intervals; 0 without beats for 3 s.

@@ -89,8 +89,8 @@ class Link
     // its number. Throws LinkError.
     void hold_open(const crn_wire_scaffold &scaffold);
     void place_strut(const crn_wire_strut &strut); // FREE_RUN: a ring of a stent's struts, as well
-    // The same ticks with their inputs, sensors and flags, also after an exception; and the events since the
-    // last call.
+    // Return the same ticks with their inputs, sensors and flags, also after an exception; and the events
+    // since the last call.
     const std::vector<crn_wire_live_tick> &live_ticks() const { return live_ticks_; }
     std::uint32_t ticks_lost() const { return live_.ticks_lost; }
     std::uint32_t ticks_missing() const

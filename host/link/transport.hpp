@@ -1,4 +1,4 @@
-// A pipe of bytes to a device. USB, QEMU and the sim port all have this interface for Link.
+// A Transport is a pipe of bytes to a device. USB, QEMU and the sim port all have this interface for Link.
 #pragma once
 #include <cstddef>
 #include <cstdint>

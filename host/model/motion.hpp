@@ -1,5 +1,5 @@
-// The motion of a scene's vessels, in SI doubles: the same lattice that the core evaluates in fixed point
-// (docs/heart.md).
+// Computes the motion of a scene's vessels in SI doubles, from the same lattice that the core evaluates in
+// fixed point (docs/heart.md).
 //
 //   const auto motion = read_motion("heart.scene", error);     // nullopt with an empty error: it does not move
 //   X = motion->pull(x, moment); x = motion->push(X, moment);

@@ -69,7 +69,7 @@ class VesselMap
     // vessel's beginning, or the branch from which the route comes.
     double inside_m(const VesselPlace &place, const VesselPlace &start) const;
     VesselWay way(const VesselPlace &place, const VesselPlace &start, std::size_t goal) const;
-    // Radius of the lumen at the goal's ostium.
+    // Returns the radius of the lumen at the goal's ostium.
     double mouth_radius_m(const VesselPlace &start, std::size_t goal) const;
     double distance_m(const VesselPlace &from, const VesselPlace &to) const; // along the vessels
 

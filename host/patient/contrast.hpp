@@ -64,7 +64,7 @@ class PatientContrast
     std::uint32_t next_tick() const; // UINT32_MAX: no look is needed
     void advance(const WireFrame &wire);
 
-    // For the X-ray: the columns of medium, and the iodine in the blood around the line.
+    // Return for the X-ray the columns of medium, and the iodine in the blood around the line.
     const std::vector<SweptCurve> &curves() const { return curves_; }
     void colour(WireFrame &wire) const;
 

@@ -1,4 +1,4 @@
-// A white sheet for charts: boxes, smooth lines of any width, letters of the display's font.
+// Draws on a white sheet for charts: boxes, smooth lines of any width, letters of the display's font.
 #pragma once
 #include "host/picture/picture.hpp"
 #include <string_view>

@@ -1,4 +1,4 @@
-// Bitmap font of the display: 5 columns, 7 rows and one row below the baseline.
+// The bitmap font of the display has 5 columns, 7 rows and one row below the baseline.
 #pragma once
 #include <array>
 #include <cstdint>

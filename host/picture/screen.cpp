@@ -1,4 +1,4 @@
-// GLFW and OpenGL 3.3 core.
+// Shows the window with GLFW and OpenGL 3.3 core.
 #include "host/picture/screen.hpp"
 #define GLFW_INCLUDE_NONE
 #include "host/xray/gl/gl_program.hpp"

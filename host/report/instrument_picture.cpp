@@ -1,4 +1,4 @@
-// The picture of `cournand instruments`: one row per instrument, with the same axes in every row.
+// Draws the picture of `cournand instruments`: one row per instrument, with the same axes in every row.
 #include "host/picture/canvas.hpp"
 #include "host/report/instrument_list.hpp"
 #include <algorithm>

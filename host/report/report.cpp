@@ -27,7 +27,7 @@ nlohmann::ordered_json dose_report(const Dose &dose)
             {"kap_Gy_cm2", dose.kap_Gy_cm2}};
 }
 
-// The dose, in total and for every press of a pedal, and the runs that were kept.
+// Reports the dose, in total and for every press of a pedal, and the runs that were kept.
 nlohmann::ordered_json room_report(const Room &room)
 {
     nlohmann::ordered_json report;
@@ -60,7 +60,7 @@ nlohmann::ordered_json room_report(const Room &room)
     return report;
 }
 
-// The iodine that each branch received, as a share of the injected amount.
+// Reports the iodine that each branch received, as a share of the injected amount.
 nlohmann::ordered_json branches_report(const PatientContrast &contrast)
 {
     nlohmann::ordered_json report = nlohmann::ordered_json::array();
@@ -105,7 +105,7 @@ void report_goals(nlohmann::ordered_json &report, const RunResult &result)
     report["failures"] = result.failures;
 }
 
-// The distribution of the iodine.
+// Reports the distribution of the iodine.
 nlohmann::ordered_json contrast_report(const PatientContrast &contrast)
 {
     const ContrastFlow &flow = contrast.flow();
@@ -135,8 +135,8 @@ nlohmann::ordered_json lesion_report(const LesionFigures &f)
             {"ffr", f.ffr}};
 }
 
-// The narrowing of each lesion and its effect on the flow at rest and in hyperaemia: as baked, and "after",
-// as open as it was at the end.
+// Reports the narrowing of each lesion and its effect on the flow at rest and in hyperaemia: as baked, and
+// "after", as open as it was at the end.
 nlohmann::ordered_json lesions_report(const PatientContrast &contrast)
 {
     nlohmann::ordered_json report = nlohmann::ordered_json::array();
@@ -169,7 +169,7 @@ nlohmann::ordered_json contact_report(const ContactFigures &contacts)
             {"force_N", force}};
 }
 
-// Figures of a script's hand: the largest force and torque that it holds, and how far the tool slipped
+// Reports on a script's hand: the largest force and torque that it holds, and how far the tool slipped
 // through it.
 nlohmann::ordered_json grip_report(const GripFigures &grip)
 {

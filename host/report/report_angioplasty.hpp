@@ -1,4 +1,4 @@
-// The part of a session's report on balloon and stents.
+// Writes the part of a session's report on balloon and stents.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/session/balloon_figures.hpp"

@@ -1,5 +1,5 @@
-// The summary of a session, whether a script, a rig or keys controlled it: figures on the terminal, as JSON
-// and as a score. `run`, `view` and `replay` print the same.
+// Gives the summary of a session, whether a script, a rig or keys controlled it: figures on the terminal, as
+// JSON and as a score. `run`, `view` and `replay` print the same.
 #pragma once
 #include "host/room/room_screen.hpp"
 #include "host/session/run.hpp"

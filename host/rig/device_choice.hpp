@@ -1,5 +1,5 @@
-// The device with which a command communicates: the one in this process, the image in an emulator, or a rig
-// on USB.
+// Selects the device with which a command communicates: the one in this process, the image in an emulator, or
+// a rig on USB.
 #pragma once
 #include "host/link/transport.hpp"
 #include <cstdint>

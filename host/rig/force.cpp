@@ -1,4 +1,4 @@
-// cournand rig force, and the powered trial that it shares with selftest.
+// Implements cournand rig force, and the powered trial that it shares with selftest.
 #include "host/rig/rig.hpp"
 #include <algorithm>
 #include <cstdlib>

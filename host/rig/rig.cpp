@@ -1,4 +1,4 @@
-// cournand rig: the commands that only read, and the dispatch of all commands.
+// Implements cournand rig: the commands that only read, and the dispatch of all commands.
 #include "host/rig/rig.hpp"
 #include "host/base/interrupt.hpp"
 #include "host/base/output_files.hpp"

@@ -1,4 +1,4 @@
-// cournand rig: find, look at, test, calibrate and feel a rig.
+// The commands of cournand rig find, inspect, test and calibrate a rig, and let a hand feel its forces.
 #pragma once
 #include "host/link/hid_rig.hpp"
 #include "host/link/link.hpp"

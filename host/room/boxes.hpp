@@ -1,5 +1,6 @@
-// Gap between two boxes at any angle, by separating axes (Gottschalk 1996): the largest gap between their
-// projections on fifteen axes. It never exceeds the true distance; it is negative when they overlap.
+// Computes the gap between two boxes at any angle, by separating axes (Gottschalk 1996): the largest gap
+// between their projections on fifteen axes. It never exceeds the true distance; it is negative when they
+// overlap.
 #pragma once
 #include <Eigen/Geometry>
 #include <algorithm>

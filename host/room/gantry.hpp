@@ -6,7 +6,7 @@
 //   gantry.aim(pose);              // from then on: the target of the motors
 //   gantry.tick();                 // 1 ms
 //
-// Equations and the model of the collision: docs/room.md.
+// docs/room.md has the equations and the model of the collision.
 #pragma once
 #include "host/xray/paths/carm.hpp"
 #include <array>
@@ -30,8 +30,8 @@ inline constexpr int gantry_axes = 7;
 // The values in degrees and metres: primary, secondary, patient point at the isocentre (x, y, z), SID, SOD.
 using GantryPose = std::array<double, gantry_axes>;
 
-// Speeds per s and accelerations per s2, in degrees and metres. They are typical of ceiling and floor mounted
-// C-arms (assumption).
+// Speeds are per s and accelerations per s2, in degrees and metres. They are typical of ceiling and floor
+// mounted C-arms (assumption).
 struct AxisLimits {
     double speed, acceleration, low, high;
 };

@@ -14,7 +14,8 @@ constexpr std::uint32_t look_every_ticks = 50; // how often the tip is checked, 
 constexpr double follow_zone =
     0.22; // distance of the tip from the middle that is allowed, share of the field's width
 
-// Dose behind patient and grid per frame, nGy: in the middle of the usual range (host/xray/xray.hpp).
+// Returns the dose behind patient and grid per frame, nGy: in the middle of the usual range
+// (host/xray/xray.hpp).
 double frame_dose_nGy(RunKind kind)
 {
     return kind == RunKind::fluoro ? 40.0 : kind == RunKind::cine ? 170.0 : 1200.0;

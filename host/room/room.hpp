@@ -95,7 +95,7 @@ class Room
     // Reports the exposure of pulse(); its dose is counted from now on.
     void expose(const XrayExposure &exposure);
 
-    // The events since forget_events().
+    // Returns the events since forget_events().
     const std::vector<RoomEvent> &events() const { return events_; }
     void forget_events() { events_.clear(); }
 

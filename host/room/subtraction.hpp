@@ -1,6 +1,6 @@
-// Differences of pictures: DSA against a mask, peak opacification, the roadmap. All work on the logarithm of
-// the raw values, because there a contrasted vessel is equally dark in front of bone and of lung. Pixels are
-// row by row, row 0 on top. They use only sums, products and the polynomials of float_math.
+// Computes differences of pictures: DSA against a mask, peak opacification, the roadmap. All work on the
+// logarithm of the raw values, because there a contrasted vessel is equally dark in front of bone and of
+// lung. Pixels are row by row, row 0 on top. They use only sums, products and the polynomials of float_math.
 #pragma once
 #include "host/xray/run.hpp"
 #include <cstdint>

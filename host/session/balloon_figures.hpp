@@ -1,6 +1,6 @@
-// Figures of a balloon in a session: pressure, diameter, contact force and duration; and the same over time,
-// for curves. They come from every tick's state, so that they are the same in a run, in FREE_RUN and in a
-// replay.
+// Collects figures of a balloon in a session: pressure, diameter, contact force and duration; and the same
+// over time, for curves. They come from every tick's state, so that they are the same in a run, in FREE_RUN
+// and in a replay.
 #pragma once
 #include "shared/wire/wire.h"
 #include <cstdint>

@@ -1,5 +1,5 @@
-// The load on the wall in a session: the forces of all contacts, read at regular ticks, and their sum over
-// time.
+// Collects the load on the wall in a session: the forces of all contacts, read at regular ticks, and their
+// sum over time.
 #pragma once
 #include "shared/wire/wire.h"
 #include <algorithm>

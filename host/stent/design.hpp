@@ -6,8 +6,8 @@
 //       /  \/  \/  \ link /  \/  \/  \                  `facing`  crown to the crown opposite, rings mirrored
 //                                                       `offset`  crown to the same crown of the next ring, rings alike
 //
-// Lengths in mm, forces in N. Radii are those of the struts' axis: a balloon of radius r carries struts at r
-// + thickness / 2.
+// Lengths are in mm, forces in N. Radii are those of the struts' axis: a balloon of radius r carries struts
+// at r + thickness / 2.
 #pragma once
 #include <span>
 #include <string>
@@ -70,8 +70,8 @@ struct StentFault {
     std::string key, text;
 };
 StentFault stent_fault(const StentDesign &stent);
-// Returns true when all values are in their ranges and possible together, as in every design from a file; for
-// designs from elsewhere.
+// Returns true when all values are in their ranges and possible together. It is for designs that do not come
+// from a file; reading a file makes the same checks.
 bool is_possible(const StentDesign &stent);
 
 // Throws FileError with file, line, key, the cause and the remedy.

@@ -36,7 +36,7 @@ struct StentLattice {
     int ring_of(std::size_t point) const { return static_cast<int>(point) / (2 * crowns); }
     int place_of(std::size_t point) const { return static_cast<int>(point) % (2 * crowns); }
     double angle(std::size_t point) const; // rad
-    // Towards the tip (-1) or the hub (+1).
+    // Returns -1 for a point towards the tip, +1 towards the hub.
     int side_of(std::size_t point) const;
 
     int rings = 0, crowns = 0;

@@ -6,7 +6,7 @@
 //   stent.points(), stent.stage(), stent_lines(stent), stent_figures(stent, wall)
 //
 // Nothing depends on time except through the order of pictures: masses of micrograms follow at once. The same
-// pictures give the same bits. Lengths in mm, forces in N, patient frame. docs/stent.md
+// pictures give the same bits. Lengths are in mm, forces in N, in the patient frame: docs/stent.md.
 #pragma once
 #include "host/stent/balloon_axis.hpp"
 #include "host/stent/design.hpp"
@@ -92,13 +92,13 @@ class Stent
     // The radius that a point keeps when nothing holds it.
     double free_radius_mm(const StentPoint &point) const;
     bool is_opened(int ring) const;
-    // Middle of a ring, and its direction towards the hub (unit).
+    // Return the middle of a ring, and its direction towards the hub (unit).
     Eigen::Vector3d ring_centre_mm(int ring) const;
     Eigen::Vector3d ring_axis(int ring) const;
-    // Middle of a strut, which its balloon has bent round.
+    // Returns the middle of a strut, which its balloon has bent round.
     Eigen::Vector3d strut_middle_mm(std::size_t strut) const;
     StentSleeve sleeve() const;
-    // Sum over all springs of k/2 (length - rest)^2, N mm.
+    // Returns the sum over all springs of k/2 (length - rest)^2, N mm.
     double energy_N_mm() const;
 
     const StentState &state() const { return state_; }

@@ -43,7 +43,7 @@ class Stents
     std::vector<StentHold> holds(const VesselWall &vessel, std::size_t lesion, std::uint32_t stations,
                                  std::span<const double> open = {}) const;
 
-    // Like Stent's snapshot: for the same stents in the same order.
+    // Works like Stent's snapshot, for the same stents in the same order.
     std::vector<std::uint8_t> snapshot() const;
     bool restore(std::span<const std::uint8_t> bytes);
 

@@ -1,5 +1,5 @@
-// A stretch of a vessel as a wall for stents: a tube of fine triangles round a branch of the tree. It is
-// narrowed by the branch's lesions as far as no balloon has opened them, and moves with the heart.
+// Makes a stretch of a vessel into a wall for stents: a tube of fine triangles round a branch of the tree. It
+// is narrowed by the branch's lesions as far as no balloon has opened them, and moves with the heart.
 //
 //   VesselWall vessel(tree, branch, 5, 45, motion);      mm along the branch
 //   vessel.move(moment, opened);                         every picture
@@ -35,11 +35,11 @@ class VesselWall
     void move(const MotionMoment &moment, std::span<const std::vector<double>> opened = {});
 
     const StentWall &wall() const { return wall_; }
-    // The present middle line of the stretch, and its radii, at every row of vertices.
+    // Return the present middle line of the stretch, and its radii, at every row of vertices.
     std::span<const Eigen::Vector3d> line_mm() const { return line_mm_; }
     std::span<const double> radius_mm() const { return radius_mm_; }
     std::span<const double> healthy_radius_mm() const { return healthy_radius_mm_; }
-    // Position on the healthy branch, from its first point.
+    // Returns the position on the healthy branch, from its first point.
     double along_mm(std::size_t row) const { return rows_[row].along_mm; }
     // Sets the distance between the first and the last place of `opened`, centred in the lesion, when they
     // differ from the lesion's ends.
@@ -58,7 +58,8 @@ class VesselWall
     {
         return lesion < places_.size() ? places_[lesion] : Stretch{};
     }
-    // The baked and the healthy radius at a place along the branch; beyond its ends, those of the ends.
+    // Return the baked and the healthy radius at a place along the branch; beyond its ends, those of the
+    // ends.
     double narrow_radius_mm(double along_mm) const;
     double healthy_radius_mm(double along_mm) const;
     // The place along the branch that is nearest to a place of the patient, and its distance from the middle
@@ -68,7 +69,7 @@ class VesselWall
     };
     Foot foot_of(const Eigen::Vector3d &place_mm) const;
     double along_of(const Eigen::Vector3d &place_mm) const { return foot_of(place_mm).along_mm; }
-    // The radius with the present opening.
+    // Returns the radius with the present opening.
     double radius_at_mm(double along_mm) const;
 
   private:

@@ -17,7 +17,8 @@ extern const float attenuation_per_cm[material_count][energy_count];
 // Highest K edge of the material between iodine's (33.2 keV) and the end of the table; 0 if it has none.
 extern const float edge_keV[material_count];
 
-// Filters, scintillator (density of the crystal), anode, and air's mass energy absorption for kerma.
+// Data of the filters, the scintillator (density of the crystal), the anode, and air's mass energy absorption
+// for kerma.
 extern const float aluminium_per_cm[energy_count];
 extern const float copper_per_cm[energy_count];
 extern const float caesium_iodide_per_cm[energy_count];

@@ -1,6 +1,6 @@
-// Gauss's quadrature over a spectrum. Stieltjes' recurrence gives the orthogonal polynomials of the discrete
-// weights. Bisection between the roots of the previous polynomial gives the roots, and Christoffel's sum
-// gives the weights.
+// Applies Gauss's quadrature to a spectrum. Stieltjes' recurrence gives the orthogonal polynomials of the
+// discrete weights. Bisection between the roots of the previous polynomial gives the roots, and Christoffel's
+// sum gives the weights.
 #include "host/xray/beam_table.hpp"
 #include "host/xray/float_math.hpp"
 #include <cmath>

@@ -16,7 +16,7 @@ constexpr double fitted_band = 0.45; // cycles per pixel: 0.9 of half the sampli
                                      // of a short kernel must be flat
 constexpr double kernel_error = 0.01;
 
-// sin(pi x)/(pi x) up to its first zero, 0 beyond it.
+// Returns sin(pi x)/(pi x) up to its first zero, 0 beyond it.
 double sinc(double x)
 {
     x = std::fabs(x);

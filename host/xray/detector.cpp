@@ -1,4 +1,4 @@
-// Attenuation and photon counting.
+// Computes attenuation and counts photons.
 #include "host/xray/detector.hpp"
 #include "host/xray/paths/lanes.hpp"
 #include <algorithm>
@@ -81,8 +81,8 @@ struct PresentPaths {
     int count = 0;
 };
 
-// exp2_negative for eight values at a time. The vector is passed by reference, because passing vectors by
-// value depends on the processor.
+// Computes exp2_negative for eight values at a time. The vector is passed by reference, because passing
+// vectors by value depends on the processor.
 inline __attribute__((always_inline)) void exp2_negative_lanes(Lanes_f &x)
 {
     x = x < 126.0f ? x : 126.0f - Lanes_f{};

@@ -1,4 +1,4 @@
-// The exposure curves and their control.
+// Implements the exposure curves and their control.
 #include "host/xray/exposure.hpp"
 #include "host/xray/float_math.hpp"
 #include <algorithm>

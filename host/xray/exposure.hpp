@@ -76,7 +76,7 @@ class Exposure
     // Updates the estimate from the last pulse's signal behind patient and grid, given as a share of the open
     // beam's.
     void follow(const XrayTechnique &technique, double signal_share, ExposureState &state);
-    // The same without delay, for a single picture.
+    // Does the same without delay, for a single picture.
     void jump(const XrayTechnique &technique, double signal_share, ExposureState &state);
 
     // Returns the quanta per mm2 of this beam that give as much signal as `dose_nGy` gives in the calibration
@@ -98,7 +98,7 @@ class Exposure
     std::map<std::pair<int, int>, BeamTable> tables_; // by kV and 0.01 mm copper
 };
 
-// Copper filters of a mode, thickest first.
+// Returns the copper filters of a mode, thickest first.
 std::span<const double> copper_filters_mm(ExposureMode mode);
 
 // Returns current and pulse width at a voltage of the curve, before they are lowered to the demanded dose.

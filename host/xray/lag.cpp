@@ -1,4 +1,4 @@
-// The balance of trapped and released signal.
+// Balances trapped and released signal.
 #include "host/xray/lag.hpp"
 #include "host/xray/float_math.hpp"
 

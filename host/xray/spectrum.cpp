@@ -1,4 +1,4 @@
-// Tucker's model, integrated over the electron's energy by the midpoint rule.
+// Integrates Tucker's model over the electron's energy by the midpoint rule.
 #include "host/xray/spectrum.hpp"
 #include "host/xray/float_math.hpp"
 #include <algorithm>
@@ -30,7 +30,7 @@ double whiddington(double kV)
     return value[i] + (value[i + 1] - value[i]) * (kV - at_kV[i]) / (at_kV[i + 1] - at_kV[i]);
 }
 
-// Photons per electron and keV.
+// Returns photons per electron and keV.
 double bremsstrahlung(double energy, double anode_cm2_g, double kV)
 {
     constexpr int steps = 24;

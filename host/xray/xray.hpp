@@ -69,7 +69,7 @@ int held_size(int size);
 inline constexpr std::uint16_t raw_max = 16383;
 inline constexpr double raw_of_wanted_dose = 1024.0;
 
-// All pictures size*size, row 0 on top.
+// All pictures have size*size pixels, with row 0 on top.
 struct XrayPicture {
     int size = 0;
     std::uint32_t tick = 0;

@@ -39,7 +39,7 @@ namespace
 const std::string folder = "/tmp/cournand_test_tools_" + std::to_string(getpid());
 const crn::SceneFile scene = crn::read_scene("");
 
-// A straight tool of 300 mm with one layer of steel.
+// Makes a straight tool of 300 mm with one layer of steel.
 crn::Instrument straight(const std::string &name, std::uint32_t outer_um, std::uint32_t inner_um)
 {
     crn::Instrument tool;
@@ -299,7 +299,7 @@ void a_lumen_is_seen_as_a_brighter_middle(void **)
         largest = std::max(largest, here);
         if (y == 255 || y == 256) middle = std::max(middle, here);
     }
-    // 2 (2 - 1.2) = 1.6 mm in the middle, 2 sqrt(4 - 1.44) = 3.2 mm beside the lumen
+    // The chords are 2 (2 - 1.2) = 1.6 mm in the middle and 2 sqrt(4 - 1.44) = 3.2 mm beside the lumen.
     assert_in_range(middle, 1540, 1740);
     assert_in_range(largest, 2900, 3300);
 }

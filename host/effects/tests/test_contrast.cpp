@@ -33,13 +33,13 @@ VesselBranch straight(const char *name, const Vector3d &from_mm, const Vector3d 
     return branch;
 }
 
-// A tube of 400 mm along x, radius 3 mm.
+// Makes a tube of 400 mm along x, radius 3 mm.
 VesselTree tube(double flow_ml_s)
 {
     return {{straight("tube", {0, 0, 0}, {400, 0, 0}, 3.0, flow_ml_s)}};
 }
 
-// A trunk along x that ends in two branches of different width.
+// Makes a trunk along x that ends in two branches of different width.
 VesselTree fork()
 {
     VesselTree tree{{straight("trunk", {0, 0, 0}, {60, 0, 0}, 4.0, 0.0),
@@ -52,7 +52,7 @@ VesselTree fork()
     return tree;
 }
 
-// An aorta along y with a renal artery from its middle.
+// Makes an aorta along y with a renal artery from its middle.
 VesselTree aorta()
 {
     VesselTree tree{{straight("aorta", {0, 0, 0}, {0, -200, 0}, 10.0, 40.0),

@@ -54,7 +54,7 @@ VesselTree vessel(double throat_mm)
     return {{branch}, {lesion}};
 }
 
-// Integral of ds / r^4 over the lesion: 18 mm at the minimal radius, and two tapers.
+// Returns the integral of ds / r^4 over the lesion: 18 mm at the minimal radius, and two tapers.
 double per_r4_mm3(double throat_mm)
 {
     const double a = throat_mm, b = healthy_mm;
@@ -66,7 +66,7 @@ double viscous_mmHg(double throat_mm, double q_ml_s)
     return 8 * viscosity_mPa_s * q_ml_s * per_r4_mm3(throat_mm) / pi * mmHg_per_Pa;
 }
 
-// K_t rho / 2 (A0 / As - 1)^2 v0^2, K_t = 1.5 (Young and Tsai 1973).
+// Returns K_t rho / 2 (A0 / As - 1)^2 v0^2, K_t = 1.5 (Young and Tsai 1973).
 double jet_mmHg(double throat_mm, double q_ml_s)
 {
     const double widening = healthy_mm * healthy_mm / (throat_mm * throat_mm) - 1;
@@ -98,7 +98,7 @@ void a_lesion_costs_what_wall_and_jet_take(void **)
         print_message("# %.2f mm: %.1f mmHg at %.2f ml/s, FFR %.2f\n", 2 * throat_mm, f.rest_drop_mmHg, q,
                       f.ffr);
     }
-    // 60 ml/min through 0.75 mm x 18 mm cost 61 mmHg and about 30.
+    // 60 ml/min through 0.75 mm x 18 mm cost 61 mmHg by the wall and about 30 mmHg by the jet.
     within("61 mmHg", 8 * viscosity_mPa_s * 18 / (pi * std::pow(0.375, 4)) * mmHg_per_Pa, 61, 0.02);
     within("about 30 mmHg", jet_mmHg(0.375, 1.0), 30, 0.15);
 }
@@ -232,8 +232,8 @@ void opened_partly_it_costs_what_is_left(void **)
     within("ffr", f.ffr, as_baked.ffr, 1e-9);
 }
 
-// Stations lie evenly about the lesion's middle; the opening is linear between two of them. 20 mm in 7 gaps
-// of 4 mm: from -4 to 24 mm.
+// Stations lie evenly about the lesion's middle; the opening is linear between two of them. The stations
+// cover 20 mm in 7 gaps of 4 mm: from -4 to 24 mm.
 void a_place_is_open_as_the_stations_beside_it(void **)
 {
     const VesselTree tree = vessel(0.375);

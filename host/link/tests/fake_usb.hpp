@@ -1,5 +1,5 @@
-// A machine with rigs on USB, without hardware: the functions of libusb that host/link calls, over devices in
-// this process.
+// Simulates a machine with rigs on USB, without hardware: it provides the functions of libusb that host/link
+// calls, over devices in this process.
 //
 // Each rig is the sim port (the real firmware) behind a bulk pair; tests pull cables, remove permissions and
 // make devices lie. Transfers complete in libusb_handle_events, on whichever thread calls it, as with the

@@ -21,7 +21,7 @@ namespace
 
 const std::string path = "/tmp/cournand-bodies-" + std::to_string(getpid()) + ".bodies";
 
-// The BODY section of docs/scene.md, written here independently of tools/bake.
+// Makes the BODY section of docs/scene.md, independently of tools/bake.
 std::vector<std::uint8_t> body_section(const Body &body)
 {
     std::vector<std::uint8_t> bytes(64);

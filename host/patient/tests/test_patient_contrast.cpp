@@ -28,7 +28,7 @@ constexpr std::uint32_t never = std::numeric_limits<std::uint32_t>::max();
 constexpr double pi = 3.14159265358979323846;
 const RoomCommand inject_6_ml{RoomAction::inject, {6000, 4000, 0}};
 
-// An aorta of 300 mm down the y axis, radius 8 mm, 30 ml/s.
+// Makes an aorta of 300 mm down the y axis, radius 8 mm, 30 ml/s.
 VesselTree aorta()
 {
     VesselBranch branch;

@@ -17,7 +17,7 @@ namespace
 
 constexpr int size = 100;
 
-// A box about the z axis; faces anticlockwise from outside.
+// Makes a box about the z axis; faces are anticlockwise from outside.
 SurfaceMesh box(SurfaceKind kind, double half_mm, double z_mm)
 {
     SurfaceMesh mesh;

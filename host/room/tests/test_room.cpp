@@ -341,7 +341,7 @@ static void dsa_keeps_its_technique_and_holds_the_motors(void **)
     assert_true(bench.screen.status().carm.primary_deg == 45.0);
 }
 
-// Loop of 15 frames at 15 per s: frame = floor(time x rate) modulo 15.
+// The loop has 15 frames at 15 per s: frame = floor(time x rate) modulo 15.
 static void a_cine_loop_runs_at_the_rate_of_its_run(void **)
 {
     Bench bench([](int, int, std::uint32_t tick) { return tick / 1000.0; }); // each frame darker

@@ -15,7 +15,7 @@ namespace crn
 
 inline constexpr double artery_middle_mm = 25.0;
 
-// Displacement w of the moving lattice at a keyframe, mm: towards the reference pose.
+// Returns the displacement w of the moving lattice at a keyframe, mm: towards the reference pose.
 inline Eigen::Vector3d artery_way_mm(const Eigen::Vector3d &x, int key)
 {
     const double t = 2 * std::numbers::pi * key / motion_keyframes, s = std::sin(t), c = std::cos(t),
@@ -27,7 +27,7 @@ inline Eigen::Vector3d artery_way_mm(const Eigen::Vector3d &x, int key)
     return moved + stretched + turned + Eigen::Vector3d(-bend * u * x.y(), bend * u * u / 2, 0);
 }
 
-// The same as the coefficients of the core's lattice.
+// The same displacements as the coefficients of the core's lattice.
 struct BeatingLattice {
     std::vector<std::int16_t> rows;
     std::optional<Motion> motion;
@@ -63,7 +63,8 @@ struct BeatingLattice {
     }
 };
 
-// An artery of 50 mm along x in a bend, radius 1.6 to 1.4 mm; 75 % narrowed over 12 mm when `is_diseased`.
+// Makes an artery of 50 mm along x in a bend, radius 1.6 to 1.4 mm; 75 % narrowed over 12 mm when
+// `is_diseased`.
 inline VesselTree beating_artery(bool is_diseased)
 {
     VesselBranch branch;

@@ -1,5 +1,5 @@
-// Sources of an OpenGL 3.3 core context: OSMesa, EGL without a surface, or the context of a window. The
-// libraries of the first two are opened at run time by name.
+// An OpenGL 3.3 core context comes from OSMesa, from EGL without a surface, or from a window. The libraries
+// of the first two are opened at run time by name.
 #pragma once
 #include "host/xray/gl/gl_functions.hpp"
 #include <memory>

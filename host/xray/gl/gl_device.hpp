@@ -1,5 +1,5 @@
-// Draws the bodies' faces in one OpenGL context: buffers, program, and one picture of floats per channel.
-// Private to this folder.
+// Draws the bodies' faces in one OpenGL context: buffers, program, and one picture of floats per channel. It
+// is private to this folder.
 #pragma once
 #include "host/xray/gl/gl_context.hpp"
 #include "host/xray/paths/paths.hpp"

@@ -1,4 +1,5 @@
-// EGL without a surface, which Mesa offers as the replacement for OSMesa. It needs no display server either.
+// Implements EGL without a surface, which Mesa offers as the replacement for OSMesa. It needs no display
+// server either.
 #include "host/xray/gl/gl_headless.hpp"
 #include "host/xray/gl/gl_library.hpp"
 #include <mutex>

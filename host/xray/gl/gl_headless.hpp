@@ -1,4 +1,5 @@
-// The two kinds of OpenGL context without a window. Private to this folder: others call open_headless.
+// Opens the two kinds of OpenGL context without a window. This header is private to this folder: others call
+// open_headless.
 #pragma once
 #include "host/xray/gl/gl_context.hpp"
 

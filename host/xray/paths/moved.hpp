@@ -17,9 +17,9 @@ struct RadiopaqueSection {
     Material material = Material::steel;
     double fill = 0.75;        // share of the cross-section filled by the material, 0 .. 1
     double radius_share = 1.0; // of the tool's outer radius; above 1: a band around it
-    // Share of the tool's outer radius. Above 0 the section is a ring outside this radius and `fill` counts
-    // the ring alone (a jacket, a marker band). At 0 it reaches down to the lumen, and `fill` counts the
-    // whole cross-section.
+    // The inner radius is a share of the tool's outer radius. Above 0 the section is a ring outside this
+    // radius and `fill` counts the ring alone (a jacket, a marker band). At 0 it reaches down to the lumen,
+    // and `fill` counts the whole cross-section.
     double inner_radius_share = 0.0;
 };
 
@@ -35,7 +35,8 @@ struct RadiopaqueInstrument {
     std::vector<RadiopaqueRadius> radii;     // empty: the nodes' radius, solid
 };
 
-// The look of a working guidewire: steel core and coil, with the last `tip_m` of the coil in platinum.
+// Returns the look of a working guidewire: steel core and coil, with the last `tip_m` of the coil in
+// platinum.
 RadiopaqueInstrument guidewire_look(double tip_m = 0.03);
 
 // A point of a curve. Radius and share change linearly to the next point.

@@ -39,14 +39,14 @@ constexpr double contrast_depth =
     8.0; // a quarter of undiluted medium looks nearly as dark as undiluted medium
 constexpr double density_per_log2 = 1.4426950408889634 / 65536.0; // converts 1/65536 nepers to powers of two
 
-// -ln(1 - A (1 - |n.v|)^p) in 1/65536.
+// Returns -ln(1 - A (1 - |n.v|)^p) in 1/65536.
 std::int32_t density_q16(const SurfaceLook &look, double cosine)
 {
     const double opacity = look.edge_opacity * std::pow(1.0 - std::min(1.0, std::abs(cosine)), look.power);
     return static_cast<std::int32_t>(std::lround(-std::log1p(-opacity) * 65536.0));
 }
 
-// A part's corners in a view, with normals weighted by area.
+// Returns a part's corners in a view, with normals weighted by area.
 std::vector<SurfaceCorner> corners_of(const SurfaceScene::Part &part,
                                       std::span<const Eigen::Vector3i> places_um, const View &view)
 {

@@ -1,6 +1,6 @@
-// The look of VCSim3's fluoroscopy screen (thesis, 5.3.4.1), as an alternative to the physical picture. It
-// has no attenuation; surfaces have an opacity that depends on the angle between normal and view, and noise
-// is added afterwards. The thesis gives the idea without an equation; ours is in docs/xray-style.md:
+// Draws the look of VCSim3's fluoroscopy screen (thesis, 5.3.4.1), as an alternative to the physical picture.
+// It has no attenuation; surfaces have an opacity that depends on the angle between normal and view, and
+// noise is added afterwards. The thesis gives the idea without an equation; ours is in docs/xray-style.md:
 //
 //   I = product over all surfaces s on the ray of (1 - A_s (1 - |n_s . v|)^p_s),   grey = 255 (b I + sigma g)
 #pragma once

@@ -48,7 +48,7 @@ Bodies marker_cube(const Eigen::Vector3d &middle_m)
     return bodies;
 }
 
-// Centre of a marker's shadow, weighted by path length.
+// Returns the centre of a marker's shadow, weighted by path length.
 Eigen::Vector2d shadow(const std::vector<std::int32_t> &path, int size)
 {
     Eigen::Vector2d sum = Eigen::Vector2d::Zero();

@@ -52,7 +52,7 @@ void turn(Body &body, const Eigen::Vector3d &centre_m)
     }
 }
 
-// Eight materials, three levels deep, one tilted, one hidden behind another.
+// Makes eight materials, three levels deep, one tilted, one hidden behind another.
 Bodies nested_bodies()
 {
     Bodies bodies;

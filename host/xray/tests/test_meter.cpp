@@ -12,8 +12,8 @@ using namespace crn;
 namespace
 {
 
-// A trunk of uneven thickness: bone beside the middle, air above, so that chamber and pictures sample
-// different pixels.
+// Makes a trunk of uneven thickness: bone lies beside the middle and air above, so that chamber and pictures
+// sample different pixels.
 Bodies trunk()
 {
     Bodies bodies = slab(0.2);
@@ -112,7 +112,7 @@ static void a_locked_technique_is_taken_and_the_control_waits(void **)
                 other.expose(settings, {}, MeterPace::follows).technique);
 }
 
-// Lead enters the beam after some pulses, and the control follows the moved body.
+// A lead plate enters the beam after some pulses, and the control follows the moved body.
 static void bodies_that_move_change_the_dose(void **)
 {
     Bodies bodies = slab(0.1);

@@ -24,7 +24,7 @@ double attenuation(Material material, int energy_index)
     return static_cast<double>(attenuation_per_cm[static_cast<int>(material)][energy_index]);
 }
 
-// Mean over the detector's signal of a spectrum.
+// Returns the mean of a value over the detector's signal of a spectrum.
 template <class Value> double signal_mean(const Spectrum &spectrum, Value value)
 {
     double sum = 0.0, mass = 0.0;

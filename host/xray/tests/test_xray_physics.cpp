@@ -169,9 +169,9 @@ static void raw_values_are_linear(void **)
 namespace
 {
 
-// The presampled MTF by the slanted edge of ISO 12233 and IEC 62220-1. Every pixel of a row has its own
-// distance from the edge. All of them make one edge profile in steps of a tenth of a pixel, and the Fourier
-// transform of its derivative is the MTF.
+// Measures the presampled MTF by the slanted edge of ISO 12233 and IEC 62220-1. Every pixel of a row has its
+// own distance from the edge. All of them make one edge profile in steps of a tenth of a pixel, and the
+// Fourier transform of its derivative is the MTF.
 class SlantedEdge
 {
   public:
@@ -434,7 +434,8 @@ static void logarithms_of_raw_values_subtract_exactly(void **)
     assert_int_equal(mask.raw[beside], live.raw[beside]);
 }
 
-// PS3.3 C.11.2.1.2: below level - window/2 black, above level + window/2 white, linear between.
+// By PS3.3 C.11.2.1.2 values below level - window/2 are black, above level + window/2 white, and linear
+// between.
 static void window_and_level_are_those_of_dicom(void **)
 {
     Room room(slab(0.2));

@@ -1,4 +1,4 @@
-// Pictures of simple bodies for the tests of the signal chain.
+// Makes pictures of simple bodies for the tests of the signal chain.
 #pragma once
 #include "host/xray/tests/xray_shapes.hpp"
 #include "host/xray/xray.hpp"
@@ -38,7 +38,7 @@ struct Room {
     }
 };
 
-// A slab across the whole field, with its middle at the isocentre.
+// Makes a slab across the whole field, with its middle at the isocentre.
 inline Bodies slab(double thickness_m, const char *material = "soft_tissue")
 {
     return {
