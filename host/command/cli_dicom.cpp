@@ -145,7 +145,7 @@ void add_dicom_check(CLI::App &app, DicomCheckOptions &options)
 {
     CLI::App *command = app.add_subcommand(
         "dicom-check",
-        "Let dciodvfy (Debian package dicom3tools) judge DICOM files; exit code 1 when it finds errors");
+        "Check DICOM files by dciodvfy (Debian package dicom3tools); exit code 1 when it finds errors");
     command->add_option("file", options.files, "DICOM files, or folders of .dcm files")->required();
     command->add_flag("--warnings", options.shows_warnings, "List the warnings too, not only their number");
     command->footer("Examples:\n  cournand dicom-check out/dicom\n"

@@ -111,7 +111,7 @@ int command_replay(const ReplayOptions &options)
     check_dicom_settings(options.pictures.dicom);
     const bool is_reported = !options.json.empty() || !options.score.empty();
     if (is_reported && options.from_s > 0.0)
-        throw UsageError("--json and --score tell of the whole session: leave out --from");
+        throw UsageError("--json and --score describe the whole session: leave out --from");
     const Recording recording = read_recording(options.recording);
     const RecordingHeader &header = recording.header;
     const double length_s = recording.ticks.size() * 1e-3;

@@ -27,7 +27,7 @@ void check_files(const RunOptions &options, const PictureSettings &pictures)
         inputs.end(),
         {{"--scene", options.scene}, {"--session", options.session}, {"--bodies", pictures.bodies_path}});
     if (options.free_run_s.has_value() != options.session.empty())
-        throw UsageError("either --session or --free-run says who leads");
+        throw UsageError("give either --session or --free-run");
     check_outputs(inputs, {{"--record", options.record},
                            {"--json", options.json},
                            {"--score", options.score},
@@ -123,8 +123,7 @@ static int tell_end(const RunResult &result, const Patient &patient, bool was_st
     }
     if (const int code = exit_of_range(result.figures.range)) return code;
     if (!patient.refusals().empty()) {
-        std::fprintf(stderr,
-                     "cournand: something that the session asked for was refused, see 'refused' above\n");
+        std::fprintf(stderr, "cournand: a request of the session was refused, see 'refused' above\n");
         return 1;
     }
     if (result.was_interrupted || was_stopped) {

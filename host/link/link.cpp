@@ -124,7 +124,7 @@ void Link::load_scene(std::span<const std::uint8_t> scene)
         std::copy_n(scene.data() + offset, chunk.data_count, chunk.data);
         send_message(CRN_WIRE_TYPE_scene_chunk, chunk, crn_wire_put_scene_chunk, true);
         if (is_interrupted())
-            throw LinkError("interrupted while the scene was sent; a session begun again goes on from there");
+            throw LinkError("interrupted while the scene was sent; the next session continues the upload");
     }
     const crn_wire_scene_end end = {bytes};
     send_message(CRN_WIRE_TYPE_scene_end, end, crn_wire_put_scene_end, true);

@@ -169,7 +169,7 @@ std::string usb_trouble(int error, const std::string &what)
         return what + " does not answer" + name +
                ". Remedy: plug the rig out and in; if it stays so, use another firmware";
     case LIBUSB_ERROR_INTERRUPTED:
-        return what + " was not asked any more: Ctrl-C";
+        return what + " was not read: Ctrl-C";
     case LIBUSB_ERROR_PIPE:
         return what + " refuses" + name +
                ". Remedy: plug the rig out and in; install the same release on both";

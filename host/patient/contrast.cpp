@@ -91,7 +91,7 @@ std::string flow_refusal(const Instrument &tool, std::span<const InnerTool> insi
     if (needed_kPa <= injection_pressure_max_kPa) return "";
     const double possible_ml_s = flow_ml_s * injection_pressure_max_kPa / needed_kPa;
     return formatted("%g ml/s THROUGH '%s'%s NEEDS %s - at most %.3g ml/s at %.0f psi; inject more slowly%s",
-                     flow_ml_s, tool.name.c_str(), inside.empty() ? "" : " BESIDE WHAT LIES IN IT",
+                     flow_ml_s, tool.name.c_str(), inside.empty() ? "" : " BESIDE THE TOOLS IN IT",
                      needed_kPa < 1e9 ? formatted("%.0f psi", needed_kPa / kPa_per_psi).c_str()
                                       : "AN OPEN LUMEN",
                      possible_ml_s, injection_pressure_max_kPa / kPa_per_psi,

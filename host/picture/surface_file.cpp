@@ -60,7 +60,7 @@ SurfaceSink::SurfaceSink(const SurfaceSettings &settings, std::vector<std::uint3
     : settings_(settings), ticks_(std::move(ticks))
 {
     if (settings.bodies_path.empty())
-        throw std::runtime_error("there is no .bodies file beside the scene: it has the walls");
+        throw std::runtime_error("the scene has no .bodies file, which holds the walls");
     SceneAnatomy anatomy = read_scene_anatomy(settings.scene_path, settings.bodies_path);
     bodies_ = std::move(anatomy.bodies);
     motion_ = std::move(anatomy.motion);

@@ -125,7 +125,7 @@ std::vector<Metric> metrics_of(const Json &report)
         {"flow_reserve", "Fractional flow reserve", "", over_lesions(report, "ffr", smaller), 0, 0, 0,
          "0.80 and less: the flow is short"},
         {"apposition_pct", "Struts on the wall", "%", over_stents(report, "apposed_pct", smaller), 95, 80, 20,
-         "within 0.1 mm; too small a stent, or one not opened wholly, stands off"},
+         "within 0.1 mm; a stent that is too small or not fully opened has malapposed struts"},
         {"geographic_miss_mm", "Lesion left without stent", "mm", geographic_miss_mm(report), 0, 5, 15,
          "at both ends together"},
         {"overstretch_pct", "Wall over-stretch", "%", over_stents(report, "overstretch_pct", larger), 10, 30,

@@ -124,7 +124,7 @@ class Guide
                                                       static_cast<std::uint32_t>(read(begin)));
         if (std::abs(static_cast<double>(counts)) < counts_min) {
             throw LinkError("the " + what + " moved by " + std::to_string(counts) +
-                            " counts only. Remedy: check its coupling, or take a longer way");
+                            " counts only. Remedy: check its coupling, or use a longer distance");
         }
         return counts;
     }
@@ -148,7 +148,8 @@ class Guide
     {
         if (value < low || value > high) {
             throw LinkError("measured " + text(value) + " " + unit + ", which is outside " + text(low) +
-                            " to " + text(high) + ". Remedy: was the way or weight the one that was given?");
+                            " to " + text(high) +
+                            ". Remedy: check that distance and weight are the ones given");
         }
         field = static_cast<std::uint32_t>(std::llround(value));
     }

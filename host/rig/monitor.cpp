@@ -141,7 +141,7 @@ int rig_monitor(const StateSource &next, const RigOptions &options, const RigTal
     std::fprintf(talk.out, "%llu reports in %.3f s, %llu ticks lost%s\n",
                  static_cast<unsigned long long>(count.reports), seconds(),
                  static_cast<unsigned long long>(count.lost),
-                 count.backwards > 0 ? "; the rig started anew meanwhile" : "");
+                 count.backwards > 0 ? "; the rig restarted meanwhile" : "");
     if (csv && std::ferror(csv.get()) != 0)
         wrong = options.csv + ": could not be written whole; is the disk full?";
     if (wrong.empty()) return 0;

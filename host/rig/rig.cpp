@@ -133,7 +133,8 @@ int list_rigs(const RigOptions &options, const RigTalk &talk)
     bool has_trouble = false;
     for (const UsbRig &usb : usb_rigs(context.get())) {
         const bool is_late = std::chrono::steady_clock::now() > end || talk.is_interrupted();
-        rigs.push_back(is_late ? Listed{usb, "-", "-", "not asked: the others took too long"} : look_at(usb));
+        rigs.push_back(is_late ? Listed{usb, "-", "-", "not contacted: the others took too long"}
+                               : look_at(usb));
         has_trouble = has_trouble || !rigs.back().trouble.empty();
     }
     if (options.json) {

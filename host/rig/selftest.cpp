@@ -93,7 +93,7 @@ void check_track(Lines &lines, unsigned number, const crn_wire_track_sensors &fi
     }
     lines.check(later.over_current == 0, name + "motor driver: current within its limit",
                 "check motor and cable for a short");
-    lines.check(later.motor_axial_mN == 0 && later.motor_torque_uN_m == 0, name + "motor: nothing asked",
+    lines.check(later.motor_axial_mN == 0 && later.motor_torque_uN_m == 0, name + "motor: no force ordered",
                 "report it");
     lines.check(track.force_limit_mN > 0 && track.torque_limit_uN_m > 0,
                 name + "limits: " + std::to_string(track.force_limit_mN) + " mN, " +

@@ -62,7 +62,7 @@ std::string remedy_of(const Expectation &expectation)
     case Expectation::Kind::iodine:
         return "bring the tip into the vessel (engage) and inject through that tool";
     case Expectation::Kind::stenosis:
-        return "bring the balloon's middle to the throat and inflate further";
+        return "bring the balloon's middle to the narrowest place and inflate further";
     case Expectation::Kind::apposition:
         return "inflate the stent further, or choose one of the vessel's size";
     case Expectation::Kind::inserted:

@@ -44,7 +44,7 @@ std::size_t SessionPlayer::vessel_named(const VesselName &name, int line) const
         throw FileError(
             session_.file, line, name.column,
             "names the vessel '" + name.text +
-                "', but this scene knows none; bake it with a [tree] and keep its .bodies beside it");
+                "', but this scene has none; bake it with a [tree] and keep its .bodies file beside it");
     if (const auto vessel = map_.find(name.text)) return *vessel;
     throw FileError(session_.file, line, name.column,
                     "unknown vessel '" + name.text + "'" + map_.suggestion(name.text));

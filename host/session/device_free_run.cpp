@@ -60,7 +60,7 @@ crn_wire_rig Device::free_run_rig(const crn_wire_rig &own) const
     }
     if (choice_.powers_motors && !has_coupling) {
         throw LinkError(
-            "the rig does not know the own damping of any track, so no safe coupling can be chosen. "
+            "the rig does not report the damping of any track, so no safe coupling can be chosen. "
             "Remedy: cournand rig calibrate --load a rig.json with the damping as measured "
             "(docs/haptics.md), or leave --motors out");
     }
@@ -71,7 +71,7 @@ void Device::start_free_run()
 {
     if (!(identity_.capabilities & CRN_WIRE_CAPABILITY_ENCODERS)) {
         throw LinkError(
-            "the device has no encoders of its own, so it cannot lead a session. Remedy: attach a rig, "
+            "the device has no encoders of its own, so FREE_RUN is impossible. Remedy: attach a rig, "
             "or give a --session");
     }
     crn_wire_stream stream{};
@@ -160,7 +160,7 @@ void Device::check_running(FreeRunSink &sink)
                         ". Remedy: " + crn_wire_fault_remedy(status.fault_code));
     }
     throw LinkError("the rig makes no more ticks" + at + "; it is " + crn_wire_state_name(status.state) +
-                    ". Remedy: begin the session again; somebody else may have stopped it");
+                    ". Remedy: begin the session again; another program may have stopped it");
 }
 
 void Device::resume_free(FreeRunSink &sink)
@@ -189,7 +189,8 @@ void Device::resume_free(FreeRunSink &sink)
 
 void Device::run_free(std::uint32_t milliseconds, FreeRunSink &sink)
 {
-    if (!pipe_) throw LinkError("the device is gone, and the session with it. Remedy: begin it again");
+    if (!pipe_)
+        throw LinkError("the device was disconnected, and the session is lost. Remedy: begin it again");
     bool is_whole = true;
     try {
         ask_snapshot();

@@ -35,7 +35,7 @@ void Device::open()
     if (has_started_ && (reply.core_version != identity_.core_version ||
                          !std::equal(reply.serial, reply.serial + reply.serial_count, identity_.serial,
                                      identity_.serial + identity_.serial_count))) {
-        throw LinkError("another device came in the place of the one that went; the session cannot go on. "
+        throw LinkError("another device has replaced the disconnected one; the session cannot continue. "
                         "Remedy: begin it again; the recording is complete up to where it stopped");
     }
     identity_ = reply;
@@ -170,7 +170,7 @@ void Device::go_back_to_snapshot()
             throw LinkError("the device came back and does not repeat the session: tick " +
                             std::to_string(state.tick) +
                             " has another hash. Remedy: begin it again; report the recording, which is "
-                            "complete up to where the device went");
+                            "complete up to the disconnection");
         }
     }
 }
@@ -206,14 +206,15 @@ void Device::resume()
     open();
     set_up();
     go_back_to_snapshot();
-    std::fprintf(stderr, "cournand: it is back, and the session goes on at tick %u\n",
+    std::fprintf(stderr, "cournand: the device is back, and the session continues at tick %u\n",
                  unsigned{link_->tick()});
 }
 
 void Device::ask(const std::function<void(Link &)> &request)
 {
     bool has_link = true;
-    if (!pipe_) throw LinkError("the device is gone, and the session with it. Remedy: begin it again");
+    if (!pipe_)
+        throw LinkError("the device was disconnected, and the session is lost. Remedy: begin it again");
     for (std::uint32_t attempt = 0;; attempt++) {
         try {
             if (!has_link) resume();

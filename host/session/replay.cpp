@@ -239,7 +239,7 @@ class Replayer
             std::this_thread::sleep_for(std::chrono::milliseconds(20));
             return;
         }
-        std::fprintf(stderr, "paused at %.3f s; Enter goes on ", link_.tick() * 1e-3);
+        std::fprintf(stderr, "paused at %.3f s; Enter continues ", link_.tick() * 1e-3);
         std::string line;
         std::getline(std::cin, line);
     }
