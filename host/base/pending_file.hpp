@@ -38,9 +38,9 @@ void probe_output(const std::string &path);
 void commit_pending(const std::string &pending, const std::string &path, bool keeps_unsynced = false);
 void discard_pending(const std::string &pending) noexcept;
 
-// Files that must not be left behind: a signal that ends the program (SIGINT, SIGTERM, SIGHUP) removes them
-// first. There are at most pending_max at a time; further files are written too, but a signal leaves them
-// behind.
+// Files that must not be left behind are listed: a signal that ends the program (SIGINT, SIGTERM, SIGHUP)
+// removes them first. There are at most pending_max at a time; further files are written too, but a signal
+// leaves them behind.
 inline constexpr int pending_max = 32;
 void watch_pending(const std::string &pending);
 void forget_pending(const std::string &pending) noexcept;

@@ -91,7 +91,7 @@ int line_node_count(const crn_wire_instrument &tool);
 
 // Returns the unloaded centreline, tip first, every `step_m` and at every change of curvature, from the tip
 // to `straight_m` behind the last arc. The straight part lies on the x axis and ends (towards the hand) at
-// the origin: it enters along +x, d1 is +y and d2 = t x d1 with t towards the hand, which is -z.
+// the origin. It enters along +x; d1 is +y and d2 = t x d1 with t towards the hand, which is -z.
 struct ShapePoint {
     double arc_m = 0.0;
     Eigen::Vector3d position_m = Eigen::Vector3d::Zero();

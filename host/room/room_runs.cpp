@@ -10,8 +10,9 @@ namespace crn
 namespace
 {
 
-// The largest of many differences includes the noise of a frame, so a roadmap is reduced by it: by the
-// median, which is background, plus so many times the distance from the median to the lowest tenth.
+// The largest of many differences includes the noise of a frame, so that noise is subtracted from a roadmap.
+// The amount is the median, which is background, plus so many times the distance from the median to the
+// lowest tenth.
 constexpr float roadmap_noise_steps = 2.0f;
 
 float background_of(const std::vector<float> &peak)

@@ -1,6 +1,6 @@
-// Watches whether the physics stays in its range. It checks every tick of a session. A number of the core at
-// its format's limit, a tool too deep in the wall, or a line too long or too short mean that the shape is no
-// longer that of the tools, and the session must not continue.
+// Watches whether the physics stays in its range. It checks every tick of a session. The range is left when a
+// number of the core is at its format's limit, a tool is too deep in the wall, or a line is too long or too
+// short. Then the shape is no longer that of the tools, and the session must not continue.
 #pragma once
 #include "shared/wire/wire.h"
 #include <Eigen/Core>

@@ -1,5 +1,5 @@
-// Contact of struts with the wall's triangles, by libccd: a strut is a capsule, and a triangle has the depth
-// of some tissue behind it, so that a strut is always pushed back towards the blood.
+// Computes contact of struts with the wall's triangles, by libccd. A strut is a capsule, and a triangle has
+// the depth of some tissue behind it, so that a strut is always pushed back towards the blood.
 #pragma once
 #include <Eigen/Core>
 #include <array>

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Tests what a session leaves on the disk: one DICOM file per press of the pedal in which dciodvfy finds no
-# error, the same bytes from a replay, 16-bit pictures, and no half-written file after Ctrl-C or on a full
-# disk. It prints TAP.
+# Tests what a session leaves on the disk. There is one DICOM file per press of the pedal, in which dciodvfy
+# finds no error; a replay gives the same bytes; pictures have 16 bits. No half-written file stays after
+# Ctrl-C or on a full disk. It prints TAP.
 set -u
 . "$(dirname "$0")/program.sh"
 wire="$root/shared/examples/instruments/bentson.toml"

@@ -1,8 +1,8 @@
 #!/bin/bash
 # Tests physics out of its range on the command line. On the shipped scene one session once put an inflated
-# balloon 3.51 mm through the wall, with 9.47 % of length error, 512 N at the hand and exit code 0; it stays
-# in range now. A hook that no sheath could hold straight leaves the range: run and replay end with exit code
-# 3, the same sentence and whole files.
+# balloon 3.51 mm through the wall, with 9.47 % of length error, 512 N at the hand and exit code 0. That
+# session stays in range now. A hook that no sheath could hold straight leaves the range: run and replay end
+# with exit code 3, the same sentence and whole files.
 # shellcheck source=host/app/tests/program.sh
 . "$(dirname "$0")/program.sh"
 echo 1..7

@@ -246,7 +246,7 @@ static void a_moving_arm_and_table_have_an_offset_per_frame(void **)
     assert_text(reader, DCM_PositionerPrimaryAngle, "10");
     assert_text(reader, DCM_PositionerPrimaryAngleIncrement, "0\\2.5\\5\\7.5");
     assert_text(reader, DCM_PositionerSecondaryAngleIncrement, "0\\-1.25\\-2.5\\-3.75");
-    // The isocentre moves 1 mm right, 2 mm to the head and 3 mm to the front per frame; so the table moves 1
+    // The isocentre moves 1 mm right, 2 mm to the head and 3 mm to the front per frame. So the table moves 1
     // mm left, 2 mm to the feet and 3 mm down. Longitudinal is toward LAO, lateral toward cranial
     // (C.8.7.4.1).
     assert_text(reader, DCM_TableMotion, "DYNAMIC");

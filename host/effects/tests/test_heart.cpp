@@ -182,8 +182,8 @@ void bodies_that_move_go_where_the_lattice_takes_them(void **)
     }
 }
 
-// The lattice pushes places: they are exact to 1 um at the keyframes, of which the spline is made, and to 50
-// um between them and in a deep breath; places outside the lattice stay to the last bit.
+// Places go where the lattice pushes them. They are exact to 1 um at the keyframes, of which the spline is
+// made, and to 50 um between them and in a deep breath. Places outside the lattice stay to the last bit.
 void points_that_move_go_where_the_lattice_takes_them(void **)
 {
     const Sample sample;

@@ -22,8 +22,8 @@ namespace
 constexpr double pi = std::numbers::pi, radius_mm = 2.0, stenosis = 0.7, aside = 0.4;
 constexpr double throat_mm = radius_mm * (1 - stenosis);
 
-// The tube is 60 mm along y and 2 mm wide; 70 % narrowed over 16 mm about y = 30, with the channel 0.4 of the
-// lost diameter off the axis; a side branch is at 38 mm.
+// The tube is 60 mm along y and 2 mm wide, with a side branch at 38 mm. It is 70 % narrowed over 16 mm about
+// y = 30, with the channel 0.4 of the lost diameter off the axis.
 VesselTree tube_tree()
 {
     VesselTree tree;

@@ -200,8 +200,9 @@ static void a_tap_within_one_tick_gives_neither_beam_nor_run(void **)
                 bench.room.dose().irradiations().empty());
 }
 
-// The kerma-area product of a run is compared with the sum over its frames, and with kerma times the field's
-// area at the reference point from the stated geometry: (0.6 m / 1.05 m x 25 cm x 80 %) x (the same x 60 %).
+// The kerma-area product of a run is compared with the sum over its frames. It is also compared with kerma
+// times the field's area at the reference point from the stated geometry: (0.6 m / 1.05 m x 25 cm x 80 %) x
+// (the same x 60 %).
 static void dose_of_a_run_is_the_sum_over_its_frames(void **)
 {
     Bench bench;
@@ -286,8 +287,8 @@ static void a_new_mask_is_taken_from_the_frames_named(void **)
     assert_int_equal(bench.screen.status().mask_last, 5);
 }
 
-// The bone's edge (two doublings, between columns 31 and 32) moves with the mask: one pixel to the right
-// leaves a seam one pixel wide where the mask was bright and the live picture is not.
+// The bone's edge (two doublings, between columns 31 and 32) moves with the mask. One pixel to the right
+// leaves a seam one pixel wide, where the mask was bright and the live picture is not.
 static void pixel_shift_moves_the_mask(void **)
 {
     Bench bench;

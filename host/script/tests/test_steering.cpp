@@ -1,7 +1,7 @@
 // Claims: places in a tree of vessels have anatomists' names. A script that steers reaches its vessel
 // although the tip usually turns into another one, whatever the share of angles that lead there and wherever
 // they lie. If it fails, it says where the tip was. Expectations are judged with their line. The world of
-// these tests is a tube with one wrong branch: the vessel into which the tip goes depends only on the angle
+// these tests is a tube with one wrong branch. The vessel into which the tip goes depends only on the angle
 // of the hand, which is the hardest case of a bent tip.
 #include <algorithm>
 #include <cmath>

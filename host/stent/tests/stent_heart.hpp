@@ -1,5 +1,5 @@
 // A beating artery for tests and benchmarks of stents: 50 mm of it in a bend, with a lesion of 75 %. Its
-// motion lattice is like the core's, with a motion as large as the shipped heart's: 12 mm to and fro, 4 % of
+// motion lattice is like the core's. The motion is as large as the shipped heart's: 12 mm to and fro, 4 % of
 // length, 3.5 % of width, 6 degrees of turn, and bending.
 #pragma once
 #include "host/model/motion.hpp"

@@ -1,7 +1,7 @@
-// Claims: a stent in a beating artery stays where the wall carries it, on the wall and not through it, for a
-// minute, at 15 and at 60 pictures a second; a stent of too small a size does not. A lesion that a balloon
-// opens becomes the healthy vessel's tube, and the tube is the tree's. The artery moves 12 mm to and fro,
-// turns, bends, and changes in length and width by as much as the shipped heart's does.
+// Claims: a stent in a beating artery stays for a minute where the wall carries it, on the wall and not
+// through it, at 15 and at 60 pictures a second. A stent of too small a size does not. A lesion that a
+// balloon opens becomes the healthy vessel's tube, and the tube is the tree's. The artery moves 12 mm to and
+// fro, turns, bends, and changes in length and width by as much as the shipped heart's does.
 #include "firmware/tests/reference/long_run.h"
 #include "host/stent/stents.hpp"
 #include "host/stent/tests/stent_heart.hpp"

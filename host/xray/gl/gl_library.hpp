@@ -1,5 +1,5 @@
-// A shared library opened at run time. It stays loaded for the life of the process: Mesa keeps threads and
-// thread-local data, so that unloading it is not safe. It is private to this folder.
+// A GlLibraryFile is a shared library opened at run time. It stays loaded for the life of the process: Mesa
+// keeps threads and thread-local data, so that unloading it is not safe. It is private to this folder.
 #pragma once
 #include <cstring>
 #include <string>

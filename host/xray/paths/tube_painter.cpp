@@ -59,7 +59,7 @@ CRN_WIDE void chords_of_row(const Chords &c, float u, float v, float step, int c
         const float beside = ex * nx + ey * ny; // distance from the axis times |n|
         const float middle =
             (nx * (ey * c.axis.z) - ny * (ex * c.axis.z) + nz * (ex * c.axis.y - ey * c.axis.x)) / square;
-        // Cuts by the two planes; a slope of 0 counts as a small one.
+        // Cuts the chord by the two planes; a slope of 0 counts as a small one.
         float slope_a = dx * c.normal_a.x + dy * c.normal_a.y + dz * c.normal_a.z;
         float slope_b = dx * c.normal_b.x + dy * c.normal_b.y + dz * c.normal_b.z;
         slope_a = std::fabs(slope_a) > 1e-6f ? slope_a : 1e-6f;

@@ -263,7 +263,7 @@ static void a_blocked_arm_is_free_to_go_back(void **)
     assert_true(gantry.pose()[axis_primary] == 0.0 && !gantry.is_blocked());
 }
 
-// The gap at AP is known: the tube's housing ends 25 cm in front of the focal spot, so 50 cm below the
+// The gap at AP is known. The tube's housing ends 25 cm in front of the focal spot, so 50 cm below the
 // isocentre; the table's underside is 13 + 6 cm below the patient's origin.
 static void the_gap_under_the_table_is_the_one_of_the_drawing(void **)
 {

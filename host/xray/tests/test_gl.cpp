@@ -4,9 +4,9 @@
 // Tolerances. Both cover a pixel by its centre, after corners were moved to a grid: 1/256 pixel in the
 // rasteriser, and the driver's own choice in OpenGL (llvmpipe: also 1/256, with its own rounding). So at an
 // edge one pixel may belong to either side. Inside, where the path changes by less than 2 mm between
-// neighbours, a shift of 1/128 pixel is 0.016 mm; the sums are floats around 100 mm, good to 0.00001 mm each,
-// and the rasteriser's faces are rounded to 1/1024 mm. Hence the tolerance is 0.05 mm inside, with a mean of
-// 0.002 mm, and a share of pixels at edges may differ.
+// neighbours, a shift of 1/128 pixel is 0.016 mm. The sums are floats around 100 mm, exact to 0.00001 mm
+// each, and the rasteriser's faces are rounded to 1/1024 mm. Hence the tolerance is 0.05 mm inside, with a
+// mean of 0.002 mm, and a share of pixels at edges may differ.
 #include "firmware/tests/reference/long_run.h"
 #include "host/xray/gl/gl_paths.hpp"
 #include "host/xray/paths/raster_paths.hpp"

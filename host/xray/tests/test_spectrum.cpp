@@ -141,7 +141,8 @@ static void half_value_layers_agree_with_spekpy(void **)
 }
 
 // Tests every combination of 0 .. 40 cm tissue, 0 .. 5 cm bone and 0 .. 2 cm undiluted contrast that
-// transmits more than 1e-4, for every filter of the tube from 60 to 125 kV: within 1 % of 1 keV steps.
+// transmits more than 1e-4, for every filter of the tube from 60 to 125 kV. The result must be within 1 % of
+// 1 keV steps.
 static void few_energies_are_within_one_percent_of_one_keV_steps(void **)
 {
     double worst = 0.0;
