@@ -200,9 +200,8 @@ static void a_tap_within_one_tick_gives_neither_beam_nor_run(void **)
                 bench.room.dose().irradiations().empty());
 }
 
-// The kerma-area product of a run is compared with the sum over its frames. It is also compared with kerma
-// times the field's area at the reference point from the stated geometry: (0.6 m / 1.05 m x 25 cm x 80 %) x
-// (the same x 60 %).
+// The kerma-area product of a run is compared with the sum over its frames. It is also kerma times the
+// field's area at the reference point: (0.6 m / 1.05 m x 25 cm x 80 %) x (the same x 60 %).
 static void dose_of_a_run_is_the_sum_over_its_frames(void **)
 {
     Bench bench;
@@ -518,8 +517,8 @@ static void the_table_follows_a_tip_that_leaves_the_middle(void **)
     assert_true((room.gantry().carm(0.32).isocentre_m - away).norm() < 1e-9);
 }
 
-// Everything is done twice: the same commands and pictures give the same screen, whether all ticks are
-// processed or only those that need attention.
+// The same commands and pictures give the same screen, whether all ticks are processed or only those that
+// need attention.
 static void the_same_commands_give_the_same_screens(void **)
 {
     std::vector<std::uint8_t> screens[2];
