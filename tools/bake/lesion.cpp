@@ -146,7 +146,7 @@ VesselLesion divide(VesselTree &tree, std::size_t index, double begin_m, double 
     return lesion;
 }
 
-// What is left of the vessel: the branch's points become those of the channel.
+// Replaces the branch's points and radii by those of the narrowed channel.
 void narrow(VesselBranch &branch, const VesselLesion &lesion, const LesionText &text)
 {
     const std::size_t count = lesion.size();
@@ -161,8 +161,8 @@ void narrow(VesselBranch &branch, const VesselLesion &lesion, const LesionText &
     }
 }
 
-// Points for one lesion in a tree that none has narrowed yet: places are those of the healthy vessel, in
-// whatever order lesions come.
+// Places the points of one lesion in a tree that no lesion has narrowed yet. Positions refer to the healthy
+// vessel, so the order of lesions does not matter.
 void place(VesselTree &tree, const LesionText &text)
 {
     const std::size_t index = branch_of(tree, text);
@@ -225,7 +225,8 @@ std::vector<bool> narrow_lesions(std::vector<Vector3d> &vertices_mm, const Vesse
     for (std::size_t k = 0; k < tree.lesions.size(); ++k) {
         const LesionWall wall(tree, k);
         for (std::size_t v = 0; v < vertices_mm.size(); ++v) {
-            if (!wall.reach_m().contains(vertices_mm[v] * 1e-3)) continue; // passed over quickly
+            if (!wall.reach_m().contains(vertices_mm[v] * 1e-3))
+                continue; // most vertices are skipped here quickly
             const Vector3d way_mm = wall.way_m(vertices_mm[v] * 1e-3) * 1e3;
             if (way_mm.norm() < 1e-3) continue;
             vertices_mm[v] += way_mm;
@@ -259,10 +260,10 @@ VesselTree lesions_within(const VesselTree &tree, const TriangleTree &body)
 BakedBody calcium_of(const VesselTree &tree, const VesselLesion &lesion, const LesionText &text)
 {
     constexpr std::size_t columns = 24;
-    constexpr double along_share = 0.3; // of the lesion's length, to either side of its throat
+    constexpr double along_share = 0.3; // of the lesion's length, to either side of its narrowest point
     BakedBody body;
     body.name = text.name + "_calcium";
-    body.material = "bone_cortical"; // mineral of plaque is apatite too
+    body.material = "bone_cortical"; // the mineral of plaque is apatite too
     body.mesh.name = body.name;
     std::vector<std::size_t> rows;
     const Across across(lesion);
@@ -276,7 +277,7 @@ BakedBody calcium_of(const VesselTree &tree, const VesselLesion &lesion, const L
         for (std::size_t j = 0; j <= columns; ++j) {
             const double turn = static_cast<double>(j) / columns - 0.5;
             const Vector3d ray = across.at(i, text.plaque_deg + turn * text.calcified_deg);
-            // Where the ray leaves the channel, if it meets it.
+            // The distance at which the ray leaves the channel, if it meets it.
             const double inwards = off.dot(ray);
             const double square = channel * channel - off.squaredNorm() + inwards * inwards;
             const double begin = square > 0 ? std::max(inwards + std::sqrt(square), 0.0) : 0.0;
@@ -287,7 +288,7 @@ BakedBody calcium_of(const VesselTree &tree, const VesselLesion &lesion, const L
             body.mesh.vertices_mm.push_back((centre + outer * ray) * 1e3);
         }
     }
-    // Corner of row i, column j, on the inner (0) or outer (1) sheet.
+    // The index of the corner at row i, column j, on the inner (0) or outer (1) sheet.
     const auto at = [&](std::size_t i, std::size_t j, std::size_t sheet) {
         return static_cast<std::uint32_t>(2 * (i * (columns + 1) + j) + sheet);
     };
@@ -309,7 +310,7 @@ BakedBody calcium_of(const VesselTree &tree, const VesselLesion &lesion, const L
         quad(at(0, j, 0), at(0, j + 1, 0), at(0, j + 1, 1), at(0, j, 1));
         quad(at(end, j, 1), at(end, j + 1, 1), at(end, j + 1, 0), at(end, j, 0));
     }
-    check_closed(body.mesh, Cap::none); // also turns it the right way round
+    check_closed(body.mesh, Cap::none); // also orients its triangles outwards
     return body;
 }
 
