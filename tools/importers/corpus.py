@@ -11,7 +11,8 @@ KINDS = {".ply": "mesh", ".stl": "mesh", ".obj": "mesh", ".gltf": "mesh", ".glb"
          ".nrrd": "scan", ".mha": "scan", ".nii": "scan", ".gz": "scan", ".dcm": "series", ".csv": "line",
          ".json": "line", ".vtp": "line"}
 INTERESTING = [b"0", b"-1", b"2147483647", b"-2147483648", b"4294967295", b"99999999999999999999", b"1e300", b"-1e300",
-               b"nan", b"inf", b"none", b"1e-300", b"0x10", b"1.5", b"", b" ", b"\0", b"\xff", b"{", b"[", b"(", b"\n", b"3", b"65535"]
+               b"nan", b"inf", b"none", b"1e-300", b"0x10", b"1.5", b"", b" ", b"\0", b"\xff", b"{", b"[",
+               b"(", b"\n", b"3", b"65535"]
 CORNERS = [(float(x), float(y), float(z)) for z in (0, 20) for y in (0, 30) for x in (0, 10)]
 FACES = [(0, 2, 3), (0, 3, 1), (4, 5, 7), (4, 7, 6), (0, 1, 5), (0, 5, 4), (2, 6, 7), (2, 7, 3), (0, 4, 6), (0, 6, 2),
          (1, 3, 7), (1, 7, 5)]
