@@ -6,8 +6,8 @@
 For each instrument, the reference rod makes the truth with stiffness that differs from the file's. The truth goes
 through virtual scans and their segmentation, or directly as centrelines with noise. Then come fits of our rod without
 and with the force trace, and of the CoRdE baseline. Every finished step leaves a file NAME.done with its commands and
-is not repeated for the same commands. A fit that was stopped continues from its last generation. An instrument that fails
-is named on the page, and the others continue. The page is renewed after every instrument. The exit code is 0 when
+is not repeated for the same commands. A fit that was stopped continues from its last generation. An instrument that
+fails is named on the page, and the others continue. The page is renewed after every instrument. The exit code is 0 when
 everything was made, 1 when something failed or was stopped, 2 on a usage error.
 """
 

@@ -406,17 +406,17 @@ def page(rows, settings, output):
         "<h2>Table 5.1</h2>",
         table_5_1(rows),
         "<p>Ours and CoRdE by shape alone, as in the thesis. Averages are over the three depths. Green: RMS at depth 3 "
-        "at most %g mm, average at most %g mm. Distances are those of the simulated nodes from the nearest point of the "
-        "reference (equation 19).</p>" % (DEPTH3_BAR_MM, AVERAGE_BAR_MM),
+        "at most %g mm, average at most %g mm. Distances are those of the simulated nodes from the nearest point of "
+        "the reference (equation 19).</p>" % (DEPTH3_BAR_MM, AVERAGE_BAR_MM),
         "<h2>Fitted parameters</h2>",
         parameter_table(rows),
-        "<p>Grey: undetermined, the number is one of many that fit equally well. A rigid lumen shows ratios of EI only, "
-        "so EI from shape alone is always undetermined.</p>",
+        "<p>Grey: undetermined, the number is one of many that fit equally well. A rigid lumen shows ratios of EI "
+        "only, so EI from shape alone is always undetermined.</p>",
         "<h2>Recovery of the truth</h2>",
         recovery_table(rows),
         '<p>"File": the instrument file\'s number over the true one, as a fit that changed nothing would give it. '
-        "Green: within %d %% of the truth. Where the force itself is missed by more than %g (relative, red), EI shows a "
-        "failure of the search or of the model; it is not a measurement.</p>"
+        "Green: within %d %% of the truth. Where the force itself is missed by more than %g (relative, red), EI shows "
+        "a failure of the search or of the model; it is not a measurement.</p>"
         % (round(100 * RECOVERY_BAR), FORCE_MISSED),
         "<h2>How well each number is determined</h2>",
         "<p>The range over which a number can vary while the objective rises by less than the noise, as a share of the "

@@ -1,7 +1,7 @@
 #!/bin/sh
-# The program `ct` as a person uses it: scans of a wire in a short tube, segmented, checked against the truth, and made into a case
-# that calibrate reads, from the scans alone; what is wrong with scans and cases is refused with file and remedy, and leaves nothing
-# half-written; an interrupt keeps what was finished. Prints TAP.
+# Tests the program `ct` as a person uses it. Scans of a wire in a short tube are segmented, checked against the truth,
+# and made into a case that calibrate reads, from the scans alone. Errors in scans and cases are refused with file and
+# remedy, and leave nothing half-written. An interrupt keeps what was finished. Prints TAP.
 programs="ct calibrate"
 . "$(dirname "$0")/../../../check/tool.sh"
 
