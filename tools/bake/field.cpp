@@ -121,6 +121,7 @@ void filter_axis(std::vector<double> &values, std::array<int, 3> &size, int axis
 }
 
 // --- one brick ---
+
 // The samples of a brick and of its surroundings, in voxels.
 std::vector<double> gather(const openvdb::FloatGrid &grid, const Cell &cell, double voxel)
 {
@@ -246,6 +247,7 @@ std::vector<Brick> octants(const std::vector<Brick> &bricks)
 }
 
 // --- the lattice ---
+
 // The entry of each brick: far, a refinement (rows counted from `row`), or the next place in `samples`.
 std::vector<std::uint16_t> number(const std::vector<Brick> &bricks, int level, std::uint32_t row,
                                   Field &field)

@@ -180,6 +180,7 @@ void damaged_texts_are_named_by_line(void **)
 }
 
 // --- the child ---
+
 // The limit is 15 s of wall time, since a busy machine may make a new process wait for seconds.
 const crn::ReadLimits small = {std::uint64_t{64} << 20, 2, 15, std::uint64_t{8} << 20};
 

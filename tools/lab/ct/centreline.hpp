@@ -42,6 +42,7 @@ InstrumentLine trace_instrument(const Volume &volume, const Volume &mask, const 
                                 const Report &report);
 
 // --- parts, for tests ---
+
 // Points of a line at even distances of about step_mm.
 std::vector<Eigen::Vector3d> resampled(const std::vector<Eigen::Vector3d> &line, double step_mm);
 // The distance from a line, and the nearest place on it (arc length).

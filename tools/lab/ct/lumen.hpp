@@ -44,6 +44,7 @@ struct Lumen {
 Lumen find_lumen(const std::vector<LumenScan> &scans, const LumenOptions &options, const Report &report);
 
 // --- parts, for tests ---
+
 // One picture of all scans, without the instrument, on the grid of the first.
 struct Merged {
     Volume filled;   // hidden voxels are filled from their surroundings

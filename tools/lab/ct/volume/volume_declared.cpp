@@ -242,6 +242,7 @@ bool is_true(const Field *field)
 }
 
 // --- NIfTI ---
+
 // The numbers of a header in either byte order.
 struct Binary {
     std::string_view head;
