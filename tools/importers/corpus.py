@@ -95,13 +95,37 @@ def seeds():
             ("b.stl", stl(False)), ("a.obj", obj()), ("a.gltf", gltf()), ("a.glb", glb())]
 
 
-def by_hand():
-    """Returns (name, bytes) of files that must be refused: each once broke a reader, or was read as something else."""
+def meshes_by_hand():
     box, flat = "binary_little_endian", [list(f) for f in FACES]
     wrapped, low = [list(f) for f in FACES], [list(f) for f in FACES]
     wrapped[5][1], low[7][2] = 2147483647, -1
     large = ply_head(box, 1300, 2300) + b"\0" * (12 * 1300) + struct.pack("<B3i", 3, 0, 1, 2147483647) + \
         struct.pack("<B3i", 3, 0, 1, 2) * 2299
+    return [
+        ("index_wrap.ply", large), ("index_wrap_text.ply", ply(corners=wrapped)), ("index_low.ply", ply(corners=low)),
+        ("ten_vertices.ply", ply(box, vertices=10)), ("six_vertices.ply", ply(box, vertices=6)),
+        ("huge_count.ply", ply(vertices=99999999999999999999)), ("huge_faces.ply", ply(box, faces=4000000000)),
+        ("fewer_faces.ply", ply(box, faces=11)), ("more_faces.ply", ply(faces=13)),
+        ("word.ply", ply().replace(b"30 0\n", b"thirty 0\n", 1)),
+        ("nan.ply", ply().replace(b"10 30 20\n", b"nan 30 20\n", 1)),
+        ("long_list.ply", ply(corners=flat[:11] + [list(range(8)) * 40])),
+        ("no_face.ply", ply().replace(b"face", b"fac3")),
+        ("count.stl", stl(False)[:80] + struct.pack("<I", 4294967295) + stl(False)[84:]), ("cut.stl", stl(False)[:-30]),
+        ("word.stl", stl(True).replace(b"vertex 10 0 0", b"vertex ten 0 0", 1)),
+        ("lost.stl", stl(True).replace(b"vertex 10 0 0\n", b"", 1)),
+        ("index.obj", obj() + b"f 1 2 2147483647\n"), ("zero.obj", obj() + b"f 0 1 2\n"),
+        ("low.obj", obj() + b"f -9 1 2\n"),
+        ("word.obj", obj().replace(b"v 10 0 0", b"v ten 0 0", 1)), ("normal.obj", obj() + b"f 1//7 2//7 3//7\n"),
+        ("nodes.gltf", nested_nodes(100000)),
+        ("loop.gltf", json.dumps({**gltf_root(GLTF_URI), "nodes": [{"children": [0]}]}).encode()),
+        ("brackets.gltf", b"[" * 10 ** 6 + b"]" * 10 ** 6), ("open_brackets.gltf", b'{"a":' * 10 ** 6),
+        ("offset.gltf", gltf(offset=99)), ("offset_even.gltf", gltf(offset=96)), ("count.gltf", gltf(position=9)),
+        ("index_count.gltf", gltf(index=4000000000)), ("buffer.gltf", gltf(bytes=10 ** 12)),
+        ("length.glb", glb()[:8] + b"\xff\xff\xff\x7f" + glb()[12:]),
+        ("offset.glb", glb(gltf_root(offset=99))), ("cut.glb", glb()[:-20])]
+
+
+def volumes_and_lines_by_hand():
     head = "ObjectType = Image\nNDims = %s\nBinaryData = True\nBinaryDataByteOrderMSB = False\n" \
         "ElementSpacing = %s\nDimSize = %s\nElementType = MET_SHORT\nElementDataFile = LOCAL\n"
     values = bytes(range(128)) * 2
@@ -134,27 +158,6 @@ def by_hand():
     deep = b'{"markups": ' + b"[" * 10 ** 6 + b"]" * 10 ** 6 + b"}"
     row = b"branch,x_mm,y_mm,z_mm,radius_mm\n0,0,0,0,2\n"
     return [
-        ("index_wrap.ply", large), ("index_wrap_text.ply", ply(corners=wrapped)), ("index_low.ply", ply(corners=low)),
-        ("ten_vertices.ply", ply(box, vertices=10)), ("six_vertices.ply", ply(box, vertices=6)),
-        ("huge_count.ply", ply(vertices=99999999999999999999)), ("huge_faces.ply", ply(box, faces=4000000000)),
-        ("fewer_faces.ply", ply(box, faces=11)), ("more_faces.ply", ply(faces=13)),
-        ("word.ply", ply().replace(b"30 0\n", b"thirty 0\n", 1)),
-        ("nan.ply", ply().replace(b"10 30 20\n", b"nan 30 20\n", 1)),
-        ("long_list.ply", ply(corners=flat[:11] + [list(range(8)) * 40])),
-        ("no_face.ply", ply().replace(b"face", b"fac3")),
-        ("count.stl", stl(False)[:80] + struct.pack("<I", 4294967295) + stl(False)[84:]), ("cut.stl", stl(False)[:-30]),
-        ("word.stl", stl(True).replace(b"vertex 10 0 0", b"vertex ten 0 0", 1)),
-        ("lost.stl", stl(True).replace(b"vertex 10 0 0\n", b"", 1)),
-        ("index.obj", obj() + b"f 1 2 2147483647\n"), ("zero.obj", obj() + b"f 0 1 2\n"),
-        ("low.obj", obj() + b"f -9 1 2\n"),
-        ("word.obj", obj().replace(b"v 10 0 0", b"v ten 0 0", 1)), ("normal.obj", obj() + b"f 1//7 2//7 3//7\n"),
-        ("nodes.gltf", nested_nodes(100000)),
-        ("loop.gltf", json.dumps({**gltf_root(GLTF_URI), "nodes": [{"children": [0]}]}).encode()),
-        ("brackets.gltf", b"[" * 10 ** 6 + b"]" * 10 ** 6), ("open_brackets.gltf", b'{"a":' * 10 ** 6),
-        ("offset.gltf", gltf(offset=99)), ("offset_even.gltf", gltf(offset=96)), ("count.gltf", gltf(position=9)),
-        ("index_count.gltf", gltf(index=4000000000)), ("buffer.gltf", gltf(bytes=10 ** 12)),
-        ("length.glb", glb()[:8] + b"\xff\xff\xff\x7f" + glb()[12:]),
-        ("offset.glb", glb(gltf_root(offset=99))), ("cut.glb", glb()[:-20]),
         ("dots.toml", b"[" + b"a." * 400000 + b"a]\n"), ("dots_key.toml", b"a." * 400000 + b"a = 1\n"),
         ("arrays.toml", b"a = " + b"[" * 10 ** 6),
         ("tables.toml", b"a = " + b"{b = " * 10 ** 5), ("quotes.toml", b'a = ["""x"""", ' + b"[" * 10 ** 5),
@@ -183,6 +186,11 @@ def by_hand():
         ("nan.csv", row + b"0,nan,5,0,2\n"), ("cells.csv", row + b"," * 10 ** 6), ("deep.vtp", b"<a>" * 10 ** 6),
         ("count.vtp", b'<VTKFile type="PolyData"><PolyData><Piece NumberOfPoints="99999999999999999999" '
                       b'NumberOfLines="1"/></PolyData></VTKFile>')]
+
+
+def by_hand():
+    """Returns (name, bytes) of files that must be refused: each once broke a reader, or was read as something else."""
+    return meshes_by_hand() + volumes_and_lines_by_hand()
 
 
 def mutated(data, draw):
