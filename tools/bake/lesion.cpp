@@ -15,9 +15,10 @@ namespace
 using Eigen::Vector3d;
 
 constexpr double pi = 3.14159265358979323846;
-constexpr double point_step_mm = 0.5;                          // of the branch's points in a lesion, at most
-constexpr double throat_off_mm = 0.1, throat_off_share = 0.15; // of mesh and tree, before the report warns
-constexpr double touch_m = 10e-6; // lesions may end and begin at one place, which rounding moves
+constexpr double point_step_mm = 0.5; // largest spacing of the branch's points in a lesion
+constexpr double throat_off_mm = 0.1,
+                 throat_off_share = 0.15; // difference of mesh and tree above which the report warns
+constexpr double touch_m = 10e-6;         // lesions may end and begin at one place, which rounding moves
 
 Vector3d rounded_m(const Vector3d &p_m) // as the file will hold it
 {
@@ -47,9 +48,9 @@ Axis axis_at(const VesselBranch &branch, const std::vector<double> &arcs, double
             branch.radii_m[i] + share * (branch.radii_m[i + 1] - branch.radii_m[i])};
 }
 
-// Directions across the healthy vessel at a lesion's points. Its front is looked for in the lesion's middle
-// (the patient's left where the vessel itself runs forwards there) and carried along the vessel without
-// twist, so that plaque stays on its side in a bend.
+// Directions across the healthy vessel at a lesion's points. The vessel's front is determined in the lesion's
+// middle (it is the patient's left where the vessel itself runs forwards there). It is carried along the
+// vessel without twist, so that plaque stays on its side in a bend.
 class Across
 {
   public:
@@ -100,8 +101,8 @@ std::size_t branch_of(const VesselTree &tree, const LesionText &text)
                 (names.empty() ? "the scene has no [tree]" : "there are " + names));
 }
 
-// The branch with points every half a millimetre from `begin_m` to `end_m`; the others stay, and so do the
-// places where vessels leave.
+// The branch with a point every half a millimetre from `begin_m` to `end_m`. Its other points stay, and so do
+// the places where vessels leave.
 VesselLesion divide(VesselTree &tree, std::size_t index, double begin_m, double end_m)
 {
     const VesselBranch old = tree.branches[index];
@@ -112,7 +113,7 @@ VesselLesion divide(VesselTree &tree, std::size_t index, double begin_m, double 
     VesselLesion lesion;
     lesion.branch = index;
     lesion.first_point = wanted.size();
-    // An even number, so that one point is the throat.
+    // The number of steps is even, so that one point is the narrowest place.
     const double steps = std::max(2 * std::ceil((end_m - begin_m) / (2e-3 * point_step_mm)), 16.0);
     for (int i = 0; i <= static_cast<int>(steps); ++i)
         wanted.push_back(begin_m + i / steps * (end_m - begin_m));

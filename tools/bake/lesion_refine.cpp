@@ -1,4 +1,4 @@
-// Finer triangles where a lesion will move the wall.
+// Makes finer triangles where a lesion will move the wall.
 #include "tools/bake/lesion.hpp"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
-// What the thesis' text states for Figures 5.11, 5.13 and 5.14. Nothing is read off the printed bars.
+// The values that the thesis' text states for Figures 5.11, 5.13 and 5.14. No value is read off the printed
+// bars.
 #pragma once
 #include <optional>
 #include <string>
