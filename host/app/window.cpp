@@ -1,4 +1,5 @@
-// The loop of the window: keys -> hand and C-arm -> ticks -> picture -> screen.
+// The loop of the window turns keys into motion of hand and C-arm, advances the ticks, and draws the picture
+// on the screen.
 #include "host/app/window.hpp"
 #include "host/app/window_keys.hpp"
 #include "host/app/window_live.hpp"
@@ -24,7 +25,7 @@ namespace
 
 using Clock = std::chrono::steady_clock;
 constexpr double screens_per_s = 60.0;
-constexpr std::uint32_t ticks_behind_max = 100; // more than that behind real time: the session slows down
+constexpr std::uint32_t ticks_behind_max = 100; // farther behind real time than this, the session slows down
 constexpr int window_edge = 768;
 
 // "live.rec", "live.2.rec", ...
@@ -37,8 +38,8 @@ std::string numbered(const std::string &wanted, int number)
     return path.string();
 }
 
-// Where a session is kept that nobody named: by date and time below the user's state folder (XDG Base
-// Directory Specification).
+// Returns where a session without a named recording is kept: by date and time below the user's state folder
+// (XDG Base Directory Specification).
 std::string kept_recording()
 {
     const char *state = std::getenv("XDG_STATE_HOME"), *home = std::getenv("HOME");
@@ -62,7 +63,7 @@ std::string kept_recording()
     return file.string();
 }
 
-// "runs", "runs.2", ...: of a later session the first that holds no files yet.
+// Returns "runs", "runs.2", ...: for a later session the first folder that holds no files yet.
 std::string export_folder(DicomSettings settings, int number)
 {
     const std::string wanted = settings.folder;
@@ -72,12 +73,12 @@ std::string export_folder(DicomSettings settings, int number)
         try {
             check_dicom_settings(settings);
             return settings.folder;
-        } catch (const UsageError &) { // taken: the next
+        } catch (const UsageError &) { // in use: try the next
         }
     }
 }
 
-// Ticks due, from the wall clock or from the count of screens.
+// Counts the ticks due, from the wall clock or from the number of screens.
 class Pace
 {
   public:
@@ -95,7 +96,7 @@ class Pace
         ticks_ += given;
         return static_cast<std::uint32_t>(given);
     }
-    // Without a display that waits for its own refresh, do not spin.
+    // Waits, if the display does not wait for its own refresh, so that the loop does not spin.
     void wait() const
     {
         if (is_counted_) return;
@@ -129,8 +130,8 @@ class Window
         start();
     }
 
-    // The exit code: not 0 when a signal ended it, or the session stands in a fault; everything written is
-    // whole all the same.
+    // Returns the exit code: not 0 when a signal ended it, or the session is in a fault; every written file
+    // is whole in any case.
     int run()
     {
         Pace pace(options_.frames > 0);
@@ -161,7 +162,7 @@ class Window
     }
 
   private:
-    // True when the session stands in a fault; said once, when it comes.
+    // Returns true when the session is in a fault; reports it once, when it comes.
     bool tell_fault()
     {
         if (session_->fault().empty()) return false;

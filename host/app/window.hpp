@@ -1,13 +1,13 @@
-// The window of `cournand view`: hand, pedal and C-arm by keyboard, the same pictures as everywhere else.
-// Live input is recorded like a session; the recording replays bit for bit.
+// The window of `cournand view`: hand, pedal and C-arm are controlled by keyboard, and pictures are the same
+// as everywhere else. Live input is recorded like a session; the recording replays bit for bit.
 #pragma once
 #include "host/command/view_options.hpp"
 
 namespace crn
 {
 
-// Checks the outputs, then opens the window. 0; 1 when a signal ended it or it was left in a fault; or throws
-// std::runtime_error (no display, no OpenGL 3.3, a bad file) for exit code 1.
+// Checks the outputs, then opens the window. Returns 0, or 1 when a signal ended it or it was left in a
+// fault. Throws std::runtime_error (no display, no OpenGL 3.3, a bad file) for exit code 1.
 int run_window(WindowOptions options);
 
 } // namespace crn

@@ -20,7 +20,7 @@ constexpr std::int32_t blade_step_permille = 100, store_ms = 10'000;
 constexpr double shift_step_px = 0.5;
 constexpr std::int32_t injection_rates_ul_s[] = {1000, 2000, 4000, 8000, 15000, 25000};
 constexpr std::int32_t fields_um[] = {420'000, 320'000, 250'000, 200'000, 150'000};
-// F2, F3 ... go to these; with Shift to the second where there is one.
+// F2, F3 ... select these views; with Shift the second one if there is one.
 struct PresetKey {
     std::string_view plain, shifted;
 };
@@ -41,7 +41,7 @@ std::int32_t rounded(double value)
     return static_cast<std::int32_t>(std::lround(value));
 }
 
-// The rate after the present one, round and round.
+// Returns the rate after the present one, cyclically.
 template <std::size_t count> std::int32_t next_rate(double per_second, const std::int32_t (&rates)[count])
 {
     const auto *at = std::find(std::begin(rates), std::end(rates), rounded(per_second * 100.0));
@@ -108,7 +108,7 @@ void WindowKeys::take(const Screen::KeyEvent &event, const RoomScreen &screen)
     take_geometry(event.key, screen);
     take_collimator(event.key, screen);
     take_review(event.key, screen);
-    if (!event.is_press) return; // the rest does not repeat
+    if (!event.is_press) return; // other keys do not repeat
     take_mode(event.key, screen);
     take_switch(event.key);
     take_rhythm(event.key);
@@ -135,7 +135,7 @@ void WindowKeys::take_geometry(int key, const RoomScreen &screen)
         return move_table(screen, axis_table_x, -table_step_m);
     case GLFW_KEY_L:
         return move_table(screen, axis_table_x, table_step_m);
-    case GLFW_KEY_PAGE_UP: // the table goes up, so a point farther back comes to the isocentre
+    case GLFW_KEY_PAGE_UP: // the table rises, so a point farther back comes to the isocentre
         return move_table(screen, axis_table_z, -height_step_m);
     case GLFW_KEY_PAGE_DOWN:
         return move_table(screen, axis_table_z, height_step_m);
@@ -291,7 +291,7 @@ void WindowKeys::take_rhythm(int key)
     }
 }
 
-// Without the focus no key is down: a window that loses it in mid-push must not go on pushing.
+// Without the focus no key counts as down: a window that loses it in mid-push must not go on pushing.
 void WindowKeys::hold(const Screen &screen)
 {
     auto difference = [&](int plus, int minus) {
@@ -345,7 +345,7 @@ bool WindowKeys::take_reset()
     const bool wanted = wants_reset_;
     wants_reset_ = false;
     if (wanted)
-        was_fluoro_asked_ = was_cine_asked_ = was_injecting_ = false; // the new room has its pedals up
+        was_fluoro_asked_ = was_cine_asked_ = was_injecting_ = false; // in the new room all pedals are up
     if (wanted) {
         heart_rate_per_min_ = 70;
         is_asystole_ = holds_breath_ = false;
@@ -354,7 +354,7 @@ bool WindowKeys::take_reset()
     return wanted;
 }
 
-// --- geometry: steps from where the motors go ---
+// --- geometry: steps from the motors' targets ---
 
 void WindowKeys::turn(const RoomScreen &screen, double primary_deg, double secondary_deg)
 {
@@ -406,7 +406,7 @@ void WindowKeys::go_to(std::size_t preset)
 
 // --- review ---
 
-// Also from a held picture and a loop: the frame beside the one on the screen stands still.
+// From a held picture or a loop, too, it shows the frame beside the one on the screen as a still.
 void WindowKeys::step_frame(const RoomScreen &screen, int step)
 {
     const RoomStatus status = screen.status();

@@ -1,4 +1,4 @@
-// What the keys of the window mean: one table for the handling and the help panel.
+// Defines the meaning of the window's keys: one table serves their actions and the help panel.
 #pragma once
 #include "host/picture/screen.hpp"
 #include "host/room/room_screen.hpp"
@@ -17,27 +17,27 @@ class WindowKeys
   public:
     WindowKeys(std::size_t tool_count, bool shows_help) : tool_count_(tool_count), shows_help_(shows_help) {}
 
-    // Presses: C-arm, table, field, switches; `screen` has the room as it is now, because most keys change
-    // what is there.
+    // Handles presses for C-arm, table, field, switches; `screen` shows the room's present state, which most
+    // keys change.
     void take(const Screen::KeyEvent &event, const RoomScreen &screen);
-    void hold(const Screen &screen); // keys held down: hand and pedal; call once per screen
+    void hold(const Screen &screen); // handles keys held down: hand and pedal; call once per screen
     void
-    lead(std::span<LiveHand> hands) const; // the speeds asked for; hands that are not chosen come to rest
+    lead(std::span<LiveHand> hands) const; // the demanded speeds; hands that are not selected come to rest
 
-    // The tool that the hand keys move, from the innermost, and whether they move all.
+    // The tool that the hand keys move, counted from the innermost, and whether they move all.
     std::size_t chosen_tool() const { return chosen_tool_; }
     bool moves_all() const { return moves_all_; }
 
-    // How fast the inflator's pressure is pumped up or let out, kPa/s.
+    // Speed at which the inflator's pressure is raised or released, kPa/s.
     std::int32_t inflation_kPa_per_s() const { return inflation_kPa_per_s_; }
 
-    // What the room is asked for since the last call, pedals included.
+    // Returns the commands for the room since the last call, pedals included.
     std::vector<RoomCommand> take_commands();
     // What heart and breath are asked for.
     std::vector<RhythmOrder> take_orders() { return std::exchange(orders_, {}); }
     bool shows_help() const { return shows_help_; }
     bool wants_end() const { return wants_end_; }
-    bool take_reset(); // true once after R
+    bool take_reset(); // true once after the key R
     void latch_pedal() { is_pedal_latched_ = true; }
 
   private:
@@ -61,7 +61,7 @@ class WindowKeys
     bool moves_all_ = false;
     std::vector<RoomCommand> commands_;
     std::vector<RhythmOrder> orders_;
-    int heart_rate_per_min_ = 70; // as the core begins
+    int heart_rate_per_min_ = 70; // as at the core's start
     bool is_asystole_ = false, holds_breath_ = false;
     bool shows_help_, is_control_down_ = false, is_shift_down_ = false;
     bool wants_end_ = false, wants_reset_ = false;

@@ -10,7 +10,7 @@
 namespace crn
 {
 
-constexpr std::int32_t inflator_max_kPa = 4000; // what a device takes (docs/wire.md)
+constexpr std::int32_t inflator_max_kPa = 4000; // the largest value that a device accepts (docs/wire.md)
 namespace
 {
 
@@ -66,7 +66,7 @@ void LiveSession::pass(std::uint32_t tick, const RoomCommand &command)
     patient_->command(tick, command);
 }
 
-// The picture of the present tick is made already.
+// The picture of the present tick has already been made.
 void LiveSession::command(const RoomCommand &command)
 {
     const std::uint32_t pedal = command.action == RoomAction::fluoro_pedal    ? CRN_WIRE_BUTTON_XRAY
@@ -86,7 +86,7 @@ void LiveSession::order(const RhythmOrder &order)
     }
 }
 
-// In LOCKSTEP a rig says what its pedals do when it is asked.
+// In LOCKSTEP a rig reports its pedals only on request.
 void LiveSession::look_at_pedals()
 {
     if (!choice_.is_usb) return;
@@ -108,7 +108,8 @@ std::uint32_t LiveSession::batch_size(std::uint32_t wanted)
     const std::uint32_t tick = device_.link().tick();
     const std::uint32_t to_picture = pictures_.next_tick() - tick;
     const std::uint32_t to_snapshot = Recorder::snapshot_every_ticks - tick % Recorder::snapshot_every_ticks;
-    static_assert(ContactFigures::look_every_ticks == HandGrip::look_every_ticks); // batches end there
+    static_assert(ContactFigures::look_every_ticks ==
+                  HandGrip::look_every_ticks); // batches end at its multiples
     return std::min({wanted, to_picture, to_snapshot, grip_.batch_max(tick),
                      static_cast<std::uint32_t>(Link::steps_max)});
 }
@@ -166,7 +167,7 @@ void LiveSession::batch(std::uint32_t count)
     if (figures_.range.is_left()) stop_out_of_range();
 }
 
-// A rig of metal has its own clock, and is heard of once per screen; where we make its time, it gets what is
+// A real rig has its own clock, and is read once per screen; a simulated one advances by the ticks that are
 // due.
 void LiveSession::advance_rig(std::uint32_t ticks)
 {
@@ -182,7 +183,7 @@ void LiveSession::advance_rig(std::uint32_t ticks)
     if (figures_.range.is_left()) stop_out_of_range();
 }
 
-// The recording ends with the last tick that was done; a rig that led gets no more power.
+// The recording ends with the last tick that was done; a rig in FREE_RUN gets no more power.
 void LiveSession::stop_out_of_range()
 {
     fault_ = range_notice(*figures_.range.left());
@@ -191,7 +192,7 @@ void LiveSession::stop_out_of_range()
         has_stopped_ = true;
         figures_.range.find_place(device_.link());
     } catch (const LinkError &) {
-        // A device that went as well: the recording ends where it went.
+        // If the device has disappeared too, the recording ends at that tick.
     }
 }
 
@@ -253,10 +254,11 @@ void LiveSession::finish()
         });
         frame_ = session_frame(device_, state_, inputs_.empty() ? crn_wire_encoders{} : inputs_.back());
     } catch (const LinkError &) {
-        if (fault_.empty()) throw; // of a device that went the recording ends where it went
+        if (fault_.empty()) throw; // after a fault the recording ends where the device disappeared
     }
     recorder_.reset();
-    // To the last tick that was done, with the last shape that came: a device that went gives no other.
+    // The final state is that of the last finished tick with the last received shape: a device that
+    // disappeared gives no other.
     frame_.wire.tick = std::max(frame_.wire.tick, state_.tick);
     patient_->look(frame_.wire);
     pictures_.frame(frame_);

@@ -1,6 +1,6 @@
-// A session led by hand: one device, its recording and its pictures. One object is one session; reset makes a
-// new one. A device in FREE_RUN leads itself: its encoders are the hands; the pedals of a rig work beside the
-// keys.
+// Controls a session by hand: it has one device, its recording and its pictures. One object is one session; a
+// reset makes a new one. A device in FREE_RUN sets its own pace: its encoders are the hands; the pedals of a
+// rig work in addition to the keys.
 #pragma once
 #include "host/picture/session_pictures.hpp"
 #include "host/rig/pedals.hpp"
@@ -22,34 +22,35 @@ namespace crn
 class LiveSession final : private FreeRunSink
 {
   public:
-    // `tools` from the innermost. `begin`: what the room is asked for at the start. `record` empty: none.
-    // Throws what Device, Recorder and SessionPictures throw.
+    // `tools` are given from the innermost out. `begin` holds the commands for the room at the start. An
+    // empty `record` means no recording. Throws what Device, Recorder and SessionPictures throw.
     LiveSession(const SceneFile &scene, const std::vector<Instrument> &tools, const crn_wire_entry &entry,
                 const std::string &record, const PictureSettings &pictures,
                 const std::vector<RoomCommand> &begin, const DeviceChoice &choice = {});
 
     std::span<LiveHand> hands() { return hands_; } // one per tool
-    // From now on; 0: the pressure stays. Without a balloon the display says so.
+    // Sets the rate from now on; 0 keeps the pressure. Without a balloon the display reports that there is
+    // none.
     void inflate(std::int32_t kPa_per_s);
     void choose_tool(std::size_t tool, bool all); // marked in the display
     void command(const RoomCommand &command);     // in force from the next tick on; recorded
-    void order(const RhythmOrder &order);         // of heart and breath, in the next tick
-    // `ticks` ticks; pictures are made when they are due. False when the device stopped: fault() says why.
+    void order(const RhythmOrder &order);         // for heart and breath, in the next tick
+    // Advances by `ticks` ticks; pictures are made when they are due. Returns false when the device stopped;
+    // fault() gives the reason.
     bool advance(std::uint32_t ticks);
     const std::string &fault() const { return fault_; }
-    // A session whose physics left its range goes no further: fault() has the notice, this what is known of
-    // it.
+    // A session whose physics left its range stops: fault() has the notice, and this the details.
     const RangeWatch &range() const { return figures_.range; }
     void annotate(const std::string &notice, const std::vector<std::string> &panel);
     const Image &image() const { return pictures_.image(); }
     void finish(); // closes the recording and writes the runs
-    // After finish(): what a script's session would say at its end. `tips`: where the vessels are.
+    // After finish(): the same result that a script's session reports at its end. `tips` gives the vessels.
     RunResult result(const TipPlaces &tips) const;
     const SessionPictures &pictures() const { return pictures_; }
     Patient &patient() { return *patient_; }
     const SceneAnatomy &anatomy() const { return anatomy_; }
     const std::vector<std::string> &files() const { return pictures_.files(); } // written by finish()
-    bool was_stopped() const { return pictures_.was_stopped(); }                // Ctrl-C while finish() wrote
+    bool was_stopped() const { return pictures_.was_stopped(); } // Ctrl-C came while finish() wrote
 
   private:
     std::uint32_t batch_size(std::uint32_t wanted);
@@ -72,7 +73,7 @@ class LiveSession final : private FreeRunSink
     std::unique_ptr<Patient> patient_;
     SessionPictures pictures_;
     std::vector<LiveHand> hands_;
-    HandGrip grip_; // of the keys
+    HandGrip grip_; // grip of the keys
     SessionFigures figures_;
     ContactFigures contacts_;
     crn_wire_fault_log faults_{};
@@ -83,14 +84,14 @@ class LiveSession final : private FreeRunSink
     RhythmOrders rhythm_;
     const bool has_balloon_;
     std::int32_t inflation_kPa_per_s_ = 0, inflator_milli_kPa_ = 0; // 1/1000 kPa
-    std::uint32_t buttons_ = 0;                                     // pedals by key, as a rig would send them
+    std::uint32_t buttons_ = 0; // pedals pressed by key, as a rig would send them
     std::vector<crn_wire_encoders> inputs_;
     crn_wire_tick_state state_{};
     SessionFrame frame_;
     std::uint32_t hash_tick_ = 0;
-    std::uint32_t led_tick_ = 0; // FREE_RUN: the last tick that came
+    std::uint32_t led_tick_ = 0; // FREE_RUN: the last received tick
     std::string fault_;
-    bool has_stopped_ = false; // by itself, out of range
+    bool has_stopped_ = false; // by itself, because physics left its range
 };
 
 } // namespace crn

@@ -1,4 +1,4 @@
-// Values of options on a command line, before any of them is used.
+// Checks the values of options on a command line before any of them is used.
 #pragma once
 #include <CLI/CLI.hpp>
 #include <string>
@@ -6,8 +6,8 @@
 namespace crn
 {
 
-// `--json ""` is a script's empty variable, not a wish for no file: wrong usage, here and in every command
-// below.
+// `--json ""` comes from a script's empty variable and does not mean "no file": it is wrong usage, here and
+// in every command below.
 inline void refuse_empty_values(CLI::App &app)
 {
     for (CLI::Option *option : app.get_options())

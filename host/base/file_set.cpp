@@ -1,4 +1,4 @@
-// Several files get their names together: pending_file.hpp.
+// Gives several files their names together: see pending_file.hpp.
 #include "host/base/pending_file.hpp"
 #include <cerrno>
 #include <csignal>
@@ -13,7 +13,7 @@ namespace
 
 namespace fs = std::filesystem;
 
-// No signal ends the program between two names.
+// While this exists, no signal ends the program between two names.
 class SignalsWait
 {
   public:
@@ -32,7 +32,7 @@ class SignalsWait
     sigset_t before_;
 };
 
-// What stood under a name, kept under another one until all are given.
+// The former file of a name, kept under another name until all files have theirs.
 class Former
 {
   public:
@@ -40,7 +40,7 @@ class Former
     {
         std::error_code failed;
         if (!fs::exists(path, failed)) return;
-        const OpenPending kept = open_pending(path); // a name that nobody has
+        const OpenPending kept = open_pending(path); // a name that is free
         ::close(kept.file);
         ::unlink(kept.name.c_str());
         kept_ = kept.name;

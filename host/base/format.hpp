@@ -1,4 +1,4 @@
-// Text from numbers, and text for pages.
+// Makes text from numbers, and text for pages.
 #pragma once
 #include <cstdarg>
 #include <string>
@@ -6,7 +6,7 @@
 namespace crn
 {
 
-// As printf, of any length. A format that is no good for its values does not compile.
+// Formats as printf does, to any length. A format that does not fit its values does not compile.
 [[gnu::format(printf, 1, 2)]] std::string formatted(const char *format, ...);
 
 [[gnu::format(printf, 1, 0)]] std::string formatted_with(const char *format, va_list values);
@@ -14,7 +14,7 @@ namespace crn
 // The same with an end of line.
 [[gnu::format(printf, 1, 2)]] std::string formatted_line(const char *format, ...);
 
-// Text as HTML and SVG show it, in an element or in an attribute between double quotes: &, <, > and "
+// Escapes text for HTML and SVG, in an element or in an attribute between double quotes: &, <, > and " are
 // replaced.
 std::string html_text(const std::string &text);
 

@@ -1,4 +1,4 @@
-// The child, its limits, and what its end means.
+// The child process, its limits, and the meaning of its end.
 #include "host/base/guarded_read.hpp"
 #include <algorithm>
 #include <array>
@@ -16,7 +16,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-// Address sanitizers map terabytes, which no limit on the address space allows: the parent watches the
+// Address sanitizers map terabytes, which exceeds any limit on the address space; then the parent watches the
 // child's memory instead.
 #if defined(__SANITIZE_ADDRESS__)
 #define CRN_WATCHES_MEMORY 1
@@ -38,7 +38,7 @@ namespace
 constexpr char has_data = 'D', has_refusal = 'F';
 constexpr std::size_t heard_bytes_max = 2048;
 constexpr char interrupted_text[] = "interrupted while it was read";
-constexpr int look_ms = 20; // how often memory is looked at, and the time
+constexpr int look_ms = 20; // how often memory and time are checked
 
 bool (*is_stop_wanted)() = nullptr;
 
@@ -48,13 +48,13 @@ void send(int pipe, const void *bytes, std::size_t count)
     while (count > 0) {
         const ssize_t sent = ::write(pipe, at, count);
         if (sent < 0 && errno == EINTR) continue;
-        if (sent <= 0) ::_exit(3); // the parent has gone
+        if (sent <= 0) ::_exit(3); // the parent has ended
         at += sent;
         count -= static_cast<std::size_t>(sent);
     }
 }
 
-// Pages of a process: in its address space, or in memory.
+// Returns the memory pages of a process in bytes: in its address space, or resident in memory.
 std::uint64_t process_bytes(const char *path, bool is_resident)
 {
     unsigned long long pages = 0, resident = 0;
@@ -84,15 +84,15 @@ void set_limits(const ReadLimits &limits, std::uint64_t space_before)
     if (CRN_WATCHES_MEMORY) return;
     const std::uint64_t space = space_before + limits.memory_bytes;
     limit(RLIMIT_AS, space, space);
-    limit(RLIMIT_FSIZE, 0, 0); // it leaves no file behind (a sanitizer's report is one)
+    limit(RLIMIT_FSIZE, 0, 0); // it must not leave any file behind (such as a sanitizer's report)
 }
 
-// The parent's handlers would remove the parent's files.
+// The parent's handlers would remove the parent's files, so the child resets them.
 void reset_signals()
 {
     for (int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGALRM}) std::signal(number, SIG_DFL);
-    // A handler of faults that leaps back into the program would go on there, in the child. A sanitizer's
-    // only reports.
+    // A fault handler that jumps back into the program would continue it there, in the child. A sanitizer's
+    // handler only reports, so it stays.
     if (!CRN_WATCHES_MEMORY)
         for (int number : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS}) std::signal(number, SIG_DFL);
     sigset_t none;
@@ -124,7 +124,7 @@ void reset_signals()
     ::_exit(0);
 }
 
-// One line of plain letters of what a library said.
+// Makes one line of plain letters of a library's messages.
 std::string plain_line(const std::string &heard)
 {
     std::string line;
@@ -215,7 +215,7 @@ void Inbox::start(const std::function<void(Outbox &)> &parse)
     pipe_ = data[0], noise_ = noise[0];
     ::fcntl(noise_, F_SETFL, O_NONBLOCK);
     const std::uint64_t space_before = process_bytes("/proc/self/statm", false);
-    // No signal may find the child with its parent's handlers.
+    // No signal must reach the child while it still has its parent's handlers.
     sigset_t all, before;
     sigfillset(&all);
     ::pthread_sigmask(SIG_SETMASK, &all, &before);
@@ -321,7 +321,7 @@ void Inbox::fail(const std::string &what)
 
 void Inbox::fail_ended()
 {
-    // It has closed its pipe, so it has ended or is about to.
+    // The child has closed its pipe, so it has ended or is about to.
     while (child_ > 0 && ::waitpid(child_, &status_, 0) < 0 && errno == EINTR) {
     }
     child_ = -1;

@@ -1,11 +1,11 @@
-// Files that other people's parsers read are read in a child process with limits on memory, time and stack.
-// What it understood comes back through a pipe as plain data, which the caller checks. A damaged file ends
-// only the child, and the message says how.
+// Files that third-party parsers read are read in a child process with limits on memory, time and stack. The
+// parsed data come back through a pipe as plain data, which the caller checks. A damaged file ends only the
+// child, and the message says how.
 //
 //   caller                       child
 //   read_apart -> fork ------->  limits, signals back to their defaults, no output but the pipe
 //   take(Inbox)  <-- pipe -----  parse(Outbox)
-//   waitpid      <-------------  ends; killed at the end of its time
+//   waitpid      <-------------  ends, or is killed when its time is over
 #pragma once
 #include <chrono>
 #include <cstddef>
@@ -25,9 +25,9 @@ struct GuardedReadError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-// How far reading may go.
+// The limits of reading.
 struct ReadLimits {
-    std::uint64_t memory_bytes = 0; // that the child may take besides what its parent had
+    std::uint64_t memory_bytes = 0; // memory that the child may use in addition to its parent's
     double cpu_s = 0;
     double wall_s = 0;
     std::uint64_t stack_bytes = std::uint64_t{8} << 20;
@@ -36,11 +36,11 @@ struct ReadLimits {
 inline constexpr std::uint64_t read_memory_bytes_max = std::uint64_t{1900}
                                                        << 20; // with the parent below 2 GB
 
-// By the size of the file: 18 s and, beyond 8 MiB, 2 s per MiB more; `growth` is how much memory a byte of
-// the file may become.
+// Returns limits for the size of the file: 18 s and, beyond 8 MiB, 2 s more per MiB; `growth` is how much
+// memory a byte of the file may need.
 ReadLimits read_limits(std::uint64_t file_bytes, double growth);
 
-// What the child says. Everything before the first call may still fail with a message of its own (a
+// The child's end of the pipe. Until the first call the child may still fail with its own message (a
 // std::exception).
 class Outbox
 {
@@ -66,8 +66,8 @@ class Outbox
     bool is_begun_ = false;
 };
 
-// The child as its parent sees it. Every call throws GuardedReadError when the child ends, or its time does,
-// before it has said so much.
+// The parent's end of the pipe. Every call throws GuardedReadError when the child ends, or its time is over,
+// before it has sent enough.
 class Inbox
 {
   public:
@@ -84,7 +84,7 @@ class Inbox
         bytes(&value, sizeof value);
         return value;
     }
-    // No more than so many letters or values: otherwise the child is not to be believed.
+    // Reads at most so many letters or values: a child that announces more is not trusted.
     std::string text(std::uint64_t most = 1 << 20);
     template <class Value> std::vector<Value> list(std::uint64_t most)
     {
@@ -99,11 +99,11 @@ class Inbox
                            const std::function<void(Inbox &)> &);
     void start(const std::function<void(Outbox &)> &parse);
     void wait();      // until there is something to read; throws at the end of the child's time
-    void finish();    // nothing more may come, and the child ended well
-    void hear();      // what its libraries say on the terminal
+    void finish();    // checks that nothing more comes, and that the child ended well
+    void hear();      // collects the messages of its libraries
     void end_child(); // SIGKILL and waitpid
     [[noreturn]] void fail(const std::string &what);
-    [[noreturn]] void fail_ended(); // by how the child ended
+    [[noreturn]] void fail_ended(); // with the reason of the child's end
 
     std::string file_, heard_;
     ReadLimits limits_;
@@ -111,17 +111,17 @@ class Inbox
     int child_ = -1, pipe_ = -1, noise_ = -1, status_ = 0;
 };
 
-// Runs `parse` in the child and `take` here. Throws GuardedReadError, or what `take` throws; then the child
-// has ended.
+// Runs `parse` in the child and `take` here. Throws GuardedReadError, or what `take` throws; in both cases
+// the child has ended.
 void read_apart(const std::string &file, const ReadLimits &limits, const std::function<void(Outbox &)> &parse,
                 const std::function<void(Inbox &)> &take);
 
-// Asked while a child is waited for, when a signal came: true ends it with the message "interrupted". A
-// program whose handler of Ctrl-C only raises a flag sets this.
+// `is_wanted` is called when a signal came while the parent waits for a child: true ends it with the message
+// "interrupted". A program whose Ctrl-C handler only sets a flag registers this.
 void stop_reading_when(bool (*is_wanted)());
 
-// The size of a regular file, for read_limits. Throws GuardedReadError: no such file, a folder, over `most`
-// bytes.
+// Returns the size of a regular file, for read_limits. Throws GuardedReadError when the file does not exist,
+// is a folder, or has over `most` bytes.
 std::uint64_t regular_file_bytes(const std::string &file, std::uint64_t most);
 
 } // namespace crn

@@ -1,12 +1,12 @@
-// Ctrl-C and SIGTERM, the same for every program of ours. Loops ask, close their files and end; whatever does
-// not ask is ended by the second signal.
+// Ctrl-C and SIGTERM are handled alike in all our programs. Loops check the flag, close their files and end;
+// the second signal ends code that does not check it.
 #pragma once
 
 namespace crn
 {
 
-// From now on the first Ctrl-C or SIGTERM only raises the flag. The second one removes files under way and
-// ends the program by that signal, wherever it is.
+// From now on the first Ctrl-C or SIGTERM only sets the flag. The second one removes pending files and ends
+// the program by that signal, wherever it is.
 void watch_for_interrupt();
 bool is_interrupted();
 

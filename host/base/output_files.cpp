@@ -11,7 +11,8 @@ namespace
 
 namespace fs = std::filesystem;
 
-// The same file by whatever way: other spelling, link, or two names of a file that does not exist yet.
+// Detects one file under two paths: by another spelling, a link, or two names of a file that does not exist
+// yet.
 bool is_same_file(const std::string &a, const std::string &b)
 {
     std::error_code failed;

@@ -18,7 +18,7 @@ namespace
 
 namespace fs = std::filesystem;
 
-// Read by signal handlers: a place is filled before it is marked as taken.
+// Signal handlers read this list: an entry is filled before it is marked as used.
 struct Place {
     std::atomic<bool> is_taken = false;
     char path[PATH_MAX] = {};
@@ -33,7 +33,7 @@ void on_signal(int number)
     std::raise(number);
 }
 
-// A program that has its own handler calls remove_pending() itself.
+// A program with its own handler calls remove_pending() itself.
 void handle_signals()
 {
     for (int number : {SIGINT, SIGTERM, SIGHUP}) {
@@ -42,7 +42,7 @@ void handle_signals()
         if (::sigaction(number, nullptr, &present) == 0 && present.sa_handler == SIG_DFL)
             std::signal(number, on_signal);
     }
-    // A file over the user's limit is an error with a message, not the end of the program.
+    // A file over the user's limit is an error with a message; it must not end the program.
     std::signal(SIGXFSZ, SIG_IGN);
 }
 
@@ -67,7 +67,7 @@ std::string reason(int error_number)
     }
 }
 
-// The file that a chain of links ends at: renaming onto a link would replace the link.
+// Returns the file at the end of a chain of links: renaming onto a link would replace the link.
 fs::path end_of_links(const std::string &path)
 {
     std::error_code failed;
@@ -76,8 +76,8 @@ fs::path end_of_links(const std::string &path)
     return failed ? fs::path(path) : target;
 }
 
-// "path.part1234-9f3a60c2d81b": by the number the user finds whose it is, and nobody can guess the rest. A
-// name that would become too long loses its end.
+// Returns "path.part1234-9f3a60c2d81b": the process number tells the user which program made it, and the rest
+// cannot be guessed. A name that would become too long is cut at its end.
 std::string pending_name(const fs::path &path)
 {
     std::uint64_t random = 0;
@@ -89,8 +89,7 @@ std::string pending_name(const fs::path &path)
     return (path.parent_path() / (path.filename().string().substr(0, room) + ending)).string();
 }
 
-// Throws OutputError when the name is that of a folder, a device or a pipe: renaming would put a file in
-// their place.
+// Throws OutputError when the path is a folder, a device or a pipe: renaming would put a file in its place.
 void check_kind(const std::string &path)
 {
     std::error_code failed;
@@ -101,7 +100,7 @@ void check_kind(const std::string &path)
         throw OutputError(path + ": is a device or pipe: name a regular file to write");
 }
 
-// What was written reaches the disk. Some file systems cannot be asked for it; that is no fault of the file.
+// Flushes written bytes to the disk. Some file systems do not support this, which is no fault of the file.
 int sync_path(const std::string &path, int flags)
 {
     const int file = ::open(path.c_str(), flags | O_CLOEXEC);
@@ -117,8 +116,8 @@ int sync_file(const std::string &path)
     return sync_path(path, O_RDONLY | O_NOFOLLOW);
 }
 
-// The name itself: without it a crash of the machine may bring the old file back. A folder that may be
-// written but not read cannot be asked.
+// Flushes the name itself: otherwise a crash of the machine may bring the old file back. A folder that is
+// writable but not readable cannot be flushed.
 void sync_folder_of(const fs::path &path)
 {
     const fs::path folder = path.parent_path();
@@ -226,7 +225,7 @@ void PendingFile::close()
 {
     if (!stream_) return;
     if (std::fflush(stream_) != 0) throw OutputError(path_, errno);
-    // A disk over the network may tell only now that it is full.
+    // A network disk may report only now that it is full.
     const int closed = std::fclose(stream_);
     stream_ = nullptr;
     if (closed != 0) throw OutputError(path_, errno);
@@ -235,7 +234,7 @@ void PendingFile::close()
 void PendingFile::commit()
 {
     close();
-    has_name_ = true; // or is gone: commit_pending removes what gets none
+    has_name_ = true; // or the file is gone: commit_pending removes a file that gets no name
     commit_pending(pending_, path_);
 }
 

@@ -1,4 +1,4 @@
-// How far long work is, on standard error: a bar that is redrawn where a person looks on, else a plain line
+// The progress of long work, on standard error: on a terminal a bar that is redrawn, else a plain line
 // whenever another file begins.
 #pragma once
 #include <chrono>
@@ -11,9 +11,9 @@ namespace crn
 class ProgressLine
 {
   public:
-    // `is_wanted` false: nothing at all.
+    // With `is_wanted` false it prints nothing.
     explicit ProgressLine(bool is_wanted);
-    ~ProgressLine(); // takes the bar away
+    ~ProgressLine(); // erases the bar
     ProgressLine(const ProgressLine &) = delete;
     ProgressLine &operator=(const ProgressLine &) = delete;
 

@@ -1,5 +1,5 @@
-// What a person reads in a terminal: text from files, devices and other people's libraries reaches it without
-// control characters, so that no name moves the cursor, changes a title or forges a line.
+// Text for a terminal: text from files, devices and third-party libraries is printed without control
+// characters, so that no name can move the cursor, change a title or forge a line.
 #pragma once
 #include <cstdio>
 #include <string>
@@ -8,14 +8,14 @@
 namespace crn
 {
 
-// A name or path in one line: control characters (C0, DEL, C1), those that turn the direction of writing, the
-// separators of lines and bytes that are no UTF-8 become \xNN, byte by byte; all else stays. A backslash
-// stays too: this is for reading.
+// Makes a name or path printable in one line. Control characters (C0, DEL, C1), characters that change the
+// writing direction, line separators and bytes that are no UTF-8 become \xNN, byte by byte; all else stays. A
+// backslash stays too, since the result is for reading only.
 std::string printable(std::string_view text);
-// The same for whole messages: ends of lines stay.
+// Does the same for whole messages: line ends stay.
 std::string printable_lines(std::string_view text);
 
-// As fprintf, through printable_lines().
+// Prints like fprintf, through printable_lines().
 [[gnu::format(printf, 2, 3)]] void say(std::FILE *out, const char *format, ...);
 
 } // namespace crn

@@ -1,4 +1,4 @@
-// Error texts with a place, and suggestions for misspelt words.
+// Error messages with a place, and suggestions for misspelt words.
 #pragma once
 #include <stdexcept>
 #include <string>
@@ -8,17 +8,17 @@
 namespace crn
 {
 
-// "file:line:column: what is wrong". line 0: the whole file; column 0: the whole line.
+// The message is "file:line:column: what is wrong"; line 0 means the whole file, column 0 the whole line.
 class FileError : public std::runtime_error
 {
   public:
     FileError(const std::string &file, int line, int column, const std::string &text);
 };
 
-// ", did you mean 'advance'?" when a candidate is at most two edits away, else "; known: a, b, c".
+// Returns ", did you mean 'advance'?" when a candidate is at most two edits away, else "; known: a, b, c".
 std::string suggestion(std::string_view word, const std::vector<std::string> &candidates);
 
-// The whole file. Throws FileError with the system's reason.
+// Reads the whole file. Throws FileError with the system's reason.
 std::string read_text_file(const std::string &path);
 std::vector<unsigned char> read_binary_file(const std::string &path);
 

@@ -1,4 +1,4 @@
-// A look through a TOML text before its parser.
+// Checks a TOML text before its parser sees it.
 #define TOML_IMPLEMENTATION
 #include "host/base/toml.hpp"
 
@@ -41,8 +41,8 @@ class Look
         ++at_;
     }
 
-    // A string of one line ends with it; one of three quotes ends with three, before which two more may
-    // belong to it.
+    // A one-line string ends with its quote; a string of three quotes ends with three, before which up to two
+    // more may belong to it.
     void skip_string(char quote)
     {
         const std::string three(3, quote);

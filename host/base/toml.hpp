@@ -1,10 +1,10 @@
-// toml++, for texts that anyone may have written. Its assertions are meant for its own developers, but some
-// fail on texts that it then refuses properly (a lone '['), and would end the program.
+// toml++, made safe for texts from any source. Its assertions are meant for its own developers, but some fail
+// on texts that it would then refuse properly (a lone '['), and they would end the program.
 //
-// toml++ goes one call deeper for each table within a table, and so does every walk through what it read: a
-// header of 400,000 dotted names ends the program. So a text is looked through first. With at most 32 names
-// in a key and 32 brackets within each other no table lies deeper than 32 + 33 * 32, about 1,100: a hundred
-// times less than the stack holds. The size bounds the memory.
+// toml++ recurses once for each table within a table, and so does every traversal of its result: a header of
+// 400,000 dotted names ends the program. So a text is checked first. With at most 32 names in a key and 32
+// nested brackets no table is deeper than 32 + 33 * 32, about 1,100: a hundred times less than the stack
+// holds. The size limit bounds the memory.
 #pragma once
 #define TOML_ASSERT(expr) static_cast<void>(0)
 #define TOML_HEADER_ONLY 0 // toml.cpp alone compiles it
@@ -12,9 +12,9 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-// toml++ 3.3 looks up which letters are blanks in a table with gaps, and says of the gaps that they are never
-// reached: a letter outside ASCII between two values does reach them, which is undefined. There the answer is
-// "no blank". Upstream's macro is put back below.
+// toml++ 3.3 looks up blanks in a table with gaps, and declares the gaps unreachable. A letter outside ASCII
+// between two values does reach them, which is undefined behaviour. Here the answer for a gap is "no blank".
+// Upstream's macro is restored below.
 #include <toml++/impl/preprocessor.h>
 #undef TOML_UNREACHABLE
 #define TOML_UNREACHABLE return false
@@ -26,10 +26,10 @@
 namespace crn
 {
 
-inline constexpr std::size_t toml_bytes_max = std::size_t{4} << 20; // the largest honest text has 11 kB
+inline constexpr std::size_t toml_bytes_max = std::size_t{4} << 20; // the largest legitimate text has 11 kB
 inline constexpr int toml_key_names_max = 32, toml_brackets_max = 32;
 
-// What is wrong with a text, without the file's name. line 0: the whole file.
+// The fault in a text, without the file's name; line 0 means the whole file.
 struct TomlError : std::runtime_error {
     TomlError(int line_, int column_, const std::string &text)
         : std::runtime_error(text), line(line_), column(column_)
@@ -38,10 +38,10 @@ struct TomlError : std::runtime_error {
     int line, column;
 };
 
-// Throws TomlError. `file` is what the nodes' places name.
+// Throws TomlError. `file` is the name given in the nodes' places.
 toml::table parse_toml(std::string_view text, const std::string &file);
 
-// The first half of it: size, names of a key, brackets within brackets. Throws TomlError.
+// Does only the checks: size, names of a key, nested brackets. Throws TomlError.
 void check_toml(std::string_view text);
 
 } // namespace crn

@@ -1,4 +1,4 @@
-// What a program says of itself when it is asked for --version.
+// What a program prints for --version.
 #pragma once
 #include "shared/version.h"
 #include <string>

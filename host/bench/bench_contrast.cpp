@@ -1,6 +1,6 @@
-// What a millisecond of contrast medium costs, and what its columns cost in a picture: docs/contrast.md. A
-// tree of 2,000 cells, medium in every one of them, a beating heart and an injection in every step; the
-// shipped aorta with its renal arteries filled.
+// Measures the cost of a millisecond of contrast medium, and of its columns in a picture: docs/contrast.md.
+// One case is a tree of 2,000 cells with medium in every one, a beating heart and an injection in every step;
+// the other is the shipped aorta with its renal arteries filled.
 #include "firmware/bench/bench.h"
 #include "host/effects/contrast_flow.hpp"
 #include "host/patient/contrast.hpp"
@@ -15,7 +15,8 @@ namespace
 {
 
 constexpr std::size_t cells_wanted = 2000;
-constexpr int warm_ticks = 12000, measured_ticks = 20, rounds = 500; // short ones: some are not interrupted
+constexpr int warm_ticks = 12000, measured_ticks = 20,
+              rounds = 500; // short rounds, so that some are not interrupted
 
 VesselBranch straight(int index, const Eigen::Vector3d &from_m, const Eigen::Vector3d &to_m, double radius_m)
 {
@@ -28,7 +29,7 @@ VesselBranch straight(int index, const Eigen::Vector3d &from_m, const Eigen::Vec
     return branch;
 }
 
-// An aorta with side branches all along it, until there are as many cells as asked for.
+// Makes an aorta with side branches all along it, with as many cells as wanted.
 VesselTree tree_of_cells()
 {
     VesselTree tree{{straight(0, {0, 0.3, 0}, {0, -0.3, 0}, 0.01)}};
@@ -87,7 +88,7 @@ double step_instructions(const bench_case *)
     return 0.0;
 }
 
-// A catheter up the aorta to above the renal arteries.
+// Puts a catheter up the aorta to above the renal arteries.
 WireFrame catheter_at(std::uint32_t tick)
 {
     WireFrame wire;
@@ -103,7 +104,7 @@ WireFrame catheter_at(std::uint32_t tick)
     return wire;
 }
 
-// Fastest of many pictures in the view of renal.session, with columns of medium or without.
+// Returns the fastest of many pictures in the view of renal.session, with or without columns of medium.
 double frame_ms(const bench_case *self)
 {
     Bodies bodies;

@@ -1,5 +1,5 @@
-// What a stent costs at a picture, with a thousand struts in an artery that beats, and how the shipped stent
-// stays in the shipped heart's LAD for a minute: docs/stent.md.
+// Measures the cost of a stent with a thousand struts per picture in a beating artery, and how well the
+// shipped stent stays in the shipped heart's LAD for a minute: docs/stent.md.
 #include "firmware/bench/bench.h"
 #include "host/stent/tests/stent_heart.hpp"
 #include "host/stent/tests/stent_vessel.hpp"
@@ -14,7 +14,8 @@ namespace
 
 constexpr int pictures_per_beat = 12, rounds = 40; // 75 /min at 15 pictures a second
 
-// Twice as many crowns and three times as many rings as the shipped one: 1,008 struts, as many points.
+// This stent has twice as many crowns and three times as many rings as the shipped one: 1,008 struts and as
+// many points.
 StentDesign thousand_struts()
 {
     StentDesign design = read_stent("shared/examples/stents/coronary_3_0x18.toml");
@@ -26,7 +27,7 @@ StentDesign thousand_struts()
     return design;
 }
 
-// Inflated for two beats and a half, deployed, then beating.
+// The stent is inflated for two and a half beats, deployed, then beats with the artery.
 class Bench
 {
   public:
@@ -69,7 +70,7 @@ extern "C" BENCH_MEASURED void measured_stent_step()
     bench->step();
 }
 
-// Mean over the pictures of a beat, or the slowest of them; of each the fastest in many beats.
+// Returns the mean over the pictures of a beat, or the slowest of them; each is the fastest over many beats.
 double step_us(const bench_case *self)
 {
     bench = std::make_unique<Bench>();
@@ -109,9 +110,9 @@ double step_instructions(const bench_case *)
     return 0.0;
 }
 
-// The shipped stent at 22 mm of the shipped heart's LAD, opened to the artery's own width for two seconds; 60
-// s at 70 /min and 15 pictures a second. 0: farthest from where the wall carries a crown, mm; 1: deepest
-// strut, mm; 2: least apposition, %.
+// The shipped stent lies at 22 mm of the shipped heart's LAD. It is opened to the artery's own width for two
+// seconds; the test lasts 60 s at 70 /min and 15 pictures a second. The results are 0: largest distance of a
+// crown from where the wall carries it, mm; 1: deepest strut, mm; 2: least apposition, %.
 double in_the_heart(const bench_case *self)
 {
     Bodies bodies;

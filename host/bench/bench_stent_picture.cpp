@@ -1,7 +1,7 @@
-// What a stent's struts cost in an X-ray picture; and that picture: the shipped stent in the shipped heart's
-// LAD, crimped and deployed, with and without contrast medium.
+// Measures the cost of a stent's struts in an X-ray picture. It also makes that picture: the shipped stent in
+// the shipped heart's LAD, crimped and deployed, with and without contrast medium.
 //
-//   build/bench/bench_stent_picture picture out/stent.png      four of them side by side (docs/stent.md)
+//   build/bench/bench_stent_picture picture out/stent.png      all four side by side (docs/stent.md)
 #include "firmware/bench/bench.h"
 #include "host/picture/picture.hpp"
 #include "host/picture/session_pictures.hpp"
@@ -21,7 +21,8 @@ namespace
 
 constexpr double at_mm = 22.0; // of the LAD, as in the lesion of docs/lesions.md
 constexpr int size = 1024, shown = 400;
-const MotionMoment moment{0xC0000000u, 0}; // three quarters of the beat: filling, when arteries are still
+const MotionMoment moment{0xC0000000u,
+                          0}; // three quarters of the beat: during filling, when arteries are at rest
 
 std::size_t branch_named(const VesselTree &tree, const char *name)
 {
@@ -53,7 +54,7 @@ class Theatre
         lay_wire();
     }
 
-    // Crimped on its folded balloon, or opened to the artery's width and deployed.
+    // The stent is crimped on its folded balloon, or opened to the artery's width and deployed.
     void place_stent(bool is_deployed)
     {
         Stent stent(read_stent("shared/examples/stents/coronary_3_0x18.toml"), at_mm);
@@ -98,7 +99,7 @@ class Theatre
         return curve;
     }
 
-    // The left coronary artery full of blood with so much iodine.
+    // Fills the left coronary artery with blood that contains this much iodine.
     std::vector<SweptCurve> medium(double iodine_mg_per_ml) const
     {
         std::vector<SweptCurve> curves;
@@ -112,7 +113,7 @@ class Theatre
         return curves;
     }
 
-    // From 90 mm down the LAD back to the left main and up the aorta.
+    // The wire runs from 90 mm down the LAD back to the left main and up the aorta.
     void lay_wire()
     {
         std::vector<Vector3d> path_m;
@@ -149,7 +150,7 @@ class Theatre
 
     Bodies bodies_;
     XrayScene scene_;
-    std::unique_ptr<Xray> xray_; // after the scene has its bodies
+    std::unique_ptr<Xray> xray_; // made after the scene has its bodies
     std::optional<Motion> motion_;
     std::optional<MovingBodies> beating_;
     std::optional<VesselWall> vessel_;
@@ -175,7 +176,7 @@ double frame_ms(const bench_case *self)
     return fastest_ms;
 }
 
-// Crimped, crimped in medium, deployed, deployed in medium: the middles of the four pictures.
+// Writes the middles of the four pictures: crimped, crimped in medium, deployed, deployed in medium.
 int write_picture(const char *path)
 {
     Theatre theatre;

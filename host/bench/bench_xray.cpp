@@ -1,5 +1,5 @@
-// How long a picture takes: docs/bench.md and docs/xray.md. The patient is out/aorta.bodies (`make run`
-// leaves it) or, where that is missing, one made here; both have at least 300,000 triangles and four
+// Measures how long a picture takes: docs/bench.md and docs/xray.md. The patient is out/aorta.bodies (`make
+// run` makes it) or, where that is missing, one made here; both have at least 300,000 triangles and four
 // materials.
 #include "firmware/bench/bench.h"
 #include "host/xray/chain.hpp"
@@ -20,11 +20,11 @@ namespace
 {
 
 constexpr std::size_t triangles_min = 300'000;
-constexpr int rounds = 12; // the fastest counts: the machine does other work too
+constexpr int rounds = 12; // the fastest counts, since the machine does other work too
 const char *const bodies_file = "out/aorta.bodies";
 const char *const heart_name = "heart that beats";
 
-// Views of everyday work, over chest and belly: angles and table.
+// Common views of chest and belly: angles and table.
 struct Look {
     double primary_deg, secondary_deg, y_m;
 };
@@ -38,7 +38,7 @@ std::size_t count_triangles(const Bodies &bodies)
     return count;
 }
 
-// Trunk with lungs, spine and ribs of spheres.
+// Makes a trunk with lungs, spine and ribs of spheres.
 Bodies made_here()
 {
     Bodies bodies;
@@ -51,7 +51,7 @@ Bodies made_here()
     return bodies;
 }
 
-// The four materials that the bars of docs/xray.md speak of; the shipped anatomy has eight.
+// Maps to the four materials for which docs/xray.md states its limits; the shipped anatomy has eight.
 const char *one_of_four(const std::string &name)
 {
     const Material material = material_from_name(name).value_or(Material::soft_tissue);
@@ -70,8 +70,8 @@ const char *one_of_four(const std::string &name)
 }
 
 struct Scene {
-    bool beats = false;   // with a ball of 28,800 triangles that can move
-    bool is_four = false; // materials
+    bool beats = false;   // adds a ball of 28,800 triangles that can move
+    bool is_four = false; // only four materials
 };
 
 Bodies patient(const Scene &scene)
@@ -87,7 +87,7 @@ Bodies patient(const Scene &scene)
     return bodies;
 }
 
-// From the groin up the aorta: 700 mm in 2.5 mm steps, with a bend, moved by `shift_m`.
+// The wire goes from the groin up the aorta: 700 mm in 2.5 mm steps, with a bend, moved by `shift_m`.
 WireFrame wire_at(double shift_m)
 {
     WireFrame wire;
@@ -112,7 +112,7 @@ class Bench
         while (scene.beats && patient_.bodies[heart_].name != heart_name) ++heart_;
         xray_ = std::make_unique<Xray>(scene_, threads);
     }
-    // From now on a heart beats and a stent of 400 struts moves with it.
+    // From now on a heart beats, and a stent of 400 struts moves with it.
     void start_heart()
     {
         moves_ = true;
@@ -127,8 +127,8 @@ class Bench
             curves_.push_back(strut);
         }
     }
-    // The technique on which automatic exposure rests in each view; then locked, so that frames differ in
-    // nothing else.
+    // Finds the technique on which automatic exposure settles in each view, and locks it, so that frames
+    // differ in nothing else.
     void settle(int size)
     {
         for (std::size_t i = 0; i < std::size(looks); ++i) {
@@ -147,7 +147,7 @@ class Bench
         settings_.carm.isocentre_m = {0.0, at.y_m, 0.0};
         settings_.size = size;
     }
-    // The next picture of a sequence, lag included.
+    // Renders the next picture of a sequence, lag included.
     void render(int frame)
     {
         const std::vector<Eigen::Vector3i> heart = moves_ ? heart_at(frame) : std::vector<Eigen::Vector3i>();
@@ -183,8 +183,8 @@ class Bench
 
 constexpr int is_kept = 1 << 16, is_beating = 1 << 17, has_four = 1 << 18;
 
-// Processor time of this process, all threads: what is left of a frame's time when others use the machine
-// too.
+// Returns the processor time of this process over all threads: a measure that does not depend on other users
+// of the machine.
 double processor_ms()
 {
     timespec now;
@@ -193,7 +193,7 @@ double processor_ms()
     return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
 }
 
-// Mean over the views of the fastest frame of each.
+// Returns the mean over the views of each view's fastest frame.
 double frame_ms(const bench_case *self)
 {
     const int size = self->argument & 0xffff;
@@ -247,11 +247,11 @@ double frame_instructions(const bench_case *self)
     return 0.0;
 }
 
-// Path lengths alone: by the rasteriser and by OpenGL on OSMesa, two threads each, in turn; of each view the
-// fastest.
+// Compares path lengths alone by the rasteriser and by OpenGL on OSMesa, with two threads each, in turn; the
+// fastest of each view counts.
 struct PathTimes {
     double raster_ms = 0.0, osmesa_ms = 0.0; // means over the views
-    double difference_mm = 0.0;              // mean over all pixels with any of a material, all materials
+    double difference_mm = 0.0;              // mean over all pixels that have any material, all materials
 };
 
 double mean_difference_mm(const PathPictures &expected, const PathPictures &got)
@@ -278,7 +278,7 @@ double draw_ms(BodyPaths &paths, const View &view, std::span<const std::uint8_t>
 
 PathTimes path_times(int size)
 {
-    setenv("LP_NUM_THREADS", "2", 1); // llvmpipe's, Mesa's driver without a graphics card
+    setenv("LP_NUM_THREADS", "2", 1); // for llvmpipe, Mesa's driver without a graphics card
     XrayScene scene;
     std::string error;
     if (!scene.set_bodies(patient({}), error)) bench_fail(error.c_str());

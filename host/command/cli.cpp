@@ -48,9 +48,8 @@ void add_xray_window(CLI::App &command, PictureSettings &pictures)
 
 void add_pictures(CLI::App &command, PictureSettings &pictures)
 {
-    command.add_option(
-        "--bodies", pictures.bodies_path,
-        "Body file for the picture; default: the .bodies file beside the scene, when there is one");
+    command.add_option("--bodies", pictures.bodies_path,
+                       "Body file for the picture; default: the scene's .bodies file, if there is one");
     command.add_option("--png", pictures.png_path, "Write the last picture with its display, 8 bits");
     command.add_option("--png16", pictures.png16_path,
                        "Write the last X-ray's values, 16 bits, grey, proportional to the X-ray intensity");
@@ -109,9 +108,8 @@ void add_device(CLI::App &command, std::string &device)
 void add_inserted(CLI::App &command, std::vector<double> &inserted_mm)
 {
     command
-        .add_option(
-            "--inserted", inserted_mm,
-            "Length outside the inserter at the start, mm; once for all tools, or once per tool (default 20)")
+        .add_option("--inserted", inserted_mm,
+                    "Inserted length at the start, mm; once for all tools, or once per tool (default 20)")
         ->allow_extra_args(false)
         ->check(CLI::Range(0.0, 2000.0));
 }
@@ -120,7 +118,7 @@ void add_motors(CLI::App &command, bool &motors, bool &yes)
 {
     command.add_flag(
         "--motors", motors,
-        "With --free-run: power the tracks whose damping the rig knows (docs/rig.md), after a typed yes");
+        "With --free-run: power the tracks whose damping the rig reports (docs/rig.md), after a typed yes");
     command.add_flag("--yes", yes, "Power the motors without asking");
 }
 
@@ -134,7 +132,7 @@ void add_run(CLI::App &app, RunOptions &options)
                         "Session script (docs/session.md), carried out as fast as the machine allows");
     command
         ->add_option("--free-run", options.free_run_s,
-                     "Instead of a script: the rig leads for so many seconds, 0: until Ctrl-C (docs/rig.md)")
+                     "Instead of a script: FREE_RUN for so many seconds, 0: until Ctrl-C (docs/rig.md)")
         ->check(CLI::Range(0.0, 36000.0));
     add_motors(*command, options.motors, options.yes);
     add_inserted(*command, options.inserted_mm);
@@ -206,7 +204,7 @@ void add_surface(CLI::App &app, SurfaceOptions &options)
         ->check(CLI::Range(0.0, 200.0));
     command->add_option("--scene", options.scene, "Where the recording's scene is now");
     command->add_option("--bodies", options.surface.bodies_path,
-                        "Body file; default: the .bodies file beside the scene");
+                        "Body file; default: the scene's .bodies file");
     command
         ->add_option("-o,--output", options.surface.output,
                      "OBJ file, mm: objects TIME_BODY, and TIME_balloon for a balloon")
@@ -233,7 +231,7 @@ void add_view(CLI::App &app, WindowOptions &options)
                         "Write what the angioplasty is worth, as one HTML page (docs/score.md)");
     add_dicom_options(*command, options.pictures.dicom);
     command->add_option("--bodies", options.pictures.bodies_path,
-                        "Body file; default: the .bodies file beside the scene, when there is one");
+                        "Body file; default: the scene's .bodies file, if there is one");
     command->add_option("--size", options.pictures.size, "Pixels along each edge of the X-ray")
         ->capture_default_str()
         ->check(CLI::Range(64, 2048));

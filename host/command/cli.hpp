@@ -20,8 +20,9 @@ struct RunOptions {
     std::vector<std::string> tools, stents;
     PictureSettings pictures;
     bool quiet = false;
-    std::optional<double> free_run_s; // the rig leads for so long, 0: until Ctrl-C; empty: the script does
-    bool motors = false, yes = false; // FREE_RUN: with power; without being asked
+    std::optional<double>
+        free_run_s; // FREE_RUN for so many seconds, 0: until Ctrl-C; empty: the script controls the session
+    bool motors = false, yes = false; // FREE_RUN: with power; without confirmation
     std::vector<double> inserted_mm;  // FREE_RUN: none, one for all tools, or one each
 };
 
@@ -35,55 +36,55 @@ struct ReplayOptions {
 struct SurfaceOptions {
     std::string recording, scene;
     std::vector<double> at_s;
-    bool stages = false; // of the balloon, besides at_s
+    bool stages = false; // stages of the balloon, in addition to at_s
     SurfaceSettings surface;
 };
 
 struct InstrumentsOptions {
-    std::vector<std::string> files; // or folders; empty: those that ship
+    std::vector<std::string> files; // or folders; empty: the shipped ones
     std::string preset, json, png, table;
 };
 
 int command_run(const RunOptions &options);
 int command_replay(const ReplayOptions &options);
 int command_surface(const SurfaceOptions &options);
-// The OpenGL that --xray opengl would find; 1 when there is none.
+// Prints the OpenGL that --xray opengl would find; returns 1 when there is none.
 int command_info_opengl();
 int command_info(const std::string &path);
 int command_instruments(const InstrumentsOptions &options);
 
-// Tools from the innermost to the outermost: --instrument first, then every --tool. Throws UsageError for
-// none or more than a line holds, FileError for a bad file.
+// Returns the tools from the innermost to the outermost: --instrument first, then every --tool. Throws
+// UsageError for none or more than a line can hold, FileError for a bad file.
 std::vector<Instrument> read_tools(const std::string &instrument, const std::vector<std::string> &tools);
-// Where they enter: no length (the default), one for all, or one each. Throws UsageError for more lengths
-// than tools.
+// Returns where the tools enter, with their inserted lengths: none given (the default), one for all, or one
+// each. Throws UsageError for more lengths than tools.
 crn_wire_entry entry_with(const SceneFile &scene, std::size_t tool_count,
                           const std::vector<double> &inserted_mm);
-// The table over the entry, following the tip.
+// Places the table over the entry, and makes it follow the tip.
 std::vector<RoomCommand> entry_commands(const SceneFile &scene);
-// The device of a session that the rig leads. With `motors` it shows what will be powered and asks, unless
-// `yes`; throws RigStopped when that is not confirmed.
+// Returns the device for a session in FREE_RUN. With `motors` it shows what will be powered and asks for
+// confirmation, unless `yes`; throws RigStopped when that is not confirmed.
 DeviceChoice free_run_device(const std::string &device, bool motors, bool yes);
-// Stents for these tools into the settings of a session's pictures. Throws FileError.
+// Puts stents for these tools into the settings of a session's pictures. Throws FileError.
 void take_stents(PictureSettings &settings, const std::vector<std::string> &paths,
                  const std::vector<Instrument> &tools);
-// The first one is on its balloon when the session begins.
+// The first stent is on its balloon when the session begins.
 inline constexpr RoomCommand first_stent{RoomAction::load_stent, {}};
-// The paths of a set of tools as inputs for check_outputs.
+// Returns the paths of a set of tools as inputs for check_outputs.
 std::vector<NamedPath> tool_inputs(const std::string &instrument, const std::vector<std::string> &tools);
 
-// The very scene of a recording, from where it or the user says, and a core that can play it. Throw
-// std::runtime_error.
+// Find the exact scene of a recording, from the path in it or the user's path, and a core that can replay it.
+// Both throw std::runtime_error.
 SceneFile recorded_scene(const RecordingHeader &header, const std::string &given_path);
 void check_core(const RecordingHeader &header, const crn_wire_hello_reply &identity);
 
-// Where physics left its range: the branch it was in, from the scene's bodies; nothing when it did not, or
-// when they cannot be read.
+// Adds the branch, from the scene's bodies, to the place where physics left its range; does nothing when it
+// did not, or when the bodies cannot be read.
 void name_range_branch(RangeWatch &range, const std::string &bodies_path);
-// Says on stderr that physics left its range and gives the exit code for it; 0: it did not.
+// Reports on stderr that physics left its range and returns the exit code for it; 0: it did not.
 int exit_of_range(const RangeWatch &range);
 
-// Bodies beside a scene: "x.scene" -> "x.bodies" when that file exists, else empty.
+// Returns the bodies beside a scene: "x.scene" -> "x.bodies" when that file exists, otherwise empty.
 std::string bodies_beside(const std::string &scene);
 
 // Without `run_window` the command `view` is refused.

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 constexpr int exit_no_program = 127;
 
 struct Verdict {
-    std::string kind; // "XAImage", as dciodvfy calls what it recognised; empty: nothing
+    std::string kind; // "XAImage", dciodvfy's name for the recognised kind; empty: not recognised
     std::vector<std::string> errors, warnings;
 };
 
@@ -45,15 +45,15 @@ std::string read_all(int from)
     }
 }
 
-// What dciodvfy says of one file; its exit code says nothing. Throws std::runtime_error when it cannot be
-// run.
+// Returns dciodvfy's messages about one file; its exit code is meaningless. Throws std::runtime_error when it
+// cannot be run.
 std::string ask_dciodvfy(const std::string &file)
 {
     int ends[2];
     if (::pipe2(ends, O_CLOEXEC) != 0)
         throw std::runtime_error("cannot make a pipe: " + std::string(std::strerror(errno)));
     const pid_t process = ::fork();
-    // A name that begins with a dash would be taken for an option.
+    // A name that begins with a dash would be read as an option.
     if (process == 0) become_dciodvfy(ends[1], file[0] == '-' ? "./" + file : file);
     ::close(ends[1]);
     const std::string text = process > 0 ? read_all(ends[0]) : "";
@@ -86,7 +86,7 @@ Verdict verdict_of(const std::string &text)
     return verdict;
 }
 
-// Folders stand for the .dcm files in them, by name.
+// Replaces folders by the .dcm files in them, by name.
 std::vector<std::string> files_of(const std::vector<std::string> &named)
 {
     std::vector<std::string> files;
@@ -145,7 +145,7 @@ void add_dicom_check(CLI::App &app, DicomCheckOptions &options)
 {
     CLI::App *command = app.add_subcommand(
         "dicom-check",
-        "Let dciodvfy (Debian package dicom3tools) judge DICOM files; exit code 1 when it finds errors");
+        "Check DICOM files by dciodvfy (Debian package dicom3tools); exit code 1 when it finds errors");
     command->add_option("file", options.files, "DICOM files, or folders of .dcm files")->required();
     command->add_flag("--warnings", options.shows_warnings, "List the warnings too, not only their number");
     command->footer("Examples:\n  cournand dicom-check out/dicom\n"

@@ -14,7 +14,7 @@ struct DicomCheckOptions {
 void add_dicom_options(CLI::App &command, DicomSettings &settings);
 void add_dicom_check(CLI::App &app, DicomCheckOptions &options);
 
-// 0: no errors; 1: errors, or a file or the program dciodvfy that cannot be run.
+// Returns 0 for no errors; 1 for errors, or for a file or a program dciodvfy that cannot be run.
 int command_dicom_check(const DicomCheckOptions &options);
 
 } // namespace crn

@@ -1,4 +1,4 @@
-// What run and replay do about a session whose physics left its range.
+// How run and replay treat a session whose physics left its range.
 #include "host/base/terminal.hpp"
 #include "host/command/cli.hpp"
 #include "host/model/bodies.hpp"
@@ -10,7 +10,7 @@ void name_range_branch(RangeWatch &range, const std::string &bodies_path)
 {
     if (!range.is_left() || bodies_path.empty()) return;
     Bodies bodies;
-    std::string error; // a picture would say it; the place is known without its name
+    std::string error; // a picture would report this error; the place is known without its name
     if (read_bodies(bodies_path, bodies, error)) range.name_branch(bodies.vessels);
 }
 

@@ -83,7 +83,7 @@ int print_result(const Recording &recording, const ReplayOptions &options, const
         std::printf("verified: %u ticks and %u full hashes agree\n", unsigned{result.ticks_compared},
                     unsigned{result.hashes_compared});
     }
-    // What is missing cannot be verified: a script that looks at the exit code must not take this for a whole
+    // A missing part cannot be verified: a script that checks the exit code must not take this for a whole
     // session.
     if (options.verify && !recording.is_complete) {
         say(stderr,
@@ -111,11 +111,11 @@ int command_replay(const ReplayOptions &options)
     check_dicom_settings(options.pictures.dicom);
     const bool is_reported = !options.json.empty() || !options.score.empty();
     if (is_reported && options.from_s > 0.0)
-        throw UsageError("--json and --score tell of the whole session: leave out --from");
+        throw UsageError("--json and --score describe the whole session: leave out --from");
     const Recording recording = read_recording(options.recording);
     const RecordingHeader &header = recording.header;
     const double length_s = recording.ticks.size() * 1e-3;
-    if (!(options.from_s <= length_s)) { // NaN too
+    if (!(options.from_s <= length_s)) { // rejects NaN too
         throw std::runtime_error(options.recording + ": --from " + std::to_string(options.from_s) +
                                  " is beyond its end at " + std::to_string(length_s) + " s");
     }

@@ -38,7 +38,7 @@ void add_calibrate(CLI::App &rig, RigOptions &options)
     command->add_option("--what", options.what, "translation, rotation, force or all")
         ->capture_default_str()
         ->check(CLI::IsMember({"translation", "rotation", "force", "all"}));
-    command->add_option("--distance", options.distance_mm, "Way between the two marks, mm")
+    command->add_option("--distance", options.distance_mm, "Distance between the two marks, mm")
         ->capture_default_str()
         ->check(CLI::Range(1.0, 2000.0));
     command->add_option("--turns", options.turns, "Turns between the two marks")
@@ -73,10 +73,12 @@ void add_rig(CLI::App &app, RigOptions &options)
     watch->add_option("--hid", options.hid, "Back end of hidapi: hidraw or libusb")
         ->capture_default_str()
         ->check(CLI::IsMember({"hidraw", "libusb"}));
-    CLI::App *test = add(*rig, options, "selftest", "Ask every sensor and limit; one line each, pass or FAIL",
-                         "  cournand rig selftest\n  cournand rig selftest --motors --track 2");
-    test->add_flag("--motors", options.motors, "Also power the track's motor for a second (asks first)");
-    test->add_flag("--yes", options.yes, "Do not ask");
+    CLI::App *test =
+        add(*rig, options, "selftest", "Test every sensor and limit; one line each, pass or FAIL",
+            "  cournand rig selftest\n  cournand rig selftest --motors --track 2");
+    test->add_flag("--motors", options.motors,
+                   "Also power the track's motor for a second, after confirmation");
+    test->add_flag("--yes", options.yes, "Do not ask for confirmation");
     test->add_option("--damping", options.damping_N_s_per_m,
                      "The rig's own damping, N s/m; default: its configuration");
     add_track(*test, options);
@@ -91,7 +93,7 @@ void add_rig(CLI::App &app, RigOptions &options)
         ->check(CLI::Range(0.1, 60.0));
     force->add_option("--damping", options.damping_N_s_per_m,
                       "The rig's own damping, N s/m; default: its configuration");
-    force->add_flag("--yes", options.yes, "Do not ask");
+    force->add_flag("--yes", options.yes, "Do not ask for confirmation");
     add(*rig, options, "log", "Faults since power-up: cause, ticks, remedy", "  cournand rig log");
 }
 

@@ -1,4 +1,4 @@
-// The command line of `cournand rig`.
+// Defines the command line of `cournand rig`.
 #pragma once
 #include "host/rig/rig.hpp"
 

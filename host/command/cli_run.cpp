@@ -27,7 +27,7 @@ void check_files(const RunOptions &options, const PictureSettings &pictures)
         inputs.end(),
         {{"--scene", options.scene}, {"--session", options.session}, {"--bodies", pictures.bodies_path}});
     if (options.free_run_s.has_value() != options.session.empty())
-        throw UsageError("either --session or --free-run says who leads");
+        throw UsageError("give either --session or --free-run");
     check_outputs(inputs, {{"--record", options.record},
                            {"--json", options.json},
                            {"--score", options.score},
@@ -38,7 +38,7 @@ void check_files(const RunOptions &options, const PictureSettings &pictures)
     check_dicom_settings(pictures.dicom);
 }
 
-// An injection that these tools or this scene do not allow is found before the session begins.
+// An injection that these tools or this scene do not allow is reported before the session begins.
 void check_injections(const Session &session, const PatientContrast &contrast)
 {
     double iodine_mg_per_ml = iodine_default_mg_per_ml;
@@ -113,7 +113,7 @@ DeviceChoice free_run_device(const std::string &device, bool motors, bool yes)
     return choice;
 }
 
-// Why it did not end as it should, if so; the exit code.
+// Reports why the session did not end as it should, if so; returns the exit code.
 static int tell_end(const RunResult &result, const Patient &patient, bool was_stopped)
 {
     for (const std::string &failure : result.failures) say(stderr, "cournand: %s\n", failure.c_str());
@@ -123,8 +123,7 @@ static int tell_end(const RunResult &result, const Patient &patient, bool was_st
     }
     if (const int code = exit_of_range(result.figures.range)) return code;
     if (!patient.refusals().empty()) {
-        std::fprintf(stderr,
-                     "cournand: something that the session asked for was refused, see 'refused' above\n");
+        std::fprintf(stderr, "cournand: a request of the session was refused, see 'refused' above\n");
         return 1;
     }
     if (result.was_interrupted || was_stopped) {
@@ -140,7 +139,7 @@ int command_run(const RunOptions &options)
     if (picture_settings.bodies_path.empty()) picture_settings.bodies_path = bodies_beside(options.scene);
     picture_settings.scene_path = options.scene;
     check_files(options, picture_settings);
-    const bool is_led = options.free_run_s.has_value(); // by the rig
+    const bool is_led = options.free_run_s.has_value(); // in FREE_RUN
     const SceneFile scene = read_scene(options.scene);
     const std::vector<Instrument> tools = read_tools(options.instrument, options.tools);
     const Session session = is_led ? Session{"rig", {}, {}} : read_session(options.session);

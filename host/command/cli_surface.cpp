@@ -14,14 +14,14 @@ namespace crn
 namespace
 {
 
-constexpr std::size_t emptied_ticks = 500; // after the inflator is at 0: the balloon has folded
+constexpr std::size_t emptied_ticks = 500; // after the inflator reached 0: by then the balloon has folded
 
 struct Stages {
     std::size_t positioned = 0, inflated = 0, released = 0; // ticks
 };
 
-// About the highest pressure of the session: the last tick before the inflator goes up to it, the last at it,
-// and when it is down again.
+// Finds three ticks about the highest pressure of the session: the last one before the inflator rises to it,
+// the last one at it, and the one when it is down again.
 Stages stages_of(const Recording &recording, const std::string &path)
 {
     const auto pressure = [&](std::size_t tick) { return recording.ticks[tick].input.inflator_raw; };

@@ -1,5 +1,5 @@
-// What `cournand view` was asked for. The window itself is the program's: command_line() gets it as a
-// function.
+// Holds the options of `cournand view`. The window itself belongs to the program: command_line() receives it
+// as a function.
 #pragma once
 #include "host/picture/session_pictures.hpp"
 #include <functional>
@@ -16,26 +16,26 @@ struct WindowOptions {
     std::vector<std::string> stents; // files, in the order of loading
     std::string device = "sim";      // as parse_device
     std::string json,
-        score; // figures and page at the end of each session; empty: none. A reset as for `record`
+        score; // figures and page at the end of each session; empty: none. After a reset they are numbered as
+               // for `record`
     bool keeps_recording =
-        true; // without `record`: in a folder of the user, under date and time (docs/session.md)
+        true; // without `record`: keep it in a folder of the user, named by date and time (docs/session.md)
     // Empty: none. A reset starts "name.2.rec", "name.3.rec" ..., and for pictures.dicom the folder "name.2"
     // ...
     std::string record;
     PictureSettings pictures;
-    std::vector<double>
-        inserted_mm;       // outside the inserter at the start: none, one for all tools, or one each
-    bool free_run = false; // the rig's own encoders are the hands
-    bool motors = false, yes = false; // FREE_RUN: with power; without being asked
+    std::vector<double> inserted_mm;  // inserted lengths at the start: none, one for all tools, or one each
+    bool free_run = false;            // the rig's own encoders are the hands
+    bool motors = false, yes = false; // FREE_RUN: with power; without confirmation
     bool starts_with_fluoro = false;
     bool shows_help = true;
-    // For tests: end after so many screens, each 1/60 s of session time however long it takes; 0: until Esc,
-    // real time.
+    // For tests: ends after this many screens, each 1/60 s of session time however long it takes; 0: until
+    // Esc, real time.
     int frames = 0;
     std::string screenshot; // PNG of the window's last screen; empty: none
 };
 
-// Opens the window and gives the exit code.
+// Opens the window and returns the exit code.
 using RunWindow = std::function<int(WindowOptions)>;
 
 } // namespace crn

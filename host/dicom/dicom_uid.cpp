@@ -17,7 +17,7 @@ Wide bits(std::uint64_t high, std::uint64_t low)
     return (static_cast<Wide>(high) << 64) | low;
 }
 
-// FNV alone changes its high bits little for the last bytes: fold them in once more.
+// FNV alone hardly changes its high bits for the last bytes, so they are mixed in once more.
 Wide mixed(Wide value)
 {
     for (int round = 0; round < 2; round++) {
@@ -56,7 +56,7 @@ std::string Digest::hex() const
 
 std::string Digest::uid() const
 {
-    // Version and variant of a UUID in their places.
+    // Sets version and variant of a UUID.
     Wide value = mixed(value_);
     value = (value & ~bits(0xf000, 0)) | bits(0x8000, 0);
     value = (value & ~bits(0, 0xc000000000000000ULL)) | bits(0, 0x8000000000000000ULL);

@@ -1,5 +1,5 @@
-// Unique identifiers out of what they name: the same content gets the same UID, other content another.
-// Form 2.25 of PS3.5 B.2, a 128-bit number without a registered root.
+// Makes unique identifiers from content: the same content gets the same UID, other content another one. They
+// have form 2.25 of PS3.5 B.2, a 128-bit number without a registered root.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -8,15 +8,15 @@
 namespace crn
 {
 
-// FNV-1a with 128 bits (draft-eastlake-fnv): of everything given to it, in order.
+// FNV-1a with 128 bits (draft-eastlake-fnv) of everything added to it, in order.
 class Digest
 {
   public:
     void add(const void *bytes, std::size_t count);
-    void add(std::string_view text); // with its length, so that "ab", "c" is not "a", "bc"
-    // 32 hexadecimal digits.
+    void add(std::string_view text); // adds its length too, so that "ab", "c" differs from "a", "bc"
+    // Returns 32 hexadecimal digits.
     std::string hex() const;
-    // "2.25." and the decimal number of a UUID of version 8 (RFC 9562) made of the digest; at most 44
+    // Returns "2.25." and the decimal number of a UUID of version 8 (RFC 9562) made of the digest; at most 44
     // characters.
     std::string uid() const;
 

@@ -67,10 +67,11 @@ void put_study(XaItem &item, const XrayRun &run, const XaStudy &study)
     item.text(DCM_ProtocolName, kind_name(run.kind));
 }
 
-// Letters of the patient directions that a picture axis points along, the nearest first (C.7.6.1.1.1).
+// Returns the letters of the patient directions along which a picture axis points, the nearest first
+// (C.7.6.1.1.1).
 std::string direction_letters(const Eigen::Vector3d &axis)
 {
-    constexpr double least = 0.26; // cosine of 75 degrees: what is further away is not named
+    constexpr double least = 0.26; // cosine of 75 degrees: directions farther away are not named
     const std::array<std::pair<double, char>, 3> parts = {{{std::abs(axis.x()), axis.x() > 0 ? 'L' : 'R'},
                                                            {std::abs(axis.y()), axis.y() > 0 ? 'H' : 'F'},
                                                            {std::abs(axis.z()), axis.z() > 0 ? 'A' : 'P'}}};
@@ -82,7 +83,7 @@ std::string direction_letters(const Eigen::Vector3d &axis)
     return letters;
 }
 
-// C.7.6.1, C.8.7.1 and SOP common
+// Puts the modules C.7.6.1, C.8.7.1 and SOP common.
 void put_image(XaItem &item, const XrayRun &run, const Digest &content, const XaStudy &study, int instance)
 {
     const View view = make_view(run.frames.front().carm, run.size);
@@ -116,8 +117,8 @@ void put_pixel_format(XaItem &item, const XrayRun &run)
     item.shorts(DCM_PixelRepresentation, {0});
 }
 
-// C.8.7.1.1.2, and C.11.1 for LOG: a table back to what is proportional to the intensity. It is not for
-// display.
+// C.8.7.1.1.2, and C.11.1 for LOG: a table that converts back to values proportional to the intensity. It is
+// not for display.
 void put_relation(XaItem &item, const XrayRun &run)
 {
     if (run.relation == PixelRelation::linear) item.text(DCM_PixelIntensityRelationship, "LIN");
@@ -140,7 +141,8 @@ void put_relation(XaItem &item, const XrayRun &run)
         throw std::logic_error("DICOM modality LUT cannot be filled");
 }
 
-// The frames are at equal distances but for the rounding to whole ticks: then one number says all (C.7.6.5).
+// Tests whether the frames have equal distances except for rounding to whole ticks: then one number describes
+// all (C.7.6.5).
 bool is_even(const XrayRun &run, double period_ms)
 {
     for (std::size_t i = 0; i < run.frames.size(); i++) {
@@ -174,10 +176,10 @@ void put_times(XaItem &item, const XrayRun &run)
     item.decimal(DCM_FrameDelay, 0.0);
     item.decimal(DCM_EffectiveDuration, (length_ms + period_ms) * 1e-3);
     item.whole(DCM_ActualFrameDuration, std::lround(period_ms));
-    item.shorts(DCM_PreferredPlaybackSequencing, {0}); // over and over from the first to the last
+    item.shorts(DCM_PreferredPlaybackSequencing, {0}); // repeatedly from the first to the last
 }
 
-// The shift again, for a reader who doubts which way it goes.
+// States the shift again in words, to make its direction clear to a reader.
 std::string mask_in_words(const RunMask &mask)
 {
     if (mask.shift_x_px == 0.0 && mask.shift_y_px == 0.0) return "mean of the mask frames, not moved";
@@ -188,7 +190,7 @@ std::string mask_in_words(const RunMask &mask)
     return text;
 }
 
-// C.7.6.10: the mean of the mask frames is taken from every other frame.
+// C.7.6.10: the mean of the mask frames is subtracted from every other frame.
 void put_mask(XaItem &item, const XrayRun &run)
 {
     if (!run.mask) return;
@@ -202,11 +204,11 @@ void put_mask(XaItem &item, const XrayRun &run)
     std::sort(numbers.begin(), numbers.end());
     mask.text(DCM_MaskOperation, "AVG_SUB");
     mask.shorts(DCM_MaskFrameNumbers, numbers);
-    // Masks at the start are not shown subtracted from themselves.
+    // Mask frames at the start are not subtracted from themselves.
     const auto count = static_cast<std::uint16_t>(run.frames.size());
     if (numbers.back() == numbers.size() && numbers.back() < count)
         mask.shorts(DCM_ApplicableFrameRange, {static_cast<std::uint16_t>(numbers.back() + 1), count});
-    // C.7.6.10.1.2: rows first, toward the lower row; then columns, toward the left.
+    // C.7.6.10.1.2: rows first, positive towards the lower row; then columns, positive towards the left.
     mask.floats(DCM_MaskSubPixelShift,
                 {static_cast<float>(run.mask->shift_y_px), static_cast<float>(0.0 - run.mask->shift_x_px)});
     mask.text(DCM_MaskOperationExplanation, mask_in_words(*run.mask));

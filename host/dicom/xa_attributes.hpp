@@ -7,10 +7,10 @@
 namespace crn
 {
 
-// Throws std::invalid_argument, with what contradicts what, when the run is not one.
+// Throws std::invalid_argument, with the contradiction, when the run is not consistent.
 void check_run(const XrayRun &run);
 
-// Everything but the pixels.
+// Puts everything but the pixels.
 void put_attributes(DcmDataset &dataset, const XrayRun &run, const XaStudy &study, const Digest &content,
                     int instance);
 

@@ -30,13 +30,13 @@ std::vector<double> each_of(const XrayRun &run, double RunFrame::*value)
     return values;
 }
 
-// Offsets from the first frame, by C.8.7.5.1.3 one value per frame.
+// Returns the offsets from the first frame, by C.8.7.5.1.3 one value per frame.
 template <class Value> std::vector<double> offsets(const XrayRun &run, const Value &value)
 {
     std::vector<double> all;
     const double first = value(run.frames.front().carm);
     for (const RunFrame &frame : run.frames) {
-        // To a thousandth: a DS per frame has to stay short, and no C-arm knows better.
+        // Values are rounded to a thousandth: a DS per frame has to stay short, and no C-arm is more precise.
         all.push_back(std::round((value(frame.carm) - first) * 1e3) / 1e3);
     }
     return all;
@@ -60,7 +60,7 @@ std::string upper(std::string text)
     return text;
 }
 
-// 1 Gy cm2 = 10 dGy cm2; entrance dose in mGy.
+// Puts the dose: 1 Gy cm2 = 10 dGy cm2; entrance dose is in mGy.
 void put_dose(XaItem &item, const XrayRun &run)
 {
     const double kap_Gy_cm2 = sum_of(run, &RunFrame::kap_Gy_cm2);
@@ -89,7 +89,7 @@ void put_filters(XaItem &item, const XrayRun &run)
     item.decimals(DCM_FilterThicknessMaximum, thickness_mm);
 }
 
-// The pixel at the detector, and at the isocentre where it is the same in every frame.
+// The pixel pitch at the detector; also at the isocentre if it is the same in every frame.
 void put_spacing(XaItem &item, const XrayRun &run)
 {
     const CArm &carm = run.frames.front().carm;
@@ -139,8 +139,8 @@ void put_acquisition(XaItem &item, const XrayRun &run)
     put_dose(item, run);
 }
 
-// C.8.7.3: rows and columns counted from 1. The edges named are the last columns and rows behind the blades,
-// 0 and size+1 where nothing of the picture is covered.
+// C.8.7.3: rows and columns counted from 1. The named edges are the last columns and rows behind the blades:
+// 0 and size+1 where the blades cover nothing.
 void put_collimator(XaItem &item, const XrayRun &run)
 {
     const RunCollimator &shape = run.collimator;
@@ -160,8 +160,8 @@ void put_collimator(XaItem &item, const XrayRun &run)
 }
 
 // C.8.7.4: longitudinal is toward LAO (patient's left), lateral toward cranial, for a patient on the back
-// with the head at the head end. The patient point at the isocentre goes the other way than the table. Down
-// is positive (as in C.8.19.6.11; the classic module leaves the sign open).
+// with the head at the head end. The patient point at the isocentre moves opposite to the table. Down is
+// positive (as in C.8.19.6.11; the classic module leaves the sign open).
 void put_table(XaItem &item, const XrayRun &run)
 {
     const std::vector<double> left_mm = offsets(run, [](const CArm &c) { return -c.isocentre_m.x() * 1e3; });
@@ -177,7 +177,7 @@ void put_table(XaItem &item, const XrayRun &run)
     item.decimals(DCM_TableLateralIncrement, head_mm);
 }
 
-// C.8.7.5: angles of the first frame, offsets of the others from it.
+// C.8.7.5 has the angles of the first frame, and the offsets of the other frames from it.
 void put_positioner(XaItem &item, const XrayRun &run)
 {
     const CArm &carm = run.frames.front().carm;

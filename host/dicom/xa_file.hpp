@@ -1,11 +1,11 @@
-// A run as a DICOM file: X-Ray Angiographic Image Storage, multi-frame (PS3.3 A.14), through DCMTK.
+// Writes a run as a DICOM file: X-Ray Angiographic Image Storage, multi-frame (PS3.3 A.14), through DCMTK.
 //
 //   XaSpool spool("out/dicom/pixels");
 //   XaPixels pixels;
 //   for (frame of the run) add_frame(spool, pixels, frame);                        // to the disk, not to memory
 //   write_xa("out/dicom/run_01_fluoro.dcm", run, spool, pixels, study, 1, nullptr);
 //
-// Attributes, units and what each means: docs/output.md.
+// docs/output.md lists the attributes with units and meaning.
 #pragma once
 #include "host/base/pending_file.hpp"
 #include "host/dicom/dicom_uid.hpp"
@@ -17,37 +17,38 @@
 namespace crn
 {
 
-// What all files of one export share.
+// Data that all files of one export share.
 struct XaStudy {
-    std::string
-        key; // content-derived, as Digest::hex(): names the study, its series and the patient's number
+    std::string key; // derived from the content, as Digest::hex(): names the study, its series and the
+                     // patient's number
     std::string patient_name; // empty: "Anonymous^"
     std::string patient_id;   // empty: "ANON-" and the key's first eight digits
     std::string date;         // YYYYMMDD; empty: none
-    std::string description;  // of the study
+    std::string description;  // description of the study
 };
 
-// Frames and bytes that one file may hold; longer runs go on in the next. Vectors with a number per frame
-// have at most 65,534 characters, and viewers load a file whole.
+// Largest number of frames and bytes in one file; longer runs continue in the next file. Vectors with one
+// number per frame have at most 65,534 characters, and viewers load a whole file.
 inline constexpr std::size_t xa_frames_max = 2000;
 inline constexpr std::size_t xa_bytes_max = std::size_t{1} << 31;
 
-// Called now and then with bytes done and in all; false stops the export.
+// Called repeatedly with the bytes done and the total; returning false stops the export.
 using XaProgress = std::function<bool(std::size_t done, std::size_t total)>;
 
-// Thrown when the progress function said stop; nothing is left behind.
+// Thrown when the progress function stops the export; nothing is left behind.
 class XaInterrupted : public std::runtime_error
 {
   public:
     using std::runtime_error::runtime_error;
 };
 
-// The pixels of a whole export, on the disk instead of in memory until their files are written. One for many
-// runs.
+// The pixels of a whole export, kept on disk instead of in memory until their files are written. One spool
+// serves many runs.
 class XaSpool
 {
   public:
-    // Written beside `path`, which it never becomes. Throws OutputError when nothing can be written there.
+    // The spool is written beside `path` and never gets that name. Throws OutputError when it cannot be
+    // written.
     explicit XaSpool(const std::string &path);
     ~XaSpool(); // removes it
     XaSpool(const XaSpool &) = delete;
@@ -64,7 +65,7 @@ class XaSpool
     std::size_t size_bytes_ = 0;
 };
 
-// Where the frames of one file lie in the spool, one after the other, and what they are.
+// The place of one file's frames in the spool, one after the other, and their format.
 struct XaPixels {
     std::size_t offset_bytes = 0;
     std::size_t frame_count = 0, pixels_per_frame = 0;
@@ -73,17 +74,16 @@ struct XaPixels {
     bool has_room_for_another() const;
 };
 
-// Puts a frame behind those of `pixels`, which must be the last ones in the spool. Throws OutputError, and
+// Appends a frame to those of `pixels`, which must be the last ones in the spool. Throws OutputError, and
 // std::invalid_argument when the frames differ in size.
 void add_frame(XaSpool &spool, XaPixels &pixels, const RunFrame &frame);
 
-// `run` describes the frames that were added, in order (its own pixels are not used). `instance` counts the
-// files of the study from 1. Throws OutputError, XaInterrupted, and std::invalid_argument when the run
-// contradicts itself.
+// `run` describes the added frames in order (its own pixels are not used). `instance` counts the files of the
+// study from 1. Throws OutputError, XaInterrupted, and std::invalid_argument when the run contradicts itself.
 void write_xa(const std::string &path, const XrayRun &run, XaSpool &spool, const XaPixels &pixels,
               const XaStudy &study, int instance, const XaProgress &progress);
 
-// A whole run that is in memory.
+// Writes a whole run from memory.
 void write_xa(const std::string &path, const XrayRun &run, const XaStudy &study, int instance = 1,
               const XaProgress &progress = nullptr);
 

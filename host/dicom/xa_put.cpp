@@ -21,7 +21,7 @@ void check(const OFCondition &condition, const DcmTagKey &tag)
 std::string decimal_string(double value)
 {
     if (!std::isfinite(value)) throw std::invalid_argument("a DICOM attribute would not be a finite number");
-    if (std::abs(value) < 1e-9) return "0"; // also of -0
+    if (std::abs(value) < 1e-9) return "0"; // also for -0
     char text[32];
     int digits = 9;
     do {

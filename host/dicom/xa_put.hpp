@@ -1,4 +1,4 @@
-// Attributes into a DICOM item, one short call each; numbers as the standard writes them.
+// Puts attributes into a DICOM item with one short call each, and writes numbers as the standard requires.
 #pragma once
 #include <cstdint>
 #include <dcmtk/config/osconfig.h>
@@ -10,7 +10,7 @@
 namespace crn
 {
 
-// "0.625": as many digits as say something, at most the 16 characters of a DS.
+// Returns text like "0.625": as many digits as are significant, at most the 16 characters of a DS.
 std::string decimal_string(double value);
 
 class XaItem
@@ -19,10 +19,10 @@ class XaItem
     explicit XaItem(DcmItem &item) : item_(item) {}
 
     void text(const DcmTagKey &tag, const std::string &value);
-    void empty(const DcmTagKey &tag); // type 2: not known
+    void empty(const DcmTagKey &tag); // type 2: value not known
     void decimal(const DcmTagKey &tag, double value);
     void decimals(const DcmTagKey &tag, const std::vector<double> &values);
-    // Type 2: empty when the value is 0, that is not known.
+    // Type 2: the attribute is empty when the value is 0, which means not known.
     void decimal_if_known(const DcmTagKey &tag, double value);
     void whole(const DcmTagKey &tag, long value);                                // IS
     void shorts(const DcmTagKey &tag, const std::vector<std::uint16_t> &values); // US
@@ -35,7 +35,8 @@ class XaItem
     DcmItem &item_;
 };
 
-// The private block: what the classic XA object has no attribute for, one value per frame (docs/output.md).
+// The private block holds values for which the classic XA object has no attribute, one per frame
+// (docs/output.md).
 inline constexpr std::uint16_t private_group = 0x0023;
 inline constexpr const char *private_creator = "COURNAND 1.0";
 

@@ -7,20 +7,20 @@ namespace crn
 namespace
 {
 
-// Shares of the mean flow that go evenly through the whole beat; the rest goes in a hump. Assumptions:
-// docs/contrast.md.
+// Shares of the mean flow that run evenly through the whole beat; the rest runs in a hump. They are
+// assumptions: docs/contrast.md.
 constexpr double systemic_even = 0.6;        // the hump fills systole
 constexpr double left_coronary_even = 0.25;  // the hump fills diastole
 constexpr double right_coronary_even = 0.75; // the hump fills diastole
 
-// 0 at both ends, 15/8 in the middle, mean 1 over 0 .. 1.
+// Returns 0 at both ends and 15/8 in the middle; mean 1 over 0 .. 1.
 double hump(double place)
 {
     const double rise = place * (1.0 - place);
     return 30.0 * rise * rise;
 }
 
-// Mean 1 over a beat: `even` all the time and the rest in a hump of `length_s`.
+// Has mean 1 over a beat: `even` all the time and the rest in a hump of `length_s`.
 double openness(double even, bool is_in_hump, double place, double length_s, double beat_s)
 {
     return even + (is_in_hump ? (1.0 - even) * hump(place) * beat_s / length_s : 0.0);

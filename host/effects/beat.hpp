@@ -1,6 +1,6 @@
-// What drives blood through the vessels at a moment of the heartbeat: pressure at the inlet, and how open the
-// beds behind the outlets are. Whoever leads the rhythm gives the phase; steady_beat() is a heart that always
-// beats alike. No libm: the same bits on every machine. See docs/contrast.md.
+// The driving forces of blood flow at a moment of the heartbeat: the pressure at the inlet, and how open the
+// beds behind the outlets are. The owner of the rhythm gives the phase; steady_beat() is a heart that beats
+// regularly. It uses no libm, so that every machine gives the same bits. See docs/contrast.md.
 #pragma once
 #include "host/model/vessel_tree.hpp"
 #include <array>
@@ -17,7 +17,7 @@ struct BeatPhase {
     double since_opening_s = 0.0; // 0 .. beat_s
     double systole_s = 0.294;     // valve open
     double beat_s = 60.0 / 70.0;
-    bool is_beating = true; // false: asystole, nothing flows
+    bool is_beating = true; // false: asystole, no flow
 };
 
 struct FlowDrive {
@@ -30,12 +30,12 @@ struct FlowDrive {
 
 FlowDrive flow_drive(const BeatPhase &phase);
 
-// The core's own beat (docs/heart.md): from the state of a tick. The valve opens after 24 % of systole, which
-// lasts 540 ms - 2.1 ms per beat per minute from the QRS, and closes at its end. Resting (asystole): nothing
-// flows.
+// Returns the core's own beat (docs/heart.md) from the state of a tick. The valve opens after 24 % of
+// systole, which lasts 540 ms - 2.1 ms per beat per minute from the QRS, and closes at its end. During
+// asystole (resting) there is no flow.
 BeatPhase core_beat(double beat_ms, double interval_ms, bool is_resting);
 
-// Beats of one length from tick 0 on; 20 .. 250 per minute. Ejection lasts 413 ms less 1.7 ms per beat per
+// Returns regular beats from tick 0 on; 20 .. 250 per minute. Ejection lasts 413 ms less 1.7 ms per beat per
 // minute (Weissler et al., Circulation 37 (1968) 149, men).
 BeatPhase steady_beat(std::uint32_t tick, double beats_per_min);
 

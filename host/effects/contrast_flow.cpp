@@ -10,7 +10,7 @@ namespace
 
 constexpr double pi = 3.14159265358979323846;
 constexpr double step_s = 1e-3;
-constexpr double emptied_max = 0.95; // share of a layer that may leave its cell in one part of a step
+constexpr double emptied_max = 0.95; // share of a layer that may leave its cell in one substep
 
 } // namespace
 
@@ -87,8 +87,8 @@ void ContrastFlow::step(const FlowDrive &drive, const InjectedFluid &fluid)
     mix(step_s);
 }
 
-// A cell that widens takes blood from its neighbours, one that narrows gives it to them: a source of nothing
-// but volume, evenly over the steps that are left.
+// A cell that widens takes blood from its neighbours, and one that narrows gives blood to them. This is a
+// source of pure volume, spread evenly over the remaining steps.
 void ContrastFlow::find_widening()
 {
     if (widening_steps_ == 0) return;
@@ -111,8 +111,8 @@ void ContrastFlow::end_widening()
     network_.set_volumes(volume_ml_);
 }
 
-// The layers got their shares of the flows, but each grows by half of the volume: one hands the difference to
-// the other.
+// The layers got their shares of the flows, but each grows by half of the volume: one passes the difference
+// to the other.
 void ContrastFlow::widen(double dt_s)
 {
     const double core_share = settings_.core_flow_share;
@@ -130,11 +130,11 @@ void ContrastFlow::widen(double dt_s)
     }
 }
 
-// The faster layer may not give away more than it holds: then the step is done in parts.
+// The faster layer must not give away more than it holds; if it would, the step is divided.
 double ContrastFlow::parts_of_step()
 {
     const std::vector<FlowRun> &runs = network_.runs();
-    leaving_.assign(runs.size(), 0.0); // each run's last cell, ml/s
+    leaving_.assign(runs.size(), 0.0); // flow out of each run's last cell, ml/s
     double emptied = 0.0;
     for (std::size_t r = runs.size(); r-- > 0;) {
         const double q = network_.inflow_ml_s(r);
@@ -147,9 +147,9 @@ double ContrastFlow::parts_of_step()
     return std::max(std::ceil(emptied * faster * step_s / emptied_max), 1.0);
 }
 
-// Each layer by itself, upwind: a flow carries the concentration of the cell that it leaves. Both layers have
-// half of the volume, and the same shares of every flow, injected fluid included, so that what enters a layer
-// also leaves it.
+// Each layer is transported separately and upwind: a flow carries the concentration of the cell that it
+// leaves. Both layers have half of the volume and fixed shares of every flow, injected fluid included, so
+// that flow into a layer equals flow out of it.
 void ContrastFlow::transport(double dt_s, const InjectedFluid &fluid)
 {
     const double core = settings_.core_flow_share * dt_s, wall = (1.0 - settings_.core_flow_share) * dt_s;
@@ -164,8 +164,8 @@ void ContrastFlow::transport(double dt_s, const InjectedFluid &fluid)
     }
 }
 
-// One layer: seconds times its share of the flows, and what it holds. All flows carry what was there before
-// any of them.
+// Transports one layer, given the seconds times its share of the flows, and its contents. All flows carry the
+// concentrations from before the step.
 void ContrastFlow::carry(double share_s, std::vector<double> &layer_mg)
 {
     const std::vector<FlowRun> &runs = network_.runs();
@@ -177,12 +177,12 @@ void ContrastFlow::carry(double share_s, std::vector<double> &layer_mg)
         const int up = runs[r].upstream;
         if (k > 0.0) {
             const std::size_t from = up < 0 ? 0 : runs[static_cast<std::size_t>(up)].end - 1;
-            in[begin] = up < 0 ? 0.0 : k * per_volume[from] * mg[from]; // else fresh blood
+            in[begin] = up < 0 ? 0.0 : k * per_volume[from] * mg[from]; // otherwise fresh blood
             for (std::size_t i = begin + 1; i < end; ++i) in[i] = k * per_volume[i - 1] * mg[i - 1];
         } else {
             for (std::size_t i = begin; i < end; ++i) in[i] = k * per_volume[i] * mg[i];
         }
-        // What a widening vessel draws back out of its bed is blood without medium.
+        // A widening vessel draws blood without medium back from its bed.
         out_mg_[r] = share_s * std::max(network_.outflow_ml_s(r), 0.0) * per_volume[end - 1] * mg[end - 1];
     }
     for (std::size_t r = 0; r < runs.size(); ++r) {
@@ -198,8 +198,8 @@ void ContrastFlow::carry(double share_s, std::vector<double> &layer_mg)
     }
 }
 
-// The layers' difference falls as exp(-k t), k in proportion to the speed; implicit, so that it never
-// overshoots.
+// The layers' difference falls as exp(-k t), k in proportion to the speed; the step is implicit, so that it
+// never overshoots.
 void ContrastFlow::mix(double dt_s)
 {
     double *core = core_mg_.data(), *wall = wall_mg_.data();
@@ -228,8 +228,8 @@ double ContrastFlow::held_mg() const
     return sum;
 }
 
-// Behind a branch's beginning lies what came in there and what was injected behind it; branches stand behind
-// their parents.
+// Sums, for each branch, the medium that entered at its beginning and that was injected downstream; branches
+// come after their parents.
 std::vector<double> ContrastFlow::received_mg() const
 {
     const std::size_t count = cells_.branch_count();
@@ -242,7 +242,8 @@ std::vector<double> ContrastFlow::received_mg() const
             parents[b] = cells_[static_cast<std::size_t>(cells_[begin].upstream)].branch;
     }
     for (std::size_t b = count; b-- > 0;) {
-        const double came_in_mg = behind_mg[b] - injected_mg[b]; // over its beginning; below 0: went back
+        const double came_in_mg =
+            behind_mg[b] - injected_mg[b]; // through its beginning; below 0: flowed back
         received_mg[b] += std::max(branch_injected_mg_[b] + came_in_mg, 0.0);
         if (parents[b] < 0) continue;
         const auto parent = static_cast<std::size_t>(parents[b]);
@@ -287,7 +288,7 @@ bool ContrastFlow::restore(std::span<const std::uint8_t> bytes)
     if (bytes.size() < fixed) return false;
     const std::uint8_t *from = bytes.data();
     const auto get = [&](void *to, std::size_t size) {
-        if (size > 0) std::memcpy(to, from, size); // of nothing there is no address
+        if (size > 0) std::memcpy(to, from, size); // an empty array has no address
         from += size;
     };
     get(counts, sizeof counts);

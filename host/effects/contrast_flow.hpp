@@ -1,13 +1,13 @@
 // Contrast medium in a tree of vessels, one millisecond per step: docs/contrast.md has the equations.
 //
 //   ContrastFlow contrast(tree);
-//   contrast.set_tools(balls);              // what stands in the lumen
+//   contrast.set_tools(balls);              // tools in the lumen
 //   contrast.set_mouths(mouths);            // where fluid leaves the catheter
 //   contrast.step(flow_drive(phase), {4.0, 350.0});
 //   contrast.iodine_mg_per_ml(cell);
 //
-// Iodine is conserved: injected = in the vessels + out + reflux. A pure function of what it is given, in a
-// fixed order and without libm: the same bits on every machine.
+// Iodine is conserved: injected = in the vessels + out + reflux. The result is a pure function of the inputs,
+// in a fixed order and without libm, so that every machine gives the same bits.
 #pragma once
 #include "host/effects/flow_network.hpp"
 #include <cstdint>
@@ -20,10 +20,10 @@ namespace crn
 
 struct ContrastSettings {
     double viscosity_mPa_s = 3.5; // of blood
-    // Blood moves in two layers of equal area: the one around the axis carries this share of the flow. 0.75:
-    // laminar (Poiseuille's parabola); 0.5: all alike.
+    // Blood moves in two layers of equal area: the layer around the axis carries this share of the flow. 0.75
+    // is laminar flow (Poiseuille's parabola), 0.5 is plug flow.
     double core_flow_share = 0.75;
-    double mixing_radii = 30.0; // while it flows so many radii, the layers' difference falls to 1/e
+    double mixing_radii = 30.0; // over a distance of so many radii the layers' difference falls to 1/e
 };
 
 // A place where fluid leaves the catheter, with its share of the flow; shares add up to 1.
@@ -43,7 +43,7 @@ struct InjectedFluid {
     double iodine_mg_per_ml = 0.0;
 };
 
-// Since the beginning, mg of iodine.
+// Iodine since the beginning, mg.
 struct IodineBudget {
     double injected_mg = 0.0;
     double out_mg = 0.0;    // into the beds behind the outlets
@@ -57,18 +57,19 @@ class ContrastFlow
 
     const FlowCells &cells() const { return cells_; }
     void place(const VesselTree &moved) { cells_.place(moved); }
-    // Lesions have given way (FlowCells::reshape). Resistances are the new ones at once; volumes become so
-    // within that many steps: what is missing comes from the cells beside, and what is too much goes there,
-    // at the concentration it has. 0 steps: every cell keeps its iodine.
+    // Applies the new shape after lesions have yielded (FlowCells::reshape). Resistances change at once.
+    // Volumes change within that many steps: a cell takes what is missing from its neighbours and gives them
+    // its excess, at the concentration of the source. With 0 steps every cell keeps its iodine.
     void reshape(const VesselTree &opened, int steps);
 
     void set_tools(std::span<const ToolBall> balls);
     void set_mouths(std::span<const CatheterMouth> mouths);
 
-    // One millisecond. Fluid is injected only where mouths are known.
+    // Advances by one millisecond. Fluid is injected only when the catheter's openings are known.
     void step(const FlowDrive &drive, const InjectedFluid &fluid);
 
-    // mg/ml of a cell: of both layers, and of the one around the axis and the one along the wall.
+    // Returns concentrations of a cell, mg/ml: of both layers, of the layer around the axis and of the layer
+    // along the wall.
     double iodine_mg_per_ml(std::size_t cell) const;
     double core_mg_per_ml(std::size_t cell) const { return 2.0 * core_mg_[cell] / volume_ml_[cell]; }
     double wall_mg_per_ml(std::size_t cell) const { return 2.0 * wall_mg_[cell] / volume_ml_[cell]; }
@@ -76,13 +77,13 @@ class ContrastFlow
 
     double held_mg() const; // in the vessels
     const IodineBudget &budget() const { return budget_; }
-    // What came into each branch and did not go back to where it came from: injected in it, or carried in by
-    // the blood from the vessel before it or out of one behind it. What it hands on to its own branches
-    // counts for both.
+    // The medium that entered each branch and did not flow back: injected into it, or carried in from the
+    // vessel upstream or from a branch downstream. Medium that it passes on to its own branches counts for
+    // both.
     std::vector<double> received_mg() const;
 
-    // Everything that the next step depends on besides the vessels' shape, as bytes: open lesions are
-    // reshaped before. A snapshot of other vessels is refused.
+    // Everything that the next step depends on besides the vessels' shape, as bytes: open lesions must be
+    // reshaped before restoring. A snapshot of other vessels is refused.
     std::vector<std::uint8_t> snapshot() const;
     bool restore(std::span<const std::uint8_t> bytes);
 
@@ -99,8 +100,8 @@ class ContrastFlow
     ContrastSettings settings_;
     FlowCells cells_;
     FlowNetwork network_;
-    std::vector<double> volume_ml_;  // of the cells now
-    int widening_steps_ = 0;         // until they are those of cells_
+    std::vector<double> volume_ml_;  // present volumes of the cells
+    int widening_steps_ = 0;         // steps until they equal those of cells_
     std::vector<double> per_volume_; // 1 / (volume of a layer), 1/ml
     std::vector<double> mixing_;     // mixing rate per flow, 1/ml
     std::vector<double> tool_mm_;    // thickest tool in the cell
@@ -108,8 +109,9 @@ class ContrastFlow
     std::vector<double> core_mg_, wall_mg_;
     IodineBudget budget_;
     std::vector<double> branch_injected_mg_, branch_out_mg_; // of each branch: into it, and from it into beds
-    // Of a step, kept for their memory.
-    std::vector<CellSource> sources_; // `injecting_` that give fluid, then cells that widen or narrow
+    // Working memory of a step, kept to avoid allocation.
+    std::vector<CellSource>
+        sources_; // cells of `injecting_` that give fluid, then cells that widen or narrow
     std::size_t injecting_ = 0;
     std::vector<double> leaving_, in_mg_, out_mg_; // of runs, into cells, out of runs
     std::vector<double> least_ml_;                 // of cells, while they change

@@ -12,7 +12,7 @@ using Eigen::Vector3d;
 
 constexpr double pi = 3.14159265358979323846;
 constexpr double length_per_radius = 0.5, length_min_mm = 1.0, length_max_mm = 3.0;
-constexpr double wall_shear_per_s = 500.0; // 1.75 Pa at 3.5 mPa s, about what medium arteries have
+constexpr double wall_shear_per_s = 500.0; // gives 1.75 Pa at 3.5 mPa s, about as in medium arteries
 
 // A branch as a line with arc lengths.
 struct Line {
@@ -43,8 +43,8 @@ Vector3d between(const std::vector<Vector3d> &points_m, const FlowCell::Place &p
     return points_m[place.point] + place.share * (points_m[place.point + 1] - points_m[place.point]);
 }
 
-// Sums over a cell's stretch of its branch, whose radius is linear between its points: length, integrals of
-// pi r^2 ds and of ds / r^4.
+// Integrates over a cell's stretch of its branch, whose radius is linear between its points: length,
+// integrals of pi r^2 ds and of ds / r^4.
 void measure(FlowCell &cell, const VesselBranch &branch)
 {
     double volume_mm3 = 0.0;
@@ -94,7 +94,7 @@ void FlowCells::cut(const VesselTree &tree, std::size_t index)
     const VesselBranch &branch = tree.branches[index];
     const Line line(branch);
     const double begin_m = vessel_start_m(tree, index), length_m = line.length_m() - begin_m;
-    // Faces by the wanted lengths, then stretched to end where the branch does.
+    // Faces have the wanted distances, then are stretched to end at the branch's end.
     std::vector<double> faces_m = {0.0};
     while (faces_m.back() < length_m)
         faces_m.push_back(faces_m.back() + wanted_length_m(line.radius_m(
@@ -113,7 +113,7 @@ void FlowCells::cut(const VesselTree &tree, std::size_t index)
         cells_.push_back(cell);
     }
     FlowCell &first = cells_[branch_begin_[index]];
-    if (branch.parent >= 0) { // fed by the parent's cell at the place where it leaves
+    if (branch.parent >= 0) { // fed by the parent's cell at the place where the branch leaves it
         const auto parent = static_cast<std::size_t>(branch.parent);
         std::size_t feeding = branch_begin_[parent];
         while (feeding + 1 < branch_begin_[parent + 1] && cells_[feeding].last.point < branch.parent_point)
@@ -127,7 +127,7 @@ void FlowCells::cut(const VesselTree &tree, std::size_t index)
         branch.flow_ml_s > 0.0 ? branch.flow_ml_s : murray_flow_ml_s(cells_.back().radius_mm);
 }
 
-// A lesion whose throat lies before the branch's first cell narrows that one.
+// A lesion whose narrowest place lies before the branch's first cell narrows that cell.
 FlowThroat FlowCells::throat_of(const VesselTree &tree, const VesselLesion &lesion) const
 {
     const std::size_t point = tree.throat(lesion), end = branch_begin_[lesion.branch + 1];

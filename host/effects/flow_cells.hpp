@@ -1,8 +1,8 @@
-// The tree of vessels cut into cells of blood: position, radius, length and volume of each, and the cell it
-// is fed from.
+// The tree of vessels cut into cells of blood: position, radius, length and volume of each, and the cell that
+// feeds it.
 //
-//   FlowCells cells(tree);        // cells of a branch follow each other; a cell stands behind the one that feeds it
-//   cells.reshape(opened);        // the same vessels with lesions that have given way: other radii, volumes and places
+//   FlowCells cells(tree);        // cells of a branch are consecutive; a cell comes after the one that feeds it
+//   cells.reshape(opened);        // the same vessels after lesions have yielded: other radii, volumes and places
 //   cells.place(moved);           // the same vessels elsewhere (a beating heart): radii and volumes stay
 //   cells.nearest(tip_m);
 #pragma once
@@ -15,12 +15,12 @@ namespace crn
 
 struct FlowCell {
     int branch = 0;
-    int upstream = -1; // the cell it is fed from; -1: the inlet
+    int upstream = -1; // the cell that feeds it; -1: the inlet
     double radius_mm = 0.0, length_mm = 0.0, volume_ml = 0.0;
-    double per_r4_mm3 = 0.0;  // integral of ds / r^4: what resists the flow
-    double outlet_ml_s = 0.0; // mean flow into the bed behind it; 0: none begins here
+    double per_r4_mm3 = 0.0;  // integral of ds / r^4: in proportion to the resistance
+    double outlet_ml_s = 0.0; // mean flow into the bed behind it; 0: no bed begins here
     VesselBed bed = VesselBed::systemic;
-    // Its middle lies so far between two points of its branch; so do its two faces.
+    // The place of its middle between two points of its branch, and likewise of its two faces.
     struct Place {
         std::size_t point = 0;
         double share = 0.0;
@@ -30,7 +30,9 @@ struct FlowCell {
 
 // The narrowest place of a lesion.
 struct FlowThroat {
-    std::size_t cell = 0, behind = 0; // where it lies, and the first cell behind the lesion (of its branch)
+    std::size_t cell = 0,
+                behind =
+                    0; // the cell of the narrowest place, and the first cell of its branch behind the lesion
     double radius_mm = 0.0, healthy_radius_mm = 0.0;
 };
 
@@ -39,28 +41,29 @@ class FlowCells
   public:
     FlowCells() = default;
     // `tree` has passed check_vessel_tree. Cells are half a radius long, 1 to 3 mm. A branch begins at
-    // vessel_start_m. Outlets without a stated flow get what Murray's law gives their radius.
+    // vessel_start_m. Outlets without a stated flow get the flow that Murray's law gives for their radius.
     explicit FlowCells(const VesselTree &tree);
 
     std::size_t size() const { return cells_.size(); }
     const FlowCell &operator[](std::size_t i) const { return cells_[i]; }
-    // Cells of one branch: first, and one behind the last.
+    // Return the cells of one branch: the first, and one behind the last.
     std::size_t branch_begin(std::size_t branch) const { return branch_begin_[branch]; }
     std::size_t branch_count() const { return branch_begin_.empty() ? 0 : branch_begin_.size() - 1; }
 
     const std::vector<FlowThroat> &throats() const { return throats_; } // one for each lesion
 
-    // Other points and radii within the tree's lesions, in the pose that the tree had. What flows into the
-    // beds stays as it was.
+    // Takes other points and radii within the tree's lesions, in the pose that the tree had. The flow into
+    // the beds stays as it was.
     void reshape(const VesselTree &opened);
-    // Other places for the tree's points: as many branches, points and lesions as it had. Others are left
-    // out.
+    // Takes other places for the tree's points: it must have as many branches, points and lesions as before.
+    // Any other tree is ignored.
     void place(const VesselTree &moved);
     const Eigen::Vector3d &middle_m(std::size_t i) const { return middle_m_[i]; }
     Eigen::Vector3d first_face_m(std::size_t i) const { return at(i, cells_[i].first); }
     Eigen::Vector3d last_face_m(std::size_t i) const { return at(i, cells_[i].last); }
 
-    // By power distance, |p - middle|^2 - radius^2: of overlapping vessels the one that p lies deeper in.
+    // Finds the nearest cell by power distance, |p - middle|^2 - radius^2: of overlapping vessels the one in
+    // which p lies deeper.
     std::size_t nearest(const Eigen::Vector3d &place_m) const;
 
   private:
@@ -72,11 +75,12 @@ class FlowCells
     std::vector<FlowCell> cells_;
     std::vector<std::size_t> branch_begin_;
     std::vector<FlowThroat> throats_;
-    std::vector<std::vector<Eigen::Vector3d>> points_m_; // of each branch, as they are now
+    std::vector<std::vector<Eigen::Vector3d>> points_m_; // of each branch, as of now
     std::vector<Eigen::Vector3d> middle_m_;
 };
 
-// Mean flow out of a vessel of this radius by Murray's law: wall shear rate 500/s, so pi/4 500/s r^3.
+// Returns the mean flow out of a vessel of this radius by Murray's law: wall shear rate 500/s, so pi/4 500/s
+// r^3.
 double murray_flow_ml_s(double radius_mm);
 
 } // namespace crn

@@ -10,24 +10,25 @@ namespace
 
 constexpr double pi = 3.14159265358979323846;
 constexpr double mmHg_per_Pa = 1.0 / 133.322;
-constexpr double wedged_share = 0.98; // of the lumen's radius; beyond it nothing passes
+constexpr double wedged_share = 0.98; // of the lumen's radius; beyond it there is no flow
 constexpr double blood_kg_m3 = 1060.0;
-constexpr double expansion_loss = 1.5; // K_t, about (Young and Tsai 1973)
-constexpr int settle_rounds = 60;      // each halves what is missing, at least
+constexpr double expansion_loss = 1.5; // K_t, approximately (Young and Tsai 1973)
+constexpr int settle_rounds = 60;      // each round at least halves the remaining error
 
-// Pressure lost behind a throat, K_t rho/2 (A0/As - 1)^2 v0^2, per square of the flow. Format: mm and ml/s ->
-// mmHg s^2/ml^2 (1 ml/s through 1 mm^2 is 1 m/s). 0 where the throat is no narrower than the vessel.
+// Returns the pressure lost behind a stenosis, K_t rho/2 (A0/As - 1)^2 v0^2, per square of the flow. Format:
+// mm and ml/s -> mmHg s^2/ml^2 (1 ml/s through 1 mm^2 is 1 m/s). It is 0 where the lesion's narrowest place
+// is no narrower than the vessel.
 double loss_of(const FlowThroat &throat, double tool_radius_mm)
 {
     const double area = throat.healthy_radius_mm * throat.healthy_radius_mm;
     const double left = throat.radius_mm * throat.radius_mm - tool_radius_mm * tool_radius_mm;
     if (!(left < area)) return 0.0;
-    const double least = 1e-4 * area; // less lets nothing pass: the cell's conductance is 0 there
+    const double least = 1e-4 * area; // below it nothing flows: the cell's conductance is 0 there
     const double widening = area / std::max(left, least) - 1.0, area_mm2 = pi * area;
     return expansion_loss * 0.5 * blood_kg_m3 * widening * widening / (area_mm2 * area_mm2) * mmHg_per_Pa;
 }
 
-// Logarithm of x >= 1 by square roots and a series, the same bits on every machine.
+// Logarithm of x >= 1 by square roots and a series, so that every machine gives the same bits.
 double logarithm(double x)
 {
     double scale = 2.0;
@@ -57,7 +58,7 @@ FlowNetwork::FlowNetwork(const FlowCells &cells, double viscosity_mPa_s) : visco
         bed_.push_back(cell.bed);
         volume_ml_.push_back(cell.volume_ml);
     }
-    std::vector<int> fed(count, 0); // cells fed by each
+    std::vector<int> fed(count, 0); // number of cells that each cell feeds
     for (int up : upstream_)
         if (up >= 0) ++fed[static_cast<std::size_t>(up)];
     for (std::size_t i = 0; i + 1 < count; ++i)
@@ -69,7 +70,7 @@ FlowNetwork::FlowNetwork(const FlowCells &cells, double viscosity_mPa_s) : visco
     divide({});
 }
 
-// Hagen-Poiseuille, 8 mu/pi times the integral of ds/r^4, from Pa s/m^3 to mmHg s/ml.
+// Applies Hagen-Poiseuille: 8 mu/pi times the integral of ds/r^4, converted from Pa s/m^3 to mmHg s/ml.
 void FlowNetwork::take_shape(const FlowCells &cells)
 {
     open_.resize(cells.size());
@@ -128,7 +129,7 @@ void FlowNetwork::settle(const FlowDrive &drive)
     for (int round = 0; round < settle_rounds; ++round) solve(drive, {});
 }
 
-// Runs between the cells that end one, those that get fluid among them.
+// Divides the cells into runs: a run ends where flow divides or fluid is injected.
 void FlowNetwork::divide(std::span<const CellSource> sources)
 {
     source_cells_.clear();
@@ -161,7 +162,7 @@ void FlowNetwork::set_ways()
     }
 }
 
-// To Poiseuille's resistance of a run comes what its throats lose at the flows seen last.
+// Adds to Poiseuille's resistance of a run the losses of its stenoses at the last known flows.
 void FlowNetwork::add_throats()
 {
     for (Row &row : rows_) row.way = row.open_way;
@@ -183,9 +184,9 @@ double FlowNetwork::pressure_mmHg(std::size_t cell) const
     return rows_[run].pressure_mmHg + (flow_ml_s == 0.0 ? 0.0 : flow_ml_s * resistance);
 }
 
-// Behind a run's last cell lie conductances c to the veins and sources s. Its pressure is p, the way into it
-// from pressure u has conductance g: g (u - p) + s = c p. Seen from upstream the run is g c / (g + c) with
-// the source g s / (g + c).
+// Behind a run's last cell there are conductances c to the veins and sources s. The cell's pressure is p, and
+// the path into it from pressure u has conductance g: g (u - p) + s = c p. Seen from upstream, the run has
+// the conductance g c / (g + c) and the source g s / (g + c).
 void FlowNetwork::solve(const FlowDrive &drive, std::span<const CellSource> sources)
 {
     const bool is_divided =
@@ -224,13 +225,14 @@ void FlowNetwork::solve(const FlowDrive &drive, std::span<const CellSource> sour
         flows_[r].out_ml_s *= row.pressure_mmHg;
         flows_[r].in_ml_s = flows_[r].out_ml_s - row.injected_ml_s;
     }
-    // What goes into a run is what leaves it: exact, where differences of nearly equal pressures are not.
+    // The flow into a run is set to the flow out of it. This is exact, whereas differences of nearly equal
+    // pressures are not.
     for (std::size_t r = runs_.size(); r-- > 0;) {
-        if (!(rows_[r].way > 0.0)) flows_[r].in_ml_s = 0.0; // nothing passes, not even a rounding error
+        if (!(rows_[r].way > 0.0)) flows_[r].in_ml_s = 0.0; // no flow passes, not even a rounding error
         if (runs_[r].upstream >= 0)
             flows_[static_cast<std::size_t>(runs_[r].upstream)].in_ml_s += flows_[r].in_ml_s;
     }
-    // Halfway to the new flow: the whole way would swing about it for ever.
+    // The step goes halfway to the new flow, since a full step would oscillate about it for ever.
     for (std::size_t k = 0; k < throats_.size(); ++k)
         throat_flows_[k] += 0.5 * (std::fabs(flows_[run_of_[throats_[k].cell]].in_ml_s) - throat_flows_[k]);
 }

@@ -1,7 +1,8 @@
-// Blood flow in the cells of a tree at one moment: Poiseuille's resistance of every cell, narrowed by the
-// tools in it, a pressure at the inlet, conductances behind the outlets, and fluid that is injected. Linear,
-// so one elimination from the outlets to the inlet and one walk back solve it exactly. Cells in a row are one
-// resistance, so that only the places where flow divides count.
+// Solves the blood flow in the cells of a tree at one moment. Its inputs are Poiseuille's resistance of every
+// cell, narrowed by the tools in it, a pressure at the inlet, conductances behind the outlets, and injected
+// fluid. The system is linear: one elimination from the outlets to the inlet and one pass back solve it
+// exactly. Cells in a row form one resistance, so that the cost depends only on the places where flow
+// divides.
 #pragma once
 #include "host/effects/beat.hpp"
 #include "host/effects/flow_cells.hpp"
@@ -12,9 +13,9 @@
 namespace crn
 {
 
-// Share of its conductance that a round tube keeps with a round rod of `share` of its radius in its middle, 0
-// from 0.98 on: 1 - k^4 - (1 - k^2)^2 / ln(1/k) (Bird, Stewart, Lightfoot, Transport Phenomena, flow through
-// an annulus).
+// Returns the share of its conductance that a round tube keeps with a concentric round rod of `share` of its
+// radius. It is 1 - k^4 - (1 - k^2)^2 / ln(1/k), and 0 from 0.98 on (Bird, Stewart, Lightfoot, Transport
+// Phenomena, flow through an annulus).
 double annulus_share(double share);
 
 struct CellSource {
@@ -22,11 +23,10 @@ struct CellSource {
     double flow_ml_s = 0.0;
 };
 
-// Cells that follow each other with nothing between them that adds or takes fluid: the same flow passes all
-// of them.
+// Consecutive cells with no source or outlet between them: the same flow passes all of them.
 struct FlowRun {
     std::size_t begin = 0, end = 0; // cells
-    int upstream = -1;              // the run whose last cell feeds the first one; -1: the inlet
+    int upstream = -1;              // the run whose last cell feeds the first cell of this one; -1: the inlet
     double smallest_ml = 0.0;       // of its cells
 };
 
@@ -36,39 +36,41 @@ class FlowNetwork
     FlowNetwork() = default;
     FlowNetwork(const FlowCells &cells, double viscosity_mPa_s);
 
-    // Lesions have given way: the same cells with other radii. Tools as in set_tools.
+    // Takes the shape after lesions have yielded: the same cells with other radii. Tools are given as in
+    // set_tools.
     void reshape(const FlowCells &cells, std::span<const double> tool_radius_mm);
     void set_volumes(std::span<const double> volume_ml); // of the cells
-    // Radius of the thickest tool in each cell, mm; 0: none.
+    // Sets the radius of the thickest tool in each cell, mm; 0: none.
     void set_tools(std::span<const double> tool_radius_mm);
     void solve(const FlowDrive &drive, std::span<const CellSource> sources);
-    // Solves until the flows through the throats agree with their resistance.
+    // Solves until the flows through the stenoses agree with their resistance.
     void settle(const FlowDrive &drive);
 
-    // Of the last solve: every cell is in one run, and a run stands behind the one that feeds it. A cell that
-    // has an outlet, gets fluid or feeds others than the next cell is the last of its run.
+    // Runs of the last solution: every cell is in one run, and a run comes after the one that feeds it. A
+    // cell that has an outlet, receives fluid or feeds a cell other than the next one is the last of its run.
     const std::vector<FlowRun> &runs() const { return runs_; }
     std::size_t run_of(std::size_t cell) const { return run_of_[cell]; }
-    // ml/s: into the run from upstream (below 0: out of it), and out of its last cell into the bed behind it.
+    // Flows in ml/s: into the run from upstream (below 0: out of it), and out of its last cell into the bed
+    // behind it.
     double inflow_ml_s(std::size_t run) const { return flows_[run].in_ml_s; }
     double outflow_ml_s(std::size_t run) const { return flows_[run].out_ml_s; }
 
     double pressure_mmHg(std::size_t cell) const; // above the veins
 
-    // The flows on which the throats' resistance rests, ml/s: what the next solution depends on besides its
-    // arguments.
+    // The flows that determine the stenoses' resistance, ml/s: the only state of the next solution besides
+    // its arguments.
     const std::vector<double> &throat_flows_ml_s() const { return throat_flows_; }
-    void set_throat_flows(std::span<const double> flows_ml_s); // as many as there are throats
+    void set_throat_flows(std::span<const double> flows_ml_s); // as many as there are stenoses
 
   private:
     struct Flow {
         double in_ml_s = 0.0, out_ml_s = 0.0;
     };
     struct Row {                  // of the elimination, at a run's last cell
-        double conductance = 0.0; // of all behind it, seen from the cell
+        double conductance = 0.0; // of everything behind it, seen from the cell
         double source = 0.0;
         double open_way = 0.0,
-               way = 0.0; // conductance from the last cell of the run upstream, without and with throats
+               way = 0.0; // conductance from the last cell of the run upstream, without and with stenoses
         double pressure_mmHg = 0.0, injected_ml_s = 0.0;
     };
     void take_shape(const FlowCells &cells);
@@ -80,15 +82,15 @@ class FlowNetwork
     double viscosity_mPa_s_ = 0.0;
     std::vector<FlowThroat> throats_;
     std::vector<double> throat_loss_,
-        throat_flows_; // mmHg per (ml/s)^2 with the tools that stand in it; ml/s
+        throat_flows_; // mmHg per (ml/s)^2 with the tools in it; ml/s
     std::vector<int> upstream_;
     std::vector<double> open_,
-        resistance_; // of the way into each cell: conductance without tools, resistance with tools
+        resistance_; // of the path into each cell: conductance without tools, resistance with tools
     std::vector<double> outlet_; // mean conductance behind it
     std::vector<VesselBed> bed_;
     std::vector<double> radius_mm_, volume_ml_;
     std::vector<std::uint8_t> ends_run_;    // without sources
-    std::vector<std::size_t> source_cells_; // that the runs were divided at
+    std::vector<std::size_t> source_cells_; // cells at which the runs were divided
     std::vector<FlowRun> runs_;
     std::vector<std::size_t> run_of_; // of each cell
     std::vector<Row> rows_;

@@ -5,7 +5,7 @@ namespace crn
 namespace
 {
 
-// The cell before a lesion: the one that feeds the first that reaches into it.
+// Returns the cell before a lesion: the one that feeds the first cell inside it.
 std::size_t before(const FlowCells &cells, const VesselLesion &lesion, const FlowThroat &throat)
 {
     std::size_t first = cells.branch_begin(lesion.branch);

@@ -1,4 +1,4 @@
-// What a cardiologist asks of a narrowed vessel: how narrow, how long, and what it does to the flow.
+// Figures of a narrowed vessel for a cardiologist: how narrow it is, how long, and its effect on the flow.
 //
 //   for (const LesionFigures &f : lesion_figures(tree, 3.5)) ...
 //
@@ -14,20 +14,21 @@ namespace crn
 struct LesionFigures {
     std::string name, branch;
     double length_mm = 0.0;                                        // along the healthy vessel
-    double minimum_diameter_mm = 0.0, reference_diameter_mm = 0.0; // at the throat: now, and healthy
-    double rest_flow_ml_s = 0.0, rest_drop_mmHg = 0.0; // through the throat; from before to behind the lesion
+    double minimum_diameter_mm = 0.0, reference_diameter_mm = 0.0; // at the narrowest place: now, and healthy
+    double rest_flow_ml_s = 0.0,
+           rest_drop_mmHg = 0.0; // flow through the narrowest place; drop from before to behind the lesion
     double hyperaemic_flow_ml_s = 0.0, hyperaemic_drop_mmHg = 0.0;
-    // Fractional flow reserve: pressure behind the lesion over that in the aorta, both above the veins, in
-    // hyperaemia.
+    // Fractional flow reserve is the pressure behind the lesion over that in the aorta, both above the veins,
+    // in hyperaemia.
     double ffr = 1.0;
 
-    double diameter_percent() const; // of the reference that is missing
+    double diameter_percent() const; // share of the reference that is missing
     double area_percent() const;
 };
 
-// By the mean pressure and flows, without tools. In hyperaemia the heart's beds are `hyperaemia_openness`
-// times as open as at rest (the coronary flow reserve of a healthy heart is 3 to 5); others stay. `opened`:
-// the same vessels with lesions that have given way; nullptr: as they were baked.
+// Computed with the mean pressure and flows, without tools. In hyperaemia the heart's beds are
+// `hyperaemia_openness` times as open as at rest (the coronary flow reserve of a healthy heart is 3 to 5);
+// others stay. `opened`: the same vessels after lesions have yielded; nullptr: as they were baked.
 constexpr double hyperaemia_openness = 4.0;
 std::vector<LesionFigures> lesion_figures(const VesselTree &tree, double viscosity_mPa_s,
                                           const VesselTree *opened = nullptr);

@@ -1,10 +1,10 @@
-// What a monitor shows of the heart: electrocardiogram and aortic pressure, from the beats that the core
+// The traces of a heart monitor: electrocardiogram and aortic pressure, computed from the beats that the core
 // reports tick by tick.
 //
-// The electrocardiogram is a sum of bells placed by the beat: P before the QRS, T at the end of systole; a
-// premature beat is wide, without P, with T turned over. The pressure is a two-element windkessel with a
-// characteristic impedance, fed by the ejection of each systole; the less the ventricle was filled, the less
-// it ejects (docs/heart.md, "traces").
+// The electrocardiogram is a sum of bells placed by the beat: P before the QRS, T at the end of systole. A
+// premature beat is wide, without P, and has an inverted T. The pressure is that of a two-element windkessel
+// with a characteristic impedance, fed by the ejection of each systole. A less filled ventricle ejects less
+// (docs/heart.md, "traces").
 #pragma once
 #include "shared/wire/wire.h"
 #include <array>
@@ -21,10 +21,11 @@ inline double phase_of(std::uint32_t phase32)
     return phase32 * 0x1p-32;
 }
 
-// Lead II, mV. `beat_ms` since the QRS, `interval_ms` to the next one, `bits` CRN_WIRE_RHYTHM_*.
+// Lead II, mV. `beat_ms` counts since the QRS, `interval_ms` is the time between it and the next one, `bits`
+// are CRN_WIRE_RHYTHM_*.
 double ecg_mV(double phase, double beat_ms, double interval_ms, std::uint8_t bits);
 
-// Flow out of the ventricle, of area 1 over the ejection and 0 where the valve is shut; `share` 0 .. 1 of
+// Flow out of the ventricle, of area 1 over the ejection and 0 while the valve is shut; `share` 0 .. 1 of
 // systole.
 double ejection_shape(double share);
 
@@ -40,16 +41,16 @@ class PulseMonitor
     void tick(const crn_wire_tick_state &state);
 
     double pressure_mmHg() const { return aortic_mmHg_; }
-    // Of the last whole beat.
+    // Return figures of the last complete beat.
     double systolic_mmHg() const { return systolic_mmHg_; }
     double diastolic_mmHg() const { return diastolic_mmHg_; }
-    // 60 000 over the mean of the last four intervals; 0 without beats for 3 s.
+    // 60 000 divided by the mean of the last four intervals; 0 without beats for 3 s.
     double rate_per_min() const;
     std::uint32_t beats() const { return beats_; }
     std::uint32_t premature_beats() const { return premature_beats_; }
     bool holds_breath() const { return (bits_ & CRN_WIRE_RHYTHM_HOLDS_BREATH) != 0; }
 
-    // The last 4 s as a monitor draws them: a ring that is written over from the left; `newest` is the place
+    // The last 4 s as a monitor draws them: a ring that is overwritten from the left; `newest` is the place
     // written last.
     const std::array<Sample, sample_count> &samples() const { return samples_; }
     std::size_t newest() const { return newest_; }
@@ -64,11 +65,12 @@ class PulseMonitor
     std::size_t newest_ = 0;
     std::uint32_t ticks_ = 0, beats_ = 0, premature_beats_ = 0;
     std::uint8_t bits_ = 0;
-    double beat_ms_ = 1e9, filling_ms_ = 500.0; // of the diastole before this beat
+    double beat_ms_ = 1e9, filling_ms_ = 500.0; // length of the diastole before this beat
     double systole_ms_ = 390.0;
     std::array<double, 4> intervals_ms_{};
     std::size_t interval_count_ = 0;
-    double stored_mmHg_ = 84.0, aortic_mmHg_ = 84.0; // in the windkessel, and with the impedance's part
+    double stored_mmHg_ = 84.0,
+           aortic_mmHg_ = 84.0; // in the windkessel alone, and with the part of the impedance
     double highest_mmHg_ = 0.0, lowest_mmHg_ = 1e9, systolic_mmHg_ = 0.0, diastolic_mmHg_ = 0.0;
 };
 

@@ -17,8 +17,8 @@ EmulatedTransport::EmulatedTransport(Emulator &emulator, std::function<void(std:
 {
 }
 
-// A device that started again knows nothing of what was said before: told once, then the new one is talked
-// to.
+// A device that restarted has lost the conversation: the caller gets an error once, and then communicates
+// with the new one.
 void EmulatedTransport::check_life()
 {
     const std::uint32_t boots = emulator_.boot_count();
@@ -33,7 +33,7 @@ void EmulatedTransport::write(std::span<const std::uint8_t> bytes)
     rig_page &page = emulator_.page();
     std::uint32_t head = page.host.to_device_head;
     const auto room = [&] { return RIG_RING_BYTES - (head - rig_read(&page.device.to_device_tail)); };
-    // A frame is announced whole where it fits, so that the device does not begin with half of it.
+    // A frame that fits is announced as a whole, so that the device does not start on half of it.
     while (!bytes.empty()) {
         const std::size_t wanted = std::min<std::size_t>(bytes.size(), RIG_RING_BYTES / 2);
         emulator_.wait([&] { return room() >= wanted; }, "room in the device's ring");
@@ -53,7 +53,8 @@ std::size_t EmulatedTransport::read(std::span<std::uint8_t> bytes)
     emulator_.wait(
         [&] {
             const bool is_idle = rig_read(&page.device.to_device_tail) == page.host.to_device_head;
-            count = rig_read(&page.device.to_host_head) - tail; // after the line above: what idleness left
+            count = rig_read(&page.device.to_host_head) -
+                    tail; // read after the line above: the output from before the idle state
             return count > 0 || is_idle;
         },
         "an answer");

@@ -24,7 +24,7 @@ namespace
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int not_found = 127; // exit code, as a shell's
+constexpr int not_found = 127; // the shell's exit code for it
 
 [[noreturn]] void refuse(const std::string &what)
 {
@@ -42,8 +42,8 @@ std::string image_path(const std::string &given)
 [[noreturn]] void become(const std::vector<std::string> &command, const std::string &log, pid_t parent)
 {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    setpgid(0, 0); // Ctrl-C is for us: the session ends in order, and the emulator after it
-    if (getppid() != parent) _exit(126); // we came too late for the line above
+    setpgid(0, 0); // Ctrl-C is for this program: it ends the session in order, and then the emulator
+    if (getppid() != parent) _exit(126); // the parent ended before the line above took effect
     const int file = open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600),
               none = open("/dev/null", O_RDONLY);
     dup2(none, 0);
@@ -161,7 +161,7 @@ void Emulator::pause()
 {
     ::kill(process_, SIGSTOP);
     int status = 0;
-    waitpid(process_, &status, WUNTRACED); // returns when it stands still
+    waitpid(process_, &status, WUNTRACED); // returns when the process has stopped
     if (!WIFSTOPPED(status))
         throw EmulatorError("the emulator ended instead of standing still\n" + console());
 }

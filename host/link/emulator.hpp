@@ -1,10 +1,10 @@
-// The device's image on an emulated Cortex-M7: one QEMU process and the memory it shares with us.
+// Runs the device's image on an emulated Cortex-M7: one QEMU process and the memory that it shares with us.
 //
-// With -icount every instruction takes 2^shift ns of the board's time, so a run is a function of its inputs:
+// With -icount every instruction takes 2^shift ns of the board's time, so a run depends only on its inputs:
 //   shift 7   counts instructions exactly (3.2 counts of the board's clock each); a millisecond holds 7,812 of them
 //   shift 1   500 instructions per us; shift 0   1,000 instructions per us: for anything with milliseconds in it
 //
-// Every wait has a deadline, and the process dies with us, whatever happens.
+// Every wait has a deadline, and the process ends with us, whatever happens.
 #pragma once
 #include "firmware/port/mps2_an500/rig_page.h"
 #include "host/link/link.hpp"
@@ -16,7 +16,7 @@
 namespace crn
 {
 
-// The emulator did not start, died, or did not do in time what it had to; the text ends with its console.
+// The emulator did not start, ended, or missed a deadline; the text ends with its console output.
 class EmulatorError : public LinkError
 {
   public:
@@ -28,13 +28,13 @@ struct EmulatorOptions {
     int icount_shift = 7;
     std::string serial{}; // of the device; empty: its own
     std::string
-        debugger{}; // socket for gdb; the device waits for `continue` there, and nobody looks at the time
+        debugger{}; // socket for gdb; the device waits for `continue` there, and there are no deadlines
 };
 
 class Emulator
 {
   public:
-    // Starts and waits until the device is ready; the page says that a rig is there and makes milliseconds.
+    // Starts and waits until the device is ready; the page reports a rig and advances milliseconds.
     explicit Emulator(const EmulatorOptions &options);
     ~Emulator();
     Emulator(const Emulator &) = delete;
@@ -44,15 +44,15 @@ class Emulator
     std::uint8_t *memory() { return memory_; } // RIG_MEMORY_BYTES
     std::string memory_path() const { return folder_ + "/memory"; }
 
-    // Stand still and go on, as under a debugger. No instruction is done in between.
+    // Pause and continue, as under a debugger. No instruction runs in between.
     void pause();
     void resume();
 
-    // Power off at once, wherever the device is, and on again with the memory as it is.
+    // Cuts the power at once, wherever the device is, and restores it with the memory unchanged.
     void power_cycle();
 
-    // Until `is_done`. Throws EmulatorError after the deadline or when the process ends; `what` completes
-    // "waited for".
+    // Waits until `is_done`. Throws EmulatorError after the deadline or when the process ends; `what`
+    // completes "waited for".
     void wait(const std::function<bool()> &is_done, const char *what, double deadline_s = deadline_default_s);
     static constexpr double deadline_default_s = 20.0;
 

@@ -1,7 +1,8 @@
-// The HID interface of a rig by hidapi: state every millisecond, commands, settings (docs/usb.md, "Reports").
+// The HID interface of a rig through hidapi: state every millisecond, commands, settings (docs/usb.md,
+// "Reports").
 //
-// Debian has hidapi twice, over the kernel's hidraw and over libusb, with the same names inside. Both are
-// opened at run time, so that either can be chosen and a machine without them still runs everything else.
+// Debian has hidapi twice, over the kernel's hidraw and over libusb, with the same function names. Both are
+// opened at run time, so that either can be chosen and all other functions work on a machine without them.
 // Thread rules: one caller at a time per rig.
 #pragma once
 #include "host/link/link.hpp"
@@ -20,7 +21,7 @@ namespace crn
 
 enum class HidBackEnd { hidraw, libusb };
 
-// The functions of hidapi that are used, as one back end gives them; tests give their own.
+// The used functions of hidapi from one back end; tests provide their own.
 struct HidApi {
     std::string name; // "hidraw", "libusb"
     int (*init)() = nullptr;
@@ -37,8 +38,8 @@ struct HidApi {
     const wchar_t *(*error)(hid_device_ *device) = nullptr;
 };
 
-// Throws LinkError that names the missing library and its package. Once loaded a library stays until the
-// program ends.
+// Throws LinkError that names the missing library and its package. A loaded library stays until the program
+// ends.
 const HidApi &hid_api(HidBackEnd back_end);
 
 struct HidEntry {
@@ -50,8 +51,8 @@ class HidRig
   public:
     static std::vector<HidEntry> list(const HidApi &api);
 
-    // `serial` empty: the only rig. Throws LinkError; a rig whose reports have another definition is refused
-    // with both hashes.
+    // An empty `serial` means the only rig. Throws LinkError; a rig whose reports have another definition is
+    // refused with both hashes.
     HidRig(const HidApi &api, const std::string &serial);
     ~HidRig();
     HidRig(const HidRig &) = delete;
@@ -59,11 +60,11 @@ class HidRig
 
     const crn_hid_identity &identity() const { return identity_; }
     const std::string &serial() const { return serial_; }
-    // The next state report; none within the time. Throws DeviceLost when the rig went, LinkError for what is
-    // no report.
+    // Returns the next state report, or nothing within the time. Throws DeviceLost when the rig was
+    // disconnected, LinkError for data that is not a report.
     std::optional<crn_hid_state> read_state(std::uint32_t milliseconds);
-    std::uint32_t reports_bad() const { return reports_bad_; } // too short, or with another id: left out
-    // Asks for something and waits for the state report that answers it. Throws LinkError with the device's
+    std::uint32_t reports_bad() const { return reports_bad_; } // too short, or with another id: ignored
+    // Sends a command and waits for the state report that answers it. Throws LinkError with the device's
     // reason.
     crn_hid_state command(std::uint8_t action, std::int32_t value1, std::int32_t value2,
                           std::uint32_t milliseconds = 1000);
@@ -71,7 +72,7 @@ class HidRig
     crn_hid_capabilities read_capabilities();
     crn_hid_calibration read_calibration();
     crn_hid_limits read_limits();
-    // What the device has afterwards is returned, as read back. Throws LinkError when it refuses or keeps
+    // Returns the device's calibration afterwards, as read back. Throws LinkError when it refuses or keeps
     // another value.
     crn_hid_calibration write_calibration(const crn_hid_calibration &calibration);
     crn_hid_limits write_limits(const crn_hid_limits &limits);

@@ -24,7 +24,7 @@ Link::Link(Transport &transport, Patience::Span patience)
 
 // --- frames out (link_receive.cpp: frames in) ---
 
-// A device that takes bytes slowly is as bad as one that answers slowly.
+// A device that accepts bytes slowly is treated like one that answers slowly.
 void Link::write(std::span<const std::uint8_t> bytes)
 {
     patience_.begin();
@@ -55,10 +55,11 @@ void Link::send(std::uint16_t type, const crn_wire_writer &payload)
 
 // --- handshake and set-up ---
 
-// True: answered. What else comes belongs to a conversation that is over, whole or torn.
+// Returns true when answered. Everything else that comes belongs to a conversation that is over, whole or
+// torn.
 bool Link::ask_hello(const crn_wire_hello &hello)
 {
-    const std::uint8_t end_of_frame = 0; // of one that a host before us, or a cut cable, left unfinished
+    const std::uint8_t end_of_frame = 0; // ends a frame that an earlier host, or a cut cable, left unfinished
     crn_wire_decoder_init(&decoder_);
     incoming_position_ = incoming_count_ = 0;
     bytes_without_frame_ = 0;
@@ -78,8 +79,8 @@ bool Link::ask_hello(const crn_wire_hello &hello)
     return false;
 }
 
-// Whatever was lost or torn before, both sides begin anew. The reply itself is lost where it follows half a
-// frame of a device that started again: then it is asked for once more.
+// Whatever was lost or torn before, both sides start again. The reply itself is lost where it follows half a
+// frame of a device that restarted; then it is requested once more.
 crn_wire_hello_reply Link::hello_once()
 {
     const crn_wire_hello hello = {CRN_WIRE_PROTOCOL_MAJOR, CRN_WIRE_PROTOCOL_MINOR, crn_wire_schema_hash()};
@@ -101,8 +102,8 @@ crn_wire_hello_reply Link::hello_once()
     return hello_reply_;
 }
 
-// An upload of the same scene that was cut goes on where it stopped; a scene that is there already is not
-// sent again.
+// An interrupted upload of the same scene continues where it stopped; a scene that the device already has is
+// not sent again.
 void Link::load_scene(std::span<const std::uint8_t> scene)
 {
     if (scene.size() > UINT32_MAX) throw LinkError("the scene is larger than 4 GiB");
@@ -123,7 +124,7 @@ void Link::load_scene(std::span<const std::uint8_t> scene)
         std::copy_n(scene.data() + offset, chunk.data_count, chunk.data);
         send_message(CRN_WIRE_TYPE_scene_chunk, chunk, crn_wire_put_scene_chunk, true);
         if (is_interrupted())
-            throw LinkError("interrupted while the scene was sent; a session begun again goes on from there");
+            throw LinkError("interrupted while the scene was sent; the next session continues the upload");
     }
     const crn_wire_scene_end end = {bytes};
     send_message(CRN_WIRE_TYPE_scene_end, end, crn_wire_put_scene_end, true);
@@ -167,7 +168,7 @@ crn_wire_status Link::command(std::uint8_t action)
 crn_wire_status Link::arm()
 {
     const crn_wire_status status = command(CRN_WIRE_ACTION_ARM);
-    ticks_given_ = live_ticks_.size(); // of a session before
+    ticks_given_ = live_ticks_.size(); // from an earlier session
     drop_given();
     get(CRN_WIRE_GET_NODE_TABLE, CRN_WIRE_TYPE_node_table);
     hash64_.reset();
@@ -201,7 +202,7 @@ crn_wire_status Link::use_free_run()
     return command(CRN_WIRE_ACTION_FREE_RUN);
 }
 
-// Two steps, so that no stray frame powers a motor: the device's code comes back in CONFIRM.
+// There are two steps, so that no stray frame powers a motor: CONFIRM must return the device's code.
 crn_wire_status Link::arm_motors()
 {
     const crn_wire_status asked = command(CRN_WIRE_ACTION_ARM_MOTORS);
@@ -279,8 +280,8 @@ void Link::place_strut(const crn_wire_strut &strut)
     receive_answer(CRN_WIRE_TYPE_status);
 }
 
-// Says that the host is there, unless it has spoken since this was last asked. An answer is filed with what
-// else comes.
+// Reports that the host is there, unless it has sent something since the last call. The answer is filed with
+// the other frames.
 void Link::beat()
 {
     const crn_wire_get request = {CRN_WIRE_GET_STATUS};
@@ -302,7 +303,7 @@ void Link::say_present()
     beat();
 }
 
-// The ticks of the last call; what came since, with the answers of other requests, stays.
+// Drops the ticks of the last call; ticks that came since, with the answers to other requests, stay.
 void Link::drop_given()
 {
     const auto given = static_cast<std::ptrdiff_t>(ticks_given_);

@@ -9,7 +9,7 @@
 //   auto states = link.step(inputs, true);         // one tick per input, at most Link::steps_max
 //   link.nodes();                                  // the shape after the last of them
 //
-// Every refusal becomes a LinkError whose text says what was refused, why, and what to do.
+// Every refusal becomes a LinkError whose text names the refused request, the cause and the remedy.
 #pragma once
 #include "host/link/patience.hpp"
 #include "host/link/transport.hpp"
@@ -23,7 +23,7 @@
 namespace crn
 {
 
-// `reject` is the refusal behind it; its code is 0 when there was none (silence, other version, fault).
+// `reject` is the device's refusal; its code is 0 when there was none (silence, other version, fault).
 class LinkError : public std::runtime_error
 {
   public:
@@ -43,18 +43,18 @@ class Link
 {
   public:
     static constexpr std::size_t steps_max = CRN_WIRE_MAX_step_inputs;
-    // What no honest device exceeds: frames without an answer among them, bytes of a snapshot, notices nobody
-    // took.
+    // Limits that no correct device exceeds: other frames before an answer, bytes of a snapshot, and notices
+    // not yet taken.
     static constexpr std::uint32_t frames_at_once_max = 10000, snapshot_bytes_max = 1 << 20,
                                    notices_max = 4096, live_ticks_max = 1 << 16;
 
     static constexpr std::size_t bytes_without_frame_max = 1 << 18; // a frame has 10 kB at most
 
-    // `patience`: how long the device may keep us waiting in all (patience.hpp).
+    // `patience` is the total time that the device may keep us waiting (patience.hpp).
     explicit Link(Transport &transport, Patience::Span patience = Patience::budget_default);
 
-    // Refused for as long as another program leads motors with power; one that is gone is forgotten within 50
-    // ms.
+    // The device refuses it while another program controls powered motors; it forgets a program that has gone
+    // within 50 ms.
     crn_wire_hello_reply hello();
     void load_scene(std::span<const std::uint8_t> scene);
     void load_tools(std::span<const crn_wire_instrument> tools);
@@ -66,18 +66,18 @@ class Link
     crn_wire_status stop();
     crn_wire_status stop_at(std::uint32_t tick); // once that many ticks are done
     crn_wire_status reset();
-    void set_stream(const crn_wire_stream &stream); // events and pictures that come by themselves
+    void set_stream(const crn_wire_stream &stream); // events and pictures that come unasked
     crn_wire_status use_lockstep();
     crn_wire_status use_free_run();
 
-    // LOCKSTEP: one tick per input. The result is valid until the next call. A fault makes it shorter and
-    // throws after the ticks done were taken over (tick() tells).
+    // LOCKSTEP: advances one tick per input. The result is valid until the next call. A fault makes it
+    // shorter; it throws after taking over the finished ticks (tick() gives the last one).
     std::span<const crn_wire_tick_state> step(std::span<const crn_wire_encoders> inputs, bool want_nodes);
     std::uint32_t tick() const { return tick_; }
 
-    // FREE_RUN: send the newest input; let time pass and take what the device sent meanwhile. While time
-    // passes the device hears of the host at least every heartbeat_ms, with the last input again: after 30 ms
-    // of silence it fades the forces.
+    // FREE_RUN: sends the newest input, lets time pass and takes what the device sends meanwhile. While time
+    // passes the host sends a heartbeat with the last input at least every heartbeat_ms: after 30 ms of
+    // silence the device fades the forces.
     static constexpr std::uint32_t heartbeat_ms = 10;
     void send_input(const crn_wire_encoders &encoders);
     void say_present(); // one heartbeat; nothing is received
@@ -89,26 +89,26 @@ class Link
     // its number. Throws LinkError.
     void hold_open(const crn_wire_scaffold &scaffold);
     void place_strut(const crn_wire_strut &strut); // FREE_RUN: a ring of a stent's struts, as well
-    // The same ticks with their inputs, sensors and flags, also when it threw; and what happened since it was
-    // last asked.
+    // Return the same ticks with their inputs, sensors and flags, also after an exception; and the events
+    // since the last call.
     const std::vector<crn_wire_live_tick> &live_ticks() const { return live_ticks_; }
     std::uint32_t ticks_lost() const { return live_.ticks_lost; }
     std::uint32_t ticks_missing() const
     {
         return ticks_missing_;
-    } // never came, whoever lost them: device or cable
+    } // ticks that never came, lost by device or cable
     std::vector<crn_wire_notice> take_notices();
 
     const crn_wire_nodes &nodes() const { return nodes_; } // last received
     const crn_wire_nodes &read_nodes();
     const crn_wire_node_table &node_table() const { return node_table_; } // read by arm()
-    const crn_wire_contacts &read_contacts();                             // where the wall holds the line now
+    const crn_wire_contacts &read_contacts(); // forces with which the wall holds the line now
     Hash64 read_hash64();
-    std::optional<Hash64> last_hash64() const { return hash64_; } // last that came by, every 100 ticks
+    std::optional<Hash64> last_hash64() const { return hash64_; } // last one received, every 100 ticks
     crn_wire_status read_status();
     crn_wire_fault_log read_fault_log();
-    crn_wire_rig read_rig();         // the configuration in force
-    crn_wire_set_up read_set_up();   // what the device holds already
+    crn_wire_rig read_rig();         // the active configuration
+    crn_wire_set_up read_set_up();   // what the device already has
     crn_wire_sensors read_sensors(); // the rig's last sample
     std::vector<std::uint8_t> read_snapshot();
     void write_snapshot(std::span<const std::uint8_t> snapshot); // LOCKSTEP, armed
@@ -119,15 +119,15 @@ class Link
     void send_message(std::uint16_t type, const Message &message, Put put, bool goes_on = false);
     void write(std::span<const std::uint8_t> bytes);
     void take_what_came(std::uint32_t &frames);
-    [[noreturn]] void broken(const char *what) const; // a message that does not have its form
+    [[noreturn]] void broken(const char *what) const; // for a message of wrong form
     [[noreturn]] void silent() const;
     void check_patience();
-    bool receive(); // next frame into decoder_; false when the device is silent
+    bool receive(); // reads the next frame into decoder_; false when the device is silent
     bool receive_one_of(std::uint32_t &frames);
     bool is_late_refusal() const;
     bool ask_hello(const crn_wire_hello &hello);
     crn_wire_hello_reply hello_once();
-    // Until this type came, after `ticks` of work; others are filed, refusals throw.
+    // Receives until this type comes, after `ticks` of work; other frames are filed, refusals throw.
     void receive_answer(std::uint16_t type, std::size_t ticks = 0);
     void file_frame();
     void file_stream();
@@ -139,7 +139,7 @@ class Link
 
     Transport &transport_;
     Patience patience_;
-    std::uint16_t waits_for_ = 0; // type of the answer; 0: none in particular
+    std::uint16_t waits_for_ = 0; // type of the expected answer; 0: none in particular
     std::size_t bytes_without_frame_ = 0;
     crn_wire_decoder decoder_;
     std::vector<std::uint8_t> incoming_, outgoing_, frame_;
@@ -147,10 +147,10 @@ class Link
     std::uint16_t sequence_ = 0, asked_from_ = 0; // last frame sent, and the first one of this request
     std::uint32_t tick_ = 0;
     std::optional<std::uint32_t>
-        live_tick_; // last that came by itself; none: the next batch says where the device is
+        live_tick_; // last one that came unasked; none: the next batch gives the device's tick
     std::vector<crn_wire_tick_state> free_run_states_;
     std::vector<crn_wire_live_tick> live_ticks_;
-    std::size_t ticks_given_ = 0; // of both, by the last free_run()
+    std::size_t ticks_given_ = 0; // of both, at the last free_run()
     std::vector<crn_wire_notice> notices_;
     crn_wire_live live_{};
     std::uint32_t ticks_missing_ = 0;

@@ -1,4 +1,4 @@
-// The first word of a conversation, said again while another program still leads the rig.
+// The first message of a conversation, repeated while another program still controls the rig.
 #include "host/link/link.hpp"
 
 namespace crn
@@ -6,7 +6,7 @@ namespace crn
 
 crn_wire_hello_reply Link::hello()
 {
-    constexpr int patience = 10; // a program that is gone is forgotten 42 ms after its last word
+    constexpr int patience = 10; // the device forgets a program that has gone 42 ms after its last message
     for (int attempt = 1;; attempt++) {
         try {
             return hello_once();

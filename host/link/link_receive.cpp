@@ -1,5 +1,6 @@
-// Frames from the device: found in its bytes, filed by their type, refusals thrown. Nothing that a device
-// sends keeps the host here for ever: bytes without a frame, frames without an answer and time are bounded.
+// Frames from the device are found in its bytes and filed by their type, and refusals are thrown. Nothing
+// that a device sends keeps the host here for ever: bytes without a frame, frames without an answer and time
+// are limited.
 #include "host/base/interrupt.hpp"
 #include "host/link/link.hpp"
 #include "host/link/link_text.hpp"
@@ -21,7 +22,7 @@ void Link::silent() const
     throw LinkError(transport_.name() + " does not answer" + wait + "; check cable, power and port");
 }
 
-// Silent, slow, or talking about everything but what it was asked.
+// Throws for a device that is silent, slow, or sends everything except the answer.
 void Link::check_patience()
 {
     if (!transport_.has_own_clock() || !patience_.is_over()) return;
@@ -34,8 +35,8 @@ void Link::check_patience()
                waits_for_ != 0 ? crn_wire_message_name(waits_for_) : ""));
 }
 
-// A device that talks without end is as bad as a silent one: `frames` counts down to what no honest one says
-// at once.
+// A device that sends without end is as bad as a silent one: `frames` counts down from a number that no
+// correct device sends at once.
 bool Link::receive_one_of(std::uint32_t &frames)
 {
     if (!receive()) return false;
@@ -56,7 +57,7 @@ bool Link::receive()
         incoming_position_ = 0;
         incoming_count_ = transport_.read(incoming_);
         if (incoming_count_ == 0) return false;
-        check_patience(); // what came may be the answer, and too late for this device's account
+        check_patience(); // the frame may be the answer, but too late for this device's budget
         bytes_without_frame_ += incoming_count_;
         if (bytes_without_frame_ <= bytes_without_frame_max) continue;
         bytes_without_frame_ = 0;
@@ -69,7 +70,7 @@ bool Link::receive()
     }
 }
 
-// Keep what a frame says. A refusal is an error of the request that is being answered.
+// Keeps the contents of a frame. A refusal is an error of the request that is being answered.
 void Link::file_frame()
 {
     const std::uint8_t *payload = decoder_.payload;
@@ -121,8 +122,7 @@ void Link::file_frame()
     }
 }
 
-// Ticks of a batch follow each other. A batch that came before is not taken twice; one that never came is
-// counted.
+// Files a batch of consecutive ticks. A repeated batch is not taken twice, and a missing one is counted.
 void Link::file_live()
 {
     crn_wire_live live;
@@ -146,7 +146,7 @@ void Link::file_live()
     }
 }
 
-// What a device says by itself or in several frames.
+// Files what a device sends unasked or in several frames.
 void Link::file_stream()
 {
     const std::uint8_t *payload = decoder_.payload;
@@ -192,7 +192,8 @@ void Link::file_stream()
     }
 }
 
-// About an earlier request, whose answer came too late, or about an order that did not come in a frame.
+// Returns whether a refusal concerns an earlier request, whose answer came too late, or an order that did not
+// come in a frame.
 bool Link::is_late_refusal() const
 {
     if (decoder_.header.type != CRN_WIRE_TYPE_reject) return false;

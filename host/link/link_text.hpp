@@ -1,4 +1,4 @@
-// Text of messages with numbers in it.
+// Formats messages with numbers in them.
 #pragma once
 #include <cstdio>
 #include <string>

@@ -16,7 +16,7 @@ namespace
 using Clock = std::chrono::steady_clock;
 constexpr std::uint32_t look_again_ms = 200;
 
-// libusb's list of devices, given back at the end.
+// libusb's list of devices, freed at the end.
 class DeviceList
 {
   public:
@@ -92,7 +92,7 @@ Opened open_one(libusb_device *device)
     opened.rig.serial = usb_text(handle, descriptor.iSerialNumber, error);
     if (error != LIBUSB_ERROR_TIMEOUT) opened.rig.product = usb_text(handle, descriptor.iProduct, error);
     if (error != LIBUSB_ERROR_TIMEOUT && error != LIBUSB_ERROR_INTERRUPTED) return opened;
-    // Whoever does not say its name does not say anything else; each further request would wait as long.
+    // A device that does not answer with its name will not answer other requests; each would wait as long.
     opened.error = error;
     opened.rig.trouble = usb_trouble(error, "the rig at " + opened.rig.place);
     return opened;
@@ -142,7 +142,7 @@ std::string usb_text(libusb_device_handle *handle, std::uint8_t index, int &erro
     if (count >= 4)
         count = string_descriptor(handle, index, static_cast<std::uint16_t>(bytes[2] | bytes[3] << 8), bytes);
     error = std::min(count, 0);
-    std::string text; // UTF-16, little end first
+    std::string text; // UTF-16, little-endian
     for (int i = 2; i + 1 < count; i += 2) {
         const auto at = static_cast<std::size_t>(i);
         const bool is_plain = bytes[at + 1] == 0 && bytes[at] >= 0x20 && bytes[at] < 0x7f;
@@ -169,7 +169,7 @@ std::string usb_trouble(int error, const std::string &what)
         return what + " does not answer" + name +
                ". Remedy: plug the rig out and in; if it stays so, use another firmware";
     case LIBUSB_ERROR_INTERRUPTED:
-        return what + " was not asked any more: Ctrl-C";
+        return what + " was not read: Ctrl-C";
     case LIBUSB_ERROR_PIPE:
         return what + " refuses" + name +
                ". Remedy: plug the rig out and in; install the same release on both";
@@ -205,7 +205,7 @@ UsbHandle usb_open(libusb_context *context, const std::string &serial)
         if (!is_rig(device)) continue;
         Opened opened = open_one(device);
         rigs.push_back(opened.rig);
-        // One that may not be opened could be the one that is meant, if none of the others is.
+        // A rig that may not be opened could be the wanted one, if none of the others is.
         if (serial.empty() || opened.rig.serial == serial) found.push_back(std::move(opened));
     }
     if (found.size() == 1 && found[0].error == 0) return std::move(found[0].handle);
@@ -243,7 +243,7 @@ void UsbWatch::wait_ms(std::uint32_t milliseconds)
         std::this_thread::sleep_for(std::chrono::milliseconds(std::min(milliseconds, look_again_ms)));
         return;
     }
-    // What came while nobody waited is told at once. Short waits, so that Ctrl-C is seen soon.
+    // Events that came while nobody waited are reported at once. Waits are short, so that Ctrl-C works soon.
     const std::uint32_t wait = std::min(milliseconds, look_again_ms);
     timeval time{0, static_cast<suseconds_t>(wait * 1000)};
     libusb_handle_events_timeout_completed(context_.get(), &time, &changed_);
@@ -255,8 +255,8 @@ bool UsbWatch::wait_for(const std::string &serial, std::uint32_t milliseconds,
 {
     const Clock::time_point end = Clock::now() + std::chrono::milliseconds(milliseconds);
     for (;;) {
-        // A context learns of new devices from the system's device manager, and a container may have none: a
-        // fresh one looks.
+        // A context gets new devices from the system's device manager, and a container may have none: a fresh
+        // context scans the bus itself.
         const UsbContext fresh = usb_context();
         for (const UsbRig &rig : usb_rigs(fresh.get())) {
             if (rig.trouble.empty() && (serial.empty() || rig.serial == serial)) return true;

@@ -38,7 +38,7 @@ int error_of(libusb_transfer_status status)
     }
 }
 
-// The bulk endpoints of a vendor interface, 0 where there is none.
+// The bulk endpoints of a vendor interface; 0 where there is none.
 struct Pair {
     std::uint8_t in = 0, out = 0;
 };
@@ -109,7 +109,7 @@ void UsbTransport::find_stream()
     }
 }
 
-// Another program may have left bytes behind: both ends begin anew (docs/usb.md, "The stream").
+// Another program may have left bytes behind, so both ends start again (docs/usb.md, "The stream").
 void UsbTransport::begin_stream()
 {
     for (const std::uint8_t endpoint : {out_, in_}) {
@@ -151,8 +151,8 @@ void UsbTransport::submit(Slot &slot)
     if (error != 0 && failure_ == 0) failure_ = error;
 }
 
-// As many as the ring has room for: a host that does not read holds the device, and nothing is lost.
-// Transfers end in the order in which they were submitted, so which slot is next does not matter.
+// Submits as many reads as the ring can hold: a host that does not read holds the device back, and nothing is
+// lost. Transfers end in the order of submission, so any free slot may be used next.
 void UsbTransport::submit_reads()
 {
     const auto flying = std::count_if(reads_.begin(), reads_.end(),
@@ -172,7 +172,7 @@ void UsbTransport::on_read_done(Slot &slot)
     slot.is_flying = false;
     const int error = error_of(slot.transfer->status);
     if (error != 0 && failure_ == 0) failure_ = error;
-    // What came before the end counts too; the room was promised.
+    // Bytes from before the end count too; their space was reserved.
     const std::size_t count =
         static_cast<std::size_t>(std::clamp<int>(slot.transfer->actual_length, 0, transfer_bytes));
     for (std::size_t i = 0; i < count && ring_count_ < ring_.size(); i++)
@@ -191,8 +191,7 @@ void UsbTransport::on_write_done(Slot &slot)
     changed_.notify_all();
 }
 
-// A lock that fails is the only thing that could throw here, and C code is above us: then the program ends
-// (noexcept).
+// Only a failing lock could throw here, and the caller is C code: then the program ends (noexcept).
 void UsbTransport::read_done(libusb_transfer *transfer) noexcept
 {
     Slot &slot = *static_cast<Slot *>(transfer->user_data);
@@ -205,8 +204,8 @@ void UsbTransport::write_done(libusb_transfer *transfer) noexcept
     slot.owner->on_write_done(slot);
 }
 
-// Cancelled transfers come back through the thread; then it ends. Memory of one that never came back stays:
-// the system could still write there.
+// Cancelled transfers come back through the thread; then it ends. The memory of a transfer that never came
+// back is not freed, because the system could still write there.
 void UsbTransport::end()
 {
     bool all_are_back = true;
@@ -260,7 +259,7 @@ void UsbTransport::throw_failure() const
     throw LinkError(usb_trouble(failure_, who));
 }
 
-// In slices, since a condition variable does not hear of a signal.
+// It waits in slices, because a signal does not wake a condition variable.
 bool UsbTransport::wait(std::unique_lock<std::mutex> &hold, std::chrono::milliseconds limit,
                         const std::function<bool()> &is_done)
 {
@@ -290,7 +289,7 @@ void UsbTransport::write(std::span<const std::uint8_t> bytes)
             free = slot == writes_.end() ? nullptr : slot->get();
             return free != nullptr || failure_ != 0;
         };
-        // libusb ends each transfer after write_ms; twice that is a thread that does not run.
+        // libusb ends each transfer after write_ms; twice that means that the thread does not run.
         if (!wait(hold, std::chrono::milliseconds(2 * limits_.write_ms), find))
             failure_ = LIBUSB_ERROR_TIMEOUT;
         if (failure_ != 0) throw_failure();

@@ -1,8 +1,9 @@
-// A rig on USB as a Transport: the bulk pair of docs/usb.md by libusb, several transfers waiting each way.
+// A rig on USB as a Transport: the bulk pair of docs/usb.md through libusb, with several transfers pending
+// each way.
 //
 // One thread of its own serves libusb; callers see blocking reads and writes with time limits. Every wait
-// ends: by bytes, by its limit, because the device went (DeviceLost), or after_interrupt_ms after Ctrl-C. The
-// destructor takes all transfers back and ends the thread. Thread rules: one caller at a time.
+// ends: with bytes, at its limit, because the device disappeared (DeviceLost), or after_interrupt_ms after
+// Ctrl-C. The destructor cancels all transfers and ends the thread. Thread rules: one caller at a time.
 #pragma once
 #include "host/link/transport.hpp"
 #include "host/link/usb_devices.hpp"
@@ -21,28 +22,29 @@ namespace crn
 {
 
 struct UsbLimits {
-    std::uint32_t read_ms = 2000;  // a silent device: read() returns 0
-    std::uint32_t write_ms = 2000; // a device that takes nothing: write() throws
+    std::uint32_t read_ms = 2000;  // for a silent device: read() then returns 0
+    std::uint32_t write_ms = 2000; // for a device that accepts nothing: write() then throws
 };
 
 class UsbTransport final : public Transport
 {
   public:
-    // `serial` empty: the only rig. Throws LinkError with the remedy, DeviceLost when it is not there.
+    // An empty `serial` means the only rig. Throws LinkError with the remedy, DeviceLost when it is not
+    // there.
     explicit UsbTransport(const std::string &serial = "", const UsbLimits &limits = {});
     ~UsbTransport() override;
     void write(std::span<const std::uint8_t> bytes) override;
     std::size_t read(std::span<std::uint8_t> bytes) override;
-    // Sleeps; after it a read takes what has come and does not wait, until the next write.
+    // Sleeps; afterwards a read takes the received bytes and does not wait, until the next write.
     void pass_time_ms(std::uint32_t milliseconds) override;
     std::string name() const override { return "the rig '" + serial_ + "'"; }
-    // Until the device has taken everything that was written.
+    // Waits until the device has accepted everything that was written.
     void flush();
-    const std::string &serial() const { return serial_; } // as the device says
+    const std::string &serial() const { return serial_; } // as the device reports it
 
     static constexpr std::size_t transfer_bytes = 1 << 14;
     static constexpr std::size_t in_count = 8, out_count = 8;
-    static constexpr std::uint32_t after_interrupt_ms = 200; // for a clean end with a rig that answers
+    static constexpr std::uint32_t after_interrupt_ms = 200; // enough for a clean end with a rig that answers
 
   private:
     struct Slot {
@@ -55,12 +57,13 @@ class UsbTransport final : public Transport
     void find_stream();
     void begin_stream();
     void make_slots();
-    void submit_reads(); // with lock_ held
+    void submit_reads(); // call with lock_ held
     void submit(Slot &slot);
     void serve();
     void end();
     void throw_failure() const;
-    // Until `is_done`; false: it took too long, or longer than after_interrupt_ms since Ctrl-C.
+    // Waits until `is_done`; returns false when it took too long, or longer than after_interrupt_ms since
+    // Ctrl-C.
     bool wait(std::unique_lock<std::mutex> &hold, std::chrono::milliseconds limit,
               const std::function<bool()> &is_done);
     void on_read_done(Slot &slot);
@@ -78,10 +81,10 @@ class UsbTransport final : public Transport
 
     std::mutex lock_;
     std::condition_variable changed_;
-    std::vector<std::uint8_t> ring_; // what came in; fixed size, so that no callback allocates
+    std::vector<std::uint8_t> ring_; // received bytes; fixed size, so that no callback allocates
     std::size_t ring_begin_ = 0, ring_count_ = 0;
     std::vector<std::unique_ptr<Slot>> reads_, writes_;
-    int failure_ = 0; // libusb error of the first transfer that failed
+    int failure_ = 0; // libusb error of the first failed transfer
     bool is_ending_ = false;
     std::atomic<bool> is_over_ = false; // for the thread
     std::thread thread_;

@@ -1,4 +1,4 @@
-// Checks of bodies; the reader of body files is in bodies_file.cpp.
+// Checks bodies; the reader of body files is in bodies_file.cpp.
 #include "host/model/bodies.hpp"
 
 namespace crn

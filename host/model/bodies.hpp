@@ -1,7 +1,7 @@
-// The closed meshes that make the picture of the patient: skin, lungs, bones, heart, vessels.
-// A body names the body it lies in; its volume is then taken out of that parent, so nothing is counted twice.
-// Read from the BODY sections of an `X.bodies` file (docs/frames.md for the axes), with the tree of its
-// vessels.
+// The closed meshes that make the picture of the patient: skin, lungs, bones, heart, vessels. A body names
+// the body in which it lies; its volume is then subtracted from that parent, so that nothing is counted
+// twice. They are read from the BODY sections of an `X.bodies` file (docs/frames.md for the axes), with the
+// tree of its vessels.
 #pragma once
 #include "host/model/vessel_tree.hpp"
 #include <Eigen/Core>
@@ -20,13 +20,13 @@ struct Body {
     int parent = -1;                                     // index of the enclosing body, -1 for none (air)
     std::vector<Eigen::Vector3i> vertices_um;            // patient frame
     std::vector<std::array<std::uint32_t, 3>> triangles; // counter-clockwise seen from outside
-    bool moves = false;                                  // with the scene's motion (motion.hpp)
+    bool moves = false;                                  // moves with the scene's motion (motion.hpp)
 };
 
-// Which scene file: as a recording names it.
+// The name of a scene file, as in a recording.
 struct SceneName {
     std::size_t size_bytes = 0;
-    std::uint32_t crc32 = 0; // of the whole file
+    std::uint32_t crc32 = 0; // checksum of the whole file
     bool operator==(const SceneName &) const = default;
 };
 
@@ -36,18 +36,18 @@ struct Bodies {
     std::optional<SceneName> baked_with = {};
 };
 
-// Reads a body file. On failure returns false and says in `error` which file, which section and what to do;
-// `bodies` is then untouched.
+// Reads a body file. On failure it returns false and says in `error` which file, which section and what to
+// do; `bodies` is then unchanged.
 bool read_bodies(const std::string &path, Bodies &bodies, std::string &error);
 
-// The same for whoever shows them together with a scene, which must be the one they were baked with: `bake`
-// writes both at once, and a tree of vessels over another lumen would be a silent lie. Without a scene (no
-// path) any bodies will do.
+// Reads bodies that are shown together with a scene, which must be the one with which they were baked. `bake`
+// writes both at once, and a tree of vessels over another lumen would be wrong without any sign of it.
+// Without a scene (no path) any bodies are accepted.
 bool read_bodies_of(const std::string &scene_path, const std::string &path, Bodies &bodies,
                     std::string &error);
 
-// Checks what a reader of a file cannot promise: parents in range and without a circle, vertex indices in
-// range, at most 8 million triangles in all, coordinates within 2 m.
+// Checks what reading alone cannot guarantee: parents in range and without a cycle, vertex indices in range,
+// at most 8 million triangles in all, coordinates within 2 m.
 bool check_bodies(const Bodies &bodies, std::string &error);
 
 } // namespace crn

@@ -1,4 +1,4 @@
-// The file as a whole: head, sources, presets; the preset made from the thesis' table.
+// Reads the file as a whole: head, sources, presets; and makes the preset from the thesis' table.
 #include "host/model/instrument.hpp"
 #include "host/base/text.hpp"
 #include "host/model/instrument_parts.hpp"
@@ -86,8 +86,8 @@ Range scaled(const Range &range, double factor, Bounds bounds)
             std::clamp(range.to * factor, bounds.low, bounds.high)};
 }
 
-// docs/instruments.md, "vcsim3-fit": the shaft gets the table's E and radius; along the instrument the ratios
-// of the base stay, because the table has no tip. Mass and friction stay too.
+// See docs/instruments.md, "vcsim3-fit". The shaft gets the table's E and radius; along the instrument the
+// ratios of the base stay, because the table has no tip. Mass and friction stay too.
 void apply_thesis(const Place &place, const ThesisRow &thesis, std::vector<Section> &sections)
 {
     const double factor = thesis.bend_stiffness_N_m2() / sections.back().bend_N_m2.to;
@@ -95,7 +95,7 @@ void apply_thesis(const Place &place, const ThesisRow &thesis, std::vector<Secti
     for (Section &section : sections) {
         section.bend_N_m2 = scaled(section.bend_N_m2, factor, stiffness_bounds);
         section.twist_N_m2 = scaled(section.twist_N_m2, factor, stiffness_bounds);
-        // The metal stays what it is, so its share of the fitted radius changes.
+        // The metal is unchanged, so its share of the fitted radius changes.
         const double share = section.radius_outer_mm.from / radius_mm;
         for (InstrumentLayer &layer : section.layers)
             layer.radius_share = std::min(1.0, layer.radius_share * share);
@@ -144,7 +144,7 @@ std::map<std::string, Preset> read_presets(const Place &place, const toml::table
     const toml::table &table = require_table(place, root, "preset");
     std::map<std::string, Preset> presets;
     require_table(place.inside("preset"), table, default_preset);
-    // Those with own sections first, so that others may be based on them in any order.
+    // Presets with their own sections come first, so that others may be based on them in any order.
     for (const bool is_based : {false, true}) {
         for (const auto &[key, node] : table) {
             const std::string name(key.str());

@@ -1,8 +1,8 @@
-// Instrument files (TOML, docs/instruments.md) -> the numbers of the wire's record `instrument`, the unloaded
-// shape and what the X-ray sees.
+// Reads instrument files (TOML, docs/instruments.md) into the numbers of the wire's record `instrument`, the
+// unloaded shape and the X-ray layers.
 //
 // One file describes one instrument from its tip to its hub, by one or more presets; "file.toml" is its
-// preset `physical`, "file.toml:vcsim3-fit" another one. Every value has its unit in the key and a source
+// preset `physical`, and "file.toml:vcsim3-fit" another one. Every value has its unit in the key and a source
 // beside it. Errors name file, line, preset, section and key.
 #pragma once
 #include "shared/wire/wire.h"
@@ -15,7 +15,7 @@
 namespace crn
 {
 
-// What the X-ray sees of one stretch: a share of the cross-section filled with a material.
+// The X-ray's view of one stretch: a share of the cross-section filled with a material.
 struct InstrumentLayer {
     double arc_begin_m = 0.0; // from the distal tip
     double arc_end_m = 0.0;
@@ -33,8 +33,8 @@ struct InstrumentArc {
     double curvature1_per_m = 0.0, curvature2_per_m = 0.0;
 };
 
-// One row of Table 5.1 of the VCSim3 thesis, with the powers of ten of its header applied. What the numbers
-// are in SI units is nowhere stated; docs/instruments.md says how they are read, and why they are no physical
+// One row of Table 5.1 of the VCSim3 thesis, with the powers of ten of its header applied. The thesis does
+// not state the numbers' SI units; docs/instruments.md says how they are read, and why they are no physical
 // truth.
 struct ThesisRow {
     std::string row;
@@ -45,52 +45,53 @@ struct ThesisRow {
     double bend_stiffness_N_m2() const; // E pi r^4 / 4
 };
 
-// Round holes in a catheter's wall, evenly from the first to the last.
+// Round holes in a catheter's wall, evenly spaced from the first to the last.
 struct SideHoles {
     double arc_begin_m = 0.0, arc_end_m = 0.0; // of the first and the last, from the distal tip
     std::uint32_t count = 0;
     double diameter_m = 0.0;
 };
 
-// What a balloon's label says beside its table of pressures and diameters.
+// Data of a balloon's label besides its table of pressures and diameters.
 struct BalloonLabel {
     double nominal_kPa = 0.0, rated_burst_kPa = 0.0;
-    double crossing_profile_m = 0.0;   // its widest diameter, folded
+    double crossing_profile_m = 0.0;   // largest diameter when folded
     std::vector<double> marker_arcs_m; // middles of its marker bands, from the tip
 };
 
 enum class InstrumentKind { wire, catheter };
 
 struct Instrument {
-    std::string name; // with the preset behind it unless that is `physical`
+    std::string name; // followed by the preset unless that is `physical`
     std::string description, shape_name, preset;
-    std::vector<std::string> presets; // of the file, `physical` first
+    std::vector<std::string> presets; // presets of the file, `physical` first
     InstrumentKind kind = InstrumentKind::wire;
     double length_m = 0.0;
     crn_wire_instrument table{}; // validated by the device
     std::vector<InstrumentLayer> layers;
-    std::vector<InstrumentArc> shape; // from the tip; straight behind the last one
+    std::vector<InstrumentArc> shape; // from the tip; straight beyond the last one
     std::vector<SideHoles> side_holes;
     std::optional<BalloonLabel> balloon; // its table is in `table`
-    std::optional<ThesisRow> thesis;     // of a preset that was made from the table
+    std::optional<ThesisRow> thesis;     // for a preset that was made from the table
 };
 
-// `path` may end in ":preset". Reads and checks every preset of the file whichever is asked for. Throws
+// `path` may end in ":preset". It reads and checks every preset of the file, whichever is requested. Throws
 // FileError.
 Instrument read_instrument(const std::string &path);
 
-// "a.toml:b" -> {"a.toml", "b"}; without a preset the second is empty.
+// Splits "a.toml:b" into {"a.toml", "b"}; without a preset the second is empty.
 std::pair<std::string, std::string> split_preset(const std::string &path);
 
-// Nodes of the core's mesh (docs/rod.md) of one instrument, or of one line of several: it takes the finest
-// tip and shaft, the longest fine part and the longest instrument. At most CRN_NODE_MAX of the core.
+// Number of nodes of the core's mesh (docs/rod.md) for one instrument, or for one line of several: the line
+// takes the finest tip and shaft, the longest fine part and the longest instrument. It is at most
+// CRN_NODE_MAX of the core.
 inline constexpr int line_nodes_max = 384;
 int line_node_count(std::span<const crn_wire_instrument *const> tools);
 int line_node_count(const crn_wire_instrument &tool);
 
-// The unloaded centreline, tip first, every `step_m` and at every change of curvature, from the tip to
-// `straight_m` behind the last arc. The straight part lies on the x axis and ends (towards the hand) at the
-// origin side: it enters along +x, d1 is +y and d2 = t x d1 with t towards the hand, which is -z.
+// Returns the unloaded centreline, tip first, every `step_m` and at every change of curvature, from the tip
+// to `straight_m` behind the last arc. The straight part lies on the x axis and ends (towards the hand) at
+// the origin. It enters along +x; d1 is +y and d2 = t x d1 with t towards the hand, which is -z.
 struct ShapePoint {
     double arc_m = 0.0;
     Eigen::Vector3d position_m = Eigen::Vector3d::Zero();

@@ -1,4 +1,4 @@
-// The balloon of an instrument file (docs/balloon.md, docs/instruments.md).
+// Reads the balloon of an instrument file (docs/balloon.md, docs/instruments.md).
 #include "host/model/instrument_parts.hpp"
 #include <cmath>
 
@@ -10,7 +10,7 @@ namespace
 
 constexpr double mm = 1e-3, um_per_mm = 1e3, kPa_per_bar = 100.0;
 
-// [[balloon.at]] rows: { pressure_bar, diameter_mm }, increasing in both.
+// Reads the rows of [[balloon.at]]: { pressure_bar, diameter_mm }, increasing in both.
 void read_rows(const Place &place, const toml::table &table, crn_wire_instrument &wire)
 {
     const auto rows = tables_of(place, table, "at");
@@ -92,7 +92,8 @@ std::optional<BalloonLabel> read_balloon(const Place &place, const toml::table &
 void add_markers(Instrument &instrument)
 {
     if (!instrument.balloon) return;
-    // 1 mm of platinum sleeve about 30 um thick on the inner shaft, half of the folded balloon's radius
+    // a platinum sleeve of 1 mm, about 30 um thick, on the inner shaft, whose radius is half of the folded
+    // balloon's
     constexpr double half_m = 0.5 * mm, share = 0.5, fill = 0.25;
     for (const double arc_m : instrument.balloon->marker_arcs_m)
         instrument.layers.push_back({arc_m - half_m, arc_m + half_m, "platinum", fill, share});

@@ -1,5 +1,5 @@
-// The parts of an instrument file: sections of equal make, arcs of the rest shape, elements; and the profile
-// they make.
+// The parts of an instrument file: sections of uniform construction, arcs of the rest shape, elements; and
+// the profile that they give.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/model/instrument_toml.hpp"
@@ -7,11 +7,11 @@
 namespace crn::instrument_file
 {
 
-// A stretch between two arc lengths from the tip. Stiffness changes by equal ratios from its distal to its
-// proximal end, the rest linearly.
+// A stretch between two arc lengths from the tip. Stiffness changes geometrically from its distal to its
+// proximal end, all else linearly.
 struct Section {
     std::string name;
-    const toml::node *node = nullptr; // for errors
+    const toml::node *node = nullptr; // for error messages
     double from_mm = 0.0, to_mm = 0.0;
     int steps = 1;
     Range bend_N_m2, twist_N_m2, mass_kg_per_m, radius_outer_mm, radius_inner_mm, kinetic, statical;
@@ -25,30 +25,30 @@ struct Preset {
     std::optional<ThesisRow> thesis;
 };
 
-inline constexpr Bounds stiffness_bounds = {1e-7,
-                                            3e-2};  // N m^2, of the core (firmware/core/core.h, crn_knot)
+inline constexpr Bounds stiffness_bounds = {
+    1e-7, 3e-2}; // N m^2, the core's limits (firmware/core/core.h, crn_knot)
 inline constexpr Bounds radius_bounds = {0.1, 2.0}; // mm
 inline constexpr double length_max_mm = 1600.0;
 
-// [[section]] of a preset, each filled up from [all].
+// Reads [[section]] of a preset; values missing in a section come from [all].
 std::vector<Section> read_sections(const Place &place, const toml::table &preset, InstrumentKind kind);
 
-// [[shape]] from the tip.
+// Reads [[shape]] from the tip.
 std::vector<InstrumentArc> read_shape(const Place &place, const toml::table &root);
 
-// [[side_holes]]; none where the key is missing.
+// Reads [[side_holes]]; none where the key is missing.
 std::vector<SideHoles> read_side_holes(const Place &place, const toml::table &root, InstrumentKind kind);
 
-// [balloon] into the wire's table and the label; nothing where the key is missing.
+// Reads [balloon] into the wire's table and the label; nothing where the key is missing.
 std::optional<BalloonLabel> read_balloon(const Place &place, const toml::table &root, InstrumentKind kind,
                                          crn_wire_instrument &wire);
 
-// Its marker bands among the instrument's layers.
+// Adds its marker bands to the instrument's layers.
 void add_markers(Instrument &instrument);
 
 void read_elements(const Place &place, const toml::table &root, crn_wire_instrument &wire);
 
-// Knots of sections and arcs together into the instrument's table.
+// Adds the knots of sections and arcs together to the instrument's table.
 void add_profile(const Place &place, const std::vector<Section> &sections, Instrument &instrument);
 
 } // namespace crn::instrument_file

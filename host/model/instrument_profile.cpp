@@ -1,4 +1,5 @@
-// Sections and arcs -> knots of the wire's `instrument` message, nodes of the mesh, unloaded shape.
+// Converts sections and arcs to knots of the wire's `instrument` message, nodes of the mesh, and the unloaded
+// shape.
 #include "host/model/instrument_parts.hpp"
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -13,9 +14,10 @@ namespace instrument_file
 namespace
 {
 
-constexpr double same_mm = 1e-3; // boundaries closer than this are one
+constexpr double same_mm = 1e-3; // boundaries closer than this count as one
 
-// At share u of a section: stiffness by equal ratios (a ground taper spans decades), the rest linearly.
+// The value at share u of a section: geometric for stiffness (a ground taper spans decades), linear for the
+// rest.
 double by_ratio(const Range &range, double u)
 {
     return range.is_constant() ? range.from : range.from * std::pow(range.to / range.from, u);
@@ -63,7 +65,7 @@ crn_wire_knot knot_at(const Section &section, const InstrumentArc *arc, double a
     return knot;
 }
 
-// Ends of the section, its steps, and the ends of the arcs within it; ascending.
+// Returns the ends of the section, its steps, and the ends of the arcs within it, in ascending order.
 std::vector<double> boundaries_mm(const Section &section, const std::vector<InstrumentArc> &shape)
 {
     std::vector<double> all;
@@ -91,7 +93,8 @@ const InstrumentArc *arc_at(const std::vector<InstrumentArc> &shape, double arc_
     return nullptr;
 }
 
-// Adds a knot, without knots that change nothing: twice the same one, or the middle one of three alike.
+// Adds a knot, and leaves out redundant ones: the second of two equal ones, or the middle one of three equal
+// ones.
 void append(std::vector<crn_wire_knot> &knots, const crn_wire_knot &knot)
 {
     const std::size_t count = knots.size();
@@ -138,7 +141,8 @@ void add_profile(const Place &place, const std::vector<Section> &sections, Instr
 
 int line_node_count(std::span<const crn_wire_instrument *const> tools)
 {
-    // In the core's Q30 metres and with its rounding: a line may end on a whole element to the micrometre.
+    // The computation uses the core's Q30 metres and its rounding, since a line may end on a whole element to
+    // the micrometre.
     const auto q30 = [](std::uint64_t um) {
         return static_cast<std::int64_t>(((um << 30) + 500000) / 1000000);
     };
@@ -174,7 +178,8 @@ std::vector<ShapePoint> unloaded_shape(const Instrument &instrument, double step
     ShapePoint at;
     at.arc_m = std::min(begin_m + straight_m, instrument.length_m);
     Vector3d d1 = Vector3d::UnitY(), d2 = -Vector3d::UnitZ();
-    auto walk = [&](double until_m, const Vector3d &rotation_per_m) { // constant curvature: parts of a circle
+    auto walk = [&](double until_m,
+                    const Vector3d &rotation_per_m) { // constant curvature gives parts of a circle
         const double length_m = at.arc_m - until_m;
         const int steps = std::max(1, static_cast<int>(std::ceil(length_m / step_m - 1e-9)));
         for (int i = 0; i < steps && length_m > 0.0; i++) {

@@ -1,4 +1,4 @@
-// Reading of instrument files: tables with known keys, values with a source, errors with a place.
+// Reads instrument files: tables with known keys, values with a source, errors with a place.
 #pragma once
 #include "host/base/toml.hpp"
 
@@ -19,7 +19,7 @@ struct Bounds {
     double low = 0.0, high = 0.0;
 };
 
-// The texts of [sources], which values name as "@key" or "@key: more".
+// The texts of [sources], to which values refer as "@key" or "@key: more".
 class Sources
 {
   public:
@@ -36,7 +36,7 @@ class Sources
     std::map<std::string, Entry> entries_;
 };
 
-// Where an error is. `where` is empty, or like "preset 'physical', section 2 'taper'".
+// The place of an error. `where` is empty, or like "preset 'physical', section 2 'taper'".
 struct Place {
     const std::string &file;
     Sources &sources;
@@ -51,7 +51,7 @@ std::string in_quotes(const std::string &key);
 void check_keys(const Place &place, const toml::table &table, const std::vector<std::string> &known);
 const toml::node &require(const Place &place, const toml::table &table, const std::string &key);
 const toml::table &require_table(const Place &place, const toml::table &table, const std::string &key);
-// The tables of [[key]]; an empty list where the key is missing.
+// Returns the tables of [[key]]; an empty list where the key is missing.
 std::vector<const toml::table *> tables_of(const Place &place, const toml::table &table,
                                            const std::string &key);
 double to_number(const Place &place, const toml::node &node, const std::string &key);
@@ -59,10 +59,11 @@ std::string to_text(const Place &place, const toml::node &node, const std::strin
 void check_bounds(const Place &place, const toml::node &node, const std::string &key, double value,
                   Bounds bounds);
 
-// The text under `source`: not empty, and when it begins with '@' its name stands in [sources].
+// Checks the text under `source`: it must not be empty, and if it begins with '@' its name must be in
+// [sources].
 void check_source(const Place &place, const toml::table &table);
 
-// { value, source } or { from, to, source }.
+// Reads { value, source } or { from, to, source }.
 Range sourced(const Place &place, const toml::node &node, const std::string &key, Bounds bounds);
 double sourced_value(const Place &place, const toml::table &table, const std::string &key, Bounds bounds);
 

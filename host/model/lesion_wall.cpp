@@ -12,7 +12,8 @@ using Eigen::Vector3d;
 constexpr double unmoved_m = 1e-6;
 constexpr int share_rounds = 24;
 
-// Stretches of a branch that may be nearer to a wall in the box, in their own radii, than the lesion is.
+// Returns the stretches of a branch that may be nearer, in their own radii, to a wall in the box than the
+// lesion is.
 void add_near_stretches(const VesselBranch &branch, const Eigen::AlignedBox3d &reach_m,
                         std::vector<VesselBranch> &stretches)
 {
@@ -108,8 +109,8 @@ LesionFoot LesionWall::foot(const Vector3d &place_m) const
     return foot;
 }
 
-// How much of the way a wall goes: all of it near the vessel and none far from it, nor where it is rather
-// another vessel's.
+// Returns the share of the displacement that a wall takes: all of it near the vessel; none far from it, or
+// where the wall belongs rather to another vessel.
 double LesionWall::share_of_way(const LesionFoot &foot, const Vector3d &place_m) const
 {
     const double fade =
@@ -128,14 +129,15 @@ Vector3d LesionWall::way_m(const Vector3d &healthy_m) const
     return share_of_way(at, healthy_m) * (there - healthy_m);
 }
 
-// Were the share s known: places with a foot at h on the healthy line came to lie about m = h + s (c - h),
-// across the line as they did before, so the foot is where x - m is across it, or at a corner where it is so
-// for neither side. v = h + (x - m) / (1 - s (1 - left)).
+// Inverts the map for a known share s. A place with its foot at h on the healthy line was moved to the
+// neighbourhood of m = h + s (c - h), and kept its direction across the line. So its foot is where x - m is
+// perpendicular to the line, or at a corner where it is perpendicular to neither side. Then v = h + (x - m) /
+// (1 - s (1 - left)).
 LesionWall::Healthy LesionWall::back(const Vector3d &narrowed_m, double share) const
 {
     Healthy healthy{narrowed_m, 0};
     double least_m = std::numeric_limits<double>::infinity();
-    bool was_beyond = true; // the end of the segment before
+    bool was_beyond = true; // the end of the previous segment
     const std::size_t last = healthy_m_.size() - 2;
     for (std::size_t i = 0; i <= last; ++i) {
         const Vector3d step = healthy_m_[i + 1] - healthy_m_[i];
@@ -157,7 +159,8 @@ LesionWall::Healthy LesionWall::back(const Vector3d &narrowed_m, double share) c
     return healthy;
 }
 
-// The farther out the wall was, the less of the way it went: one share agrees with its own place.
+// A wall that was farther out took a smaller share of the displacement, so exactly one share is consistent
+// with its own place.
 bool LesionWall::healthy_of(const Vector3d &narrowed_m, Healthy &healthy) const
 {
     if (!reach_m_.contains(narrowed_m)) return false;

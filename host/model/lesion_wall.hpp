@@ -1,5 +1,5 @@
-// The wall of a lesion, healthy and narrowed: one map both ways (docs/lesions.md). The baker takes healthy
-// walls to narrowed ones, the host takes them back as far as the core's lesion has given way.
+// The wall of a lesion, healthy and narrowed: one map and its inverse (docs/lesions.md). The baker maps
+// healthy walls to narrowed ones, and the host maps them back as far as the core's lesion has yielded.
 //
 //   const LesionWall wall(tree, 0);
 //   x += wall.way_m(x);                       // from the healthy vessel to the narrowed one
@@ -11,38 +11,40 @@
 namespace crn
 {
 
-// A wall goes with the lesion up to so many radii from the healthy centreline; beyond the second it stays.
+// A wall moves fully with the lesion up to the first number of radii from the healthy centreline; beyond the
+// second it stays.
 constexpr double lesion_near_radii = 1.6, lesion_far_radii = 2.4;
 
-// The tree as it was before disease narrowed it.
+// Returns the tree as it was before disease narrowed it.
 VesselTree healthy_tree(const VesselTree &tree);
 
-// Nearest place of the healthy centreline within a lesion, and what it became.
+// The nearest place of the healthy centreline within a lesion, and the place to which the lesion moved it.
 struct LesionFoot {
     double radii = std::numeric_limits<double>::infinity(); // distance over the healthy radius
     Eigen::Vector3d healthy_m = Eigen::Vector3d::Zero(), channel_m = Eigen::Vector3d::Zero();
-    double healthy_radius_m = 0, left = 1; // share of the radius that is left
+    double healthy_radius_m = 0, left = 1; // share of the radius that remains
     double arc_m = 0;                      // along the healthy centreline, from the lesion's first point
 };
 
 class LesionWall
 {
   public:
-    LesionWall(const VesselTree &tree, std::size_t lesion); // a checked tree
+    LesionWall(const VesselTree &tree, std::size_t lesion); // requires a checked tree
 
-    // A place where the wall of the healthy vessel is: its way to the narrowed one. 0 far away, and where it
-    // is rather another vessel's wall.
+    // Returns the displacement of a place of the healthy vessel's wall to the narrowed one. It is 0 far away,
+    // and where the wall belongs rather to another vessel.
     Eigen::Vector3d way_m(const Eigen::Vector3d &healthy_m) const;
 
     struct Healthy {
         Eigen::Vector3d place_m = Eigen::Vector3d::Zero();
         double arc_m = 0; // of its foot
     };
-    // The place whose way ends at `narrowed_m`. False: the map leaves that one where it is.
+    // Finds the place whose displacement ends at `narrowed_m`. Returns false if the map leaves that place
+    // unchanged.
     bool healthy_of(const Eigen::Vector3d &narrowed_m, Healthy &healthy) const;
 
     LesionFoot foot(const Eigen::Vector3d &place_m) const;
-    // Around everything that goes with the lesion.
+    // Box around everything that moves with the lesion.
     const Eigen::AlignedBox3d &reach_m() const { return reach_m_; }
 
   private:
@@ -51,11 +53,11 @@ class LesionWall
 
     std::vector<Eigen::Vector3d> healthy_m_, channel_m_;
     std::vector<double> healthy_radii_m_, channel_radii_m_, arcs_m_;
-    std::vector<VesselBranch> others_; // stretches of other vessels, healthy, that come near
+    std::vector<VesselBranch> others_; // healthy stretches of other vessels nearby
     Eigen::AlignedBox3d reach_m_;
 };
 
-// Box around everything within so many radii of a lesion's healthy centreline.
+// Returns the box around everything within so many radii of a lesion's healthy centreline.
 Eigen::AlignedBox3d lesion_box_m(const VesselLesion &lesion, double radii);
 
 } // namespace crn

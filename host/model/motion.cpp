@@ -13,7 +13,7 @@ namespace
 constexpr double q30 = 0x1p-30;
 constexpr double unit_m = 0x1p-19; // of a coefficient: 2^11 / 2^30
 constexpr std::size_t row_numbers = CRN_SCENE_MOTION_ROW;
-constexpr std::size_t kept = motion_keyframes + 2; // of a moved vertex: keyframes 23, 0 .. 23, 0
+constexpr std::size_t kept = motion_keyframes + 2; // keyframes stored for a moved vertex: 23, 0 .. 23, 0
 
 } // namespace
 
@@ -41,8 +41,8 @@ MotionWeights motion_weights(const MotionMoment &moment)
 
 double motion_plane_weight(int corner, const Eigen::Vector3d &place)
 {
-    // A corner is on the path when the axes it has gone along have larger fractions than those it has not;
-    // what it counts is the difference between the smallest of the ones and the largest of the others.
+    // A corner is on the path when the axes towards it have larger fractions than the other axes. Its weight
+    // is the difference between the smallest of the former and the largest of the latter.
     double least = 1, most = 0;
     for (int k = 0; k < 3; ++k) {
         if ((corner >> k & 1) != 0)
@@ -130,8 +130,8 @@ Eigen::Vector3d Motion::pull(const Eigen::Vector3d &x_m, const MotionMoment &mom
 namespace
 {
 
-// x = X - w(x): w changes from place to place by less than places do, so that it goes to the fixed point;
-// each round gains the lattice's steepness, a third in a heart.
+// Solves x = X - w(x) by fixed-point iteration. It converges because w changes less from place to place than
+// the places themselves; each round reduces the error by the lattice's gradient, a third in a heart.
 template <typename Way> Eigen::Vector3d undo(const Eigen::Vector3d &X_m, const Way &way)
 {
     constexpr int rounds_max = 40;

@@ -1,10 +1,10 @@
-// How a scene's vessels move, in SI doubles: the same lattice that the core looks up in fixed point
-// (docs/heart.md).
+// Computes the motion of a scene's vessels in SI doubles, from the same lattice that the core evaluates in
+// fixed point (docs/heart.md).
 //
-//   const auto motion = read_motion("heart.scene", error);     // nullopt with an empty error: it stands still
+//   const auto motion = read_motion("heart.scene", error);     // nullopt with an empty error: it does not move
 //   X = motion->pull(x, moment); x = motion->push(X, moment);
 //   MovingBodies bodies(*motion, all_bodies);
-//   bodies.at({wire.heart_phase32, wire.breath_phase32});       // vertices of what moves
+//   bodies.at({wire.heart_phase32, wire.breath_phase32});       // vertices of the moving bodies
 //   MovingPoints points(*motion, places); points.at(moment);
 #pragma once
 #include "host/model/bodies.hpp"
@@ -24,7 +24,7 @@ namespace crn
 
 inline constexpr int motion_keyframes = 24;
 
-// Where heart and breath are: phases as the core gives them.
+// The phases of heart and breath as the core gives them.
 struct MotionMoment {
     std::uint32_t heart_phase32 = 0, breath_phase32 = 0;
     bool operator==(const MotionMoment &) const = default;
@@ -39,32 +39,33 @@ struct MotionWeights {
 };
 MotionWeights motion_weights(const MotionMoment &moment);
 
-// Coefficients c, one per keyframe, of the periodic spline that passes through w: (c[k-1] + 6 c[k] + c[k+1])
-// / 8 = w[k]; Gauss-Seidel, a factor of 9 in each of 20 rounds.
+// Computes coefficients c, one per keyframe, of the periodic spline that passes through w: (c[k-1] + 6 c[k] +
+// c[k+1]) / 8 = w[k]. It uses Gauss-Seidel, which gains a factor of 9 in each of 20 rounds.
 void motion_prefilter(const double *w, double *c);
 
-// How much a corner of a cell (bits x, y, z) counts at a place in it (0 .. 1), where the way is plane in each
-// of the cell's six tetrahedra: the path from corner 0 goes along the axis of the largest fraction first
-// (Kuhn; the field of breath).
+// Returns the weight of a corner of a cell (bits x, y, z) at a place in the cell (0 .. 1), where the
+// displacement is linear in each of the cell's six tetrahedra. The path from corner 0 goes along the axis of
+// the largest fraction first (Kuhn; used for the breath's field).
 double motion_plane_weight(int corner, const Eigen::Vector3d &place);
 
 class Motion
 {
   public:
-    explicit Motion(const crn_scene &scene); // a checked one that moves; copies its lattices
+    explicit Motion(const crn_scene &scene); // requires a checked scene with motion; copies its lattices
     bool breathes() const { return breath_.has_value(); }
 
-    // The reference pose's place of what is at x now.
+    // Returns the place in the reference pose of the material that is at x now.
     Eigen::Vector3d pull(const Eigen::Vector3d &x_m, const MotionMoment &moment) const;
-    // Where what the reference pose has at X is now; off by less than 1 um where the lattice does not fold
-    // over.
+    // Returns the present place of the material that the reference pose has at X; the error is below 1 um
+    // where the lattice does not fold over.
     Eigen::Vector3d push(const Eigen::Vector3d &X_m, const MotionMoment &moment) const;
 
   private:
     // One lattice: nodes with `row` numbers for each of three components.
     struct Lattice {
         explicit Lattice(const crn_scene_motion &scene, std::size_t row);
-        // The node of the cell's corner 0, strides to its others and the place in it; false outside.
+        // Finds the node of the cell's corner 0, the strides to the other corners and the place in the cell;
+        // false outside.
         bool find(const Eigen::Vector3d &x_m, std::size_t &node, Eigen::Vector3d &place) const;
         std::size_t corner(std::size_t node, unsigned corner) const;
 
@@ -80,12 +81,12 @@ class Motion
     std::optional<Lattice> breath_;
 };
 
-// The MOTION section of a scene file. Nothing when it has none, or, with a message in `error`, when it cannot
-// be read.
+// Reads the MOTION section of a scene file. Returns nothing when there is none, or, with a message in
+// `error`, when it cannot be read.
 std::optional<Motion> read_motion(const std::string &scene_path, std::string &error);
 
-// Places that move with it: each is taken through the keyframes once, at rest and inhaled, then a moment
-// costs a few products. Between keyframes that is the spline of the moved places, within 0.05 mm of the
+// Places that move with it: each is evaluated once at all keyframes, at rest and inhaled; then a moment costs
+// a few products. Between keyframes the result is the spline of the moved places, within 0.05 mm of the
 // lattice's own map.
 class MovingPoints
 {
@@ -93,7 +94,7 @@ class MovingPoints
     MovingPoints(const Motion &motion, std::vector<Eigen::Vector3d> reference_m);
     std::size_t size() const { return reference_m_.size(); }
     bool moves(std::size_t i) const { return moves_[i]; }
-    // The way of place i from the reference pose, um; 0 0 0 for one that never moves.
+    // Displacement of place i from the reference pose, um; 0 0 0 for one that never moves.
     Eigen::Vector3f way_um(std::size_t i, const MotionWeights &weights) const;
     Eigen::Vector3d at(std::size_t i, const MotionWeights &weights) const
     {
@@ -106,12 +107,12 @@ class MovingPoints
     std::vector<Eigen::Vector3d> reference_m_;
     std::vector<bool> moves_;
     bool breathes_;
-    // Per place, for keyframes 23, 0 .. 23, 0: its way at rest, and where it breathes what a full breath adds
-    // to that. Side by side, as a moment needs three neighbours.
+    // For each place and keyframe 23, 0 .. 23, 0: its displacement at rest, and if it moves with breath what
+    // a full breath adds to that. They are adjacent in memory, because a moment needs three neighbours.
     std::vector<float> coefficients_um_;
 };
 
-// Bodies that move with it: their vertices.
+// Bodies that move with it, by their vertices.
 class MovingBodies
 {
   public:
@@ -122,7 +123,7 @@ class MovingBodies
         int body = 0; // index in Bodies
         std::span<const Eigen::Vector3i> vertices_um;
     };
-    // Valid until the next call.
+    // The result is valid until the next call.
     const std::vector<Moved> &at(const MotionMoment &moment);
 
   private:

@@ -1,10 +1,10 @@
-// Meshes around lesions that have given way: the wall of blood goes back towards the healthy vessel, calcium
-// is pushed outwards with it.
+// Meshes around lesions that have yielded: the wall of blood moves back towards the healthy vessel, and
+// calcium is pushed outwards with it.
 //
 //   OpenedBodies opened(bodies, opening, motion);
 //   for (const auto &body : opened.at(moment, wire.lesions_open, moving.at(moment))) ...
 //
-// Only vertices near a lesion are touched, none while nothing is open.
+// Only vertices near a lesion are changed, and none while nothing is open.
 #pragma once
 #include "host/model/lesion_opening.hpp"
 #include "host/model/motion.hpp"
@@ -17,16 +17,16 @@ class LesionWall;
 class OpenedBodies
 {
   public:
-    // Finds the vertices: a body of blood that a lesion's vessel runs through, and the calcium that the baker
-    // made for it (the body LESION_calcium). `motion` may be null: everything stands still.
+    // Finds the vertices of a body of blood through which a lesion's vessel runs, and of the calcium that the
+    // baker made for the lesion (the body LESION_calcium). `motion` may be null: nothing moves.
     OpenedBodies(const Bodies &bodies, const LesionOpening &opening, const Motion *motion);
 
     bool is_empty() const { return opened_.empty(); }
-    std::size_t vertex_count() const; // that go with lesions
-    std::vector<int> bodies() const;  // that have some
+    std::size_t vertex_count() const; // number of vertices that move with lesions
+    std::vector<int> bodies() const;  // bodies that have such vertices
 
-    // `moved`, what the heart moves at that moment, with the bodies of open lesions as they are. Valid until
-    // the next call.
+    // Returns `moved`, the bodies that the heart moves at that moment, with the bodies of open lesions
+    // changed. The result is valid until the next call.
     const std::vector<MovingBodies::Moved> &at(const MotionMoment &moment,
                                                std::span<const double> lesions_open,
                                                std::span<const MovingBodies::Moved> moved = {});
@@ -39,9 +39,9 @@ class OpenedBodies
     };
     struct Opened {
         int body = 0;
-        std::vector<std::size_t> lesions; // that reach it
+        std::vector<std::size_t> lesions; // lesions that reach it
         std::vector<Vertex> vertices;
-        std::optional<MovingPoints> healthy; // where it moves
+        std::optional<MovingPoints> healthy; // for a body that moves
         std::vector<Eigen::Vector3i> narrow_um, vertices_um;
     };
     void find_wall(const Body &body, std::size_t lesion, const LesionWall &wall, Opened &opened) const;

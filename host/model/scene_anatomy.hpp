@@ -1,5 +1,5 @@
-// What is known of a patient besides the lumen that the core has: bodies with their tree of vessels, how they
-// move, and which lesions give way. One reader for pictures, contrast medium, stents and surfaces.
+// The anatomy of a patient besides the lumen in the core: bodies with their tree of vessels, their motion,
+// and the lesions that yield. Pictures, contrast medium, stents and surfaces share this reader.
 #pragma once
 #include "host/model/bodies.hpp"
 #include "host/model/lesion_opening.hpp"
@@ -13,14 +13,14 @@ namespace crn
 
 struct SceneAnatomy {
     Bodies bodies;
-    std::optional<Motion> motion; // nothing: it stands still
+    std::optional<Motion> motion; // empty: nothing moves
     std::vector<LesionStations> stations;
 
     const Motion *motion_or_null() const { return motion ? &*motion : nullptr; }
 };
 
-// Empty paths: no bodies; nothing moves. Throws std::runtime_error, also for bodies that were not baked with
-// this scene.
+// With empty paths there are no bodies and no motion. Throws std::runtime_error, also for bodies that were
+// not baked with this scene.
 SceneAnatomy read_scene_anatomy(const std::string &scene_path, const std::string &bodies_path);
 
 } // namespace crn

@@ -1,4 +1,4 @@
-// A baked scene for those who take one thing out of it.
+// Reads a baked scene to take one thing out of it.
 #pragma once
 #include "host/base/text.hpp"
 #include "shared/scene/scene.h"
@@ -8,8 +8,8 @@
 namespace crn
 {
 
-// `use` sees the checked scene, whose bytes are gone after it. What it gives; without a scene (no path, or an
-// error that names file and byte) `{}`.
+// `use` receives the checked scene, whose bytes are released afterwards. Returns the result of `use`; without
+// a scene (no path, or an error that names file and byte) it returns `{}`.
 template <typename Result, typename Use>
 Result from_scene(const std::string &scene_path, std::string &error, Use use)
 {

@@ -1,5 +1,5 @@
-// Physical numbers <-> the wire's number formats: the only host file that knows what Q30 is.
-// Rounds to nearest; values outside a format's range throw, so that nothing wraps silently.
+// Converts physical numbers to the wire's number formats and back: the only host file that depends on Q30. It
+// rounds to nearest; values outside a format's range throw, so that nothing wraps silently.
 #pragma once
 #include <Eigen/Core>
 #include <cmath>

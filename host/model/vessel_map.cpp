@@ -9,8 +9,8 @@ namespace crn
 namespace
 {
 
-// Small letters, one space for any run of spaces, underscores and hyphens, without "artery" and "ostium" at
-// the end.
+// Normalises a name: small letters, one space for any run of spaces, underscores and hyphens, without
+// "artery" and "ostium" at the end.
 std::string plain(std::string_view name)
 {
     std::string text;
@@ -24,7 +24,7 @@ std::string plain(std::string_view name)
     return text;
 }
 
-// What cardiologists write out, and how the files are called.
+// Pairs of cardiologists' long names and the names in files.
 constexpr std::pair<const char *, const char *> long_names[] = {
     {"left main", "lm"},
     {"left main coronary", "lm"},
@@ -61,7 +61,7 @@ std::int64_t um(double m)
     return std::llround(m * 1e6);
 }
 
-// Where the brachiocephalic and the left subclavian artery leave the root, metres along it.
+// The places where the brachiocephalic and the left subclavian artery leave the root, metres along it.
 struct Arch {
     double begin_m = 0.0, end_m = 0.0;
 };
@@ -148,7 +148,7 @@ std::size_t VesselMap::vessel_of(std::size_t branch, double arc_m) const
     return found;
 }
 
-// Before a branch leaves its parent's lumen a place is its parent's.
+// Until a branch leaves its parent's lumen a place belongs to the parent.
 VesselPlace VesselMap::at(const Eigen::Vector3d &reference_m) const
 {
     VesselPlace best;
@@ -167,7 +167,7 @@ VesselPlace VesselMap::at(const Eigen::Vector3d &reference_m) const
     return best;
 }
 
-// The vessels from the root to a place, each with where the next one leaves it.
+// Returns the vessels from the root to a place, each with the position where the next one leaves it.
 std::vector<VesselPlace> VesselMap::from_root(const VesselPlace &place) const
 {
     std::vector<VesselPlace> steps = {place};
@@ -203,7 +203,8 @@ double VesselMap::inside_m(const VesselPlace &place, const VesselPlace &start) c
     return distance_m(mouth(place.vessel, start), place);
 }
 
-// In a tree the distance of a place from a route is half of what the detour by way of the place costs.
+// In a tree the distance of a place from a route is half of the extra length of the detour through that
+// place.
 VesselWay VesselMap::way(const VesselPlace &place, const VesselPlace &start, std::size_t goal) const
 {
     if (place.vessel == goal) return {0, 0, um(inside_m(place, start))};

@@ -49,9 +49,9 @@ std::string fault_of(const VesselTree &tree, const VesselLesion &lesion)
 }
 
 constexpr double walk_step_m = 0.25e-3;
-constexpr double start_share_max = 0.8; // of a branch, at most, may lie in its parent
+constexpr double start_share_max = 0.8; // largest share of a branch that may lie in its parent
 constexpr double division_start_radii =
-    0.5; // a branch from its parent's end begins so many of its radii further on
+    0.5; // a branch from its parent's end begins this many of its radii further on
 
 } // namespace
 
@@ -97,7 +97,7 @@ double vessel_start_m(const VesselTree &tree, std::size_t index)
     const double latest_m = start_share_max * length_m;
     if (branch.parent_point + 1 == parent.points_m.size())
         return std::min(division_start_radii * parent.radii_m.back(), latest_m);
-    double arc_m = 0.0, begin_m = 0.0; // of the walk, and of the piece it is on
+    double arc_m = 0.0, begin_m = 0.0; // arc of the whole walk, and begin of the current piece
     for (std::size_t i = 0; i + 1 < branch.points_m.size(); ++i) {
         const Eigen::Vector3d &a = branch.points_m[i], step = branch.points_m[i + 1] - a;
         const double piece_m = step.norm();

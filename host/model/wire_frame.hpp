@@ -1,5 +1,5 @@
-// A picture's worth of the tools: what effects and X-ray see of the core at one tick.
-// SI units in Eigen doubles; filled by host/model from bytes, never from the core directly.
+// The tools at one tick for one picture: the view that effects and X-ray have of the core. It holds SI units
+// in Eigen doubles; host/model fills it from bytes, never from the core directly.
 #pragma once
 #include <Eigen/Core>
 #include <cstdint>
@@ -13,22 +13,22 @@ struct WireNode {
     double arc_m = 0.0;              // rest arc length from the leading tip
     double radius_m = 0.0;           // outer radius of the outermost tool there
     double depth_m = 0.0;            // contact depth, > 0 in contact (0 when unknown)
-    double contrast_mg_per_ml = 0.0; // iodine in the blood around
+    double contrast_mg_per_ml = 0.0; // iodine in the surrounding blood
 };
 
 struct WireFrame {
     std::uint32_t tick = 0;
     std::uint32_t heart_phase32 = 0, breath_phase32 = 0; // 2^-32 cycle: docs/heart.md
     std::vector<WireNode>
-        nodes{}; // node 0 is the leading tip; only those beyond the inserter and the first inside it
-    // Where on the line each tool's own tip lies, from the innermost tool; the leading one's is 0. A tool
-    // covers the line from there to the last node. Empty: one tool from node 0.
+        nodes{}; // node 0 is the leading tip; only nodes beyond the introducer and the first one inside it
+    // The position of each tool's own tip on the line, from the innermost tool out; the leading one's is 0. A
+    // tool covers the line from there to the last node. If empty, there is one tool from node 0.
     std::vector<double> tip_arc_m{};
-    // The balloon of one of the tools: radii of its balls, `balloon_arc_m` from the leading tip on,
-    // `balloon_spacing_m` apart. Empty: none.
+    // The balloon of one of the tools, as radii of its balls; the first is `balloon_arc_m` from the leading
+    // tip, and they are `balloon_spacing_m` apart. It is empty if there is none.
     std::vector<double> balloon_radii_m{};
     double balloon_arc_m = 0.0, balloon_spacing_m = 0.0;
-    // How far lesions that give way are open, 0 .. 1, station by station, lesion by lesion (docs/lesions.md).
+    // How far lesions that yield are open, 0 .. 1, station by station, lesion by lesion (docs/lesions.md).
     std::vector<double> lesions_open{};
 };
 

@@ -1,4 +1,4 @@
-// Places of the line between its nodes.
+// Computes places of the line between its nodes.
 #pragma once
 #include "host/model/wire_frame.hpp"
 #include <algorithm>
@@ -7,7 +7,8 @@
 namespace crn
 {
 
-// At an arc length from the leading tip; straight on beyond both ends. Needs two nodes.
+// Returns the place at an arc length from the leading tip; the line continues straight beyond both ends. The
+// line needs two nodes.
 inline Eigen::Vector3d line_place_m(const WireFrame &wire, double arc_m)
 {
     const std::vector<WireNode> &nodes = wire.nodes;

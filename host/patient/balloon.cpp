@@ -12,11 +12,11 @@ namespace
 
 using Eigen::Vector3d;
 
-constexpr double piece_m = 0.25e-3;  // along the axis: a piece is drawn as a cylinder
+constexpr double piece_m = 0.25e-3;  // along the axis: each piece is drawn as a cylinder
 constexpr double cone_slope = 0.5;   // radius lost per length of the ends
-constexpr double unfolded_m = 20e-6; // more than the folded balloon: it is filled
+constexpr double unfolded_m = 20e-6; // larger than the folded balloon by this much: it is filled
 constexpr double seen_behind_m =
-    0.03; // of the mouth of the inserter: what is farther in is out of the patient
+    0.03; // distance from the introducer's opening beyond which the balloon counts as outside the patient
 constexpr std::size_t column_points_max = 1000;
 
 bool has_balls(const WireFrame &wire)
@@ -25,7 +25,7 @@ bool has_balls(const WireFrame &wire)
            wire.balloon_arc_m < wire.nodes.back().arc_m + seen_behind_m;
 }
 
-// Linear between the balls, in cones down to nothing beyond both ends.
+// Returns the radius: linear between the balls, with cones down to nothing beyond both ends.
 double radius_at(const WireFrame &wire, double from_first_m)
 {
     const std::vector<double> &radii_m = wire.balloon_radii_m;
@@ -69,7 +69,8 @@ std::vector<SweptCurve> balloon_filling(const WireFrame &wire, const std::vector
 {
     const std::optional<std::size_t> tool = balloon_tool(tools);
     if (!tool || *tool >= wire.tip_arc_m.size() || !has_balls(wire)) return {};
-    const double tip_m = wire.balloon_arc_m - wire.tip_arc_m[*tool]; // of the first ball, from the tool's tip
+    const double tip_m =
+        wire.balloon_arc_m - wire.tip_arc_m[*tool]; // position of the first ball, from the tool's tip
     const double last_m = static_cast<double>(wire.balloon_radii_m.size() - 1) * wire.balloon_spacing_m;
     const double cones_m =
         *std::max_element(wire.balloon_radii_m.begin(), wire.balloon_radii_m.end()) / cone_slope;

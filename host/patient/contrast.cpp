@@ -24,13 +24,14 @@ double seconds(Clock::duration duration)
 constexpr double widening_step_m = 0.25e-3;
 constexpr double ball_step_m = 2e-3;        // between places of a tool that narrow the lumen
 constexpr double invisible_mg_per_ml = 0.3; // 0.1 % of a 5 mm column: less than noise
-constexpr double forgotten_mg = 0.01;       // in all vessels together
+constexpr double forgotten_mg = 0.01;       // mg in all vessels together below which medium is ignored
 constexpr double beats_per_min = 70.0;
 constexpr std::uint32_t never = std::numeric_limits<std::uint32_t>::max();
-constexpr double stream_radii = 1.5;  // of the vessel, until the stream from the tip fills it
-constexpr double stream_fades = 0.01; // per ms, after the injection
+constexpr double stream_radii =
+    1.5; // radii of the vessel over which the stream from the tip spreads to fill it
+constexpr double stream_fades = 0.01; // fading per ms, after the injection
 
-// A piece of a curve is drawn as a cylinder: one that widens is cut, so that its edge has no steps.
+// A piece of a curve is drawn as a cylinder: a piece that widens is divided, so that its edge has no steps.
 void go_to(SweptCurve &curve, const SweptPoint &point)
 {
     const SweptPoint from = curve.points.back();
@@ -50,7 +51,7 @@ bool has_lumen(const Instrument &tool)
     return tool.table.knots_count > 0 && tool.table.knots[0].radius_inner_um > 0;
 }
 
-// Place of the line at an arc length from its leading tip; beyond its ends, the end.
+// Returns the place of the line at an arc length from its leading tip; beyond its ends it returns the end.
 Vector3d place_at(const WireFrame &wire, double arc_m)
 {
     if (arc_m < wire.nodes.front().arc_m) return wire.nodes.front().position_m;
@@ -80,9 +81,9 @@ std::vector<ToolBall> balls_of(const WireFrame &wire)
 
 constexpr double kPa_per_psi = 6.894757;
 constexpr double taken_out_m =
-    1e-3; // a tool that reaches no farther beyond the inserter is out of the lumens too
+    1e-3; // a tool that reaches no farther beyond the introducer is outside the lumens too
 
-// Why the flow does not pass; empty: it does.
+// Returns why the flow does not pass; empty if it does.
 std::string flow_refusal(const Instrument &tool, std::span<const InnerTool> inside, double flow_ml_s,
                          double iodine_mg_per_ml)
 {
@@ -90,7 +91,7 @@ std::string flow_refusal(const Instrument &tool, std::span<const InnerTool> insi
     if (needed_kPa <= injection_pressure_max_kPa) return "";
     const double possible_ml_s = flow_ml_s * injection_pressure_max_kPa / needed_kPa;
     return formatted("%g ml/s THROUGH '%s'%s NEEDS %s - at most %.3g ml/s at %.0f psi; inject more slowly%s",
-                     flow_ml_s, tool.name.c_str(), inside.empty() ? "" : " BESIDE WHAT LIES IN IT",
+                     flow_ml_s, tool.name.c_str(), inside.empty() ? "" : " BESIDE THE TOOLS IN IT",
                      needed_kPa < 1e9 ? formatted("%.0f psi", needed_kPa / kPa_per_psi).c_str()
                                       : "AN OPEN LUMEN",
                      possible_ml_s, injection_pressure_max_kPa / kPa_per_psi,
@@ -158,7 +159,7 @@ PatientContrast::PatientContrast(const VesselTree &vessels, const std::vector<In
     moved_ = vessels;
 }
 
-// The tools inside the one that is injected through, as far as they are in the line.
+// Considers the tools inside the injecting one, as far as they are in the line.
 std::string PatientContrast::pressure_refusal(const Asked &asked, const crn_wire_tick_state &state) const
 {
     std::vector<InnerTool> inside;
@@ -178,7 +179,7 @@ void PatientContrast::tick(const crn_wire_tick_state &state)
                                             (state.rhythm_bits & CRN_WIRE_RHYTHM_IS_RESTING) != 0)});
 }
 
-// By the tools as they lie at the injection's own tick; before the first tick nobody knows.
+// Decides by the tools' places at the injection's own tick; before the first tick these are not known.
 void PatientContrast::judge_asked()
 {
     while (!asked_.empty() && last_.tick > 0 && asked_.front().tick <= last_.tick) {
@@ -191,7 +192,7 @@ void PatientContrast::judge_asked()
     }
 }
 
-// `next` goes on through the beats, which are in order.
+// `next` advances through the beats, which are in order.
 BeatPhase PatientContrast::beat_at(std::uint32_t tick, std::size_t &next) const
 {
     while (next < beats_.size() && beats_[next].tick < tick) ++next;
@@ -199,7 +200,7 @@ BeatPhase PatientContrast::beat_at(std::uint32_t tick, std::size_t &next) const
     return steady_beat(tick, beats_per_min);
 }
 
-// The centrelines where heart and breath have them in this frame.
+// Places the centrelines as heart and breath move them in this frame.
 void PatientContrast::place_vessels(const WireFrame &wire)
 {
     if (!points_) return;
@@ -226,7 +227,7 @@ VesselTree PatientContrast::opened_vessels() const
     return opened;
 }
 
-// Only at looks: what the medium does must not depend on which pictures were asked for.
+// Vessels open only at looks: the medium must not depend on which pictures were requested.
 bool PatientContrast::open_vessels(const WireFrame &wire)
 {
     if (opening_.is_empty() || wire.lesions_open == flow_open_) return false;
@@ -273,15 +274,15 @@ std::uint32_t PatientContrast::next_tick() const
     return static_cast<std::uint32_t>(std::max<std::int64_t>(look_due(), seen_tick_ + 1));
 }
 
-// Looks are at multiples of look_every_ticks, whatever other frames there are.
+// Looks are at multiples of look_every_ticks, independent of other frames.
 std::uint32_t PatientContrast::look_due() const
 {
     if (state_ == State::flows) return (look_tick_ / look_every_ticks + 1) * look_every_ticks;
     return (injector_.first_tick() + look_every_ticks - 1) / look_every_ticks * look_every_ticks;
 }
 
-// To the frame's tick with the tools where they were looked at last; then, when it is time, a look at this
-// frame.
+// Advances to the frame's tick with the tools at their last seen places; then looks at this frame if a look
+// is due.
 void PatientContrast::advance(const WireFrame &wire)
 {
     const std::uint32_t now = wire.tick;
@@ -308,7 +309,7 @@ void PatientContrast::advance(const WireFrame &wire)
     ++cost_.frames;
 }
 
-// The tick that ends now.
+// Notes the volume of the tick that ends now.
 void PatientContrast::note_given(std::uint32_t tick)
 {
     if (fluid_.flow_ml_s <= 0.0) return;
@@ -363,7 +364,8 @@ void PatientContrast::look(const WireFrame &wire)
     stream_.share = mouths[0].share;
 }
 
-// How little of the vessel the stream from the tip fills at a cell: 1 at the tip, 0 where it fills it.
+// Returns how little of the vessel the stream from the tip fills at a cell: 1 at the tip, 0 where it fills
+// the vessel.
 double PatientContrast::stream_at(std::size_t cell, double &behind_tip_mm) const
 {
     const FlowCells &cells = flow_.cells();
@@ -374,7 +376,7 @@ double PatientContrast::stream_at(std::size_t cell, double &behind_tip_mm) const
            std::max(1.0 - behind_tip_mm / (stream_radii * cells[cell].radius_mm), 0.0);
 }
 
-// The cell's iodine in a thinner column beside the axis, as wide as it must be to hold it undiluted.
+// Returns the cell's iodine as a thinner column beside the axis, just wide enough to hold it undiluted.
 SweptPoint PatientContrast::stream_point(std::size_t cell, double narrowness) const
 {
     const FlowCells &cells = flow_.cells();
@@ -389,9 +391,9 @@ SweptPoint PatientContrast::stream_point(std::size_t cell, double narrowness) co
             contrast_share(mean / (width * width))};
 }
 
-// Two columns per vessel: what both layers have at least, over the whole width, and around the axis what the
-// inner one has more. More along the wall than around the axis is shown as if it were mixed. Where medium
-// streams from the tip there is one, thinner.
+// Makes two columns per vessel: the concentration common to both layers over the whole width, and the inner
+// layer's excess around the axis. An excess along the wall is shown as if it were mixed. Where medium streams
+// from the tip there is one thinner column.
 void PatientContrast::make_curves()
 {
     curves_.clear();
@@ -401,7 +403,7 @@ void PatientContrast::make_curves()
 }
 
 // A column begins at its cell's face. Where a vessel ends by dividing, its branches' cells begin outside of
-// it, and their columns at its end: else there was a gap.
+// it; their columns begin at its end, otherwise there would be a gap.
 Vector3d PatientContrast::column_begin_m(std::size_t cell) const
 {
     const FlowCells &cells = flow_.cells();

@@ -1,6 +1,7 @@
-// Contrast medium in a session: what the syringe was asked for, where the tools are, and what of it the X-ray
-// sees. It follows from the commands and from the line's shape at ticks of its own (next_tick), so a replay
-// shows the same, whatever pictures were asked for. While no medium is in the vessels nothing is computed.
+// Contrast medium in a session: the ordered injections, the places of the tools, and the medium for the
+// X-ray. It depends only on the commands and on the line's shape at its own ticks (next_tick), so a replay
+// shows the same, whatever pictures were requested. While there is no medium in the vessels nothing is
+// computed.
 #pragma once
 #include "host/effects/injector.hpp"
 #include "host/model/instrument.hpp"
@@ -18,70 +19,71 @@ namespace crn
 {
 
 inline constexpr double iodine_default_mg_per_ml =
-    350.0; // of what is injected until a command says otherwise
+    350.0; // strength of the injected medium until a command changes it
 
-// The tool that an injection goes through, counted from the innermost: the one asked for (1 ...), or for 0
-// the outermost with a lumen. Nothing: there is none.
+// Returns the injecting tool, counted from the innermost: the requested one (1 ...), or for 0 the outermost
+// with a lumen. It is empty if there is none.
 std::optional<std::size_t> injecting_tool(const std::vector<Instrument> &tools, std::int32_t asked);
-// Why these tools cannot do what a command asks of the syringe, wherever they are; empty: they can, or it
-// asks nothing. `iodine_mg_per_ml`: the strength of what is injected.
+// Returns why these tools cannot carry out a command to the syringe, wherever they are; empty if they can, or
+// if the command is not for the syringe. `iodine_mg_per_ml` is the strength of the injected medium.
 std::string injection_refusal(const std::vector<Instrument> &tools, const RoomCommand &command,
                               double iodine_mg_per_ml);
 
-// Where medium leaves a tool whose tip is at that arc length of the line: the end hole first, then the side
-// holes. Shares by area: the lumen's resistance between the holes is left out.
+// Returns where medium leaves a tool whose tip is at that arc length of the line: the end hole first, then
+// the side holes. Shares are by area: the lumen's resistance between the holes is neglected.
 std::vector<CatheterMouth> catheter_mouths(const Instrument &tool, const WireFrame &wire, double tip_arc_m);
 
-// What it took, as seconds of the machine: beside the session's own, never in it.
+// The cost in seconds of this machine: kept apart from the session's results.
 struct ContrastCost {
-    std::uint64_t steps = 0, frames = 0; // of 1 ms; in which medium was seen
+    std::uint64_t steps = 0, frames = 0; // steps of 1 ms; frames in which medium was visible
     double step_s = 0.0, frame_s = 0.0;  // for the columns
 };
 
 class PatientContrast
 {
   public:
-    static constexpr std::uint32_t look_every_ticks = 40; // at the tools, while medium is in the vessels
+    static constexpr std::uint32_t look_every_ticks =
+        40; // ticks between looks at the tools, while medium is in the vessels
 
-    // `motion`: how the vessels move with heart and breath; nullptr: they stand still. `opening`: which
-    // lesions give way.
+    // `motion` moves the vessels with heart and breath; nullptr: they do not move. `opening` gives the
+    // lesions that yield.
     PatientContrast(const VesselTree &vessels, const std::vector<Instrument> &tools,
                     const Motion *motion = nullptr, LesionOpening opening = {});
 
-    // Why a command cannot be carried out with medium of this strength; empty: it can.
+    // Returns why a command cannot be carried out with medium of this strength; empty if it can.
     std::string refusal(const RoomCommand &command, double iodine_mg_per_ml) const;
-    // The same with the strength asked for last, and does it. Called when its tick is over, so that the tools
-    // are where they were then.
+    // Does the same with the last ordered strength, and carries the command out. Call it when its tick is
+    // over, so that the tools are where they were then.
     std::string command(std::uint32_t tick, const RoomCommand &command);
-    // The core's heart, every tick before the frame of that tick. Without it the heart beats evenly, 70 times
-    // a minute. An injection is refused at its tick when the tools that lie in the lumen then leave too
+    // Takes the core's heart, every tick before the frame of that tick. Without it the heart beats regularly,
+    // 70 times a minute. An injection is refused at its tick when the tools inside the lumen then leave too
     // little of it.
     void tick(const crn_wire_tick_state &state);
-    // Injections of the session that were refused.
+    // The injections of the session that were refused.
     const std::vector<Refusal> &refusals() const { return refusals_; }
     std::uint32_t next_tick() const; // UINT32_MAX: no look is needed
     void advance(const WireFrame &wire);
 
-    // For the X-ray: columns of medium, and how much iodine is in the blood around the line.
+    // Return for the X-ray the columns of medium, and the iodine in the blood around the line.
     const std::vector<SweptCurve> &curves() const { return curves_; }
     void colour(WireFrame &wire) const;
 
     bool was_used() const { return injector_.injected_ml() > 0.0; }
     double injected_ml() const { return injector_.injected_ml(); }
-    double flow_ml_s() const { return fluid_.flow_ml_s; } // injected at the moment
-    // What was injected after tick `from` up to tick `to`, as files tell it: volume and time in all, mean
-    // flow and strength.
+    double flow_ml_s() const { return fluid_.flow_ml_s; } // present flow of the injection
+    // The medium injected after tick `from` up to tick `to`, as in files: total volume and time, mean flow
+    // and strength.
     std::optional<RunContrast> given(std::uint32_t from, std::uint32_t to) const;
     const ContrastFlow &flow() const { return flow_; }
     double received_mg(std::size_t branch) const { return flow_.received_mg()[branch]; } // iodine
     const VesselTree &vessels() const { return vessels_; } // in the reference pose, as baked
-    VesselTree opened_vessels() const;                     // and with lesions as open as in the last frame
+    VesselTree opened_vessels() const; // and with lesions as far open as in the last frame
     const ContrastCost &cost() const { return cost_; }
 
   private:
     BeatPhase beat_at(std::uint32_t tick, std::size_t &next) const;
     void place_vessels(const WireFrame &wire);
-    bool open_vessels(const WireFrame &wire); // true: they have another shape
+    bool open_vessels(const WireFrame &wire); // returns true if their shape has changed
     enum class State { idle, waits, flows };
     void look(const WireFrame &wire);
     void note_given(std::uint32_t tick);
@@ -94,17 +96,17 @@ class PatientContrast
 
     const std::vector<Instrument> tools_;
     const VesselTree vessels_;                            // in the reference pose
-    VesselTree moved_;                                    // as flow_ has it now, where there is a motion
-    std::optional<MovingPoints> points_, healthy_points_; // of all branches; of the lesions that give way
+    VesselTree moved_;                                    // as flow_ has it now, if there is a motion
+    std::optional<MovingPoints> points_, healthy_points_; // points of all branches; of the lesions that yield
     const LesionOpening opening_;
     std::vector<double> flow_open_,
-        seen_open_; // how far lesions are open: as flow_ has it, and in the last frame
+        seen_open_; // how far lesions are open: in flow_, and in the last frame
     ContrastFlow flow_;
     Injector injector_;
     State state_ = State::idle;
     std::int64_t seen_tick_ = -1; // of the last frame
     std::uint32_t look_tick_ = 0; // of the last look
-    std::size_t tool_ = 0;        // that the syringe is at
+    std::size_t tool_ = 0;        // tool at the syringe
     double iodine_mg_per_ml_ = iodine_default_mg_per_ml;
     InjectedFluid fluid_;
     struct Beat {
@@ -113,16 +115,16 @@ class PatientContrast
     };
     std::vector<Beat> beats_; // of the ticks since the last frame
     ContrastCost cost_;
-    struct Given { // the same flow, from tick to tick
+    struct Given { // a period of constant flow, from tick to tick
         std::uint32_t tick_begin = 0, tick_end = 0;
         InjectedFluid fluid;
     };
     std::vector<Given> given_; // since the session began
-    struct Stream {            // from the tip, while medium is injected
+    struct Stream {            // the stream from the tip, while medium is injected
         std::size_t cell = 0;
         Eigen::Vector3d tip_m = Eigen::Vector3d::Zero();
-        double share = 1.0;    // of the medium that leaves at the tip
-        double strength = 0.0; // 1; falls to 0 after the injection
+        double share = 1.0;    // share of the medium that leaves at the tip
+        double strength = 0.0; // 1 during the injection; falls to 0 after it
     } stream_;
     struct Asked { // an injection whose tick has not come
         std::uint32_t tick = 0;

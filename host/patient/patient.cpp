@@ -41,8 +41,8 @@ void Patient::command(std::uint32_t tick, const RoomCommand &command)
     carry_out_due();
 }
 
-// Medium and stents do what is asked at its own tick, with the tools where they are then, whoever passes
-// commands on and when.
+// Medium and stents carry out each command at its own tick, with the tools where they are then, independent
+// of when the command is passed on.
 void Patient::carry_out_due()
 {
     for (; !asked_.empty() && asked_.front().tick <= state_.tick; asked_.pop_front())
@@ -97,7 +97,7 @@ void Patient::look(const WireFrame &wire)
     has_begun_ = true;
 }
 
-// The room goes on to `tick`; a pulse that is due there is given.
+// Advances the room to `tick`; a pulse that is due there is given.
 void Patient::advance_room(std::uint32_t tick, const WireFrame &wire)
 {
     room_.advance(tick, wire.nodes.empty() ? nullptr : &wire.nodes.front().position_m);
@@ -110,7 +110,7 @@ void Patient::advance_room(std::uint32_t tick, const WireFrame &wire)
                                request.settles_at_once ? MeterPace::settles : MeterPace::follows));
 }
 
-// Bodies beat with the line's own tick, and walls stand where the core's lesions have given way to.
+// Bodies beat with the tick of the line, and walls are where the core's lesions have yielded to.
 std::span<const MovedBody> Patient::bodies_at(const WireFrame &wire)
 {
     const MotionMoment moment{wire.heart_phase32, wire.breath_phase32};

@@ -1,8 +1,8 @@
-// The patient of a session: vessels with blood and contrast medium, stents, lesions that give way, heart and
-// breath, and the X-ray that is given, with its dose. Whoever runs a session (script, window, rig, replay)
-// advances the patient tick by tick, and the patient says what the core has to be told in the next tick.
-// Pictures, reports and scores read the state and change nothing, so a session is the same whatever is asked
-// of it.
+// The patient of a session: vessels with blood and contrast medium, stents, lesions that yield, heart and
+// breath, and the applied X-ray with its dose. Whoever runs a session (script, window, rig, replay) advances
+// the patient tick by tick, and the patient says what the core has to be told in the next tick. Pictures,
+// reports and scores read the state and change nothing, so a session does not depend on which of them are
+// requested.
 //
 //   patient.command(tick, {RoomAction::inject, {...}});        in force from that tick on
 //   inputs carry patient.hold_order() and patient.strut_order(); every tick that was done goes to
@@ -29,16 +29,16 @@ namespace crn
 {
 
 struct PatientSettings {
-    std::string bodies_path;         // for messages alone
-    std::vector<StentDesign> stents; // that a session may load, in this order
-    int threads = 2;                 // of the measuring chamber
+    std::string bodies_path;         // for messages only
+    std::vector<StentDesign> stents; // stents that a session may load, in this order
+    int threads = 2;                 // threads of the measuring chamber
 };
 
 class Patient
 {
   public:
-    // `tools` from the innermost. An empty anatomy is air without vessels. Throws std::runtime_error for a
-    // body of unknown material.
+    // `tools` are given from the innermost out. An empty anatomy is air without vessels. Throws
+    // std::runtime_error for a body of unknown material.
     Patient(const SceneAnatomy &anatomy, const std::vector<Instrument> &tools,
             const PatientSettings &settings = {});
     ~Patient();
@@ -53,13 +53,13 @@ class Patient
     void tick(const crn_wire_encoders &input, const crn_wire_tick_state &state);
     // The next tick at which look() is needed; UINT32_MAX: none.
     std::uint32_t next_look() const;
-    // To the frame's tick. A rig that leads sends its shapes at its own times: pulses between two of them are
-    // made with the later one.
+    // Advances to the frame's tick. A rig in FREE_RUN sends its shapes at its own times: pulses between two
+    // of them are made with the later one.
     void look(const WireFrame &wire);
-    // The same for vessels alone: of a replay that begins later, until it begins.
+    // Does the same for vessels only, in a replay that begins later, until it begins.
     std::uint32_t next_vessel_look() const;
     void look_at_vessels(const WireFrame &wire);
-    // Its state depends on every tick since the first: a replay that begins later goes through all of them.
+    // The state depends on every tick since the first: a replay that begins later must simulate all of them.
     bool needs_beginning() const { return stents_ != nullptr; }
 
     // --- what the core has to be told in the next tick; asked for before each. In a replay nobody asks: it
@@ -67,18 +67,19 @@ class Patient
     std::optional<crn_wire_scaffold> hold_order();
     std::optional<crn_wire_strut> strut_order();
 
-    // --- its state ---
-    const Room &room() const { return room_; } // and what happened there at the last look
+    // --- state ---
+    const Room &room() const { return room_; } // and the room's events at the last look
     const PatientContrast &contrast() const { return contrast_; }
-    PatientStents *stents() { return stents_.get(); } // null: the session has none
+    PatientStents *stents() { return stents_.get(); } // null: the session has no stents
     const PatientStents *stents() const { return stents_.get(); }
     const PulseMonitor &monitor() const { return monitor_; }
     const crn_wire_tick_state &state() const { return state_; } // of the last tick
-    // What was asked for in vain, by ticks: runs and injections.
+    // The requests that were refused, by ticks: runs and injections.
     std::vector<Refusal> refusals() const;
-    const RoomNotice &notice() const { return notice_; } // the last one of syringe and stents
+    const RoomNotice &notice() const { return notice_; } // the last notice of syringe and stents
     const XrayScene &scene() const { return scene_; }
-    // Bodies that heart, breath and open lesions have moved, at a moment. Valid until the next call.
+    // Returns the bodies that heart, breath and open lesions have moved, at a moment. The result is valid
+    // until the next call.
     std::span<const MovedBody> bodies_at(const WireFrame &wire);
 
   private:
@@ -90,9 +91,9 @@ class Patient
     std::optional<MovingBodies> moving_;
     OpenedBodies opened_;
     std::vector<MovedBody> moved_;
-    std::optional<MotionMoment> moved_at_; // that they were moved to last
+    std::optional<MotionMoment> moved_at_; // moment to which they were last moved
     std::vector<double> moved_open_;
-    XrayMeter meter_; // after the scene has its bodies
+    XrayMeter meter_; // made after the scene has its bodies
     Room room_;
     PatientContrast contrast_;
     std::unique_ptr<PatientStents> stents_;

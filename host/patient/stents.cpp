@@ -15,12 +15,13 @@ namespace
 
 using Eigen::Vector3d;
 
-constexpr double size_share = 0.1;       // by which balloon and stent may differ in diameter
-constexpr double length_spare_mm = 0.05; // of a stent that fills the stretch between its bands
+constexpr double size_share = 0.1; // relative difference allowed between the diameters of balloon and stent
+constexpr double length_spare_mm = 0.05; // clearance of a stent that fills the stretch between the bands
 constexpr double band_mm = 1.0;          // docs/balloon.md
 constexpr double wide_shares =
-    2.0; // vessels wider than so many times a stent's largest diameter hold no stent
-constexpr double inside_radii = 1.5; // of a branch, off its middle line: the balloon is in it
+    2.0; // vessels wider than this many times a stent's largest diameter hold no stent
+constexpr double inside_radii =
+    1.5; // radii of a branch from its middle line within which the balloon is in it
 constexpr std::uint32_t q15_per_256 = 32768 / 256;
 constexpr double strut_moved_um = 100.0,
                  strut_widened_um = 20.0; // of a ring, before the core hears of it again
@@ -32,7 +33,8 @@ std::string millimetres(double mm)
     return text;
 }
 
-// Diameter of the free balloon at its nominal pressure; without a label, of its table's first row.
+// Returns the diameter of the free balloon at its nominal pressure; without a label, that of its table's
+// first row.
 double nominal_diameter_mm(const Instrument &tool)
 {
     const crn_wire_instrument &table = tool.table;
@@ -46,7 +48,7 @@ double nominal_diameter_mm(const Instrument &tool)
     return table.balloon[table.balloon_count - 1].diameter_um * 1e-3;
 }
 
-// Between the inner edges of its bands, or its working length.
+// Returns the distance between the inner edges of its bands, or its working length.
 double mount_length_mm(const Instrument &tool)
 {
     const double working = (double{1} * tool.table.balloon_proximal_um - tool.table.balloon_distal_um) * 1e-3;
@@ -160,7 +162,7 @@ void PatientStents::command(std::uint32_t tick, const RoomCommand &command)
     if (command.action == RoomAction::load_stent) load(tick);
 }
 
-// Before the first tick the balloon may be anywhere: it was brought there with its stent.
+// Before the first tick the balloon may be anywhere, because it was brought there with its stent.
 void PatientStents::load(std::uint32_t tick)
 {
     const std::string at = " (at " + std::to_string(tick) + " ms)";
@@ -199,7 +201,7 @@ void PatientStents::tick(const crn_wire_encoders &input, const crn_wire_tick_sta
 
 // --- walls ---
 
-// Made when a stent first comes there, since most branches never see one.
+// A wall is made when a stent first comes there, since most branches never get one.
 std::size_t PatientStents::vessel_of(std::size_t branch)
 {
     for (std::size_t i = 0; i < walls_.size(); ++i)
@@ -214,8 +216,8 @@ std::size_t PatientStents::vessel_of(std::size_t branch)
     return walls_.size() - 1;
 }
 
-// The branch around the middle of the balloon, by radii off its middle line; nothing where no stent of this
-// size could be held.
+// Returns the branch around the middle of the balloon, by radii from its middle line; empty where no stent of
+// this size could be held.
 std::optional<std::size_t> PatientStents::vessel_at(const BalloonPose &pose, const MotionMoment &moment)
 {
     if (pose.points.empty()) return {};
@@ -237,11 +239,11 @@ std::optional<std::size_t> PatientStents::vessel_at(const BalloonPose &pose, con
     try {
         return vessel_of(*best);
     } catch (const std::invalid_argument &) {
-        return {}; // a branch that is shorter than its own ostium
+        return {}; // a branch that ends before its own ostium
     }
 }
 
-// How wide the passage is where each ball lies; what is not in the vessel knows of none.
+// Sets the width of the passage at each ball; a ball outside the vessel gets none.
 void PatientStents::give_room(BalloonPose &pose, std::optional<std::size_t> vessel) const
 {
     if (!vessel) return;
@@ -275,7 +277,7 @@ void PatientStents::advance(const WireFrame &wire)
     next_look_ = (wire.tick / look_every_ticks + 1) * look_every_ticks;
     BalloonPose pose = tool_ ? balloon_pose(wire, *tool_) : BalloonPose{};
     const Stent &last = stents_[stents_.size() - 1];
-    // Where a ring has been opened the stent stays in its vessel, whatever comes nearer.
+    // Once a ring has been opened the stent stays in its vessel, even if another one comes nearer.
     if (last.is_on_balloon() && !stories_.back().opened_tick && !pose.points.empty())
         stories_.back().vessel = vessel_at(pose, moment_of(wire));
     move_walls(wire);
@@ -371,10 +373,10 @@ std::vector<SweptCurve> PatientStents::curves_at(const WireFrame &wire)
     if (stents_.size() == 0) return curves;
     BalloonPose pose = tool_ ? balloon_pose(wire, *tool_) : BalloonPose{};
     move_walls(wire);
-    Stents shown = stents_; // the next look goes on from the last one
+    Stents shown = stents_; // the next look continues from the last one
     shown.step(walls(), pose.points.empty() ? nullptr : &pose);
     for (const Stent &stent : shown.all()) {
-        if (stent.is_on_balloon() && pose.points.empty()) continue; // out of the patient
+        if (stent.is_on_balloon() && pose.points.empty()) continue; // outside the patient
         const Material material = material_from_name(stent.design().material).value_or(Material::steel);
         for (const StentLine &line : stent_lines(stent)) {
             curves.push_back({material, {}});
@@ -405,7 +407,7 @@ std::vector<StentResult> PatientStents::results()
         result.was_taken_out = true;
         results.push_back(result);
     }
-    move_walls(seen_); // where they were at the last look
+    move_walls(seen_); // back to where they were at the last look
     for (std::size_t i = 0; i < stories_.size(); ++i) {
         const Stent &stent = stents_[i];
         const Story &story = stories_[i];

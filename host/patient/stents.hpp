@@ -27,31 +27,31 @@
 namespace crn
 {
 
-inline constexpr std::size_t stents_max = 8;  // of a session
+inline constexpr std::size_t stents_max = 8;  // largest number in a session
 inline constexpr std::size_t struts_max = 64; // rings of struts that a core keeps (docs/wire.md)
 
-// Why a stent cannot be mounted on what these tools have; empty: it can.
+// Returns why a stent cannot be mounted on a balloon of these tools; empty if it can.
 std::string mount_refusal(const StentDesign &stent, const std::vector<Instrument> &tools);
-// Stent files for these tools. Throws FileError naming the file for one that cannot be mounted.
+// Reads stent files for these tools. Throws FileError with the name of a file whose stent cannot be mounted.
 std::vector<StentDesign> read_stents(const std::vector<std::string> &paths,
                                      const std::vector<Instrument> &tools);
 
-// What is said of one stent at the end.
+// The final results of one stent.
 struct StentResult {
-    std::string name, branch;                  // of the vessel in which it is; empty: in none
-    double diameter_mm = 0.0, length_mm = 0.0; // label
+    std::string name, branch;                  // name, and vessel in which it is; empty: in none
+    double diameter_mm = 0.0, length_mm = 0.0; // from the label
     StentStage stage = StentStage::on_balloon;
-    bool was_taken_out = false; // unopened, with its balloon, and another one took its place
+    bool was_taken_out = false; // it left the patient unopened with its balloon, and another one was loaded
     std::uint32_t loaded_tick = 0;
-    std::optional<std::uint32_t> opened_tick, released_tick; // first ring open; deployed or lost
-    StentFigures figures;                                    // empty when it never was in the patient
-    double stretch = 0.0, overlap_mm = 0.0;                  // overlap with those deployed before it
+    std::optional<std::uint32_t> opened_tick, released_tick; // first ring opened; deployed or lost
+    StentFigures figures;                                    // empty if it never was in the patient
+    double stretch = 0.0, overlap_mm = 0.0; // stretch of the vessel; overlap with earlier deployed stents
     struct Lesion {
-        std::size_t number = 0; // of the tree
+        std::size_t number = 0; // its number in the tree
         std::string name;
         StentCoverage coverage; // mm along the branch
     };
-    std::vector<Lesion> lesions; // of its branch
+    std::vector<Lesion> lesions; // lesions of its branch
     double slip_mm = 0.0;
 };
 
@@ -60,40 +60,44 @@ class PatientStents
   public:
     static constexpr std::uint32_t look_every_ticks = 40;
 
-    // `stations`: of every lesion that gives way, in the tree's order. `motion`: null: vessels stand still.
+    // `stations` are those of every lesion that yields, in the tree's order. `motion` may be null: vessels do
+    // not move.
     PatientStents(std::vector<StentDesign> shelf, const VesselTree &vessels, const Motion *motion,
                   std::vector<LesionStations> stations, const std::vector<Instrument> &tools);
 
-    // Only load_stent means something here. What cannot be done is kept in refusals().
+    // Only load_stent has an effect here. A command that cannot be carried out is kept in refusals().
     void command(std::uint32_t tick, const RoomCommand &command);
     void tick(const crn_wire_encoders &input, const crn_wire_tick_state &state);
-    std::uint32_t next_tick() const { return next_look_; } // of the next look; UINT32_MAX: none is needed
+    std::uint32_t next_tick() const
+    {
+        return next_look_;
+    } // tick of the next look; UINT32_MAX: none is needed
     void advance(const WireFrame &wire);
     // What the core has to be told in the next tick.
     std::optional<crn_wire_scaffold> order();
     std::optional<crn_wire_strut> strut_order();
 
-    // Struts where they are at this frame, which may lie between two looks. Nothing else changes.
+    // Returns the struts' places at this frame, which may lie between two looks. Nothing else changes.
     std::vector<SweptCurve> curves_at(const WireFrame &wire);
 
     const std::vector<StentDesign> &shelf() const { return shelf_; }
     std::size_t loaded() const { return loaded_; }
     const Stents &stents() const { return stents_; }
-    std::string stage_text() const; // of the last one loaded; empty: none was
+    std::string stage_text() const; // stage of the last loaded stent; empty: none was loaded
     std::vector<StentResult> results();
     const std::vector<std::string> &refusals() const { return refusals_; }
 
   private:
-    struct Vessel { // a branch whose wall stents may lie on
+    struct Vessel { // a branch whose wall may hold stents
         std::size_t branch = 0;
         std::unique_ptr<VesselWall> wall;
     };
-    struct Story { // of a stent, beside its own state
+    struct Story { // history of a stent, in addition to its own state
         std::uint32_t loaded_tick = 0;
         std::optional<std::uint32_t> opened_tick, released_tick;
-        std::optional<std::size_t> vessel; // index; of the place where it is or was deployed
+        std::optional<std::size_t> vessel; // index of the vessel where it is or was deployed
     };
-    struct Taken { // unopened, out of the patient again
+    struct Taken { // taken out of the patient unopened
         std::string name;
         double diameter_mm, length_mm;
         std::uint32_t loaded_tick;
@@ -112,7 +116,7 @@ class PatientStents
     const VesselTree vessels_; // in the reference pose
     const std::optional<Motion> motion_;
     const std::vector<LesionStations> stations_;
-    std::optional<std::size_t> tool_; // that has the balloon
+    std::optional<std::size_t> tool_; // the tool with the balloon
     double mount_mm_ = 0.0, folded_end_m_ = 0.0;
     Stents stents_;
     std::vector<Story> stories_;
@@ -120,8 +124,8 @@ class PatientStents
     std::vector<Vessel> walls_;
     std::size_t loaded_ = 0;
     std::uint32_t next_look_ = UINT32_MAX;
-    double inserted_m_ = 0.0;                           // of the balloon's tool
-    WireFrame seen_;                                    // of the last look, without its nodes
+    double inserted_m_ = 0.0;                           // inserted length of the balloon's tool
+    WireFrame seen_;                                    // the last look, without its nodes
     std::vector<std::vector<std::uint32_t>> known_256_; // what the core was told, per lesion and station
     std::deque<crn_wire_scaffold> orders_;
     std::array<crn_wire_strut, struts_max> known_struts_{}; // rings that the core has; inside_um 0: none

@@ -16,7 +16,7 @@ double distance(const SheetPoint &a, const SheetPoint &b, double x, double y)
     return std::hypot(a.x + u * dx - x, a.y + u * dy - y);
 }
 
-// The parts of a line that are inked when `dash` pixels of ink and of gap follow each other.
+// Returns the inked parts of a line when `dash` pixels of ink alternate with `dash` pixels of gap.
 std::vector<std::vector<SheetPoint>> dashes(const std::vector<SheetPoint> &points, double dash)
 {
     std::vector<std::vector<SheetPoint>> parts(1);
@@ -87,7 +87,7 @@ void Sheet::stroke(const std::vector<SheetPoint> &points, double width, Ink ink,
     for (const std::vector<SheetPoint> &part : dashes(points, dash)) cover(part, width, ink);
 }
 
-// Every pixel gets the ink once, by how far it is from the line.
+// Every pixel gets the ink once, according to its distance from the line.
 void Sheet::cover(const std::vector<SheetPoint> &points, double width, Ink ink)
 {
     if (points.empty()) return;

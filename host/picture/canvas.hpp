@@ -1,4 +1,4 @@
-// A white sheet for charts: boxes, smooth lines of any width, letters of the display's font.
+// Draws on a white sheet for charts: boxes, smooth lines of any width, letters of the display's font.
 #pragma once
 #include "host/picture/picture.hpp"
 #include <string_view>
@@ -24,12 +24,14 @@ class Sheet
     void clip(int x0, int y0, int x1, int y1); // until the next call; [x0, x1) x [y0, y1)
     void unclip();
     void box(int x0, int y0, int x1, int y1, Ink ink);
-    // One stroke with round ends and joints; where it meets itself it stays one ink. dash 0: unbroken.
+    // Draws one stroke with round ends and joints; where it crosses itself the ink does not get darker. With
+    // dash 0 it is unbroken.
     void stroke(const std::vector<SheetPoint> &points, double width, Ink ink, double dash = 0.0);
-    // Letters 5 x 7 times scale; (x, y) is the corner at the top left.
+    // Draws letters of 5 x 7 times scale; (x, y) is the top left corner.
     void text(int x, int y, std::string_view text, int scale, Ink ink);
     static int text_width(std::string_view text, int scale);
-    void blend(int x, int y, Ink ink, double share); // one pixel; share 1 covers what was there
+    void blend(int x, int y, Ink ink,
+               double share); // one pixel; with share 1 the ink replaces the old colour
 
   private:
     void cover(const std::vector<SheetPoint> &points, double width, Ink ink);

@@ -18,7 +18,7 @@ std::string kind_word(RunKind kind)
     return kind == RunKind::fluoro ? "fluoro" : kind == RunKind::cine ? "cine" : "dsa";
 }
 
-// Bytes of the character that begins here (RFC 3629): 0 when none does.
+// Returns the bytes of the character that begins here (RFC 3629): 0 when none begins.
 std::size_t utf8_length(const std::string &text, std::size_t at)
 {
     const auto byte = [&](std::size_t k) {
@@ -32,7 +32,8 @@ std::size_t utf8_length(const std::string &text, std::size_t at)
         if ((byte(k) & 0xc0) != 0x80) return 0;
         code = code << 6 | (byte(k) & 0x3f);
     }
-    constexpr unsigned long least[] = {0, 0, 0x80, 0x800, 0x10000}; // no character has a longer form beside
+    constexpr unsigned long least[] = {
+        0, 0, 0x80, 0x800, 0x10000}; // smallest code for each length: a longer form than needed is invalid
     const bool is_surrogate = code >= 0xd800 && code < 0xe000;
     return first >= 0xc0 && first < 0xf8 && code >= least[length] && code < 0x110000 && !is_surrogate ? length
                                                                                                       : 0;
@@ -48,7 +49,7 @@ bool is_utf8(const std::string &text)
     return true;
 }
 
-// PS3.5 6.2: no backslash, no control characters; at most 64 characters.
+// Requires text by PS3.5 6.2: no backslash, no control characters; at most 64 characters.
 void check_text(const std::string &option, const std::string &text)
 {
     const bool has_bad = std::any_of(text.begin(), text.end(), [](char letter) {
@@ -72,7 +73,7 @@ void check_date(const std::string &date)
     if (year < 1 || month < 1 || month > 12 || day < 1 || day > days[month - 1]) throw error;
 }
 
-// Counts every third value of the open field; away from its edges, which are half shadow.
+// Counts every third value of the open field, away from its edges, which are in half shadow.
 void count_values(const XrayRun &run, const RunFrame &frame, std::vector<std::uint32_t> &histogram)
 {
     const RunCollimator &field = run.collimator;
@@ -88,7 +89,7 @@ void count_values(const XrayRun &run, const RunFrame &frame, std::vector<std::ui
             histogram[frame.raw[static_cast<std::size_t>(y) * run.size + x]]++;
 }
 
-// The value below which this share of the counted ones lies.
+// Returns the value below which this share of the counted values lies.
 double value_at(const std::vector<std::uint32_t> &histogram, std::uint64_t count, double share)
 {
     const auto wanted = static_cast<std::uint64_t>(static_cast<double>(count) * share);
@@ -100,8 +101,8 @@ double value_at(const std::vector<std::uint32_t> &histogram, std::uint64_t count
     return static_cast<double>(histogram.size() - 1);
 }
 
-// All of the run but its darkest and brightest hundredth; what is beside the patient and fills the detector
-// to the brim (the largest value, one in 200 or more) is not counted.
+// The window spans the run except its darkest and brightest hundredth. Saturated pixels beside the patient
+// (the largest value, one in 200 or more) are not counted.
 void set_window(XrayRun &run, std::vector<std::uint32_t> histogram)
 {
     if (run.window_width > 0.0) return;
@@ -155,7 +156,7 @@ DicomExport::~DicomExport()
 {
     spool_.reset();
     std::error_code ignored;
-    if (made_folder_) fs::remove(settings_.folder, ignored); // only an empty one
+    if (made_folder_) fs::remove(settings_.folder, ignored); // only if it is empty
 }
 
 void DicomExport::begin(XrayRun run)
@@ -191,7 +192,7 @@ void DicomExport::add(RunFrame frame)
     if (frame.raw.size() != static_cast<std::size_t>(header_.size) * header_.size)
         throw std::invalid_argument("run: a frame of " + std::to_string(frame.raw.size()) + " pixels, not " +
                                     std::to_string(header_.size) + " x " + std::to_string(header_.size));
-    // Another field is another pixel size: it has no place in the same file.
+    // Another field has another pixel size, so it cannot be in the same file.
     const bool fits = part_of_run_ > 0 && parts_.back().pixels.has_room_for_another() &&
                       parts_.back().run.frames.front().carm.field_m == frame.carm.field_m;
     if (!fits) {

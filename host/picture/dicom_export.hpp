@@ -1,6 +1,6 @@
-// The runs of a session as a folder of DICOM files: frames are put on the disk as they are made, and the
-// files are written at the end, when it is known what they hold. Names: run_01_fluoro.dcm, run_02_dsa.dcm; a
-// long run goes on in run_01_fluoro_2.dcm.
+// Exports the runs of a session as a folder of DICOM files: frames are stored on disk as they are made, and
+// the files are written at the end, when their contents are known. Files are named run_01_fluoro.dcm,
+// run_02_dsa.dcm; a long run continues in run_01_fluoro_2.dcm.
 #pragma once
 #include "host/dicom/xa_file.hpp"
 #include "host/xray/run.hpp"
@@ -20,12 +20,12 @@ struct DicomSettings {
     std::string patient_name, patient_id, study_date; // empty: anonymous
 };
 
-// Throws UsageError when the folder cannot be one to export to, or when name, number or date cannot stand in
-// a file.
+// Throws UsageError when the folder cannot be an export folder, or when name, number or date are not allowed
+// in a file.
 void check_dicom_settings(const DicomSettings &settings);
 
 struct ExportProgress {
-    std::size_t file = 0, files = 0; // the file under way, counted from 1
+    std::size_t file = 0, files = 0; // the current file, counted from 1
     std::string name;
     std::size_t bytes_done = 0, bytes = 0; // of all files
 };
@@ -33,29 +33,31 @@ struct ExportProgress {
 class DicomExport
 {
   public:
-    // `session` tells this session from others: scene and tools. Makes the folder. Throws OutputError.
+    // `session` distinguishes this session from others: scene and tools. Makes the folder. Throws
+    // OutputError.
     DicomExport(const DicomSettings &settings, const std::string &session);
-    ~DicomExport(); // removes what is unfinished, and the folder when it made it and nothing is in it
+    ~DicomExport(); // removes unfinished files, and the folder if it made it and it is empty
 
-    // A run with everything but its frames. Linear values become logarithmic when the settings say so.
+    // Begins a run, given with everything but its frames. Linear values become logarithmic when the settings
+    // require it.
     void begin(XrayRun run);
     void add(RunFrame frame); // throws OutputError
-    void end();               // of the run; one without frames is forgotten
+    void end();               // ends the run; a run without frames is dropped
     bool is_in_run() const { return is_in_run_; }
     std::size_t run_count() const { return run_count_; }
-    // A run that is whole already.
+    // Adds a run that is already whole.
     void add_run(const XrayRun &run);
 
-    // The mask of the run with this index, counted from 0. A run of more than one file keeps it in the first.
+    // Sets the mask of the run with this index, counted from 0. A run of more than one file keeps it in the
+    // first.
     void set_mask(std::size_t run, const RunMask &mask);
 
-    // What was injected while a file's frames were made, for each file: `given` is asked with the ticks of
-    // its first and last frame.
+    // Sets for each file the medium injected during its frames: `given` is called with the ticks of its first
+    // and last frame.
     void set_contrast(const std::function<std::optional<RunContrast>(std::uint32_t, std::uint32_t)> &given);
 
-    // Writes the files; the last call. `report` is called with what is done and says whether to go on.
-    // Returns the names of the files that are written: all of them, or those before the stop. Throws
-    // OutputError.
+    // Writes the files; this is the last call. `report` receives the progress and returns whether to go on.
+    // Returns the names of the written files: all of them, or those before the stop. Throws OutputError.
     std::vector<std::string> finish(const std::function<bool(const ExportProgress &)> &report);
 
   private:
@@ -73,7 +75,7 @@ class DicomExport
     bool made_folder_ = false;
     std::unique_ptr<XaSpool> spool_;
     std::vector<Part> parts_;
-    std::vector<std::uint32_t> histogram_; // of the part under way, by value
+    std::vector<std::uint32_t> histogram_; // of the current part, by value
     XrayRun header_;
     bool is_in_run_ = false;
     std::size_t run_count_ = 0;

@@ -1,4 +1,5 @@
-// Display around the picture. Letters are drawn at 512-picture size and grow with larger pictures.
+// Draws the display around the picture. Letter sizes are for a picture of 512 pixels and grow with larger
+// pictures.
 #include "host/picture/overlay.hpp"
 #include "host/base/format.hpp"
 #include "host/picture/font.hpp"
@@ -30,7 +31,7 @@ void fill_box(Image &rgb, int x0, int y0, int x1, int y1, Colour colour)
         for (int x = x0; x < x1; ++x) put(rgb, x, y, colour);
 }
 
-// Leaves a third of the picture's brightness, as ground for text.
+// Leaves a third of the picture's brightness, as background for text.
 void dim_box(Image &rgb, int x0, int y0, int x1, int y1)
 {
     for (int y = std::max(y0, 0); y < std::min(y1, rgb.height); ++y)
@@ -59,13 +60,13 @@ double finite_or_zero(double value)
     return std::isfinite(value) ? value : 0.0;
 }
 
-// To 1/steps; never "-0.00".
+// Rounds to 1/steps; never to "-0.00".
 double rounded(double value, double steps)
 {
     return std::round(finite_or_zero(value) * steps) / steps + 0.0;
 }
 
-// "LAO 30\x7f  CRA 10\x7f", whole degrees as on a C-arm.
+// Returns "LAO 30\x7f  CRA 10\x7f", whole degrees as on a C-arm.
 std::string angles(const CArm &carm)
 {
     const long primary = std::lround(std::clamp(finite_or_zero(carm.primary_deg), -999.0, 999.0));
@@ -79,7 +80,7 @@ const char *name_of(RunKind kind)
     return kind == RunKind::fluoro ? "FLUORO" : kind == RunKind::cine ? "CINE" : "DSA";
 }
 
-// What is on the screen: the largest thing that a display has to say.
+// Returns the state of the screen: the largest text of the display.
 std::string state_of(const RoomStatus &room)
 {
     switch (room.source) {
@@ -97,7 +98,7 @@ std::string state_of(const RoomStatus &room)
     return room.is_beam_on ? "X-RAY ON" : "NO IMAGE YET";
 }
 
-// Masks and roadmap, one line each.
+// Returns the lines for mask and roadmap, one each.
 std::vector<std::string> processing_of(const RoomStatus &room)
 {
     std::vector<std::string> lines;
@@ -170,7 +171,7 @@ class Display
         draw_balloon(y);
     }
 
-    // Pressure and diameter; two diameters while it has a waist.
+    // Shows pressure and diameter; two diameters while the balloon has a waist.
     void draw_balloon(int y)
     {
         const OverlayBalloon &balloon = info_.balloon;
@@ -191,7 +192,7 @@ class Display
             left(y + 2 * line_, "STENT " + balloon.stent, balloon.stent.starts_with("lost") ? red : white);
     }
 
-    // Reference air kerma with its rate, kerma-area product, time: what IEC 60601-2-43 wants to be seen.
+    // Shows reference air kerma with its rate, kerma-area product and time, as IEC 60601-2-43 requires.
     void draw_dose()
     {
         const RoomStatus &room = info_.room;
@@ -223,7 +224,7 @@ class Display
             right(margin_ + 7 * line_, formatted("FLUOROSCOPY %u MIN", info_.fluoro_reminder_min), amber);
     }
 
-    // Bottom: the session's time on the right, what the hands feel on the left.
+    // Draws the bottom line: the session's time on the right, the forces on the hands on the left.
     void draw_tools()
     {
         const int y = rgb_.height - margin_ - 8 * scale_;
@@ -241,7 +242,7 @@ class Display
         draw_force_bar(y + scale_, tool.axial_N);
     }
 
-    // One of several tools, in columns; the force takes the colour that the bar would have.
+    // Draws one of several tools, in columns; the force has the colour that its bar would have.
     void draw_line(int y, const OverlayTool &tool)
     {
         const int letter = 6 * scale_;
@@ -288,7 +289,7 @@ class Display
                  force_colour(axial_N));
     }
 
-    // Which way the patient lies: DICOM's letters at the four edges.
+    // Shows the patient's orientation by DICOM's letters at the four edges.
     void draw_orientation()
     {
         const View view = make_view(clamp_carm(info_.room.carm), 16);
@@ -299,10 +300,10 @@ class Display
         right(middle, patient_side(view.right), white);
         left(middle, patient_side(-view.right), white);
         centred(margin_, patient_side(view.up));
-        if (info_.tools.size() < 2) centred(bottom, patient_side(-view.up)); // else tools fill the line
+        if (info_.tools.size() < 2) centred(bottom, patient_side(-view.up)); // otherwise tools fill the line
     }
 
-    // Electrocardiogram and aortic pressure above the clock, written from left to right over what was there.
+    // Draws electrocardiogram and aortic pressure above the clock, from left to right over the old traces.
     void draw_pulse()
     {
         const PulseMonitor &pulse = *info_.pulse;
@@ -329,7 +330,7 @@ class Display
                    [](const PulseMonitor::Sample &s) { return (s.pressure_mmHg - 30.0) / 120.0; });
     }
 
-    // Columns of the extent of their samples; ahead of the newest a gap.
+    // Each column covers the range of its samples; there is a gap ahead of the newest.
     template <class Height>
     void draw_trace(int x, int y, int width, int height, Colour colour, Height share_of)
     {

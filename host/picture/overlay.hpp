@@ -1,4 +1,4 @@
-// The angiography display around a picture: geometry, mode, dose, instrument, orientation and heart, in an
+// The angiography display around a picture: geometry, mode, dose, instrument, orientation and heart, in its
 // own bitmap font.
 #pragma once
 #include "host/effects/pulse.hpp"
@@ -21,11 +21,11 @@ struct OverlayTool {
     bool is_chosen = false; // the one that the keys move
 };
 
-// The balloon, where a tool has one, and its stent.
+// The balloon, if a tool has one, and its stent.
 struct OverlayBalloon {
     bool is_shown = false, is_burst = false;
     double pressure_bar = 0.0, diameter_max_mm = 0.0, diameter_min_mm = 0.0;
-    std::string stent; // what has become of it; empty: there is none
+    std::string stent; // its stage; empty: there is no stent
 };
 
 struct OverlayInfo {
@@ -34,25 +34,24 @@ struct OverlayInfo {
     std::vector<OverlayTool> tools; // from the innermost
     double axial_full_scale_N = 2.0;
     double fluoro_min = 0.0; // pedal time of fluoroscopy
-    double kerma_mGy = 0.0;  // sum at the reference point
+    double kerma_mGy = 0.0;  // total at the reference point
     double kerma_rate_mGy_min = 0.0;
     double kap_Gy_cm2 = 0.0;
-    double contrast_ml = 0.0;         // injected; 0 and no flow: nothing is shown
+    double contrast_ml = 0.0;         // injected volume; at 0 and without flow nothing is shown
     double contrast_ml_s = 0.0;       // at the moment
-    double dose_alert_Gy = 0.0;       // passed and not acknowledged; 0: none
-    unsigned fluoro_reminder_min = 0; // minutes of fluoroscopy, the same
+    double dose_alert_Gy = 0.0;       // exceeded and not acknowledged; 0: none
+    unsigned fluoro_reminder_min = 0; // minutes of fluoroscopy, likewise
     OverlayBalloon balloon;
     const PulseMonitor *pulse = nullptr; // traces of the heart; nullptr: none
     std::string notice;                  // one line in the middle, e.g. a warning; empty for none
     std::vector<std::string> panel;      // help panel, one line each; empty for none
 };
 
-// The grey picture as RGB with the display drawn over it. Letters grow with
-// the picture.
+// Returns the grey picture as RGB with the display drawn over it. Letters grow with the picture.
 Image compose_display(const XrayPicture &picture, const OverlayInfo &info);
 
-// Text in white with a dark rim; scale 1 is 5x7 points, 6 per letter. What does not fit is cut off at the
-// picture's edge.
+// Text in white with a dark rim; scale 1 is 5x7 points, 6 per letter. Text that does not fit is cut off at
+// the picture's edge.
 struct Colour {
     std::uint8_t red, green, blue;
 };

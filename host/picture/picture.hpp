@@ -1,4 +1,4 @@
-// Pictures as files: PNG, and MP4 through the ffmpeg program.
+// Writes pictures as files: PNG, and MP4 through the ffmpeg program.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -15,19 +15,19 @@ struct Image {
     std::vector<std::uint8_t> bytes;
 };
 
-// Writes beside the wanted name and renames at the end, so that no half file appears under it.
-// False with a message that names the file and the cause.
+// Writes beside the wanted name and renames at the end, so that the name never refers to half a file. On
+// failure it returns false with a message that names the file and the cause.
 bool write_png(const std::string &path, const Image &image, std::string &error);
-// The same in memory. Throws std::runtime_error with the cause.
+// Encodes a PNG in memory. Throws std::runtime_error with the cause.
 std::vector<std::uint8_t> encode_png(const Image &image);
-// Grey with 16 bits per pixel: values as they are, width*height, row 0 on top.
+// Writes grey with 16 bits per pixel: unchanged values, width*height, row 0 on top.
 bool write_png16(const std::string &path, int width, int height, const std::vector<std::uint16_t> &values,
                  std::string &error);
 
-// H.264 in yuv420p, every picture RGB of the same even size. The file has its name only after a successful
-// finish(); what is unfinished is removed by the destructor (after SIGKILL "name.partPID-RANDOM" stays, never
-// a half "name", and ffmpeg goes with us). Open it in the thread that lives longest: the kernel ends ffmpeg
-// when that thread ends.
+// Writes H.264 in yuv420p; every picture is RGB of the same even size. The file gets its name only after a
+// successful finish(), and the destructor removes an unfinished one. After SIGKILL "name.partPID-RANDOM"
+// stays, never a half "name", and ffmpeg ends with us. Open it in the thread that lives longest, because the
+// kernel ends ffmpeg when that thread ends.
 class VideoWriter
 {
   public:
@@ -36,7 +36,7 @@ class VideoWriter
     VideoWriter(const VideoWriter &) = delete;
     VideoWriter &operator=(const VideoWriter &) = delete;
 
-    // All three: false with a message that says what is wrong and what to do.
+    // All three return false on failure, with a message that gives the cause and the remedy.
     bool open(const std::string &path, int width, int height, int pictures_per_s, std::string &error);
     bool add(const Image &image, std::string &error);
     bool finish(std::string &error);

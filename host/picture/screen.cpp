@@ -1,4 +1,4 @@
-// GLFW and OpenGL 3.3 core.
+// Shows the window with GLFW and OpenGL 3.3 core.
 #include "host/picture/screen.hpp"
 #define GLFW_INCLUDE_NONE
 #include "host/xray/gl/gl_program.hpp"
@@ -32,7 +32,7 @@ std::string glfw_reason()
     return text ? text : "no reason given";
 }
 
-// It stays current: there is no other in the thread of the window.
+// It stays current, because the window's thread has no other context.
 class WindowContext final : public GlContext
 {
   public:
@@ -118,7 +118,7 @@ std::unique_ptr<GlContext> Screen::context() const
 void Screen::on_pointer(PointerHandler handler)
 {
     pointer_handler_ = std::move(handler);
-    // The callbacks are C's: they know the window only.
+    // The callbacks are C functions, which get only the window.
     struct Of {
         Screen *operator()(GLFWwindow *window) const
         {
@@ -146,7 +146,7 @@ void Screen::point(PointerEvent event)
     glfwGetWindowSize(window_, &width, &height);
     glfwGetCursorPos(window_, &x, &y);
     const int edge = std::min(width, height);
-    if (edge <= 0 || texture_edge_ == 0) return; // nothing is shown
+    if (edge <= 0 || texture_edge_ == 0) return; // no picture is shown
     event.x = (x - (width - edge) / 2) * texture_edge_ / edge;
     event.y = (y - (height - edge) / 2) * texture_edge_ / edge;
     pointer_handler_(event);
@@ -184,7 +184,8 @@ void Screen::show(const Image &rgb)
     glfwSwapBuffers(window_);
 }
 
-// The framebuffer's size is asked for every time: resizing and moving to a denser screen need nothing more.
+// The framebuffer's size is read every time, so that resizing and moving to a denser screen need no other
+// code.
 void Screen::draw()
 {
     int width = 0, height = 0;
@@ -201,7 +202,7 @@ void Screen::draw()
     gl_.DrawArrays(gl::triangle_strip, 0, 4);
 }
 
-// Draws once more and reads the back buffer before it is shown; rows arrive from the bottom.
+// Draws once more and reads the back buffer before it is shown; rows come from the bottom.
 Image Screen::read_back()
 {
     draw();

@@ -1,5 +1,5 @@
-// A GLFW window that shows one square picture, as large as fits, in the middle. Every OpenGL function is
-// asked for by name: nothing of OpenGL is linked.
+// A GLFW window that shows one square picture in the middle, as large as fits. Every OpenGL function is
+// loaded by name: no OpenGL library is linked.
 #pragma once
 #include "host/picture/picture.hpp"
 #include "host/xray/gl/gl_context.hpp"
@@ -15,13 +15,13 @@ namespace crn
 class Screen
 {
   public:
-    // Key (GLFW_KEY_*), and what happened to it.
+    // Key (GLFW_KEY_*), and its event.
     struct KeyEvent {
         int key = 0;
         bool is_press = false, is_repeat = false, is_release = false;
     };
     using KeyHandler = std::function<void(const KeyEvent &)>;
-    // The pointer, in pixels of the picture shown last; y grows downwards.
+    // The pointer, in pixels of the last shown picture; y grows downwards.
     struct PointerEvent {
         enum class Kind { press, release, move, wheel } kind = Kind::move;
         int button = 0; // GLFW_MOUSE_BUTTON_*, of press and release
@@ -30,27 +30,27 @@ class Screen
     };
     using PointerHandler = std::function<void(const PointerEvent &)>;
 
-    // Throws std::runtime_error that says what is missing: display, OpenGL 3.3.
+    // Throws std::runtime_error that names what is missing: display or OpenGL 3.3.
     Screen(const std::string &title, int edge);
     ~Screen();
     Screen(const Screen &) = delete;
     Screen &operator=(const Screen &) = delete;
 
     void on_key(KeyHandler handler) { handler_ = std::move(handler); }
-    void on_pointer(PointerHandler handler); // from now on the pointer is followed
+    void on_pointer(PointerHandler handler); // from now on the handler gets the pointer's events
     void poll();
     bool wants_close() const;
     bool is_down(int key) const;
     bool has_focus() const;
     void show(const Image &rgb); // uploads, draws, swaps
-    Image read_back();           // the whole window as shown last
-    // The window's own context, for drawing path lengths in it. The window outlives it.
+    Image read_back();           // the whole window as last shown
+    // Returns the window's own context, for drawing path lengths in it. The window must outlive it.
     std::unique_ptr<GlContext> context() const;
 
   private:
     void build_pipeline();
     void draw();
-    void point(PointerEvent event); // adds where the pointer is
+    void point(PointerEvent event); // adds the pointer's place
 
     GLFWwindow *window_ = nullptr;
     GlFunctions gl_;

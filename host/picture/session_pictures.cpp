@@ -118,7 +118,7 @@ void SessionPictures::show_refusal(std::uint32_t tick, const std::string &why)
     refused_ = {why, tick};
 }
 
-// Only with a balloon; its stent by what has become of it.
+// The display shows it only with a balloon; the stent's text is its stage.
 OverlayBalloon SessionPictures::balloon_display() const
 {
     OverlayBalloon display;
@@ -137,7 +137,7 @@ std::uint32_t SessionPictures::next_tick() const
     return std::min(patient_.next_look(), picture_tick(count_, settings_.pictures_per_second));
 }
 
-// What the room did up to this frame; true when there is a new X-ray.
+// Takes the room's events up to this frame; returns true when there is a new X-ray.
 bool SessionPictures::see_events(const WireFrame &wire)
 {
     bool is_new = false;
@@ -150,7 +150,7 @@ bool SessionPictures::see_events(const WireFrame &wire)
     return is_new;
 }
 
-// The picture of a pulse, taken with what the measuring chamber has chosen.
+// Makes the picture of a pulse with the technique that the measuring chamber has chosen.
 void SessionPictures::expose(const RoomEvent &pulse, const WireFrame &wire)
 {
     XraySettings xray;
@@ -165,11 +165,11 @@ void SessionPictures::expose(const RoomEvent &pulse, const WireFrame &wire)
     const XrayFrame seen{looks_, shape, curves, patient_.bodies_at(shape)};
     xray_->render(xray, seen, settings_.seed, pulse.request.settles_at_once ? nullptr : &memory_, pulse_);
     tell_failure();
-    if (export_) export_pulse(pulse); // what is written for measurement stays physical
+    if (export_) export_pulse(pulse); // exported data stay physical
     if (thesis_look_) thesis_look_->draw(xray, seen, settings_.seed, pulse_);
 }
 
-// Medium in the vessels and in the balloon, and struts.
+// Returns curves for the medium in the vessels and in the balloon, and for the struts.
 std::vector<SweptCurve> SessionPictures::curves_at(const WireFrame &shape)
 {
     std::vector<SweptCurve> curves = balloon_filling(shape, tools_, settings_.balloon_iodine_mg_per_ml);
@@ -196,7 +196,7 @@ void SessionPictures::frame(const SessionFrame &frame)
     }
 }
 
-// A graphics driver that gives up does not end a session: the rasteriser goes on.
+// A failing graphics driver does not end a session: the rasteriser takes over.
 void SessionPictures::tell_failure()
 {
     if (told_failure_ || xray_->back_end_error().empty()) return;
@@ -204,13 +204,13 @@ void SessionPictures::tell_failure()
     say(stderr, "cournand: %s; the rasteriser draws from here on\n", xray_->back_end_error().c_str());
 }
 
-// A run is what one press of a pedal gave.
+// A run is the result of one press of a pedal.
 void SessionPictures::export_pulse(const RoomEvent &pulse)
 {
     const bool shows_display = settings_.dicom.values == "display";
     if (exported_presses_.empty() || exported_presses_.back() != pulse.press) {
         XrayRun run = RoomScreen::describe(pulse, pulse_);
-        run.window_width = 0.0; // of the whole run, when it is known
+        run.window_width = 0.0; // set for the whole run at its end
         if (shows_display) {
             run.relation = PixelRelation::display;
             run.bits = shown_bits;
@@ -254,8 +254,8 @@ void SessionPictures::finish()
     if (export_) finish_export();
 }
 
-// After Ctrl-C in the session what there is of it is written all the same; Ctrl-C from now on stops between
-// two pieces.
+// After Ctrl-C in the session, the runs made so far are written nevertheless; Ctrl-C from now on stops
+// between two pieces.
 void SessionPictures::finish_export()
 {
     export_->end();
@@ -265,7 +265,7 @@ void SessionPictures::finish_export()
         export_.reset();
         return;
     }
-    // Masks are chosen while a run is looked at: those of the end count.
+    // Masks may be changed while a run is reviewed: the last ones count.
     const std::vector<Irradiation> &presses = patient_.room().dose().irradiations();
     for (std::size_t i = 0; i < exported_presses_.size(); i++) {
         const int kept = presses[exported_presses_[i]].run;

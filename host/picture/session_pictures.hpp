@@ -1,7 +1,7 @@
-// Pictures of a session: what the patient's X-ray room does is X-rayed, drawn and written here. Pictures read
-// the patient and change nothing. Everything follows from the patient, the shapes at the ticks asked for, and
-// the seed. C-arm and table know what was asked from the beginning also when a replay starts later (--from
-// S); dose, runs and the following of the tip begin at S.
+// Pictures of a session: makes, draws and writes the X-ray pictures of the patient's X-ray room. Pictures
+// read the patient and change nothing in it. They depend only on the patient, the shapes at the requested
+// ticks, and the seed. In a replay that starts later (--from S), C-arm and table still apply all earlier
+// commands; dose, runs and following of the tip begin at S.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/model/scene_anatomy.hpp"
@@ -26,37 +26,38 @@ RadiopaqueInstrument instrument_look(const Instrument &instrument);
 
 struct PictureSettings {
     std::string bodies_path;    // empty: air
-    std::string scene_path;     // where it says how bodies move; empty: they stand still
-    std::string png_path;       // last picture; empty: none
-    std::string png16_path;     // values of the last X-ray; empty: none
+    std::string scene_path;     // the scene with their motion; empty: they do not move
+    std::string png_path;       // file for the last picture; empty: none
+    std::string png16_path;     // file for the values of the last X-ray; empty: none
     std::string mp4_path;       // empty: none
-    DicomSettings dicom;        // runs
-    bool shows_progress = true; // of long exports, on standard error
+    DicomSettings dicom;        // files for the runs
+    bool shows_progress = true; // during long exports, on standard error
     int size = 512;
     std::uint32_t pictures_per_second = 15;
     std::uint64_t seed = 1;
     int threads = 0;
     std::string style =
         "physical"; // docs/xray.md, or vcsim3: docs/xray-style.md; doses and counts stay physical
-    std::string xray = "raster";             // of path_choices
-    GlOpener window_context;                 // where there is a window
-    std::vector<StentDesign> stents;         // that a session may load, in this order
-    double balloon_iodine_mg_per_ml = 175.0; // what balloons are filled with
+    std::string xray = "raster";             // one of path_choices
+    GlOpener window_context;                 // set if there is a window
+    std::vector<StentDesign> stents;         // stents that a session may load, in this order
+    double balloon_iodine_mg_per_ml = 175.0; // filling of balloons
 };
 
-// The anatomy that the settings name, and a patient in it with the settings' stents. Throws
+// Returns the anatomy that the settings name, and a patient in it with the settings' stents. Throws
 // std::runtime_error.
 SceneAnatomy read_anatomy(const PictureSettings &settings);
 std::unique_ptr<Patient> make_patient(const PictureSettings &settings, const SceneAnatomy &anatomy,
                                       const std::vector<Instrument> &tools);
 
-// Some file has to be written.
+// Returns whether any picture file is to be written.
 bool writes_pictures(const PictureSettings &settings);
 
 class SessionPictures final : public FrameSink
 {
   public:
-    // `tools` from the innermost. The patient must outlive the pictures. Throws std::runtime_error.
+    // `tools` are given from the innermost out. The patient must outlive the pictures. Throws
+    // std::runtime_error.
     SessionPictures(const PictureSettings &settings, const std::vector<Instrument> &tools, Patient &patient,
                     const SceneAnatomy &anatomy);
     ~SessionPictures() override;
@@ -65,20 +66,23 @@ class SessionPictures final : public FrameSink
     void finish() override;
     const RoomScreen &screen() const { return room_screen_; }
     std::uint32_t count() const { return count_; } // pictures of the screen, at the settings' rate
-    const std::vector<std::string> &files() const { return files_; } // those written by finish()
-    void show_refusal(std::uint32_t tick, const std::string &why);   // in the display, for a while
-    bool was_stopped() const { return was_stopped_; } // Ctrl-C while finish() wrote runs: some are missing
-    const Image &image() const { return image_; }     // the last picture with its display
-    // Notice and help panel from the next picture on; empty for none.
+    const std::vector<std::string> &files() const { return files_; } // the files written by finish()
+    void show_refusal(std::uint32_t tick, const std::string &why);   // shown in the display for a while
+    bool was_stopped() const
+    {
+        return was_stopped_;
+    }                                             // Ctrl-C came while finish() wrote runs: some are missing
+    const Image &image() const { return image_; } // the last picture with its display
+    // Sets the notice and the help panel from the next picture on; empty for none.
     void annotate(const std::string &notice, const std::vector<std::string> &panel);
-    // The tool that the keys move, or all, marked in the display from the next picture on.
+    // Marks the tool that the keys move, or all tools, in the display from the next picture on.
     void choose_tool(std::size_t tool, bool all)
     {
         chosen_tool_ = tool;
         chooses_all_ = all;
     }
-    void
-    redraw(const SessionFrame &frame); // the display again over the last X-ray, for a change of annotation
+    void redraw(const SessionFrame
+                    &frame); // draws the display again over the last X-ray, after a change of annotation
 
   private:
     void tell_failure();
@@ -96,23 +100,24 @@ class SessionPictures final : public FrameSink
     std::optional<std::size_t> chosen_tool_;
     bool chooses_all_ = false;
     std::string notice_;
-    RoomNotice refused_; // what the keys could not do
+    RoomNotice refused_; // key commands that could not be carried out
     std::vector<std::string> panel_;
     Patient &patient_;
     std::unique_ptr<Xray> xray_;
-    std::unique_ptr<Vcsim3Look> thesis_look_; // when that style is asked for
+    std::unique_ptr<Vcsim3Look> thesis_look_; // when that style is selected
     RoomScreen room_screen_;
     const std::vector<Instrument> tools_;
     XrayMemory memory_;
     XrayPicture pulse_;  // of the last pulse
-    XrayPicture screen_; // its grey values are what is shown
+    XrayPicture screen_; // its grey values are shown
     bool told_failure_ = false;
     Image image_;
     VideoWriter movie_;
     std::unique_ptr<DicomExport> export_;
     std::vector<std::string> files_;
     bool was_stopped_ = false;
-    std::vector<std::size_t> exported_presses_; // of a pedal, by run: index into the dose meter's list
+    std::vector<std::size_t>
+        exported_presses_; // the pedal press of each run: index into the dose meter's list
     std::uint32_t count_ = 0;
 };
 

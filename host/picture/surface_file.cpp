@@ -17,7 +17,7 @@ namespace
 
 using Eigen::Vector3d;
 
-constexpr double vessel_radii = 1.8; // what lies farther from the vessel's line is other vessels'
+constexpr double vessel_radii = 1.8; // places farther from the vessel's line belong to other vessels
 constexpr std::uint32_t balloon_around = 24;
 constexpr int panel_pixels = 480;
 
@@ -28,7 +28,7 @@ std::string line(const char *format, double a, double b, double c)
     return text;
 }
 
-// Place of the line at an arc length from its leading tip, and its direction there.
+// Returns the place of the line at an arc length from its leading tip, and its direction there.
 bool place_at(const WireFrame &wire, double arc_m, Vector3d &place_m, Vector3d &along)
 {
     for (std::size_t i = 0; i + 1 < wire.nodes.size(); ++i) {
@@ -60,7 +60,7 @@ SurfaceSink::SurfaceSink(const SurfaceSettings &settings, std::vector<std::uint3
     : settings_(settings), ticks_(std::move(ticks))
 {
     if (settings.bodies_path.empty())
-        throw std::runtime_error("there is no .bodies file beside the scene: it has the walls");
+        throw std::runtime_error("the scene has no .bodies file, which holds the walls");
     SceneAnatomy anatomy = read_scene_anatomy(settings.scene_path, settings.bodies_path);
     bodies_ = std::move(anatomy.bodies);
     motion_ = std::move(anatomy.motion);
@@ -82,7 +82,8 @@ std::uint32_t SurfaceSink::next_tick() const
     return at_ < ticks_.size() ? ticks_[at_] : std::numeric_limits<std::uint32_t>::max();
 }
 
-// Along the healthy vessel no farther than asked, and rather this vessel's than another one's.
+// Tests whether a place is within the requested distance along the healthy vessel, and nearer to this vessel
+// than to another one.
 bool SurfaceSink::is_near(const Vector3d &place_m) const
 {
     const VesselLesion &lesion = bodies_.vessels.lesions[lesion_];
@@ -100,15 +101,14 @@ bool SurfaceSink::is_near(const Vector3d &place_m) const
     return here_m >= begin_m - settings_.around_mm * 1e-3 && here_m <= end_m + settings_.around_mm * 1e-3;
 }
 
-// Triangles all of whose corners are near, seen where they are as baked so that every moment has the same
-// ones.
+// Keeps the triangles whose corners are all near in the baked pose, so that every moment has the same ones.
 SurfaceMesh SurfaceSink::mesh_of(int body, std::span<const Eigen::Vector3i> vertices_um) const
 {
     const Body &of = bodies_.bodies[static_cast<std::size_t>(body)];
     SurfaceMesh mesh;
     mesh.name = of.name;
     mesh.kind = of.material == "blood" ? SurfaceKind::wall : SurfaceKind::calcium;
-    constexpr std::uint32_t unknown = 0xffffffff, far = 0xfffffffe, near = 0xfffffffd; // else its number
+    constexpr std::uint32_t unknown = 0xffffffff, far = 0xfffffffe, near = 0xfffffffd; // otherwise its number
     std::vector<std::uint32_t> number(of.vertices_um.size(), unknown);
     const auto is_kept = [&](std::uint32_t corner) {
         if (number[corner] == unknown)
@@ -131,7 +131,7 @@ SurfaceMesh SurfaceSink::mesh_of(int body, std::span<const Eigen::Vector3i> vert
     return mesh;
 }
 
-// A surface of revolution about the line through the balls.
+// Makes a surface of revolution about the line through the balls.
 SurfaceMesh SurfaceSink::balloon_of(const WireFrame &wire) const
 {
     SurfaceMesh mesh;
@@ -163,7 +163,7 @@ SurfaceMesh SurfaceSink::balloon_of(const WireFrame &wire) const
             mesh.triangles.push_back({a + k, a + next, b + k});
             mesh.triangles.push_back({a + next, b + next, b + k});
         }
-        if (k == 0 || next == 0) continue; // the ends, flat
+        if (k == 0 || next == 0) continue; // the flat ends
         mesh.triangles.push_back({0, next, k});
         mesh.triangles.push_back({last, last + k, last + next});
     }
@@ -189,7 +189,7 @@ void SurfaceSink::frame(const SessionFrame &frame)
     while (at_ < ticks_.size() && ticks_[at_] <= frame.wire.tick) ++at_;
 }
 
-// The lesion from its beginning at the top to its end, plaque and channel side by side.
+// Views the lesion with its beginning at the top and its end at the bottom, plaque and channel side by side.
 SurfaceView SurfaceSink::side_view() const
 {
     const VesselLesion &lesion = bodies_.vessels.lesions[lesion_];
@@ -205,7 +205,7 @@ SurfaceView SurfaceSink::side_view() const
 void SurfaceSink::finish()
 {
     std::string obj = "# Walls round a lesion, mm, patient frame: docs/lesions.md\n";
-    std::size_t before = 1; // vertices of an OBJ file count from 1
+    std::size_t before = 1; // vertices of an OBJ file are numbered from 1
     for (const SurfacePanel &panel : panels_)
         for (const SurfaceMesh &mesh : panel.meshes) {
             char name[80];

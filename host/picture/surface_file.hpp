@@ -1,5 +1,5 @@
-// The walls round a lesion at moments of a session, as an OBJ file: how the polygons go from stenosed to
-// healthier.
+// Writes the walls round a lesion at moments of a session as an OBJ file: it shows how the polygons change
+// from stenosed to healthier.
 //
 //   SurfaceSink sink(settings, ticks);
 //   replay_recording(device, recording, &sink, {});         // writes the file at its end
@@ -12,17 +12,17 @@ namespace crn
 {
 
 struct SurfaceSettings {
-    std::string bodies_path, scene_path; // as PictureSettings
+    std::string bodies_path, scene_path; // as in PictureSettings
     std::string lesion;                  // its name; empty: the first
-    double around_mm = 8.0;              // of the vessel, to either side of the lesion
+    double around_mm = 8.0;              // length of vessel on either side of the lesion
     std::string output;                  // the OBJ file
-    std::string png;                     // and a picture; empty: none
+    std::string png;                     // also a picture; empty: none
 };
 
 class SurfaceSink final : public FrameSink
 {
   public:
-    // `ticks`: of the moments, in order. Throws std::runtime_error for a scene without that lesion.
+    // `ticks` are those of the moments, in order. Throws std::runtime_error for a scene without that lesion.
     SurfaceSink(const SurfaceSettings &settings, std::vector<std::uint32_t> ticks);
     ~SurfaceSink() override;
 
@@ -30,7 +30,7 @@ class SurfaceSink final : public FrameSink
     void frame(const SessionFrame &frame) override;
     void finish() override; // throws FileError
 
-    // One for each moment that was reached, in the pose that the scene is described in.
+    // There is one panel for each moment that was reached, in the scene's reference pose.
     const std::vector<SurfacePanel> &panels() const { return panels_; }
 
   private:
@@ -46,7 +46,7 @@ class SurfaceSink final : public FrameSink
     VesselTree healthy_;
     std::size_t lesion_ = 0;
     std::optional<OpenedBodies> opened_;
-    std::size_t at_ = 0; // moments done
+    std::size_t at_ = 0; // number of finished moments
     std::vector<SurfacePanel> panels_;
 };
 

@@ -16,13 +16,13 @@ using Eigen::Vector3d;
 constexpr int finer = 2; // samples along each edge of a pixel
 constexpr double margin_share = 0.04;
 constexpr double edge_samples = 0.9;  // half of the width of a triangle's edge
-constexpr double edged_samples = 7.0; // triangles that are smaller are drawn without
-constexpr double touching_mm = 0.25;  // a wall hides a balloon that fills it
+constexpr double edged_samples = 7.0; // smaller triangles are drawn without edges
+constexpr double touching_mm = 0.25;  // a wall would hide a balloon that fills it
 
 const Vector3d paper(255, 255, 255), edge_colour(96, 24, 24);
 const Vector3d light = Vector3d(-0.4, 0.5, 0.8).normalized(); // in the view: right, up, towards the eye
 
-// How a kind looks: its colour, and how much of what lies behind shows through.
+// The look of a kind: its colour, and its transparency.
 struct Look {
     Vector3d colour;
     double glass;
@@ -41,7 +41,7 @@ Look look_of(SurfaceKind kind)
     return {{222, 120, 108}, 0.62};
 }
 
-// What all moments show, in the view's own axes, mm.
+// The frame common to all moments, in the view's own axes, mm.
 struct Frame {
     Vector3d middle_mm;
     double pixels_per_mm = 1.0;
@@ -57,7 +57,7 @@ class Panel
         axes_ << view.right.transpose(), view.up.transpose(), view.right.cross(view.up).transpose();
     }
 
-    // Opaque meshes and the far side of walls first, then their near side as glass over it.
+    // Draws opaque meshes and the far side of walls first, then the near side of walls as glass over them.
     void draw(const SurfacePanel &panel)
     {
         for (const SurfaceMesh &mesh : panel.meshes)
@@ -92,7 +92,7 @@ class Panel
         for (const Vector3d &vertex : mesh.vertices_mm) corners.push_back(seen(vertex));
         for (const auto &triangle : mesh.triangles) {
             const Vector3d &a = corners[triangle[0]], &b = corners[triangle[1]], &c = corners[triangle[2]];
-            Vector3d normal = (b - a).cross(c - a); // y grows downwards: towards the eye is below 0
+            Vector3d normal = (b - a).cross(c - a); // y grows downwards: a normal towards the eye is below 0
             const double length = normal.norm();
             if (!(length > 0.0) || (normal.z() < 0.0) != (side == Side::near)) continue;
             normal /= length;
@@ -128,8 +128,8 @@ class Panel
             }
     }
 
-    // The far wall keeps its depth, so that what lies in it is drawn before it; the near one covers only what
-    // is behind it.
+    // The far wall writes its depth, so that objects inside it are drawn in front of it; the near wall covers
+    // only what is behind it.
     void paint(int x, int y, double depth, SurfaceKind kind, Side side, double shade, bool is_edge)
     {
         const std::size_t i = static_cast<std::size_t>(y) * samples_ + x;
@@ -149,7 +149,7 @@ class Panel
     Frame frame_;
     Eigen::Matrix3d axes_;
     std::vector<Vector3d> colours_;
-    std::vector<double> depths_; // towards the eye is more
+    std::vector<double> depths_; // larger is nearer to the eye
 };
 
 Frame frame_of(const std::vector<SurfacePanel> &panels, const SurfaceView &view, int samples)

@@ -1,6 +1,6 @@
-// MP4 by a pipe into the ffmpeg program. The child leaves our process group: Ctrl-C reaches only us, we close
-// the pipe or remove the file, so that ffmpeg always finishes in an orderly way. When we are killed the
-// kernel kills it too. It gets the file as a descriptor, and what it says goes into memory: no name of ours
+// Writes MP4 by a pipe into the ffmpeg program. The child leaves our process group: Ctrl-C reaches only us,
+// and we close the pipe or remove the file, so that ffmpeg always ends in an orderly way. When we are killed,
+// the kernel kills it too. It gets the file as a descriptor, and its messages go into memory: no name of ours
 // is opened a second time.
 #include "host/base/pending_file.hpp"
 #include "host/picture/picture.hpp"
@@ -25,14 +25,14 @@ constexpr int exit_no_program = 127;
 
 constexpr int output_of_ffmpeg = 3;
 
-// Between fork and exec: system calls alone.
+// Between fork and exec only system calls are allowed.
 [[noreturn]] void become_ffmpeg(pid_t parent, int input, int output, int log, const char *size,
                                 const char *rate)
 {
     ::setpgid(0, 0);
-    // The parent may be gone before the kernel knows what we wish for.
+    // The parent may have ended before the kernel registers this request.
     if (::prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || ::getppid() != parent) ::_exit(1);
-    // Copies above the numbers that are given out now, so that none is closed by another one.
+    // The copies lie above the numbers now in use, so that none is closed by another one.
     const int from[] = {::fcntl(input, F_DUPFD_CLOEXEC, 10), ::fcntl(log, F_DUPFD_CLOEXEC, 10),
                         ::fcntl(output, F_DUPFD_CLOEXEC, 10)};
     if (::dup2(from[0], 0) < 0 || ::dup2(from[1], 1) < 0 || ::dup2(from[1], 2) < 0 ||
@@ -47,7 +47,7 @@ constexpr int output_of_ffmpeg = 3;
 
 std::string last_line(int log)
 {
-    constexpr off_t bytes_max = 2000; // from its end
+    constexpr off_t bytes_max = 2000; // counted from its end
     char text[bytes_max];
     struct stat info {
     };
@@ -55,16 +55,16 @@ std::string last_line(int log)
     const ssize_t count = ::pread(log, text, bytes_max, std::max<off_t>(0, info.st_size - bytes_max));
     std::string last(text, count > 0 ? static_cast<std::size_t>(count) : 0);
     while (!last.empty() && last.back() == '\n') last.pop_back();
-    return last.substr(last.rfind('\n') + 1); // npos + 1: the whole
+    return last.substr(last.rfind('\n') + 1); // npos + 1: the whole text
 }
 
-// Memory that a program can write into as if it were a file.
+// Opens memory into which a program can write as if it were a file.
 int open_log()
 {
     return ::memfd_create("ffmpeg's messages", MFD_CLOEXEC);
 }
 
-// Writing to a pipe whose reader died must be an error, not the end of this process.
+// Writing to a pipe whose reader died must be an error, and must not end this process.
 class IgnoreBrokenPipe
 {
   public:
@@ -115,7 +115,7 @@ bool VideoWriter::open(const std::string &path, int width, int height, int pictu
     return is_started || fail("cannot start ffmpeg: " + std::string(std::strerror(error_number)), error);
 }
 
-// False with errno.
+// On failure it returns false with errno.
 bool VideoWriter::start(int output, int pictures_per_s)
 {
     log_ = open_log();
@@ -178,7 +178,7 @@ bool VideoWriter::finish(std::string &error)
     return true;
 }
 
-// Says what happened, with ffmpeg's own last line, and removes what is unfinished.
+// Reports what happened, with ffmpeg's own last line, and removes the unfinished file.
 bool VideoWriter::fail(const std::string &what, std::string &error)
 {
     int status = 0;

@@ -235,8 +235,7 @@ void write_instruments_table(const std::string &path, const std::vector<ListedIn
     const std::size_t begin = text.find(table_begin), end = text.find(table_end);
     if (begin == std::string::npos || end == std::string::npos || end < begin) {
         throw FileError(path, 0, 0,
-                        "has not the two marks between which the table stands: " + table_begin + "... " +
-                            table_end);
+                        "lacks the two marks that enclose the table: " + table_begin + "... " + table_end);
     }
     const std::size_t inside = begin + table_begin.size();
     text.replace(inside, end - inside, instruments_markdown(list));

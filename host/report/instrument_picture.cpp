@@ -1,4 +1,4 @@
-// The picture of `cournand instruments`: one row an instrument, the same axes in every row.
+// Draws the picture of `cournand instruments`: one row per instrument, with the same axes in every row.
 #include "host/picture/canvas.hpp"
 #include "host/report/instrument_list.hpp"
 #include <algorithm>
@@ -101,7 +101,7 @@ void draw_profile_axes(Sheet &sheet, const Row &row)
     for (int decade = -7; decade <= -2; decade++) {
         const int y = static_cast<int>(std::lround(profile_y(row, std::pow(10.0, decade))));
         sheet.box(profile_column.left, y, profile_column.right + 1, y + 1, faint);
-        if (decade == -7 || decade == -2) continue; // the neighbours' rows are too near
+        if (decade == -7 || decade == -2) continue; // these labels would be too near to the neighbouring rows
         const std::string label = "1e" + std::to_string(decade);
         sheet.text(profile_column.left - 12 - Sheet::text_width(label, 2), y - 7, label, 2, grey);
     }
@@ -143,7 +143,7 @@ void draw_grid(Sheet &sheet, const Column &column, const Row &row, double px_per
     }
 }
 
-// Bounds of the distal part of a shape, with half the tool's width around it; mm.
+// Bounds of the distal part of a shape, with half the tool's width around it, in mm.
 struct Bounds {
     double x_min = 1e9, x_max = -1e9, y_min = 1e9, y_max = -1e9;
 };
@@ -161,7 +161,8 @@ Bounds bounds_of(const std::vector<ShapePoint> &shape, double from_tip_mm, doubl
     return bounds;
 }
 
-// What of the shape is centred in a window: all of it when it fits, else as long a distal part as does.
+// Returns the part of the shape to centre in a window: all of it when it fits, otherwise the longest distal
+// part that fits.
 Bounds fitting(const std::vector<ShapePoint> &shape, double wide_mm, double high_mm, double radius_mm)
 {
     double length_mm = shape.back().arc_m * 1e3;
@@ -172,8 +173,8 @@ Bounds fitting(const std::vector<ShapePoint> &shape, double wide_mm, double high
     }
 }
 
-// The shape seen along d2: forward to the right, d1 upwards; its farthest point near the right edge, its
-// height in the middle.
+// Draws the shape seen along d2: forward to the right, d1 upwards; its farthest point near the right edge,
+// centred in height.
 void draw_shape(Sheet &sheet, const Instrument &instrument, const Column &column, const Row &row,
                 double px_per_mm)
 {

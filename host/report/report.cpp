@@ -1,4 +1,4 @@
-// The figures of a session as JSON.
+// Writes the figures of a session as JSON.
 #include "host/base/pending_file.hpp"
 #include "host/effects/lesion_figures.hpp"
 #include "host/report/report_angioplasty.hpp"
@@ -27,7 +27,7 @@ nlohmann::ordered_json dose_report(const Dose &dose)
             {"kap_Gy_cm2", dose.kap_Gy_cm2}};
 }
 
-// Dose in total and of every press of a pedal; the runs that were kept.
+// Reports the dose, in total and for every press of a pedal, and the runs that were kept.
 nlohmann::ordered_json room_report(const Room &room)
 {
     nlohmann::ordered_json report;
@@ -60,7 +60,7 @@ nlohmann::ordered_json room_report(const Room &room)
     return report;
 }
 
-// What each branch received, as share of what was injected.
+// Reports the iodine that each branch received, as a share of the injected amount.
 nlohmann::ordered_json branches_report(const PatientContrast &contrast)
 {
     nlohmann::ordered_json report = nlohmann::ordered_json::array();
@@ -73,7 +73,7 @@ nlohmann::ordered_json branches_report(const PatientContrast &contrast)
     return report;
 }
 
-// null where it is not known.
+// It is null where the place is not known.
 nlohmann::ordered_json tip_report(const std::vector<TipPlace> &tips, std::size_t tool)
 {
     if (tool >= tips.size() || !tips[tool].is_known) return {};
@@ -84,7 +84,7 @@ nlohmann::ordered_json tip_report(const std::vector<TipPlace> &tips, std::size_t
             {"position_mm", {tip.at_m.x() * 1e3, tip.at_m.y() * 1e3, tip.at_m.z() * 1e3}}};
 }
 
-// What the script steered to and what it expected.
+// Adds the goals to which the script steered and the script's expectations.
 void report_goals(nlohmann::ordered_json &report, const RunResult &result)
 {
     report["steered"] = nlohmann::ordered_json::array();
@@ -105,7 +105,7 @@ void report_goals(nlohmann::ordered_json &report, const RunResult &result)
     report["failures"] = result.failures;
 }
 
-// Where the iodine is.
+// Reports the distribution of the iodine.
 nlohmann::ordered_json contrast_report(const PatientContrast &contrast)
 {
     const ContrastFlow &flow = contrast.flow();
@@ -135,8 +135,8 @@ nlohmann::ordered_json lesion_report(const LesionFigures &f)
             {"ffr", f.ffr}};
 }
 
-// How narrow each lesion is, and what it does to the flow at rest and in hyperaemia: as baked, and "after",
-// as open as it was at last.
+// Reports the narrowing of each lesion and its effect on the flow at rest and in hyperaemia: as baked, and
+// "after", as open as it was at the end.
 nlohmann::ordered_json lesions_report(const PatientContrast &contrast)
 {
     nlohmann::ordered_json report = nlohmann::ordered_json::array();
@@ -154,7 +154,7 @@ nlohmann::ordered_json lesions_report(const PatientContrast &contrast)
     return report;
 }
 
-// null where nobody can look: at a rig that leads.
+// It is null where contacts cannot be read: on a rig in FREE_RUN.
 nlohmann::ordered_json contact_report(const ContactFigures &contacts)
 {
     if (!contacts.is_known) return {};
@@ -169,7 +169,8 @@ nlohmann::ordered_json contact_report(const ContactFigures &contacts)
             {"force_N", force}};
 }
 
-// Of a script's hand: the largest force and torque that it holds, and how far the tool slipped through it.
+// Reports on a script's hand: the largest force and torque that it holds, and how far the tool slipped
+// through it.
 nlohmann::ordered_json grip_report(const GripFigures &grip)
 {
     nlohmann::ordered_json first;

@@ -16,7 +16,7 @@ Json seconds_or_null(const std::optional<std::uint32_t> &tick)
     return tick ? Json(*tick * 1e-3) : Json();
 }
 
-// Samples under pressure with one on either side.
+// Keeps the samples under pressure, and one before and after them.
 Json curves(const std::vector<BalloonSample> &series)
 {
     Json time = Json::array(), pressure = time, widest = time, narrowest = time, wall = time;
@@ -49,7 +49,7 @@ Json stent_report(const StentResult &stent)
                    {"opened_s", seconds_or_null(stent.opened_tick)},
                    {"released_s", seconds_or_null(stent.released_tick)},
                    {"branch", stent.branch.empty() ? Json() : Json(stent.branch)}};
-    if (figures.rings.empty()) return report; // never in the patient
+    if (figures.rings.empty()) return report; // it was never in the patient
     double sum_mm = 0.0;
     for (const StentRing &ring : figures.rings) sum_mm += ring.diameter_mm;
     report["apposed_pct"] = figures.apposed_share * 1e2;

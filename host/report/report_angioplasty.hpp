@@ -1,4 +1,4 @@
-// What a session's report says of balloon and stents.
+// Writes the part of a session's report on balloon and stents.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/session/balloon_figures.hpp"
@@ -10,9 +10,9 @@ namespace crn
 
 class PatientStents;
 
-// null without a balloon. The curves leave out the time before and after inflations.
+// Returns null without a balloon. The curves leave out the time before and after inflations.
 nlohmann::ordered_json balloon_report(const BalloonFigures &balloon, const std::vector<Instrument> &tools);
-// [] without stents.
+// Returns [] without stents.
 nlohmann::ordered_json stents_report(PatientStents *stents);
 
 } // namespace crn

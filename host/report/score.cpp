@@ -13,9 +13,9 @@ namespace
 using Json = nlohmann::ordered_json;
 using Value = std::optional<double>;
 
-constexpr double narrow_pct = 50.0; // by diameter: a lesion that calls for treatment
+constexpr double narrow_pct = 50.0; // by diameter: a lesion that needs treatment
 
-// A number of the report, wherever it is; nothing where the way there ends.
+// Returns a number of the report by its path of keys; empty where the path ends early.
 Value number(const Json &from, const std::vector<std::string> &way)
 {
     const Json *at = &from;
@@ -32,7 +32,7 @@ const Json &list(const Json &from, const char *key)
     return from.is_object() && from.contains(key) && from[key].is_array() ? from[key] : none;
 }
 
-// Of the lesions that were narrow; `pick` chooses among two.
+// Takes a figure over the lesions that were narrow; `pick` chooses between two values.
 template <typename Pick> Value over_lesions(const Json &report, const char *figure, Pick pick)
 {
     Value found;
@@ -45,7 +45,7 @@ template <typename Pick> Value over_lesions(const Json &report, const char *figu
     return found;
 }
 
-// Of the stents that were opened in the patient.
+// Takes a figure over the stents that were opened in the patient.
 template <typename Pick> Value over_stents(const Json &report, const char *figure, Pick pick)
 {
     Value found;
@@ -66,8 +66,8 @@ double smaller(double a, double b)
     return std::min(a, b);
 }
 
-// What of the narrow lesions no stent covers, all of them together. Several stents on one lesion: the least
-// that one of them leaves at either end.
+// Returns the length of the narrow lesions that no stent covers, all of them together. With several stents on
+// one lesion it is the least that any of them leaves at either end.
 Value geographic_miss_mm(const Json &report)
 {
     Value sum;
@@ -92,7 +92,7 @@ Value geographic_miss_mm(const Json &report)
     return sum;
 }
 
-// Burst balloons, lost stents, stents that were deployed and hold nothing.
+// Counts burst balloons, lost stents, and deployed stents that hold nothing.
 Value mishaps(const Json &report)
 {
     if (!report.contains("balloon") || report["balloon"].is_null()) return {};
@@ -110,7 +110,7 @@ Value times(const Value &value, double factor)
 struct Metric {
     const char *name, *title, *unit;
     Value value;
-    double full_at, none_at, weight; // no weight: shown only
+    double full_at, none_at, weight; // no weight: only shown
     const char *remark;
 };
 
@@ -126,7 +126,7 @@ std::vector<Metric> metrics_of(const Json &report)
         {"flow_reserve", "Fractional flow reserve", "", over_lesions(report, "ffr", smaller), 0, 0, 0,
          "0.80 and less: the flow is short"},
         {"apposition_pct", "Struts on the wall", "%", over_stents(report, "apposed_pct", smaller), 95, 80, 20,
-         "within 0.1 mm; too small a stent, or one not opened wholly, stands off"},
+         "within 0.1 mm; a stent that is too small or not fully opened has malapposed struts"},
         {"geographic_miss_mm", "Lesion left without stent", "mm", geographic_miss_mm(report), 0, 5, 15,
          "at both ends together"},
         {"overstretch_pct", "Wall over-stretch", "%", over_stents(report, "overstretch_pct", larger), 10, 30,
@@ -142,7 +142,7 @@ std::vector<Metric> metrics_of(const Json &report)
     };
 }
 
-// All of the weight up to `full_at`, nothing from `none_at` on, in proportion between.
+// Gives full weight up to `full_at`, nothing from `none_at` on, and in proportion between.
 double points_of(const Metric &metric)
 {
     const double way = (*metric.value - metric.full_at) / (metric.none_at - metric.full_at);
@@ -173,7 +173,7 @@ Json score_of(const Json &report)
         entry["remark"] = metric.remark;
         metrics.push_back(entry);
     }
-    // Without a lesion there is nothing to treat: 100 % of little X-ray would be a lie.
+    // Without a lesion there is nothing to treat: 100 % for low X-ray dose alone would be misleading.
     if (!report.contains("lesions") || report["lesions"].empty()) points = of = 0.0;
     return {{"points", points},
             {"of", of},

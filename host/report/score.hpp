@@ -1,5 +1,5 @@
-// What an angioplasty is worth: metrics with marks between two stated limits, from a session's report
-// (docs/score.md). A metric that the report knows nothing of is shown without marks and leaves the sum alone.
+// Scores an angioplasty: metrics with marks between two stated limits, from a session's report
+// (docs/score.md). A metric without a value in the report is shown without marks and does not affect the sum.
 //   Json score = score_of(report);    write_score_page("score.html", report, score, pictures);
 #pragma once
 #include "host/picture/picture.hpp"
@@ -10,9 +10,9 @@
 namespace crn
 {
 
-// {"points", "of", "percent", "metrics": [{"name", "title", "value", "unit", "full_marks_at", "no_marks_at",
-// "weight", "points", "remark"}]}. `value` is null where it is not known; `points` is null there and where
-// there is no weight. `report` is what write_report() writes.
+// Returns {"points", "of", "percent", "metrics": [{"name", "title", "value", "unit", "full_marks_at",
+// "no_marks_at", "weight", "points", "remark"}]}. `value` is null where it is not known; `points` is null
+// there and where there is no weight. `report` is the output of write_report().
 nlohmann::ordered_json score_of(const nlohmann::ordered_json &report);
 
 struct ScorePicture {
@@ -20,10 +20,10 @@ struct ScorePicture {
     Image image;
 };
 
-// One page without scripts or links: score, tools, pictures, curves over time. Throws OutputError.
+// Writes one page without scripts or links: score, tools, pictures, curves over time. Throws OutputError.
 void write_score_page(const std::string &path, const nlohmann::ordered_json &report,
                       const nlohmann::ordered_json &score, const std::vector<ScorePicture> &pictures);
-// The page's text, for tests. Throws std::runtime_error when a picture cannot be encoded.
+// Returns the page's text, for tests. Throws std::runtime_error when a picture cannot be encoded.
 std::string score_page(const nlohmann::ordered_json &report, const nlohmann::ordered_json &score,
                        const std::vector<ScorePicture> &pictures);
 

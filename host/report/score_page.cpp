@@ -1,4 +1,4 @@
-// The score as one HTML page: everything in it, nothing from elsewhere.
+// Writes the score as one self-contained HTML page.
 #include "host/base/format.hpp"
 #include "host/base/pending_file.hpp"
 #include "host/report/score.hpp"
@@ -35,7 +35,7 @@ std::string text_at(const Json &from, const char *key)
                : std::string();
 }
 
-// Three significant digits as people write them.
+// Rounds to three significant digits, without an exponent.
 std::string figure(const Json &value)
 {
     if (!value.is_number()) return "–";
@@ -70,7 +70,7 @@ std::string pictures_of(const std::vector<ScorePicture> &pictures)
     return html.empty() ? "" : "<h2>Pictures</h2>\n" + html;
 }
 
-// A step of 1, 2 or 5 that divides a range into at most five.
+// Returns a step of 1, 2 or 5 times a power of ten that divides a range into at most five.
 double step_for(double range)
 {
     const double power = std::pow(10.0, std::floor(std::log10(range / 5.0)));
@@ -92,7 +92,7 @@ std::vector<double> numbers(const Json &from, const char *key)
     return values;
 }
 
-// A gap in time longer than a second lifts the pen.
+// A gap in time longer than a second interrupts the line.
 std::string line_of(const std::vector<double> &time_s, const Curve &curve, double begin_s, double end_s,
                     double top)
 {

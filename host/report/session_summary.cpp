@@ -36,8 +36,8 @@ void print_files(const std::vector<std::string> &files)
 namespace
 {
 
-constexpr std::size_t score_pictures_max = 8; // of a page
-constexpr double shown_share = 0.01; // of the iodine: what a branch got less of is only in the report
+constexpr std::size_t score_pictures_max = 8; // pictures on a page
+constexpr double shown_share = 0.01; // of the iodine: a branch that received less is only in the report
 
 void print_result(const RunResult &result, const std::vector<Instrument> &tools)
 {
@@ -116,7 +116,7 @@ void print_medium(const PatientContrast &contrast)
                         100.0 * received_mg[b] / budget.injected_mg);
 }
 
-// The frame of a run in which the medium is best seen: the darkest.
+// Returns the frame of a run in which the medium is most visible: the darkest one.
 Image darkest_frame(const StoredRun &stored)
 {
     const auto sum = [](const std::vector<std::uint8_t> &grey) {
@@ -127,7 +127,7 @@ Image darkest_frame(const StoredRun &stored)
     return {stored.run.size, stored.run.size, 1, *darkest};
 }
 
-// Into the report, onto the page and onto the screen.
+// Puts the score into the report, onto the page and onto the screen.
 void give_score(const std::string &path, const nlohmann::ordered_json &report, const RoomScreen *screen)
 {
     std::vector<ScorePicture> pictures;

@@ -1,6 +1,6 @@
-// cournand rig calibrate: guided motion gives what one count is. Everything is measured first and written in
-// one message, which the device takes whole or not at all; so whoever stops in the middle has changed
-// nothing.
+// cournand rig calibrate: guided motion determines the meaning of one count. Everything is measured first and
+// written in one message, which the device accepts as a whole or not at all; so stopping in the middle
+// changes nothing.
 #include "host/base/output_files.hpp"
 #include "host/base/pending_file.hpp"
 #include "host/rig/rig.hpp"
@@ -21,7 +21,7 @@ constexpr double counts_min = 100.0; // fewer would be noise
 constexpr int force_samples = 50;
 constexpr double gravity_m_per_s2 = 9.80665;
 
-// The fields that calibration is about, by their names on the wire.
+// The calibrated fields, by their names on the wire.
 struct Field {
     const char *name;
     std::uint32_t crn_wire_track::*value;
@@ -119,12 +119,12 @@ class Guide
         const crn_wire_track_sensors end = sample();
         if (!good(begin) || !good(end))
             throw LinkError("the " + what + " gives no good signal. Remedy: cournand rig selftest");
-        // Absolute counts may wrap; the difference of 32 bits is the way.
+        // Absolute counts may wrap; their 32-bit difference is the displacement.
         const auto counts = static_cast<std::int32_t>(static_cast<std::uint32_t>(read(end)) -
                                                       static_cast<std::uint32_t>(read(begin)));
         if (std::abs(static_cast<double>(counts)) < counts_min) {
             throw LinkError("the " + what + " moved by " + std::to_string(counts) +
-                            " counts only. Remedy: check its coupling, or take a longer way");
+                            " counts only. Remedy: check its coupling, or use a longer distance");
         }
         return counts;
     }
@@ -148,7 +148,8 @@ class Guide
     {
         if (value < low || value > high) {
             throw LinkError("measured " + text(value) + " " + unit + ", which is outside " + text(low) +
-                            " to " + text(high) + ". Remedy: was the way or weight the one that was given?");
+                            " to " + text(high) +
+                            ". Remedy: check that distance and weight are the ones given");
         }
         field = static_cast<std::uint32_t>(std::llround(value));
     }
@@ -190,7 +191,7 @@ bool is_same(const crn_wire_rig &a, const crn_wire_rig &b)
     return true;
 }
 
-// One message, read back; what does not come back as written is taken back.
+// Writes one message and reads it back; if it differs from what was written, the change is undone.
 void write(Link &link, const crn_wire_rig &before, const crn_wire_rig &after)
 {
     link.set_rig(after);

@@ -1,4 +1,5 @@
-// Which device a command talks to: the one in this process, the image in an emulator, or a rig on USB.
+// Selects the device with which a command communicates: the one in this process, the image in an emulator, or
+// a rig on USB.
 #pragma once
 #include "host/link/transport.hpp"
 #include <cstdint>
@@ -12,22 +13,24 @@ namespace crn
 struct DeviceChoice {
     bool is_usb = false;
     bool is_emulated = false;
-    bool has_rig = false;                  // sim: with a rig whose sensors are healthy and whose hands rest
-    std::string serial;                    // usb: empty for the only one
-    std::uint32_t return_limit_ms = 20000; // how long a session waits for a rig that went
-    bool free_run = false;                 // the device leads: its own ticks, and hands from its own encoders
-    bool powers_motors = false;            // FREE_RUN: power on the tracks that have a coupling
-    std::uint16_t picture_every_ticks = 16;              // FREE_RUN: the line's shape comes by itself
-    std::function<std::unique_ptr<Transport>()> opens{}; // tests: instead of all that; may go and come back
+    bool has_rig = false; // sim: with a rig whose sensors are healthy and whose hands are at rest
+    std::string serial;   // usb: empty for the only one
+    std::uint32_t return_limit_ms = 20000; // how long a session waits for a rig that was disconnected
+    bool free_run = false;      // the device sets the pace: its own ticks, and hands from its own encoders
+    bool powers_motors = false; // FREE_RUN: power on the tracks that have a coupling
+    std::uint16_t picture_every_ticks = 16; // FREE_RUN: the device sends the line's shape unasked
+    std::function<std::unique_ptr<Transport>()>
+        opens{}; // tests: replaces all of the above; may disconnect and reconnect
 
     bool may_return() const { return is_usb || opens; }
 };
 
-// "sim", "emulator", "usb" or "usb:SERIAL". Throws UsageError.
+// Accepts "sim", "emulator", "usb" or "usb:SERIAL". Throws UsageError.
 DeviceChoice parse_device(const std::string &text);
 // Throws LinkError, DeviceLost.
 std::unique_ptr<Transport> open_device(const DeviceChoice &choice);
-// Until that rig can be opened again. False: it did not come within its limit, or Ctrl-C.
+// Waits until that rig can be opened again. Returns false when it did not come within its limit, or after
+// Ctrl-C.
 bool wait_for_device(const DeviceChoice &choice);
 
 } // namespace crn

@@ -1,4 +1,4 @@
-// cournand rig force, and the powered trial that selftest shares with it.
+// Implements cournand rig force, and the powered trial that it shares with selftest.
 #include "host/rig/rig.hpp"
 #include <algorithm>
 #include <cstdlib>
@@ -9,11 +9,11 @@ namespace crn
 namespace
 {
 
-constexpr std::uint32_t round_ms = 10;          // a host that is silent for 30 ms fades the forces
+constexpr std::uint32_t round_ms = 10;          // forces fade when the host is silent for 30 ms
 constexpr std::uint32_t coupling_N_per_m = 500; // half a millimetre for 250 mN
 constexpr std::uint32_t inserted_um = 50000;
 
-// Straight tools that fit into each other, all 300 mm, in free space: nothing but the seal holds them.
+// Makes straight tools that fit into each other, all 300 mm, in free space: only the seal holds them.
 std::vector<crn_wire_instrument> straight_tools(unsigned count)
 {
     static constexpr struct {
@@ -62,7 +62,8 @@ MotorTrial::MotorTrial(Link &link, unsigned track, unsigned force_mN, double dam
                         " is not known, so no safe spring can be chosen. Remedy: give --damping N s/m as "
                         "measured (docs/rig.md)");
     }
-    // Passive by the device's own rule: stiffness x (half a tick + lag of the actuator) <= damping.
+    // The coupling is passive by the device's own rule: stiffness x (half a tick + lag of the actuator) <=
+    // damping.
     const std::uint64_t stiffest =
         std::uint64_t{driven.damping_mN_s_per_m} * 1000 / (500 + driven.actuator_lag_us);
     driven.coupling_N_per_m = static_cast<std::uint32_t>(std::min<std::uint64_t>(coupling_N_per_m, stiffest));
@@ -84,14 +85,14 @@ void MotorTrial::begin()
     link_.set_entry(entry);
     link_.use_free_run();
     link_.arm();
-    link_.free_run(5); // the rig's lines are looked at before the motors may be armed
+    link_.free_run(5); // the rig's lines are checked before the motors may be armed
     link_.arm_motors();
     link_.start();
 }
 
 const std::vector<crn_wire_live_tick> &MotorTrial::run()
 {
-    const crn_wire_status status = link_.read_status(); // also tells the device that its host lives
+    const crn_wire_status status = link_.read_status(); // also shows the device that its host is alive
     if (status.state != CRN_WIRE_STATE_RUNNING) {
         throw LinkError(std::string("the rig stopped: ") + crn_wire_fault_name(status.fault_code) + ": " +
                         crn_wire_fault_text(status.fault_code) +
@@ -115,7 +116,7 @@ MotorTrial::~MotorTrial()
     try {
         end();
     } catch (const std::exception &) {
-        // Silence takes the forces away within 50 ms, whatever became of the link.
+        // Silence removes the forces within 50 ms, whatever happens to the link.
     }
 }
 

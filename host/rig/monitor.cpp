@@ -1,5 +1,4 @@
-// cournand rig monitor: what the state reports say, as a table that stays in place, as plain lines, and as
-// CSV.
+// cournand rig monitor: shows the state reports as a table that stays in place, as plain lines, and as CSV.
 #include "host/base/text.hpp"
 #include "host/rig/rig.hpp"
 #include <cerrno>
@@ -53,7 +52,7 @@ void write_csv(std::FILE *file, const crn_hid_state &state)
 
 struct Count {
     std::uint64_t reports = 0, lost = 0;
-    unsigned backwards = 0; // the rig started anew
+    unsigned backwards = 0; // the rig restarted
     std::uint32_t tick = 0;
     void take(std::uint32_t now)
     {
@@ -120,7 +119,7 @@ int rig_monitor(const StateSource &next, const RigOptions &options, const RigTal
         std::optional<crn_hid_state> state;
         try {
             state = next();
-        } catch (const LinkError &error) { // what came before is shown and written all the same
+        } catch (const LinkError &error) { // earlier reports are shown and written nevertheless
             wrong = error.what();
             break;
         }
@@ -142,7 +141,7 @@ int rig_monitor(const StateSource &next, const RigOptions &options, const RigTal
     std::fprintf(talk.out, "%llu reports in %.3f s, %llu ticks lost%s\n",
                  static_cast<unsigned long long>(count.reports), seconds(),
                  static_cast<unsigned long long>(count.lost),
-                 count.backwards > 0 ? "; the rig started anew meanwhile" : "");
+                 count.backwards > 0 ? "; the rig restarted meanwhile" : "");
     if (csv && std::ferror(csv.get()) != 0)
         wrong = options.csv + ": could not be written whole; is the disk full?";
     if (wrong.empty()) return 0;

@@ -19,7 +19,7 @@ Presence::~Presence()
     thread_.join();
 }
 
-// A device that is gone is met by whoever asks it next.
+// The next caller that uses the device finds out that it is disconnected.
 void Presence::say(Link &link)
 {
     const auto end = std::chrono::steady_clock::now() + limit;

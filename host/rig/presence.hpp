@@ -1,7 +1,6 @@
-// A host that is busy with a picture is there all the same: the rig hears of it from another thread
-// meanwhile, so that the forces in the hand do not fade with every picture that takes longer than 30 ms. For
-// half a second at most: a host that hangs is none. Nobody else may use the link as long as such an object
-// lives.
+// Keeps the rig informed, from another thread, that a host busy with a picture is alive. So the forces in the
+// hand do not fade with every picture that takes longer than 30 ms. It does so for half a second at most: a
+// host that hangs does not count as alive. Nothing else may use the link while such an object exists.
 #pragma once
 #include "host/link/link.hpp"
 #include <chrono>
@@ -17,7 +16,7 @@ class Presence
   public:
     static constexpr std::chrono::milliseconds limit{500};
 
-    explicit Presence(Link *link); // nullptr: nobody has to be told
+    explicit Presence(Link *link); // nullptr: there is no rig to inform
     ~Presence();
     Presence(const Presence &) = delete;
     Presence &operator=(const Presence &) = delete;

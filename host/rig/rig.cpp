@@ -1,4 +1,4 @@
-// cournand rig: the commands that only look, and who carries out which.
+// Implements cournand rig: the commands that only read, and the dispatch of all commands.
 #include "host/rig/rig.hpp"
 #include "host/base/interrupt.hpp"
 #include "host/base/output_files.hpp"
@@ -14,7 +14,7 @@
 namespace crn
 {
 
-// --- talking ---
+// --- dialogue ---
 
 std::string RigTalk::ask(const std::string &question) const
 {
@@ -29,7 +29,7 @@ std::string RigTalk::ask(const std::string &question) const
 namespace
 {
 
-// read(2) behind poll(2), so that Ctrl-C is seen while nobody types.
+// Reads by read(2) after poll(2), so that Ctrl-C works while nobody types.
 bool read_line_console(std::string &line)
 {
     line.clear();
@@ -99,7 +99,7 @@ void require_ready(Link &link, bool may_reset)
 namespace
 {
 
-// A list asks every rig there is, and ends in time whatever they do.
+// A list contacts every connected rig, and ends in time whatever they do.
 constexpr auto list_patience = std::chrono::milliseconds(1500);
 constexpr auto list_limit = std::chrono::seconds(6);
 
@@ -133,7 +133,8 @@ int list_rigs(const RigOptions &options, const RigTalk &talk)
     bool has_trouble = false;
     for (const UsbRig &usb : usb_rigs(context.get())) {
         const bool is_late = std::chrono::steady_clock::now() > end || talk.is_interrupted();
-        rigs.push_back(is_late ? Listed{usb, "-", "-", "not asked: the others took too long"} : look_at(usb));
+        rigs.push_back(is_late ? Listed{usb, "-", "-", "not contacted: the others took too long"}
+                               : look_at(usb));
         has_trouble = has_trouble || !rigs.back().trouble.empty();
     }
     if (options.json) {
@@ -263,7 +264,7 @@ int rig_log(Link &link, const RigTalk &talk)
     return 0;
 }
 
-// A second of silence in slices, so that Ctrl-C is seen soon.
+// A second of silence is waited for in slices, so that Ctrl-C works soon.
 int rig_monitor_hid(const HidApi &api, const std::string &serial, const RigOptions &options,
                     const RigTalk &talk)
 {

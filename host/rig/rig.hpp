@@ -1,4 +1,4 @@
-// cournand rig: find, look at, test, calibrate and feel a rig.
+// The commands of cournand rig find, inspect, test and calibrate a rig, and let a hand feel its forces.
 #pragma once
 #include "host/link/hid_rig.hpp"
 #include "host/link/link.hpp"
@@ -21,13 +21,13 @@ struct RigOptions {
     std::string what = "all";
     double distance_mm = 100.0, turns = 1.0, weight_g = 100.0;
     unsigned force_mN = 300;
-    double damping_N_s_per_m = 0.0; // 0: what the rig says
+    double damping_N_s_per_m = 0.0; // 0: the rig's own value
 };
 
-// Carries out options.command; the exit code.
+// Carries out options.command and returns the exit code.
 int command_rig(const RigOptions &options);
 
-// How a command talks to its user; tests give their own.
+// A command's dialogue with its user; tests provide their own.
 struct RigTalk {
     std::FILE *out = stdout;
     bool is_terminal = false;
@@ -38,24 +38,24 @@ struct RigTalk {
 };
 RigTalk console_talk();
 
-// The user ended it; what() says what was left as it was.
+// The user ended the dialogue; what() says what was left unchanged.
 class RigStopped : public std::runtime_error
 {
   public:
     using std::runtime_error::runtime_error;
 };
 
-// Each gets a link that has greeted; 0 done, 1 failed.
+// Each gets a link after the greeting; 0 means done, 1 failed.
 int rig_info(Link &link, const crn_wire_hello_reply &hello, const RigOptions &options, const RigTalk &talk);
 int rig_log(Link &link, const RigTalk &talk);
 int rig_selftest(Link &link, const crn_wire_hello_reply &hello, const RigOptions &options,
                  const RigTalk &talk);
 int rig_calibrate(Link &link, const RigOptions &options, const RigTalk &talk);
 int rig_force(Link &link, const RigOptions &options, const RigTalk &talk);
-// `next` gives the next state report; none: the rig is silent.
+// `next` returns the next state report; none: the rig is silent.
 using StateSource = std::function<std::optional<crn_hid_state>()>;
 int rig_monitor(const StateSource &next, const RigOptions &options, const RigTalk &talk);
-// The same from a rig's HID interface.
+// Does the same from a rig's HID interface.
 int rig_monitor_hid(const HidApi &api, const std::string &serial, const RigOptions &options,
                     const RigTalk &talk);
 
@@ -64,13 +64,13 @@ int rig_monitor_hid(const HidApi &api, const std::string &serial, const RigOptio
 std::string state_name(unsigned state);
 std::string sensor_name(unsigned status);
 std::string serial_of(const crn_wire_hello_reply &hello);
-// In READY, so that settings may change: with `may_reset` by RESET. Throws LinkError that says what is under
-// way.
+// Brings the rig to READY, so that settings may change: with `may_reset` by RESET. Throws LinkError that
+// names the activity under way.
 void require_ready(Link &link, bool may_reset);
 
-// One track with a spring between hand and a straight tool in free space, whose seal rubs with `force_mN`:
-// the hand feels at most that much when it moves slowly, and nothing when it rests. Motors are powered
-// between begin() and end(); the rig's configuration comes back in end(), which the destructor calls.
+// A trial on one track with a spring between hand and a straight tool in free space, whose seal has the
+// friction `force_mN`. The hand feels at most that force when it moves slowly, and none when it rests. Motors
+// are powered between begin() and end(); end() restores the rig's configuration, and the destructor calls it.
 class MotorTrial
 {
   public:
@@ -79,8 +79,8 @@ class MotorTrial
     MotorTrial(const MotorTrial &) = delete;
     MotorTrial &operator=(const MotorTrial &) = delete;
     void begin(); // ARM, ARM_MOTORS, CONFIRM, START
-    // 10 ms of FREE_RUN; the ticks that came. Throws LinkError with cause and remedy when the rig went into
-    // FAULT.
+    // Runs 10 ms of FREE_RUN and returns the received ticks. Throws LinkError with cause and remedy when the
+    // rig went into FAULT.
     const std::vector<crn_wire_live_tick> &run();
     void end();
 

@@ -1,4 +1,4 @@
-// cournand rig selftest: every sensor, line and limit that the rig can say something about, one line each.
+// cournand rig selftest: prints one line for every sensor, line and limit on which the rig can report.
 #include "host/rig/rig.hpp"
 #include <cmath>
 #include <cstdlib>
@@ -9,7 +9,7 @@ namespace crn
 namespace
 {
 
-constexpr int rest_counts_max = 8; // encoders of hands that rest, within 100 ms
+constexpr int rest_counts_max = 8; // limit for encoders of hands at rest, within 100 ms
 constexpr int rest_force_max_mN = 200;
 
 class Lines
@@ -93,7 +93,7 @@ void check_track(Lines &lines, unsigned number, const crn_wire_track_sensors &fi
     }
     lines.check(later.over_current == 0, name + "motor driver: current within its limit",
                 "check motor and cable for a short");
-    lines.check(later.motor_axial_mN == 0 && later.motor_torque_uN_m == 0, name + "motor: nothing asked",
+    lines.check(later.motor_axial_mN == 0 && later.motor_torque_uN_m == 0, name + "motor: no force ordered",
                 "report it");
     lines.check(track.force_limit_mN > 0 && track.torque_limit_uN_m > 0,
                 name + "limits: " + std::to_string(track.force_limit_mN) + " mN, " +
@@ -101,7 +101,7 @@ void check_track(Lines &lines, unsigned number, const crn_wire_track_sensors &fi
                 "a limit of 0 was written; power the rig off and on");
 }
 
-// A limit asked one above the present one has to be refused, and to stay as it is.
+// A request for a limit one above the present one must be refused and leave it unchanged.
 void check_limits_hold(Lines &lines, Link &link, const crn_wire_rig &rig)
 {
     for (std::uint16_t k = 0; k < rig.tracks_count; k++) {

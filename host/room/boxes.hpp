@@ -1,5 +1,6 @@
-// Gap between two boxes that stand at any angle, by separating axes (Gottschalk 1996): the largest of the
-// gaps between their shadows on fifteen axes. Never more than the true distance; negative when they overlap.
+// Computes the gap between two boxes at any angle, by separating axes (Gottschalk 1996): the largest gap
+// between their projections on fifteen axes. It never exceeds the true distance; it is negative when they
+// overlap.
 #pragma once
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -11,7 +12,7 @@ namespace crn
 
 struct Box {
     Eigen::Vector3d centre;
-    std::array<Eigen::Vector3d, 3> axes; // of length 1, at right angles
+    std::array<Eigen::Vector3d, 3> axes; // unit vectors at right angles
     Eigen::Vector3d half;                // half widths along the axes
 };
 
@@ -31,7 +32,7 @@ inline double gap_between(const Box &a, const Box &b)
         for (const Eigen::Vector3d &second : b.axes) {
             const Eigen::Vector3d across = first.cross(second);
             const double square = across.squaredNorm();
-            if (square < 1e-12) continue; // parallel edges: the faces' axes say it already
+            if (square < 1e-12) continue; // parallel edges: the faces' axes cover this case
             gap = std::max(gap, gap_along(a, b, across / std::sqrt(square)));
         }
     return gap;

@@ -1,4 +1,4 @@
-// The range of every value of a command.
+// Checks the range of every value of a command.
 #include "host/room/command.hpp"
 #include <algorithm>
 #include <iterator>

@@ -1,6 +1,6 @@
-// What a person does in the X-ray room: pedals, geometry, modes, review. A session is a list of these with
-// their ticks, and nothing else decides what the room does: docs/room.md. Whole numbers, so that a recording
-// holds them exactly.
+// The actions of a person in the X-ray room: pedals, geometry, modes, review. A session is a list of these
+// with their ticks, and nothing else determines what the room does: docs/room.md. Values are whole numbers,
+// so that a recording holds them exactly.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -8,32 +8,32 @@
 namespace crn
 {
 
-// The numbers stand in recordings and keep their meaning for ever.
+// Recordings contain these numbers, so their meaning never changes.
 enum class RoomAction : std::uint16_t {
     fluoro_pedal = 1,  // 1 down, 0 up
-    acquire_pedal = 2, // 1 down, 0 up: makes a run of the program chosen
+    acquire_pedal = 2, // 1 down, 0 up: acquires a run of the selected program
     program = 3,       // 0 cine, 1 DSA
     fluoro_rate = 4,   // 1/100 pulses per s: 375, 750, 1500, 3000
     cine_rate = 5,     // 1/100 frames per s: 750, 1500, 3000
     dsa_rate = 6,      // 1/100 frames per s: 50, 100, 200, 300, 600, 750
-    angles = 7,        // primary, secondary 1/1000 deg: + LAO, + CRA
-    table = 8,         // patient point at the isocentre, um: patient left, head, anterior; ends following
-    follow = 9,        // 1: the table brings the tip back when it leaves the middle of the field
-    field = 10,        // width of the square field at the detector, um
-    distance = 11,     // source to detector (SID), source to isocentre (SOD), um
-    blades = 12,       // open width, open height, 1/1000 of the field
-    iris = 13,         // 1 round field, 0 rectangular
-    store = 14,        // keep the last so many ms of fluoroscopy as a run
-    mask = 15,         // of the DSA run shown: first, last frame from 0; their mean is the mask
-    shift = 16,        // of the mask: to the right, upwards, 1/100 pixel; always from where it was acquired
-    roadmap = 17,      // 0 off, 1 of the last DSA run, 2 of the next press of the fluoroscopy pedal
-    review = 18,       // 0 off, 1 loop, 2 one frame; run number (0: the last); frame from 0
-    acknowledge = 19,  // the dose alert was seen
-    halt = 20,         // every motor stops where it is
-    // The syringe, which the room passes on: host/patient/contrast.hpp.
+    angles = 7, // patient point at the isocentre, um: patient left, head, anterior; ends following of the tip
+    table = 8,  // 1: the table follows, and brings the tip back when it leaves the middle of the field
+    follow = 9, // 1: the table brings the tip back when it leaves the middle of the field
+    field = 10, // width of the square field at the detector, um
+    distance = 11, // source to detector (SID), source to isocentre (SOD), um
+    blades = 12,   // open width, open height, 1/1000 of the field
+    iris = 13,     // keep the last so many ms of fluoroscopy as a run
+    store = 14,    // keep the last so many ms of fluoroscopy as a run
+    mask = 15,     // of the DSA run shown: first, last frame from 0; their mean is the mask
+    shift = 16,    // of the mask: to the right, upwards, 1/100 pixel; always relative to its acquired place
+    roadmap = 17,  // 0 off, 1 of the last DSA run, 2 of the next press of the fluoroscopy pedal
+    review = 18,   // 0 off, 1 loop, 2 one frame; run number (0: the last); frame from 0
+    acknowledge = 19, // the dose alert was acknowledged
+    halt = 20,        // every motor stops where it is
+    // Commands for the syringe, which the room passes on: host/patient/contrast.hpp.
     inject = 21, // ul (0: stop), ul/s, tool from the innermost 1 ... (0: the outermost with a lumen)
-    contrast_strength = 22, // mg iodine per ml of what is injected from now on
-    load_stent = 23,        // the next one onto the balloon: host/patient/stents.hpp
+    contrast_strength = 22, // mg iodine per ml of the fluid injected from now on
+    load_stent = 23,        // loads the next one onto the balloon: host/patient/stents.hpp
 };
 
 struct RoomCommand {
@@ -43,14 +43,14 @@ struct RoomCommand {
     bool operator==(const RoomCommand &) const = default;
 };
 
-// What a person asked for and did not get, from which tick on, and why.
+// A request that was not carried out, with the tick from which it applied and the reason.
 struct Refusal {
     std::uint32_t tick = 0;
     std::string why;
 };
 
-// Empty, or why no room can do this: unknown action or a value out of range. What passes may still be refused
-// in a situation (no run to review): Room says so then.
+// Returns an empty string, or why no room can do this: an unknown action or a value out of range. A command
+// that passes may still be refused in a situation (no run to review): Room reports that then.
 std::string refusal(const RoomCommand &command);
 
 // Limits that scripts, keys and recordings share.

@@ -1,4 +1,4 @@
-// Dose of a session, as IEC 60601-2-43 asks for it: reference air kerma, kerma-area product and time, per
+// Dose of a session as IEC 60601-2-43 requires: reference air kerma, kerma-area product and time, per
 // irradiation and in total.
 #pragma once
 #include "host/xray/run.hpp"
@@ -10,7 +10,7 @@
 namespace crn
 {
 
-// What one or more frames gave.
+// The dose of one or more frames.
 struct Dose {
     std::uint32_t pulses = 0;
     double air_kerma_uGy = 0.0; // at the reference point, 15 cm from the isocentre toward the tube
@@ -21,7 +21,7 @@ struct Dose {
 // One press of a pedal.
 struct Irradiation {
     RunKind kind = RunKind::fluoro;
-    int run = 0; // number of the run that was kept, 0: none
+    int run = 0; // number of the run that was kept; 0: none
     std::uint32_t tick_begin = 0, tick_end = 0;
     double pulses_per_s = 0.0;
     CArm carm;                                                           // at its first pulse
@@ -29,8 +29,8 @@ struct Irradiation {
     Dose dose;
 };
 
-// Levels of reference air kerma at which the room speaks up: 2 Gy (skin may redden), 5 Gy (follow the patient
-// up); ICRP 120.
+// Levels of reference air kerma at which the room raises an alert: 2 Gy (skin may redden), 5 Gy (follow the
+// patient up); ICRP 120.
 inline constexpr double dose_alert_levels_Gy[] = {2.0, 5.0};
 inline constexpr std::uint32_t fluoro_reminder_ticks = 300'000; // every five minutes of fluoroscopy
 
@@ -38,23 +38,23 @@ class DoseMeter
 {
   public:
     void begin(const Irradiation &irradiation);
-    // One pulse of the irradiation that runs. `tick` is the pulse's.
+    // Adds one pulse of the current irradiation. `tick` is the tick of the pulse.
     void add(std::uint32_t tick, double air_kerma_uGy, double kap_Gy_cm2);
     void note_pulse(const CArm &carm, double tube_voltage_kV, double tube_current_mA, double pulse_ms);
-    void end(std::uint32_t tick, int kept_as_run); // forgets an irradiation without a pulse
+    void end(std::uint32_t tick, int kept_as_run); // drops an irradiation without a pulse
     void pass_tick();                              // 1 ms with the pedal down
     void acknowledge();
 
     const std::vector<Irradiation> &irradiations() const { return irradiations_; }
     const Dose &total() const { return total_; }
-    std::uint32_t fluoro_ticks() const { return fluoro_ticks_; } // pedal time of fluoroscopy alone
+    std::uint32_t fluoro_ticks() const { return fluoro_ticks_; } // pedal time of fluoroscopy only
     // kerma of the last pulse times its rate; 0 when the beam is off
     double kerma_rate_mGy_min() const { return kerma_rate_mGy_min_; }
-    // The highest alert that nobody has acknowledged: index into dose_alert_levels_Gy.
+    // The highest alert that is not acknowledged: index into dose_alert_levels_Gy.
     std::optional<int> unseen_alert() const { return unseen_; }
     int alerts_passed() const { return alerts_passed_; }
     std::uint32_t fluoro_reminders() const { return fluoro_ticks_ / fluoro_reminder_ticks; }
-    // A reminder has passed that nobody has acknowledged.
+    // Whether a reminder is not acknowledged.
     bool has_unseen_reminder() const { return fluoro_reminders() > reminders_seen_; }
 
   private:

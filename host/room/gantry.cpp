@@ -1,6 +1,6 @@
-// Motors: trapezoidal speed in steps of 1 ms. Interlock: before each step, the way on which everything would
-// come to rest is looked at. Sums, products, quotients and square roots only: the same bytes from every
-// compiler.
+// Motors: trapezoidal speed in steps of 1 ms. Before each step the interlock checks the path on which all
+// axes would come to rest. It uses only sums, products, quotients and square roots, so that every compiler
+// gives the same bytes.
 #include "host/room/gantry.hpp"
 #include "host/room/boxes.hpp"
 #include <algorithm>
@@ -13,15 +13,16 @@ namespace
 
 constexpr double tick_s = 1e-3;
 
-// Housings in metres. Table top: 42 cm wide, 6 cm thick with its mattress, its upper face 13 cm behind the
-// patient's origin, from the head end 85 cm above it to the pedestal 120 cm below it.
+// Housings, in metres. The table top is 42 cm wide and 6 cm thick with its mattress. Its upper face lies 13
+// cm behind the patient's origin; it reaches from the head end 85 cm above the origin to the pedestal 120 cm
+// below it.
 constexpr double table_half_width_m = 0.21, table_top_z_m = -0.13, table_thickness_m = 0.06;
 constexpr double table_foot_y_m = -1.20, table_head_y_m = 0.85;
-// Tube: 32 x 32 cm, from 20 cm behind the focal spot to 10 cm in front of it; its collimator: 20 x 20 cm, up
-// to 25 cm.
+// The tube is 32 x 32 cm, from 20 cm behind the focal spot to 10 cm in front of it; its collimator is 20 x 20
+// cm, up to 25 cm.
 constexpr double tube_half_m = 0.16, tube_behind_m = 0.20, tube_front_m = 0.10;
 constexpr double collimator_half_m = 0.10, collimator_front_m = 0.25;
-// Detector: 40 x 40 cm, its cover 2 cm in front of the image plane, 22 cm deep behind it.
+// The detector is 40 x 40 cm, its cover 2 cm in front of the image plane, 22 cm deep behind it.
 constexpr double detector_half_m = 0.20, detector_front_m = 0.02, detector_behind_m = 0.22;
 
 Box along_beam(const View &view, double from_source_m, double to_source_m, double half_m)
@@ -62,7 +63,7 @@ GantryPose held(const GantryPose &pose)
     return result;
 }
 
-// Speed from which an axis can stop within `gap` when it loses acceleration x 1 ms per tick.
+// Returns the speed from which an axis can stop within `gap` when it loses acceleration x 1 ms per tick.
 double braking_speed(double gap, double acceleration)
 {
     const double half_step = 0.5 * acceleration * tick_s;
@@ -130,8 +131,8 @@ CArm Gantry::carm(double field_m) const
     return carm_of(pose_, field_m);
 }
 
-// Smallest gap on the way when this tick goes at `speed` and every axis brakes from then on, each for its own
-// time.
+// Returns the smallest gap along the path when this tick moves at `speed` and every axis then brakes for its
+// own time.
 double Gantry::clearance_while_braking_m(const GantryPose &speed) const
 {
     constexpr int looks = 6;
@@ -151,7 +152,7 @@ double Gantry::clearance_while_braking_m(const GantryPose &speed) const
     return gap_m;
 }
 
-// Towards the target, or towards rest.
+// Returns the speed towards the target, or towards rest.
 GantryPose Gantry::wanted_speed(bool brakes) const
 {
     GantryPose wanted = speed_;
@@ -170,7 +171,7 @@ void Gantry::tick()
     if (!is_moving() && pose_ == target_) return;
     GantryPose next = wanted_speed(is_halting_);
     const double gap_m = clearance_while_braking_m(next);
-    // Out of a narrow place every way is free that widens it.
+    // When the gap is too narrow already, every motion is allowed that widens it.
     if (gap_m < clearance_min_m && gap_m < table_clearance_m(pose_)) {
         is_blocked_ = is_halting_ = true;
         next = wanted_speed(true);

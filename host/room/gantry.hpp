@@ -1,12 +1,12 @@
-// C-arm and table as motors: every axis starts, runs and stops within its speed and acceleration, and none of
-// them goes on when tube or detector would come too near the table.
+// The motors of C-arm and table: every axis starts, runs and stops within its speed and acceleration, and all
+// stop before tube or detector come too near the table.
 //
 //   Gantry gantry;
-//   gantry.place(pose);            // where the session begins: at once
-//   gantry.aim(pose);              // from then on: where the motors go
+//   gantry.place(pose);            // where the session begins: without motion
+//   gantry.aim(pose);              // from then on: the target of the motors
 //   gantry.tick();                 // 1 ms
 //
-// Equations and the model of the collision: docs/room.md.
+// docs/room.md has the equations and the model of the collision.
 #pragma once
 #include "host/xray/paths/carm.hpp"
 #include <array>
@@ -27,35 +27,35 @@ enum GantryAxis {
 };
 inline constexpr int gantry_axes = 7;
 
-// Degrees, metres: primary, secondary, patient point at the isocentre (x, y, z), SID, SOD.
+// The values in degrees and metres: primary, secondary, patient point at the isocentre (x, y, z), SID, SOD.
 using GantryPose = std::array<double, gantry_axes>;
 
-// Speeds per s and accelerations per s2, in degrees and metres. Typical of ceiling and floor mounted C-arms
-// (assumption).
+// Speeds are per s and accelerations per s2, in degrees and metres. They are typical of ceiling and floor
+// mounted C-arms (assumption).
 struct AxisLimits {
     double speed, acceleration, low, high;
 };
 const std::array<AxisLimits, gantry_axes> &gantry_limits();
 
-// Smallest gap between the table and tube or detector housing, in metres; negative: they overlap. Boxes:
-// docs/room.md.
+// Returns the smallest gap between the table and tube or detector housing, in metres; negative: they overlap.
+// All are boxes: docs/room.md.
 double table_clearance_m(const GantryPose &pose);
 
 class Gantry
 {
   public:
-    static constexpr double clearance_min_m = 0.025; // at which the interlock brakes; 2 cm stay
+    static constexpr double clearance_min_m = 0.025; // gap at which the interlock brakes; 2 cm remain
 
-    void place(const GantryPose &pose); // at once, without motion; held to the limits of the axes
-    void aim(const GantryPose &pose);   // where the motors go from now on; held to the limits
+    void place(const GantryPose &pose); // moves at once; clamped to the limits of the axes
+    void aim(const GantryPose &pose);   // new target of the motors; clamped to the limits
     void aim_axis(GantryAxis axis, double value);
-    void halt(); // all motors brake and stay where they come to rest
+    void halt(); // all motors brake and stay where they stop
     void tick(); // 1 ms
 
     const GantryPose &pose() const { return pose_; }
     const GantryPose &target() const { return target_; }
     bool is_moving() const;
-    // The interlock stopped a motion; until the next aim().
+    // True when the interlock has stopped a motion; until the next aim().
     bool is_blocked() const { return is_blocked_; }
     CArm carm(double field_m) const;
 

@@ -1,5 +1,5 @@
-// Coronary angles: the middle of the ranges in docs/room.md. Fields: 20 cm for coronaries, 25 for renals, 32
-// for arch and pelvis. SID: 105 cm, more where the detector would come near the chest.
+// Coronary angles are the middle of the ranges in docs/room.md. Fields are 20 cm for coronaries, 25 for
+// renals, 32 for arch and pelvis. SID is 105 cm, more where the detector would come near the chest.
 #include "host/room/presets.hpp"
 #include <algorithm>
 #include <iterator>

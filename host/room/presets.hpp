@@ -1,4 +1,4 @@
-// Standard views by name. Angles and their sources: docs/room.md.
+// Standard views by name. docs/room.md lists the sources of the angles.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -9,12 +9,12 @@ namespace crn
 {
 
 struct ViewPreset {
-    std::string_view name; // as a script says it
+    std::string_view name; // as written in a script
     std::string_view shows;
     std::int32_t primary_mdeg;   // + LAO
     std::int32_t secondary_mdeg; // + CRA
     std::int32_t field_um;
-    std::int32_t sid_um; // as far back as the view needs to pass table and chest
+    std::int32_t sid_um; // as large as the view needs to clear table and chest
 };
 
 std::span<const ViewPreset> view_presets();

@@ -1,4 +1,4 @@
-// Ticks, commands and pulses.
+// Processes ticks, commands and pulses.
 #include "host/room/room.hpp"
 #include <algorithm>
 #include <cmath>
@@ -10,10 +10,12 @@ namespace
 {
 
 constexpr std::uint32_t never = std::numeric_limits<std::uint32_t>::max();
-constexpr std::uint32_t look_every_ticks = 50; // at the tip, to follow it
-constexpr double follow_zone = 0.22; // the tip may be so far from the middle, share of the field's width
+constexpr std::uint32_t look_every_ticks = 50; // how often the tip is checked, to follow it
+constexpr double follow_zone =
+    0.22; // distance of the tip from the middle that is allowed, share of the field's width
 
-// Dose behind patient and grid per frame, nGy: in the middle of what is usual (host/xray/xray.hpp).
+// Returns the dose behind patient and grid per frame, nGy: in the middle of the usual range
+// (host/xray/xray.hpp).
 double frame_dose_nGy(RunKind kind)
 {
     return kind == RunKind::fluoro ? 40.0 : kind == RunKind::cine ? 170.0 : 1200.0;
@@ -84,7 +86,7 @@ void Room::advance(std::uint32_t tick, const Eigen::Vector3d *tip)
     }
 }
 
-// One millisecond: what was asked, then motors, then pedals and pulses.
+// Processes one millisecond: commands, then motors, then pedals and pulses.
 void Room::process(std::uint32_t tick, const Eigen::Vector3d *tip)
 {
     tick_ = tick;
@@ -94,7 +96,7 @@ void Room::process(std::uint32_t tick, const Eigen::Vector3d *tip)
         carry_out(tick, command);
     }
     if (follows_tip_ && tip && tick % look_every_ticks == 0 && !is_acquire_waiting_) follow(tick, *tip);
-    // A run of DSA needs a patient who stands still against its mask.
+    // The table does not move during a run of DSA, since the patient must not move relative to the mask.
     if (!(beam_.is_on && beam_.kind == RunKind::dsa)) gantry_.tick();
     if (gantry_.is_blocked() && !was_blocked_) notify(tick, "TABLE IN THE WAY - motion stopped");
     was_blocked_ = gantry_.is_blocked();
@@ -149,13 +151,13 @@ void Room::carry_out(std::uint32_t tick, const RoomCommand &command)
     case RoomAction::acknowledge:
         dose_.acknowledge();
         break;
-    case RoomAction::mask: // the screen's
+    case RoomAction::mask: // for the screen
     case RoomAction::shift:
     case RoomAction::roadmap:
     case RoomAction::review:
-    case RoomAction::inject: // the syringe's
+    case RoomAction::inject: // for the syringe
     case RoomAction::contrast_strength:
-    case RoomAction::load_stent: // the stents'
+    case RoomAction::load_stent: // for the stents
         break;
     default:
         carry_out_geometry(tick, command);
@@ -193,7 +195,7 @@ void Room::carry_out_geometry(std::uint32_t tick, const RoomCommand &command)
     }
 }
 
-// At the first tick the room is set up: what is asked then stands there from the beginning.
+// At the first tick the room is set up: a pose ordered then applies without motion.
 void Room::move(std::uint32_t tick, const GantryPose &pose)
 {
     if (tick > 0) return gantry_.aim(pose);
@@ -202,8 +204,8 @@ void Room::move(std::uint32_t tick, const GantryPose &pose)
         notify(tick, "THE TABLE IS IN THE WAY HERE - only ways out are free");
 }
 
-// As a hand on the table does: nothing while the tip is well inside the field, then it is brought back to the
-// middle.
+// Works like a hand on the table: nothing happens while the tip is well inside the field, then the table
+// brings it back to the middle.
 void Room::follow(std::uint32_t tick, const Eigen::Vector3d &tip)
 {
     if (tick == 0) return move(tick, with_table(gantry_.target(), tip));
@@ -221,12 +223,12 @@ void Room::follow(std::uint32_t tick, const Eigen::Vector3d &tip)
 
 // --- pedals ---
 
-// A run begins with a new press only: a pedal held over the end of another run does nothing until it is
-// released.
+// Only a new press begins a run: a pedal held over the end of another run does nothing until it is released.
 void Room::press_pedals(std::uint32_t tick)
 {
     if (beam_.is_on && beam_.is_acquired) return;
-    // A run shows one geometry, so it waits for the motors. Fluoroscopy goes on meanwhile.
+    // All frames of a run have one geometry, so the run waits for the motors. Fluoroscopy continues
+    // meanwhile.
     const bool waits = is_acquire_armed_ && gantry_.is_moving();
     if (waits && !is_acquire_waiting_)
         notify(tick, name_of_program() + " WAITS - the C-arm or the table is moving");
@@ -239,7 +241,7 @@ void Room::press_pedals(std::uint32_t tick)
     }
 }
 
-// The pedal went up before the motors stood: there is no run, and somebody has to know.
+// The pedal was released before the motors stopped: there is no run, and the user must be informed.
 void Room::release_acquisition(std::uint32_t tick)
 {
     if (is_acquire_waiting_) {
@@ -280,7 +282,7 @@ void Room::end_beam(std::uint32_t tick)
     tell(RoomEvent::Kind::beam_off, tick).run = kept;
 }
 
-// A run is made by its first frame. Returns its number.
+// The first frame creates the run. Returns its number.
 int Room::count_frame(double pulses_per_s)
 {
     if (is_run_made_)

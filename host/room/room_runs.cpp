@@ -1,4 +1,4 @@
-// What happens to pictures: kept in runs, subtracted from masks, gathered into roadmaps, shown again.
+// Handles pictures: they are kept in runs, subtracted from masks, collected into roadmaps, and reviewed.
 #include "host/room/room_screen.hpp"
 #include "host/room/subtraction.hpp"
 #include "host/xray/detector.hpp"
@@ -10,8 +10,9 @@ namespace crn
 namespace
 {
 
-// What one frame of noise adds to the largest of many differences is taken off a roadmap: the median, which
-// is background, plus so many times the distance from the median to the lowest tenth.
+// The largest of many differences includes the noise of a frame, so that noise is subtracted from a roadmap.
+// The amount is the median, which is background, plus so many times the distance from the median to the
+// lowest tenth.
 constexpr float roadmap_noise_steps = 2.0f;
 
 float background_of(const std::vector<float> &peak)
@@ -49,8 +50,8 @@ RunCollimator collimator_of(const XrayBeam &beam, int size)
     return open;
 }
 
-// How a viewer shows raw values at first: from the darkest to the brightest hundredth of those that the beam
-// met.
+// Sets the window in which a viewer first shows raw values: from the darkest to the brightest hundredth of
+// the exposed values.
 void set_window(XrayRun &run, const std::vector<std::uint16_t> &raw)
 {
     std::vector<std::uint16_t> open;
@@ -67,7 +68,7 @@ void set_window(XrayRun &run, const std::vector<std::uint16_t> &raw)
     run.window_width = std::max(*high - dark, 1.0);
 }
 
-// What files say of a run, from its first frame.
+// Fills in the description for files, from the run's first frame.
 void describe_beam(XrayRun &run, const XrayBeam &beam, const XrayPicture &picture)
 {
     run.collimator = collimator_of(beam, picture.size);
@@ -135,7 +136,7 @@ void RoomScreen::carry_out(std::uint32_t tick, const RoomCommand &command)
         return set_roadmap(tick, command.values[0]);
     case RoomAction::review:
         return set_review(tick, command);
-    default:; // the room's own
+    default:; // for the room itself
     }
 }
 
@@ -160,7 +161,7 @@ void RoomScreen::end_beam(const RoomEvent &event)
     ++version_;
 }
 
-// The picture of a pulse: kept, and from now on the one that is held.
+// Keeps the picture of a pulse; from now on it is the last image held.
 void RoomScreen::keep(const RoomEvent &event, const XrayPicture &picture)
 {
     RunFrame frame = frame_of(event, picture);
@@ -184,7 +185,7 @@ void RoomScreen::keep(const RoomEvent &event, const XrayPicture &picture)
         held_index_ = static_cast<int>(stored.run.frames.size()) - 1;
         return;
     }
-    // The beam goes on: dose and runs do not depend on the size of pictures.
+    // The beam stays on: dose and runs do not depend on the size of pictures.
     notify(event.tick, "IMAGE MEMORY IS FULL - the rest of the run is not kept");
 }
 
@@ -249,7 +250,7 @@ void RoomScreen::roadmap_from_run(StoredRun &stored)
     finish_roadmap();
 }
 
-// The first frame of the press is what the others are compared with.
+// The first frame of the press is the reference for the others.
 void RoomScreen::collect_roadmap(const RunFrame &frame, int size)
 {
     std::vector<float> live, density;
@@ -266,7 +267,7 @@ void RoomScreen::collect_roadmap(const RunFrame &frame, int size)
 void RoomScreen::finish_roadmap()
 {
     if (roadmap_.peak.empty()) {
-        roadmap_.state = RoadmapState::waits; // a press without a pulse: the next one collects
+        roadmap_.state = RoadmapState::waits; // a press without a pulse: the next press collects
         return;
     }
     roadmap_.floor = background_of(roadmap_.peak);

@@ -1,4 +1,4 @@
-// What the screen shows: live picture, last image hold, loops; subtracted, with its roadmap; and the words
+// Composes the screen: live picture, last image hold or loops, subtracted or with a roadmap, and the words
 // around it.
 #include "host/room/room_screen.hpp"
 #include "host/room/subtraction.hpp"
@@ -43,7 +43,8 @@ RoomScreen::Source RoomScreen::shown() const
     return {&held_frame_.raw, &held_grey_, stored, held_index_, held_size_};
 }
 
-// Every frame of DSA but the one that alone is the mask: from itself nothing would be left.
+// Every frame of DSA is subtracted except one that is the only mask frame: subtracted from itself it would be
+// empty.
 bool RoomScreen::is_subtracted(const Source &source) const
 {
     if (!source.run || source.run->run.kind != RunKind::dsa || source.run->is_dropped) return false;

@@ -1,6 +1,6 @@
 // The screen of the X-ray room: live picture, last image hold, loops, subtraction, roadmap, and the runs'
-// pictures. It only reads the room: what happened there comes as events, in order, and the picture of every
-// pulse from whoever makes it.
+// pictures. It only reads the room: the room's events arrive in order, and the picture of every pulse comes
+// from its maker.
 //
 //   RoomScreen screen(room);
 //   for (const RoomEvent &event : room.events())
@@ -25,14 +25,14 @@ enum class RoadmapState {
     collects,
     shown,
     moved
-}; // moved: the geometry is another one; not laid over
+}; // moved: the geometry has changed, so the roadmap is not laid over
 
-// What the display tells: the room's state, and what is on the screen.
+// The values for the display: the room's state, and what is on the screen.
 struct RoomStatus : RoomState {
-    RunKind kind = RunKind::fluoro; // of the beam, or of what is shown
-    double pulses_per_s = 0.0;      // the same
+    RunKind kind = RunKind::fluoro; // of the beam, or of the shown picture
+    double pulses_per_s = 0.0;      // likewise
     ScreenSource source = ScreenSource::nothing;
-    int run = 0, frame = 0, frames = 0; // of the picture shown; run 0: fluoroscopy that is not kept
+    int run = 0, frame = 0, frames = 0; // of the shown picture; run 0: fluoroscopy that is not kept
     int runs_kept = 0;
     bool is_subtracted = false;
     int mask_first = 0, mask_last = 0; // frames from 0
@@ -43,19 +43,20 @@ struct RoomStatus : RoomState {
 class RoomScreen
 {
   public:
-    // Memory for the pictures of runs: see RunStore. The room must outlive the screen.
+    // Limits the memory for the pictures of runs: see RunStore. The room must outlive the screen.
     explicit RoomScreen(const Room &room, std::size_t store_bytes_max = std::size_t{512} << 20);
 
-    // `picture`: of a pulse; null for everything else.
+    // `picture` belongs to a pulse; it is null for every other event.
     void take(const RoomEvent &event, const XrayPicture *picture);
-    // The run that the picture of a pulse belongs to, as files describe it, without frames; and its frame.
+    // Returns the run to which the picture of a pulse belongs, as described in files, without frames; and the
+    // picture's frame.
     static XrayRun describe(const RoomEvent &pulse, const XrayPicture &picture);
     static RunFrame frame_of(const RoomEvent &pulse, const XrayPicture &picture);
 
     const Room &room() const { return room_; }
     RoomStatus status() const;
-    // The picture on the screen, size*size; black before the first pulse. False when it is the one of the
-    // last call.
+    // Writes the picture on the screen, size*size; black before the first pulse. Returns false when it equals
+    // that of the last call.
     bool compose(int size, std::vector<std::uint8_t> &grey);
     const RunStore &store() const { return store_; }
 
@@ -65,7 +66,7 @@ class RoomScreen
         int run = 0, frame = 0;
         std::uint32_t tick_begin = 0;
     };
-    // The frame on the screen before masks and roadmap.
+    // The frame on the screen before mask and roadmap are applied.
     struct Source {
         const std::vector<std::uint16_t> *raw = nullptr;
         const std::vector<std::uint8_t> *grey = nullptr;
@@ -103,7 +104,7 @@ class RoomScreen
     bool is_beam_on_ = false, is_acquired_ = false;
     Review review_;
     Roadmap roadmap_;
-    // The last frame of the beam: live, then held. A kept one stays in the store.
+    // The last frame of the beam: first live, then held. A frame of a kept run stays in the store.
     RunFrame held_frame_;
     std::vector<std::uint8_t> held_grey_;
     int held_run_ = 0, held_index_ = 0, held_size_ = 0;
@@ -111,10 +112,10 @@ class RoomScreen
     double held_pulses_per_s_ = 0.0;
     bool has_held_ = false;
     RoomNotice notice_;
-    // What the last compose() showed.
+    // The version that the last compose() showed.
     std::uint64_t version_ = 0, composed_version_ = ~std::uint64_t{0};
     int composed_frame_ = -1;
-    // Mask of the run shown last, as it is subtracted.
+    // The mask of the last shown run, ready for subtraction.
     struct MaskCache {
         const StoredRun *run = nullptr;
         RunMask mask;
@@ -122,7 +123,7 @@ class RoomScreen
     } mask_cache_;
 };
 
-// Half a millimetre or a tenth of a degree apart, and a roadmap of one would mislead on the other.
+// If they are half a millimetre or a tenth of a degree apart, a roadmap of one would mislead on the other.
 bool is_same_geometry(const CArm &a, const CArm &b);
 
 } // namespace crn

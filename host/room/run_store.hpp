@@ -1,5 +1,5 @@
-// What the screen keeps of its pictures: acquired runs, and the last seconds of fluoroscopy. Bounded: when
-// the memory given is full, the oldest run's pictures go.
+// The pictures that the screen keeps: acquired runs, and the last seconds of fluoroscopy. Their memory is
+// limited: when it is full, the oldest run's pictures are dropped.
 #pragma once
 #include "host/xray/run.hpp"
 #include <cstddef>
@@ -11,11 +11,11 @@
 namespace crn
 {
 
-// A run as it is kept: raw values for files and masks, and how each frame was shown.
+// A kept run: raw values for files and masks, and each frame as it was shown.
 struct StoredRun {
     XrayRun run;
-    std::vector<std::vector<std::uint8_t>> grey; // beside run.frames
-    bool is_dropped = false;                     // its pictures went, for want of memory
+    std::vector<std::vector<std::uint8_t>> grey; // parallel to run.frames
+    bool is_dropped = false;                     // its pictures were dropped to free memory
 };
 
 struct StoredFrame {
@@ -28,18 +28,18 @@ class RunStore
   public:
     explicit RunStore(std::size_t bytes_max) : bytes_max_(bytes_max) {}
 
-    // A new run; frames are added to it until finish(). Whoever adds the first frame fills in the rest of its
-    // description.
+    // Begins a new run; frames are added to it until finish(). The caller that adds the first frame fills in
+    // the rest of its description.
     void begin(int number, RunKind kind);
-    // False when the memory is full of this run alone.
+    // Returns false when this run alone fills the memory.
     bool add(RunFrame frame, std::vector<std::uint8_t> grey);
-    // A run without a frame is forgotten. A run that was made, but whose pictures found no memory, stays
-    // without them.
+    // A run without a frame is dropped. A run that was made, but for whose pictures there was no memory,
+    // stays without them.
     void finish(bool was_made);
 
-    // Fluoroscopy of the last `store_max_ms` stays for a while, as far as half the memory goes.
+    // Fluoroscopy of the last `store_max_ms` is held back, in up to half the memory.
     void pass(const XrayRun &header, RunFrame frame, std::vector<std::uint8_t> grey);
-    // A run of what passed in the last `milliseconds` before `tick`.
+    // Makes a run of the fluoroscopy in the last `milliseconds` before `tick`.
     void keep_passed(int number, std::uint32_t tick, std::uint32_t milliseconds);
 
     StoredRun *open_run() { return is_open_ ? runs_.back().get() : nullptr; }
@@ -53,7 +53,7 @@ class RunStore
 
     std::size_t bytes_max_, bytes_ = 0, passed_bytes_ = 0;
     bool is_open_ = false;
-    std::vector<std::unique_ptr<StoredRun>> runs_; // addresses stay
+    std::vector<std::unique_ptr<StoredRun>> runs_; // addresses stay valid
     XrayRun passed_header_;
     std::deque<StoredFrame> passed_;
 };

@@ -9,14 +9,14 @@ namespace
 {
 
 constexpr float roadmap_grey_per_doubling = 130.0f;
-constexpr int roadmap_rim = 3; // pixels along the blades: half dark there, all noise
+constexpr int roadmap_rim = 3; // pixels along the blades that are half dark and only noise
 
 struct Neighbour {
     int low, high;
     float share; // of `high`
 };
 
-// Where pixel `i` of a picture moved by `shift` comes from.
+// Returns the source of pixel `i` in a picture moved by `shift`.
 Neighbour source_of(int i, double shift, int size)
 {
     const double place = std::clamp(i - shift, 0.0, size - 1.0);
@@ -24,7 +24,7 @@ Neighbour source_of(int i, double shift, int size)
     return {low, low + 1, static_cast<float>(place - low)};
 }
 
-// The live picture is black behind the blades.
+// Behind the blades the live picture is black.
 bool is_near_blades(const std::vector<std::uint8_t> &grey, int size, int x, int y)
 {
     const auto is_black = [&](int at_x, int at_y) {

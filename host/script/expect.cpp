@@ -37,7 +37,7 @@ double bound(LineParser &line, Expectation::Kind kind)
     return line.quantity("share", percent_units, -100.0, 100.0);
 }
 
-// "at least", "at most", "below"; one of them at least where `needs_one`.
+// Reads "at least", "at most" or "below"; at least one of them must be there if `needs_one`.
 void parse_bounds(LineParser &line, Expectation &expectation, bool needs_one)
 {
     while (!line.is_at_end() || needs_one) {
@@ -62,7 +62,7 @@ std::string remedy_of(const Expectation &expectation)
     case Expectation::Kind::iodine:
         return "bring the tip into the vessel (engage) and inject through that tool";
     case Expectation::Kind::stenosis:
-        return "bring the balloon's middle to the throat and inflate further";
+        return "bring the balloon's middle to the narrowest place and inflate further";
     case Expectation::Kind::apposition:
         return "inflate the stent further, or choose one of the vessel's size";
     case Expectation::Kind::inserted:
@@ -140,7 +140,7 @@ std::optional<double> EffectsWitness::iodine_pct(std::size_t vessel) const
     return 100.0 * contrast.received_mg(map_.vessels()[vessel].branch) / injected_mg;
 }
 
-// The narrowest that is left of the lesions that were narrow.
+// Returns the worst remaining stenosis of the lesions that were narrow.
 std::optional<double> EffectsWitness::residual_stenosis_pct() const
 {
     const PatientContrast &contrast = patient_.contrast();
@@ -164,13 +164,13 @@ std::optional<double> EffectsWitness::apposition_pct() const
     return worst;
 }
 
-// --- the judgement ---
+// --- judgement ---
 
 namespace
 {
 
 struct Finding {
-    std::optional<double> value; // nothing: not held
+    std::optional<double> value; // empty: not held
     std::string text;
 };
 

@@ -1,4 +1,4 @@
-// What a session script says must be true (docs/session.md):
+// A session script states conditions that must hold (docs/session.md):
 //
 //   expect tip wire in ascending aorta at least 30 mm
 //   expect iodine in left main at least 60 %
@@ -23,21 +23,21 @@ class Patient;
 struct Expectation {
     enum class Kind { tip, iodine, stenosis, apposition, inserted, turned };
     Kind kind = Kind::tip;
-    std::size_t tool = 0; // of tip, inserted and turned
-    VesselName vessel;    // of tip and iodine
-    // In mm, percent or degrees; `below` leaves the bound out.
+    std::size_t tool = 0; // for tip, inserted and turned
+    VesselName vessel;    // for tip and iodine
+    // Limits in mm, percent or degrees; `below` excludes the limit itself.
     double least = -std::numeric_limits<double>::infinity(), most = std::numeric_limits<double>::infinity();
     bool is_below = false;
 
     bool names_vessel() const { return kind == Kind::tip || kind == Kind::iodine; }
     bool allows(double value) const;
-    std::string text() const; // as a script would say it
+    std::string text() const; // as a script would write it
 };
 
-// The rest of a line behind "expect". Throws FileError by the line.
+// Parses the rest of a line after "expect". Throws FileError with the line's place.
 Expectation parse_expectation(LineParser &line, const ToolChoice &selected);
 
-// What is known of medium, lesions and stents, in percent; nothing: not known.
+// The known figures of medium, lesions and stents, in percent; empty if not known.
 class SessionWitness
 {
   public:
@@ -47,7 +47,7 @@ class SessionWitness
     virtual std::optional<double> apposition_pct() const = 0;
 };
 
-// Those of a patient.
+// The witness that reads a patient.
 class EffectsWitness final : public SessionWitness
 {
   public:
@@ -61,7 +61,7 @@ class EffectsWitness final : public SessionWitness
     Patient &patient_;
 };
 
-// What a script sees when it looks. Spans by tool, from the innermost; empty: not known.
+// The state that a script checks. Spans are by tool, from the innermost; empty: not known.
 struct SessionView {
     std::span<const double> inserted_m;
     std::span<const TipPlace> tips;
@@ -69,16 +69,16 @@ struct SessionView {
     std::uint32_t tick = 0;
 };
 
-// What became of one.
+// The result of one expectation.
 struct ExpectationResult {
     int line = 0;
-    std::uint32_t tick = 0; // when it was judged
+    std::uint32_t tick = 0; // tick of the judgement
     std::string text;
     bool is_held = false;
-    std::string found; // and where it was not held, a remedy
+    std::string found; // the measured value, and where it was not held, a remedy
 };
 
-// `vessel`: the one that it names. `turned_deg`: of its tool's hand.
+// `vessel` is the vessel that the expectation names. `turned_deg` belongs to its tool's hand.
 ExpectationResult judge(const Expectation &expectation, int line, std::size_t vessel, const VesselMap &map,
                         const SessionView &view, double turned_deg);
 

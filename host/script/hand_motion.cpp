@@ -8,14 +8,14 @@ namespace crn
 namespace
 {
 
-// a / b to nearest, ties away from zero; b > 0.
+// Returns a / b rounded to nearest, ties away from zero; b > 0.
 std::int64_t divide_rounded(std::int64_t a, std::int64_t b)
 {
     return a >= 0 ? (a + b / 2) / b : -((-a + b / 2) / b);
 }
 
-// Ticks of steady motion that equal the first t ticks of a ramp of r, times 2 r^3: t^3 (2 r - t), from the
-// integral of the smoothstep 3u^2 - 2u^3.
+// Returns the ticks of steady motion that equal the first t ticks of a ramp of r, times 2 r^3: t^3 (2 r - t),
+// from the integral of the smoothstep 3u^2 - 2u^3.
 std::int64_t ramp_numerator(std::int64_t t, std::int64_t r)
 {
     return t * t * t * (2 * r - t);
@@ -77,7 +77,7 @@ void LiveHand::advance_tick()
     rotation_.advance(440);
 }
 
-// Counters wrap like the hardware's.
+// Counters wrap as in the hardware.
 std::int32_t LiveHand::translation_counts() const
 {
     return static_cast<std::int32_t>(

@@ -1,5 +1,5 @@
-// How a hand moves: smooth start, steady speed, smooth stop. Integers only, so that a session gives the same
-// encoder counts on every machine.
+// The motion of a hand: smooth start, steady speed, smooth stop. It uses only integers, so that a session
+// gives the same encoder counts on every machine.
 //
 //   speed      ______________
 //             /              \        ramps are smoothsteps of R = 200 ms (or shorter for short moves);
@@ -11,7 +11,7 @@
 namespace crn
 {
 
-// 1 um and 1/65 536 turn per count: what host sessions set up as the rig.
+// 1 um and 1/65 536 turn per count: the rig of host sessions.
 inline constexpr std::int64_t counts_per_m = 1'000'000;
 inline constexpr std::int64_t counts_per_turn = 65'536;
 inline constexpr std::int64_t ramp_ticks_max = 200;
@@ -28,7 +28,7 @@ class Move
     std::int64_t distance_, cruise_, ramp_, ticks_;
 };
 
-// A move at a steady speed until told to stop; comes to rest one ramp after that. speed may be negative.
+// A move at a steady speed until it is stopped; it comes to rest one ramp after that. speed may be negative.
 class SteadyMove
 {
   public:
@@ -43,7 +43,8 @@ class SteadyMove
     std::int64_t stop_tick_ = -1;
 };
 
-// A live hand: target speeds that change at any time (keyboard); speed changes by a limited step per tick.
+// A live hand has target speeds that may change at any time (keyboard); its speed changes by a limited step
+// per tick.
 class LiveHand
 {
   public:

@@ -1,5 +1,5 @@
-// One line of a session script being read: words, numbers with units, choices; mistakes with their place and
-// a suggestion.
+// Reads one line of a session script: words, numbers with units, choices; mistakes are reported with their
+// place and a suggestion.
 #pragma once
 #include "host/base/text.hpp"
 #include <charconv>
@@ -28,10 +28,10 @@ inline const std::vector<Unit> turn_speed_units = {
     {"deg/s", 1.0}, {"°/s", 1.0}, {"turn/s", 360.0}, {"turns/s", 360.0}};
 inline const std::vector<Unit> time_units = {{"s", 1.0}, {"ms", 1e-3}, {"min", 60.0}};
 
-// Words and numbers; "90deg" are two tokens; commas are spaces; '#' ends the line.
+// Splits a line into words and numbers; "90deg" are two tokens; commas are spaces; '#' ends the line.
 std::vector<Token> split_line(std::string_view line);
 
-// One line being read.
+// One line that is being read.
 class LineParser
 {
   public:
@@ -45,7 +45,7 @@ class LineParser
 
     [[noreturn]] void fail(const std::string &text) const { throw FileError(file_, line_, column(), text); }
 
-    // Of the next word, or of the end of the line.
+    // Column of the next word, or of the end of the line.
     int column() const
     {
         if (tokens_.empty()) return 1;
@@ -92,7 +92,7 @@ class LineParser
         return value;
     }
 
-    // Number and unit, in the base unit, checked against low .. high.
+    // Reads a number and a unit, and returns it in the base unit, checked against low .. high.
     double quantity(const std::string &what, const std::vector<Unit> &units, double low, double high)
     {
         const std::size_t begin = position_;

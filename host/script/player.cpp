@@ -10,7 +10,7 @@ namespace crn
 namespace
 {
 
-constexpr std::int64_t regrasp_ticks = 150; // the hand lets go and takes hold again between strokes
+constexpr std::int64_t regrasp_ticks = 150; // between strokes the hand releases the tool and grips it again
 
 std::int64_t sign_of(std::int64_t value)
 {
@@ -44,13 +44,13 @@ std::size_t SessionPlayer::vessel_named(const VesselName &name, int line) const
         throw FileError(
             session_.file, line, name.column,
             "names the vessel '" + name.text +
-                "', but this scene knows none; bake it with a [tree] and keep its .bodies beside it");
+                "', but this scene has none; bake it with a [tree] and keep its .bodies file beside it");
     if (const auto vessel = map_.find(name.text)) return *vessel;
     throw FileError(session_.file, line, name.column,
                     "unknown vessel '" + name.text + "'" + map_.suggestion(name.text));
 }
 
-// `move` cut into strokes, from where the tool's hand is now.
+// Starts `move`, cut into strokes, from the present position of the tool's hand.
 void SessionPlayer::begin_move(const HandMove &move, std::size_t tool)
 {
     Active active{move, tool, position_counts_[tool][static_cast<int>(move.axis)], {}, {}, 0};
@@ -88,8 +88,8 @@ void SessionPlayer::ask(const RoomCommand &command)
     buttons_ = command.values[0] == 1 ? buttons_ | pedal : buttons_ & ~pedal;
 }
 
-// Commands to the room and to heart and breath take effect at once; the first statement that takes time
-// becomes the present one.
+// Commands to the room and orders to heart and breath take effect at once; the first statement that takes
+// time becomes the present one.
 void SessionPlayer::enter_statement()
 {
     for (; !is_done(); statement_++) {
@@ -116,11 +116,11 @@ void SessionPlayer::enter_statement()
     }
 }
 
-// The present statement is over when its pause and all its moves are.
+// The present statement ends when its pause and all its moves have ended.
 void SessionPlayer::finish_statement()
 {
     const Statement &statement = session_.statements[statement_];
-    if (steerer_ || statement.expectation) return; // these end when they have looked
+    if (steerer_ || statement.expectation) return; // these end after their observation
     bool is_over = tick_in_statement_ >= statement.wait_ticks && tick_in_statement_ >= inflating_.ticks;
     for (const Active &active : active_) {
         is_over = is_over && (active.steady ? active.steady->is_done(tick_in_statement_)
@@ -219,7 +219,7 @@ void SessionPlayer::look_at_steering(const SessionView &view)
     enter_statement();
 }
 
-// Expectations that follow each other are judged at the same tick, and all that do not hold are said.
+// Consecutive expectations are judged at the same tick, and all that do not hold are reported.
 void SessionPlayer::look_at_expectation(const SessionView &view)
 {
     while (expects()) {

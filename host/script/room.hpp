@@ -1,4 +1,4 @@
-// Statements of a session script that speak to the X-ray room (docs/session.md): text -> commands.
+// Converts the statements of a session script for the X-ray room (docs/session.md) to commands.
 #pragma once
 #include "host/room/command.hpp"
 #include "host/script/line.hpp"
@@ -9,11 +9,11 @@ namespace crn
 
 const std::vector<std::string> &room_verbs();
 
-// Carries what was asked for from line to line, because a statement may leave things as they are.
+// Keeps the requested settings from line to line, because a statement may leave some of them unchanged.
 class RoomParser
 {
   public:
-    // The rest of a line behind its verb. Throws FileError by the line.
+    // Parses the rest of a line after its verb. Throws FileError with the line's place.
     std::vector<RoomCommand> parse(LineParser &line, const std::string &verb);
 
   private:

@@ -1,11 +1,11 @@
-// Session scripts (docs/session.md): what hands and C-arm do, as text -> encoder counts per tick and commands
-// to the room.
+// Session scripts (docs/session.md): the actions of hands and C-arm as text become encoder counts per tick
+// and commands to the room.
 //
 //   Session session = read_session("aorta.session");
 //   SessionPlayer player(session, tool_count);
 //   while (!player.is_done()) { input = player.next(); ...; player.observe({inserted_m, tips}); }
 //
-// Errors name file, line and column and suggest a spelling.
+// Errors give file, line and column and suggest a spelling.
 #pragma once
 #include "host/room/command.hpp"
 #include "host/script/expect.hpp"
@@ -27,9 +27,9 @@ enum class HandAxis { translation, rotation };
 
 struct HandMove {
     std::size_t tool = 0;
-    bool moves_all = false; // every tool of the line alike; `tool` is not used
+    bool moves_all = false; // moves every tool of the line alike; `tool` is not used
     HandAxis axis = HandAxis::translation;
-    std::int64_t distance_counts = 0;    // signed; for `until`, only its sign counts
+    std::int64_t distance_counts = 0;    // signed; for `until` only its sign counts
     std::int64_t speed_counts_per_s = 0; // positive
     std::int64_t stroke_counts = 0;      // 0: one stroke
     std::optional<std::int64_t> until_inserted_um;
@@ -55,10 +55,10 @@ struct Statement {
 
 struct Session {
     std::string file;
-    // Outside the inserter at the start, per tool; those not named begin as far out as `begin inserted` says.
+    // Inserted length at the start, per tool; `begin inserted` sets it for tools that are not named.
     std::uint32_t inserted_um[session_tools_max] = {20000, 20000, 20000};
     std::vector<Statement> statements;
-    std::size_t tools_named = 1; // the script needs at least so many tools ...
+    std::size_t tools_named = 1; // number of tools that the script needs ...
     int tools_named_line = 0;    // ... because of this line
 };
 
@@ -68,30 +68,31 @@ Session read_session(const std::string &path);                         // throws
 class SessionPlayer
 {
   public:
-    // Conditions are looked at only on ticks that are multiples of this, whatever the batches and pictures.
+    // Conditions are checked only on ticks that are multiples of this, independent of batches and pictures.
     static constexpr std::uint32_t observe_every_ticks = 16;
     static constexpr std::uint32_t until_limit_ticks = 60000;
 
-    // Throws FileError when the script names a tool or a vessel that is not there. `vessels`: of the scene;
-    // nullptr: none is known.
+    // Throws FileError when the script names a tool or a vessel that does not exist. `vessels` are those of
+    // the scene; nullptr: none is known.
     SessionPlayer(const Session &session, std::size_t tool_count, const VesselMap *vessels = nullptr);
     bool is_done() const { return statement_ == session_.statements.size(); }
     crn_wire_encoders next(); // input of the next tick
-    // After each tick that is a multiple of observe_every_ticks. Tips and witness are needed only where
-    // wants_tips() says so.
+    // Takes the state after each tick that is a multiple of observe_every_ticks. Tips and witness are needed
+    // only when wants_tips() returns true.
     void observe(const SessionView &view);
     void observe(std::span<const double> inserted_m) { observe(SessionView{inserted_m, {}, nullptr}); }
-    // The statement that is carried out asks where the tips are, or expects something.
+    // The present statement needs the places of the tips, or expects something.
     bool wants_tips() const;
     bool expects() const { return !is_done() && session_.statements[statement_].expectation.has_value(); }
-    // What the room was asked for since the last call; before the first next(): with the beginning.
+    // Returns the room's commands since the last call; before the first next() these are the commands at the
+    // beginning.
     std::vector<RoomCommand> take_commands() { return std::exchange(commands_, {}); }
     // Lines whose `until` was not reached within until_limit_ticks of pushing.
     const std::vector<int> &given_up_lines() const { return given_up_lines_; }
     const std::vector<SteeringResult> &steered() const { return steered_; }
     const std::vector<ExpectationResult> &expected() const { return expected_; }
-    // "FILE:LINE: what was not reached or not held, what was found; remedy". The script ends there. Empty:
-    // everything held.
+    // The messages "FILE:LINE: what was not reached or not held, what was found; remedy". The script ends at
+    // the first of them. If empty, every expectation held.
     const std::vector<std::string> &failures() const { return failures_; }
 
   private:
@@ -109,7 +110,7 @@ class SessionPlayer
     const Session &session_;
     std::size_t tool_count_;
     const VesselMap map_;
-    std::vector<std::size_t> vessels_; // that each statement names; 0 where it names none
+    std::vector<std::size_t> vessels_; // vessel named by each statement; 0 where it names none
     std::size_t statement_ = 0;
     std::int64_t tick_in_statement_ = 0;
     struct Stroke {
@@ -134,7 +135,7 @@ class SessionPlayer
     struct {
         std::int64_t begin_kPa = 0, way_kPa = 0, ticks = 0;
     } inflating_;
-    std::uint32_t buttons_ = 0; // pedals as the rig would send them
+    std::uint32_t buttons_ = 0; // pedals as a rig would send them
     std::vector<int> given_up_lines_;
     std::optional<Steerer> steerer_;
     std::int64_t steer_begin_counts_[2] = {};
@@ -143,7 +144,7 @@ class SessionPlayer
     std::vector<std::string> failures_;
 };
 
-// The script steers by vessels or expects something of them.
+// Whether the script steers by vessels or expects something of them.
 bool names_vessels(const Session &session);
 
 } // namespace crn

@@ -11,29 +11,29 @@ namespace
 
 constexpr std::int64_t mm = 1000; // um
 
-// How a hand goes about it. Found by trying on the shipped aorta and heart, with friction, stiffness and the
-// turn at the beginning changed by some per cent (tools/check/tests/test_sessions.py); nothing here is fitted
-// to one session.
+// The parameters of a steering hand. They were found by trials on the shipped aorta and heart, with friction,
+// stiffness and the initial turn changed by some per cent (tools/check/tests/test_sessions.py); nothing here
+// is fitted to one session.
 struct Habit {
     double speed_m_s, depth_m, limit_s;
-    std::int64_t stall_um;    // pushed without coming nearer: the shaft buckles, or the tip is caught
-    std::int64_t rest_ticks;  // until the tip has followed a turn
-    std::int64_t watch_ticks; // in the goal before it counts; a beat where it beats
+    std::int64_t stall_um;    // displacement without getting nearer: the shaft buckles, or the tip is caught
+    std::int64_t rest_ticks;  // wait until the tip has followed a turn
+    std::int64_t watch_ticks; // wait in the goal before it counts; one beat where it beats
 };
 constexpr Habit steering{0.04, 0.020, 120.0, 40 * mm, 300, 200};
 constexpr Habit engaging{0.015, 0.004, 180.0, 60 * mm, 400, 1000};
 
-constexpr std::int64_t nearer_um = 1 * mm;     // what counts as coming nearer
-constexpr std::int64_t mouth_um = 1 * mm;      // so far inside a tip is in the mouth
-constexpr std::int64_t returned_um = 2 * mm;   // so little astray a tip is back on its route
-constexpr std::int64_t least_out_um = 12 * mm; // of a tool, beyond the sheath
+constexpr std::int64_t nearer_um = 1 * mm;     // smallest approach that counts as getting nearer
+constexpr std::int64_t mouth_um = 1 * mm;      // a tip this far inside counts as in the ostium
+constexpr std::int64_t returned_um = 2 * mm;   // a tip this little off its route counts as back on it
+constexpr std::int64_t least_out_um = 12 * mm; // length of a tool beyond the sheath
 constexpr std::int64_t turn_counts_per_s = counts_per_turn / 2,
                        engage_turn_counts_per_s = counts_per_turn / 6;
 constexpr std::int64_t spin_counts_per_s = 3 * counts_per_turn, spin_push_um_s = 35 * mm;
 constexpr std::int64_t seat_stroke_um = 1500, seat_speed_um_s = 10000, seat_gain_um = 300;
 constexpr std::int64_t seat_rest_ticks = 100;
 constexpr int seat_misses_max = 4;
-constexpr int tries_per_step_back = 5; // so many tries, and it is pulled back twice as far
+constexpr int tries_per_step_back = 5; // after this many tries it is pulled back twice as far
 constexpr int steps_back_max = 5, engage_steps_back_max = 2;
 
 const Habit &habit_of(bool engages)
@@ -41,7 +41,7 @@ const Habit &habit_of(bool engages)
     return engages ? engaging : steering;
 }
 
-// +-half a turn.
+// Wraps to +-half a turn.
 std::int64_t wrapped(std::int64_t counts)
 {
     const std::int64_t turned = ((counts % counts_per_turn) + counts_per_turn) % counts_per_turn;
@@ -103,7 +103,7 @@ Steerer::Counts Steerer::next()
 
 void Steerer::begin(Stage stage)
 {
-    if (stage_ != Stage::seat) seat_best_um_ = seat_misses_ = 0; // the first stroke into the mouth
+    if (stage_ != Stage::seat) seat_best_um_ = seat_misses_ = 0; // the first stroke into the ostium
     stage_ = stage;
     stage_tick_ = 0;
     base_ = now_;
@@ -129,7 +129,7 @@ void Steerer::begin(Stage stage)
     }
 }
 
-// The hand comes to rest, then goes on with another stage.
+// Brings the hand to rest, then continues with another stage.
 void Steerer::stop_for(Stage next)
 {
     run_->stop(stage_tick_);
@@ -137,16 +137,16 @@ void Steerer::stop_for(Stage next)
     after_ = next;
 }
 
-// A bent tip that catches at every angle runs past a mouth when the wire is spun between the fingers while it
-// is pushed; not in both directions alike, since the vessel bends.
+// A bent tip that catches at every angle passes an ostium when the wire is spun between the fingers while it
+// is pushed. The two directions are not equivalent, since the vessel bends.
 std::int64_t Steerer::spin_of(int attempt) const
 {
     if (what_.engages || attempt % 3 == 1) return 0;
     return attempt % 3 == 2 ? -spin_counts_per_s : spin_counts_per_s;
 }
 
-// Turned by the golden angle every orientation of a bent tip is soon tried. A guide is made to need little of
-// a turn: small ones first, to both sides.
+// Turning by the golden angle soon tries every orientation of a bent tip. A guide is shaped to need little
+// turning: small angles come first, to both sides.
 std::int64_t Steerer::next_angle()
 {
     const std::int64_t k = turns_++;
@@ -155,7 +155,7 @@ std::int64_t Steerer::next_angle()
     return k % 2 == 0 ? size : -size;
 }
 
-// --- looking ---
+// --- observation ---
 
 void Steerer::observe(const TipPlace &tip, std::int64_t inserted_um)
 {
@@ -170,7 +170,7 @@ void Steerer::observe(const TipPlace &tip, std::int64_t inserted_um)
         begin(is_in_goal(what_.depth_um) ? Stage::watch : Stage::push);
     }
     if (run_ && run_->is_stopping()) return;
-    // A turn near the ostium may be all that was missing.
+    // A turn near the ostium may have been all that was missing.
     const bool turns = stage_ == Stage::turn || stage_ == Stage::rest;
     if (what_.engages && turns && is_in_goal(mouth_um)) return begin(Stage::seat);
     if (stage_ == Stage::push) look_pushing();
@@ -184,7 +184,7 @@ bool Steerer::is_in_goal(std::int64_t least_um) const
     return tip_.place.vessel == goal_ && way_.inside_um >= least_um;
 }
 
-// On the route, whatever the tip strayed from it.
+// Distance left on the route, without the distance that the tip is off it.
 std::int64_t Steerer::route_left_um() const
 {
     return way_.ahead_um + what_.depth_um - way_.inside_um;
@@ -206,7 +206,7 @@ void Steerer::look_pushing()
     const bool is_astray = way_.astray_um > reach_um_ || left_um() > best_um_ + reach_um_;
     const bool is_stalled = now_.translation - best_at_ > habit_of(what_.engages).stall_um;
     if (!is_astray && !is_stalled) return;
-    // Beyond a mouth in a wide vessel the way back over it is another try, with another turn.
+    // Beyond an ostium in a wide vessel, pulling back over the ostium is another try, with another turn.
     if (what_.engages && is_astray) {
         go_back();
         after_turn_ = Stage::pull;
@@ -216,7 +216,7 @@ void Steerer::look_pushing()
     stop_for(Stage::pull);
 }
 
-// From here it is pulled back by so much.
+// Sets how far the tool is pulled back from here.
 void Steerer::go_back()
 {
     wrong_um_ = route_left_um();
@@ -227,7 +227,7 @@ void Steerer::go_back()
 void Steerer::look_pulling(std::int64_t inserted_um)
 {
     was_in_goal_ = was_in_goal_ && is_in_goal(0);
-    if (!was_in_goal_ && is_in_goal(mouth_um)) // it fell in on the way back
+    if (!was_in_goal_ && is_in_goal(mouth_um)) // it fell into the ostium while being pulled back
         return stop_for(what_.engages ? Stage::seat : Stage::push);
     const std::int64_t back_um = back_um_ * std::min(1 + tries_ / tries_per_step_back,
                                                      what_.engages ? engage_steps_back_max : steps_back_max);
@@ -249,7 +249,7 @@ void Steerer::look_seating()
     seat_misses_ = is_deeper ? 0 : seat_misses_ + 1;
     seat_best_um_ = std::max(seat_best_um_, way_.inside_um);
     if (seat_misses_ < seat_misses_max) return begin(Stage::seat);
-    // Where a lesion narrows the ostium a guide goes no deeper, and is engaged all the same.
+    // Where a lesion narrows the ostium a guide goes no deeper, and counts as engaged nevertheless.
     if (is_in_goal(what_.depth_um / 2)) return begin(Stage::watch);
     go_back();
     begin(Stage::pull);

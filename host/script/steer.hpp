@@ -1,11 +1,11 @@
-// Statements that steer as a person does (docs/session.md): push, look where the tip is, turn, pull back and
-// try again, until the tip lies inside the vessel that was named.
+// Statements that steer as a person does (docs/session.md): push, observe the tip, turn, pull back and try
+// again, until the tip lies inside the named vessel.
 //
 //   steer wire into ascending aorta at 60 mm/s until 30 mm within 90 s
 //   engage catheter left main ostium
 //
-// Every decision is one of integers, on the ticks at which a script looks, so one session gives the same
-// counts whatever pictures are made; what comes out is plain motion of a hand.
+// Every decision uses integers, on the ticks of a script's observations, so one session gives the same counts
+// whatever pictures are made; the output is plain motion of a hand.
 #pragma once
 #include "host/script/hand_motion.hpp"
 #include "host/script/tip_places.hpp"
@@ -19,17 +19,17 @@ namespace crn
 
 struct Steering {
     std::size_t tool = 0;
-    bool engages = false; // a mouth, from a wide vessel: slowly, over it in both directions
+    bool engages = false; // an ostium, from a wide vessel: slowly, passing it in both directions
     VesselName vessel;
     std::int64_t speed_um_s = 0;
-    std::int64_t depth_um = 0; // inside the vessel
+    std::int64_t depth_um = 0; // depth inside the vessel
     std::int64_t limit_ticks = 0;
 };
 
-// The rest of a line behind "steer" or "engage". Throws FileError by the line.
+// Parses the rest of a line after "steer" or "engage". Throws FileError with the line's place.
 Steering parse_steering(LineParser &line, bool engages, const ToolChoice &selected);
 
-// What became of one: for the report and the lines at the end of a run.
+// The result of one steering statement: for the report and the lines at the end of a run.
 struct SteeringResult {
     int line = 0;
     std::size_t tool = 0;
@@ -47,26 +47,26 @@ class Steerer
     struct Counts {
         std::int64_t translation = 0, rotation = 0;
     };
-    Counts next(); // of the hand since the statement began, one tick later
-    // At the ticks that are multiples of SessionPlayer::observe_every_ticks. `inserted_um`: of the tool that
-    // is steered.
+    Counts next(); // counts of the hand since the statement began, one tick later
+    // Called at the ticks that are multiples of SessionPlayer::observe_every_ticks. `inserted_um` belongs to
+    // the steered tool.
     void observe(const TipPlace &tip, std::int64_t inserted_um);
 
     bool is_done() const { return stage_ == Stage::done; }
     bool has_failed() const { return stage_ == Stage::failed; }
-    // Why, with the place of the tip and a remedy.
+    // The reason, with the place of the tip and a remedy.
     std::string failure() const;
     int tries() const { return tries_; }
     std::int64_t ticks() const { return tick_; }
 
   private:
     enum class Stage {
-        push,  // towards the goal
-        pull,  // back to before the place where it went wrong
-        turn,  // the hand, with the tip free
-        rest,  // until the tip has followed the turn
-        seat,  // a little deeper, stroke by stroke, from inside the mouth
-        watch, // does it stay inside?
+        push,  // push towards the goal
+        pull,  // pull back to before the place where it went wrong
+        turn,  // turn the hand, with the tip free
+        rest,  // wait until the tip has followed the turn
+        seat,  // push a little deeper, stroke by stroke, from inside the ostium
+        watch, // check that it stays inside
         done,
         failed
     };
@@ -79,9 +79,9 @@ class Steerer
     void look_watching();
     bool is_in_goal(std::int64_t least_um) const;
     std::int64_t route_left_um() const;
-    std::int64_t left_um() const; // to the place asked for
+    std::int64_t left_um() const; // distance to the wanted place
     std::int64_t next_angle();
-    std::int64_t spin_of(int attempt) const; // counts/s; 0: pushed without
+    std::int64_t spin_of(int attempt) const; // counts/s; 0: pushed without spinning
 
     const Steering what_;
     const VesselMap &map_;
@@ -89,18 +89,19 @@ class Steerer
     Stage stage_ = Stage::rest, after_ = Stage::push, after_turn_ = Stage::push;
     std::int64_t tick_ = 0, stage_tick_ = 0;
     Counts base_, now_;
-    std::optional<SteadyMove> run_, spin_; // push and pull; and a turn all the while
-    std::optional<Move> stroke_, twist_;   // seat; turn
+    std::optional<SteadyMove> run_, spin_; // push and pull; and a simultaneous turn
+    std::optional<Move> stroke_, twist_;   // for seat; for turn
     std::int64_t rest_ticks_ = 0;
-    std::int64_t angle_ = 0; // of the hand, from that at the beginning
+    std::int64_t angle_ = 0; // angle of the hand relative to the beginning
 
     TipPlace tip_;
     VesselWay way_;
     bool has_looked_ = false;
-    std::int64_t reach_um_ = 0, back_um_ = 0; // too far astray; and so far back
-    std::int64_t best_um_ = 0, best_at_ = 0;  // of this push: least left, and the hand's place then
-    std::int64_t wrong_um_ = 0;               // what was left of the route where it went wrong
-    bool was_in_goal_ = false;                // there
+    std::int64_t reach_um_ = 0, back_um_ = 0; // limit of the displacement; distance of the pull
+    std::int64_t best_um_ = 0,
+                 best_at_ = 0;  // of this push: the least distance left, and the hand's position there
+    std::int64_t wrong_um_ = 0; // distance left on the route where it went wrong
+    bool was_in_goal_ = false;  // was in the goal
     std::int64_t seat_best_um_ = 0;
     int tries_ = 1, seat_misses_ = 0;
     std::int64_t turns_ = 0;

@@ -1,6 +1,6 @@
-// What is said of a balloon after a session: how far it was inflated, how wide it was, how hard it pressed,
-// for how long; and the same over time, for curves. From every tick's state, so it is the same in a run, in
-// FREE_RUN and in a replay.
+// Collects figures of a balloon in a session: pressure, diameter, contact force and duration; and the same
+// over time, for curves. They come from every tick's state, so that they are the same in a run, in FREE_RUN
+// and in a replay.
 #pragma once
 #include "shared/wire/wire.h"
 #include <cstdint>
@@ -17,15 +17,14 @@ struct BalloonSample {
 
 struct BalloonFigures {
     static constexpr std::uint32_t sample_every_ticks = 40;
-    static constexpr std::uint32_t up_kPa = 50; // from here on it has unfolded (docs/balloon.md)
+    static constexpr std::uint32_t up_kPa = 50; // from this pressure on it is unfolded (docs/balloon.md)
 
-    bool is_there = false; // some tool has one
+    bool is_there = false; // whether some tool has a balloon
     std::uint32_t pressure_max_kPa = 0, pressure_max_tick = 0;
     double diameter_max_mm = 0.0, wall_max_N = 0.0;
     std::uint32_t ticks_up = 0, ticks_up_longest = 0, inflations = 0;
     std::optional<std::uint32_t> burst_tick;
-    std::vector<BalloonSample>
-        series; // ticks that are multiples of sample_every_ticks, while there is a balloon
+    std::vector<BalloonSample> series; // samples at multiples of sample_every_ticks, while there is a balloon
 
     void take(const crn_wire_tick_state &state);
 

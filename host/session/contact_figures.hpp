@@ -1,5 +1,5 @@
-// What the wall bore in a session: the forces of all contacts, looked at every so many ticks, and their sum
-// over time.
+// Collects the load on the wall in a session: the forces of all contacts, read at regular ticks, and their
+// sum over time.
 #pragma once
 #include "shared/wire/wire.h"
 #include <algorithm>
@@ -12,17 +12,17 @@ namespace crn
 
 struct ContactSample {
     std::uint32_t tick = 0;
-    float force_N = 0; // magnitudes of all nodes' contacts added up
+    float force_N = 0; // sum of the magnitudes of all nodes' contacts
 };
 
 struct ContactFigures {
     static constexpr std::uint32_t look_every_ticks = 16, sample_every_ticks = 160;
 
-    bool is_known = false; // somebody asked for it
+    bool is_known = false; // whether the contacts were read
     double impulse_N_s = 0.0, force_max_N = 0.0;
     std::vector<ContactSample> series; // every sample_every_ticks
 
-    // Of the last look_every_ticks ticks.
+    // Takes the contacts for the last look_every_ticks ticks.
     void take(const crn_wire_contacts &contacts)
     {
         constexpr double N_per_q22 = 1.0 / (1 << 22);

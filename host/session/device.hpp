@@ -21,13 +21,13 @@ namespace crn
 // The rig that scripts and keyboard drive: 1 um and 1/65 536 turn per count, true force.
 crn_wire_rig host_rig();
 
-// What a session that the device leads gives.
+// Receives the ticks of a session in FREE_RUN.
 class FreeRunSink
 {
   public:
     virtual ~FreeRunSink() = default;
     virtual void tick(const crn_wire_live_tick &tick) = 0;
-    // The state after the tick given last. After `resumed` the session goes on from this one.
+    // The state after the last given tick. After `resumed` the session continues from this one.
     virtual void snapshot(std::uint32_t tick, std::span<const std::uint8_t> bytes) = 0;
     virtual void resumed(std::uint32_t tick, std::span<const std::uint8_t> bytes) = 0;
 };
@@ -35,47 +35,48 @@ class FreeRunSink
 class Device
 {
   public:
-    // `tools` from the innermost to the outermost. Throws LinkError with the device's reason and remedy, and
-    // the name of the tool at fault.
+    // `tools` are given from the innermost to the outermost. Throws LinkError with the device's reason and
+    // remedy, and the name of the tool at fault.
     Device(const SceneFile &scene, std::vector<Instrument> tools, const crn_wire_entry &entry,
            const crn_wire_rig &rig, const DeviceChoice &choice = {});
-    // A rig gets back the configuration that it had.
+    // A rig gets its former configuration back.
     ~Device();
     Device(const Device &) = delete;
     Device &operator=(const Device &) = delete;
 
-    Link &link() { return *link_; } // the same object all the time
+    Link &link() { return *link_; } // the same object throughout
     const std::vector<Instrument> &tools() const { return tools_; }
     const crn_wire_hello_reply &identity() const { return identity_; }
-    const crn_wire_rig &rig() const { return rig_; } // in force: no limit above the device's own
-    // Continue from a snapshot of the same session.
+    const crn_wire_rig &rig() const { return rig_; } // active; no limit above the device's own
+    // Continues from a snapshot of the same session.
     void restore(std::span<const std::uint8_t> snapshot);
 
-    // Link::step for a session that outlives its cable (docs/rig.md, "Unplugged in a session"): when the
-    // device goes and comes back within the choice's `return_limit_ms`, the last snapshot is put back, the
-    // inputs since are done again and compared with what they gave before, and the session goes on bit for
-    // bit. Throws LinkError when it does not come back or differs.
+    // Steps like Link::step, for a session that survives an unplugged cable (docs/rig.md, "Unplugged in a
+    // session"). When the device disappears and comes back within the choice's `return_limit_ms`, the last
+    // snapshot is restored. The inputs since then are repeated and their results compared with the former
+    // ones, and the session continues bit for bit. Throws LinkError when the device does not come back or
+    // differs.
     std::span<const crn_wire_tick_state> step(std::span<const crn_wire_encoders> inputs, bool want_nodes);
-    // Any other request of the link, with the same care.
+    // Makes any other request of the link with the same protection.
     void ask(const std::function<void(Link &)> &request);
-    // What a recording holds besides the ticks. Of a rig they are compared with this machine's core first
-    // (witness.hpp), as are the ticks themselves; each throws LinkError when they differ.
+    // The contents of a recording besides the ticks. For a rig they are first compared with this machine's
+    // core (witness.hpp), as are the ticks themselves; each throws LinkError when they differ.
     Hash64 read_hash64();                      // of the last tick given or stepped
-    std::optional<Hash64> last_hash64();       // that came by itself, of a tick up to that one
+    std::optional<Hash64> last_hash64();       // last unasked one, of a tick up to the last one
     std::vector<std::uint8_t> read_snapshot(); // LOCKSTEP
     std::uint32_t resumes() const { return resumes_; }
-    // Its time passes without us, and it minds our silence.
+    // The device runs on its own clock and applies a host time-out.
     bool has_its_own_clock() const { return choice_.is_usb && pipe_ != nullptr; }
 
-    // FREE_RUN (the choice's free_run): `milliseconds` of a session that the device leads, or of a cable that
-    // is away. Every tick is given once and in order. After an unplug the session goes on from the last tick
-    // that came, with the hands where they are then (FreeRunSink::resumed). Throws LinkError with the cause
-    // when the device stopped, or does not come back.
+    // FREE_RUN (the choice's free_run): lets `milliseconds` of the session pass, or of a disconnected cable.
+    // Every tick is given once and in order. After an unplug the session continues from the last received
+    // tick, with the hands where they are then (FreeRunSink::resumed). Throws LinkError with the cause when
+    // the device stopped, or does not come back.
     void run_free(std::uint32_t milliseconds, FreeRunSink &sink);
-    // No more ticks after this; the last ones are given.
+    // Stops the ticks; the last ones are still given.
     void stop_free(FreeRunSink &sink);
 
-    static constexpr std::uint32_t resumes_max = 5; // within so many ticks of the session:
+    static constexpr std::uint32_t resumes_max = 5; // within this many ticks of the session:
     static constexpr std::uint32_t resumes_within_ticks = 1000;
     static constexpr std::size_t inputs_kept_max = 1000; // then a new snapshot is taken
     static constexpr std::size_t free_run_kept_max = 10000;
@@ -111,30 +112,30 @@ class Device
     crn_wire_hello_reply identity_{};
     bool has_started_ = false;
 
-    std::vector<std::uint8_t> snapshot_;    // empty: the session's first tick
-    std::vector<crn_wire_encoders> inputs_; // done since
-    std::vector<Hash> hashes_;              // what they gave
+    std::vector<std::uint8_t> snapshot_;    // empty: from the session's first tick
+    std::vector<crn_wire_encoders> inputs_; // steps since the snapshot
+    std::vector<Hash> hashes_;              // their results
     std::uint32_t resumes_ = 0, resumes_here_ = 0, resumes_from_tick_ = 0;
-    std::unique_ptr<Witness> witness_; // of a device that is not in this process
+    std::unique_ptr<Witness> witness_; // for a device that is not in this process
     std::optional<Hash64> hash_;       // the last one that was compared
 
-    std::uint32_t given_tick_ = 0;                  // FREE_RUN: the last tick given
-    std::vector<crn_wire_live_tick> without_hands_; // before the first reading of the encoders
+    std::uint32_t given_tick_ = 0;                  // FREE_RUN: the last given tick
+    std::vector<crn_wire_live_tick> without_hands_; // ticks before the first reading of the encoders
     bool has_hands_ = false;
-    std::vector<std::uint8_t> snapshot_to_come_; // of a tick that is not given yet
+    std::vector<std::uint8_t> snapshot_to_come_; // of a tick that has not been given yet
     std::uint32_t snapshot_tick_ = 0, silent_ms_ = 0;
 };
 
-// The scene's entry with one length per tool; lengths that are not given are the default of a session.
+// Returns the scene's entry with one length per tool; lengths that are not given have a session's default.
 crn_wire_entry entry_of(const SceneFile &scene, std::size_t tool_count,
                         std::span<const std::uint32_t> inserted_um);
 inline constexpr std::uint32_t inserted_default_um = 20000;
 
-// The moment after a batch of steps, from the link's last nodes, the last tick's result and the input that
-// led to it. Before the first tick `state` is empty: no forces yet.
+// Returns the moment after a batch of steps, from the link's last nodes, the last tick's result and the input
+// that led to it. Before the first tick `state` is empty: there are no forces yet.
 SessionFrame session_frame(Device &device, const crn_wire_tick_state &state, const crn_wire_encoders &input);
 
-// The worst of one tool.
+// The largest values of one tool.
 struct ToolFigures {
     double inserted_m = 0.0;
     double inserted_max_m = 0.0;
@@ -142,13 +143,13 @@ struct ToolFigures {
     double torque_max_N_m = 0.0;
 };
 
-// What a monitor showed.
+// The values of the heart monitor.
 struct HeartFigures {
     PulseMonitor monitor;
     double pressure_max_mmHg = 0.0, pressure_min_mmHg = 1e3;
 };
 
-// The worst of a session, over every tick.
+// The largest values of a session, over every tick.
 struct SessionFigures {
     std::uint32_t ticks = 0;
     double penetration_max_m = 0.0;

@@ -1,8 +1,8 @@
-// Sessions that the device leads (FREE_RUN): its timer makes the ticks, its encoders are the hands. Every
-// tick comes with its input, so what is recorded replays in LOCKSTEP bit for bit.
+// Sessions in FREE_RUN: the device's timer makes the ticks, and its encoders are the hands. Every tick comes
+// with its input, so that the recording replays in LOCKSTEP bit for bit.
 //
-// After an unplug the device has gone on without us, and part of what it did is lost. So the session goes
-// back to the last tick that came: set up, snapshot, the inputs since again in LOCKSTEP with every hash
+// After an unplug the device has continued without us, and part of its ticks is lost. So the session returns
+// to the last received tick: set-up, snapshot, the inputs since then again in LOCKSTEP with every hash
 // compared, then FREE_RUN with a new reference of the hands. The state at that point is part of the
 // recording.
 #include "host/base/interrupt.hpp"
@@ -17,15 +17,14 @@ namespace crn
 namespace
 {
 
-constexpr std::uint32_t look_ms = 5;         // the device has looked at its rig
+constexpr std::uint32_t look_ms = 5;         // the device has read its rig by then
 constexpr std::uint32_t silent_max_ms = 500; // without a tick
 constexpr std::uint32_t stop_ahead_ticks = 40, stop_limit_ms = 2000;
-// A coupling that all five situations of docs/haptics.md were found quiet with.
+// A coupling with which all five situations of docs/haptics.md were quiet.
 constexpr std::uint32_t coupling_N_per_m = 800, coupling_uN_m_per_rad = 2000;
 
-// Four fifths of the stiffest spring that the device takes: gain above one x stiffness x (half a tick + lag
-// of the actuator)
-// <= own damping.
+// Returns at most four fifths of the stiffest spring that the device accepts. Its rule is: gain above one x
+// stiffness x (half a tick + lag of the actuator) <= own damping.
 std::uint32_t passive(std::uint32_t damping, const crn_wire_track &track, std::uint32_t wanted)
 {
     const std::uint64_t gain_milli = std::max<std::uint32_t>(track.force_gain_milli, 1000);
@@ -34,7 +33,7 @@ std::uint32_t passive(std::uint32_t damping, const crn_wire_track &track, std::u
     return static_cast<std::uint32_t>(std::min<std::uint64_t>(wanted, stiffest * 4 / 5));
 }
 
-// A coupling that the rig was given stays.
+// A coupling that the rig already has is kept.
 void couple(crn_wire_track &track)
 {
     if (track.coupling_N_per_m > 0 || track.coupling_uN_m_per_rad > 0) return;
@@ -44,7 +43,7 @@ void couple(crn_wire_track &track)
 
 } // namespace
 
-// The rig's own calibration and limits; couplings only where motors will hold them up.
+// The rig keeps its own calibration and limits; tracks get couplings only if their motors can apply them.
 crn_wire_rig Device::free_run_rig(const crn_wire_rig &own) const
 {
     crn_wire_rig rig = own;
@@ -61,7 +60,7 @@ crn_wire_rig Device::free_run_rig(const crn_wire_rig &own) const
     }
     if (choice_.powers_motors && !has_coupling) {
         throw LinkError(
-            "the rig does not know the own damping of any track, so no safe coupling can be chosen. "
+            "the rig does not report the damping of any track, so no safe coupling can be chosen. "
             "Remedy: cournand rig calibrate --load a rig.json with the damping as measured "
             "(docs/haptics.md), or leave --motors out");
     }
@@ -72,7 +71,7 @@ void Device::start_free_run()
 {
     if (!(identity_.capabilities & CRN_WIRE_CAPABILITY_ENCODERS)) {
         throw LinkError(
-            "the device has no encoders of its own, so it cannot lead a session. Remedy: attach a rig, "
+            "the device has no encoders of its own, so FREE_RUN is impossible. Remedy: attach a rig, "
             "or give a --session");
     }
     crn_wire_stream stream{};
@@ -107,7 +106,7 @@ void Device::give(const crn_wire_live_tick &tick, FreeRunSink &sink)
     hashes_.clear();
 }
 
-// Gives what came. False: ticks are missing behind the one given last.
+// Gives the received ticks. Returns false if ticks are missing after the last given one.
 bool Device::take_live(FreeRunSink &sink)
 {
     std::uint32_t expected = given_tick_ + static_cast<std::uint32_t>(without_hands_.size()) + 1;
@@ -121,7 +120,7 @@ bool Device::take_live(FreeRunSink &sink)
             without_hands_.push_back(tick);
             continue;
         }
-        // Before its first reading nothing moves, and a replay takes the first one as the reference.
+        // Before its first reading nothing moves, and a replay takes the first reading as the reference.
         for (crn_wire_live_tick &early : without_hands_) {
             early.input = tick.input;
             give(early, sink);
@@ -132,7 +131,7 @@ bool Device::take_live(FreeRunSink &sink)
     return true;
 }
 
-// One that is under way is waited for.
+// A snapshot that is under way is waited for.
 void Device::ask_snapshot()
 {
     if (!choice_.may_return() || inputs_.size() < free_run_kept_max || !snapshot_to_come_.empty()) return;
@@ -140,7 +139,8 @@ void Device::ask_snapshot()
     crn_wire_reader reader = crn_wire_reader_make(snapshot_to_come_.data(), snapshot_to_come_.size());
     crn_wire_read(&reader, 4);
     snapshot_tick_ = static_cast<std::uint32_t>(crn_wire_read(&reader, 4));
-    if (snapshot_tick_ <= given_tick_) snapshot_to_come_.clear(); // no tick came since; the next one will do
+    if (snapshot_tick_ <= given_tick_)
+        snapshot_to_come_.clear(); // no tick came since; the next snapshot serves
 }
 
 void Device::check_running(FreeRunSink &sink)
@@ -151,7 +151,7 @@ void Device::check_running(FreeRunSink &sink)
     if (!is_changed) return;
     const crn_wire_status status = link_->read_status();
     if (status.state == CRN_WIRE_STATE_RUNNING && silent_ms_ <= silent_max_ms) return;
-    link_->free_run(look_ms); // what was still under way
+    link_->free_run(look_ms); // ticks that were still under way
     take_live(sink);
     const std::string at = " at tick " + std::to_string(given_tick_);
     if (status.state == CRN_WIRE_STATE_FAULT) {
@@ -160,7 +160,7 @@ void Device::check_running(FreeRunSink &sink)
                         ". Remedy: " + crn_wire_fault_remedy(status.fault_code));
     }
     throw LinkError("the rig makes no more ticks" + at + "; it is " + crn_wire_state_name(status.state) +
-                    ". Remedy: begin the session again; somebody else may have stopped it");
+                    ". Remedy: begin the session again; another program may have stopped it");
 }
 
 void Device::resume_free(FreeRunSink &sink)
@@ -189,7 +189,8 @@ void Device::resume_free(FreeRunSink &sink)
 
 void Device::run_free(std::uint32_t milliseconds, FreeRunSink &sink)
 {
-    if (!pipe_) throw LinkError("the device is gone, and the session with it. Remedy: begin it again");
+    if (!pipe_)
+        throw LinkError("the device was disconnected, and the session is lost. Remedy: begin it again");
     bool is_whole = true;
     try {
         ask_snapshot();

@@ -1,4 +1,5 @@
-// What a Device does while a session runs: open, set up, step, and go on after the device went and came back.
+// Running a Device's session: opening, set-up, steps, and continuing after the device disappeared and came
+// back.
 #include "host/base/interrupt.hpp"
 #include "host/link/usb_devices.hpp"
 #include "host/session/device.hpp"
@@ -11,7 +12,7 @@ namespace crn
 namespace
 {
 
-// Limits go down only, so a host asks for no more than the device has.
+// Limits can only be lowered, so a host requests no more than the device has.
 crn_wire_rig within_limits(crn_wire_rig rig, const crn_wire_rig &present)
 {
     for (std::uint16_t k = 0; k < std::min(rig.tracks_count, present.tracks_count); k++) {
@@ -34,7 +35,7 @@ void Device::open()
     if (has_started_ && (reply.core_version != identity_.core_version ||
                          !std::equal(reply.serial, reply.serial + reply.serial_count, identity_.serial,
                                      identity_.serial + identity_.serial_count))) {
-        throw LinkError("another device came in the place of the one that went; the session cannot go on. "
+        throw LinkError("another device has replaced the disconnected one; the session cannot continue. "
                         "Remedy: begin it again; the recording is complete up to where it stopped");
     }
     identity_ = reply;
@@ -48,7 +49,7 @@ void Device::open()
     }
 }
 
-// A recording names core and schema as the device gives them, and is replayed by this host or not at all.
+// A recording names core and schema as the device reports them, and only this host's version can replay it.
 void Device::check_identity(const crn_wire_hello_reply &reply) const
 {
     if (!choice_.may_return()) return;
@@ -62,7 +63,7 @@ void Device::check_identity(const crn_wire_hello_reply &reply) const
         "on both");
 }
 
-// A device in this process is this machine's core.
+// A device in this process is this machine's core, so it needs no witness.
 void Device::call_witness()
 {
     if (!choice_.may_return()) return;
@@ -93,7 +94,7 @@ Device::~Device()
         }
         link_->set_rig(rig_before_);
     } catch (const std::exception &) {
-        // The device is gone or refuses; whoever uses it next sets it up anyway.
+        // The device is gone or refuses; its next user sets it up anyway.
     }
 }
 
@@ -108,7 +109,7 @@ void Device::restore(std::span<const std::uint8_t> snapshot)
     if (witness_) witness_->restore(snapshot);
 }
 
-// --- what is believed ---
+// --- verification ---
 
 Hash64 Device::read_hash64()
 {
@@ -127,7 +128,7 @@ std::optional<Hash64> Device::last_hash64()
 {
     const std::optional<Hash64> hash = link_->last_hash64();
     if (!witness_ || !hash || (hash_ && hash_->tick == hash->tick && hash_->hash == hash->hash)) return hash;
-    // In FREE_RUN it may come before the ticks that it belongs to.
+    // In FREE_RUN the hash may come before the ticks to which it belongs.
     if (choice_.free_run && hash->tick > witness_->tick()) return hash_;
     witness_->hash(*hash);
     hash_ = hash;
@@ -142,9 +143,9 @@ std::vector<std::uint8_t> Device::read_snapshot()
     return snapshot;
 }
 
-// --- going on ---
+// --- resuming ---
 
-// A device in this process does not go away, so nothing is kept for it.
+// A device in this process cannot disappear, so nothing is kept for it.
 void Device::keep_up()
 {
     if (!choice_.may_return() || inputs_.size() < inputs_kept_max) return;
@@ -169,12 +170,12 @@ void Device::go_back_to_snapshot()
             throw LinkError("the device came back and does not repeat the session: tick " +
                             std::to_string(state.tick) +
                             " has another hash. Remedy: begin it again; report the recording, which is "
-                            "complete up to where the device went");
+                            "complete up to the disconnection");
         }
     }
 }
 
-// One that goes away again and again never ends its session.
+// A device that disappears again and again must not make its session endless.
 void Device::count_resume(std::uint32_t tick)
 {
     if (resumes_here_ == 0 || tick >= resumes_from_tick_ + resumes_within_ticks) {
@@ -196,7 +197,7 @@ void Device::resume()
     count_resume(tick);
     std::fprintf(stderr, "cournand: the device went away at tick %u; waiting up to %u s for it\n",
                  unsigned{tick}, unsigned{choice_.return_limit_ms / 1000});
-    pipe_.reset(); // Link holds a reference to it and is replaced before it is used again
+    pipe_.reset(); // Link holds a reference to it, and is replaced before its next use
     if (!wait_for_device(choice_)) {
         throw LinkError("the device went away at tick " + std::to_string(tick) +
                         " and did not come back. Remedy: check cable and power, then begin the session "
@@ -205,14 +206,15 @@ void Device::resume()
     open();
     set_up();
     go_back_to_snapshot();
-    std::fprintf(stderr, "cournand: it is back, and the session goes on at tick %u\n",
+    std::fprintf(stderr, "cournand: the device is back, and the session continues at tick %u\n",
                  unsigned{link_->tick()});
 }
 
 void Device::ask(const std::function<void(Link &)> &request)
 {
     bool has_link = true;
-    if (!pipe_) throw LinkError("the device is gone, and the session with it. Remedy: begin it again");
+    if (!pipe_)
+        throw LinkError("the device was disconnected, and the session is lost. Remedy: begin it again");
     for (std::uint32_t attempt = 0;; attempt++) {
         try {
             if (!has_link) resume();

@@ -1,5 +1,5 @@
-// Whoever looks at a session without a part in it: pictures, referees. Given the line at the ticks it names,
-// after the patient has come to that tick.
+// An observer of a session that does not affect it: pictures, referees. It receives the line at the ticks
+// that it names, after the patient has reached that tick.
 #pragma once
 #include "host/model/wire_frame.hpp"
 #include "shared/wire/wire.h"
@@ -9,7 +9,7 @@
 namespace crn
 {
 
-// One tool as its hand knows it.
+// One tool as its hand perceives it.
 struct ToolReading {
     double inserted_m = 0.0;
     double turned_deg = 0.0; // of the hand since the start
@@ -17,7 +17,7 @@ struct ToolReading {
     double torque_N_m = 0.0;
 };
 
-// Everything of one moment that a picture and its display show.
+// All data of one moment for a picture and its display.
 struct SessionFrame {
     WireFrame wire;
     std::vector<ToolReading> tools; // from the innermost
@@ -27,23 +27,23 @@ class FrameSink
 {
   public:
     virtual ~FrameSink() = default;
-    // Every tick in order, with what went in and what came out; before the frame of that tick.
+    // Takes every tick in order, with its input and its result; before the frame of that tick.
     virtual void tick(const crn_wire_encoders &, const crn_wire_tick_state &) {}
-    // The next tick at which frame() is wanted, after all that was told up to now.
+    // Returns the next tick at which frame() is wanted, given everything received so far.
     virtual std::uint32_t next_tick() const = 0;
     virtual void frame(const SessionFrame &frame) = 0;
     virtual void finish() {
     } // after the last frame; throws std::runtime_error when a file could not be written
 };
 
-// Tick of picture number `index` at `per_second` pictures per second.
+// Returns the tick of picture number `index` at `per_second` pictures per second.
 inline std::uint32_t picture_tick(std::uint32_t index, std::uint32_t per_second)
 {
     return static_cast<std::uint32_t>((static_cast<std::uint64_t>(index) * 1000 + per_second - 1) /
                                       per_second);
 }
 
-// A sink that wants its frames at a steady rate, whatever the room does.
+// A sink that wants its frames at a steady rate, independent of the room.
 class SteadySink : public FrameSink
 {
   public:

@@ -8,14 +8,14 @@ namespace crn
 namespace
 {
 
-// What a hand's axis bears, and how it gives way beyond: by the excess over a stiffness, as a finger's skin
-// does (10 N/mm, 1 N m/rad), which lets what is stiffer than that come back to the limit in some ticks, and
-// no faster than a hand moves.
+// The force limit of a hand's axis, and its slip beyond that. The slip is the excess divided by a stiffness
+// like that of a finger's skin (10 N/mm, 1 N m/rad), and no faster than a hand moves. So a contact that is
+// stiffer than this returns to the limit within some ticks.
 struct Limits {
     std::int64_t force;          // in the format of tick_state
     std::int64_t counts_per_one; // counts of slip for one newton or newton metre of excess
     unsigned fraction_bits;      // of that format
-    std::int64_t counts_max;     // in one tick
+    std::int64_t counts_max;     // per tick
 };
 constexpr Limits along{HandGrip::force_limit_N << 22, 100, 22, 500};                // um; 0.5 m/s
 constexpr Limits about{(HandGrip::torque_limit_mN_m << 24) / 1000, 10430, 24, 208}; // 1/65 536 turn; 20 rad/s
@@ -26,7 +26,7 @@ std::int64_t slip_of(const Limits &limits, std::int64_t force)
     if (excess <= 0) return 0;
     const std::int64_t counts =
         std::min(((excess * limits.counts_per_one) >> limits.fraction_bits) + 1, limits.counts_max);
-    return force > 0 ? counts : -counts; // what pushes back out lets the tool stay behind
+    return force > 0 ? counts : -counts; // a force that pushes out makes the tool stay behind
 }
 
 bool is_a_fifth(const Limits &limits, std::int64_t force)

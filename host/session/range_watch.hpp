@@ -1,6 +1,6 @@
-// Did the physics stay in its range? Looks at every tick of a session: a number of the core at its format's
-// limit, a tool too deep in the wall or a line too long or too short mean that the shape is no longer that of
-// the tools, and the session must not go on as if it were.
+// Watches whether the physics stays in its range. It checks every tick of a session. The range is left when a
+// number of the core is at its format's limit, a tool is too deep in the wall, or a line is too long or too
+// short. Then the shape is no longer that of the tools, and the session must not continue.
 #pragma once
 #include "shared/wire/wire.h"
 #include <Eigen/Core>
@@ -15,17 +15,17 @@ namespace crn
 struct VesselTree;
 class Link;
 
-inline constexpr int exit_out_of_range = 3; // of run, replay and view
+inline constexpr int exit_out_of_range = 3; // exit code of run, replay and view
 
 struct RangeBreak {
-    std::uint32_t tick = 0;     // the first one out of range, and what it had:
+    std::uint32_t tick = 0;     // the first tick out of range, and its values:
     bool is_saturated = false;  // CRN_FAULT_SATURATED of the core
     double penetration_m = 0.0; // deepest contact
     double length_error = 0.0;  // of the free part of the line
-    // Soon after it, on a tick that every run and replay looks at: the node that the wall presses hardest;
-    // none: it touches nowhere.
+    // The node that the wall presses hardest, soon after it, on a tick that every run and replay reads; none:
+    // the line touches nowhere.
     std::optional<Eigen::Vector3d> place_m{};
-    std::string branch{}; // of the vessel around it; empty: not known
+    std::string branch{}; // branch of the vessel around it; empty: not known
 };
 
 class RangeWatch
@@ -39,13 +39,14 @@ class RangeWatch
     bool is_placed() const
     {
         return is_placed_;
-    } // left, and its place is looked for: nothing more to wait for
+    } // the range was left, and its place is searched: there is nothing more to wait for
     const std::optional<RangeBreak> &left() const { return left_; }
-    // Is there a break whose place is wanted now? `is_last`: no later tick will be looked at.
+    // Returns whether there is a break whose place is wanted now. `is_last` means that no later tick will be
+    // read.
     bool wants_place(std::uint32_t tick, bool is_last) const;
-    // Asks the device where. Throws LinkError.
+    // Reads the place from the device. Throws LinkError.
     void find_place(Link &link);
-    // Names the branch, where the vessels are known.
+    // Names the branch, if the vessels are known.
     void name_branch(const VesselTree &vessels);
 
   private:
@@ -53,11 +54,11 @@ class RangeWatch
     bool is_placed_ = false;
 };
 
-// "physics left its range at 00:12.3"
+// Returns "physics left its range at 00:12.3".
 std::string range_notice(const RangeBreak &left);
-// The same with tick, what it was, where, the limit and what to do.
+// Returns the same with tick, quantity, place, limit and remedy.
 std::string range_text(const RangeBreak &left);
-// For the report; null: it stayed in its range.
+// For the report; null if it stayed in its range.
 nlohmann::ordered_json range_report(const std::optional<RangeBreak> &left);
 
 } // namespace crn

@@ -83,7 +83,7 @@ class Replayer
         }
     }
 
-    // Medium that was injected earlier may still be in the vessels: what the patient knows begins with it.
+    // Medium that was injected earlier may still be in the vessels, so the patient starts at that injection.
     std::uint32_t first_injection() const
     {
         for (const RecordedCommand &recorded : recording_.commands)
@@ -112,7 +112,7 @@ class Replayer
         return count;
     }
 
-    // When patient or sink want to see the line; UINT32_MAX: never.
+    // Returns when patient or sink need the line; UINT32_MAX: never.
     std::uint32_t next_stop() const
     {
         return std::min(patient_ ? patient_->next_look() : UINT32_MAX,
@@ -129,7 +129,7 @@ class Replayer
         look_when_due(false);
     }
 
-    // Where the device went and came back the session went on from another state.
+    // Where the device disappeared and came back, the session continued from another state.
     void go_on_from_resume()
     {
         const RecordedSnapshot *resumed = recording_.resumed_at(link_.tick());
@@ -159,7 +159,7 @@ class Replayer
 
     void look_at_contacts()
     {
-        static_assert(ContactFigures::look_every_ticks == batch_ticks); // batches end there
+        static_assert(ContactFigures::look_every_ticks == batch_ticks); // batches end at its multiples
         if (settings_.measures_contacts && link_.tick() % batch_ticks == 0)
             result_.contacts.take(link_.read_contacts());
     }
@@ -239,7 +239,7 @@ class Replayer
             std::this_thread::sleep_for(std::chrono::milliseconds(20));
             return;
         }
-        std::fprintf(stderr, "paused at %.3f s; Enter goes on ", link_.tick() * 1e-3);
+        std::fprintf(stderr, "paused at %.3f s; Enter continues ", link_.tick() * 1e-3);
         std::string line;
         std::getline(std::cin, line);
     }

@@ -1,4 +1,4 @@
-// Play a recording again on a fresh device and compare every hash.
+// Replays a recording on a fresh device and compares every hash.
 #pragma once
 #include "host/patient/patient.hpp"
 #include "host/script/tip_places.hpp"
@@ -10,27 +10,27 @@
 namespace crn
 {
 
-// How fast ticks may pass: 1 is real time, 0 as fast as the machine allows.
+// The speed of ticks: 1 is real time, 0 is as fast as the machine allows.
 struct ReplaySpeed {
     double factor = 0.0;
-    bool is_paused = false; // one tick at a time around every full second, with a halt there
+    bool is_paused = false; // one tick at a time around every full second, with a pause there
 };
 
-// "fast", "slow" (half real time), "paused" or a positive number; nullopt for anything else.
+// Accepts "fast", "slow" (half real time), "paused" or a positive number; returns nullopt for anything else.
 std::optional<ReplaySpeed> replay_speed(const std::string &text);
 
 struct ReplaySettings {
     ReplaySpeed speed;
     bool verifies = false;
     double from_s = 0.0;            // start at the snapshot before this time, then step up to it
-    bool waits_for_enter = false;   // paused, and a person sits at the terminal
+    bool waits_for_enter = false;   // paused, and a person uses the terminal
     bool measures_contacts = false; // ReplayResult::contacts
 };
 
 struct ReplayResult {
     SessionFigures figures;
     ContactFigures contacts;
-    std::vector<TipPlace> tips; // where the last tick left them; filled by whoever knows the vessels
+    std::vector<TipPlace> tips; // places after the last tick; filled by the caller that has the vessels
     crn_wire_fault_log faults{};
     double seconds = 0.0; // wall clock
     std::uint32_t tick = 0;
@@ -39,7 +39,7 @@ struct ReplayResult {
     std::uint32_t hashes_compared = 0;
     bool was_interrupted = false;
     std::optional<std::uint32_t> first_difference_tick;
-    std::string difference; // what differed
+    std::string difference; // the difference found
 };
 
 // `patient` and `sink` may be nullptr: what the core was told is in the recording. Throws LinkError. Stops at

@@ -83,7 +83,7 @@ class Runner
     }
 
   private:
-    // Ticks until something has to be done besides stepping.
+    // Returns the ticks until something other than stepping is due.
     std::uint32_t batch_size() const
     {
         const std::uint32_t tick = link_.tick();
@@ -94,7 +94,7 @@ class Runner
         return std::min(count, Recorder::snapshot_every_ticks - tick % Recorder::snapshot_every_ticks);
     }
 
-    // When patient or sink want to see the line.
+    // Returns when patient or sink need the line.
     std::uint32_t next_stop() const
     {
         return std::min(patient_.next_look(), sink_ ? sink_->next_tick() : UINT32_MAX);
@@ -129,8 +129,8 @@ class Runner
         look_when_due();
     }
 
-    // What the script decides by. What it expects of medium and stents is of this very tick, whatever
-    // pictures are made.
+    // Reads the state on which the script decides. Its expectations of medium and stents refer to this very
+    // tick, whatever pictures are made.
     void look(bool has_nodes)
     {
         const std::vector<double> lengths_m = inserted();
@@ -143,7 +143,8 @@ class Runner
         player_.observe({lengths_m, tips, settings_.witness, link_.tick()});
     }
 
-    // What the script asked of the room, in force from this tick on; true when there was something.
+    // Passes on the script's commands to the room, in force from this tick on; returns true when there were
+    // any.
     bool pass_commands(std::uint32_t tick)
     {
         const std::vector<RoomCommand> commands = player_.take_commands();
@@ -160,7 +161,7 @@ class Runner
     void look_at_contacts()
     {
         static_assert(ContactFigures::look_every_ticks ==
-                      SessionPlayer::observe_every_ticks); // batches end there
+                      SessionPlayer::observe_every_ticks); // batches end at its multiples
         if (link_.tick() % ContactFigures::look_every_ticks != 0) return;
         device_.ask([&](Link &link) { contacts_.take(link.read_contacts()); });
     }

@@ -1,5 +1,5 @@
-// Carry out a session on a device and its patient: a script in LOCKSTEP, as fast as the machine allows, or
-// what hands do at a rig in FREE_RUN; recorded and pictured on the way.
+// Carries out a session on a device and its patient: a script in LOCKSTEP, as fast as the machine allows, or
+// hands at a rig in FREE_RUN. The session is recorded and pictured meanwhile.
 #pragma once
 #include "host/patient/patient.hpp"
 #include "host/script/session.hpp"
@@ -13,10 +13,10 @@ namespace crn
 {
 
 struct RunSettings {
-    bool shows_progress = false;             // one line on stderr, rewritten
-    std::vector<RoomCommand> begin{};        // of a script's session, before its first statement
-    const TipPlaces *tips = nullptr;         // where tips are: of a script that steers, and for the report
-    const SessionWitness *witness = nullptr; // of what a script expects besides
+    bool shows_progress = false;      // one line on stderr, rewritten
+    std::vector<RoomCommand> begin{}; // for a script's session, before its first statement
+    const TipPlaces *tips = nullptr;  // finds the places of tips, for a script that steers and for the report
+    const SessionWitness *witness = nullptr; // for other expectations of a script
 };
 
 struct RunResult {
@@ -24,14 +24,14 @@ struct RunResult {
     ContactFigures contacts;
     std::uint64_t hash = 0;
     double seconds = 0.0;         // wall clock of the ticks, pictures and recording, without set-up
-    bool was_interrupted = false; // Ctrl-C: everything up to there is valid
+    bool was_interrupted = false; // Ctrl-C: everything up to that tick is valid
     std::vector<int> given_up_lines;
     std::vector<GripFigures> grips; // of a script's hands, one per tool
     std::vector<SteeringResult> steered;
     std::vector<ExpectationResult> expected;
-    std::vector<std::string> failures; // of the script: what was not reached or did not hold
+    std::vector<std::string> failures; // of the script: goals not reached and expectations that did not hold
     std::vector<TipPlace> tips;        // at the end, from the innermost tool; empty: not known
-    std::uint32_t resumes = 0;         // how often the device went and came back
+    std::uint32_t resumes = 0;         // how often the device disappeared and came back
     std::string stopped_by;            // FREE_RUN: why the device stopped
     std::uint32_t late_ticks = 0, powered_ticks = 0, pictures = 0; // FREE_RUN
     crn_wire_fault_log faults{};
@@ -53,14 +53,14 @@ RunResult run_session(Device &device, Patient &patient, const Session &session, 
 RunResult run_free_session(Device &device, Patient &patient, const std::vector<RoomCommand> &begin,
                            double seconds, Recorder *recorder, FrameSink *sink, const RunSettings &settings);
 
-// The figures of a session: the same for the same session, whatever else is asked for and whatever machine it
-// runs on.
+// Returns the figures of a session: the same for the same session, whatever other outputs are requested and
+// whatever machine it runs on.
 nlohmann::ordered_json report_of(const RunResult &result, const std::string &scene,
                                  const std::vector<Instrument> &tools, const std::string &session,
                                  Patient &patient);
-// What the session took of the machine: never the same twice.
+// Returns the session's cost on this machine: it is never the same twice.
 nlohmann::ordered_json timing_of(const RunResult &result, const Patient &patient);
-// Either of them as a file. Throws OutputError.
+// Writes either of them as a file. Throws OutputError.
 void write_report(const std::string &path, const nlohmann::ordered_json &report);
 
 } // namespace crn

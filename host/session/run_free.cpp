@@ -1,4 +1,4 @@
-// A session that the device leads: its ticks are recorded as they come, its pictures shown as they come.
+// A session in FREE_RUN: its ticks are recorded and its pictures shown as they come.
 #include "host/base/interrupt.hpp"
 #include "host/link/usb_devices.hpp"
 #include "host/rig/pedals.hpp"
@@ -19,7 +19,7 @@ void send_order(Link &link, Patient &patient)
         else if (const auto strut = patient.strut_order())
             link.place_strut(*strut);
     } catch (const DeviceLost &) {
-        // The next round finds it gone as well, and waits for it.
+        // The next round finds the device gone as well, and waits for it.
     }
 }
 
@@ -58,7 +58,7 @@ class FreeRunner final : private FreeRunSink
             result_.hash = device_.read_hash64().hash;
             if (recorder_) recorder_->finish(figures_.ticks, result_.hash);
         } catch (const LinkError &error) {
-            result_.stopped_by = error.what(); // the recording ends where the rig did
+            result_.stopped_by = error.what(); // the recording ends where the rig stopped
         }
         read_faults();
         look_at_the_end();
@@ -71,7 +71,7 @@ class FreeRunner final : private FreeRunSink
     }
 
   private:
-    static constexpr std::uint32_t round_ms = 8; // a host that is silent for 30 ms fades the forces
+    static constexpr std::uint32_t round_ms = 8; // forces fade when the host is silent for 30 ms
 
     void tick(const crn_wire_live_tick &tick) override
     {
@@ -105,7 +105,7 @@ class FreeRunner final : private FreeRunSink
         if (recorder_) recorder_->resumed(tick, bytes);
     }
 
-    // A hash may come before the ticks that it belongs to, and those may never come.
+    // A hash may come before the ticks to which it belongs, and those may never come.
     void record_hash()
     {
         const auto hash = device_.last_hash64();
@@ -126,7 +126,7 @@ class FreeRunner final : private FreeRunSink
         if (sink_) sink_->frame(frame);
     }
 
-    // With the last shape that came: a rig that is gone gives no other.
+    // The last received shape is used, because a rig that is gone gives no other.
     void look_at_the_end()
     {
         SessionFrame frame = session_frame(device_, state_, input_);

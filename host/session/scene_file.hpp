@@ -1,4 +1,4 @@
-// A baked scene as the host needs it: its bytes for the device and where the instrument enters.
+// A baked scene for the host: its bytes for the device, and the place where the instrument enters.
 #pragma once
 #include "host/model/instrument.hpp"
 #include <cstdint>
@@ -12,12 +12,12 @@ struct SceneFile {
     std::string path; // empty: free space
     std::vector<std::uint8_t> bytes;
     std::uint32_t crc32 = 0;
-    crn_wire_entry entry{}; // inserted_um is left to the session
+    crn_wire_entry entry{}; // the session sets inserted_um
     std::string name;
 };
 
-// Throws FileError with the validator's words when the file is no valid scene. An empty path gives free space
-// with the entry at the origin, towards the head.
+// Throws FileError with the validator's message when the file is not a valid scene. An empty path gives free
+// space with the entry at the origin, towards the head.
 SceneFile read_scene(const std::string &path);
 
 } // namespace crn

@@ -13,7 +13,8 @@ using Eigen::Vector3d;
 
 constexpr double shortest_mm = 1e-6;
 
-// `v` without its part along `tangent`, of length 1; any direction across where nothing is left.
+// Returns `v` without its part along `tangent`, scaled to length 1; any direction across when nothing
+// remains.
 Vector3d across_of(const Vector3d &v, const Vector3d &tangent)
 {
     const Vector3d rest = v - v.dot(tangent) * tangent;

@@ -10,7 +10,8 @@ namespace
 
 using Eigen::Vector3d;
 
-// Crowns of a ring; of the first one those at the stent's tip, of the last one those at its hub.
+// Returns the crowns of a ring: of the first ring those at the stent's tip, of the last ring those at its
+// hub.
 std::vector<std::size_t> crowns_of(const Stent &stent, int ring)
 {
     const StentLattice &lattice = stent.lattice();

@@ -1,5 +1,5 @@
-// Struts against the wall's triangles, by libccd: a strut is a capsule, a triangle is given the depth of some
-// tissue behind it, so that a strut is always pushed back towards the blood.
+// Computes contact of struts with the wall's triangles, by libccd. A strut is a capsule, and a triangle has
+// the depth of some tissue behind it, so that a strut is always pushed back towards the blood.
 #pragma once
 #include <Eigen/Core>
 #include <array>
@@ -13,13 +13,13 @@ struct StrutCapsule {
 };
 
 struct StrutContact {
-    double depth_mm = 0.0;     // how far it has to be moved ...
-    Eigen::Vector3d direction; // ... that way (unit) to lie before the wall
+    double depth_mm = 0.0;     // distance by which it has to be moved ...
+    Eigen::Vector3d direction; // ... in this direction (unit) to lie on the blood side of the wall
 };
 
 inline constexpr double tissue_depth_mm = 1.0;
 
-// `outward` is the triangle's unit normal, away from the blood. Depth 0: apart.
+// `outward` is the triangle's unit normal, away from the blood. A depth of 0 means no contact.
 StrutContact strut_contact(const StrutCapsule &strut, const std::array<Eigen::Vector3d, 3> &corners_mm,
                            const Eigen::Vector3d &outward);
 

@@ -1,4 +1,4 @@
-// What a stent's numbers may be, and what its geometry says.
+// The allowed values of a stent's numbers, and the lengths that follow from its geometry.
 #include "host/stent/design.hpp"
 #include <algorithm>
 #include <cmath>

@@ -16,16 +16,16 @@ using Eigen::Vector3d;
 constexpr int samples_per_strut = 5;
 constexpr double far_mm = 99.0; // from any wall
 constexpr double behind_mm =
-    0.3; // what lies farther behind the wall is outside the vessel, as far from it as it is
+    0.3; // a place farther behind the wall counts as outside the vessel, at this distance from the wall
 
-// Along a strut from 0 to 1, by its middle.
+// Returns the point at `share` (0 to 1) along a strut, through its middle.
 Vector3d along_strut(const Vector3d &a, const Vector3d &middle, const Vector3d &b, double share)
 {
     return share < 0.5 ? Vector3d(a + 2 * share * (middle - a))
                        : Vector3d(middle + (2 * share - 1) * (b - middle));
 }
 
-// To the nearest wall, looked for from the feet of both ends.
+// Returns the distance to the nearest wall, searched from the feet of both ends.
 double distance_mm(const StentWall &wall, const Vector3d &place, const StentPoint &a, const StentPoint &b)
 {
     double least = far_mm;
@@ -63,7 +63,8 @@ void appose(const Stent &stent, const StentWall *wall, StentFigures &figures)
     figures.bedded_share = static_cast<double>(bedded) / static_cast<double>(stent.points().size());
 }
 
-// Its points seen along its axis: area of their polygon over that of an even one in its circle.
+// Measures a ring seen along its axis: the area of its points' polygon over that of a regular polygon in its
+// circle.
 StentRing ring_of(const Stent &stent, int index)
 {
     const StentDesign &design = stent.design();
@@ -73,7 +74,7 @@ StentRing ring_of(const Stent &stent, int index)
     for (int k = 0; k < around; ++k) {
         const Vector3d from = stent.points()[stent.lattice().point(index, k)].place_mm - ring.centre_mm;
         const Vector3d flat = from - from.dot(ring.axis) * ring.axis;
-        // The inside: by half a strut nearer.
+        // The inside is nearer to the axis by half a strut.
         out.push_back(flat * std::max(0.0, 1 - design.strut_thickness_mm / 2 / std::max(flat.norm(), 1e-9)));
     }
     double doubled = 0.0;
@@ -91,7 +92,7 @@ StentRing ring_of(const Stent &stent, int index)
     return ring;
 }
 
-// Half of a ring's height: its crowns' distance from its middle, along its axis.
+// Returns half of a ring's height: its crowns' distance from its middle, along its axis.
 double half_height_mm(const Stent &stent, const StentRing &ring, int index)
 {
     double sum = 0.0;
@@ -153,8 +154,8 @@ StentFigures stent_figures(const Stent &stent, const StentWall *wall)
 namespace
 {
 
-// What of a stent's ends lies along a vessel: the mean of the crowns of one side of its first and last ring.
-// `along` says where a place lies.
+// Returns where a stent's ends lie along a vessel: the mean of the crowns of one side of its first and last
+// ring. `along` converts a place to its position along the vessel.
 template <class Along>
 StentCoverage coverage(const Stent &stent, const Along &along, double lesion_from_mm, double lesion_to_mm)
 {
@@ -247,7 +248,7 @@ std::vector<StentLine> stent_lines(const Stent &stent)
 std::vector<StentLine> stent_markers(const StentDesign &design, double mount_arc_mm, const BalloonPose &pose)
 {
     constexpr int pieces = 4;
-    constexpr double shaft_share = 0.3; // of the crimped diameter: the bands sit on the inner shaft
+    constexpr double shaft_share = 0.3; // share of the crimped diameter: the bands sit on the inner shaft
     std::vector<StentLine> lines;
     const BalloonAxis axis(pose, Vector3d::UnitX());
     if (!axis.is_known()) return lines;

@@ -1,5 +1,5 @@
-// What is said of a stent: how it lies on the wall, how wide it is, what it covers, how far it has stretched
-// the vessel; and its struts as lines with a radius, for the X-ray.
+// The reported figures of a stent: its apposition, its width, its coverage, and how far it has stretched the
+// vessel; and its struts as lines with a radius, for the X-ray.
 #pragma once
 #include "host/stent/stent.hpp"
 #include <string>
@@ -8,29 +8,30 @@
 namespace crn
 {
 
-inline constexpr double apposed_mm = 0.1; // a strut this near the wall lies on it
+inline constexpr double apposed_mm = 0.1; // a strut this near the wall counts as apposed
 
-// A strut that does not lie on the wall.
+// A strut that is not apposed.
 struct StentGap {
     int ring = 0;
     std::size_t strut = 0;    // of the lattice
-    double gap_mm = 0.0;      // widest, from its outside to the wall
-    Eigen::Vector3d place_mm; // there
+    double gap_mm = 0.0;      // largest gap from its outside to the wall
+    Eigen::Vector3d place_mm; // place of that gap
 };
 
 struct StentRing {
     Eigen::Vector3d centre_mm, axis; // towards the hub
     double along_mm = 0.0;           // from the first ring's middle, along the middles
-    double diameter_mm = 0.0;        // inside: of the circle of as much area
+    double diameter_mm = 0.0;        // inside: of the circle of equal area
     double diameter_min_mm = 0.0;    // narrowest, through the middle
     double area_mm2 = 0.0;           // inside
     bool is_opened = false;
 };
 
 struct StentFigures {
-    std::size_t samples = 0; // of struts, five on each
+    std::size_t samples = 0; // samples on struts, five on each
     double apposed_share = 0.0;
-    std::vector<StentGap> gaps; // by strut; ends of struts count as far out of any wall where none is near
+    std::vector<StentGap>
+        gaps; // by strut; where no wall is near one end of a strut, that end counts as far from any wall
     std::vector<StentRing> rings;
     double diameter_min_mm = 0.0, area_min_mm2 = 0.0; // of the rings
     double length_mm = 0.0;                           // from end to end, along the rings' middles
@@ -39,10 +40,11 @@ struct StentFigures {
     double bedded_share = 0.0; // of the crowns
 };
 
-// Without a wall nothing is apposed.
+// Without a wall no strut is apposed.
 StentFigures stent_figures(const Stent &stent, const StentWall *wall);
 
-// Where a stent lies along a centreline, and what of a lesion (from .. to, mm along it) it leaves open.
+// The place of a stent along a centreline, and the parts of a lesion (from .. to, mm along it) that it does
+// not cover.
 struct StentCoverage {
     double from_mm = 0.0, to_mm = 0.0;
     double missed_before_mm = 0.0, missed_behind_mm = 0.0; // of the lesion, at either end
@@ -50,26 +52,26 @@ struct StentCoverage {
 };
 StentCoverage stent_coverage(const Stent &stent, std::span<const Eigen::Vector3d> centreline_mm,
                              double lesion_from_mm, double lesion_to_mm);
-// The same along the healthy branch of a vessel that moves: mm from the branch's first point.
+// Returns the same along the healthy branch of a moving vessel: mm from the branch's first point.
 class VesselWall;
 StentCoverage stent_coverage(const Stent &stent, const VesselWall &vessel, std::size_t lesion);
 
-// Largest outside diameter that a ring has had on a balloon over the healthy vessel's there, less 1. 0 for a
-// stent that was not opened.
+// Returns the largest outside diameter that a ring has had on a balloon, divided by the healthy vessel's
+// diameter there, less 1. It is 0 for a stent that was not opened.
 double stent_stretch(const Stent &stent, std::span<const Eigen::Vector3d> centreline_mm,
                      std::span<const double> healthy_radius_mm);
 
-// mm along both that an inner stent lies in an outer one.
+// Returns the length, mm along both, over which an inner stent lies in an outer one.
 double stent_overlap_mm(const Stent &inner, const StentSleeve &outer);
 
 // A line of metal: every ring as one closed line over the middles of its struts, and every link.
 struct StentLine {
     std::vector<Eigen::Vector3d> points_mm;
-    double radius_mm = 0.0; // of a round wire with as much metal
+    double radius_mm = 0.0; // of a round wire with the same amount of metal
 };
 std::vector<StentLine> stent_lines(const Stent &stent);
 
-// The two bands of the balloon between which the stent was crimped: short pieces of its axis.
+// Returns the two marker bands of the balloon on either side of the crimped stent: short pieces of its axis.
 std::vector<StentLine> stent_markers(const StentDesign &design, double mount_arc_mm, const BalloonPose &pose);
 
 std::string_view stent_stage_text(StentStage stage); // for displays and reports

@@ -9,13 +9,13 @@ namespace crn
 namespace
 {
 
-// Forces between points are hundredths of a newton: struts change by some micrometres. Real ones are fifty
-// times stiffer, which nobody would see and the relaxation would have to be paid for. Links are bent wires
-// that give way along the axis.
+// Forces between points are hundredths of a newton, and struts change by some micrometres. Real struts are
+// fifty times stiffer: nobody would see the difference, and the relaxation would cost more. Links are bent
+// wires that yield along the axis.
 constexpr double strut_stiffness_N_per_mm = 20.0, link_stiffness_N_per_mm = 2.0;
-// Of a brace, against a hinge: a stent is soft in bending.
+// Stiffness of a brace relative to a hinge: a stent is soft in bending.
 constexpr double brace_share = 0.5;
-// Of hinges further round, against the nearest: they keep a ring round.
+// Stiffness of hinges to farther neighbours relative to the nearest: they keep a ring round.
 constexpr double wide_share = 0.5;
 
 struct Builder {
@@ -27,7 +27,7 @@ struct Builder {
         lattice.springs.push_back({{a, b}, stiffness, kind});
     }
 
-    // Ring by ring, so that neighbours in space are neighbours in memory.
+    // Points are made ring by ring, so that neighbours in space are neighbours in memory.
     void ring(int ring) const
     {
         const int n = lattice.crowns;
@@ -45,7 +45,7 @@ struct Builder {
     void links_behind(int ring) const
     {
         for (int link = 0; link < design.links; ++link) {
-            // Evenly round, and from gap to gap one crown further.
+            // Links are spaced evenly round the ring, and move by one crown from gap to gap.
             const int crown = (link * lattice.crowns / design.links + ring) % lattice.crowns;
             int place = 2 * crown;
             if (lattice.side_of(lattice.point(ring, place)) < 0) ++place;
@@ -77,7 +77,7 @@ struct Builder {
     }
 };
 
-// (d length / d R)^2 of a chord between two points of one side: 4 sin^2(half the angle between them).
+// Returns (d length / d R)^2 of a chord between two points of one side: 4 sin^2(half the angle between them).
 double chord_share(const StentLattice &lattice, const StentSpring &spring)
 {
     const double half = (lattice.angle(spring.ends[1]) - lattice.angle(spring.ends[0])) / 2;
@@ -95,7 +95,7 @@ StentLattice::StentLattice(const StentDesign &design)
         builder.ring(ring);
         if (ring + 1 < rings) builder.links_behind(ring);
     }
-    // Stiffnesses of hinges were shares: now their sum is that of the design.
+    // Stiffnesses of hinges were relative so far: they are scaled so that their sum is the design's.
     const double scale = design.ring_stiffness_N_per_mm / hinge_ring_stiffness(*this);
     for (StentSpring &spring : springs)
         if (spring.yields()) spring.stiffness_N_per_mm *= scale;

@@ -1,11 +1,11 @@
 // The points of a stent and the springs between them, made from its design (docs/stent.md, "Springs").
 //
 // Point (ring j, place k), k = 0 .. 2N-1 round the axis, lies at the angle k pi / N; even places of an even
-// ring are its crowns towards the tip. Springs join
-//   struts    k to k+1 of a ring                              hold their length
-//   hinges    k to k+2, k+4, k+N of a ring, of one side       what a crown's bending costs; yield
-//   links     a crown to a crown of the next ring             hold their length
-//   braces    both ends of a link to the other's neighbours   what a link's bending costs; yield
+// ring are its crowns towards the tip. The springs are
+//   struts    k to k+1 of a ring                              keep their length
+//   hinges    k to k+2, k+4, k+N of a ring, of one side       bending of a crown; yield
+//   links     a crown to a crown of the next ring             keep their length
+//   braces    both ends of a link to the other's neighbours   bending of a link; yield
 #pragma once
 #include "host/stent/design.hpp"
 #include <array>
@@ -36,16 +36,16 @@ struct StentLattice {
     int ring_of(std::size_t point) const { return static_cast<int>(point) / (2 * crowns); }
     int place_of(std::size_t point) const { return static_cast<int>(point) % (2 * crowns); }
     double angle(std::size_t point) const; // rad
-    // Towards the tip (-1) or the hub (+1).
+    // Returns -1 for a point towards the tip, +1 towards the hub.
     int side_of(std::size_t point) const;
 
     int rings = 0, crowns = 0;
     double bulge_share =
-        0.0; // 1 / cos(pi / 2N) - 1: how far a round strut's middle lies beyond that of its chord
+        0.0; // 1 / cos(pi / 2N) - 1: distance by which a round strut's middle lies outside its chord
     bool mirrors = false; // every second ring: crowns that face each other
     std::vector<StentSpring> springs;
     std::vector<std::array<std::uint32_t, 2>> struts, links;
-    // Of each point: its springs, as a list of (spring, other end).
+    // For each point its springs, as a list of (spring, other end).
     struct Bar {
         std::uint32_t spring, other;
         double stiffness_N_per_mm;
@@ -54,7 +54,8 @@ struct StentLattice {
     std::vector<Bar> bars;
 };
 
-// d F / d R of a ring, all round, by its hinges: sum over them of k (d length / d R)^2.
+// Returns d F / d R of a ring around its circumference by its hinges: the sum over them of k (d length / d
+// R)^2.
 double hinge_ring_stiffness(const StentLattice &lattice);
 
 } // namespace crn

@@ -13,18 +13,21 @@ namespace
 
 using Eigen::Vector3d;
 
-constexpr double bed_N_per_mm = 6.0;       // of a point in the wall's lining, every way ...
-constexpr double bed_limit_N = 1.0;        // ... until it slides
-constexpr double drag_N_per_mm = 0.02;     // of one that is not: towards where the nearest wall takes it
-constexpr double wall_N_per_mm = 60.0;     // against going into the wall
-constexpr double balloon_N_per_mm = 300.0; // against going into a balloon
+constexpr double bed_N_per_mm =
+    6.0; // stiffness of the wall's lining for a point in it, in every direction ...
+constexpr double bed_limit_N = 1.0; // ... until the point slides
+constexpr double drag_N_per_mm =
+    0.02; // of a point outside the lining: pulls it to the place where the nearest wall would carry it
+constexpr double wall_N_per_mm = 60.0;     // resists penetration of the wall
+constexpr double balloon_N_per_mm = 300.0; // resists penetration of a balloon
 constexpr double step_max_mm = 0.2;
-constexpr double enough_mm = 0.0005; // a sweep that moves no point farther is the last
+constexpr double enough_mm = 0.0005; // a sweep that moves every point by less is the last
 constexpr int sweeps_max = 6;
-constexpr double slop_mm = 0.01; // of struts in the wall before libccd is asked
+constexpr double slop_mm =
+    0.01; // penetration of struts in the wall that is tolerated before libccd is called
 constexpr int strut_rounds = 2;
 constexpr double touch_mm = 0.002;
-constexpr double near_mm = 0.4; // around a strut: what it may meet before its list is made anew
+constexpr double near_mm = 0.4; // distance around a strut in which its contact candidates are listed
 
 } // namespace
 
@@ -98,7 +101,7 @@ void StentRelaxation::load_balloons()
 namespace
 {
 
-// A symmetric 3 x 3 matrix as its six numbers: the inner loop of everything.
+// A symmetric 3 x 3 matrix as its six numbers; it is the innermost loop.
 struct Symmetric {
     double xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
     void add(double k, const Vector3d &v) // k v v^T
@@ -130,7 +133,8 @@ struct Symmetric {
 
 } // namespace
 
-// Newton's step of one point, all others held: forces over the part of their change that is never negative.
+// Newton's step of one point with all others fixed: forces divided by the part of their derivative that is
+// never negative.
 Vector3d StentRelaxation::newton_step(std::size_t i) const
 {
     const StentLattice &lattice = stent_.lattice_;
@@ -185,8 +189,8 @@ double StentRelaxation::sweep()
 
 // --- struts against triangles ---
 
-// What a strut can meet before it has slid far is found once, with a grid, and kept by name: the wall carries
-// it along.
+// The triangles that a strut can meet before it has slid far are found once, with a grid, and kept by index:
+// the wall carries them along.
 void StentRelaxation::list_near()
 {
     const StentLattice &lattice = stent_.lattice_;
@@ -233,7 +237,7 @@ void StentRelaxation::push_struts()
     }
 }
 
-// The deepest contact of one capsule with the triangles near its strut.
+// Returns the deepest contact of one capsule with the triangles near its strut.
 StrutContact StentRelaxation::deepest(std::size_t strut, const StrutCapsule &capsule) const
 {
     StrutContact worst;
@@ -242,7 +246,8 @@ StrutContact StentRelaxation::deepest(std::size_t strut, const StrutCapsule &cap
         const Plane &plane = planes_[state_.near[k]];
         const double from = plane.out.dot(capsule.from_mm) - plane.offset_mm;
         const double to = plane.out.dot(capsule.to_mm) - plane.offset_mm;
-        // All of it before the triangle's plane, or all of it farther behind than tissue goes.
+        // Skips a capsule that lies fully in front of the triangle's plane, or fully deeper than the tissue
+        // reaches.
         if (std::max(from, to) <= reach || std::min(from, to) > tissue_limit_mm) continue;
         const std::size_t triangle = state_.patch[state_.near[k]];
         const StrutContact contact = strut_contact(
@@ -254,8 +259,8 @@ StrutContact StentRelaxation::deepest(std::size_t strut, const StrutCapsule &cap
     return worst;
 }
 
-// A strut is two capsules, to its middle and from there. Each is moved out of the triangle that it is deepest
-// in. True when one was.
+// A strut is two capsules, which meet at its middle. Each capsule is moved out of the triangle in which it is
+// deepest. Returns true when one was moved.
 bool StentRelaxation::push_strut(std::size_t strut)
 {
     if (state_.near_begin[strut] == state_.near_begin[strut + 1]) return false;
@@ -282,9 +287,9 @@ bool StentRelaxation::push_strut(std::size_t strut)
     return was_pushed;
 }
 
-// --- what stays ---
+// --- permanent changes ---
 
-// A spring that is longer or shorter than its elastic range allows yields: without a load it would go back by
+// A spring that is longer or shorter than its elastic range allows yields: without a load it would return by
 // the recoil alone.
 void StentRelaxation::yield()
 {
@@ -300,7 +305,7 @@ void StentRelaxation::yield()
     }
 }
 
-// Where each point is from now on carried to.
+// Updates the place to which each point is carried from now on.
 void StentRelaxation::bed()
 {
     for (std::size_t i = 0; i < loads_.size(); ++i) {
@@ -318,8 +323,8 @@ void StentRelaxation::bed()
             point.offset_mm = off;
             continue;
         }
-        // It slides, is pushed, or lies free: the place of the wall next to it, or next to where it lets go
-        // of the load.
+        // A point that slides, is pushed or lies free moves its foot to the wall next to it, or to the place
+        // where it leaves the load.
         const bool slides = point.is_bedded && !is_pushed;
         const Vector3d place =
             slides ? Vector3d(point.place_mm - off * (bed_limit_N / pull_N)) : point.place_mm;

@@ -1,5 +1,5 @@
-// One picture's worth of equilibrium of a stent that has been deployed: springs, bedding, wall, balloons
-// inside; libccd for the struts; then what has yielded or slid stays so.
+// Finds the equilibrium of a deployed stent for one picture: springs, bedding, wall, balloons inside; libccd
+// for the struts. Afterwards yielding and sliding are permanent.
 #pragma once
 #include "host/stent/contact.hpp"
 #include "host/stent/stent.hpp"
@@ -8,9 +8,9 @@ namespace crn
 {
 
 inline constexpr double bed_reach_mm =
-    0.1; // a strut this near the wall when the balloon goes is in its lining
-inline constexpr double wall_reach_mm = 3.0;   // beyond which a stent knows nothing of a wall
-inline constexpr double tissue_limit_mm = 1.0; // what lies farther behind the wall is outside the vessel
+    0.1; // a strut this near the wall when the balloon deflates is in its lining
+inline constexpr double wall_reach_mm = 3.0;   // distance beyond which a stent ignores a wall
+inline constexpr double tissue_limit_mm = 1.0; // a place farther behind the wall counts as outside the vessel
 
 class StentRelaxation
 {
@@ -19,21 +19,21 @@ class StentRelaxation
     void run();
 
   private:
-    // What acts on a point besides springs.
+    // The loads on a point besides springs.
     struct Load {
-        Eigen::Vector3d carried_mm;        // where the wall has taken it
-        Eigen::Vector3d anchor_mm;         // what holds it
-        double hold_N_per_mm = 0.0;        // towards there
-        Eigen::Vector3d wall_mm, wall_out; // a plane: behind it is tissue
-        double wall_gap_mm = 0.0;          // that the point keeps from it
+        Eigen::Vector3d carried_mm;        // place to which the wall has carried it
+        Eigen::Vector3d anchor_mm;         // place of the spring that holds it
+        double hold_N_per_mm = 0.0;        // stiffness of that spring
+        Eigen::Vector3d wall_mm, wall_out; // a plane with tissue behind it
+        double wall_gap_mm = 0.0;          // distance that the point keeps from the plane
         bool has_wall = false, has_balloon = false;
-        bool is_pushed = false;                    // out of the wall, as part of a strut
-        Eigen::Vector3d balloon_mm, balloon_along; // axis next to it
-        double balloon_radius_mm = 0.0;            // that it has to stay outside of
+        bool is_pushed = false;                    // pushed out of the wall, as part of a strut
+        Eigen::Vector3d balloon_mm, balloon_along; // nearest point of the balloon's axis, and its direction
+        double balloon_radius_mm = 0.0;            // radius that the point must stay outside of
     };
     void load_points();
     void load_balloons();
-    double sweep(); // farthest way of a point, mm
+    double sweep(); // largest displacement of a point, mm
     Eigen::Vector3d newton_step(std::size_t i) const;
     void list_near();
     void push_struts();

@@ -1,5 +1,5 @@
-// A stent's state as bytes, in the machine's own order: for a replay on the same machine, as that of the
-// contrast medium.
+// A stent's state as bytes in the machine's own order: for a replay on the same machine, like the snapshot of
+// the contrast medium.
 #include "host/stent/stent.hpp"
 #include <cmath>
 #include <cstring>
@@ -61,7 +61,7 @@ class Reader
     std::size_t at_ = 0;
 };
 
-// The same list for both ways.
+// Writing and reading use the same list.
 template <typename State, typename Visit> void visit_state(State &state, Visit &visit)
 {
     visit(state.stage);

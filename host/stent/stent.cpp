@@ -13,11 +13,11 @@ namespace
 
 using Eigen::Vector3d;
 
-constexpr double opened_share = 1.2;     // of the crimped radius: a ring that has left the folded balloon
-constexpr double separation_mm = 0.01;   // between balloon and struts
-constexpr double least_height = 0.05;    // of a strut's length: a ring opened to the utmost
-constexpr double narrow_N_per_mm = 10.0; // of a ring in too narrow a place: its struts catch
-constexpr double held_share = 0.05;      // of the points in the wall: less does not hold a stent
+constexpr double opened_share = 1.2;   // of the crimped radius: beyond it a ring has left the folded balloon
+constexpr double separation_mm = 0.01; // between balloon and struts
+constexpr double least_height = 0.05;  // of a strut's length: height of a fully opened ring
+constexpr double narrow_N_per_mm = 10.0; // of a ring in a place that is too narrow: its struts catch
+constexpr double held_share = 0.05;      // share of points in the wall below which a stent is not held
 
 } // namespace
 
@@ -68,8 +68,8 @@ double Stent::radius_on(const BalloonAxis &axis, double arc_mm, int ring, int si
     return std::max(free, design_.radius_on_mm(axis.at(arc_mm).radius_mm));
 }
 
-// Radii say how high rings are, heights where crowns lie, and where they lie what radius is there: a few
-// rounds settle it.
+// Radii determine how high rings are, heights where crowns lie, and the places of crowns their radius: a few
+// iterations converge.
 Stent::Layout Stent::lay_out(const BalloonAxis &axis) const
 {
     constexpr int rounds = 3;
@@ -109,7 +109,8 @@ Stent::Layout Stent::lay_out(const BalloonAxis &axis) const
     return layout;
 }
 
-// A crimped stent in too narrow a place stays behind when that holds it better than the balloon does.
+// A crimped stent in a place that is too narrow stays behind when that place holds it better than the balloon
+// does.
 void Stent::slide(const BalloonAxis &axis)
 {
     double moved_mm = 0.0, held_N = 0.0, pull_mm = 0.0;
@@ -152,7 +153,7 @@ void Stent::follow(const StentSurroundings &around, const BalloonAxis &axis)
     if (state_.stage == StentStage::stripped || has_separated(axis)) deploy(around);
 }
 
-// The balloon has gone from every ring that it has opened.
+// Returns true when the balloon has separated from every ring that it opened.
 bool Stent::has_separated(const BalloonAxis &axis) const
 {
     const Layout layout = lay_out(axis);
@@ -168,7 +169,7 @@ bool Stent::has_separated(const BalloonAxis &axis) const
     return has_opened;
 }
 
-// What of the wall lies around: by the rings' middles.
+// Returns the part of the wall around the stent, searched from the rings' middles.
 std::vector<std::uint32_t> Stent::patch_of(const StentWall &wall) const
 {
     std::vector<Vector3d> middles;
@@ -178,7 +179,7 @@ std::vector<std::uint32_t> Stent::patch_of(const StentWall &wall) const
     return wall.near(middles, widest + wall_reach_mm);
 }
 
-// From here on the springs hold it, which bear nothing yet: what was elastic has gone with the balloon.
+// From here on the springs hold the stent. They carry no load yet: the elastic part is lost with the balloon.
 void Stent::deploy(const StentSurroundings &around)
 {
     if (state_.stage == StentStage::on_balloon) state_.stage = StentStage::deployed;
@@ -186,7 +187,7 @@ void Stent::deploy(const StentSurroundings &around)
     state_.near_begin.clear();
     state_.near.clear();
     if (has_wall) state_.patch = patch_of(*around.wall);
-    std::int32_t beside = -1; // the triangle next to the point before
+    std::int32_t beside = -1; // the triangle at the previous point
     for (std::size_t i = 0; i < state_.points.size(); ++i) {
         StentPoint &point = state_.points[i];
         for (const StentSleeve &sleeve : around.sleeves)
@@ -212,7 +213,7 @@ void Stent::deploy(const StentSurroundings &around)
     if (state_.stage == StentStage::deployed) settle_stage();
 }
 
-// A stent that nothing holds is adrift, until another balloon presses it to the wall.
+// A stent that nothing holds is adrift until another balloon presses it to the wall.
 void Stent::settle_stage()
 {
     const auto bedded = std::count_if(state_.points.begin(), state_.points.end(),
@@ -237,8 +238,8 @@ void Stent::carry(const StentWall &wall)
             is_bedded = is_bedded && point.is_bedded;
             if (point.foot.is_known()) carried.col(k) = wall.place(point.foot) + point.offset_mm;
         }
-        // What the wall does not hold goes along as a whole: widening of the vessel around it does not widen
-        // it.
+        // Points that the wall does not hold move as a rigid body: widening of the surrounding vessel does
+        // not widen them.
         Eigen::Matrix4d way = Eigen::Matrix4d::Identity();
         if (is_known && !is_bedded) way = Eigen::umeyama(before, carried, false);
         for (Eigen::Index k = 0; k < around; ++k) {
@@ -283,7 +284,8 @@ Vector3d Stent::ring_axis(int ring) const
     return way.norm() > 1e-9 ? way.normalized() : Vector3d::UnitX();
 }
 
-// On the circle through its ends: the middle of the chord lies at R cos(pi / 2N) from the ring's axis.
+// The middle lies on the circle through the strut's ends: the middle of the chord lies at R cos(pi / 2N) from
+// the ring's axis.
 Vector3d Stent::strut_middle_mm(std::size_t strut) const
 {
     const auto [a, b] = lattice_.struts[strut];

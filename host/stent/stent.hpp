@@ -5,8 +5,8 @@
 //   stent.step({&wall, &pose, others, sleeves});     every picture, 15 to 60 a second
 //   stent.points(), stent.stage(), stent_lines(stent), stent_figures(stent, wall)
 //
-// Nothing depends on time but by the order of pictures: masses of micrograms follow at once. The same
-// pictures give the same bits. Lengths in mm, forces in N, patient frame. docs/stent.md
+// Nothing depends on time except through the order of pictures: masses of micrograms follow at once. The same
+// pictures give the same bits. Lengths are in mm, forces in N, in the patient frame: docs/stent.md.
 #pragma once
 #include "host/stent/balloon_axis.hpp"
 #include "host/stent/design.hpp"
@@ -29,15 +29,15 @@ enum class StentStage : std::uint8_t {
 
 struct StentPoint {
     Eigen::Vector3d place_mm = Eigen::Vector3d::Zero();
-    double peak_mm = 0.0; // largest radius on the balloon
-    WallFoot foot;        // where the wall carries it, or what it is held at; when deployed
-    Eigen::Vector3d offset_mm = Eigen::Vector3d::Zero(); // from there, as it was at the end of the step
-    double layer_mm = 0.0;                               // of another stent between it and the wall
-    double slid_mm = 0.0;   // over the wall since what is near its struts was listed
-    bool is_bedded = false; // in the wall's lining, which holds it
+    double peak_mm = 0.0; // largest radius reached on the balloon
+    WallFoot foot;        // place where the wall carries it, or where it is held; when deployed
+    Eigen::Vector3d offset_mm = Eigen::Vector3d::Zero(); // offset from there at the end of the step
+    double layer_mm = 0.0;                               // thickness of another stent between it and the wall
+    double slid_mm = 0.0;   // distance slid over the wall since the triangles near its struts were listed
+    bool is_bedded = false; // held in the wall's lining
 };
 
-// A stent around another one: the inner one lies on it.
+// An outer stent around another one: the inner one lies on it.
 struct StentSleeve {
     std::vector<Eigen::Vector3d> centres_mm; // of its rings
     double overhang_mm = 0.0;                // beyond the first and the last
@@ -45,17 +45,17 @@ struct StentSleeve {
     bool covers(const Eigen::Vector3d &place_mm) const;
 };
 
-// A balloon inside, and what lies on it.
+// A balloon inside, and the stent that lies on it.
 struct StentBalloon {
     const BalloonPose *pose = nullptr;
     double layer_mm = 0.0;
 };
 
-// What a step needs to know. Any of it may be missing.
+// The inputs of a step. Any of them may be missing.
 struct StentSurroundings {
     const StentWall *wall = nullptr;
     const BalloonPose *own = nullptr;            // the balloon that carries it
-    std::span<const StentBalloon> balloons = {}; // others that may stand in it
+    std::span<const StentBalloon> balloons = {}; // others that may lie in it
     std::span<const StentSleeve> sleeves = {};
 };
 
@@ -63,20 +63,20 @@ struct StentSurroundings {
 struct StentState {
     StentStage stage = StentStage::on_balloon;
     bool was_placed = false;
-    double slip_mm = 0.0; // of the stent on its balloon, towards the hub
+    double slip_mm = 0.0; // slip of the stent on its balloon, towards the hub
     Eigen::Vector3d across = Eigen::Vector3d::UnitX();
     std::vector<StentPoint> points;
     std::vector<double> rest_mm;      // of every spring
     std::vector<std::uint32_t> patch; // triangles that it may meet
     std::vector<std::uint32_t> near_begin,
-        near; // of every strut: those of the patch (by index) that lie next to it
-    std::vector<Eigen::Vector3d> ring_centre_mm; // on the balloon, in the picture before
+        near; // of every strut: the nearby triangles, by index in the patch
+    std::vector<Eigen::Vector3d> ring_centre_mm; // on the balloon, in the previous picture
 };
 
 class Stent
 {
   public:
-    // `mount_arc_mm`: where the stent's middle sits on its tool, from the tool's tip.
+    // `mount_arc_mm` is the place of the stent's middle on its tool, from the tool's tip.
     Stent(const StentDesign &design, double mount_arc_mm);
     void step(const StentSurroundings &around);
 
@@ -84,7 +84,7 @@ class Stent
     const StentLattice &lattice() const { return lattice_; }
     StentStage stage() const { return state_.stage; }
     bool is_on_balloon() const { return state_.stage == StentStage::on_balloon; }
-    bool was_placed() const { return state_.was_placed; } // its points are somewhere
+    bool was_placed() const { return state_.was_placed; } // its points have been placed
     std::span<const StentPoint> points() const { return state_.points; }
     double mount_arc_mm() const { return mount_arc_mm_ + state_.slip_mm; }
     double slip_mm() const { return state_.slip_mm; }
@@ -92,17 +92,17 @@ class Stent
     // The radius that a point keeps when nothing holds it.
     double free_radius_mm(const StentPoint &point) const;
     bool is_opened(int ring) const;
-    // Middle of a ring, and its direction towards the hub (unit).
+    // Return the middle of a ring, and its direction towards the hub (unit).
     Eigen::Vector3d ring_centre_mm(int ring) const;
     Eigen::Vector3d ring_axis(int ring) const;
-    // Middle of a strut, which its balloon has bent round.
+    // Returns the middle of a strut, which its balloon has bent round.
     Eigen::Vector3d strut_middle_mm(std::size_t strut) const;
     StentSleeve sleeve() const;
-    // Sum over all springs of k/2 (length - rest)^2, N mm.
+    // Returns the sum over all springs of k/2 (length - rest)^2, N mm.
     double energy_N_mm() const;
 
     const StentState &state() const { return state_; }
-    // As bytes: everything that the next step depends on. Of another design: refused.
+    // Everything that the next step depends on, as bytes. A snapshot of another design is refused.
     std::vector<std::uint8_t> snapshot() const;
     bool restore(std::span<const std::uint8_t> bytes);
 

@@ -18,7 +18,7 @@ void Stents::step(const StentWall *wall, const BalloonPose *balloon)
     step(std::vector<const StentWall *>(stents_.size(), wall), balloon);
 }
 
-// The older ones first: what is deployed in this picture lies on where they are now.
+// Older stents are stepped first: a stent deployed in this picture lies on their present places.
 void Stents::step(std::span<const StentWall *const> walls, const BalloonPose *balloon)
 {
     std::vector<StentSleeve> sleeves;
@@ -37,7 +37,7 @@ void Stents::step(std::span<const StentWall *const> walls, const BalloonPose *ba
 namespace
 {
 
-// A ring that holds what is around it, by its outside.
+// A ring that holds the surrounding wall by its outside.
 struct HoldingRing {
     double along_mm = 0.0, radius_mm = 0.0;
 };
@@ -54,7 +54,7 @@ std::vector<HoldingRing> holding_rings(const Stent &stent, const VesselWall &ves
         const StentRing &now = figures.rings[static_cast<std::size_t>(ring)];
         const VesselWall::Foot foot = vessel.foot_of(now.centre_mm);
         if (!now.is_opened || foot.off_mm > vessel.healthy_radius_mm(foot.along_mm)) continue;
-        double kept = 0.0; // radius of the struts' axis when the balloon has gone
+        double kept = 0.0; // radius of the struts' axis after the balloon has deflated
         for (int k = 0; k < around; ++k)
             kept += stent.free_radius_mm(stent.points()[stent.lattice().point(ring, k)]) / around;
         const double thickness = stent.design().strut_thickness_mm;

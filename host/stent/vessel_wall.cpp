@@ -14,10 +14,10 @@ namespace
 
 using Eigen::Vector3d;
 
-constexpr std::size_t around = 24; // vertices of a row: facets cut the circle by 0.9 % of its radius
+constexpr std::size_t around = 24; // vertices of a row: facets cut off 0.9 % of the circle's radius
 constexpr double row_mm = 0.5;     // from row to row
 
-// A branch without its lesions, and with them, by the same parameter: millimetres along the healthy one.
+// A branch with and without its lesions, by the same parameter: millimetres along the healthy one.
 struct Line {
     std::vector<double> along_mm;
     std::vector<Vector3d> healthy_m, narrow_m;
@@ -55,7 +55,8 @@ std::vector<VesselWall::Row> VesselWall::rows_of(const VesselTree &tree, std::si
     if (branch >= tree.branches.size())
         throw std::invalid_argument("a stent's vessel: the tree has no such branch");
     const Line line = line_of(tree, branch);
-    from_mm = std::max(from_mm, vessel_start_m(tree, branch) * 1e3); // its parent's lumen has no wall there
+    from_mm =
+        std::max(from_mm, vessel_start_m(tree, branch) * 1e3); // its parent's lumen has no wall at the ostium
     to_mm = std::min(to_mm, line.along_mm.back());
     if (!(to_mm - from_mm >= 2 * row_mm))
         throw std::invalid_argument("a stent's vessel: the stretch is not in " + tree.branches[branch].name);
@@ -85,7 +86,7 @@ std::vector<WallTriangle> VesselWall::triangles_of(std::size_t rows)
             const auto a = static_cast<std::uint32_t>(row * around + k);
             const auto b = static_cast<std::uint32_t>(row * around + (k + 1) % around);
             constexpr auto next = static_cast<std::uint32_t>(around);
-            // Rows are turned by half a step against each other: triangles without long edges.
+            // Every second row is turned by half a step, so that triangles have no long edges.
             if (row % 2 == 0) {
                 triangles.push_back({a, b, a + next});
                 triangles.push_back({b, b + next, a + next});
@@ -97,7 +98,7 @@ std::vector<WallTriangle> VesselWall::triangles_of(std::size_t rows)
     return triangles;
 }
 
-// The middles of facets lie on the stated circle. The frame is carried along the line without twist.
+// The middles of facets lie on the stated circle. The frame follows the line without twist.
 void VesselWall::add_points(const std::vector<Row> &rows, const Motion *motion)
 {
     const double out = 1 / std::cos(std::numbers::pi / around);
@@ -160,7 +161,7 @@ Vector3d VesselWall::at_m(std::size_t point, std::size_t row, double share,
     return place + (narrow + share * (healthy - narrow)) * 1e-6;
 }
 
-// Linear between the places that a lesion's list is about.
+// Interpolates linearly between the places to which a lesion's list refers.
 double VesselWall::opened_at(std::size_t row, std::span<const std::vector<double>> opened) const
 {
     const Row &at = rows_[row];

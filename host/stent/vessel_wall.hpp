@@ -1,13 +1,13 @@
-// A stretch of a vessel as a wall for stents: a tube of fine triangles round a branch of the tree, narrowed
-// by its lesions as far as no balloon has opened them, moving with the heart.
+// Makes a stretch of a vessel into a wall for stents: a tube of fine triangles round a branch of the tree. It
+// is narrowed by the branch's lesions as far as no balloon has opened them, and moves with the heart.
 //
 //   VesselWall vessel(tree, branch, 5, 45, motion);      mm along the branch
 //   vessel.move(moment, opened);                         every picture
 //   stent.step({&vessel.wall(), ...});
 //
-// The bodies' meshes are made for pictures: their facets cut a coronary artery by a tenth of a millimetre,
-// which is what a stent's apposition is judged by. The tree has every inscribed sphere to some micrometres,
-// and where the healthy vessel lies. Openings of side branches are closed.
+// The bodies' meshes are made for pictures: their facets cut off a tenth of a millimetre of a coronary
+// artery, which is as large as the gaps that decide a stent's apposition. The tree has every inscribed sphere
+// to some micrometres, and the healthy vessel's place. Openings of side branches are closed.
 #pragma once
 #include "host/model/motion.hpp"
 #include "host/model/vessel_tree.hpp"
@@ -24,27 +24,27 @@ namespace crn
 class VesselWall
 {
   public:
-    // It begins at the branch's ostium at the earliest. `motion` may be null: it stands still. Throws
-    // std::invalid_argument, saying what, for a stretch that the branch has not.
+    // The tube begins at the branch's ostium at the earliest. `motion` may be null: the tube then stays at
+    // rest. Throws std::invalid_argument, with the reason, for a stretch that the branch does not have.
     VesselWall(const VesselTree &tree, std::size_t branch, double from_mm, double to_mm,
                const Motion *motion);
 
-    // `opened`: for each lesion of the tree, how far it is open at places evenly from its beginning to its
-    // end (the core's stations; one: everywhere): 0 as it is .. 1 healthy; above 1 it is stretched beyond.
-    // Shorter and empty lists: the rest as it is.
+    // `opened` gives for each lesion of the tree how far it is open at places evenly from its beginning to
+    // its end (the core's stations; one: everywhere). The values are 0 as it is .. 1 healthy; above 1 it is
+    // stretched beyond. Where lists are shorter or empty, the rest stays as it is.
     void move(const MotionMoment &moment, std::span<const std::vector<double>> opened = {});
 
     const StentWall &wall() const { return wall_; }
-    // The middle line of the stretch now, and the radii, at every row of vertices.
+    // Return the present middle line of the stretch, and its radii, at every row of vertices.
     std::span<const Eigen::Vector3d> line_mm() const { return line_mm_; }
     std::span<const double> radius_mm() const { return radius_mm_; }
     std::span<const double> healthy_radius_mm() const { return healthy_radius_mm_; }
-    // Of the healthy branch, from its first point.
+    // Returns the position on the healthy branch, from its first point.
     double along_mm(std::size_t row) const { return rows_[row].along_mm; }
-    // The first and the last place that `opened` is about lie elsewhere than a lesion's ends: so far apart,
-    // in the lesion's middle.
+    // Sets the distance between the first and the last place of `opened`, centred in the lesion, when they
+    // differ from the lesion's ends.
     void set_places(std::size_t lesion, double span_mm);
-    // Where a lesion begins and ends on it; empty when the branch has none of that number.
+    // The beginning and end of a lesion on the stretch; empty when the branch has no lesion of that number.
     struct Stretch {
         double from_mm = 0.0, to_mm = 0.0;
         bool is_empty() const { return !(to_mm > from_mm); }
@@ -53,22 +53,23 @@ class VesselWall
     {
         return lesion < lesions_.size() ? lesions_[lesion] : Stretch{};
     }
-    // The same of the places that `opened` is about.
+    // The same for the places of `opened`.
     Stretch places_mm(std::size_t lesion) const
     {
         return lesion < places_.size() ? places_[lesion] : Stretch{};
     }
-    // As baked and healthy, at a place along the branch; those of the ends beyond them.
+    // Return the baked and the healthy radius at a place along the branch; beyond its ends, those of the
+    // ends.
     double narrow_radius_mm(double along_mm) const;
     double healthy_radius_mm(double along_mm) const;
-    // Place along the branch that is nearest to a place of the patient, and how far off its middle line that
-    // is.
+    // The place along the branch that is nearest to a place of the patient, and its distance from the middle
+    // line.
     struct Foot {
         double along_mm = 0.0, off_mm = 0.0;
     };
     Foot foot_of(const Eigen::Vector3d &place_mm) const;
     double along_of(const Eigen::Vector3d &place_mm) const { return foot_of(place_mm).along_mm; }
-    // As far as it is open now.
+    // Returns the radius with the present opening.
     double radius_at_mm(double along_mm) const;
 
   private:

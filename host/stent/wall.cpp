@@ -50,8 +50,8 @@ Vector3d StentWall::place(const WallFoot &foot) const
     return on_plane(foot) - foot.height_mm * normal(static_cast<std::size_t>(foot.triangle));
 }
 
-// Closest point of a triangle by the regions of its corners, edges and face (Ericson, Real-Time Collision
-// Detection, 5.1.5).
+// Finds the closest point of a triangle by the regions of its corners, edges and face (Ericson, Real-Time
+// Collision Detection, 5.1.5).
 StentWall::Closest StentWall::closest(const Vector3d &p, std::size_t triangle) const
 {
     const Vector3d &a = corner_mm(triangle, 0), &b = corner_mm(triangle, 1), &c = corner_mm(triangle, 2);
@@ -101,7 +101,7 @@ WallFoot StentWall::walk(const Vector3d &place_mm, std::int32_t from) const
         for (std::uint32_t vertex : triangles_[best])
             for (std::uint32_t k = fan_begin_[vertex]; k < fan_begin_[vertex + 1]; ++k) {
                 const Closest candidate = closest(place_mm, fan_[k]);
-                // The face of a triangle is better than the edge of its neighbour, which is as near.
+                // The face of a triangle is preferred to its neighbour's edge at the same distance.
                 const bool is_nearer = candidate.squared < next_at.squared - 1e-12;
                 const bool is_as_near = candidate.squared <= next_at.squared + 1e-12;
                 if (!is_nearer && !(is_as_near && candidate.is_inside && !next_at.is_inside)) continue;
@@ -160,7 +160,7 @@ namespace
 {
 
 constexpr double cell_mm = 1.0;
-constexpr int cells_max = 128; // along an axis: a stent of 80 mm with room
+constexpr int cells_max = 128; // along an axis: enough for a stent of 80 mm
 
 } // namespace
 
@@ -208,7 +208,7 @@ void WallGrid::build(const StentWall &wall, std::span<const std::uint32_t> patch
     for (std::size_t i = boxes_.size(); i-- > 0;) // backwards, so that each cell's list ascends
         for_cells(boxes_[i],
                   [&](std::size_t cell) { items_[--begin_[cell + 1]] = static_cast<std::uint32_t>(i); });
-    begin_.erase(begin_.begin()); // the ends have become the begins
+    begin_.erase(begin_.begin()); // the former ends are now the begins
     begin_.push_back(static_cast<std::uint32_t>(items_.size()));
     seen_.assign(boxes_.size(), 0);
     round_ = 0;

@@ -1,12 +1,12 @@
-// The wall that a stent lies on: a closed mesh around blood, whose vertices move from picture to picture and
-// whose triangles stay.
+// The wall on which a stent lies: a closed mesh around blood, whose vertices move from picture to picture
+// while its triangles stay.
 //
 //   StentWall wall(triangles, vertex_count);
 //   wall.move(vertices_um);                        every picture: that of the motion (host/model/motion.hpp)
-//   WallFoot foot = wall.walk(place, foot);        nearest place of the wall, from the one before
+//   WallFoot foot = wall.walk(place, foot);        nearest place of the wall, searched from the previous one
 //   place = wall.place(foot);                      where the wall has carried it
 //
-// A foot is a place that goes with the material: a triangle, where over its plane, and how far from that
+// A foot is a place that moves with the material: a triangle, the place in its plane, and the height over it
 // towards the blood. Lengths in mm.
 #pragma once
 #include <Eigen/Core>
@@ -23,20 +23,20 @@ using WallTriangle = std::array<std::uint32_t, 3>; // counter-clockwise seen fro
 struct WallFoot {
     std::int32_t triangle = -1; // -1: none
     double u = 0.0, v = 0.0;    // shares of its second and third corner; outside of 0 .. 1 beyond an edge
-    double height_mm = 0.0;     // over its plane, towards the blood; below 0 behind the wall
+    double height_mm = 0.0;     // height over its plane, towards the blood; below 0 behind the wall
     double distance_mm =
-        0.0; // to the nearest place of the wall when it was looked for; below 0 behind the wall
+        0.0; // distance to the nearest place of the wall at the time of the search; below 0 behind the wall
     bool is_known() const { return triangle >= 0; }
 };
 
 class StentWall
 {
   public:
-    // Triangles that name vertices which do not exist are left out.
+    // Triangles that name nonexistent vertices are left out.
     StentWall(std::span<const WallTriangle> triangles, std::size_t vertex_count);
-    // As many vertices as it has; else nothing happens.
+    // Requires as many vertices as it has; otherwise nothing happens.
     void move(std::span<const Eigen::Vector3i> vertices_um);
-    bool is_placed() const { return is_placed_; } // has been moved to somewhere
+    bool is_placed() const { return is_placed_; } // has been given its vertices
 
     std::size_t triangle_count() const { return triangles_.size(); }
     const WallTriangle &triangle(std::size_t i) const { return triangles_[i]; }
@@ -47,17 +47,17 @@ class StentWall
     Eigen::Vector3d
     normal(std::size_t triangle) const; // unit, away from the blood; 0 for a triangle without area
 
-    // Where a foot is now; and in the triangle's plane, without its height.
+    // Returns the present place of a foot; the second one in the triangle's plane, without its height.
     Eigen::Vector3d place(const WallFoot &foot) const;
     Eigen::Vector3d on_plane(const WallFoot &foot) const;
 
-    // Nearest place that can be reached from `from` over neighbouring triangles, each step nearer than the
-    // one before.
+    // Returns the nearest place that can be reached from `from` over neighbouring triangles, where each step
+    // must come nearer.
     WallFoot walk(const Eigen::Vector3d &place_mm, std::int32_t from) const;
-    // Nearest of these triangles within a distance; none: no triangle.
+    // Returns the nearest of these triangles within a distance; if there is none, the foot has no triangle.
     WallFoot nearest(const Eigen::Vector3d &place_mm, std::span<const std::uint32_t> among,
                      double reach_mm) const;
-    // Triangles that come nearer than `reach` to any of these places: a patch of it, in ascending order.
+    // Returns the triangles nearer than `reach` to any of these places, as a patch in ascending order.
     std::vector<std::uint32_t> near(std::span<const Eigen::Vector3d> places_mm, double reach_mm) const;
 
   private:
@@ -74,8 +74,8 @@ class StentWall
     bool is_placed_ = false;
 };
 
-// Which triangles of a patch may touch a box: cells of a grid with the triangles whose own boxes reach into
-// them.
+// Finds the triangles of a patch that may touch a box: cells of a grid list the triangles whose own boxes
+// reach into them.
 class WallGrid
 {
   public:

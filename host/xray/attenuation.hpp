@@ -1,4 +1,4 @@
-// How strongly every material attenuates, in steps of 1 keV; written by tools/check/make_attenuation.py.
+// Linear attenuation of every material in steps of 1 keV; written by tools/check/make_attenuation.py.
 #pragma once
 #include "host/xray/paths/materials.hpp"
 
@@ -6,7 +6,7 @@ namespace crn
 {
 
 inline constexpr int energy_count = 110;
-// Middle of a 1 keV step: 15.5 .. 124.5 keV.
+// Returns the middle of a 1 keV step: 15.5 .. 124.5 keV.
 constexpr double energy_keV(int index)
 {
     return 15.5 + index;
@@ -14,10 +14,11 @@ constexpr double energy_keV(int index)
 
 extern const float attenuation_per_cm[material_count][energy_count];
 
-// Highest K edge of the material between iodine's (33.2 keV) and the end of the table; 0 without one.
+// Highest K edge of the material between iodine's (33.2 keV) and the end of the table; 0 if it has none.
 extern const float edge_keV[material_count];
 
-// Filters, scintillator (density of the crystal), anode, and air's mass energy absorption for kerma.
+// Data of the filters, the scintillator (density of the crystal), the anode, and air's mass energy absorption
+// for kerma.
 extern const float aluminium_per_cm[energy_count];
 extern const float copper_per_cm[energy_count];
 extern const float caesium_iodide_per_cm[energy_count];

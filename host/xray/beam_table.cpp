@@ -1,5 +1,6 @@
-// Gauss's quadrature over a spectrum: the orthogonal polynomials of the discrete weights by Stieltjes'
-// recurrence, their roots by bisection between the roots of the one before, the weights by Christoffel's sum.
+// Applies Gauss's quadrature to a spectrum. Stieltjes' recurrence gives the orthogonal polynomials of the
+// discrete weights. Bisection between the roots of the previous polynomial gives the roots, and Christoffel's
+// sum gives the weights.
 #include "host/xray/beam_table.hpp"
 #include "host/xray/float_math.hpp"
 #include <cmath>
@@ -63,7 +64,7 @@ class Orthogonal
         return 1.0 / sum;
     }
 
-    // Ascending, all between `low` and `high`.
+    // Returns the roots in ascending order; all lie between `low` and `high`.
     std::vector<double> roots(double low, double high) const
     {
         std::vector<double> found;
@@ -91,7 +92,7 @@ class Orthogonal
     std::vector<double> a_, b_, norm_;
 };
 
-// Attenuation between the table's energies [first, last], 1/cm: straight in the logarithms.
+// Returns the attenuation between the table's energies [first, last] in 1/cm: linear between the logarithms.
 double attenuation_at(int material, double energy, int first, int last)
 {
     int i = static_cast<int>(energy - energy_keV(0));
@@ -108,8 +109,8 @@ struct Part {
     std::vector<double> signal; // of the reference thickness, per table energy
 };
 
-// Materials with an edge among the energies have no smooth curve: the mean over the signal nearest to each
-// energy, cell by cell.
+// Materials with an edge among these energies have no smooth curve. Each table energy is assigned to the
+// nearest beam energy, and the attenuation is averaged over that cell, weighted by the signal.
 void average_cells(const Part &part, int material, BeamTable &table, const std::vector<double> &weights)
 {
     double sum = 0.0, mass = 0.0, border = 0.0, passed = 0.0;

@@ -1,4 +1,4 @@
-// Kernels from MTF curves, and their application.
+// Fits kernels to MTF curves and applies them.
 #include "host/xray/blur.hpp"
 #include "host/xray/float_math.hpp"
 #include "host/xray/paths/lanes.hpp"
@@ -11,12 +11,12 @@ namespace
 {
 
 constexpr double scintillator_H_mm2 = 0.5;
-constexpr int frequency_steps = 64; // of the band that is fitted
-constexpr double fitted_band =
-    0.45; // cycles per pixel: 0.9 of half the sampling frequency, where a short kernel must be flat
+constexpr int frequency_steps = 64;  // of the band to which the kernel is fitted
+constexpr double fitted_band = 0.45; // cycles per pixel: 0.9 of half the sampling frequency, where the curve
+                                     // of a short kernel must be flat
 constexpr double kernel_error = 0.01;
 
-// sin(pi x)/(pi x) up to its first zero, 0 behind it.
+// Returns sin(pi x)/(pi x) up to its first zero, 0 beyond it.
 double sinc(double x)
 {
     x = std::fabs(x);
@@ -44,9 +44,10 @@ double mtf_of_kernel(const BlurKernel &kernel, double cycles_per_pixel)
     return sum;
 }
 
-using Square = std::array<std::array<double, blur_radius_max + 1>, blur_radius_max>; // with the right side
+using Square =
+    std::array<std::array<double, blur_radius_max + 1>, blur_radius_max>; // with the right-hand side
 
-// Gauss's elimination; the matrix is symmetric and positive.
+// Solves by Gaussian elimination; the matrix is symmetric and positive.
 void solve(Square &rows, int count)
 {
     for (int i = 0; i < count; ++i)
@@ -60,7 +61,7 @@ void solve(Square &rows, int count)
     }
 }
 
-// Least squares over the band for kernels of sum 1; the radius grows until the curve is near enough.
+// Fits kernels of sum 1 by least squares over the band; the radius grows until the curve is near enough.
 template <class Curve> BlurKernel fit_kernel(Curve curve)
 {
     BlurKernel kernel;

@@ -1,14 +1,16 @@
-// What makes edges soft, each as a modulation transfer function (MTF) over spatial frequency at the detector,
-// 1/mm:
+// Three things blur edges. Each has a modulation transfer function (MTF) over spatial frequency at the
+// detector, 1/mm:
 //
-//   focal spot    |sinc(f a (m - 1))|, a its width, m = SID/SOD: a bright square seen through a point of the isocentre's plane
+//   focal spot    |sinc(f a (m - 1))|, a its width, m = SID/SOD:
+//                 a bright square seen through a point of the isocentre's plane
 //   pixel         |sinc(f p)|, p the pixel's width
-//   scintillator  1/(1 + H f^2), H = 0.5 mm2: Lorentzian fit of CsI, about .67/.33/.18 at 1/2/3 per mm as measured panels
-//                 behind their pixel's share
+//   scintillator  1/(1 + H f^2), H = 0.5 mm2: Lorentzian fit of CsI, about .67/.33/.18
+//                 at 1/2/3 per mm, as measured for panels after division by their pixel's share
 //
-// Focal spot and pixel blur the expected signal, before photons are drawn; the scintillator's light spreads
-// what each photon gives, after it: so noise has the scintillator's texture. Both are symmetric kernels along
-// rows and columns whose MTF meets the curve up to 0.9 of half the sampling frequency.
+// Focal spot and pixel blur the expected signal before photons are drawn. The scintillator's light spreads
+// the contribution of each photon afterwards, so that noise has the scintillator's texture. All blurs are
+// symmetric kernels along rows and columns. Their MTF follows the curve up to 0.9 of half the sampling
+// frequency.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -18,7 +20,7 @@ namespace crn
 
 inline constexpr int blur_radius_max = 12;
 
-// tap[0] in the middle, tap[k] at k pixels to both sides; all of them together are 1.
+// tap[0] is in the middle, tap[k] at k pixels to both sides; all of them together sum to 1.
 struct BlurKernel {
     int radius = 0;
     std::array<float, blur_radius_max + 1> tap{1.0f};
@@ -28,7 +30,7 @@ struct BlurKernel {
 struct BlurGeometry {
     double pixel_mm = 0.6;      // at the detector
     double focal_spot_mm = 0.4; // width
-    double magnification = 1.4; // of what is blurred: SID over its distance from the source
+    double magnification = 1.4; // of the blurred object: SID over its distance from the source
 };
 
 double mtf_of_focal_spot(const BlurGeometry &geometry, double frequency_per_mm);
@@ -36,13 +38,15 @@ double mtf_before_photons(const BlurGeometry &geometry, double frequency_per_mm)
 double mtf_of_scintillator(double frequency_per_mm);
 double mtf_of_system(const BlurGeometry &geometry, double frequency_per_mm); // the product
 
-// Kernels of these curves: within 0.01 of them from 0 to 0.9/(2 pixel), or as near as blur_radius_max allows.
+// Kernels of these curves: within 0.01 of the curve from 0 to 0.9/(2 pixel), or as near as blur_radius_max
+// allows.
 BlurKernel kernel_before_photons(const BlurGeometry &geometry);
-BlurKernel kernel_of_focal_spot(const BlurGeometry &geometry); // for what is averaged over each pixel already
+BlurKernel
+kernel_of_focal_spot(const BlurGeometry &geometry); // for signals that are already averaged over each pixel
 BlurKernel kernel_of_scintillator(double pixel_mm);
 
-// One row of a blurred picture of size*size; beyond the edges the picture goes on as at the edge. `scratch`
-// has size + 2 blur_radius_max values. Size is a multiple of 16.
+// Computes one row of a blurred picture of size*size; beyond its edges the picture continues with its edge
+// values. `scratch` has size + 2 blur_radius_max values. Size is a multiple of 16.
 void blur_row(const float *picture, int size, int row, const BlurKernel &kernel, float *scratch, float *out);
 void blur_row(const std::uint32_t *picture, int size, int row, const BlurKernel &kernel, float *scratch,
               float *out);

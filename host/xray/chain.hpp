@@ -1,8 +1,8 @@
 // The signal chain's state between frames: from path lengths (paths.hpp) to the signal at the detector.
 //
-//     paths ─> transmission ─┬─> focal spot, pixel ─┬─> signal ─> photons ─> scintillator ─> lag ─> raw ─>
-//     shown ─> grey
-//                            └─> scatter ───────────┘   (here)    (detector, readout)
+//    paths ─> transmission ─┬─> focal spot, pixel ─┬─> signal ─> photons ─> scintillator ─> lag ─> raw
+//                           └─> scatter ───────────┘   (here)    (detector)                    ─> shown ─> grey
+//                                                                                                (readout)
 #pragma once
 #include "host/xray/blur.hpp"
 #include "host/xray/detector.hpp"
@@ -17,9 +17,9 @@ struct XrayScene::Meshes {
     BodyMeshes bodies;
 };
 
-// What a signal of the bodies is made for, besides the paths.
+// The inputs, besides the paths, for which a signal of the bodies was made.
 struct SignalKey {
-    XrayTechnique technique; // voltage, copper and focal spot alone
+    XrayTechnique technique; // only voltage, copper and focal spot
     bool scatter = true;
     bool circular_field = false;
     double open_width_share = 0.0, open_height_share = 0.0;
@@ -37,13 +37,13 @@ struct XrayChain {
     Exposure exposure;
     int threads;
 
-    bool was_kept = false; // the bodies' signal, by the last render
+    bool was_kept = false; // whether the last render reused the bodies' signal
     bool is_filled = false;
     SignalKey key;
     BeamTable beam;
     int size = 0;
 
-    // The exposure on which a single picture of these paths settles.
+    // Whether the exposure is the one on which a single picture of these paths settles.
     bool is_settled = false;
     ExposureDemand settled_demand;
     SignalKey settled_key;
@@ -52,40 +52,42 @@ struct XrayChain {
     // The kept signal of the bodies, as shares of the open beam behind the grid.
     std::vector<OpenColumns> open;
     std::vector<float> transmission;  // of each pixel's middle
-    std::vector<float> primary;       // the same behind focal spot and pixel
+    std::vector<float> primary;       // the same after blur by focal spot and pixel
     std::vector<float> scatter_cells; // coarse grid
     std::vector<float> signal;        // primary and scattered
     std::vector<float> log_slow;      // slow part of log2(signal), coarse grid
     double log_mean = 0.0;            // log2(signal) over the measuring field
     BlurKernel focal_kernel;          // of the focal spot alone
 
-    // Of this frame's tools: share of what bodies let through, less one; then the same behind the focal spot.
+    // For the tools of this frame: their gain on what the bodies transmit, minus one; then the same after
+    // blur by the focal spot.
     std::vector<float> tool_gain;
     SparseBlur tool_blur;
     std::vector<float> tool_signal; // at the pixels of tool_blur
 };
 
-// Diameter of the round field that automatic exposure measures, share of the picture.
+// Diameter of the round field that automatic exposure measures, as a share of the picture.
 inline constexpr double measuring_field_share = 0.65;
 
-// Settings within what the chain can do, and what they ask of a pulse.
+// Limits settings to what the chain can do, and returns the demand that they make on a pulse.
 XraySettings held_settings(const XraySettings &settings);
 ExposureDemand demand_of(const XraySettings &settings);
 
-// Draws the paths. Everything kept is given up when they or the field have changed.
+// Draws the paths. All kept results are dropped when the paths or the field have changed.
 void see_paths(XrayChain &chain, const XraySettings &settings, const XrayFrame &frame);
 
-// The technique on which automatic exposure comes to rest in this view, whatever was before.
+// Returns the technique on which automatic exposure settles in this view, independent of its history.
 ExposureChoice settle_exposure(XrayChain &chain, const XraySettings &settings, const ExposureDemand &demand);
 
-// Makes the bodies' signal for this technique; does nothing when it is there.
+// Makes the bodies' signal for this technique; does nothing when that signal already exists.
 void see_signal(XrayChain &chain, const XraySettings &settings, const XrayTechnique &technique);
 
-// Both, as one pulse: the technique that is fixed, else the one that control takes from `state`, which then
-// follows what was seen; without a state the one on which control comes to rest.
+// Does both as one pulse. The technique is the fixed one, if there is one, else the one that the control
+// takes from `state`; the state then follows the measured signal. Without a state it is the technique on
+// which the control settles.
 ExposureChoice expose_bodies(XrayChain &chain, const XraySettings &settings, ExposureState *state);
 
-// Signal behind the tools, for each pixel that their shadow touches: chain.tool_signal.
+// Computes the signal behind the tools for each pixel that their shadow touches: chain.tool_signal.
 void attenuate_tools(XrayChain &chain);
 
 } // namespace crn

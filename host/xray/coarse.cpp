@@ -1,4 +1,4 @@
-// The coarse grid's sums, blurs and interpolation.
+// Sums, blurs and interpolation on the coarse grid.
 #include "host/xray/coarse.hpp"
 #include "host/xray/paths/lanes.hpp"
 #include <algorithm>
@@ -8,7 +8,7 @@ namespace crn
 namespace
 {
 
-// Sums of five neighbours along one axis; what lies outside the grid has no weight.
+// Sums five neighbours along one axis; cells outside the grid have no weight.
 void blur_five(std::vector<float> &grid, int cells, int dx, int dy)
 {
     std::vector<float> pass(grid.size());
@@ -26,7 +26,7 @@ void blur_five(std::vector<float> &grid, int cells, int dx, int dy)
 
 } // namespace
 
-// A cell's part of a row, its pixels added in order.
+// Adds a cell's part of a row, pixel by pixel in order.
 CRN_WIDE static void add_cells(const float *values, int cells, float *sum)
 {
     for (int c = 0; c < cells; ++c) {

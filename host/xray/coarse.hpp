@@ -1,4 +1,5 @@
-// What changes slowly over a picture, on a grid of cells of 8x8 pixels: scatter, and the display's slow part.
+// Quantities that change slowly over a picture (scatter and the display's slow part), on a grid of cells of
+// 8x8 pixels.
 #pragma once
 #include <cstddef>
 #include <vector>
@@ -13,7 +14,7 @@ struct OpenColumns {
     int begin = 0, end = 0;
 };
 
-// Of each cell the sum over its open pixels, and how many they are. Both have (size/8)^2 values.
+// For each cell the sum over its open pixels, and their number. Both have (size/8)^2 values.
 struct CoarseSums {
     std::vector<float> sum, count;
 
@@ -21,7 +22,7 @@ struct CoarseSums {
         : sum(static_cast<std::size_t>(cells) * cells, 0.0f), count(sum.size(), 0.0f)
     {
     }
-    // Adds a row of a picture; each cell's rows come in order, from one thread.
+    // Adds a row of a picture; one thread must add the rows of a cell, in order.
     void add_row(const float *values, int size, int row, const OpenColumns &open);
 };
 CoarseSums coarse_sums(const std::vector<float> &values, int size, const std::vector<OpenColumns> &open);
@@ -30,7 +31,7 @@ CoarseSums coarse_sums(const std::vector<float> &values, int size, const std::ve
 // weight.
 std::vector<float> slow_part(CoarseSums sums, int cells);
 
-// Row of the bilinear continuation of a grid to full size.
+// Interpolates a grid bilinearly and returns one row at full size.
 void slow_row(const std::vector<float> &grid, int size, int row, float *out);
 
 } // namespace crn

@@ -1,4 +1,4 @@
-// Attenuation and counting.
+// Computes attenuation and counts photons.
 #include "host/xray/detector.hpp"
 #include "host/xray/paths/lanes.hpp"
 #include <algorithm>
@@ -9,7 +9,7 @@ namespace crn
 namespace
 {
 
-constexpr int lanes = 16; // pixels worked on together; sizes are multiples of it
+constexpr int lanes = 16; // pixels that are processed together; sizes are multiples of it
 constexpr float small_mean = 12.0f;
 
 // A well mixed 32-bit hash (two rounds of multiply and xor-shift).
@@ -23,7 +23,8 @@ inline std::uint32_t mix32(std::uint32_t x)
     return x;
 }
 
-// Mean 0, variance 1, bell-shaped within +-3.46: the sum of four 16-bit uniform numbers.
+// Returns a bell-shaped number of mean 0 and variance 1 within +-3.46: the sum of four 16-bit uniform
+// numbers.
 inline float bell(std::uint32_t key, std::uint32_t pixel)
 {
     const std::uint32_t a = mix32(pixel * 0x9e3779b9u + key), b = mix32(a ^ 0x85ebca6bu);
@@ -31,7 +32,7 @@ inline float bell(std::uint32_t key, std::uint32_t pixel)
     return static_cast<float>(sum - 2 * 65535) * 2.6428970e-5f; // sqrt(12/4)/65536
 }
 
-// Poisson by inversion of one 32-bit uniform number.
+// Draws a Poisson number by inversion of one 32-bit uniform number.
 std::uint32_t count_few(float expected, std::uint32_t key, std::uint32_t pixel)
 {
     if (!(expected > 0.0f)) return 0;
@@ -71,16 +72,17 @@ float transmission(const BeamTable &beam, const std::array<float, material_count
 namespace
 {
 
-constexpr int block = 64; // columns that are looked at for materials together
+constexpr int block = 64; // columns whose materials are tested together
 
-// What some columns of a row have of the materials, and no others.
+// The materials that occur in some columns of a row, and no others.
 struct PresentPaths {
     const std::int32_t *path[material_count];
     const float *factor[material_count]; // of each energy
     int count = 0;
 };
 
-// exp2_negative, eight at a time. By reference: what passes vectors by value depends on the processor.
+// Computes exp2_negative for eight values at a time. The vector is passed by reference, because passing
+// vectors by value depends on the processor.
 inline __attribute__((always_inline)) void exp2_negative_lanes(Lanes_f &x)
 {
     x = x < 126.0f ? x : 126.0f - Lanes_f{};
@@ -96,7 +98,7 @@ inline __attribute__((always_inline)) void exp2_negative_lanes(Lanes_f &x)
     x = sum * 1.41421356f * scale;
 }
 
-// Not 0 when any of them is.
+// Returns nonzero when any of the values is nonzero.
 CRN_WIDE std::int32_t any_of(const std::int32_t *from, int count)
 {
     std::int32_t any = 0;
@@ -104,7 +106,7 @@ CRN_WIDE std::int32_t any_of(const std::int32_t *from, int count)
     return any;
 }
 
-// All energies at once, so that each path is read once.
+// Processes all energies at once, so that each path is read once.
 CRN_WIDE void pass_block(const PresentPaths &present, const float *weight, int columns, float *share)
 {
     for (int i = 0; i < columns; i += lane_count) {

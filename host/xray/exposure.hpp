@@ -1,22 +1,20 @@
-// Generator and automatic exposure control: which tube voltage, current, pulse and copper filter a picture is
-// taken with.
+// The generator and automatic exposure control choose the tube voltage, current, pulse and copper filter of a
+// picture.
 //
-// Control works as angiography systems do (AAPM Report 125; Rauch, Lin et al., Med. Phys. 39 (2012) 2826):
-// from the last pulse's signal it estimates the patient as centimetres of water, and looks the technique up
-// on a fixed curve.
-// - Curve ("anti-isowatt"): voltage, current and pulse width rise together; at the current's limit or the
-// tube's power limit
-//   ("isowatt") only the voltage rises further, to 125 kV.
-// - Filter: the thickest copper with which the voltage stays low enough for iodine (80 kV in fluoroscopy, 75
-// else);
-//   the thinnest one has the rest of the curve. A thicker one comes back only when 4 kV less are enough with
-//   it.
-// - Fluoroscopy never exceeds 88 mGy/min at the reference point (the limit of 21 CFR 1020.32); past a limit
-// pictures are
-//   underexposed, as real ones are.
-// - Half of the difference in thickness, at most 3 cm, is followed per pulse: a new view settles within about
-// five pulses. Which curve a maker uses is not published with numbers; those below are an assumption within
-// the limits of such tubes.
+// Control works as angiography systems do (AAPM Report 125; Rauch, Lin et al., Med. Phys. 39 (2012) 2826).
+// From the last pulse's signal it estimates the patient's thickness as centimetres of water, and takes the
+// technique from a fixed curve.
+// - Curve ("anti-isowatt"): voltage, current and pulse width rise together. At the current's limit or the
+//   tube's power limit ("isowatt") only the voltage rises further, to 125 kV.
+// - Filter: the control takes the thickest copper at which the voltage stays low enough for iodine (80 kV in
+//   fluoroscopy, 75 kV otherwise). The thinnest filter has the rest of the curve. A thicker filter comes back
+//   only when it needs 4 kV less than that limit.
+// - Limit: fluoroscopy never exceeds 88 mGy/min at the reference point (21 CFR 1020.32). At the limit
+//   pictures are underexposed, as in real systems.
+// - Speed: the estimate follows half of the difference in thickness per pulse, at most 3 cm, so that a new
+//   view settles within about five pulses.
+// Manufacturers do not publish their curves with numbers; those below are an assumption within the limits of
+// such tubes.
 #pragma once
 #include "host/xray/beam_table.hpp"
 #include <cstdint>
@@ -33,14 +31,14 @@ struct XrayTechnique {
     double tube_voltage_kV = 75.0; // peak; 60 .. 125
     double tube_current_mA = 50.0; // during the pulse
     double pulse_ms = 6.0;
-    double copper_mm = 0.3; // besides 2.5 mm Al: 0.1, 0.2, 0.3, 0.6 or 0.9
+    double copper_mm = 0.3; // in addition to 2.5 mm Al: 0.1, 0.2, 0.3, 0.6 or 0.9
     double focal_spot_mm = 0.4;
 
     double charge_mAs() const { return tube_current_mA * pulse_ms * 1e-3; }
     bool operator==(const XrayTechnique &) const = default;
 };
 
-// What one pulse has to do.
+// The task of one pulse.
 struct ExposureDemand {
     ExposureMode mode = ExposureMode::fluoro;
     double dose_nGy = 40.0; // behind patient and grid, mean over the measuring field; see wanted_quanta_mm2
@@ -51,40 +49,41 @@ struct ExposureDemand {
     bool operator==(const ExposureDemand &) const = default;
 };
 
-// Where the control stands between pulses.
+// The control's state between pulses.
 struct ExposureState {
-    double water_cm = 20.0; // estimate of the patient, scatter included
+    double water_cm = 20.0; // estimated thickness of the patient, scatter included
     double copper_mm = 0.3;
 };
 
 struct ExposureChoice {
     XrayTechnique technique;
-    bool is_limited = false; // the curve ends below the dose asked for
+    bool is_limited = false; // the curve ends below the demanded dose
 };
 
-// From the isocentre toward the tube (IEC 60601-2-54).
+// Distance of the reference point from the isocentre toward the tube (IEC 60601-2-54).
 inline constexpr double reference_point_m = 0.15;
 
-// Primary photons that an anti-scatter grid lets through (scatter.hpp has the scattered ones).
+// Share of primary photons that an anti-scatter grid transmits (scatter.hpp has the share of scattered ones).
 inline constexpr double grid_primary = 0.706;
 
 // The grid, the curves and the tables of the beams used so far.
 class Exposure
 {
   public:
-    // Technique for the next pulse; the copper chosen becomes the state's.
+    // Chooses the technique for the next pulse; the chosen copper is stored in the state.
     ExposureChoice choose(const ExposureDemand &demand, ExposureState &state);
 
-    // Takes the last pulse's signal behind patient and grid, as share of the open beam's, into the estimate.
+    // Updates the estimate from the last pulse's signal behind patient and grid, given as a share of the open
+    // beam's.
     void follow(const XrayTechnique &technique, double signal_share, ExposureState &state);
-    // The same without delay, for a single picture.
+    // Does the same without delay, for a single picture.
     void jump(const XrayTechnique &technique, double signal_share, ExposureState &state);
 
-    // Quanta per mm2 of this beam that give the signal which `dose_nGy` gives in the beam that detector and
-    // control are calibrated with: 75 kV, 0.2 mm copper, behind 20 cm of tissue.
+    // Returns the quanta per mm2 of this beam that give as much signal as `dose_nGy` gives in the calibration
+    // beam of detector and control: 75 kV, 0.2 mm copper, behind 20 cm of tissue.
     double wanted_quanta_mm2(double dose_nGy, const BeamTable &beam);
 
-    // Voltage is taken to whole kilovolts, as generators do.
+    // The voltage is rounded to whole kilovolts, as in generators.
     const BeamTable &table(double tube_voltage_kV, double copper_mm);
 
   private:
@@ -99,19 +98,19 @@ class Exposure
     std::map<std::pair<int, int>, BeamTable> tables_; // by kV and 0.01 mm copper
 };
 
-// Copper filters of a mode, thickest first.
+// Returns the copper filters of a mode, thickest first.
 std::span<const double> copper_filters_mm(ExposureMode mode);
 
-// Current and pulse width at a voltage of the curve, before they are lowered to what is needed.
+// Returns current and pulse width at a voltage of the curve, before they are lowered to the demanded dose.
 XrayTechnique curve_point(ExposureMode mode, double tube_voltage_kV);
 
-// Quanta per mm2 of detector that a technique brings without patient, behind the grid.
+// Returns the quanta per mm2 of detector that a technique brings without a patient, behind the grid.
 double open_quanta_mm2(const BeamTable &table, const XrayTechnique &technique, double source_detector_m);
 
-// Within what tube and generator can do.
+// Limits a technique to the ranges of tube and generator.
 XrayTechnique held_technique(const XrayTechnique &technique);
 
-// Air kerma at the reference point, uGy per pulse.
+// Returns the air kerma at the reference point, uGy per pulse.
 double reference_kerma_uGy(const BeamTable &table, const XrayTechnique &technique, double source_isocentre_m);
 
 } // namespace crn

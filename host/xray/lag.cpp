@@ -1,4 +1,4 @@
-// The traps' balance.
+// Balances trapped and released signal.
 #include "host/xray/lag.hpp"
 #include "host/xray/float_math.hpp"
 

@@ -1,10 +1,10 @@
-// The measuring chamber behind the patient: which technique automatic exposure takes for a pulse, and the
-// dose of it, without a picture. What it sees has a size of its own, so that the dose of a session does not
-// depend on which pictures are made of it.
+// The measuring chamber behind the patient decides, without a picture, which technique automatic exposure
+// takes for a pulse, and computes the dose of that pulse. Its measuring picture has a fixed size, so that the
+// dose of a session does not depend on the pictures made of it.
 //
 //   XrayMeter meter(scene);
 //   const XrayExposure exposure = meter.expose(settings, bodies, MeterPace::follows);
-//   settings.beam.fixed_technique = exposure.technique;       // and render, if somebody wants a picture
+//    settings.beam.fixed_technique = exposure.technique;       // and render, if a picture is wanted
 //
 // See docs/xray.md.
 #pragma once
@@ -15,13 +15,13 @@
 namespace crn
 {
 
-// How the control takes the pulse before into account.
+// How the control uses the previous pulse.
 enum class MeterPace {
     follows, // from pulse to pulse, as a generator does
-    settles  // where test exposures come to rest: the first frame of DSA
+    settles  // as after test exposures, until the control has settled: the first frame of DSA
 };
 
-// What one pulse is taken with, and what it costs.
+// The technique and the dose of one pulse.
 struct XrayExposure {
     XrayTechnique technique;
     bool is_underexposed = false; // the control is at a limit
@@ -29,8 +29,8 @@ struct XrayExposure {
     double kap_Gy_cm2 = 0.0;      // kerma times the area of the open field there
 };
 
-// Area of the open field at the reference point, in cm2. Kerma there times this is the kerma-area product,
-// which is the same at every distance.
+// Area of the open field at the reference point, in cm2. The kerma there multiplied by this area is the
+// kerma-area product, which is the same at every distance.
 double reference_area_cm2(const CArm &carm, const XrayBeam &beam);
 
 class XrayMeter
@@ -43,8 +43,8 @@ class XrayMeter
     XrayMeter(const XrayMeter &) = delete;
     XrayMeter &operator=(const XrayMeter &) = delete;
 
-    // One pulse through the bodies as they are now; tools and medium are too small to count. Display and size
-    // of the settings are ignored.
+    // Exposes one pulse through the bodies in their present places; tools and medium are too small to change
+    // it. The settings' display and size are ignored.
     XrayExposure expose(const XraySettings &settings, std::span<const MovedBody> bodies, MeterPace pace);
 
   private:

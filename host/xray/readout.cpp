@@ -1,4 +1,4 @@
-// Row by row on all threads: each row needs its neighbours' photons only.
+// Works row by row on all threads: each row depends only on its neighbours' photons.
 #include "host/xray/readout.hpp"
 #include "host/xray/lag.hpp"
 #include "host/xray/paths/lanes.hpp"
@@ -41,8 +41,8 @@ CRN_WIDE void quantise_row(const float *signal, int size, float gain, std::uint1
     }
 }
 
-// Log image, slow changes held down, then an S-curve: few photons (bone, metal) are dark. Then window and
-// level.
+// Takes the logarithm, reduces slow changes, then applies an S-curve: few photons (bone, metal) are dark.
+// Window and level follow.
 CRN_WIDE void display_row(const Curve &curve, const std::uint16_t *raw, const float *slow, int size,
                           std::uint16_t *shown, std::uint8_t *grey)
 {

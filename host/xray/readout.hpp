@@ -1,4 +1,4 @@
-// From counted quanta to raw values and to the screen: the scintillator's blur, lag, gain, display curve,
+// Converts counted quanta to raw values and to the screen: the scintillator's blur, lag, gain, display curve,
 // window and level.
 #pragma once
 #include "host/xray/chain.hpp"
@@ -6,8 +6,8 @@
 namespace crn
 {
 
-// Fills raw, shown and grey of a picture whose photons are counted. `memory` may be nullptr: no lag; else its
-// traps fit the picture's size.
+// Fills raw, shown and grey of a picture whose photons are counted. Without `memory` (nullptr) there is no
+// lag; otherwise its traps must fit the picture's size.
 void read_out(const XrayChain &chain, const XrayDisplay &display, XrayMemory *memory, XrayPicture &picture);
 
 } // namespace crn

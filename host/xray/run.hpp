@@ -1,5 +1,5 @@
-// One run of the X-ray room as it was acquired: what cine loops, masks and files are made of. The room fills
-// it frame by frame, host/dicom writes it. Plain data.
+// One acquired run of the X-ray room: the source of cine loops, masks and files. The room fills it frame by
+// frame, and host/dicom writes it. It is plain data.
 #pragma once
 #include "host/xray/paths/carm.hpp"
 #include <cstdint>
@@ -12,14 +12,15 @@ namespace crn
 
 enum class RunKind { fluoro, cine, dsa };
 
-// How raw pixel values relate to the X-ray intensity at the detector: LIN, LOG and DISP of PS3.3 C.8.7.1.1.2.
+// Relation of raw pixel values to the X-ray intensity at the detector: LIN, LOG and DISP of PS3.3
+// C.8.7.1.1.2.
 enum class PixelRelation {
     linear,      // proportional to it
     logarithmic, // proportional to its logarithm
     display,     // changed for viewing, no fixed relation
 };
 
-// The open field on the picture, in pixels from the left and top edge. Rectangle or circle.
+// The open field on the picture, in pixels from the left and top edge. It is a rectangle or a circle.
 struct RunCollimator {
     bool is_circular = false;
     int left = 0, right = 0, top = 0, bottom = 0; // open columns [left, right), rows [top, bottom)
@@ -38,8 +39,8 @@ struct RunFrame {
     std::vector<std::uint16_t> raw; // size*size, row 0 on top
 };
 
-// In the order in which the beam meets them. Words as in PS3.3 C.8.7.10, Filter Material: "copper",
-// "aluminum".
+// Filters in the order in which the beam meets them. The words are those of PS3.3 C.8.7.10, Filter Material:
+// "copper", "aluminum".
 struct RunFilter {
     std::string material;
     double thickness_mm = 0.0;
@@ -54,23 +55,25 @@ struct RunContrast {
     double duration_s = 0.0;
 };
 
-// Masks of a DSA run: the mean of these frames is subtracted from every other one, moved by the shift.
+// The mask of a DSA run is the mean of these frames. It is moved by the shift and subtracted from every other
+// frame.
 struct RunMask {
     std::vector<int> frames; // counted from 0 within the run; at least one
-    double shift_x_px = 0.0; // the mask is moved so far to the right ...
-    double shift_y_px = 0.0; // ... and down before it is subtracted
+    double shift_x_px = 0.0; // shift of the mask to the right ...
+    double shift_y_px = 0.0; // ... and down, before it is subtracted
 };
 
 struct XrayRun {
     RunKind kind = RunKind::fluoro;
     int number = 1;            // within the session, from 1
     int size = 0;              // pixels along each edge, the same in every frame
-    double pulses_per_s = 0.0; // nominal; frames may be further apart, their ticks say when they were
+    double pulses_per_s = 0.0; // nominal; frames may be further apart, and their ticks give the true times
     PixelRelation relation = PixelRelation::linear;
-    // Logarithmic only, see make_logarithmic(): for every raw value, one proportional to the intensity.
+    // Only for logarithmic runs, see make_logarithmic(): for every raw value, a value proportional to the
+    // intensity.
     std::vector<std::uint16_t> to_linear;
     int bits = 16;              // stored per pixel: 8, 10, 12 or 16
-    double window_centre = 0.0; // raw values: how a viewer shows the run at first
+    double window_centre = 0.0; // raw values: the window in which a viewer first shows the run
     double window_width = 0.0;
     RunCollimator collimator;
     std::vector<RunFilter> filters;
@@ -80,11 +83,11 @@ struct XrayRun {
     std::vector<RunFrame> frames; // in order of time
 };
 
-// Raw values of a linear run with 16 bits become 65535/16 log2(1 + value), and its window with them: one step
-// is 0.017 % of the intensity, and a plain difference of two frames is what DSA wants, also in viewers that
-// know nothing of logs.
+// Raw values of a linear run with 16 bits become 65535/16 log2(1 + value), and its window is converted with
+// them. One step is 0.017 % of the intensity. A plain difference of two frames is then the DSA picture, also
+// in viewers that cannot take logarithms.
 void make_logarithmic(XrayRun &run);
-// The table by which it does so, 65,536 entries, and the one back.
+// The table of this conversion, with 65,536 entries, and the inverse table.
 const std::vector<std::uint16_t> &logarithm_table();
 
 } // namespace crn

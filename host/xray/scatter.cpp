@@ -1,4 +1,4 @@
-// The Gaussian as three box blurs along both axes, on the coarse grid.
+// Approximates the Gaussian by three box blurs along both axes, on the coarse grid.
 #include "host/xray/scatter.hpp"
 #include "host/xray/float_math.hpp"
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace
 constexpr float scatter_per_neper = 0.70f;
 constexpr double spread_mm = 60.0;
 
-// Mean over 2 reach + 1 cells; nothing scatters in from outside the grid.
+// Computes the mean over 2 reach + 1 cells; nothing scatters in from outside the grid.
 void box(const float *in, int count, int step, int reach, float *out, std::vector<float> &before)
 {
     before.resize(count + 1);

@@ -1,4 +1,4 @@
-// Scatters the list of pixels, gathers the values.
+// Scatters the list of pixels into a picture, and gathers the values.
 #include "host/xray/sparse_blur.hpp"
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-// Tucker's model, integrated over the electron's energy by the midpoint rule.
+// Integrates Tucker's model over the electron's energy by the midpoint rule.
 #include "host/xray/spectrum.hpp"
 #include "host/xray/float_math.hpp"
 #include <algorithm>
@@ -11,7 +11,7 @@ namespace
 constexpr double sine_of_anode = 0.190808995376545; // 11 degrees
 constexpr double electron_rest_keV = 510.99895;
 constexpr double edge_K_keV = 69.525;
-constexpr double output_scale = 1.17; // to spekpy's kerma: spectrum.hpp
+constexpr double output_scale = 1.17; // scales to spekpy's kerma: spectrum.hpp
 
 // alpha r_e^2 Z^2 / A: cm2 per g of tungsten.
 constexpr double cross_section_cm2_g =
@@ -30,7 +30,7 @@ double whiddington(double kV)
     return value[i] + (value[i + 1] - value[i]) * (kV - at_kV[i]) / (at_kV[i + 1] - at_kV[i]);
 }
 
-// Per electron and keV.
+// Returns photons per electron and keV.
 double bremsstrahlung(double energy, double anode_cm2_g, double kV)
 {
     constexpr int steps = 24;
@@ -52,7 +52,8 @@ struct Line {
 };
 constexpr Line lines[] = {{59.32, 0.505}, {57.98, 0.291}, {67.2, 0.162}, {69.1, 0.042}};
 
-// Photons of a K line per electron: made down to the depth where the electron falls below the edge.
+// Returns the photons of a K line per electron: they are made down to the depth where the electron's energy
+// falls below the edge.
 double line_photons(const Line &line, double anode_cm2_g, double kV)
 {
     constexpr int steps = 16;

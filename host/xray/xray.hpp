@@ -3,13 +3,13 @@
 //
 //   XrayScene scene; scene.set_bodies(bodies, error);
 //   Xray xray(scene, threads);
-//   xray.render(settings, tools, frame, seed, picture);            one picture by itself
-//   XrayMemory memory;                                             {}: generator and detector as switched on
-//   xray.render(settings, tools, frame, seed, memory, picture);    one of a sequence; memory goes on
+//   xray.render(settings, tools, frame, seed, picture);            a single picture
+//   XrayMemory memory;                                             {}: generator and detector just switched on
+//   xray.render(settings, tools, frame, seed, memory, picture);    one of a sequence; memory carries over
 //
-// A picture is a pure function of (bodies, tools, wire frame, settings, seed, wire frame's tick, memory): the
-// same bytes for any number of threads, compiler and optimisation level. Path lengths of the bodies are kept
-// while the C-arm stands still. See docs/xray.md.
+// A picture is a pure function of (bodies, tools, wire frame, settings, seed, wire frame's tick, memory): it
+// has the same bytes for any number of threads, compiler and optimisation level. Path lengths of the bodies
+// are kept while the C-arm does not move. See docs/xray.md.
 #pragma once
 #include "host/model/bodies.hpp"
 #include "host/xray/exposure.hpp"
@@ -30,11 +30,12 @@ namespace crn
 
 struct XrayBeam {
     ExposureMode mode = ExposureMode::fluoro;
-    // Behind patient and grid, mean over the measuring field: what automatic exposure aims at and what the
-    // detector's gain is set for. Usual: fluoroscopy 20 .. 60, cine 100 .. 250, DSA 500 .. 3000.
+    // Dose behind patient and grid, mean over the measuring field. It is the target of automatic exposure,
+    // and the detector's gain is set for it. Usual values: fluoroscopy 20 .. 60, cine 100 .. 250, DSA 500 ..
+    // 3000.
     double dose_per_frame_nGy = 40.0;
     double frame_period_ms = 1000.0 / 15.0; // for the limit of the dose rate
-    // Taken instead of automatic exposure: by hand, or locked while a DSA run is on. Held within the tube's
+    // Replaces automatic exposure: set by hand, or locked during a DSA run. It is clamped to the tube's
     // limits.
     std::optional<XrayTechnique> fixed_technique;
     bool noise = true;
@@ -47,9 +48,9 @@ struct XrayBeam {
 struct XrayDisplay {
     double contrast = 1.0;   // slope of the display curve
     double brightness = 0.0; // -1 .. 1
-    double harmonise = 0.65; // 0: plain log image; towards 1: slow changes of density are levelled out
-    // Of the 12-bit values `shown`, as DICOM PS3.3 C.11.2.1.2 defines them: those between level -+ window/2
-    // get all greys.
+    double harmonise = 0.65; // 0: plain log image; towards 1: slow changes of density are levelled
+    // Window of the 12-bit values `shown`, as DICOM PS3.3 C.11.2.1.2 defines it: values between level -+
+    // window/2 get all greys.
     double window = 4096.0;
     double level = 2048.0;
 };
@@ -61,14 +62,14 @@ struct XraySettings {
     int size = 512; // pixels along each edge, 64 .. 2048
 };
 
-// The edge a picture really gets: within 64 .. 2048, a multiple of 16.
+// Returns the edge that a picture really gets: within 64 .. 2048, a multiple of 16.
 int held_size(int size);
 
-// Raw values are 14 bits; the dose asked for gives this one.
+// Raw values are 14 bits. The demanded dose gives raw_of_wanted_dose.
 inline constexpr std::uint16_t raw_max = 16383;
 inline constexpr double raw_of_wanted_dose = 1024.0;
 
-// All pictures size*size, row 0 on top.
+// All pictures have size*size pixels, with row 0 on top.
 struct XrayPicture {
     int size = 0;
     std::uint32_t tick = 0;
@@ -79,7 +80,7 @@ struct XrayPicture {
     std::vector<std::uint32_t>
         photons; // quanta drawn per pixel, before the scintillator's blur; 0 outside the collimator
 
-    double photons_open = 0.0;   // what an unattenuated pixel counts on average
+    double photons_open = 0.0;   // mean count of an unattenuated pixel
     double raw_per_photon = 0.0; // gain
     XrayTechnique technique;
     bool is_underexposed = false; // automatic exposure is at a limit
@@ -88,13 +89,13 @@ struct XrayPicture {
     double kap_Gy_cm2 = 0.0; // kerma times the collimated field's area, the same at every distance
 };
 
-// What generator and detector remember from picture to picture. Plain data: a copy saves it, {} resets it.
+// The memory of generator and detector from picture to picture. Plain data: a copy saves it, {} resets it.
 struct XrayMemory {
     bool is_used = false;
     ExposureState exposure;
     std::uint32_t tick = 0;     // of the last picture
     int size = 0;               // of `trapped`
-    double field_m = 0.0;       // another field or size reads other pixels: their traps are empty
+    double field_m = 0.0;       // in another field or size pixels have other places: their traps are empty
     std::vector<float> trapped; // quanta held back by the photodiodes
 };
 
@@ -103,10 +104,10 @@ struct XrayChain;
 class BodyPaths;
 struct BodyMeshes;
 
-// Makes what draws the bodies (paths.hpp).
+// Makes the back end that draws the bodies (paths.hpp).
 using BodyPathsMaker = std::function<std::unique_ptr<BodyPaths>(const BodyMeshes &meshes, int threads)>;
 
-// Immutable after set_bodies; shared by any number of Xray.
+// The bodies of a scene: immutable after set_bodies; shared by any number of Xray.
 class XrayScene
 {
   public:
@@ -114,8 +115,8 @@ class XrayScene
     ~XrayScene();
     XrayScene(const XrayScene &) = delete;
     XrayScene &operator=(const XrayScene &) = delete;
-    // False with a message (body's name, what is wrong) when a material or parent is unknown; the scene is
-    // then empty.
+    // Returns false with a message (the body's name and the cause) when a material or parent is unknown; the
+    // scene is then empty.
     bool set_bodies(const Bodies &bodies, std::string &error);
     std::size_t triangle_count() const;
     struct Meshes;
@@ -128,32 +129,35 @@ class XrayScene
 class Xray
 {
   public:
-    // `threads` 0: one per processor, 4 at most. Without a maker the bodies are drawn by RasterPaths.
+    // With `threads` 0 there is one per processor, 4 at most. Without a maker RasterPaths draws the bodies.
     explicit Xray(const XrayScene &scene, int threads = 0, const BodyPathsMaker &make_paths = {});
     ~Xray();
     Xray(const Xray &) = delete;
     Xray &operator=(const Xray &) = delete;
 
-    // `tools` from the innermost, each over the part of the line that it covers (wire.tip_arc_m).
+    // `tools` are given from the innermost out, each over the part of the line that it covers
+    // (wire.tip_arc_m).
     void render(const XraySettings &settings, std::span<const RadiopaqueInstrument> tools,
                 const WireFrame &wire, std::uint64_t seed, XrayPicture &picture);
 
-    // The next picture of a sequence: exposure follows the pictures before, the detector lags. Without
-    // `memory` automatic exposure has settled and nothing lags.
+    // Makes the next picture of a sequence: exposure follows the earlier pictures, and the detector lags.
+    // Without `memory` automatic exposure has settled and there is no lag.
     void render(const XraySettings &settings, std::span<const RadiopaqueInstrument> tools,
                 const WireFrame &wire, std::uint64_t seed, XrayMemory &memory, XrayPicture &picture);
 
-    // The same with all that can move: struts, contrast medium, beating bodies. `memory` may be null.
+    // Makes the same with everything that can move: struts, contrast medium, beating bodies. `memory` may be
+    // null.
     void render(const XraySettings &settings, const XrayFrame &frame, std::uint64_t seed, XrayMemory *memory,
                 XrayPicture &picture);
 
-    // Path lengths of the last render in 1/1024 mm, size*size each: bodies (nested ones taken out of their
-    // parents), and tools with curves, below 0 where they displace. Empty when the material is absent.
+    // Path lengths of the last render in 1/1024 mm, size*size each: of the bodies (nested ones subtracted
+    // from their parents), and of tools with curves, below 0 where they displace material. Empty when the
+    // material is absent.
     std::vector<std::int32_t> body_path_q10mm(Material material) const;
     std::vector<std::int32_t> instrument_path_q10mm(Material material) const;
     bool last_render_used_cache() const;
-    std::string_view back_end() const;         // who draws the bodies
-    const std::string &back_end_error() const; // why the one asked for was given up; empty: it was not
+    std::string_view back_end() const;         // the back end that draws the bodies
+    const std::string &back_end_error() const; // why the requested back end was abandoned; empty: it was not
 
   private:
     std::unique_ptr<XrayChain> chain_;

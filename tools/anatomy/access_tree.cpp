@@ -1,7 +1,7 @@
-/* A second silicone phantom: a long winding femoral access, the common iliac bifurcation, the aortic
- * bifurcation and the renal arteries, so that an instrument's shaft lies in it beside its soft end. Plain
- * courses and round numbers; all dimensions are this project's own choice near the means of aorta_tree.cpp.
- */
+/* A second silicone phantom: a long tortuous femoral access, the common iliac bifurcation, the aortic
+ * bifurcation and the renal arteries. An instrument's shaft therefore lies in it as well as its soft end.
+ * Courses are plain and numbers round; all dimensions are this project's own choice near the means of
+ * aorta_tree.cpp. */
 #include "tools/anatomy/vessels.hpp"
 
 namespace anatomy

@@ -1,6 +1,6 @@
-/* The shipped arterial tree, access at the right groin to the three branches of the arch. Courses follow the
- * skeleton of skeleton_spine.cpp (same frame: +x patient left, +y head, +z front, origin between T12 and L1);
- * diameters are means for men. */
+/* The shipped arterial tree, from the access at the right groin to the three branches of the arch. Courses
+ * follow the skeleton of skeleton_spine.cpp (same frame: +x patient left, +y head, +z front, origin
+ * between T12 and L1). Diameters are means for men. */
 #include "tools/anatomy/vessels.hpp"
 
 namespace anatomy
@@ -85,7 +85,7 @@ Vessel left_iliac()
             }};
 }
 
-/* Both ostia between L1 and L2, the right one a little higher and pointing further down (Eur Radiol
+/* Both ostia lie between L1 and L2, the right one slightly higher and pointing further down (Eur Radiol
  * 1999;9:1330). */
 std::vector<Vessel> renals()
 {
@@ -152,8 +152,8 @@ std::vector<Vessel> arch_branches()
              }}};
 }
 
-/* Mean flows at rest, rounded means of what textbooks give for a man of 70 kg (assumed). The arteries of gut,
- * liver and trunk are not modelled, so the aorta carries what these need and no more. */
+/* Mean flows at rest, as rounded means of textbook values for a man of 70 kg (assumed). The arteries of
+ * gut, liver and trunk are not modelled, so the aorta carries only what the modelled arteries need. */
 double resting_flow_ml_min(const std::string &vessel)
 {
     if (vessel.find("renal") != std::string::npos) return 550;
@@ -171,7 +171,8 @@ VesselTree aorta_tree()
     for (const Vessel &vessel : renals()) tree.vessels.push_back(vessel);
     for (const Vessel &vessel : arch_branches()) tree.vessels.push_back(vessel);
     for (Vessel &vessel : tree.vessels) vessel.flow_ml_min = resting_flow_ml_min(vessel.name);
-    // Mouth of the sheath: the sample of the right iliac curve nearest to the middle of the femoral head.
+    // The entry at the introducer sheath is the sample of the right iliac curve nearest to the middle of the
+    // femoral head.
     put_mouth(tree, -300.0);
     return tree;
 }

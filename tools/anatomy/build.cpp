@@ -10,15 +10,17 @@ namespace anatomy
 namespace
 {
 
-/* Least distance kept between neighbouring bodies, above what simplification may move both. */
+/* The least distance kept between neighbouring bodies. It exceeds what simplification may move both
+ * surfaces. */
 constexpr double GAP_MM = 0.9, SHELL_MM = 1.0;
-/* Thin bones are simplified less: where a wing of 2 mm of cortex is seen edge-on, a slope that is 3 degrees
- * off is a streak. */
+/* Thin bones are simplified less: where a wing of 2 mm of cortex is seen edge-on, a slope that is 3
+ * degrees off appears as a streak. */
 constexpr double BONE_ERROR_MM = 0.16, THIN_BONE_ERROR_MM = 0.1;
-/* Unevenness of the inside of the cortex, seen as grain. */
+/* Unevenness of the inside of the cortex, which appears as grain. */
 constexpr double GRAIN_MM = 0.12, THIN_BONE_GRAIN_MM = 0.05;
 
-/* Smooth unevenness between about -1 and 1 with the given wavelength: bone is not turned on a lathe. */
+/* Smooth unevenness between about -1 and 1 with the given wavelength, because real bone is not a perfect
+ * surface of revolution. */
 double unevenness(const Vec3 &p, double wavelength_mm)
 {
     const Vec3 q = p * (6.283 / wavelength_mm);
@@ -33,8 +35,7 @@ LocalDistance local(const Solid &solid)
     };
 }
 
-// --- bones
-// ------------------------------------------------------------------------------------------------------
+// --- bones ---
 
 struct BoneGroup {
     const char *name;
@@ -42,7 +43,7 @@ struct BoneGroup {
     double voxel_mm, error_mm, grain_mm;
 };
 
-/* Bone of one group; it keeps its gap to the groups before it. */
+/* The bone of one group, which keeps its gap to the groups before it. */
 LocalDistance bone_distance(const Solid &bone, const Solid &before)
 {
     return [=](const Box &box, double reach_mm) -> Distance {
@@ -129,7 +130,7 @@ std::vector<Body> heart_patient_bodies(const Fineness &fineness)
     return bodies_with(heart_vessels(), fineness);
 }
 
-/* A wall of silicone around the vessels in a tank of water, filled with a fluid like blood. */
+/* A silicone wall around the vessels in a tank of water, filled with a fluid like blood. */
 std::vector<Body> phantom_bodies(const Fineness &fineness)
 {
     constexpr double WALL_MM = 2.0, TANK_MM = 14.0, ERROR_MM = 0.08;

@@ -1,4 +1,4 @@
-/* Puts an anatomy together: lumen, centrelines and the bodies of the picture, each a closed mesh. */
+/* Assembles an anatomy: lumen, centrelines and the bodies of the X-ray picture, each a closed mesh. */
 #pragma once
 #include "tools/anatomy/mesh.hpp"
 #include "tools/anatomy/vessels.hpp"
@@ -9,7 +9,8 @@
 namespace anatomy
 {
 
-/* One body of the X-ray picture. It lies wholly inside the body named by `inside` ("" for the outermost). */
+/* One body of the X-ray picture. It lies completely inside the body named by `inside` ("" for the
+ * outermost). */
 struct Body {
     std::string name, material, inside;
     MeshRequest request;

@@ -1,7 +1,7 @@
-/* The coronary arteries of the shipped heart at the end of diastole, right dominant: courses in the grooves
- * between its chambers, given by height and angle about the left ventricle's axis (heart_beat.hpp) and laid
- * onto the heart's surface. Names and numbers of branches are the usual ones; courses are assumed, nobody's
- * angiogram. */
+/* The coronary arteries of the shipped heart at the end of diastole, right dominant. Their courses run in
+ * the grooves between its chambers; they are given by height and angle about the left ventricle's axis
+ * (heart_beat.hpp) and projected onto the heart's surface. Names and numbers of branches are the usual
+ * ones. The courses are assumed; they come from no angiogram. */
 #include "tools/anatomy/heart_beat.hpp"
 #include "tools/anatomy/organs.hpp"
 #include "tools/anatomy/vessels.hpp"
@@ -17,14 +17,14 @@ const char *DODGE = "Dodge 1992, Circulation 86:232 (60 men, right dominance)";
 const char *BETWEEN = "assumed: between its neighbours";
 const char *BRANCH = "assumed: usual size of this branch";
 
-/* A point of a course on the heart's surface; without a diameter it only gives the course. */
+/* A point of a course on the heart's surface; a point without a diameter only defines the course. */
 struct Mark {
     double height, angle_deg, diameter_mm;
     const char *name, *source;
 };
 
-/* Where the way straight out from the axis leaves the heart, and a little further: arteries lie half in their
- * grooves. */
+/* The place where the ray straight out from the axis leaves the heart, plus a small distance: arteries lie
+ * half in their grooves. */
 Vec3 on_heart(const Solid &heart, double height, double angle_deg)
 {
     constexpr double LIFT_MM = 0.5, FAR_MM = 90.0, STEP_MM = 0.5;
@@ -42,8 +42,8 @@ Vec3 on_heart(const Solid &heart, double height, double angle_deg)
     return start + outside * out;
 }
 
-/* The artery that begins with the given stations, if any, and then follows the marks; the surface is met
- * every few millimetres. */
+/* The artery that begins with the given stations, if any, and then follows the marks. It touches the
+ * surface every few millimetres. */
 Vessel artery(const char *name, std::vector<Station> stations, const std::vector<Mark> &marks)
 {
     constexpr double APART_MM = 4.0;
@@ -83,7 +83,7 @@ namespace
 {
 
 /* Mean flows at rest out of the ends, assumed: the LAD with its diagonals carries 56 ml/min (40 to 80 are
- * usual), 92 the left main. */
+ * usual), the left main 92. */
 double resting_flow_ml_min(const std::string &artery)
 {
     const std::pair<const char *, double> flows[] = {{"LAD", 28}, {"D1", 16},  {"D2", 12},

@@ -11,7 +11,7 @@ namespace anatomy
 namespace
 {
 
-/* A course over one beat from knots in milliseconds; it goes on periodically. */
+/* A periodic course over one beat, given by knots in milliseconds. */
 Spline course(const std::vector<std::pair<double, double>> &knots)
 {
     std::vector<double> phase, value;
@@ -40,7 +40,7 @@ double smooth_step(double low, double high, double value)
     return t * t * (3.0 - 2.0 * t);
 }
 
-/* What lies behind the heart and stays: the aorta from the end of the arch down. */
+/* The aorta from the end of the arch downwards lies behind the heart and does not move. */
 Solid descending_aorta()
 {
     Curve curve = vessel_curve(aorta_tree().vessels[0], 2.0);
@@ -137,7 +137,7 @@ HeartBeat::HeartBeat()
 
 HeartBeat::Place HeartBeat::place(const Vec3 &point) const
 {
-    // Inner and outer wall, and both sides of the base: the free wall of the right ventricle goes further.
+    // Inner and outer wall, and both sides of the base. The free wall of the right ventricle moves further.
     constexpr double INNER = 0.34, OUTER = 0.12, RIGHT_OUTER = 0.33, WALL_MM = 10.0;
     constexpr double LEFT_DESCENT_MM = 14.0, RIGHT_DESCENT_MM = 22.0, RIGHT_AT_MM = 48.0, RIGHT_DEG = 300.0;
     constexpr double MOVES_WITHIN_MM = 3.0, RESTS_BEYOND_MM = 38.0, HELD_MM = 22.0;
@@ -161,8 +161,8 @@ HeartBeat::Place HeartBeat::place(const Vec3 &point) const
 Vec3 HeartBeat::moved(const Place &here, double phase) const
 {
     const HeartAxes &axes = heart_axes();
-    // Counter-clockwise as seen from the apex is right-handed about the direction that points down to the
-    // viewer.
+    // A counter-clockwise turn as seen from the apex is right-handed about the direction that points down to
+    // the viewer.
     const Eigen::AngleAxisd turn(here.turn_rad * twist_.at(phase), -axes.up);
     const Vec3 across = turn * here.across * (1.0 - here.inward * radial_.at(phase));
     const Vec3 way = across - here.across - axes.up * (here.descent_mm * longitudinal_.at(phase));

@@ -59,8 +59,8 @@ Slice slice_of(const MovingBody &body, double low, double high, size_t frame)
     return slice;
 }
 
-/* The place towards which steps lead best, by least squares of their parts across, and the share of the
- * squared steps along. */
+/* The place towards which the steps point best, by least squares of their parts across, and the share of
+ * the squared steps that points there. */
 struct Centre {
     Vec3 place = Vec3::Zero();
     double radial_share = 0.0;
@@ -92,9 +92,9 @@ Centre centre_of(const std::vector<Vec3> &from, const std::vector<Vec3> &to)
     return centre;
 }
 
-/* Longest time without a point of the curve further than `within_mm` from where it was at the time's
- * beginning or anywhere in it. Frames are joined by straight ways. Only windows whose middle lies in [from,
- * to) of the beat count. */
+/* The longest time during which no two positions of any point of the curve are more than `within_mm`
+ * apart. Frames are joined by straight lines. Only windows whose middle lies in [from, to) of the beat
+ * count. */
 double rest_ms(const std::vector<Curve> &frames, double within_mm, double from, double to)
 {
     constexpr int FINE = 240;
@@ -130,8 +130,9 @@ double rest_ms(const std::vector<Curve> &frames, double within_mm, double from, 
 
 VesselFigures figures_of(const MovingVessel &vessel)
 {
-    constexpr double REST_MM = 1.0,
-                     EARLY = 0.55; // of the beat: systole and its end lie before, the rest of diastole behind
+    constexpr double
+        REST_MM = 1.0,
+        EARLY = 0.55; // share of the beat: systole and its end lie before it, the rest of diastole after it
     VesselFigures figures{vessel.name, vessel.frames[0].back().arc_mm, 0.0, 0.0, 0.0};
     for (size_t point = 0; point < vessel.frames[0].size(); point++)
         for (size_t a = 0; a < vessel.frames.size(); a++)

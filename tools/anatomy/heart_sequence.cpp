@@ -26,7 +26,7 @@ void append_line(std::string &text, const char *format, auto... values)
     text.append(line, std::min(static_cast<size_t>(length), sizeof line - 1));
 }
 
-/* Every body as an object; `frame` -1: inhaled. */
+/* Writes every body as an object; `frame` -1 means inhaled. */
 std::string frame_text(const HeartSequence &sequence, int frame)
 {
     std::string text;
@@ -61,7 +61,8 @@ bool is_of_heart(const std::string &body)
 
 bool moves_with_heart(const std::string &body)
 {
-    return is_of_heart(body) || body.rfind("lung_", 0) == 0; // whose border is the heart's in the picture
+    return is_of_heart(body) ||
+           body.rfind("lung_", 0) == 0; // their border is the heart's border in the picture
 }
 
 MovingBody moving_body(const std::string &name, const Mesh &rest, const HeartBeat &beat)

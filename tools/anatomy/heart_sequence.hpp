@@ -1,5 +1,5 @@
-/* The heart over one beat: bodies with one set of triangles and their vertices in every frame, the arteries'
- * centrelines, and what is measured on them. */
+/* The heart over one beat: bodies with one set of triangles and their vertices in every frame, the
+ * arteries' centrelines, and the figures measured on them. */
 #pragma once
 #include "tools/anatomy/build.hpp"
 #include "tools/anatomy/heart_beat.hpp"
@@ -26,41 +26,41 @@ struct HeartSequence {
     std::vector<MovingVessel> vessels;
 };
 
-/* Bodies by name: the heart and its vessels; with what moves beside them. */
+/* Classifies bodies by name: the heart and its vessels; and these together with what moves beside them. */
 bool is_of_heart(const std::string &body);
 bool moves_with_heart(const std::string &body);
 
 MovingBody moving_body(const std::string &name, const Mesh &rest, const HeartBeat &beat);
 MovingVessel moving_vessel(const Vessel &vessel, const HeartBeat &beat);
 
-/* Figures of a beat of BEAT_MS, measured on meshes and centrelines alone. */
+/* The figures of a beat of BEAT_MS, measured on meshes and centrelines alone. */
 struct VesselFigures {
     std::string name;
-    double length_mm, excursion_mm; // at the end of diastole; the largest way of any point between two frames
-    double systole_rest_ms, diastole_rest_ms; // longest time in which no point goes further than 1 mm
+    double length_mm, excursion_mm; // at the end of diastole; largest displacement between two frames
+    double systole_rest_ms, diastole_rest_ms; // longest time in which no point moves by more than 1 mm
 };
 
 struct HeartFigures {
     std::vector<double> left_ml, right_ml; // ventricles, per frame
     std::vector<double> left_atrium_ml, right_atrium_ml;
-    int systole_frame = 0;                            // of the smallest left ventricle
+    int systole_frame = 0;                            // frame of the smallest left ventricle
     double left_ejection = 0.0, right_ejection = 0.0; // shares
     double base_descent_mm = 0.0, twist_deg = 0.0, base_turn_deg = 0.0, apex_turn_deg = 0.0;
-    double radial_share = 0.0;        // of the inner wall's motion towards one centre, mean over the steps
-    double centre_path_mm = 0.0;      // how far that centre wanders over systole
-    double least_volume_factor = 0.0; // HeartBeat's, of the map itself
+    double radial_share = 0.0;        // of the inner wall's motion, towards one centre; mean over the steps
+    double centre_path_mm = 0.0;      // displacement of that centre over systole
+    double least_volume_factor = 0.0; // HeartBeat's, for the map itself
     std::vector<VesselFigures> vessels;
 };
 
 /* Throws std::runtime_error when a ventricle or a vessel is missing. */
 HeartFigures heart_figures(const HeartSequence &sequence);
 
-/* FOLDER/lumen_00.ply ... of one mesh in every frame, and FOLDER_inhaled.ply beside the folder: what bake
- * fits a lattice to. */
+/* Writes FOLDER/lumen_00.ply ... of one mesh in every frame, and FOLDER_inhaled.ply beside the folder.
+ * bake fits a lattice to these files. */
 void write_lumen_frames(const std::filesystem::path &folder, const Mesh &rest, const HeartBeat &beat);
 
-/* FOLDER_inhaled.obj beside FOLDER/frame_00.obj ... frame_23.obj with one object per body,
- * centrelines_00.mrk.json ... beside them. */
+/* Writes FOLDER/frame_00.obj ... frame_23.obj with one object per body, centrelines_00.mrk.json ... beside
+ * them, and FOLDER_inhaled.obj beside the folder. */
 void write_sequence(const std::filesystem::path &folder, const HeartSequence &sequence);
 std::string figures_json(const HeartFigures &figures);
 

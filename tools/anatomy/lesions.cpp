@@ -30,7 +30,7 @@ double number_from(const std::string &wish, const std::string &word)
 struct Number {
     const char *name;
     double Lesion::*value;
-    crn::NumberRange range; /* what `bake` takes: said here before minutes of meshing, not after them */
+    crn::NumberRange range; /* what `bake` accepts: checked here before minutes of meshing, not after them */
 };
 constexpr std::array<Number, 6> NUMBERS = {
     {{"PERCENT", &Lesion::stenosis_percent, crn::lesion_stenosis_percent},

@@ -1,4 +1,4 @@
-/* Lesions asked for on the command line -> [[lesion]] tables of the scene text, which `bake` makes
+/* Turns the command line's lesions into [[lesion]] tables of the scene text, from which `bake` makes them
  * (docs/lesions.md). */
 #pragma once
 #include "tools/anatomy/build.hpp"
@@ -6,8 +6,8 @@
 namespace anatomy
 {
 
-/* One `--lesion`: BRANCH:PERCENT:LENGTH_MM:AT_MM, then if wished :ECCENTRICITY:PLAQUE_DEG:CALCIFIED_DEG.
- * Throws std::invalid_argument with what is wrong with it. */
+/* One `--lesion`: BRANCH:PERCENT:LENGTH_MM:AT_MM, optionally followed by
+ * :ECCENTRICITY:PLAQUE_DEG:CALCIFIED_DEG. Throws std::invalid_argument with the reason. */
 struct Lesion {
     std::string branch;
     double stenosis_percent = 0, length_mm = 0, at_mm = 0, eccentricity = 0, plaque_deg = 0,
@@ -15,8 +15,8 @@ struct Lesion {
 };
 Lesion lesion_from(const std::string &wish);
 
-/* The tables; throws std::invalid_argument for a branch that the tree has not. Calcium lies in the body
- * called `inside`, "": in none. */
+/* Returns the tables. Throws std::invalid_argument for a branch that the tree does not have. Calcium lies
+ * in the body named `inside`; "" means in no body. */
 std::string lesions_text(const std::vector<Lesion> &lesions, const VesselTree &tree,
                          const std::string &inside);
 

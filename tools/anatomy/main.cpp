@@ -1,4 +1,4 @@
-/* anatomy: makes the anatomy that ships with Cournand. See docs/anatomy.md. */
+/* anatomy: makes the anatomy that ships with Cournand (docs/anatomy.md). */
 #include "host/base/command_values.hpp"
 #include "host/base/output_files.hpp"
 #include "host/base/pending_file.hpp"
@@ -26,10 +26,10 @@ struct Options {
     std::filesystem::path folder;
     Fineness fineness;
     bool bodies = true, quiet = false, heart_only = false;
-    std::vector<std::string> lesions; /* as they were written */
+    std::vector<std::string> lesions; /* as given on the command line */
 };
 
-/* Meshes one thing, says so on standard error, and writes it. */
+/* Makes one mesh, reports it on standard error, and writes it. */
 Mesh make_mesh(const Options &options, const std::string &name, const MeshRequest &request)
 {
     const auto start = std::chrono::steady_clock::now();
@@ -58,7 +58,8 @@ void make_folder(const Options &options)
                                  ": the folder cannot be made: " + failure.message());
 }
 
-/* Known before an hour of meshing, not after it. Calcium lies where the vessels do. */
+/* Lesions are checked before an hour of meshing, not after it. Calcium lies in the body that holds the
+ * vessels. */
 std::string lesions_of(const Options &options, const VesselTree &tree, const std::vector<Body> &bodies)
 {
     std::vector<Lesion> lesions;
@@ -69,7 +70,7 @@ std::string lesions_of(const Options &options, const VesselTree &tree, const std
     return lesions_text(lesions, tree, inside);
 }
 
-/* `keep` sees the mesh of the lumen and of every body. */
+/* `keep` receives the mesh of the lumen and of every body. */
 void make_scene(const Options &options, const VesselTree &tree, const std::vector<Body> &bodies,
                 const std::function<void(const std::string &, const Mesh &)> &keep)
 {
@@ -125,7 +126,7 @@ void print_figures(const HeartFigures &f)
             vessel.diastole_rest_ms);
 }
 
-/* The scene at the end of diastole, and what moves in it in 24 frames. */
+/* Makes the scene at the end of diastole, and its moving bodies in 24 frames. */
 int make_heart(const Options &options)
 {
     const VesselTree tree = heart_tree();
@@ -155,14 +156,14 @@ int make_heart(const Options &options)
     return 0;
 }
 
-/* What `anatomy beat` was asked for. */
+/* The options of `anatomy beat`. */
 struct BeatOptions {
     crn::bake::MeshText mesh;
     std::filesystem::path folder;
     std::vector<double> left_mm, right_mm, apex_mm;
 };
 
-/* A mesh of another heart, moved as the shipped one moves. */
+/* Moves a mesh of another heart as the shipped one moves. */
 int make_beat(const BeatOptions &options)
 {
     crn::check_output_folder({"--output", options.folder.string()});
@@ -227,8 +228,8 @@ int check(const std::filesystem::path &folder)
     return is_good ? 0 : 1;
 }
 
-/* One line per stated diameter: where it holds and where it comes from. Tab separated, so that scripts can
- * read it. */
+/* Prints one line per stated diameter: its place and its source. Lines are separated by tabs, so that
+ * scripts can read them. */
 int list(const VesselTree &tree)
 {
     std::printf("vessel\tstation\tdiameter_mm\tx_mm\ty_mm\tz_mm\ttangent_x\ttangent_y\ttangent_z\tsource\n");

@@ -17,10 +17,10 @@ namespace
 
 constexpr int BLOCK = 8; // voxels along one side of an OpenVDB leaf
 constexpr double BAND_VOXELS = 3.0;
-/* Distances of smooth shapes are estimates: 1.5 covers the steepest underestimate of the shapes used here. */
+/* Distances of smooth shapes are estimates; 1.5 covers the steepest underestimate of the shapes used here. */
 constexpr double STEEPEST = 1.5;
 
-/* Box of one leaf of the grid with a margin of one voxel. */
+/* The box of one leaf of the grid with a margin of one voxel. */
 Box block_box(const openvdb::Coord &origin, double voxel_mm)
 {
     Box box;
@@ -29,15 +29,15 @@ Box block_box(const openvdb::Coord &origin, double voxel_mm)
     return box;
 }
 
-/* Fills one leaf from the distance function. The surface needs exact values beside it only: a group of points
- * whose middle lies so far off that none of them has a neighbour beyond it takes the band's, with the
- * middle's sign. */
+/* Fills one leaf from the distance function. Exact values are needed only beside the surface. A group of
+ * points gets the band's value, with the sign of its middle, when its middle is so far from the surface
+ * that no point's neighbour lies beyond it. */
 void fill_block(openvdb::FloatGrid::Accessor &access, const openvdb::Coord &origin,
                 const MeshRequest &request)
 {
     constexpr int GROUP = 2;
     const double voxel = request.voxel_mm, band = BAND_VOXELS * voxel;
-    // Half a group's diagonal and a voxel's, by the steepest estimate (level_set()).
+    // Half a group's diagonal plus a voxel's diagonal, by the steepest estimate (level_set()).
     const double far = STEEPEST * (0.5 * (GROUP - 1) + 1.0) * std::sqrt(3.0) * voxel;
     const Distance distance = request.distance_in(block_box(origin, voxel), band);
     auto *leaf = access.touchLeaf(origin);
@@ -61,7 +61,7 @@ void fill_block(openvdb::FloatGrid::Accessor &access, const openvdb::Coord &orig
 /* Blocks whose centre is far from the surface are skipped; the flood fill gives them their sign. */
 openvdb::FloatGrid::Ptr level_set(const MeshRequest &request)
 {
-    // Columns of blocks share one distance function for the look at their centres.
+    // Columns of blocks share one distance function when their centres are tested.
     const double block_mm = BLOCK * request.voxel_mm;
     auto grid = openvdb::FloatGrid::create(static_cast<float>(BAND_VOXELS * request.voxel_mm));
     auto access = grid->getAccessor();
@@ -84,7 +84,7 @@ openvdb::FloatGrid::Ptr level_set(const MeshRequest &request)
     return grid;
 }
 
-/* One Newton step puts a vertex of the grid's surface onto the true one. */
+/* One Newton step moves a vertex of the grid's surface onto the true surface. */
 Vec3 onto_surface(const Distance &distance, double voxel_mm, const Vec3 &point)
 {
     const double step = 0.1 * voxel_mm;
@@ -106,7 +106,7 @@ Mesh surface_of(const openvdb::FloatGrid &grid, const MeshRequest &request)
     openvdb::tools::volumeToMesh(grid, points, quads, 0.0);
     Mesh mesh;
     mesh.vertices_mm.reserve(points.size());
-    // The points come block by block: the local distance function is renewed when the block changes.
+    // The points come block by block, so the local distance function is renewed when the block changes.
     openvdb::Coord block = openvdb::Coord::max();
     Distance distance;
     for (const auto &point : points) {
@@ -119,7 +119,7 @@ Mesh surface_of(const openvdb::FloatGrid &grid, const MeshRequest &request)
         mesh.vertices_mm.push_back(onto_surface(distance, request.voxel_mm, place));
     }
     for (const auto &quad : quads) {
-        // Split along the shorter diagonal, counter-clockwise seen from outside.
+        // The quadrangle is split along its shorter diagonal, counter-clockwise as seen from outside.
         const auto &v = mesh.vertices_mm;
         const bool first_diagonal =
             (v[quad[0]] - v[quad[2]]).squaredNorm() <= (v[quad[1]] - v[quad[3]]).squaredNorm();
@@ -134,7 +134,7 @@ Mesh surface_of(const openvdb::FloatGrid &grid, const MeshRequest &request)
     return mesh;
 }
 
-/* Keeps the connected surfaces that have enough triangles. */
+/* Keeps only the connected surfaces that have enough triangles. */
 void drop_crumbs(Mesh &mesh)
 {
     constexpr uint32_t CRUMB_TRIANGLES = 60;
@@ -170,7 +170,7 @@ void drop_crumbs(Mesh &mesh)
 
 Mesh mesh_of(const MeshRequest &request)
 {
-    // A grid point exactly in a saddle can pinch the surface; a hair's breadth of offset undoes it.
+    // A grid point exactly on a saddle can pinch the surface; a tiny offset avoids that.
     constexpr int ATTEMPTS = 4;
     std::string fault;
     for (int attempt = 0; attempt < ATTEMPTS; attempt++) {

@@ -1,4 +1,4 @@
-/* Closed triangle meshes of solids: OpenVDB level set, its surface, and a simplification that keeps the
+/* Closed triangle meshes of solids: an OpenVDB level set, its surface, and a simplification that keeps the
  * surface closed. */
 #pragma once
 #include "tools/anatomy/shapes.hpp"
@@ -16,12 +16,11 @@ struct Mesh {
     std::vector<std::array<uint32_t, 3>> triangles; // counter-clockwise seen from outside
 };
 
-/* Gives a distance function for points inside a box, correct where its value is below reach_mm: near one
- * place only few of a body's shapes matter, and finding them once per block makes meshing many times faster.
- */
+/* Returns a distance function for points inside a box, correct where its value is below reach_mm. Only few
+ * of a body's shapes matter near one place; finding them once per block makes meshing many times faster. */
 using LocalDistance = std::function<Distance(const Box &box, double reach_mm)>;
 
-/* What is meshed and how finely. error_mm is how far simplification may move the surface (0: no
+/* The solid to mesh and the fineness. error_mm is how far simplification may move the surface (0: no
  * simplification). */
 struct MeshRequest {
     Box bounds;
@@ -30,11 +29,12 @@ struct MeshRequest {
     double error_mm = 0.15;
 };
 
-/* The zero surface of the request; components with fewer than 60 triangles are dropped as crumbs.
- * Throws std::runtime_error when the surface is empty or leaves the bounds. */
+/* The zero surface of the request; components with fewer than 60 triangles are dropped. Throws
+ * std::runtime_error when the surface is empty or leaves the bounds. */
 Mesh mesh_of(const MeshRequest &request);
 
-/* Empty when each edge has exactly two triangles of opposite direction; else the first fault in words. */
+/* Empty when each edge has exactly two triangles of opposite direction; otherwise the first fault in
+ * words. */
 std::string closed_mesh_fault(const Mesh &mesh);
 
 double mesh_volume_mm3(const Mesh &mesh);

@@ -1,4 +1,4 @@
-/* The belly: its room, kidneys, liver, spleen, psoas, bowel and gas. */
+/* The belly: its cavity, kidneys, liver, spleen, psoas, bowel and gas. */
 #include "tools/anatomy/organs.hpp"
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@ namespace anatomy
 namespace
 {
 
-/* Room by height: half-width, front and back. Values in millimetres. */
+/* The cavity by height: half-width, front and back. Values are in millimetres. */
 struct Level {
     double y, half_width, front, back;
 };
@@ -67,7 +67,7 @@ namespace
 
 struct KidneyPlace {
     Vec3 centre;
-    Eigen::Matrix3d lean; // upper poles inwards and backwards
+    Eigen::Matrix3d lean; // tilts the upper poles inwards and backwards
 };
 
 KidneyPlace kidney_place(double s)
@@ -98,7 +98,7 @@ Solid kidneys()
         const KidneyPlace place = kidney_place(s);
         Part part(0.0);
         part.add<Ellipsoid>(place.centre, Vec3(27, 57, 23), place.lean);
-        // The hilum: a notch filled with fat, open to the middle and the front.
+        // The hilum is a notch filled with fat, open to the middle and the front.
         const Vec3 hilum = place.centre + place.lean * side(s, -31, 0, 8);
         part.cut<Ellipsoid>(hilum, Vec3(20, 19, 13), place.lean);
         solid.add(part);
@@ -130,11 +130,11 @@ Solid spleen()
 namespace
 {
 
-/* A pouch of gas: a row of uneven balls along a course, as the folds of the colon make it. */
+/* A pouch of gas: a row of uneven balls along a course, like the haustra of the colon. */
 void add_pouches(Part &part, const std::vector<Vec3> &course, double radius_mm, double wall_mm, uint32_t seed)
 {
     uint32_t state = seed;
-    auto random = [&state] { // xorshift: the same on every machine; 0 to 1
+    auto random = [&state] { // xorshift gives the same numbers from 0 to 1 on every machine
         state ^= state << 13;
         state ^= state >> 17;
         state ^= state << 5;
@@ -181,7 +181,7 @@ Solid bowel_gas(double wall_mm)
 namespace
 {
 
-/* Loops of the small bowel: to and fro in four rows. */
+/* Loops of the small bowel, back and forth in four rows. */
 std::vector<Vec3> small_bowel_course()
 {
     std::vector<Vec3> points;

@@ -10,7 +10,7 @@ namespace anatomy
 namespace
 {
 
-/* Chest cavity by height: half-width, front, back. */
+/* The chest cavity by height: half-width, front, back. */
 struct Level {
     double y, half_width, front, back;
 };
@@ -42,7 +42,7 @@ double cavity_distance(const Vec3 &p)
     return smooth_max(outline, p.y() - APEX_MM, 12.0);
 }
 
-/* Height of the diaphragm above a point: a dome whose edge dips at the side and more so behind. */
+/* The height of the diaphragm above a point: a dome whose edge dips at the side, and more so at the back. */
 double dome_mm(double sign, double x, double z)
 {
     const double peak = sign < 0 ? 77.0 : 65.0, out = (sign * x - 62.0) / 64.0, along = (z - 8.0) / 100.0;
@@ -65,7 +65,7 @@ Distance lung_cavity(double sign)
 {
     return [sign](const Vec3 &p) {
         constexpr double STEEPNESS =
-            0.55; // turns the height difference into about a distance on the steep edge
+            0.55; // turns the height difference into approximately a distance on the steep edge
         const double above = (dome_mm(sign, p.x(), p.z()) - p.y()) * STEEPNESS;
         const double own_side = 1.8 - sign * p.x();
         return smooth_max(smooth_max(cavity_distance(p), above, 4.0), own_side, 3.0);
@@ -75,18 +75,18 @@ Distance lung_cavity(double sign)
 namespace
 {
 
-/* direction: not -x */
+/* `direction` must not be -x */
 Eigen::Matrix3d axis_to(const Vec3 &direction)
 {
-    // The shortest turn from +x. Eigen's FromTwoVectors compiles a singular value decomposition for the
-    // opposite direction, 8 s.
+    // This is the shortest rotation from +x. Eigen's FromTwoVectors would compile a singular value
+    // decomposition for the opposite direction, which takes 8 s.
     const Vec3 to = direction.normalized();
     const double w = std::sqrt(2.0 * (1.0 + to.x())); // twice the cosine of half the angle
     const Vec3 axis = Vec3(0.0, -to.z(), to.y()) / w;
     return Eigen::Quaterniond(0.5 * w, axis.x(), axis.y(), axis.z()).toRotationMatrix();
 }
 
-/* Heart outline shrunk by wall_mm: ventricles, atria, outflow. */
+/* The heart's outline shrunk by wall_mm: ventricles, atria, outflow. */
 Part heart_part(double wall_mm)
 {
     Part part(18.0);
@@ -122,7 +122,7 @@ std::vector<Chamber> heart_chambers()
     const Distance right_ventricle = [=](const Vec3 &p) {
         return smooth_max(right.distance(p), LEFT_WALL_MM - left_ventricle(p), 3.0);
     };
-    // The valves' planes: an atrium ends where the ventricles begin.
+    // The valves' planes: an atrium ends where its ventricle begins.
     const Distance right_side = [=](const Vec3 &p) {
         const double taken = std::min(right.distance(p) - THIN_WALL_MM, left_ventricle(p) - LEFT_WALL_MM);
         return smooth_max(right_atrium.distance(p), -taken, 3.0);
@@ -149,15 +149,16 @@ Solid mediastinum()
     Solid solid;
     solid.add(heart_part(0.0));
     Part middle(10.0);
-    // Column in front of the spine, thinning to a septum behind the sternum.
+    // A column in front of the spine, which thins to a septum behind the sternum.
     middle.add<Tube>(sample_curve({{0, 60, -38}, {0, 130, -42}, {0, 190, -30}, {0, 250, -18}, {0, 300, -18}},
                                   {24, 22, 20, 22, 24}, 6.0));
     middle.plate({0, 80, -60}, {0, 80, 66}, {0, 250, -60}, 1.2);
     middle.plate({0, 80, 66}, {0, 250, -60}, {0, 250, 34}, 1.2);
-    // Muscles behind the spine: the lungs lie beside the vertebrae, not behind them.
+    // The muscles behind the spine: the lungs lie beside the vertebrae, not behind them.
     middle.add<Tube>(sample_curve({{0, -40, -76}, {0, 60, -97}, {0, 150, -108}, {0, 220, -99}, {0, 300, -78}},
                                   {26, 27, 27, 26, 26}, 6.0));
-    // Superior vena cava with the right brachiocephalic vein, inferior vena cava, pulmonary trunk and hila.
+    // The superior vena cava with the right brachiocephalic vein, the inferior vena cava, the pulmonary trunk
+    // and the hila.
     middle.rod({{-30, 112, 8}, {-29, 160, 10}, {-27, 215, 12}, {-32, 252, 12}}, {13, 11, 10, 9});
     middle.rod({{-22, 60, -4}, {-22, 100, 2}}, {14, 14});
     middle.rod({{20, 150, 32}, {28, 172, 16}, {34, 176, -14}}, {14, 14, 12});
@@ -186,8 +187,7 @@ Solid airway()
     return solid;
 }
 
-// --- vessels of the lungs
-// -----------------------------------------------------------------------------------------
+// --- vessels of the lungs ---
 
 namespace
 {
@@ -199,7 +199,7 @@ struct Node {
     int leaves = 0;
 };
 
-/* Van der Corput sequence: evenly spread numbers in 0..1 without randomness. */
+/* Van der Corput's sequence: evenly spread numbers in 0..1 without randomness. */
 double spread(uint32_t index, uint32_t base)
 {
     double value = 0.0, share = 1.0;
@@ -210,7 +210,7 @@ double spread(uint32_t index, uint32_t base)
     return value;
 }
 
-/* Ends of the vessels: evenly spread points of the lung, nearest to the hilum first. */
+/* The ends of the vessels: evenly spread points of the lung, nearest to the hilum first. */
 std::vector<Vec3> vessel_ends(double sign, const Distance &lung, const Vec3 &hilum, size_t count)
 {
     const Box box = lung_bounds(sign);
@@ -226,7 +226,7 @@ std::vector<Vec3> vessel_ends(double sign, const Distance &lung, const Vec3 &hil
     return ends;
 }
 
-/* Each end joins the tree where new length and the way back to the hilum are least together. */
+/* Joins each end to the tree where the sum of new length and path back to the hilum is least. */
 std::vector<Node> grow_tree(const Vec3 &hilum, const std::vector<Vec3> &ends)
 {
     constexpr double WAY_BACK = 0.55, STEP_MM = 14.0;
@@ -250,7 +250,7 @@ std::vector<Node> grow_tree(const Vec3 &hilum, const std::vector<Vec3> &ends)
             parent = static_cast<int>(nodes.size()) - 1;
         }
     }
-    // Count the ends beyond each node: children always come after their parent.
+    // We count the ends beyond each node; children always come after their parent.
     for (size_t i = nodes.size(); i-- > 1;) {
         if (nodes[i].leaves == 0) nodes[i].leaves = 1;
         nodes[static_cast<size_t>(nodes[i].parent)].leaves += nodes[i].leaves;

@@ -9,7 +9,7 @@ namespace anatomy
 namespace
 {
 
-/* Trunk outline by height: half-width, front and back. Values in millimetres. */
+/* The outline of the trunk by height: half-width, front and back. Values are in millimetres. */
 struct Level {
     double y, half_width, front, back;
 };
@@ -36,7 +36,7 @@ double trunk_distance(const Vec3 &p)
                         back = spline(&Level::back);
     const double a = width.at(p.y()), z_front = front.at(p.y()), z_back = back.at(p.y());
     const double b = 0.5 * (z_front - z_back), z = p.z() - 0.5 * (z_front + z_back);
-    // Superellipse: a trunk is squarer than an ellipse.
+    // We use a superellipse, because a trunk is squarer than an ellipse.
     constexpr double POWER = 2.5;
     const double u = std::abs(p.x()) / a, w = std::abs(z) / b;
     const double level = std::pow(std::pow(u, POWER) + std::pow(w, POWER), 1.0 / POWER);
@@ -77,7 +77,7 @@ Solid skin()
 
 double flesh_depth_mm(const Vec3 &p)
 {
-    // Thin over the chest, thicker over belly and hips.
+    // The fat is thin over the chest and thicker over belly and hips.
     constexpr double SKIN_MM = 2.0, CHEST_FAT_MM = 5.0, BELLY_FAT_MM = 14.0, FROM_MM = 110.0, TO_MM = -30.0;
     const double share = std::clamp((FROM_MM - p.y()) / (FROM_MM - TO_MM), 0.0, 1.0);
     const double smooth = share * share * (3.0 - 2.0 * share);

@@ -50,7 +50,7 @@ nlohmann::ordered_json control_point(const CurvePoint &point, const std::string 
             {"positionStatus", "defined"}};
 }
 
-// Where blood flows: the centrelines as they were written, and what is known of their flows.
+// The tree along which blood flows: the centrelines as they were written, and the known flows.
 std::string tree_text(const VesselTree &tree)
 {
     std::string files, flows;

@@ -1,6 +1,6 @@
-/* Silicone phantom of the aorto-iliac and renal region for benchmarks: plain courses and round numbers, so
- * that results can be checked by hand. All dimensions are this project's own choice near the means of
- * aorta_tree.cpp. */
+/* A silicone phantom of the aorto-iliac and renal region for benchmarks. Courses are plain and numbers
+ * round, so that results can be checked by hand. All dimensions are this project's own choice near the
+ * means of aorta_tree.cpp. */
 #include "tools/anatomy/vessels.hpp"
 
 namespace anatomy

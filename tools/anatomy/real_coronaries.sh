@@ -1,6 +1,7 @@
 #!/bin/sh
-# Centrelines of the Human Reference Atlas' coronary arteries for shared/examples/real_coronaries.toml (make coronary-real): fitted into the
-# atlas' meshes, widened, since it draws its arteries too thin for a lumen, and named after their side.
+# Makes centrelines of the Human Reference Atlas' coronary arteries for shared/examples/real_coronaries.toml
+# (make coronary-real). They are fitted into the atlas' meshes and named after their side. They are also widened,
+# because the atlas draws its arteries too thin for a lumen.
 #   real_coronaries.sh CENTRELINE ATLAS.glb FOLDER      writes FOLDER/real_left.csv and FOLDER/real_right.csv
 set -eu
 if [ $# -ne 3 ]; then

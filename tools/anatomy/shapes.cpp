@@ -40,8 +40,7 @@ double smooth_max(double a, double b, double blend_mm)
     return -smooth_min(-a, -b, blend_mm);
 }
 
-// --- tube
-// -------------------------------------------------------------------------------------------------------
+// --- tube ---
 
 Tube::Tube(const Curve &curve)
 {
@@ -118,8 +117,7 @@ double Tube::distance(const Vec3 &point) const
     return round || !nearest ? best : section_distance(point, *nearest, best_t);
 }
 
-// --- other shapes
-// -----------------------------------------------------------------------------------------------
+// --- other shapes ---
 
 double ellipsoid_distance(const Vec3 &local, const Vec3 &half_axes_mm)
 {
@@ -157,7 +155,8 @@ double Plate::distance(const Vec3 &point) const
 {
     const Vec3 normal = (b_ - a_).cross(c_ - a_);
     const Vec3 corners[3] = {a_, b_, c_};
-    Vec3 share; // of the corner opposite to each edge, where the point's foot lies over the face
+    Vec3 share; // barycentric shares: for each edge, that of the opposite corner, where the point's foot lies
+                // over the face
     double edge_squared = std::numeric_limits<double>::max(), thickness = 0.0;
     for (int i = 0; i < 3; i++) {
         const int next = (i + 1) % 3, opposite = (i + 2) % 3;
@@ -187,7 +186,7 @@ double Drum::distance(const Vec3 &point) const
     const Vec3 local = inverse_ * (point - centre_);
     const double level = std::clamp(local.y() / half_height_, -1.0, 1.0);
     const double girth = 1.0 - WAIST * (1.0 - level * level);
-    // The back half of the section is flatter than the front half, as seen from above.
+    // Seen from above, the back half of the section is flatter than the front half.
     const double depth = half_depth_ * girth, width = half_width_ * girth;
     const double back = local.z() < 0.0 ? 0.88 : 1.0;
     const double from_side = ellipsoid_distance({local.x(), local.z() / back, 0.0}, {width, depth, width});
@@ -202,8 +201,7 @@ Formula::Formula(std::function<double(const Vec3 &)> function, const Box &where)
     bounds = where;
 }
 
-// --- part and solid
-// ---------------------------------------------------------------------------------------------
+// --- part and solid ---
 
 Tube &Part::rod(const std::vector<Vec3> &points, const std::vector<double> &radii_mm, double cortex_mm)
 {
@@ -252,7 +250,7 @@ double Part::distance(const Vec3 &point) const
 
 double Part::marrow_distance(const Vec3 &point) const
 {
-    // Smooth joining may thin the shell; it never gets thinner than this, so the marrow stays inside the
+    // Smooth joining may thin the shell. It never becomes thinner than this, so the marrow stays inside the
     // bone.
     constexpr double SHELL_LEAST_MM = 0.7;
     return std::max(evaluate(point, 1.0), evaluate(point, 0.0) + SHELL_LEAST_MM);

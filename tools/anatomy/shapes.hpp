@@ -1,6 +1,6 @@
-/* Solids from which bodies are built: each knows (nearly) its signed distance in millimetres, negative
- * inside, and its bounds. A Part joins shapes smoothly, as one bone is; a Solid is the plain union of parts.
- * Bones carry the thickness of their cortical shell, so the same Solid also answers for the marrow space
+/* Solids from which bodies are built. Each has bounds and returns its (approximate) signed distance in
+ * millimetres, negative inside. A Part joins shapes smoothly into one bone; a Solid is the plain union of
+ * parts. Bones carry the thickness of their cortical shell, so the same Solid also gives the marrow space
  * inside. */
 #pragma once
 #include "tools/anatomy/spline.hpp"
@@ -27,15 +27,15 @@ class Shape
   public:
     virtual ~Shape() = default;
     virtual double distance(const Vec3 &point) const = 0;
-    /* A cheaper shape that agrees with this one near the box; null when there is none. */
+    /* Returns a cheaper shape that agrees with this one near the box; null when there is none. */
     virtual std::shared_ptr<Shape> near(const Box &, double) const { return nullptr; }
     Box bounds;
-    double cortex_mm = 1.0;        // shell taken off all round to get the marrow space
-    std::shared_ptr<Shape> marrow; // or the marrow space itself
+    double cortex_mm = 1.0;        // thickness of the shell; removing it all round gives the marrow space
+    std::shared_ptr<Shape> marrow; // or the marrow space given explicitly
 };
 
-/* Tube around a curve. Without `flat` the section is a circle of the curve's radius; with it the section is
- * an ellipse whose half-height along the given direction is the curve's radius and whose other half-axis is
+/* A tube around a curve. Without `flat` the section is a circle of the curve's radius. With `flat` it is
+ * an ellipse: its half-height along the given direction is the curve's radius, and its other half-axis is
  * radius * thinness. */
 class Tube : public Shape
 {
@@ -62,7 +62,7 @@ class Tube : public Shape
     std::vector<Chunk> chunks_;
 };
 
-/* Ellipsoid; rotation maps its own axes to the patient frame. */
+/* An ellipsoid; the rotation maps its own axes to the patient frame. */
 class Ellipsoid : public Shape
 {
   public:
@@ -75,8 +75,8 @@ class Ellipsoid : public Shape
     Eigen::Matrix3d inverse_;
 };
 
-/* Triangle thickened by half_thickness_mm, which may differ from corner to corner: flat bone (ilium, scapula,
- * laminae). */
+/* A triangle thickened by half_thickness_mm, which may differ from corner to corner: flat bone (ilium,
+ * scapula, laminae). */
 class Plate : public Shape
 {
   public:
@@ -88,8 +88,8 @@ class Plate : public Shape
     Vec3 a_, b_, c_, half_thickness_mm_;
 };
 
-/* Vertebral body: a waisted drum with slightly hollow end plates and a flattened back. Axis y of the frame
- * points up. */
+/* A vertebral body: a waisted drum with slightly hollow end plates and a flattened back. Axis y of the
+ * frame points up. */
 class Drum : public Shape
 {
   public:
@@ -103,7 +103,7 @@ class Drum : public Shape
     double half_width_, half_height_, half_depth_;
 };
 
-/* Any function with stated bounds. */
+/* Any distance function with stated bounds. */
 class Formula : public Shape
 {
   public:
@@ -114,11 +114,11 @@ class Formula : public Shape
     std::function<double(const Vec3 &)> function_;
 };
 
-/* min and max rounded over a width of `blend_mm`. */
+/* Minimum and maximum, rounded over a width of `blend_mm`. */
 double smooth_min(double a, double b, double blend_mm);
 double smooth_max(double a, double b, double blend_mm);
 
-/* Distance to an ellipsoid given the point in its own frame; exact to first order at the surface. */
+/* The distance to an ellipsoid from a point in its own frame, exact to first order at the surface. */
 double ellipsoid_distance(const Vec3 &local, const Vec3 &half_axes_mm);
 
 class Part
@@ -136,7 +136,7 @@ class Part
     {
         removed.push_back(std::make_shared<T>(std::forward<Arguments>(arguments)...));
     }
-    /* Tube of varying radius through a few points: the workhorse of the smaller bones. */
+    /* A tube of varying radius through a few points; most of the smaller bones are made of these. */
     Tube &rod(const std::vector<Vec3> &points, const std::vector<double> &radii_mm, double cortex_mm = 1.0);
     Plate &plate(const Vec3 &a, const Vec3 &b, const Vec3 &c, double half_thickness_mm,
                  double cortex_mm = 1.0);
@@ -170,7 +170,7 @@ class Solid
     std::vector<Part> parts_;
 };
 
-/* The point mirrored to the patient's other side. */
+/* The point on the patient's right (sign -1) or left (sign +1) side. */
 inline Vec3 side(double sign, double x, double y, double z)
 {
     return {sign * x, y, z};

@@ -10,19 +10,19 @@ struct SheetPoint {
     double half_thickness_mm;
 };
 
-/* Rows of equally many points, at least two each way; four neighbours are joined by two plates. Points should
- * lie 2 to 3 mm apart: plates then meet almost flat. Where a sheet is seen edge-on, X-rays show a kink of a
- * few degrees as a streak. */
+/* Rows of equally many points, at least two in each direction; two plates join four neighbours. Points
+ * should lie 2 to 3 mm apart: plates then meet almost flat. Where a sheet is seen edge-on, X-rays show a
+ * kink of a few degrees as a streak. */
 class Sheet : public Shape
 {
   public:
     explicit Sheet(const std::vector<std::vector<SheetPoint>> &rows);
-    /* Plain union: smooth joining would raise a ridge on every edge. */
+    /* The plain union of the plates: smooth joining would raise a ridge on every edge. */
     double distance(const Vec3 &point) const override;
     std::shared_ptr<Shape> near(const Box &box, double reach_mm) const override;
 
   private:
-    struct Patch { // plates that lie together
+    struct Patch { // plates that lie close together
         size_t first, last;
         Box bounds;
     };
@@ -31,7 +31,7 @@ class Sheet : public Shape
     std::vector<Patch> patches_;
 };
 
-/* `count` points at equal distances along the smooth curve through `points`. */
+/* Returns `count` points at equal distances along the smooth curve through `points`. */
 std::vector<Vec3> evenly_along(const std::vector<Vec3> &points, size_t count);
 
 } // namespace anatomy

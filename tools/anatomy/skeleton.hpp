@@ -7,21 +7,21 @@
 namespace anatomy
 {
 
-/* One vertebra as the ribs and the spine need it. up is the direction of the spine at its centre. */
+/* One vertebra, as ribs and spine need it. `up` is the direction of the spine at its centre. */
 struct Vertebra {
     std::string name;
     double height_mm, width_mm, depth_mm, disc_below_mm;
     Vec3 centre_mm, up, front;
 };
 
-/* C5 to L5, from the top down. */
+/* From C5 to L5, from the top down. */
 std::vector<Vertebra> vertebrae();
 
 Solid spine_bones();    // C5-L5, sacrum, coccyx
 Solid rib_bones();      // twelve pairs, sternum
 Solid pelvis_bones();   // both hip bones
 Solid femur_bones();    // upper thirds
-Solid shoulder_bones(); // clavicles, shoulder blades, heads of the humerus (arms raised, as for a lateral
-                        // view)
+Solid shoulder_bones(); // clavicles, shoulder blades, heads of the humerus; the arms are raised, as for a
+                        // lateral view
 
 } // namespace anatomy

@@ -1,5 +1,5 @@
-/* Ribs, sternum, clavicles, shoulder blades and heads of the humerus. All dimensions assumed, from a chest
- * 280 mm wide inside. */
+/* Ribs, sternum, clavicles, shoulder blades and heads of the humerus. All dimensions are assumed, for a
+ * chest 280 mm wide inside. */
 #include "tools/anatomy/sheet.hpp"
 #include "tools/anatomy/skeleton.hpp"
 #include <cmath>
@@ -10,7 +10,7 @@ namespace anatomy
 namespace
 {
 
-/* One rib: half-width of its loop, fall from head to front end, depth of its angle, depth of its widest
+/* One rib: half-width of its loop, drop from head to front end, depth of its angle, depth of its widest
  * point, front end. */
 struct RibShape {
     double half_width, fall, z_angle, z_side, front_x, front_z, height, angle_share;
@@ -25,7 +25,7 @@ const RibShape RIBS[12] = {
     {122, 66, -97, -52, 117, -30, 5.8, 0.50},  {98, 44, -92, -74, 84, -70, 5.2, 0.55},
 };
 
-/* y of the point of a rib's loop at which it is furthest to the side, as a share of the whole fall. */
+/* The height at which a rib's loop is widest, as a share of its whole drop. */
 constexpr double SIDE_FALL = 0.46;
 
 Part rib_part(const RibShape &rib, const Vertebra &v, const Vertebra &above, double s)
@@ -73,7 +73,7 @@ Part sternum_part()
     return part;
 }
 
-/* The blade between its medial border and its neck and lateral border, from the superior angle down to the
+/* The blade from its medial border to its neck and lateral border, from the superior angle down to the
  * inferior one. */
 Sheet blade(double s)
 {
@@ -87,7 +87,7 @@ Sheet blade(double s)
         for (size_t i = 0; i < ACROSS; i++) {
             const double share = static_cast<double>(i) / (ACROSS - 1), middle = 4.0 * share * (1.0 - share);
             const double width_mm = (lateral[row] - medial[row]).norm();
-            // Hollow towards the ribs; thin in the middle.
+            // The blade is hollow towards the ribs and thin in the middle.
             const Vec3 point =
                 medial[row] + share * (lateral[row] - medial[row]) - 0.1 * middle * width_mm * Vec3::UnitZ();
             rows[row].push_back({side(s, point.x(), point.y(), point.z()), 2.4 - 0.35 * middle});
@@ -95,7 +95,7 @@ Sheet blade(double s)
     return Sheet(rows);
 }
 
-/* Arms are raised: the blade is turned outwards and the humerus points up. */
+/* The arms are raised, so the blade is turned outwards and the humerus points up. */
 Part scapula_part(double s)
 {
     Part part(4.0);
@@ -108,7 +108,7 @@ Part scapula_part(double s)
         {side(s, 117, 129, -118), side(s, 138, 188, -97), side(s, 141, 210, -82), side(s, 143, 230, -68)},
         {4.2, 4.4, 4.6, 6.0}, 1.2);
     part.add<Ellipsoid>(glenoid, Vec3(7, 17, 11)).cortex_mm = 1.2;
-    // Spine of the scapula to the acromion, and the coracoid.
+    // The spine of the scapula up to the acromion, and the coracoid.
     part.plate(side(s, 90, 238, -112), side(s, 150, 262, -72), side(s, 128, 250, -112), 2.4);
     part.rod(
         {side(s, 92, 238, -122), side(s, 132, 258, -112), side(s, 162, 277, -78), side(s, 170, 280, -52)},

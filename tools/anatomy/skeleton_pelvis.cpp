@@ -1,6 +1,6 @@
-/* Hip bones and upper femurs. Hip centres 172 mm apart, bi-iliac width about 280 mm, femoral heads 48 mm:
- * assumed, typical for a man. Front superior spines and the symphysis lie in one frontal plane, as in a
- * standing pelvis. */
+/* Hip bones and upper femurs. Hip centres 172 mm apart, bi-iliac width about 280 mm and femoral heads of
+ * 48 mm are assumed as typical for a man. The front superior spines and the symphysis lie in one frontal
+ * plane, as in a standing pelvis. */
 #include "tools/anatomy/sheet.hpp"
 #include "tools/anatomy/skeleton.hpp"
 #include <algorithm>
@@ -19,8 +19,8 @@ Vec3 mirrored(double s, const Vec3 &point)
     return {s * point.x(), point.y(), point.z()};
 }
 
-/* Iliac wing: a thin hollow fan between the thick crest and the arcuate line, laid out in rows from the line
- * to the crest. */
+/* The iliac wing: a thin hollow fan between the thick crest and the arcuate line, laid out in rows from
+ * the line to the crest. */
 void add_ilium(Part &part, double s)
 {
     constexpr size_t ACROSS = 121, ROWS = 37, ROD_STEP = 5;
@@ -70,8 +70,8 @@ void add_pubis_and_ischium(Part &part, double s)
     rod({{76, -306, -36}, {70, -276, -46}, {58, -250, -58}}, {12, 8, 9});  // back pillar and notch
 }
 
-/* Cup for the femoral head: a thick ball joined to the three bones, hollowed and opened outwards, down and
- * forwards. */
+/* The socket of the femoral head: a thick ball joined to the three bones, hollowed and opened outwards,
+ * downwards and forwards. */
 void add_socket(Part &part, double s)
 {
     constexpr double CUP_MM = 26.2, BALL_MM = 31.5;

@@ -1,6 +1,6 @@
-/* Spine. Vertebral and lumbar disc heights are rounded from common morphometry (lumbar heights near Gilad and
- * Nissan 1985, J Anat 143:115; thoracic discs 2.7-5.4 mm from Fletcher 2016, Eur Spine J 25:2999); single
- * values are assumed. */
+/* The spine. Vertebral and lumbar disc heights are rounded from published morphometry (lumbar heights near
+ * Gilad and Nissan 1985, J Anat 143:115; thoracic discs 2.7-5.4 mm from Fletcher 2016, Eur Spine J
+ * 25:2999). Single values are assumed. */
 #include "tools/anatomy/skeleton.hpp"
 #include <cmath>
 
@@ -25,8 +25,8 @@ const Size SIZES[] = {
     {"L4", 27.5, 49, 34, 12.5}, {"L5", 27, 51, 34, 11.0},
 };
 
-/* Sagittal course through the vertebral centres: kyphosis with its back at T7, lordosis with its front at L3.
- */
+/* The sagittal course through the vertebral centres: a kyphosis whose rearmost point is T7, and a lordosis
+ * whose foremost point is L3. */
 double course_z_mm(double y_mm)
 {
     static const Spline course({-205, -188, -165, -130, -90, -45, 0, 45, 100, 150, 200, 250, 300, 360},
@@ -49,7 +49,7 @@ Frame frame_of(const Vertebra &v)
     return frame;
 }
 
-/* How far a vertebra is lumbar: 0 up to T10, 1 from L2 down. */
+/* How lumbar a vertebra's shape is: 0 down to T10, 1 from L2 downwards. */
 double lumbar_share(size_t index)
 {
     return std::min(1.0, std::max(0.0, (static_cast<double>(index) - 12.0) / 4.0));
@@ -63,7 +63,7 @@ void add_arch(Part &part, const Frame &f, const Vertebra &v, double lumbar)
     for (double s : {-1.0, 1.0}) {
         part.rod({f.at(s * pedicle_x, pedicle_y, back + 4), f.at(s * pedicle_x, pedicle_y, arch + 5)},
                  {radius, radius}, 1.0);
-        // Lamina: two plates closing the canal behind.
+        // The lamina: two plates close the canal at the back.
         const Vec3 top = f.at(0, 0.15 * v.height_mm, arch - 6), low = f.at(0, -0.45 * v.height_mm, arch - 9);
         const Vec3 outer_top = f.at(s * pedicle_x, 0.25 * v.height_mm, arch + 3);
         const Vec3 outer_low = f.at(s * pedicle_x, -0.5 * v.height_mm, arch + 1);
@@ -84,7 +84,7 @@ void add_processes(Part &part, const Frame &f, const Vertebra &v, size_t index, 
     const double back = -0.5 * v.depth_mm, arch = back - 15.0 - 3.0 * lumbar;
     const double pedicle_x = 0.30 * v.width_mm + 1.5;
     const bool cervical = index < 3;
-    // Transverse processes: long and level on L3, short and swept back in the chest.
+    // The transverse processes are long and level on L3, short and swept back in the chest.
     const double span = cervical ? 24.0
                                  : (lumbar > 0.5 ? 44.0 - 2.5 * std::abs(static_cast<double>(index) - 17.0)
                                                  : 33.0 - 0.7 * (static_cast<double>(index) - 3.0));
@@ -97,7 +97,7 @@ void add_processes(Part &part, const Frame &f, const Vertebra &v, size_t index, 
                                     f.rotation.col(1), 0.62);
         tube.cortex_mm = 0.9;
     }
-    // Spinous process: a slender spike sloping down in the chest, a blade in the loin.
+    // The spinous process is a slender spike that slopes down in the chest, and a blade in the lumbar region.
     const double drop = (cervical ? 0.35 : 1.35 - 1.0 * lumbar) * v.height_mm;
     const double length = cervical ? 24.0 : 25.0 + 3.0 * lumbar;
     const Vec3 root_top = f.at(0, 0.1 * v.height_mm, arch - 5),
@@ -155,7 +155,7 @@ Part sacrum_part()
 
 std::vector<Vertebra> vertebrae()
 {
-    // Stacked from the disc between T12 and L1 (y = 0) both ways along the course.
+    // Vertebrae are stacked from the disc between T12 and L1 (y = 0) in both directions along the course.
     constexpr size_t FIRST_LUMBAR = 15;
     std::vector<Vertebra> all;
     for (const Size &size : SIZES)

@@ -9,17 +9,16 @@ namespace
 
 constexpr double SOFT_ERROR_MM = 0.3;
 
-/* Voxel of a body that has little room in its parent: a coarse anatomy keeps it fine, so that it stays
- * inside. */
+/* The voxel of a body with little clearance in its parent. A coarse anatomy keeps it fine, so that the
+ * body stays inside. */
 double tight_mm(double voxel_mm, double scale)
 {
     return voxel_mm * std::min(scale, 1.2);
 }
 
-// --- layers
-// ---------------------------------------------------------------------------------------------------------
+// --- layers ---
 
-/* The skin's outside: it passes every bone with some flesh between. */
+/* The outside of the skin, which covers every bone with some flesh between them. */
 LocalDistance outline_distance(const Solid &bones)
 {
     const Solid outline = skin();
@@ -33,7 +32,8 @@ LocalDistance outline_distance(const Solid &bones)
     };
 }
 
-/* What lies `depth` under the skin's outside; where a bone comes near the skin it is covered all the same. */
+/* The layer `depth` under the outside of the skin. Where a bone comes near the skin, the layer still
+ * covers it. */
 LocalDistance layer_distance(const Solid &bones, double least_mm, double (*depth_mm)(const Vec3 &))
 {
     return [least_mm, depth_mm, bones, outline = outline_distance(bones)](const Box &box,
@@ -71,8 +71,7 @@ std::vector<Body> layer_bodies(const Solid &bones, double scale)
     };
 }
 
-// --- chest
-// ----------------------------------------------------------------------------------------------------------
+// --- chest ---
 
 namespace
 {
@@ -96,7 +95,7 @@ LocalDistance lung_distance(double sign, const Solid &bones, const Solid &vessel
     };
 }
 
-/* Lungs with their vessels; they give way to bones, aorta, airway and mediastinum. */
+/* Lungs with their vessels; bones, aorta, airway and mediastinum are cut out of them. */
 void add_lungs(std::vector<Body> &bodies, const Solid &bones, const Solid &coronaries, double scale)
 {
     for (double s : {-1.0, 1.0}) {
@@ -117,7 +116,7 @@ void add_lungs(std::vector<Body> &bodies, const Solid &bones, const Solid &coron
     }
 }
 
-/* The shape where it keeps that far from another. */
+/* The part of the shape that keeps the distance `clear_mm` from another. */
 LocalDistance clear_of(const LocalDistance &shape, const Solid &other, double clear_mm)
 {
     return [=](const Box &box, double reach_mm) -> Distance {
@@ -139,7 +138,7 @@ LocalDistance clear_of_bones(const Solid &solid, const Solid &bones)
     return clear_of(local(solid), bones, CLEAR_MM);
 }
 
-/* Muscle in the heart's outline, and the blood of its four chambers in it. */
+/* Muscle within the heart's outline, and the blood of its four chambers inside. */
 void add_heart(std::vector<Body> &bodies, const Solid &bones, const Solid &vessels, double scale)
 {
     constexpr double VESSEL_WALL_MM = 0.6;
@@ -149,7 +148,7 @@ void add_heart(std::vector<Body> &bodies, const Solid &bones, const Solid &vesse
         {"heart", "muscle", "flesh", {grown(outline.bounds, 3.0), muscle, 2.4 * scale, SOFT_ERROR_MM}});
     for (const Chamber &chamber : heart_chambers()) {
         const LocalDistance inside = [=](const Box &box, double reach_mm) -> Distance {
-            constexpr double WALL_MM = 2.0; // the thinnest, that of the atria
+            constexpr double WALL_MM = 2.0; // the thinnest wall, that of the atria
             return [own = chamber.distance, around = muscle(box, reach_mm + WALL_MM)](const Vec3 &p) {
                 return smooth_max(own(p), around(p) + WALL_MM, 1.0);
             };
@@ -220,15 +219,14 @@ std::vector<Body> chest_bodies(const Solid &bones, const HeartVessels &vessels, 
     return bodies;
 }
 
-// --- belly
-// ----------------------------------------------------------------------------------------------------------
+// --- belly ---
 
 namespace
 {
 
 constexpr double DIAPHRAGM_MM = 4.0, ORGAN_GAP_MM = 1.5;
 
-/* The room of the belly's organs, filled with fat: its outline less diaphragm, heart, bones and psoas. */
+/* The cavity of the belly's organs, filled with fat: its outline less diaphragm, heart, bones and psoas. */
 LocalDistance belly_distance(const Solid &bones)
 {
     const Solid heart = mediastinum(), loins = psoas(), nests = kidney_nests();
@@ -244,14 +242,14 @@ LocalDistance belly_distance(const Solid &bones)
             double taken = std::min(chest - DIAPHRAGM_MM, bone.distance(p) - CLEAR_MM);
             taken = std::min(taken, flank.distance(p));
             const double kept = smooth_max(room, -taken, 2.0);
-            if (kept > 3.0 * BLEND_MM) return kept; // far outside: the wall does not matter
+            if (kept > 3.0 * BLEND_MM) return kept; // far outside, where the wall does not matter
             return std::max(kept, outline.distance(p) + flesh_depth_mm(p) + WALL_MM);
         };
     };
 }
 
-/* An organ: its shape within the belly, clear of the organs before it. `shape` may be larger than what is
- * left of it. */
+/* An organ: its shape within the belly, clear of the organs before it. `shape` may be larger than the
+ * remaining organ. */
 LocalDistance organ_distance(const Solid &shape, const LocalDistance &belly, const Solid &before,
                              double inset_mm)
 {
@@ -288,7 +286,7 @@ std::vector<Body> belly_bodies(const Solid &bones, double scale)
     before.add(liver_shape);
     add("spleen", "muscle", "belly_fat", spleen_shape, 3.0, 0.0);
     before.add(spleen_shape);
-    constexpr double WALL_MM = 2.5; // of the bowel around its gas
+    constexpr double WALL_MM = 2.5; // thickness of the bowel's wall around its gas
     add("bowel", "soft", "belly_fat", bowel(WALL_MM), 3.0, 0.0);
     add("bowel_gas", "air", "bowel", bowel_gas(0.0), 2.0, WALL_MM - 0.5);
     return bodies;

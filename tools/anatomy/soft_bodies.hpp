@@ -1,4 +1,4 @@
-/* The bodies that are not bone, with all that keeps them apart: layers of the trunk, chest, belly. */
+/* The bodies other than bone, with everything that keeps them apart: layers of the trunk, chest, belly. */
 #pragma once
 #include "tools/anatomy/build.hpp"
 #include "tools/anatomy/organs.hpp"
@@ -7,7 +7,7 @@
 namespace anatomy
 {
 
-/* The patient ends here; bones end a little inside the skin's cuts. Positive outside. */
+/* The patient ends here; bones end slightly inside the skin's cuts. Positive outside. */
 constexpr double BONE_BOTTOM_MM = -422.0, BONE_TOP_MM = 344.0;
 
 inline double beyond_cuts(const Vec3 &p)
@@ -23,14 +23,15 @@ inline Box grown(Box box, double margin_mm)
 }
 
 std::vector<Body> layer_bodies(const Solid &bones, double scale); // skin, fat under it, flesh
-/* Root of the aorta and the coronary arteries, where there are any: heart and lungs make room for them. */
+/* The root of the aorta and the coronary arteries, where there are any. Heart and lungs leave space for
+ * them. */
 struct HeartVessels {
     Solid root, left, right;
     Solid all() const;
 };
 HeartVessels heart_vessels();
 
-/* Lungs with vessels, heart with chambers, airway; and the heart's vessels. */
+/* Lungs with vessels, heart with chambers, airway, and the heart's vessels. */
 std::vector<Body> chest_bodies(const Solid &bones, const HeartVessels &vessels, double scale);
 std::vector<Body> belly_bodies(const Solid &bones, double scale); // fat, organs, bowel with gas
 

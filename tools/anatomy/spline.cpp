@@ -9,7 +9,7 @@ namespace anatomy
 namespace
 {
 
-/* Index i such that parameters[i] <= parameter < parameters[i + 1], clamped to the spans that exist. */
+/* The index i such that parameters[i] <= parameter < parameters[i + 1], clamped to the existing spans. */
 size_t span_of(const std::vector<double> &parameters, double parameter)
 {
     const auto above = std::upper_bound(parameters.begin(), parameters.end(), parameter);
@@ -19,7 +19,8 @@ size_t span_of(const std::vector<double> &parameters, double parameter)
 
 } // namespace
 
-/* Thomas algorithm on the usual tridiagonal system for the second derivatives, both ends zero. */
+/* Thomas' algorithm on the usual tridiagonal system for the second derivatives, which are zero at both
+ * ends. */
 Spline::Spline(std::vector<double> parameters, std::vector<double> values)
     : parameters_(std::move(parameters)), values_(std::move(values)), second_derivatives_(values_.size(), 0.0)
 {
@@ -51,7 +52,7 @@ double Spline::at(double parameter) const
 MonotoneCubic::MonotoneCubic(std::vector<double> parameters, std::vector<double> values)
     : parameters_(std::move(parameters)), values_(std::move(values)), slopes_(values_.size(), 0.0)
 {
-    // The harmonic mean of neighbouring chord slopes keeps each span monotone; a local extremum gets slope
+    // The harmonic mean of neighbouring chord slopes keeps each span monotone; a local extremum has slope
     // zero.
     for (size_t i = 1; i + 1 < values_.size(); i++) {
         const double before = (values_[i] - values_[i - 1]) / (parameters_[i] - parameters_[i - 1]);

@@ -1,6 +1,6 @@
-/* Smooth curves through given points: positions by a natural cubic spline over chord length (continuous
- * curvature), radii by a monotone cubic (no overshoot between two stated diameters). Used by vessels, ribs
- * and the spine. Millimetres. */
+/* Smooth curves through given points. Positions follow a natural cubic spline over chord length
+ * (continuous curvature), radii a monotone cubic (no overshoot between two stated diameters). Vessels,
+ * ribs and the spine use them. Lengths are in millimetres. */
 #pragma once
 #include <Eigen/Core>
 #include <vector>
@@ -19,7 +19,7 @@ struct CurvePoint {
 
 using Curve = std::vector<CurvePoint>;
 
-/* Natural cubic spline of scalar values over increasing parameters (at least two). */
+/* A natural cubic spline of scalar values over increasing parameters (at least two). */
 class Spline
 {
   public:
@@ -30,7 +30,7 @@ class Spline
     std::vector<double> parameters_, values_, second_derivatives_;
 };
 
-/* Cubic that stays between its neighbours (Fritsch and Carlson 1980); constant beyond both ends. */
+/* A cubic that stays between its neighbours (Fritsch and Carlson 1980) and is constant beyond both ends. */
 class MonotoneCubic
 {
   public:
@@ -41,11 +41,11 @@ class MonotoneCubic
     std::vector<double> parameters_, values_, slopes_;
 };
 
-/* Samples the curve through `points` with `radii_mm` (same count, at least two) about every step_mm; both
- * ends included, and every given point is one of the samples. */
+/* Samples the curve through `points` with `radii_mm` (same count, at least two) about every step_mm. Both
+ * ends are included, and every given point is one of the samples. */
 Curve sample_curve(const std::vector<Vec3> &points, const std::vector<double> &radii_mm, double step_mm);
 
-/* Unit tangent of a sampled curve at a sample. */
+/* The unit tangent of a sampled curve at a sample. */
 Vec3 curve_tangent(const Curve &curve, size_t index);
 
 } // namespace anatomy

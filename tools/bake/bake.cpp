@@ -1,4 +1,4 @@
-// The pipeline: text -> surface -> field -> measurements -> bodies -> files.
+// The pipeline of bake: it turns text into surface, field, measurements, bodies and files.
 #include "tools/bake/bake.hpp"
 #include "host/base/format.hpp"
 #include "host/base/output_files.hpp"
@@ -15,7 +15,7 @@ namespace crn::bake
 namespace
 {
 
-constexpr std::size_t nesting_samples = 2000; // vertices of each body
+constexpr std::size_t nesting_samples = 2000; // checked vertices of each body
 
 std::string notes_of(const Mesh &mesh)
 {
@@ -41,8 +41,8 @@ CurvePoint entry_of(const SceneText &text, const TriangleTree &tree)
     return entry;
 }
 
-// Disease narrows the lumen, and bodies of its blood with it. Which vertices moved; none are named where
-// there is no lesion.
+// Narrows the lumen, or a body of its blood, by its lesions. Returns for each vertex whether it moved; the
+// list is empty where there is no lesion.
 std::vector<bool> narrow(Mesh &mesh, const VesselTree &tree)
 {
     if (tree.lesions.empty()) return {};
@@ -80,8 +80,8 @@ std::vector<BakedBody> bodies_of(const SceneText &text, const Mesh &lumen, const
     return bodies;
 }
 
-// Centrelines of a lumen that were not given as a tree may be none: then there is none, and the report says
-// why.
+// The tree may follow from the lumen's own centrelines although the text has no [tree]. If they do not join,
+// the scene gets no tree and the report states the reason.
 VesselTree tree_of(const SceneText &text, std::string &report)
 try {
     if (text.tree.centrelines.empty()) return {};
@@ -131,7 +131,7 @@ std::string lattice_report(const crn_lattice &lattice, std::size_t numbers)
                      static_cast<double>(numbers) * 2 / 1048576);
 }
 
-// One line per frame: how far the moved lumen is from the moved mesh, as the core sees it.
+// One line per frame: the deviation of the moved lumen from the moved mesh, as the core computes it.
 std::string motion_report(const Motion &motion, std::size_t pose, const std::vector<FrameError> &errors)
 {
     std::string text = "motion            " + lattice_report(motion.lattices.beat, motion.rows.size()) +
@@ -163,7 +163,7 @@ std::string motion_report(const Motion &motion, std::size_t pose, const std::vec
     return text;
 }
 
-// The lumen as its field describes it.
+// The lumen as its field describes it, in the reference pose.
 Mesh posed_lumen(const SceneText &text, const Frames &frames, Progress &progress)
 {
     Mesh mesh = load_mesh(text.lumen.mesh);
@@ -174,7 +174,7 @@ Mesh posed_lumen(const SceneText &text, const Frames &frames, Progress &progress
     return mesh;
 }
 
-// The inserter's sheath stands still, so the vessel should where it is.
+// The introducer sheath does not move, so the vessel should not move at its entry.
 std::string entry_report(const Motion &motion, const Eigen::Vector3d &entry_mm)
 {
     constexpr double still_mm = 0.1;
@@ -186,8 +186,7 @@ std::string entry_report(const Motion &motion, const Eigen::Vector3d &entry_mm)
         place_text(entry_mm).c_str(), way_mm);
 }
 
-// Bodies that move, and the tree, from keyframe 0, where they are described, to the pose from which all
-// motion starts.
+// Carries the moving bodies and the tree from keyframe 0, in which they are described, to the reference pose.
 void to_reference(const Motion &motion, std::vector<BakedBody> &bodies)
 {
     for (BakedBody &body : bodies)
@@ -211,7 +210,8 @@ std::filesystem::path bodies_file(const std::filesystem::path &scene)
     return file.replace_extension(".bodies");
 }
 
-// Everything that the scene's text names is read before anything is written, but must not be written over.
+// All files that the scene's text names are read before anything is written. No output may overwrite one of
+// them.
 void check_files(const SceneText &text, const Options &options)
 {
     std::vector<NamedPath> inputs = {{"SCENE", options.scene.string()},
@@ -300,7 +300,7 @@ std::string bake(const Options &options, Progress &progress)
     }
     const VesselTree posed_vessels = motion ? in_reference(*motion, vessels) : vessels;
     Mesh posed = frames ? posed_lumen(text, *frames, progress) : surface;
-    std::vector<bool> narrowed; // the frames' own vertices come first
+    std::vector<bool> narrowed; // the frames' own vertices come first, since refinement appends vertices
     if (frames && !posed_vessels.lesions.empty()) {
         narrowed = narrow(posed, posed_vessels);
         check_crossing(posed, progress);

@@ -13,9 +13,10 @@ namespace
 {
 
 constexpr double apart_max_radii =
-    1.25; // an end farther from a centreline than so many of its radii is not joined to it
+    1.25; // an end farther than this many radii from a centreline is not joined to it
 
-// Points on the one before them are left out; coordinates are those that the file will hold.
+// Points that coincide with the one before them are dropped. Coordinates are rounded as the file will hold
+// them.
 VesselBranch branch_of(const Centreline &line)
 {
     VesselBranch branch;
@@ -36,7 +37,7 @@ void turn(VesselBranch &branch)
     std::reverse(branch.radii_m.begin(), branch.radii_m.end());
 }
 
-// A vessel that divides at its end has no stump behind the division.
+// A vessel that divides at its end must not keep a stump behind the division.
 std::size_t leaving_point(const VesselBranch &parent, std::size_t point)
 {
     const std::size_t last = parent.points_m.size() - 1;
@@ -144,7 +145,7 @@ VesselTree join_branches(const std::vector<Centreline> &lines, const TreeText &t
         VesselBranch branch = loose[join.line];
         loose.erase(loose.begin() + static_cast<std::ptrdiff_t>(join.line));
         if (join.from_last) turn(branch);
-        // One that begins where a branch begins leaves that branch's parent, at the same place.
+        // A branch that begins where its parent begins leaves the parent's own parent, at the same place.
         std::size_t parent = join.parent, point = join.point;
         while (point == 0 && tree.branches[parent].parent >= 0) {
             point = tree.branches[parent].parent_point;

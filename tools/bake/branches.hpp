@@ -1,4 +1,4 @@
-// Centrelines as people have them, in any order and direction -> the tree along which blood flows.
+// Joins centrelines in any order and direction into the tree along which blood flows.
 #pragma once
 #include "host/model/vessel_tree.hpp"
 #include "tools/bake/centreline.hpp"
@@ -6,15 +6,16 @@
 namespace crn::bake
 {
 
-// "right_renal_artery" of ".../right_renal_artery.mrk.json", at most 31 bytes: what a branch is called.
+// The name of a branch: "right_renal_artery" for ".../right_renal_artery.mrk.json", at most 31 bytes.
 std::string branch_name(const std::filesystem::path &file);
 
-// The root begins at its inlet; of the others the end that lies deepest in a vessel already joined is where
-// they leave it. One that leaves within a radius of its parent's end leaves at the end. Throws Fault naming a
-// centreline that meets no other, a name that is used twice, or one of `text` that is not there.
+// The root begins at its inlet. Of every other branch, the end that lies deepest in a vessel already joined
+// is where it leaves that vessel. A branch that leaves within a radius of its parent's end leaves at that
+// end. Throws Fault naming a centreline that meets no other, a name that is used twice, or a name in `text`
+// that no centreline has.
 VesselTree join_branches(const std::vector<Centreline> &lines, const TreeText &text);
 
-// "vessels           11 branches, ..." for the report.
+// The report's line, "vessels           11 branches, ...".
 std::string branches_report(const VesselTree &tree);
 
 } // namespace crn::bake

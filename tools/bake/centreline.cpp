@@ -1,4 +1,4 @@
-// Placing centrelines in the patient and walking along them.
+// Placing centrelines in the patient and following them by arc length.
 #include "tools/bake/centreline.hpp"
 #include "tools/bake/fault.hpp"
 #include "tools/centreline/formats.hpp"
@@ -29,7 +29,7 @@ void check_sizes(const Centreline &line)
 std::vector<Centreline> read_centrelines(const std::filesystem::path &file, const Placement &placement)
 {
     const centreline::Tree tree = centreline::read_tree(file);
-    // Scales that differ make a round section an oval one: the circle of the same volume is kept.
+    // Unequal scales turn a circular section into an oval one. We keep the circle that gives the same volume.
     const double scale = std::cbrt(placement.scale.prod());
     std::vector<Centreline> lines;
     for (const centreline::Branch &branch : tree.branches) {
@@ -60,7 +60,8 @@ CurvePoint along(const Centreline &line, bool from_last, double distance_mm)
     for (std::size_t i = 0; i + 1 < points.size(); ++i) {
         const Eigen::Vector3d step = points[i + 1] - points[i];
         if (step.norm() > 0 && left <= step.norm()) {
-            // The tangent over a few millimetres: control points stand close and their direction is rough.
+            // We take the tangent over a few millimetres, because control points are close together and their
+            // direction is rough.
             const Eigen::Vector3d position = points[i] + step * (left / step.norm());
             std::size_t ahead = i + 1;
             while (ahead + 1 < points.size() && (points[ahead] - position).norm() < 5) ++ahead;

@@ -1,4 +1,4 @@
-// Centrelines with radii (files of tools/centreline) in the patient, and the surface of the vessel they
+// Centrelines with radii (read by tools/centreline) in the patient, and the vessel surface that they
 // describe.
 #pragma once
 #include "tools/bake/mesh.hpp"
@@ -15,14 +15,14 @@ struct Centreline {
     std::vector<double> radii_mm;
 };
 
-// Reads every curve of a .mrk.json, .vtp, .csv or .obj file; `read_centreline` gives the first. What a file
-// says of its axes is ignored: `placement.axes` says what they are. A branch of many is called FILE/BRANCH.
-// Throws Fault naming file, point and field.
+// Reads every curve of a .mrk.json, .vtp, .csv or .obj file; `read_centreline` returns the first. The file's
+// own statement about its axes is ignored: `placement.axes` decides. A branch of a file with several is
+// called FILE/BRANCH. Throws Fault naming file, point and field.
 std::vector<Centreline> read_centrelines(const std::filesystem::path &file, const Placement &placement);
 Centreline read_centreline(const std::filesystem::path &file, const Placement &placement);
 
-// Position and unit tangent at a distance along the curve from its first or last point, looking into the
-// curve.
+// Position and unit tangent at a distance along the curve from its first or last point. The tangent points
+// into the curve.
 struct CurvePoint {
     Eigen::Vector3d position_mm, direction;
 };

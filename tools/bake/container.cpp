@@ -1,4 +1,4 @@
-// Sections of the scene container: docs/scene.md.
+// The sections of the scene container are specified in docs/scene.md.
 #include "tools/bake/container.hpp"
 #include "host/base/pending_file.hpp"
 #include "shared/scene/scene_write.h"
@@ -67,7 +67,7 @@ Bytes lumen_section(const Field &field)
     return bytes;
 }
 
-// MOTION, or with no keyframes BREATH.
+// The MOTION section, or the BREATH section when there are no keyframes.
 Bytes motion_section(const crn_lattice &lattice, std::uint16_t keyframes,
                      const std::vector<std::int16_t> &values)
 {
@@ -172,7 +172,7 @@ std::string_view text_of(const Bytes &bytes)
     return {reinterpret_cast<const char *>(bytes.data()), bytes.size()};
 }
 
-// Lay out, then look at the result with the eyes of the device.
+// Lays the file out and then opens it with the device's own reader.
 Bytes sealed(crn_scene_kind kind, const std::vector<std::pair<crn_scene_section, Bytes>> &sections,
              const std::string &what)
 {

@@ -1,4 +1,4 @@
-// Baked things as bytes of the scene container, and files that are whole or not there.
+// Baked data as bytes of the scene container, and files that are written completely or not at all.
 #pragma once
 #include "host/model/vessel_tree.hpp"
 #include "tools/bake/field.hpp"
@@ -16,17 +16,20 @@ struct BakedBody {
     bool moves = false; // with the lumen
 };
 
-// Both are opened by shared/scene before they are returned; a refusal is a Fault. `motion` nullptr: the lumen
-// stands still; `tree` nullptr: no lesion of it gives way, else as it lies in the field.
+// shared/scene opens both results before they are returned; a rejected file is a Fault. `motion` is nullptr
+// when the lumen does not move; `tree` is nullptr when no lesion yields, else its lesions as they lie in the
+// field.
 Bytes scene_bytes(const SceneText &text, const Eigen::Vector3d &entry_mm, const Eigen::Vector3d &direction,
                   const Field &field, const Motion *motion = nullptr, const VesselTree *tree = nullptr);
-// `scene`: the bytes of the scene they belong to, which they name; empty: of none.
+// `scene` holds the bytes of the scene to which the bodies belong and whose hash they record; it is empty
+// when they belong to none.
 Bytes bodies_bytes(const SceneText &text, const std::vector<BakedBody> &bodies, const VesselTree &tree,
                    const Bytes &scene = {});
 
-// Written beside the target and renamed, so that an interrupt or a full disk leaves the old file.
+// The file is written beside the target and renamed, so an interrupt or a full disk leaves the old file
+// intact.
 void write_whole(const std::filesystem::path &file, const Bytes &bytes);
-// A scene and its bodies: both or neither.
+// Writes a scene and its bodies: both or neither.
 void write_both(const std::filesystem::path &scene_file, const Bytes &scene,
                 const std::filesystem::path &bodies_file, const Bytes &bodies);
 

@@ -1,5 +1,5 @@
-// A reason why a scene cannot be baked: one sentence with file, element and remedy. bake's main prints it and
-// ends with 1.
+// The reason why a scene cannot be baked: one sentence with file, element and remedy. bake's main prints it
+// and exits with 1.
 #pragma once
 #include "tools/mesh/fault.hpp"
 

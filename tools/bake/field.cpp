@@ -1,5 +1,5 @@
-// Making the field: see field.hpp. Bricks are made level by level, so that a finer grid exists only when it
-// is needed.
+// Making the field (see field.hpp). Bricks are made level by level, so a finer grid exists only where it is
+// needed.
 #include "tools/bake/field.hpp"
 #include "shared/scene/scene.h"
 #include "tools/bake/fault.hpp"
@@ -18,10 +18,10 @@ namespace crn::bake
 namespace
 {
 
-constexpr int filter_reach = 6; // taps of the prefilter on each side; the next would weigh 4e-6
+constexpr int filter_reach = 6; // taps of the prefilter on each side; the next tap would weigh 4e-6
 constexpr int block = 10 + 2 * filter_reach;
-constexpr float band_voxels = 9;  // 4 that int8 can hold, and what the prefilter sees of the rest
-constexpr float exact_voxels = 7; // farther samples weigh less than 0.005 in the prefilter
+constexpr float band_voxels = 9;               // int8 holds 4 of them; the rest is the reach of the prefilter
+constexpr float exact_voxels = 7;              // samples farther away weigh less than 0.005 in the prefilter
 constexpr double coefficient_max = 127.0 / 32; // voxels
 constexpr std::uint32_t bricks_max = static_cast<std::uint32_t>(CRN_SCENE_BYTES_MAX) / 1000;
 constexpr int test_points = 6; // along each edge of a brick
@@ -31,11 +31,12 @@ double voxel_mm(int level)
     return voxel0_mm / (1 << level);
 }
 
-using Cell = std::array<int, 3>; // brick of a level, counted from the patient's origin
+using Cell = std::array<int, 3>; // index of a brick in its level, counted from the patient's origin
 
 struct Brick {
     Cell cell{};
-    std::uint16_t entry = CRN_LUMEN_ENTRY_OUTSIDE; // OUTSIDE, INSIDE, or FIRST_BRICK: `coefficients` hold
+    std::uint16_t entry =
+        CRN_LUMEN_ENTRY_OUTSIDE; // OUTSIDE, INSIDE, or FIRST_BRICK, for which `coefficients` is filled
     bool refine = false;
     std::vector<std::int8_t> coefficients;
 };
@@ -50,9 +51,9 @@ openvdb::FloatGrid::Ptr distances(const Mesh &mesh, int level, Progress &progres
     return grid;
 }
 
-// OpenVDB keeps one triangle per voxel while it spreads distances, which is 0.03 mm too far where triangles
-// are smaller than voxels. So near the wall, and where bricks are wanted, distances are made exact. Leaves
-// are 8^3 voxels: a brick and its neighbours.
+// OpenVDB keeps one triangle per voxel while it spreads distances. Where triangles are smaller than voxels,
+// its distances are 0.03 mm too large. We therefore recompute them exactly near the wall and where bricks are
+// wanted. OpenVDB's leaves are 8^3 voxels, so we take those of a brick and of its neighbours.
 void make_exact(openvdb::FloatGrid &grid, const std::vector<Brick> &bricks, int level,
                 const TriangleTree &tree, Progress &progress)
 {
@@ -85,8 +86,7 @@ void make_exact(openvdb::FloatGrid &grid, const std::vector<Brick> &bricks, int 
     progress.finish();
 }
 
-// --- prefilter: the inverse of (1/8, 3/4, 1/8) is c z^|n| with z = 2 sqrt 2 - 3; cut off and scaled to sum
-// one ---
+// --- prefilter: the inverse of (1/8, 3/4, 1/8) is c z^|n|, z = 2 sqrt 2 - 3; truncated, scaled to sum 1 ---
 std::array<double, 2 * filter_reach + 1> prefilter()
 {
     const double z = 2 * std::sqrt(2.0) - 3;
@@ -98,7 +98,8 @@ std::array<double, 2 * filter_reach + 1> prefilter()
     return taps;
 }
 
-// Filter along one axis: `n` lists its length before and after (shorter by twice the reach).
+// Filters along one axis. `size` holds the lengths before and after; the new length is shorter by twice the
+// reach.
 void filter_axis(std::vector<double> &values, std::array<int, 3> &size, int axis)
 {
     static const auto taps = prefilter();
@@ -120,7 +121,8 @@ void filter_axis(std::vector<double> &values, std::array<int, 3> &size, int axis
 }
 
 // --- one brick ---
-// Samples of a brick and of its surroundings, in voxels.
+
+// The samples of a brick and of its surroundings, in voxels.
 std::vector<double> gather(const openvdb::FloatGrid &grid, const Cell &cell, double voxel)
 {
     auto in = grid.getConstAccessor();
@@ -136,7 +138,8 @@ std::vector<double> gather(const openvdb::FloatGrid &grid, const Cell &cell, dou
     return values;
 }
 
-// Does the part of the field that is kept meet this brick? By its 10^3 samples, half a voxel generous.
+// Whether the part of the field that is kept meets this brick, judged by its 10^3 samples with a margin of
+// half a voxel.
 std::uint16_t classify(const std::vector<double> &values, const FieldText &text, double voxel)
 {
     const double inside = std::min(text.inside_mm / voxel, coefficient_max) + 0.5;
@@ -163,7 +166,7 @@ std::vector<std::int8_t> quantise(std::vector<double> values)
     return coefficients;
 }
 
-// The spline of a brick at x voxels from its corner, in voxels.
+// The spline of a brick, in voxels, at the point x (in voxels from the brick's corner).
 double spline(const std::vector<std::int8_t> &c, const Eigen::Vector3d &x)
 {
     double w[3][3];
@@ -184,8 +187,8 @@ double spline(const std::vector<std::int8_t> &c, const Eigen::Vector3d &x)
     return sum / 32;
 }
 
-// Is the brick wrong by more than the tolerance anywhere on a lattice of points near the wall, and may there
-// be a finer one?
+// Whether the brick's error exceeds the tolerance at any of a lattice of points near the wall, provided that
+// a finer brick is allowed.
 bool is_wrong(const Brick &brick, int level, const TriangleTree &tree, const FieldText &text)
 {
     const double voxel = voxel_mm(level);
@@ -214,7 +217,7 @@ bool is_wrong(const Brick &brick, int level, const TriangleTree &tree, const Fie
 void make_bricks(std::vector<Brick> &bricks, int level, const openvdb::FloatGrid &grid,
                  const TriangleTree &tree, const FieldText &text, Progress &progress)
 {
-    constexpr std::size_t chunk = 256; // between two looks at the clock and at Ctrl-C
+    constexpr std::size_t chunk = 256; // bricks between two checks of the clock and of Ctrl-C
     progress.stage("bricks of " + std::to_string(voxel_mm(level)) + " mm", bricks.size());
     for (std::size_t first = 0; first < bricks.size(); first += chunk) {
         progress.step(first);
@@ -244,7 +247,8 @@ std::vector<Brick> octants(const std::vector<Brick> &bricks)
 }
 
 // --- the lattice ---
-// Entry of each brick: far, a refinement (rows counted from `row`), or the next place in `samples`.
+
+// The entry of each brick: far, a refinement (rows counted from `row`), or the next place in `samples`.
 std::vector<std::uint16_t> number(const std::vector<Brick> &bricks, int level, std::uint32_t row,
                                   Field &field)
 {

@@ -7,7 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
-// The core is C and says nothing about C++.
+// The core is plain C without C++ guards.
 extern "C" {
 #include "firmware/core/lumen.h"
 }
@@ -18,7 +18,7 @@ namespace crn::bake
 constexpr double mm_per_q30 = 1000.0 / 1073741824.0;
 constexpr double voxel0_mm = 1000.0 / 1024.0; // level 0
 constexpr double brick0_mm = 8 * voxel0_mm;
-constexpr double error_band_mm = 1.5; // where the field's error counts
+constexpr double error_band_mm = 1.5; // the field's error is measured this close to the wall
 
 // A lumen that owns its memory.
 struct Field {
@@ -31,7 +31,7 @@ struct Field {
     const crn_lumen *view(); // sets the pointers
 };
 
-// A box in which more is asked of the field.
+// A box in which the field must meet a stricter tolerance.
 struct FineRegion {
     Eigen::AlignedBox3d box_mm;
     double tolerance_mm;
@@ -44,7 +44,7 @@ struct FieldText {
     std::vector<FineRegion> fine = {};
 };
 
-// Throws Fault when the lumen needs more bricks than a scene may hold.
+// Throws Fault when the lumen needs more bricks than a scene can hold.
 Field make_field(const TriangleTree &tree, const FieldText &text, Progress &progress);
 
 crn_vec3 to_q30(const Eigen::Vector3d &p_mm);

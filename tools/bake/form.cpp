@@ -1,4 +1,4 @@
-// Making bodies, and measuring what became of them.
+// Making bodies and measuring the result.
 #include "tools/bake/form.hpp"
 #include "host/base/format.hpp"
 #include "tools/bake/fault.hpp"
@@ -14,7 +14,7 @@ namespace crn::bake
 namespace
 {
 
-// Evenly spread numbers in 0..1 without randomness (van der Corput).
+// Numbers spread evenly in 0..1 without randomness (van der Corput).
 double spread(std::size_t index, std::size_t base)
 {
     double value = 0, share = 1;
@@ -25,7 +25,7 @@ double spread(std::size_t index, std::size_t base)
     return value;
 }
 
-// All vertices, and `count` points spread over the surface by area.
+// All vertices, and `count` points spread evenly over the surface by area.
 std::vector<Eigen::Vector3d> sample(const Mesh &mesh, std::size_t count)
 {
     std::vector<Eigen::Vector3d> points = mesh.vertices_mm;
@@ -124,7 +124,7 @@ Deviation decimate(Mesh &mesh, double error_mm)
     constexpr std::size_t points = 10000;
     constexpr int attempts_max = 8;
     constexpr double flat_share =
-        0.05; // of the error, for what goes first: each attempt begins with what is left then
+        0.05; // of the error is spent on this first pass; each attempt starts from its result
     const TriangleTree before(mesh);
     const std::vector<Eigen::Vector3d> samples = sample(mesh, points);
     Mesh flat = mesh;
@@ -139,9 +139,9 @@ Deviation decimate(Mesh &mesh, double error_mm)
             return found;
         }
         limit_mm *=
-            std::clamp(0.9 * error_mm / found.largest_mm, 0.25, 0.75); // about where it would just fit
+            std::clamp(0.9 * error_mm / found.largest_mm, 0.25, 0.75); // the next limit, by linear estimate
     }
-    return {}; // nothing could go
+    return {}; // no triangle could be removed
 }
 
 Mesh form_body(const BodyText &body, const std::vector<BakedBody> &made, std::string &report)
@@ -167,10 +167,10 @@ namespace
 struct Neighbour {
     const BakedBody &body;
     Eigen::AlignedBox3d box;
-    std::unique_ptr<TriangleTree> tree; // made when first asked for
+    std::unique_ptr<TriangleTree> tree; // made at its first use
 };
 
-// The deepest sample of `mesh` on the wrong side of `of`: outside (sign +1) or inside (sign -1).
+// The sample of `mesh` that lies deepest on the wrong side of `of`: outside (sign +1) or inside (sign -1).
 Deviation worst(const Mesh &mesh, Neighbour &of, double sign, std::size_t samples)
 {
     Deviation found;

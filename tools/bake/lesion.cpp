@@ -15,9 +15,10 @@ namespace
 using Eigen::Vector3d;
 
 constexpr double pi = 3.14159265358979323846;
-constexpr double point_step_mm = 0.5;                          // of the branch's points in a lesion, at most
-constexpr double throat_off_mm = 0.1, throat_off_share = 0.15; // of mesh and tree, before the report warns
-constexpr double touch_m = 10e-6; // lesions may end and begin at one place, which rounding moves
+constexpr double point_step_mm = 0.5; // largest spacing of the branch's points in a lesion
+constexpr double throat_off_mm = 0.1,
+                 throat_off_share = 0.15; // difference of mesh and tree above which the report warns
+constexpr double touch_m = 10e-6;         // lesions may end and begin at one place, which rounding moves
 
 Vector3d rounded_m(const Vector3d &p_m) // as the file will hold it
 {
@@ -47,9 +48,9 @@ Axis axis_at(const VesselBranch &branch, const std::vector<double> &arcs, double
             branch.radii_m[i] + share * (branch.radii_m[i + 1] - branch.radii_m[i])};
 }
 
-// Directions across the healthy vessel at a lesion's points. Its front is looked for in the lesion's middle
-// (the patient's left where the vessel itself runs forwards there) and carried along the vessel without
-// twist, so that plaque stays on its side in a bend.
+// Directions across the healthy vessel at a lesion's points. The vessel's front is determined in the lesion's
+// middle (it is the patient's left where the vessel itself runs forwards there). It is carried along the
+// vessel without twist, so that plaque stays on its side in a bend.
 class Across
 {
   public:
@@ -100,8 +101,8 @@ std::size_t branch_of(const VesselTree &tree, const LesionText &text)
                 (names.empty() ? "the scene has no [tree]" : "there are " + names));
 }
 
-// The branch with points every half a millimetre from `begin_m` to `end_m`; the others stay, and so do the
-// places where vessels leave.
+// The branch with a point every half a millimetre from `begin_m` to `end_m`. Its other points stay, and so do
+// the places where vessels leave.
 VesselLesion divide(VesselTree &tree, std::size_t index, double begin_m, double end_m)
 {
     const VesselBranch old = tree.branches[index];
@@ -112,7 +113,7 @@ VesselLesion divide(VesselTree &tree, std::size_t index, double begin_m, double 
     VesselLesion lesion;
     lesion.branch = index;
     lesion.first_point = wanted.size();
-    // An even number, so that one point is the throat.
+    // The number of steps is even, so that one point is the narrowest place.
     const double steps = std::max(2 * std::ceil((end_m - begin_m) / (2e-3 * point_step_mm)), 16.0);
     for (int i = 0; i <= static_cast<int>(steps); ++i)
         wanted.push_back(begin_m + i / steps * (end_m - begin_m));
@@ -146,7 +147,7 @@ VesselLesion divide(VesselTree &tree, std::size_t index, double begin_m, double 
     return lesion;
 }
 
-// What is left of the vessel: the branch's points become those of the channel.
+// Replaces the branch's points and radii by those of the narrowed channel.
 void narrow(VesselBranch &branch, const VesselLesion &lesion, const LesionText &text)
 {
     const std::size_t count = lesion.size();
@@ -161,8 +162,8 @@ void narrow(VesselBranch &branch, const VesselLesion &lesion, const LesionText &
     }
 }
 
-// Points for one lesion in a tree that none has narrowed yet: places are those of the healthy vessel, in
-// whatever order lesions come.
+// Places the points of one lesion in a tree that no lesion has narrowed yet. Positions refer to the healthy
+// vessel, so the order of lesions does not matter.
 void place(VesselTree &tree, const LesionText &text)
 {
     const std::size_t index = branch_of(tree, text);
@@ -225,7 +226,8 @@ std::vector<bool> narrow_lesions(std::vector<Vector3d> &vertices_mm, const Vesse
     for (std::size_t k = 0; k < tree.lesions.size(); ++k) {
         const LesionWall wall(tree, k);
         for (std::size_t v = 0; v < vertices_mm.size(); ++v) {
-            if (!wall.reach_m().contains(vertices_mm[v] * 1e-3)) continue; // passed over quickly
+            if (!wall.reach_m().contains(vertices_mm[v] * 1e-3))
+                continue; // most vertices are skipped here quickly
             const Vector3d way_mm = wall.way_m(vertices_mm[v] * 1e-3) * 1e3;
             if (way_mm.norm() < 1e-3) continue;
             vertices_mm[v] += way_mm;
@@ -259,10 +261,10 @@ VesselTree lesions_within(const VesselTree &tree, const TriangleTree &body)
 BakedBody calcium_of(const VesselTree &tree, const VesselLesion &lesion, const LesionText &text)
 {
     constexpr std::size_t columns = 24;
-    constexpr double along_share = 0.3; // of the lesion's length, to either side of its throat
+    constexpr double along_share = 0.3; // of the lesion's length, to either side of its narrowest point
     BakedBody body;
     body.name = text.name + "_calcium";
-    body.material = "bone_cortical"; // mineral of plaque is apatite too
+    body.material = "bone_cortical"; // the mineral of plaque is apatite too
     body.mesh.name = body.name;
     std::vector<std::size_t> rows;
     const Across across(lesion);
@@ -276,7 +278,7 @@ BakedBody calcium_of(const VesselTree &tree, const VesselLesion &lesion, const L
         for (std::size_t j = 0; j <= columns; ++j) {
             const double turn = static_cast<double>(j) / columns - 0.5;
             const Vector3d ray = across.at(i, text.plaque_deg + turn * text.calcified_deg);
-            // Where the ray leaves the channel, if it meets it.
+            // The distance at which the ray leaves the channel, if it meets it.
             const double inwards = off.dot(ray);
             const double square = channel * channel - off.squaredNorm() + inwards * inwards;
             const double begin = square > 0 ? std::max(inwards + std::sqrt(square), 0.0) : 0.0;
@@ -287,7 +289,7 @@ BakedBody calcium_of(const VesselTree &tree, const VesselLesion &lesion, const L
             body.mesh.vertices_mm.push_back((centre + outer * ray) * 1e3);
         }
     }
-    // Corner of row i, column j, on the inner (0) or outer (1) sheet.
+    // The index of the corner at row i, column j, on the inner (0) or outer (1) sheet.
     const auto at = [&](std::size_t i, std::size_t j, std::size_t sheet) {
         return static_cast<std::uint32_t>(2 * (i * (columns + 1) + j) + sheet);
     };
@@ -309,7 +311,7 @@ BakedBody calcium_of(const VesselTree &tree, const VesselLesion &lesion, const L
         quad(at(0, j, 0), at(0, j + 1, 0), at(0, j + 1, 1), at(0, j, 1));
         quad(at(end, j, 1), at(end, j + 1, 1), at(end, j + 1, 0), at(end, j, 0));
     }
-    check_closed(body.mesh, Cap::none); // also turns it the right way round
+    check_closed(body.mesh, Cap::none); // also orients its triangles outwards
     return body;
 }
 

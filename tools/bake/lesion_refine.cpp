@@ -1,4 +1,4 @@
-// Finer triangles where a lesion will move the wall.
+// Makes finer triangles where a lesion will move the wall.
 #include "tools/bake/lesion.hpp"
 
 #include <algorithm>
@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 using Edge = std::pair<std::uint32_t, std::uint32_t>; // lower corner first
 
 constexpr double edge_min_mm = 0.25;
-constexpr int rounds_max = 12; // each halves an edge
+constexpr int rounds_max = 12; // each round halves the marked edges
 
 double distance_mm(const Vector3d &a_mm, const Vector3d &b_mm, const Vector3d &place_mm) // from an edge
 {
@@ -36,7 +36,7 @@ class Divider
         }
     }
 
-    // True when something was divided.
+    // Returns true when an edge was divided.
     bool round()
     {
         middles_.clear();
@@ -52,7 +52,7 @@ class Divider
   private:
     static Edge edge(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
-    // How long an edge from a to b may be; infinite when no part of it is near a lesion.
+    // The longest permitted edge from a to b; infinite when no part of it is near a lesion.
     double edge_max_mm(const Vector3d &a_mm, const Vector3d &b_mm) const
     {
         double most = std::numeric_limits<double>::infinity();
@@ -77,11 +77,11 @@ class Divider
         mesh_.vertices_mm.push_back(0.5 * (a_mm + b_mm));
     }
 
-    // One to four triangles, by how many edges are divided; neighbours see the same middles, so no crack
-    // opens.
+    // Replaces a triangle by one to four, depending on how many of its edges are divided. Neighbours share
+    // the midpoints, so no crack opens.
     void divide(const Triangle &t, std::vector<Triangle> &out) const
     {
-        std::array<std::int64_t, 3> middle; // of the edge behind a corner, -1: not divided
+        std::array<std::int64_t, 3> middle; // of the edge that follows each corner; -1: not divided
         std::size_t count = 0;
         for (std::size_t k = 0; k < 3; ++k) {
             const auto found = middles_.find(edge(t[k], t[(k + 1) % 3]));
@@ -89,7 +89,7 @@ class Divider
             count += middle[k] >= 0;
         }
         if (count == 0) return out.push_back(t);
-        // Turned so that the first edge is divided, and with two the last is not.
+        // We turn the triangle so that its first edge is divided; if two edges are, its last edge is not.
         std::size_t turn = 0;
         while (middle[turn] < 0 || (count == 2 && middle[(turn + 2) % 3] >= 0)) ++turn;
         const std::uint32_t a = t[turn], b = t[(turn + 1) % 3], c = t[(turn + 2) % 3];
@@ -112,7 +112,7 @@ class Divider
 
     struct Place {
         const VesselLesion &lesion;
-        double edge_mm; // the longest edge there
+        double edge_mm; // the longest edge permitted there
     };
 
     Mesh &mesh_;

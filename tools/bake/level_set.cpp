@@ -1,5 +1,5 @@
-// OpenVDB holds this one way to call its converter ready-made in its library: with other types of ours,
-// compiling it takes a minute.
+// This file holds the only call of OpenVDB's converter, with the types that its library has precompiled: with
+// our own types it takes a minute to compile.
 #include "tools/bake/level_set.hpp"
 #include "tools/mesh/progress.hpp"
 

@@ -6,9 +6,9 @@
 namespace crn::bake
 {
 
-// Negative inside, in mm, kept `outside` and `inside` voxels far from the surface. Sample (i, j, k) lies at
-// (i + place, j + place, k + place) * voxel_mm. Points are rounded to float in voxels: 1e-4 voxels at 1,000
-// voxels from the origin. Ctrl-C ends it early with what is there.
+// Distances are negative inside, in mm, and kept up to `outside` and `inside` voxels from the surface. Sample
+// (i, j, k) lies at (i + place, j + place, k + place) * voxel_mm. Points are rounded to float in voxels: 1e-4
+// voxels at 1,000 voxels from the origin. Ctrl-C ends the work early with what is there.
 openvdb::FloatGrid::Ptr level_set(const Mesh &mesh, double voxel_mm, double place, double outside,
                                   double inside);
 

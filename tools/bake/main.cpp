@@ -1,4 +1,4 @@
-// Command line of `bake`: docs/scene.md.
+// Command line of `bake` (docs/scene.md).
 #include "host/base/command_values.hpp"
 #include "host/base/output_files.hpp"
 #include "host/base/terminal.hpp"

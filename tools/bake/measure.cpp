@@ -16,7 +16,7 @@ namespace
 
 using Random = std::mt19937_64;
 
-// The same on every machine, unlike std::uniform_real_distribution.
+// Gives the same numbers on every machine, unlike std::uniform_real_distribution.
 double uniform(Random &random, double from, double to)
 {
     return from + (to - from) * std::ldexp(static_cast<double>(random() >> 11), -53);
@@ -30,7 +30,7 @@ Eigen::Vector3d in_ball(Random &random, double radius)
     }
 }
 
-// Points of the surface, evenly by area.
+// Random points of the surface, evenly by area.
 class SurfacePoints
 {
   public:
@@ -118,7 +118,7 @@ void triangle_centre(const void *object, ccd_vec3_t *out)
     ccdVec3Set(out, p.x(), p.y(), p.z());
 }
 
-// Penetration of the capsule into one triangle, 0 when apart.
+// The penetration of the capsule into one triangle; 0 when they are apart.
 double ccd_depth(const CcdCapsule &capsule, const CcdTriangle &triangle)
 {
     ccd_t ccd;
@@ -156,7 +156,7 @@ double referee_depth(const TriangleTree &tree, const Pose &pose, double radius)
     return deepest;
 }
 
-// The core knows points, so the capsule is looked at in 33 places along its axis.
+// The core tests points only, so we sample the capsule at 33 places along its axis.
 double core_depth(const crn_lumen *lumen, const Pose &pose, double radius)
 {
     double deepest = -INFINITY;
@@ -165,7 +165,8 @@ double core_depth(const crn_lumen *lumen, const Pose &pose, double radius)
     return deepest;
 }
 
-// A capsule lying along the wall within its radius, its axis in the lumen; false when the draw is none.
+// Draws a capsule that lies along the wall within its radius, with its axis in the lumen. Returns false when
+// this draw gives none.
 bool draw_pose(const TriangleTree &tree, const SurfacePoints &surface, double radius, double length,
                Random &random, Pose &pose)
 {
@@ -173,15 +174,15 @@ bool draw_pose(const TriangleTree &tree, const SurfacePoints &surface, double ra
     const Eigen::Vector3d wall = surface.draw(random, triangle);
     pose.centre = wall + in_ball(random, radius);
     pose.half_axis = in_ball(random, 1).normalized() * (length / 2);
-    constexpr double clearance = 0.05; // the axis must not cross a triangle, or depth has two meanings
+    constexpr double clearance = 0.05; // the axis must not cross a triangle, or depth would have two meanings
     for (int i = -4; i <= 4; ++i)
         if (tree.nearest(pose.centre + pose.half_axis * (i / 4.0)).distance_mm > -clearance) return false;
     return true;
 }
 
-// Radius of the largest ball that touches the wall at p along its inward normal with no wall inside it, made
-// smaller step by step (shrinking balls: Ma, Bae & Choi 2012). `limit` and more when it touches nothing, or
-// nothing opposite.
+// The radius of the largest ball that touches the wall at p along its inward normal and has no wall inside
+// it. The ball shrinks step by step (shrinking balls: Ma, Bae & Choi 2012). Returns `limit` when the ball
+// touches nothing, or nothing opposite.
 double ball_radius(const TriangleTree &tree, const Eigen::Vector3d &p, const Eigen::Vector3d &inward,
                    double limit)
 {
@@ -194,7 +195,7 @@ double ball_radius(const TriangleTree &tree, const Eigen::Vector3d &p, const Eig
         radius = to.squaredNorm() / (2 * to.dot(inward));
     }
     if (radius >= limit) return limit;
-    // A ball in a dent of the surface touches nearby only: where it ends there is no wall.
+    // A ball in a dent of the surface touches the wall only nearby: there is no wall at its far end.
     return std::abs(tree.nearest(p + inward * (2 * radius)).distance_mm) > 0.3 * radius ? limit : radius;
 }
 
@@ -231,12 +232,13 @@ FieldError measure_field(const crn_lumen *lumen, const TriangleTree &tree, std::
 Referee measure_contact(const crn_lumen *lumen, const TriangleTree &tree, std::size_t poses,
                         std::uint64_t seed, Progress &progress)
 {
-    constexpr std::size_t draws_max = 400; // per pose: a lumen narrower than the capsule has none
+    constexpr std::size_t draws_max =
+        400; // attempts per pose: a lumen narrower than the capsule gives no pose
     constexpr std::size_t chunk = 512;
     Random random(seed);
     const SurfacePoints surface(tree.mesh());
     Referee referee;
-    referee.radius_mm = 0.835; // a 5 F catheter
+    referee.radius_mm = 0.835; // that of a 5 F catheter
     referee.length_mm = 2;
     std::vector<Pose> drawn;
     for (std::size_t draws = 0; drawn.size() < poses && draws < poses * draws_max; ++draws) {

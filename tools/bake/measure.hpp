@@ -1,5 +1,5 @@
-// How good a baked lumen is: its field against exact distances, its two samplers against each other, its
-// contact depth against libccd. All randomness comes from the seed that is printed.
+// The accuracy of a baked lumen: its field against exact distances, its two samplers against each other, its
+// contact depth against libccd. All randomness comes from the printed seed.
 #pragma once
 #include "tools/bake/field.hpp"
 
@@ -18,12 +18,12 @@ struct Worst {
 };
 
 struct FieldError {
-    std::size_t points = 0; // within error_band_mm of the wall
+    std::size_t points = 0; // the number of points within error_band_mm of the wall
     double median_mm = 0, percent99_mm = 0, permille999_mm = 0;
     Worst largest;
 };
 
-// Random points within error_band_mm of the wall: |core's distance - exact signed distance|.
+// |core's distance - exact signed distance| at random points within error_band_mm of the wall.
 FieldError measure_field(const crn_lumen *lumen, const TriangleTree &tree, std::size_t points,
                          std::uint64_t seed, Progress &progress);
 
@@ -33,12 +33,12 @@ struct Referee {
     Worst disagreement;
 };
 
-// Random capsules whose axis lies in the lumen and which reach the wall: depth by the core (largest phi + r
-// along the axis) against the deepest penetration that libccd finds with the triangles around.
+// Random capsules whose axis lies in the lumen and which reach the wall. The core's depth (largest phi + r
+// along the axis) is compared with the deepest penetration that libccd finds with the triangles around.
 Referee measure_contact(const crn_lumen *lumen, const TriangleTree &tree, std::size_t poses,
                         std::uint64_t seed, Progress &progress);
 
-// Radius of the smallest ball that touches two opposite walls (at least 120 degrees apart seen from its
+// The radius of the smallest ball that touches two opposite walls (at least 120 degrees apart seen from its
 // centre), over up to `points` places of the surface.
 Worst smallest_radius(const TriangleTree &tree, std::size_t points);
 

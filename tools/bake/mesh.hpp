@@ -21,31 +21,31 @@ struct Mesh {
     std::string name; // file, for messages
     std::vector<Eigen::Vector3d> vertices_mm;
     std::vector<Triangle> triangles;
-    std::vector<std::string> notes; // what was repaired
+    std::vector<std::string> notes; // the repairs that were made
 };
 
 std::string place_text(const Eigen::Vector3d &p_mm); // "(1.0, 2.0, 3.0) mm"
 
-// Reads (mesh_file.hpp), places, and welds equal vertices. Throws Fault for what no mesh may have:
-// unreadable, empty, too many triangles, numbers that are not finite, corners that are not there, a size that
-// suggests another unit.
+// Reads (mesh_file.hpp) and places a mesh, and welds equal vertices. Throws Fault for a mesh that is
+// unreadable, empty or too large, has infinite numbers or missing corners, or has a size that suggests
+// another unit.
 Mesh load_mesh(const MeshText &text);
 
-// Finite, of a possible size, not empty. `unit` for the advice.
+// Checks that the mesh is finite, of a plausible size and not empty. `unit` serves the advice in the message.
 void check_extent(const Mesh &mesh, const std::string &unit);
 
-// One vertex for equal positions; triangles without area dropped (noted).
+// Merges vertices at equal positions and drops triangles without area (noted).
 void weld(Mesh &mesh);
 
-// Closed, every edge in exactly two triangles of opposite sense; openings are capped as `cap` allows. Turns a
-// mesh inside out when its volume is negative (noted). Throws Fault otherwise.
+// Checks that the mesh is closed: every edge is in exactly two triangles of opposite sense. Openings are
+// capped as `cap` allows. A mesh of negative volume is turned inside out (noted). Throws Fault otherwise.
 void check_closed(Mesh &mesh, Cap cap);
 
-// Only the openings, for a mesh whose surface is made anew afterwards (solid.hpp): it may be non-manifold and
-// cross itself.
+// Caps the openings only, for a mesh whose surface is remade afterwards (solid.hpp): it may be non-manifold
+// and cross itself.
 void cap_openings(Mesh &mesh, Cap cap);
 
-// Pairs of triangles that cross without sharing a vertex: throws Fault with the first pair and the number.
+// Throws Fault with the first pair and the number of pairs when triangles cross without sharing a vertex.
 void check_crossing(const Mesh &mesh, Progress &progress);
 
 double volume_mm3(const Mesh &mesh);

@@ -1,4 +1,4 @@
-// Is a mesh the boundary of a body? Edges, openings, caps, orientation.
+// Decides whether a mesh is the boundary of a body: edges, openings, caps, orientation.
 #include "tools/bake/fault.hpp"
 #include "tools/bake/mesh.hpp"
 
@@ -12,7 +12,7 @@ namespace crn::bake
 namespace
 {
 
-// One side of a triangle: edge low-high, and whether the triangle runs from low to high.
+// One side of a triangle: the edge low-high, and whether the triangle runs from low to high.
 struct Side {
     std::uint32_t low, high, triangle;
     bool forward;
@@ -69,7 +69,7 @@ void check_manifold(const Mesh &mesh, const std::vector<Side> &sides)
                     ": remove double and inner faces (\"make manifold\" in a mesh editor)");
 }
 
-// Turn triangles so that neighbours agree. Returns how many were turned; throws for a one-sided surface.
+// Turns triangles so that neighbours agree. Returns how many were turned; throws for a one-sided surface.
 std::size_t agree(Mesh &mesh, const std::vector<Side> &sides)
 {
     struct Neighbour {
@@ -119,12 +119,13 @@ std::size_t agree(Mesh &mesh, const std::vector<Side> &sides)
     return count;
 }
 
-// An opening: its corners in the order in which the missing face would run.
+// An opening: its corners in the order in which the missing face would have them.
 using Loop = std::vector<std::uint32_t>;
 
 std::vector<Loop> openings(const std::vector<Side> &sides)
 {
-    std::multimap<std::uint32_t, std::uint32_t> next; // against the sense of the triangle beside
+    std::multimap<std::uint32_t, std::uint32_t>
+        next; // against the direction of the triangle beside the opening
     for_each_edge(sides, [&](std::size_t begin, std::size_t end) {
         if (end - begin != 1) return;
         const Side &side = sides[begin];
@@ -195,7 +196,7 @@ void close_openings(Mesh &mesh, const std::vector<Loop> &loops, Cap cap)
     double widest_mm = 0;
     for (const Loop &loop : loops) {
         const Opening opening = describe(mesh, loop);
-        // Flat: within 5 % of its width, as scanners cut a vessel end.
+        // Flat means within 5 % of its width, as scanners cut off the end of a vessel.
         const bool is_flat = loop.size() >= 3 && opening.unevenness_mm <= 0.05 * opening.across_mm;
         if (!is_flat && cap == Cap::flat)
             throw Fault(mesh.name + ": the opening at " + opening_text(opening, loop.size()) +

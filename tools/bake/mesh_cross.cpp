@@ -1,4 +1,4 @@
-// Triangles of a mesh that cross each other: an edge of one passes through the other.
+// Finds triangles of a mesh that cross each other: an edge of one passes through the other.
 #include "tools/bake/fault.hpp"
 #include "tools/bake/triangle_tree.hpp"
 
@@ -9,7 +9,7 @@ namespace crn::bake
 namespace
 {
 
-// Does segment p-q pass through the inside of triangle a-b-c? Touching and coplanar do not count.
+// Whether segment p-q passes through the inside of triangle a-b-c. Touching and coplanar do not count.
 bool passes(const Eigen::Vector3d &p, const Eigen::Vector3d &q, const Eigen::Vector3d &a,
             const Eigen::Vector3d &b, const Eigen::Vector3d &c)
 {

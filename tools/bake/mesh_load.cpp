@@ -15,7 +15,7 @@ namespace crn::bake
 namespace
 {
 
-// Puts a part of the file into the patient.
+// Adds a part of the file to the mesh, in the patient's frame.
 void append(const MeshPiece &piece, const MeshText &text, Mesh &mesh)
 {
     const double unit_mm = millimetres_per(text.placement.unit);
@@ -25,7 +25,7 @@ void append(const MeshPiece &piece, const MeshText &text, Mesh &mesh)
     for (const auto &t : piece.triangles) mesh.triangles.push_back({base + t[0], base + t[1], base + t[2]});
 }
 
-// Leaves only the connected pieces that the text wants.
+// Keeps only the connected pieces that the text selects.
 void keep_pieces(Mesh &mesh, const MeshText &text)
 {
     std::vector<std::uint32_t> parent(mesh.vertices_mm.size());
@@ -70,7 +70,7 @@ void drop_unused(Mesh &mesh)
 std::string place_text(const Eigen::Vector3d &p_mm)
 {
     char text[96];
-    const auto plain = [](double mm) { return std::abs(mm) < 0.05 ? 0.0 : mm; }; // not "-0.0"
+    const auto plain = [](double mm) { return std::abs(mm) < 0.05 ? 0.0 : mm; }; // avoids printing "-0.0"
     std::snprintf(text, sizeof text, "(%.1f, %.1f, %.1f) mm", plain(p_mm.x()), plain(p_mm.y()),
                   plain(p_mm.z()));
     return text;

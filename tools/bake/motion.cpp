@@ -1,4 +1,4 @@
-// Fitting the lattice: one sparse system per keyframe, the three components together.
+// Fits the lattice: one sparse system per keyframe, the three components together.
 #include "tools/bake/motion.hpp"
 #include "host/model/motion.hpp"
 #include "shared/scene/scene.h"
@@ -16,14 +16,14 @@ namespace
 {
 
 using Sparse = Eigen::SparseMatrix<double, Eigen::RowMajor>;
-using Ways = Eigen::MatrixX3d; // one row per node, mm
+using Ways = Eigen::MatrixX3d; // displacements: one row per node, mm
 
 constexpr double unit_mm = 2048.0 * mm_per_q30;
-constexpr double still_mm = 0.02;   // what moves less stands still
+constexpr double still_mm = 0.02;   // what moves less counts as still
 constexpr double smoothness = 0.02; // weight of the squared Laplacian beside a vertex of the lumen ...
-constexpr double tension = 0.25; // ... and of the Laplacian: without it the motion overshoots on its way out
-constexpr double guide_weight = 0.03; // of a vertex of the guides, where the lumen says nothing
-// From what moves to the boundary: in spacings, and in ways of the largest motion.
+constexpr double tension =
+    0.25; // ... and of the Laplacian: without it the motion overshoots towards the boundary
+constexpr double guide_weight = 0.03; // of a vertex of the guides, where the lumen gives no data
 constexpr double beat_reach_spacings = 6.0, breath_reach_spacings = 3.0, reach_ways = 2.5;
 
 struct Lattice {
@@ -31,7 +31,7 @@ struct Lattice {
     Eigen::Vector3i count;
     double spacing_mm;
     std::uint32_t spacing_log2;
-    bool is_plane = false; // in each of a cell's six tetrahedra (breath), else trilinear
+    bool is_plane = false; // interpolates in each of a cell's six tetrahedra (breath); otherwise trilinear
 
     int node(int x, int y, int z) const { return (z * count.y() + y) * count.x() + x; }
     int nodes() const { return count.prod(); }
@@ -39,7 +39,7 @@ struct Lattice {
     {
         return x == 0 || y == 0 || z == 0 || x + 1 == count.x() || y + 1 == count.y() || z + 1 == count.z();
     }
-    // Cell and place in it; false outside.
+    // Finds the cell and the position within it; returns false outside the lattice.
     bool find(const Eigen::Vector3d &p_mm, Eigen::Vector3i &cell, Eigen::Vector3d &place) const
     {
         const Eigen::Vector3d at = (p_mm - origin_mm) / spacing_mm;
@@ -63,7 +63,8 @@ struct Lattice {
     }
 };
 
-// What moves in a sequence: where it goes, and its longest way from the reference pose.
+// The points of a sequence that move: their positions, and their longest displacement from the reference
+// pose.
 struct Moving {
     Eigen::AlignedBox3d box;
     double way_mm = 0;
@@ -89,8 +90,8 @@ struct Moving {
     }
 };
 
-// A box around everything that moves, wide enough that the motion can fade out, its corner on a multiple of
-// the spacing.
+// A box around everything that moves, wide enough for the motion to fade out. Its corner lies on a multiple
+// of the spacing.
 Lattice lattice_for(const Moving &moving, double spacing_mm, double reach_spacings)
 {
     Lattice lattice;
@@ -114,8 +115,8 @@ Lattice lattice_for(const Moving &moving, double spacing_mm, double reach_spacin
     return lattice;
 }
 
-// Bending and tension over the free nodes, by the graph Laplacian: each against the mean of its six
-// neighbours (those of the boundary are 0).
+// Bending and tension over the free nodes by the graph Laplacian, which compares each node with the mean of
+// its six neighbours (those of the boundary are 0).
 Sparse smoothing(const Lattice &lattice)
 {
     std::vector<Eigen::Triplet<double>> entries;
@@ -134,11 +135,11 @@ Sparse smoothing(const Lattice &lattice)
     Sparse laplacian(lattice.nodes(), lattice.nodes());
     laplacian.setFromTriplets(entries.begin(), entries.end());
     Sparse energy = laplacian.transpose() * laplacian;
-    energy += tension * laplacian; // symmetric: every neighbour counts a sixth
+    energy += tension * laplacian; // the Laplacian is symmetric: every neighbour counts a sixth
     return energy;
 }
 
-// w at the nodes, so that it is best at the points told.
+// Finds the displacements w at the nodes that best fit the given points.
 class Fit
 {
   public:
@@ -147,7 +148,7 @@ class Fit
     {
     }
 
-    // There the way should be this one.
+    // Adds a point at which the displacement should be `way_mm`.
     void tell(const Eigen::Vector3d &at_mm, const Eigen::Vector3d &way_mm, double weight)
     {
         Eigen::Vector3i cell;
@@ -171,7 +172,7 @@ class Fit
         matrix.setFromTriplets(entries_.begin(), entries_.end());
         boundary.setIdentity();
         matrix += smoothness * smooth_;
-        matrix += 1e-9 * boundary; // nodes of the boundary have no equation of their own
+        matrix += 1e-9 * boundary; // the nodes of the boundary have no equation of their own
         Eigen::ConjugateGradient<Sparse, Eigen::Lower | Eigen::Upper> solver;
         solver.setTolerance(1e-6);
         solver.setMaxIterations(4000);
@@ -194,7 +195,7 @@ class Fit
     Ways right_;
 };
 
-// From the moved vertices back.
+// Adds the displacements from the moved vertices back to the reference pose.
 void tell_all(Fit &fit, const std::vector<Eigen::Vector3d> &moved_mm,
               const std::vector<Eigen::Vector3d> &back_mm, double weight)
 {
@@ -233,7 +234,7 @@ void put_node(const std::vector<Ways> &keys, int node, std::int16_t *rows)
     }
 }
 
-// Nodes of the boundary have stayed 0.
+// The nodes of the boundary stay at 0.
 void fit_beat(const Frames &frames, double spacing_mm, Motion &motion, Progress &progress)
 {
     Moving moving;
@@ -256,7 +257,8 @@ void fit_beat(const Frames &frames, double spacing_mm, Motion &motion, Progress 
         put_node(keys, node, &motion.rows[static_cast<std::size_t>(node) * 3 * CRN_MOTION_ROW]);
 }
 
-// The heart beats in a chest that moves: what breath does to the first frame it does to what is there in any.
+// The heart beats in a chest that moves. Breath therefore carries a place equally in every frame; we fit it
+// to the first.
 void fit_breath(const Frames &frames, double spacing_mm, Motion &motion)
 {
     Moving moving;
@@ -290,7 +292,7 @@ void Sequence::retime(double end_systole)
                             : end_systole + (k - wanted_end) * (count - end_systole) / (count - wanted_end);
         const auto at = static_cast<std::size_t>(source);
         const double t = source - std::floor(source);
-        // Catmull-Rom's cubic through the frames around it.
+        // The cubic of Catmull and Rom through the neighbouring frames.
         const double weights[4] = {t * (-0.5 + t * (1 - 0.5 * t)), 1 + t * t * (-2.5 + 1.5 * t),
                                    t * (0.5 + t * (2 - 1.5 * t)), t * t * (-0.5 + 0.5 * t)};
         for (std::size_t i = 0; i < moved_mm[key].size(); ++i) {

@@ -12,8 +12,8 @@ namespace
 
 using Eigen::Vector3d;
 
-constexpr double pace_m = 4e-6;     // of a wall in a tick: less than a balloon's ball grows
-constexpr double reach_radii = 2.5; // the core asks up to two
+constexpr double pace_m = 4e-6;     // speed of a wall per tick: less than the growth of a balloon's sphere
+constexpr double reach_radii = 2.5; // the core looks up to two radii far
 constexpr unsigned spacing_log2_min = 17, spacing_log2_max = 22;
 
 std::int32_t q30(double value)
@@ -26,7 +26,7 @@ struct Station {
     double healthy_radius_m = 0, channel_radius_m = 0;
 };
 
-// A lesion by arc length along its healthy centreline.
+// A lesion, parametrised by arc length along its healthy centreline.
 class Stretch
 {
   public:
@@ -40,7 +40,7 @@ class Stretch
     }
     double length_m() const { return arcs_m_.back(); }
 
-    // Beyond its ends the vessel goes on straight and is healthy.
+    // Beyond its ends the vessel continues straight and healthy.
     Station at(double arc_m) const
     {
         const auto after = std::upper_bound(arcs_m_.begin() + 1, arcs_m_.end() - 1, arc_m);
@@ -64,7 +64,7 @@ class Stretch
     std::vector<double> arcs_m_;
 };
 
-// At most CRN_SCENE_PLAQUE_STATION_MAX, a power of two apart, the lesion in their middle.
+// At most CRN_SCENE_PLAQUE_STATION_MAX stations, a power of two apart, with the lesion in their middle.
 std::vector<Station> stations_of(const Stretch &stretch, const std::string &name, unsigned &log2)
 {
     for (log2 = spacing_log2_min; log2 <= spacing_log2_max; ++log2) {

@@ -1,4 +1,4 @@
-// Reading the text of a scene with toml++. Every fault names file, line and key.
+// Reads the text of a scene with toml++. Every fault names file, line and key.
 #include "tools/bake/scene_text.hpp"
 #include "shared/scene/scene.h"
 #include "tools/bake/fault.hpp"
@@ -16,7 +16,7 @@ namespace crn::bake
 namespace
 {
 
-// One table of the text, with what is needed to complain about it.
+// One table of the text, with the context that error messages need.
 struct Table {
     const SceneText &scene;
     const Folders &folders;
@@ -87,7 +87,7 @@ struct Table {
         return value;
     }
 
-    // Two opposite corners; empty when the key is missing.
+    // A box from two opposite corners; empty when the key is missing.
     Eigen::AlignedBox3d box(const char *key) const
     {
         const toml::node *node = table.get(key);
@@ -101,7 +101,7 @@ struct Table {
         return box;
     }
 
-    // A text or a list of texts.
+    // Accepts a string or a list of strings.
     std::vector<std::string> texts(const char *key) const
     {
         const toml::node *node = table.get(key);
@@ -187,7 +187,7 @@ Eigen::Vector3d scale_of(const Table &t)
     return scale;
 }
 
-// Turns about left, then head, then anterior, each right-handed about its axis.
+// Rotates about left, then head, then anterior, each right-handed about its axis.
 Eigen::Matrix3d rotation_of(const Eigen::Vector3d &deg)
 {
     constexpr double rad_per_deg = 3.14159265358979323846 / 180;
@@ -386,7 +386,8 @@ LesionText lesion_of(const Table &t)
     for (const char *key : {"name", "branch", "at_mm", "length_mm", "stenosis_percent"})
         if (!t.table.contains(key)) t.fail(nullptr, "needs " + std::string(key));
     LesionText lesion;
-    lesion.name = t.text("name", "", CRN_SCENE_BODY_NAME_BYTES - 1 - 8); // "_calcium" must fit behind it
+    lesion.name =
+        t.text("name", "", CRN_SCENE_BODY_NAME_BYTES - 1 - 8); // "_calcium" must fit behind the name
     lesion.branch = t.text("branch", "", CRN_SCENE_BRANCH_NAME_BYTES - 1);
     lesion.at_mm = t.number("at_mm", 0, lesion_at_mm);
     lesion.length_mm = t.number("length_mm", 0, lesion_length_mm);
@@ -430,7 +431,7 @@ void check_lesions(const SceneText &scene)
                     std::to_string(CRN_SCENE_BODY_MAX) + ": join some bodies, or leave out calcified_deg");
 }
 
-// The body that a shell makes inside another.
+// Adds, behind each body with a shell, the marrow body inside it.
 void add_marrows(SceneText &scene)
 {
     std::vector<BodyText> all;

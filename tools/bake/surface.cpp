@@ -18,7 +18,7 @@ namespace
 
 constexpr int block_edge = 8;
 constexpr double band_voxels = 3.0;
-constexpr std::size_t blocks_max = 2'000'000; // 1 billion voxels looked at
+constexpr std::size_t blocks_max = 2'000'000; // about 1 billion voxels are examined
 
 struct Capsule {
     Eigen::Vector3d a, b;
@@ -42,7 +42,7 @@ std::vector<Capsule> capsules_of(const std::vector<Centreline> &lines)
 using BlockKey = std::array<int, 3>;
 using Blocks = std::map<BlockKey, std::vector<std::uint32_t>>;
 
-// Which capsules may reach into which block of voxels.
+// Lists which capsules may reach into which block of voxels.
 Blocks blocks_of(const std::vector<Capsule> &capsules, double voxel_mm)
 {
     Blocks blocks;
@@ -64,7 +64,7 @@ Blocks blocks_of(const std::vector<Capsule> &capsules, double voxel_mm)
     return blocks;
 }
 
-// Distances in one block, when the wall is near it.
+// Computes the distances in one block, if the wall is near it.
 void fill_block(const BlockKey &key, const std::vector<Capsule> &capsules,
                 const std::vector<std::uint32_t> &candidates, double voxel_mm,
                 openvdb::FloatGrid::Accessor &out)

@@ -1,4 +1,4 @@
-// A TOML file that a person wrote, or a Fault that says what is wrong with it.
+// Reads a TOML file written by a person, or throws a Fault that says what is wrong with it.
 #pragma once
 #include "host/base/toml.hpp"
 #include "tools/bake/fault.hpp"
@@ -12,15 +12,15 @@
 namespace crn::bake
 {
 
-// What a kind of text is called in a refusal.
+// The name of this kind of text in error messages.
 struct TomlKind {
     std::uintmax_t MiB_max;
     const char *what;      // "a scene text"
-    const char *when_none; // what to give, when there is no such file
-    const char *when_huge; // ending of the sentence about a file over the limit, or ""
+    const char *when_none; // the remedy when there is no such file
+    const char *when_huge; // the end of the sentence about a file over the limit, or ""
 };
 
-// Throws Fault with the file, and the line where it is no TOML.
+// Throws Fault with the file, and with the line where it is not valid TOML.
 inline toml::table read_toml(const std::filesystem::path &file, const TomlKind &kind)
 {
     std::error_code ignored;

@@ -79,7 +79,7 @@ void TriangleTree::build(std::uint32_t node, std::uint32_t first, std::uint32_t 
     build(children + 1, first + half, count - half);
 }
 
-// Closest point of a triangle by the regions of its corners and edges (Ericson, Real-Time Collision
+// The closest point of a triangle by the regions of its corners and edges (Ericson, Real-Time Collision
 // Detection, 5.1.5).
 TriangleTree::Hit TriangleTree::closest_on(std::uint32_t triangle, const Eigen::Vector3d &p) const
 {
@@ -123,7 +123,7 @@ TriangleTree::Hit TriangleTree::search(const Eigen::Vector3d &p, double limit_sq
         }
         const double left = nodes_[node.first].box.squaredExteriorDistance(p);
         const double right = nodes_[node.first + 1].box.squaredExteriorDistance(p);
-        // The nearer child last, so that it is taken first.
+        // The nearer child is pushed last, so it is visited first.
         stack[depth++] = left < right ? std::pair{node.first + 1, right} : std::pair{node.first, left};
         stack[depth++] = left < right ? std::pair{node.first, left} : std::pair{node.first + 1, right};
     }
@@ -133,7 +133,7 @@ TriangleTree::Hit TriangleTree::search(const Eigen::Vector3d &p, double limit_sq
 TriangleTree::Nearest TriangleTree::nearest(const Eigen::Vector3d &p_mm, double bound_mm) const
 {
     Hit hit = search(p_mm, bound_mm * bound_mm);
-    if (hit.triangle == UINT32_MAX) hit = search(p_mm, INFINITY); // the bound was none
+    if (hit.triangle == UINT32_MAX) hit = search(p_mm, INFINITY); // no triangle lies within the bound
     const Triangle &t = mesh_.triangles[hit.triangle];
     const Eigen::Vector3d &normal = hit.feature == 6   ? face_normals_[hit.triangle]
                                     : hit.feature >= 3 ? edge_normals_[hit.triangle][hit.feature - 3]
@@ -143,8 +143,8 @@ TriangleTree::Nearest TriangleTree::nearest(const Eigen::Vector3d &p_mm, double 
 }
 
 // +1 or -1 where the ray from p along +z leaves or enters through the triangle, else 0. A place on an edge or
-// corner belongs to one of the triangles there (half-open intervals; an edge is computed alike for both its
-// triangles).
+// corner belongs to one of the triangles there (half-open intervals; an edge is computed identically for both
+// of its triangles).
 int TriangleTree::crossing(std::uint32_t triangle, const Eigen::Vector3d &p) const
 {
     const Triangle &t = mesh_.triangles[triangle];

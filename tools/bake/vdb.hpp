@@ -1,4 +1,4 @@
-// OpenVDB as the baker uses it. Its own headers warn, so they are read here as system headers.
+// OpenVDB as the baker uses it. Its own headers cause warnings, so they are included here as system headers.
 #pragma once
 #pragma GCC system_header
 #include <openvdb/openvdb.h>

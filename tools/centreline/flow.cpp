@@ -1,4 +1,4 @@
-// Conductances from the outlets up, then flows from the inlet down.
+// Computes conductances from the outlets upwards, then flows from the inlet downwards.
 #include "tools/centreline/flow.hpp"
 
 #include <cmath>
@@ -21,16 +21,17 @@ struct Network {
     const Tree &tree;
     double viscosity_mPa_s;
     std::vector<std::vector<std::size_t>> children; // of each branch
-    std::vector<std::vector<double>> conductance;   // from each sphere of each branch on, mm^3/(s Pa)
+    std::vector<std::vector<double>> conductance;   // from each sphere of each branch onwards, mm^3/(s Pa)
 };
 
-// Without children at its end a branch is an outlet, with the bed's resistance behind it.
+// A branch without children at its end is an outlet, with the resistance of its bed behind it.
 double bed_conductance(const Branch &branch, double bed_Pa_s)
 {
     return std::pow(branch.spheres.back().radius_mm, 3) / bed_Pa_s;
 }
 
-// Branches stand behind their parents, so from the last to the first every child is done before its parent.
+// Branches are numbered after their parents, so the loop from last to first finishes every child before its
+// parent.
 void find_conductances(Network &network, double bed_Pa_s)
 {
     const Tree &tree = network.tree;
@@ -63,7 +64,8 @@ double outlet_cubes_mm3(const Network &network, std::size_t branch)
 
 } // namespace
 
-// 8 mu/pi times the integral of r^-4 along the length: (a^2 + a b + b^2) / (3 a^3 b^3) per length.
+// R = 8 mu/pi times the integral of r^-4 along the length, which is (a^2 + a b + b^2) / (3 a^3 b^3) per
+// length.
 double tube_resistance(const Sphere &a, const Sphere &b, double viscosity_mPa_s)
 {
     const double length = (b.centre_mm - a.centre_mm).norm(), ra = a.radius_mm, rb = b.radius_mm;
@@ -77,8 +79,8 @@ std::vector<double> set_flow(Tree &tree, const FlowSettings &settings)
     network.children.resize(tree.branches.size());
     for (std::size_t b = 0; b < tree.branches.size(); ++b)
         if (tree.branches[b].parent >= 0) network.children[tree.branches[b].parent].push_back(b);
-    std::vector<double> into(tree.branches.size(), 0.0); // flow through the first sphere, mm^3/s
-    // Every root has its own inlet, and so its own beds.
+    std::vector<double> into(tree.branches.size(),
+                             0.0); // Every root has its own inlet and therefore its own beds.
     std::vector<int> root(tree.branches.size());
     for (std::size_t b = 0; b < tree.branches.size(); ++b)
         root[b] = tree.branches[b].parent < 0 ? static_cast<int>(b) : root[tree.branches[b].parent];

@@ -1,4 +1,4 @@
-// Steady flow through a tree by Poiseuille's law: docs/centreline.md.
+// Steady flow through a tree by Poiseuille's law (docs/centreline.md).
 #pragma once
 #include "tools/centreline/tree.hpp"
 
@@ -8,16 +8,16 @@ namespace crn::centreline
 struct FlowSettings {
     double inlet_mm_s = 150;      // mean speed in the inlet of each root ...
     double inlet_ml_min = 0;      // ... or, if above 0, its flow
-    double pressure_mmHg = 90;    // from the inlet to behind the beds
+    double pressure_mmHg = 90;    // pressure drop from the inlet to behind the beds
     double viscosity_mPa_s = 3.5; // blood
 };
 
-// Resistance of the tube between two spheres whose radius changes linearly, Pa s / mm^3.
+// The resistance of the tube between two spheres, whose radius changes linearly, in Pa s / mm^3.
 double tube_resistance(const Sphere &a, const Sphere &b, double viscosity_mPa_s);
 
-// Sets speed_mm_s of every sphere, and returns the flow of every branch behind its first sphere, ml/min. Each
-// outlet ends in a bed of resistance K / r^3 (Murray), with one K for which the given inlet flow falls by the
-// given pressure in the beds alone.
+// Sets speed_mm_s of every sphere, and returns the flow of every branch behind its first sphere, in ml/min.
+// Each outlet ends in a bed of resistance K / r^3 (Murray). One K serves all beds: the given inlet flow then
+// loses the given pressure in the beds alone.
 std::vector<double> set_flow(Tree &tree, const FlowSettings &settings);
 
 } // namespace crn::centreline

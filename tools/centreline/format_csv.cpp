@@ -1,4 +1,4 @@
-// Our own table (.csv): one sphere a line, columns by name.
+// Our own table (.csv): one sphere per line, columns by name.
 #include "tools/centreline/formats.hpp"
 
 #include <array>
@@ -42,7 +42,7 @@ std::vector<std::string_view> cells_of(std::string_view line)
     }
 }
 
-// One line, with what is needed to complain about it.
+// One line, with the context that error messages need.
 struct Row {
     std::string where; // "tree.csv:12: "
     const std::array<int, columns> &order;

@@ -1,5 +1,5 @@
-// VTK's polydata (.vtp) as VMTK makes centrelines: every line is a branch, MaximumInscribedSphereRadius at
-// its points. Ours adds to each line where it leaves which other.
+// VTK's polydata (.vtp) as VMTK writes centrelines: every line is a branch, with MaximumInscribedSphereRadius
+// at its points. Our files add to each line the branch that it leaves, and where.
 #include "tools/centreline/vtk_array.hpp"
 
 #include <cmath>
@@ -11,7 +11,7 @@ namespace
 
 constexpr const char *radius_array = "MaximumInscribedSphereRadius";
 
-// One piece of the file, and what it is made of.
+// One Piece of the file and its contents.
 class Piece
 {
   public:
@@ -72,7 +72,7 @@ class Piece
                    "': a whole number up to " + number_text(most) + " is needed");
     }
 
-    // -1 comes out as the largest size, and goes back to -1 as an int.
+    // -1 is returned as the largest size, and becomes -1 again as an int.
     std::size_t whole(double value, double low, double high) const
     {
         if (value == std::floor(value) && value >= low && value <= high)
@@ -101,7 +101,7 @@ class Piece
         return array ? file_.values(array, wanted) : std::vector<double>{};
     }
 
-    // Texts are numbers of letters, each text ended by 0.
+    // Strings are stored as numbers of letters, each string ended by 0.
     std::vector<std::string> branch_names() const
     {
         std::vector<std::string> names;

@@ -1,5 +1,5 @@
-// Lines of a Wavefront OBJ: an object per branch. OBJ knows no radius, so ours stands in a comment behind
-// each point.
+// Lines of a Wavefront OBJ, with one object per branch. OBJ has no radius, so our files state it in a comment
+// after each point.
 #include "tools/centreline/formats.hpp"
 
 #include <cmath>
@@ -82,7 +82,7 @@ class Reader
         points_.push_back(sphere);
     }
 
-    // "l 1 2" "l 2 3" of one object is one branch, as other programs write every piece alone.
+    // "l 1 2" "l 2 3" of one object form one branch, because other programs write every segment alone.
     void chain(const std::vector<std::string_view> &words)
     {
         std::vector<std::size_t> order;

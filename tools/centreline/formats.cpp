@@ -1,4 +1,4 @@
-// What the formats share: the file, its lines, words and numbers.
+// The parts that the formats share: the file, its lines, words and numbers.
 #include "tools/centreline/formats.hpp"
 #include "host/base/guarded_read.hpp"
 #include "host/base/pending_file.hpp"
@@ -77,7 +77,7 @@ Tree receive(Inbox &in)
 
 Tree read_tree_apart(const std::filesystem::path &file)
 {
-    constexpr double growth = 64; // a letter of JSON or XML as a node of its parser
+    constexpr double growth = 64; // bytes of a parser's node per letter of JSON or XML
     const std::string name = file.string();
     Tree tree;
     try {
@@ -101,7 +101,7 @@ Tree read_tree_apart(const std::filesystem::path &file)
 Tree read_tree(const std::filesystem::path &file, bool needs_radii)
 {
     const std::string name = file.string();
-    // JSON and XML are read by parsers of others; the other two by lines, here.
+    // External parsers read JSON and XML; we read the other two formats line by line here.
     if (ends_with(file, ".json") || ends_with(file, ".vtp")) return read_tree_apart(file);
     if (ends_with(file, ".csv")) return read_csv(content_of(file), name);
     if (ends_with(file, ".obj")) return read_polyline(content_of(file), name, needs_radii);

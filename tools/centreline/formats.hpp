@@ -1,4 +1,4 @@
-// Trees as files: 3D Slicer's .mrk.json, VMTK's .vtp, and our .csv and .obj. docs/centreline.md has their
+// Trees as files: 3D Slicer's .mrk.json, VMTK's .vtp, and our .csv and .obj. docs/centreline.md lists their
 // fields.
 #pragma once
 #include "tools/centreline/tree.hpp"
@@ -11,15 +11,16 @@ namespace crn::centreline
 
 constexpr std::size_t file_bytes_max = std::size_t{256} << 20;
 
-// Reads a tree by the ending of its name. Branches whose file does not say where they begin come as roots:
-// see `joined`. Throws Fault naming file, line or element, field and remedy. `needs_radii` false: an .obj
-// without radii gives spheres of 1 um.
+// Reads a tree; the extension of the name selects the format. Branches whose file does not say where they
+// begin become roots: see `joined`. Throws Fault naming file, line or element, field and remedy. With
+// `needs_radii` false, an .obj without radii gives spheres of 1 um.
 Tree read_tree(const std::filesystem::path &file, bool needs_radii = true);
 
-// Writes by the ending of the name; the file appears when it is whole. Throws Fault or crn::OutputError.
+// Writes a tree; the extension of the name selects the format. The file appears when it is complete. Throws
+// Fault or crn::OutputError.
 void write_tree(const std::filesystem::path &file, const Tree &tree);
 
-// Each format alone: `name` is for messages.
+// The readers of the single formats; `name` is for messages.
 Tree read_markups(const std::string &text, const std::string &name);
 Tree read_polydata(const std::string &text, const std::string &name);
 Tree read_csv(const std::string &text, const std::string &name);
@@ -29,17 +30,17 @@ std::string polydata_text(const Tree &tree);
 std::string csv_text(const Tree &tree);
 std::string polyline_text(const Tree &tree);
 
-// "first, second" of a file's lines and words: what the readers of text share.
+// A line of a file with its words, as the readers of text share it.
 struct TextLine {
     std::string_view text;
     std::size_t number; // from 1
 };
 std::vector<TextLine> lines_of(std::string_view text);
 std::vector<std::string_view> words_of(std::string_view line);
-// The whole word as a number, or NaN. Never of the locale.
+// The whole word as a number, or NaN; it does not depend on the locale.
 double number_of(std::string_view word);
-// A name that every format can hold: letters, digits, blanks and _-.() of at most 63 bytes.
+// A name that every format can hold: letters, digits, blanks and _-.(), at most 63 bytes.
 std::string plain_name(const std::string &name);
-std::string number_text(double value); // shortest that reads back to the micrometre and better
+std::string number_text(double value); // the shortest text that preserves the value to a micrometre or better
 
 } // namespace crn::centreline

@@ -1,4 +1,4 @@
-// Separate curves become a tree: which begins inside which, and where it leaves.
+// Joins separate curves to a tree: it finds which curve begins inside which, and where it leaves.
 #include "tools/centreline/tree.hpp"
 
 #include <algorithm>
@@ -9,9 +9,9 @@ namespace crn::centreline
 namespace
 {
 
-// As long as a curve stays so near to its parent's line, in radii of the parent, it has not left it.
+// A curve has not left its parent while it stays this close to the parent's line, in radii of the parent.
 constexpr double along_share = 0.3;
-// Farthest that a curve may begin outside a tube and still belong to it, in its own radii: tools stop at the
+// A curve may begin this far outside a tube, in its own radii, and still belong to it: tools stop at the
 // wall.
 constexpr double outside_share = 0.5;
 
@@ -22,10 +22,10 @@ double mean_radius_mm(const Branch &branch)
     return sum / static_cast<double>(branch.spheres.size());
 }
 
-// One end of a curve that is not yet in the tree, in the tube of a branch that is.
+// One end of a curve that is not yet in the tree, and the branch of the tree in whose tube it lies.
 struct Choice {
     std::size_t parent = 0;
-    bool is_last = false;    // the curve's last point: it runs against the blood
+    bool is_last = false;    // it is the curve's last point: the curve runs against the blood flow
     double depth = INFINITY; // in radii of the parent, below 0 inside
 };
 
@@ -41,7 +41,7 @@ void consider(Choice &best, const Branch &curve, const Tree &tree, std::size_t p
     }
 }
 
-// What runs along the parent's line is cut, and the parent's sphere put before the rest.
+// Cuts off what runs along the parent's line, and puts the parent's sphere before the rest.
 void attach(Branch &curve, const Branch &parent)
 {
     std::size_t left = 0;
@@ -62,7 +62,7 @@ void attach(Branch &curve, const Branch &parent)
         curve.spheres.insert(curve.spheres.begin(), shared);
 }
 
-// The curve whose end is nearest to the inlet comes first and runs away from it.
+// The curve whose end is nearest to the inlet comes first and runs away from the inlet.
 void begin_at(std::vector<Branch> &curves, const Eigen::Vector3d &inlet_mm)
 {
     std::size_t first = 0;
@@ -87,8 +87,8 @@ Tree joined(const Tree &tree, const Eigen::Vector3d *inlet_mm)
     for (std::size_t b = 0; b < tree.branches.size(); ++b)
         if (tree.branches[b].parent < 0) roots.push_back(b);
     if (roots.size() != tree.branches.size() || roots.size() == 1)
-        return tree; // the file says who leaves whom
-    // The widest is the trunk; whatever touches no tube of the tree so far begins another.
+        return tree; // the file says which branch leaves which
+    // The widest curve is the trunk; a curve that touches no tube of the tree so far begins another root.
     std::stable_sort(roots.begin(), roots.end(), [&](std::size_t a, std::size_t b) {
         return mean_radius_mm(tree.branches[a]) > mean_radius_mm(tree.branches[b]);
     });
@@ -96,7 +96,7 @@ Tree joined(const Tree &tree, const Eigen::Vector3d *inlet_mm)
     Tree left;
     for (std::size_t b : roots) left.branches.push_back(tree.branches[b]);
     if (inlet_mm) begin_at(left.branches, *inlet_mm);
-    std::vector<Choice> best(left.branches.size()); // for each curve that is left, among what is made
+    std::vector<Choice> best(left.branches.size()); // the best place so far for each remaining curve
     std::vector<bool> is_placed(left.branches.size(), false);
     for (std::size_t count = 0; count < left.branches.size(); ++count) {
         std::size_t next = left.branches.size();

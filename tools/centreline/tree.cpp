@@ -1,4 +1,4 @@
-// Rules, distances, joining and splitting of trees.
+// Rules, distances, and splitting of trees.
 #include "tools/centreline/tree.hpp"
 
 #include <algorithm>
@@ -10,7 +10,7 @@ namespace crn::centreline
 namespace
 {
 
-constexpr double shared_sphere_mm = 0.01; // a file may round
+constexpr double shared_sphere_mm = 0.01; // a file may round by this much
 
 [[noreturn]] void refuse(const std::string &name, std::size_t branch, const std::string &what)
 {
@@ -87,13 +87,13 @@ double length_mm(const Branch &branch)
 }
 
 // With the axis coordinate s of p and its distance q from the axis, the side of the hull is the cone that
-// touches both spheres; where the foot of the normal passes an end, the sphere of that end is nearer.
+// touches both spheres. Where the foot of the normal passes an end, the sphere of that end is nearer.
 double tapered_capsule_distance(const Eigen::Vector3d &p, const Eigen::Vector3d &a, double radius_a,
                                 const Eigen::Vector3d &b, double radius_b)
 {
     const Eigen::Vector3d axis = b - a;
     const double length = axis.norm(), taper = radius_a - radius_b;
-    if (length <= std::abs(taper)) // one sphere holds the other
+    if (length <= std::abs(taper)) // one sphere contains the other
         return radius_a > radius_b ? (p - a).norm() - radius_a : (p - b).norm() - radius_b;
     const double s = axis.dot(p - a) / length, sine = taper / length, cosine = std::sqrt(1 - sine * sine);
     const double q = std::sqrt(std::max(0.0, (p - a).squaredNorm() - s * s));
@@ -146,11 +146,11 @@ std::size_t first_own_sphere(const Tree &tree, std::size_t branch)
 
 Tree split_at_junctions(const Tree &tree)
 {
-    std::vector<std::vector<std::size_t>> cuts(tree.branches.size()); // spheres at which others leave
+    std::vector<std::vector<std::size_t>> cuts(tree.branches.size()); // spheres at which other branches leave
     for (const Branch &branch : tree.branches)
         if (branch.parent >= 0) cuts[branch.parent].push_back(branch.parent_sphere);
     Tree split;
-    // Of each old branch and sphere: the new branch that ends there.
+    // For each old branch: its spheres at which a new branch ends, with the number of that branch.
     std::vector<std::vector<std::pair<std::size_t, int>>> ends(tree.branches.size());
     for (std::size_t b = 0; b < tree.branches.size(); ++b) {
         const Branch &old = tree.branches[b];
@@ -164,7 +164,7 @@ Tree split_at_junctions(const Tree &tree)
                 if (sphere == old.parent_sphere) parent = made;
         std::size_t first = 0;
         for (std::size_t cut : at) {
-            // At its first sphere a branch has nothing before it to end there.
+            // At its first sphere nothing of the branch has come before that could end there.
             if (cut == 0) {
                 ends[b].push_back({0, parent});
                 continue;

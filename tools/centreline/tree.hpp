@@ -1,6 +1,6 @@
-// A vessel tree as ordered inscribed spheres, grouped into branches: what the centreline tool makes, files
-// hold, and `bake` and the contrast's flow read. Millimetres; the axes are those of the mesh it was made
-// from.
+// A vessel tree as ordered inscribed spheres, grouped into branches. The centreline tool makes it, files hold
+// it, and `bake` and the flow of contrast medium read it. Lengths are millimetres; the axes are those of the
+// mesh from which it was made.
 #pragma once
 #include "tools/mesh/fault.hpp"
 
@@ -12,7 +12,7 @@ namespace crn::centreline
 {
 
 constexpr std::size_t branches_max = 4096;
-constexpr std::size_t spheres_max = 1'000'000; // of a whole tree
+constexpr std::size_t spheres_max = 1'000'000; // limit of a whole tree
 constexpr double radius_max_mm = 1000.0;
 constexpr double coordinate_max_mm = 1e6;
 
@@ -20,7 +20,7 @@ struct Sphere {
     Eigen::Vector3d centre_mm = Eigen::Vector3d::Zero();
     double radius_mm = 0;
     double speed_mm_s = 0;  // mean blood speed over the section; 0: not computed
-    bool is_manual = false; // stands where a person put it
+    bool is_manual = false; // a person has placed it
 };
 
 //   root o--o--o--o--o--o        branch 0, parent -1
@@ -28,12 +28,13 @@ struct Sphere {
 //                  o--o--o
 struct Branch {
     std::string name;
-    int parent = -1;               // number of the branch it leaves, always a lower one; -1: a root
-    std::size_t parent_sphere = 0; // which of its spheres is this branch's first one
+    int parent = -1;               // number of the branch that it leaves, always a lower one; -1: a root
+    std::size_t parent_sphere = 0; // the parent's sphere that is this branch's first one
     std::vector<Sphere> spheres;   // in the direction of the blood, at least two
 };
 
-// A branch's number is its id: readers and writers keep it, and so do all frames of a beating tree.
+// A branch's number is its id: readers and writers keep it, and it is the same in all frames of a beating
+// tree.
 struct Tree {
     std::vector<Branch> branches;
 };
@@ -44,35 +45,37 @@ void check_tree(const Tree &tree, const std::string &name);
 std::size_t sphere_count(const Tree &tree);
 double length_mm(const Branch &branch);
 
-// Distance to a capsule whose radius changes linearly from a to b (the hull of the two spheres), negative
+// The distance to a capsule whose radius changes linearly from a to b (the hull of the two spheres), negative
 // inside.
 double tapered_capsule_distance(const Eigen::Vector3d &p, const Eigen::Vector3d &a, double radius_a,
                                 const Eigen::Vector3d &b, double radius_b);
 
-// The same to the tube of a branch's spheres [first, last], and which sphere is nearest in that sense.
+// The distance to the tube of a branch's spheres [first, last], and the sphere nearest in that sense.
 struct HullPlace {
     double distance_mm;
     std::size_t sphere;
 };
 HullPlace hull_place(const Branch &branch, const Eigen::Vector3d &p_mm);
 
-// Nearest point of the line through the centres: its place as sphere number and fraction, and its distance.
+// The nearest point of the line through the centres: its place as sphere number and fraction, and its
+// distance.
 struct LinePlace {
     double distance_mm, at, radius_mm;
 };
 LinePlace line_place(const Branch &branch, const Eigen::Vector3d &p_mm);
 
-// First sphere of the branch whose centre lies outside its parent's tube: before it the branch is only the
-// way from the parent's middle to the wall. 0 for a root.
+// The first sphere of the branch whose centre lies outside its parent's tube. Before it the branch is only
+// the connection from the parent's middle to the wall. It is 0 for a root.
 std::size_t first_own_sphere(const Tree &tree, std::size_t branch);
 
-// Roots that begin inside another branch's tube become its branches; what runs along that branch's line is
-// cut off. Curves as 3D Slicer and VMTK store them, one per file or per outlet, become a tree. Its trunk is
-// the curve that has an end nearest to `inlet_mm`, else the widest. A tree whose file says who leaves whom,
-// and a lone curve, stay as they are.
+// Turns curves as 3D Slicer and VMTK store them, one per file or per outlet, into a tree. Roots that begin
+// inside another branch's tube become its branches; what runs along that branch's line is cut off. The trunk
+// is the curve that has an end nearest to `inlet_mm`, else the widest. A tree whose file says which branch
+// leaves which, and a lone curve, stay as they are.
 Tree joined(const Tree &tree, const Eigen::Vector3d *inlet_mm = nullptr);
 
-// Branches end where others leave, as VMTK's do: afterwards every parent_sphere is the parent's last sphere.
+// Makes branches end where others leave, as VMTK's do: afterwards every parent_sphere is the parent's last
+// sphere.
 Tree split_at_junctions(const Tree &tree);
 
 } // namespace crn::centreline

@@ -1,4 +1,4 @@
-// Decoding: base64 -> header -> zlib -> numbers.
+// Decodes in this order: base64, header, zlib, numbers.
 #include "tools/centreline/vtk_array.hpp"
 
 #include <algorithm>
@@ -12,13 +12,13 @@ namespace crn::centreline
 namespace
 {
 
-// Bytes out of base64 text, chunk after chunk: VTK pads a header and the data behind it each on their own.
+// Reads bytes from base64 text, chunk after chunk: VTK pads a header and the data behind it separately.
 class Base64
 {
   public:
     explicit Base64(std::string_view text) : text_(text) {}
 
-    // Exactly so many bytes; false when the text ends before or holds another letter.
+    // Reads exactly `count` bytes; returns false when the text ends before or contains another letter.
     bool read(std::size_t count, std::string &bytes)
     {
         while (held_.size() < count)
@@ -39,7 +39,7 @@ class Base64
 
     bool quad()
     {
-        // In runs, so that a long text is not moved again and again.
+        // It works in runs, so that a long text is not moved again and again.
         for (int n = 0; n < 4096; ++n) {
             std::uint32_t bits = 0;
             int digits = 0, padding = 0;
@@ -98,7 +98,7 @@ double decoded(const Type &type, const char *bytes, bool is_big_end_first)
 }
 
 struct TwiceNamed : pugi::xml_tree_walker {
-    std::string name; // of the first that is there twice in one element
+    std::string name; // the first attribute that occurs twice in one element
     bool for_each(pugi::xml_node &node) override
     {
         int count = 0;
@@ -129,7 +129,7 @@ VtkFile::VtkFile(const std::string &text, const std::string &name) : name_(name)
         throw Fault(name_ + ":" + std::to_string(std::count(text.begin(), end, '\n') + 1) +
                     ": is no XML text: " + result.description() + ": export the file again");
     }
-    // pugixml takes the first of two attributes of one name, which no XML has.
+    // Where one name occurs twice pugixml takes the first attribute, but XML does not allow it.
     TwiceNamed twice;
     if (document_.traverse(twice); !twice.name.empty())
         fail("has the attribute '" + twice.name.substr(0, 40) +
@@ -145,7 +145,7 @@ VtkFile::VtkFile(const std::string &text, const std::string &name) : name_(name)
         fail("is compressed by " + compressor + ": save it with zlib, or uncompressed");
 }
 
-// The bytes of an array that is not text. `what` names it.
+// The bytes of an array that is not text. `what` is its name for messages.
 std::string VtkFile::bytes_of(const pugi::xml_node &array, const std::string &what) const
 {
     std::string_view text = array.child_value();

@@ -1,5 +1,5 @@
-// The number arrays of VTK's XML files: text, or base64 with or without zlib, beside their element or
-// appended. VTK file formats, kitware "VTK XML Formats".
+// The number arrays of VTK's XML files: text, or base64 with or without zlib, inside their element or
+// appended. See Kitware, "VTK XML Formats".
 #pragma once
 #include "tools/centreline/formats.hpp"
 
@@ -13,14 +13,14 @@ constexpr std::size_t array_bytes_max = std::size_t{256} << 20;
 class VtkFile
 {
   public:
-    // Parses the text, checks the root element. Throws Fault.
+    // Parses the text and checks the root element. Throws Fault.
     VtkFile(const std::string &text, const std::string &name);
 
     const pugi::xml_document &document() const { return document_; }
     const std::string &name() const { return name_; }
 
-    // The values of a DataArray element. Throws Fault naming the array when they cannot be read, or are not
-    // `count` (if not 0).
+    // The values of a DataArray element. Throws Fault naming the array when they cannot be read, or when
+    // their number is not `count` (if not 0).
     std::vector<double> values(const pugi::xml_node &array, std::size_t count) const;
 
     [[noreturn]] void fail(const std::string &what) const { throw Fault(name_ + ": " + what); }

@@ -1,12 +1,15 @@
 #!/usr/bin/env python3
-"""Malformed meshes, TOML, scans and centrelines to the programs' readers: `make importers`, and a small part in `make test`.
+"""Gives malformed meshes, TOML, scans and centrelines to the programs' readers.
+
+`make importers` runs it whole, and `make test` a small part of it.
 
   importers.py --program build/bin/importers --files 3600 -o out/importers.tsv
 
-Files are mutations of valid ones (seeded: --seed) and a list made by hand. The program `importers` runs the real readers. What it
-accepts is read again by strict.py, and both must understand the same: otherwise it was silently wrong. Rows: importers.files,
-importers.crashes (the program ended, or a sanitizer found something in our code), importers.over_20s, importers.over_2GB,
-importers.silently_wrong. Exit code 1 unless all but the first are 0."""
+Files are mutations of valid ones (seeded: --seed) and a list made by hand. The program `importers` runs the real
+readers. strict.py reads each accepted file again, and both must understand the same: otherwise the program was silently
+wrong. Rows: importers.files, importers.crashes (the program ended, or a sanitizer found something in our code),
+importers.over_20s, importers.over_2GB, importers.silently_wrong. The exit code is 1 unless all but the first row are 0.
+"""
 
 import argparse
 import glob
@@ -29,7 +32,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 
 
 class Reader:
-    """The program, started again when it ended."""
+    """The program, which is started again after it has ended."""
 
     def __init__(self, program, folder):
         self.program, self.folder, self.process, self.MiB_before = program, folder, None, 0
@@ -58,7 +61,9 @@ class Reader:
         self.process = None
 
     def ask(self, kind, path):
-        """What the program says of a file; None when it ended, or had nothing to say for three times the limit."""
+        """Returns the program's answer about a file; None when it ended, or gave no answer within three times the
+        limit.
+        """
         if not self.process:
             self.start()
         self.process.stdin.write(("%s\t%s\n" % (kind, path)).encode())
@@ -77,7 +82,7 @@ class Reader:
 
 
 def reports(folder):
-    """Sanitizer reports of our code; what a parser of others does in the child ends only the child."""
+    """Returns sanitizer reports about our code; a fault of another library's parser ends only the child."""
     found = []
     for path in glob.glob(os.path.join(folder, "report*")):
         with open(path, encoding="utf-8", errors="replace") as file:
@@ -108,10 +113,10 @@ def near(a, b):
 
 
 def disagreement(path, data, answer):
-    """Why an accepted file was not understood, or None."""
+    """Returns why an accepted file was misunderstood, or None."""
     try:
         expected = strict.READERS[os.path.splitext(path)[1]](data)
-    except Exception as error:  # whatever a strict reading stumbles over
+    except Exception as error:  # a strict reading may fail in any way
         return "accepted, though a strict reading says: %s: %s" % (type(error).__name__, str(error)[:200])
     if expected is None:
         return None
@@ -138,7 +143,7 @@ class Campaign:
         print("%s: %s\n    %s" % (row, kept, why), flush=True)
 
     def give(self, name, data, is_valid=None, folder=None):
-        """One file; is_valid: that it must be accepted or refused."""
+        """Gives one file to the program; is_valid says whether it must be accepted or refused."""
         path = os.path.join(folder or self.folder, name)
         with open(path, "wb") as file:
             file.write(data)
@@ -202,7 +207,7 @@ def run(program, files, seed, keep):
                     campaign.give(name, data, True)
             for name, data in corpus.by_hand():
                 campaign.give(name, data, False)
-            # Shares of the kinds: meshes have five formats.
+            # The shares of the kinds: meshes have five formats.
             shares = ["mesh"] * 8 + ["toml"] * 3 + ["scan"] * 5 + ["line"] * 4 + ["series"]
             while campaign.count["files"] < files:
                 kind = shares[campaign.count["files"] % len(shares)]

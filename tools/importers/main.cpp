@@ -1,8 +1,8 @@
-// The program `importers`: gives files to the readers that the programs use, and says in one line of JSON
-// what each understood. The corpus runner (importers.py) holds that against its own strict reading.
-// docs/testing.md.
-//   importers seeds FOLDER          valid scans and centrelines to begin from
-//   importers read < LIST           a line "KIND<tab>FILE" each; KIND is mesh, toml, scan or line
+// The program `importers` gives files to the readers that the programs use, and prints in one line of JSON
+// what each reader understood. The corpus runner (importers.py) compares that with its own strict reading
+// (docs/testing.md).
+//   importers seeds FOLDER          writes valid scans and centrelines, from which mutations begin
+//   importers read < LIST           reads a line "KIND<tab>FILE" each; KIND is mesh, toml, scan or line
 #include "host/base/toml.hpp"
 #include "host/base/version.hpp"
 #include "tools/centreline/formats.hpp"
@@ -121,7 +121,7 @@ json understood(const std::string &kind, const std::string &file)
         answer = {{"ok", false}, {"message", fault.what()}};
     }
     answer["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-    answer["MiB"] = std::max(MiB_of(RUSAGE_SELF), MiB_of(RUSAGE_CHILDREN)); // of the largest so far
+    answer["MiB"] = std::max(MiB_of(RUSAGE_SELF), MiB_of(RUSAGE_CHILDREN)); // of the largest file so far
     return answer;
 }
 

@@ -1,5 +1,7 @@
-"""Strict readings of the formats, independent of the program's: what a file says, or ValueError. They agree with what the
-program accepts, or the program was silently wrong. Called by importers.py."""
+"""Strict readings of the formats, independent of the program's: each returns what a file says, or raises ValueError.
+Where the program accepts a file, they must agree with it; otherwise the program was silently wrong. importers.py
+uses this module.
+"""
 
 import base64
 import csv
@@ -22,12 +24,12 @@ def number(word):
 
 
 def single(value):
-    """As a float of 32 bits."""
+    """Rounds a number to a 32-bit float."""
     return struct.unpack("<f", struct.pack("<f", value))[0]
 
 
 def summed(vertices, faces):
-    """The digest of a mesh: polygons as fans have the same corners only when they are triangles."""
+    """Returns the digest of a mesh; the corners of a fan match those of the polygon only for triangles."""
     total, low, high, triangles, other = 0.0, math.inf, -math.inf, 0, 0
     for face in faces:
         if any(not 0 <= corner < len(vertices) for corner in face):
@@ -181,7 +183,7 @@ def gltf(data):
         for primitive in root["meshes"][node["mesh"]]["primitives"]:
             base, moved = len(vertices), node.get("translation", [0, 0, 0])
             if primitive.get("mode", 4) != 4 or any(key in node for key in ("matrix", "rotation", "scale", "children")):
-                return None  # not this reader's
+                return None  # this reader does not handle it
             vertices += [
                 tuple(v[k] + moved[k] for k in range(3)) for v in values(primitive["attributes"]["POSITION"], 3)
             ]
@@ -291,7 +293,8 @@ def meta(data):
     spacings = [number(n) for n in fields["ElementSpacing"].split()]
     if axes not in (3, 4) or len(sizes) != axes or len(spacings) != axes:
         raise ValueError("axes")
-    # Its values begin where the file's end says, in spite of what stands between: ITK's rule for HeaderSize -1.
+    # The position of the values follows from the end of the file, whatever stands before them: ITK's rule for
+    # HeaderSize -1.
     kind, body = KINDS[fields["ElementType"]], data[at:]
     if fields.get("CompressedData", "False").lower()[0] in "t1":
         body = zlib.decompress(body)
@@ -354,12 +357,12 @@ def markups(data):
 
 
 def polydata(data):
-    # Letters that are no XML stand in names that nobody reads; within numbers they are refused below.
+    # Letters that XML does not allow occur in names that are not read; within numbers they are refused below.
     root = xml.fromstring(bytes(c if c in b"\t\n\r" or 32 <= c < 127 else 95 for c in data))
     arrays = {}
     for piece in root.iter("Piece"):
         if arrays:
-            return None  # several pieces: not this reader's
+            return None  # this reader does not handle several pieces
         for part in piece:
             for array in part:
                 if array.get("format") not in ("ascii", None):

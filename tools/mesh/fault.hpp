@@ -1,5 +1,5 @@
-// A reason why a file or a wish cannot be used: one sentence with file, element and remedy. The tools' main
-// prints it and ends with 1.
+// The reason why a file or an option cannot be used: one sentence with file, element and remedy. The tools'
+// main prints it and exits with 1.
 #pragma once
 #include <stdexcept>
 #include <string>
@@ -11,7 +11,7 @@ struct Fault : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-// Millimetres per unit ("m", "cm", "mm", "um"), 0 for a unit nobody knows.
+// Millimetres per unit ("m", "cm", "mm", "um"); 0 for an unknown unit.
 inline double millimetres_per(const std::string &unit)
 {
     if (unit == "m") return 1000.0;

@@ -1,5 +1,4 @@
-// How deep the brackets of a JSON text lie in each other: whatever walks through the parsed text goes one
-// call deeper with each.
+// The nesting depth of the brackets in a JSON text: a walk through the parsed text recurses once per level.
 #pragma once
 #include <algorithm>
 #include <cstddef>

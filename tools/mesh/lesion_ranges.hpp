@@ -1,5 +1,5 @@
-// What a lesion's numbers may be (docs/lesions.md): one definition for those who write scene texts and those
-// who read them.
+// The permitted ranges of a lesion's numbers (docs/lesions.md): one definition for writers and readers of
+// scene texts.
 #pragma once
 
 namespace crn

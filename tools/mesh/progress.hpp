@@ -1,5 +1,5 @@
-// Progress of long work on standard error, and the wish to stop (Ctrl-C). Silent for work that takes less
-// than a second.
+// Reports progress of long work on standard error and handles the user's interrupt (Ctrl-C). It is silent for
+// work that takes less than a second.
 #pragma once
 #include <chrono>
 #include <cstddef>
@@ -11,14 +11,14 @@ namespace crn::bake
 class Progress
 {
   public:
-    // From now on Ctrl-C and SIGTERM make `step` throw a Fault, so that everything half done is undone on the
-    // way out; the second one ends the program.
+    // From this call on, Ctrl-C and SIGTERM make `step` throw a Fault, so that unfinished work is undone
+    // while the stack unwinds. A second signal ends the program.
     static void catch_interrupts();
     static bool interrupted();
 
-    // Begin a stage of `total` steps (0: unknown).
+    // Begins a stage of `total` steps (0: unknown).
     void stage(const std::string &name, std::size_t total);
-    // So many steps are done. Throws Fault when the user interrupted.
+    // Reports that `done` steps are complete. Throws Fault when the user has interrupted.
     void step(std::size_t done);
     void finish();
 

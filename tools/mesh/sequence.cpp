@@ -18,7 +18,7 @@ using Vec3 = Eigen::Vector3d;
 
 constexpr size_t triangles_max = 4'000'000;
 
-/* One file as it stands: all vertices, and the faces of each body. */
+/* One file as written: all vertices, and the faces of each body. */
 struct Frame {
     struct Group {
         std::string name;
@@ -115,7 +115,7 @@ std::vector<fs::path> obj_files(const fs::path &folder)
     return files;
 }
 
-/* The frame has the first one's bodies, faces and number of vertices. */
+/* Checks that the frame has the bodies, the faces and the number of vertices of the first frame. */
 void compare(const Frame &first, const Frame &other, const fs::path &first_file, const fs::path &file)
 {
     const std::string start = file.string() + ": ", end = " than " + first_file.filename().string() +
@@ -141,7 +141,7 @@ void compare(const Frame &first, const Frame &other, const fs::path &first_file,
                                  std::to_string(first.vertices.size()) + " vertices: others" + end);
 }
 
-/* Each body gets the vertices that its faces use, in the order of their first use. */
+/* Gives each body the vertices that its faces use, in the order of their first use. */
 std::vector<SequenceBody> split(const std::vector<Frame> &frames)
 {
     std::vector<SequenceBody> bodies;
@@ -184,7 +184,7 @@ std::string text_of(double value)
 
 SequenceReport check_body(const SequenceBody &body)
 {
-    /* A beat that does not close jumps much further at its end than anywhere else. */
+    /* A beat that does not close jumps much farther at its end than anywhere else. */
     constexpr double JUMP = 2.0;
     SequenceReport report;
     report.body = body.name;

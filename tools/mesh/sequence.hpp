@@ -1,6 +1,6 @@
-/* A beat as a folder of 24 OBJ files, as animation programs write them: one file per frame, in the order of
- * their names, each with the same bodies (o, or g where there is no o), the same faces and as many vertices.
- */
+/* A heartbeat as a folder of 24 OBJ files, as animation programs write them: one file per frame, in the
+ * order of their names. Each has the same bodies (o, or g where there is no o), the same faces and the
+ * same number of vertices. */
 #pragma once
 #include <Eigen/Core>
 #include <array>
@@ -25,21 +25,22 @@ struct Sequence {
     std::vector<SequenceBody> bodies;
 };
 
-/* Throws std::runtime_error that names file and line: another number of files, another topology than the
- * first file's, what cannot be read. Faces with more than three corners become fans; normals, textures and
- * materials are passed over. */
+/* Throws std::runtime_error that names file and line for another number of files, a topology that differs
+ * from the first file's, or unreadable text. Faces with more than three corners become fans; normals,
+ * textures and materials are ignored. */
 Sequence read_sequence(const std::filesystem::path &folder);
 
-/* How a body goes from frame to frame, the last back to the first. */
+/* How a body moves from frame to frame, including from the last back to the first. */
 struct SequenceReport {
     std::string body;
     size_t vertices = 0, triangles = 0;
     double step_max = 0.0,
-           wrap_max = 0.0; // largest way of a vertex in one step; in the step back to the first frame
-    size_t inverted = 0;   // faces that turn by more than a right angle in one step
+           wrap_max =
+               0.0;      // largest displacement of a vertex in one step; in the step back to the first frame
+    size_t inverted = 0; // faces that turn by more than a right angle in one step
     size_t inverted_frame = 0,
            inverted_triangle = 0; // the first of them, and the frame in which it is turned
-    std::string fault;            // empty when the body may be used: inverted faces, or a jump at the wrap
+    std::string fault; // empty when the body can be used; otherwise inverted faces, or a jump at the wrap
 };
 
 std::vector<SequenceReport> check_sequence(const Sequence &sequence);

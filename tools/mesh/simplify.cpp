@@ -1,4 +1,4 @@
-/* Simplification by edge collapse: see simplify.hpp for what it promises. */
+/* Simplification by edge collapse; simplify.hpp states its guarantees. */
 #include "tools/mesh/simplify.hpp"
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -14,7 +14,7 @@ namespace
 
 using Vec3 = Eigen::Vector3d;
 
-/* Sum of squared distances to planes, weighted by area: x'Ax + 2b'x + c. */
+/* The sum of squared distances to planes, weighted by area: x'Ax + 2b'x + c. */
 struct Quadric {
     Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
     Vec3 b = Vec3::Zero();
@@ -34,7 +34,7 @@ struct Quadric {
         c += other.c;
         weight += other.weight;
     }
-    /* Mean squared distance of a point to the planes. */
+    /* The mean squared distance of a point from the planes. */
     double error(const Vec3 &point) const
     {
         return std::max(0.0, point.dot(a * point) + 2.0 * b.dot(point) + c) / weight;
@@ -69,13 +69,13 @@ class Simplifier
 
     std::vector<Vec3> &vertices_;
     std::vector<Triangle> &triangles_;
-    double limit_; // squared error allowed
+    double limit_; // permitted squared error
     std::vector<Quadric> quadrics_;
     std::vector<std::vector<uint32_t>> triangles_of_;
     std::vector<uint32_t> version_;
     std::vector<bool> triangle_alive_;
     std::priority_queue<Candidate> queue_;
-    std::vector<uint32_t> around_keep_, around_drop_, shared_; // reused, to spare allocations
+    std::vector<uint32_t> around_keep_, around_drop_, shared_; // kept between calls to avoid allocations
 };
 
 Simplifier::Simplifier(std::vector<Vec3> &vertices_mm, std::vector<Triangle> &triangles, double error_mm)
@@ -95,8 +95,8 @@ Simplifier::Simplifier(std::vector<Vec3> &vertices_mm, std::vector<Triangle> &tr
     }
 }
 
-/* The point of least error where the planes fix one; otherwise the middle of the edge. A small pull to the
- * middle keeps flat neighbourhoods well posed. */
+/* The point of least error where the planes determine one; otherwise the middle of the edge. A small pull
+ * to the middle keeps flat neighbourhoods well posed. */
 Vec3 Simplifier::best_point(uint32_t keep, uint32_t drop, double &cost) const
 {
     Quadric sum = quadrics_[keep];
@@ -118,7 +118,7 @@ void Simplifier::offer(uint32_t one, uint32_t other)
     const uint32_t keep = std::min(one, other), drop = std::max(one, other);
     double cost = 0.0;
     best_point(keep, drop, cost);
-    // Long thin triangles are avoided by a slight price on length, far below the error limit.
+    // A slight cost on length, far below the error limit, avoids long thin triangles.
     const double length = (vertices_[keep] - vertices_[drop]).squaredNorm();
     if (cost < limit_) queue_.push({cost + 1e-5 * length, keep, drop, version_[keep], version_[drop]});
 }
@@ -157,7 +157,7 @@ bool Simplifier::turns_a_triangle(uint32_t moving, uint32_t other, const Vec3 &p
     return false;
 }
 
-/* Link condition on a closed surface: the two ends share exactly two neighbours. */
+/* The link condition on a closed surface: the two ends share exactly two neighbours. */
 bool Simplifier::may_collapse(uint32_t keep, uint32_t drop, const Vec3 &point)
 {
     constexpr size_t VALENCE_MOST = 14;

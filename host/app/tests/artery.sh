@@ -1,5 +1,6 @@
-# Sourced by tests of lesions: an artery of 3 mm, straight along y, as text for `bake`.
-# write_artery STENOSIS_PERCENT [LINE ...]: $work/artery.csv and $work/scene.toml; the lines go to the lesion.
+# Sourced by tests of lesions: it makes an artery of 3 mm, straight along y, as text for `bake`.
+# write_artery STENOSIS_PERCENT [LINE ...] writes $work/artery.csv and $work/scene.toml; the lines are added
+# to the lesion.
 write_artery() {
     {
         echo branch,name,x_mm,y_mm,z_mm,radius_mm

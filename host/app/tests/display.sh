@@ -1,7 +1,8 @@
-# Sourced after program.sh: a virtual display for this test alone, in DISPLAY until the end. The server chooses its own number, so that
-# tests beside each other never meet, and does not start over when its last window closes (-noreset): a window that opens in that
-# moment would find no display. (A program that is to hear Ctrl-C is started as `env --default-signal=INT PROGRAM &`: the shell lets
-# what it starts with & ignore it.)
+# Sourced after program.sh: it starts a virtual display for this test alone, in DISPLAY until the end. The
+# server chooses its own number, so that parallel tests never share one. It does not restart when its last
+# window closes (-noreset): a window that opens in that moment would find no display. (Start a program that
+# must receive Ctrl-C as `env --default-signal=INT PROGRAM &`: the shell makes programs started with & ignore
+# it.)
 exec {display_number}< <(exec Xvfb -displayfd 1 -screen 0 1280x1024x24 -nolisten tcp -noreset 2>"$work/display")
 display_server=$!
 trap 'kill "$display_server" 2>/dev/null; rm -rf "$work"' EXIT
@@ -12,9 +13,10 @@ if ! read -r -t 30 -u "$display_number" DISPLAY; then
 fi
 export DISPLAY=":$DISPLAY"
 
-# A test that acts as a person does waits for what the program has done, never for the clock: a machine may be slow for seconds.
-# Until $2 more pieces of 500 ticks are in the recording $1 of a window (the piece that fills just now counts): the window hears keys
-# then, and a key that is down through N pieces is held for more than 500 (N - 1) ticks. Everything else in there is smaller.
+# A test that acts like a person waits for what the program has done, never for the clock, because a machine
+# may be slow for seconds. The function waits until $2 more pieces of 500 ticks are in a window's recording
+# $1; the unfinished piece counts. By then the window receives keys, and a key that is down through N pieces
+# is held for more than 500 (N - 1) ticks. All other parts of the recording are smaller.
 recorded() { cat "$1".part* "$1" 2>/dev/null | wc -c; }
 ticks_pass() {
     local until patience=2000 # 100 s

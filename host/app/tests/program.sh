@@ -1,5 +1,6 @@
-# Sourced by the shell tests of the program, at the repository's root: $program is built and absolute, $work is a folder that goes
-# away at the end, and `result` prints a line of TAP for the last command's exit status, with the end of $log when it failed.
+# Sourced by the shell tests of the program, at the repository's root: $program is built and absolute, and
+# $work is a folder that is removed at the end. `result` prints a line of TAP for the last command's exit
+# status, with the end of $log when it failed.
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/../../.." && pwd)"
 build="$root/${BUILD:-build}"
 program="$build/bin/cournand"

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# What a session leaves on the disk: one DICOM file per press of the pedal that dciodvfy finds no error in, the same bytes
-# from a replay, 16-bit pictures, and nothing half-written after Ctrl-C or on a full disk. Prints TAP.
+# Tests what a session leaves on the disk. There is one DICOM file per press of the pedal, in which dciodvfy
+# finds no error; a replay gives the same bytes; pictures have 16 bits. No half-written file stays after
+# Ctrl-C or on a full disk. It prints TAP.
 set -u
 . "$(dirname "$0")/program.sh"
 wire="$root/shared/examples/instruments/bentson.toml"
@@ -37,7 +38,8 @@ result $? "the replay of its recording gives the same bytes"
     --study-date 20260131 >said 2>&1 && "$program" dicom-check named >>said 2>&1 && grep -q 'Phantom^Aorta' named/run_01_fluoro.dcm
 result $? "with a patient's name, number and date, and linear values, there is no error either"
 
-# The values of a 16-bit PNG by its specification (filters of section 9), and those of the last frame in the DICOM file.
+# Compares the values of a 16-bit PNG, read by its specification (filters of section 9), with those of the
+# last frame in the DICOM file.
 python3 - >said 2>&1 <<'END'
 import struct, zlib
 def chunks(data):
@@ -83,7 +85,8 @@ END
     [ "$(ls acquired)" = $'run_01_cine.dcm\nrun_02_dsa.dcm' ] && "$program" dicom-check acquired >>said 2>&1
 result $? "cine and DSA are files without an error, named by their kind"
 
-# Mask Frame Numbers 1 and 2; Sub-pixel Shift: half a row up, one column to the right (down and left are positive).
+# Mask Frame Numbers are 1 and 2; Sub-pixel Shift is half a row up and one column to the right (down and left
+# are positive).
 python3 - >said 2>&1 <<'END'
 import struct
 data = open("acquired/run_02_dsa.dcm", "rb").read()
@@ -117,7 +120,7 @@ result $? "without a press of the pedal it says so and leaves no folder"
 [ $? = 1 ] && grep -q "full.*cannot be written: File too large; make room" said && [ ! -e full ]
 result $? "a full disk is told, and nothing is left"
 
-# A long session, stopped in the middle: once to end it, twice to end the program.
+# A long session is stopped in the middle: one Ctrl-C ends it, two end the program.
 { echo "fluoro on"; for _ in $(seq 60); do echo "wait 10 s"; done; } >long.session
 start_long() { # folder: begins the session and waits until frames are on the disk
     "$program" run --tool "$wire" --session long.session --size 256 --dicom "$1" >said 2>&1 &

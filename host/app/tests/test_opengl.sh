@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
-# cournand --xray opengl: the same pictures as the rasteriser's, off screen and in a window, with nothing of OpenGL linked.
+# Tests cournand --xray opengl: it makes the same pictures as the rasteriser, off screen and in a window, with
+# no OpenGL library linked.
 set -u
 . "$(dirname "$0")/program.sh"
 wire=shared/examples/instruments/amplatz_super_stiff.toml
 
 
-# libOSMesa and libGL both export gl*: linking one would take the other's place.
+# libOSMesa and libGL both export gl*: a linked one would override the other.
 ldd "$program" >"$work/log"
 ! grep -Eq 'libGL|libOpenGL|libOSMesa|libEGL' "$work/log"
 result $? "no library of OpenGL is linked"
@@ -42,7 +43,7 @@ PY
 result $? "a scene with nested bodies is baked"
 printf 'begin inserted 20 mm\nfluoro on\nfield 20 cm\nc-arm LAO 25 CRA 10\nadvance 30 mm at 60 mm/s\nwait 0.3 s\n' >"$work/short.session"
 
-# Largest difference of two pictures, in grey values.
+# Prints the largest difference of two pictures, in grey values.
 worst() {
     ffmpeg -v error -i "$1" -i "$2" -filter_complex \
         "[0][1]blend=all_mode=difference,format=gray,signalstats,metadata=print:key=lavfi.signalstats.YMAX:file=-" -f null - |
@@ -56,7 +57,8 @@ done
 for back_end in opengl-osmesa opengl-egl; do
     difference="$(worst "$work/raster.png" "$work/$back_end.png")"
     echo "largest difference of $back_end: $difference of 255; $(cat "$work/$back_end.err")" >"$work/log"
-    # Of a photon more or less where the path differs by 1/1024 mm, a grey value or two remain.
+    # A path that differs by 1/1024 mm changes a count by about one photon, which leaves a difference of one
+    # or two grey values.
     [ -n "$difference" ] && [ "$difference" -le 3 ] && grep -q "X-ray by OpenGL" "$work/$back_end.err"
     result $? "its pictures are the rasteriser's to 3 grey values, and it says which OpenGL it uses ($back_end)"
 done

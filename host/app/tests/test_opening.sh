@@ -1,6 +1,7 @@
 #!/bin/sh
-# A lesion from text to healed vessel, on the command line: baked, opened by a balloon in a session, seen in its report, its pictures and its
-# polygons. An artery of 3 mm, 60 % narrowed; the balloon opens it wholly, and it recoils by 0.3 of that: 60 % x 0.3 = 18 % stay.
+# Tests a lesion from text to healed vessel on the command line: it is baked, opened by a balloon in a
+# session, and appears in the session's report, its pictures and its polygons. The artery of 3 mm is 60 %
+# narrowed; the balloon opens it fully, and it recoils by 0.3 of that: 60 % x 0.3 = 18 % remain.
 programs="cournand bake"
 . "$(dirname "$0")/../../../tools/check/tool.sh"
 . "$here/artery.sh"
@@ -49,7 +50,7 @@ report "the session replays bit for bit" $?
     python3 - "$work/a.json" "$work/b.json" >>"$work/said" 2>&1 <<'PY'
 import json, sys
 run, replay = (json.load(open(path)) for path in sys.argv[1:])
-for report in (run, replay):  # what only a script knows
+for report in (run, replay):  # values that only a script has
     for key in ("steered", "expected", "failures", "script_lines_given_up"):
         report.pop(key)
     for tool in report["tools"]:

@@ -1,6 +1,7 @@
 #!/bin/sh
-# A session is the same whatever is asked of it: sixteen combinations of outputs (picture, film, score, DICOM) give one report, byte for byte.
-# It has all that pictures once owned: medium, a stent, a lesion that gives way, fluoroscopy that is kept, a cine and a DSA run, dose.
+# A session does not depend on its outputs: sixteen combinations (picture, film, score, DICOM) give one
+# report, byte for byte. The session has everything that pictures once owned: medium, a stent, a lesion that
+# yields, fluoroscopy that is kept, a cine and a DSA run, dose.
 programs="cournand bake"
 . "$(dirname "$0")/../../../tools/check/tool.sh"
 . "$here/artery.sh"
@@ -64,7 +65,8 @@ done
 [ -z "$different" ]
 report "fifteen more combinations of outputs, sizes and rates give the same report, byte for byte" $?
 
-# Commands between two looks, a stent that is loaded as the balloon leaves the patient, a pedal that is down at the end.
+# This session has commands between two looks, a stent that is loaded as the balloon leaves the patient, and a
+# pedal that is down at the end.
 cat >"$work/odd.session" <<'SESSION'
 begin wire inserted 20 mm
 begin catheter inserted 8 mm
@@ -87,7 +89,7 @@ odd="$line --stent shared/examples/stents/coronary_3_0x18.toml --session $work/o
 import json, sys
 report = json.load(open(sys.argv[1]))
 print(report["contrast"], report["room"]["runs"])
-assert 0.85 < report["contrast"]["injected_ml"] < 0.95  # 213 ms and 100 ms at 3 ml/s, less what waits for a look
+assert 0.85 < report["contrast"]["injected_ml"] < 0.95  # 213 ms and 100 ms at 3 ml/s, less the part that waits for a look
 assert report["room"]["runs"] == [{"number": 1, "kind": "cine", "frames": 12}]
 PY
 report "an injection ends when it is stopped, and a run whose pedal is still down is told of" $?
@@ -106,7 +108,7 @@ for asked in "" "--png $work/o.png --size 64 --fps 49"; do
     python3 - "$work/odd.json" "$work/o.json" >>"$work/said" 2>&1 <<'PY' || different="replay $asked"
 import json, sys
 run, replay = (json.load(open(path)) for path in sys.argv[1:])
-for report in (run, replay):  # what only a script knows
+for report in (run, replay):  # values that only a script has
     for key in ("steered", "expected", "failures", "script_lines_given_up"):
         report.pop(key)
     for tool in report["tools"]:

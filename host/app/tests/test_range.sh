@@ -1,14 +1,15 @@
 #!/bin/bash
-# Physics out of its range on the command line. On the shipped scene: the session that put an inflated balloon 3.51 mm through the wall, with
-# 9.47 % of length error, 512 N at the hand and exit code 0, stays in range. And a hook that no sheath could hold straight leaves it:
-# run and replay end with exit code 3, the same sentence and whole files.
+# Tests physics out of its range on the command line. On the shipped scene one session once put an inflated
+# balloon 3.51 mm through the wall, with 9.47 % of length error, 512 N at the hand and exit code 0. That
+# session stays in range now. A hook that no sheath could hold straight leaves the range: run and replay end
+# with exit code 3, the same sentence and whole files.
 # shellcheck source=host/app/tests/program.sh
 . "$(dirname "$0")/program.sh"
 echo 1..7
 tools=shared/examples/instruments
 [ -f out/aorta.scene ] || make -s PACKAGES=skip out/aorta.scene >&2
 
-# figure NAME FILE: a number of a report, the largest where there are several.
+# figure NAME FILE prints a number of a report, the largest where there are several.
 figure() { grep -o "\"$1\": [-0-9.e]*" "$2" | cut -d' ' -f2 | sort -g | tail -n 1; }
 below() { awk -v a="$1" -v b="$2" 'BEGIN { exit !(a != "" && a < b) }'; }
 
@@ -25,7 +26,7 @@ result $? "an inflated balloon comes out of its guide and the session ends with 
 depth=$(figure penetration_max_mm "$work/balloon.json") length=$(figure length_error_max_pct "$work/balloon.json")
 force=$(figure handle_force_max_N "$work/balloon.json")
 echo "# $depth mm, $length %, $force N"
-# three times what was measured: 0.235 mm, 0.012 %, 2.0 N; the bars are 1 mm, 1 % and 30 N
+# three times the measured 0.235 mm, 0.012 %, 2.0 N; the limits of the range are 1 mm, 1 % and 30 N
 below "$depth" 0.7 && below "$length" 0.04 && below "$force" 6 && ! grep -q SATURATED "$work/balloon.json"
 result $? "it stays within 0.7 mm of wall, 0.04 % of length and 6 N of hand, and nothing saturates"
 grep -q '"range": null' "$work/balloon.json"

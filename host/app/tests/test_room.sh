@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
-# The X-ray room in a whole session: every mode by script, the same pictures again from the recording, dose in the report.
+# Tests the X-ray room in a whole session: every mode by script, the same pictures again from the recording,
+# dose in the report.
 set -u
 . "$(dirname "$0")/program.sh"
 wire=shared/examples/instruments/j_wire.toml
 
-# In free space: the wire alone, so that it takes seconds.
+# The session is in free space with the wire alone, so that it takes only seconds.
 cat >"$work/room.session" <<'EOF'
 begin inserted 30 mm
 follow tip

@@ -1,6 +1,6 @@
-// Claims about several tools in the host: the device's refusal names the tools in the words of their files; a
-// session of three replays bit for bit; each tool is drawn over its own part of the line, with its own layers
-// and lumen; the report and the keys know each of them.
+// Claims about several tools in the host: the device's refusal names the tools by the names in their files. A
+// session of three replays bit for bit. Each tool is drawn over its own part of the line, with its own layers
+// and lumen. The report and the keys cover each of them.
 #include <algorithm>
 #include <cmath>
 #include <csetjmp>
@@ -28,7 +28,7 @@
 #include "host/session/run.hpp"
 #include "host/xray/xray.hpp"
 
-// Last, because its macros (fail, ...) would change other headers.
+// This header comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -39,7 +39,7 @@ namespace
 const std::string folder = "/tmp/cournand_test_tools_" + std::to_string(getpid());
 const crn::SceneFile scene = crn::read_scene("");
 
-// A straight tool of 300 mm with one layer of steel.
+// Makes a straight tool of 300 mm with one layer of steel.
 crn::Instrument straight(const std::string &name, std::uint32_t outer_um, std::uint32_t inner_um)
 {
     crn::Instrument tool;
@@ -145,7 +145,7 @@ void a_refused_tool_is_named_with_place_and_rule(void **)
     expect_refusal({tools[0], tools[0], tools[0], tools[0]}, {}, "a line holds 1 to 3 tools, not 4");
 }
 
-// Free space holds nothing; the answer belongs to the tick at which it was asked for.
+// In free space there are no contact forces; the answer belongs to the tick of the request.
 void contact_forces_are_read_at_any_tick(void **)
 {
     const std::vector<crn::Instrument> tools = three_tools();
@@ -179,7 +179,7 @@ void a_session_of_three_tools_replays_bit_for_bit(void **)
     }
 }
 
-// A change of one hand alone is found at its tick.
+// A change of only one hand is found at its tick.
 void a_changed_input_of_any_tool_is_found(void **)
 {
     for (std::size_t k = 0; k < 3; k++) {
@@ -197,8 +197,8 @@ void a_changed_input_of_any_tool_is_found(void **)
 
 // --- the line as the picture sees it ---
 
-// The frame of a device whose tools stand at different lengths: tips at the right arc, the outermost tool's
-// radius.
+// The frame of a device whose tools have different lengths: tips are at the right arc, and the radius is the
+// outermost tool's.
 void each_tool_covers_the_line_from_its_own_tip(void **)
 {
     const std::vector<crn::Instrument> tools = three_tools();
@@ -217,7 +217,8 @@ void each_tool_covers_the_line_from_its_own_tip(void **)
     }
 }
 
-// A straight line along x, 4 mm nodes, 200 mm above the table; three tools whose tips lie inside elements.
+// A straight line along x with 4 mm nodes, 200 mm above the table; the tips of three tools lie inside
+// elements.
 crn::WireFrame line_frame()
 {
     crn::WireFrame wire;
@@ -236,7 +237,8 @@ crn::XraySettings close_view()
     return settings;
 }
 
-// Volume of a material, mm^3: chords summed over the picture, at the magnification of the isocentre's plane.
+// Returns the volume of a material, mm^3: chords summed over the picture, at the magnification of the
+// isocentre's plane.
 double volume_mm3(const std::vector<crn::RadiopaqueInstrument> &tools, const crn::WireFrame &wire,
                   crn::Material material)
 {
@@ -259,8 +261,8 @@ void expect_volume(const char *what, double value_mm3, double expected_mm3)
 }
 
 // Three materials tell the three tools apart. Each has the volume of its own length and cross-section: from
-// its own tip (inside an element) to the end of the line, its layers counted from its own tip, its lumen
-// empty.
+// its own tip (inside an element) to the end of the line. Its layers are counted from its own tip, and its
+// lumen is empty.
 void each_tool_is_drawn_over_its_own_part_with_its_own_layers(void **)
 {
     const double pi = std::acos(-1.0);
@@ -297,12 +299,12 @@ void a_lumen_is_seen_as_a_brighter_middle(void **)
         largest = std::max(largest, here);
         if (y == 255 || y == 256) middle = std::max(middle, here);
     }
-    // 2 (2 - 1.2) = 1.6 mm in the middle, 2 sqrt(4 - 1.44) = 3.2 mm beside the lumen
+    // The chords are 2 (2 - 1.2) = 1.6 mm in the middle and 2 sqrt(4 - 1.44) = 3.2 mm beside the lumen.
     assert_in_range(middle, 1540, 1740);
     assert_in_range(largest, 2900, 3300);
 }
 
-// Tips that coincide with nodes, lie beyond the line, or are no numbers: nothing is lost, nothing crashes.
+// Tips coincide with nodes, lie beyond the line, or are not numbers: nothing is lost, and nothing crashes.
 void tips_anywhere_are_drawn_or_left_out(void **)
 {
     const std::vector<crn::RadiopaqueInstrument> tools = {
@@ -368,7 +370,7 @@ void keys_choose_the_tool_they_move(void **)
     assert_int_equal(keys.chosen_tool(), 0);
     keys.take(press(GLFW_KEY_2), screen);
     assert_int_equal(keys.chosen_tool(), 1);
-    keys.take(press(GLFW_KEY_3), screen); // there is none
+    keys.take(press(GLFW_KEY_3), screen); // there is no third tool
     assert_int_equal(keys.chosen_tool(), 1);
     keys.take(press(GLFW_KEY_TAB), screen);
     assert_int_equal(keys.chosen_tool(), 0);
@@ -420,7 +422,7 @@ void every_standard_view_has_a_key(void **)
     }
 }
 
-// Each key as the command that the room hears; steps go from where the motors go, and end at the limits.
+// Each key becomes a command to the room; steps start from the motors' targets and end at the limits.
 void keys_are_commands_to_the_room(void **)
 {
     using crn::RoomAction, crn::RoomCommand;
@@ -466,7 +468,7 @@ void keys_are_commands_to_the_room(void **)
     assert_true(keys.take_commands().empty());
     keys.take(press(GLFW_KEY_R), screen);
     assert_true(keys.take_reset());
-    assert_true(keys.take_commands().size() == 1); // the new room hears of the pedal again
+    assert_true(keys.take_commands().size() == 1); // the new room gets the pedal's state again
 }
 
 } // namespace

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# The window under a virtual display: picture on the screen, keys into the recording, no display without a crash.
+# Tests the window under a virtual display: picture on the screen, keys into the recording, and no crash
+# without a display.
 set -u
 . "$(dirname "$0")/program.sh"
 . "$(dirname "$0")/display.sh"
@@ -36,7 +37,7 @@ result $? "the same screens again are the same pixels, and the help panel shows"
     "$program" replay "$work/led.rec" --verify >>"$work/log" 2>&1 && grep -q "^verified" "$work/log"
 result $? "a session that the rig leads is shown, recorded and replays bit for bit"
 
-# A session that nobody named is kept all the same, and says at its end what it was.
+# A session without a named recording is kept nevertheless, and prints its summary at its end.
 XDG_STATE_HOME="$work/state" "$program" view --instrument "$wire" --fluoro --frames 40 --json "$work/view.json" --size 128 >"$work/view" 2>&1 &&
     "$program" replay "$work"/state/cournand/*.rec --verify --json "$work/again.json" --png "$work/again.png" --size 128 >"$work/log" 2>&1 &&
     grep -q "^final hash" "$work/view" && grep -q "^dose " "$work/view" && grep -q "^written .*state/cournand" "$work/view" &&
@@ -51,7 +52,7 @@ result $? "a session by hand is recorded without being asked, and reported as it
 XDG_STATE_HOME="$work/nowhere" "$program" view --instrument "$wire" --frames 5 --no-record --size 128 >"$work/log" 2>&1 && [ ! -e "$work/nowhere" ]
 result $? "unless --no-record says otherwise"
 
-# A person: push for a second or less, turn the C-arm, end.
+# The keys of a person: push for a second or less, turn the C-arm, end.
 cat >"$work/keys.sh" <<'EOF'
 "$program" view --instrument "$wire" --record "$work/live.rec" >"$work/live" 2>&1 &
 window=$!
@@ -67,11 +68,12 @@ timeout 300 bash "$work/keys.sh"
 result $? "Escape ends it with exit code 0"
 "$program" replay "$work/live.rec" --verify >"$work/log" 2>&1
 result $? "keys are recorded and replay bit for bit"
-# Table and following at the start, pedal down, pedal up, C-arm: at least four.
+# The recording has at least four commands: table and following at the start, pedal down, pedal up, C-arm.
 "$program" info "$work/live.rec" 2>&1 | grep -Eq "commands to the room ([4-9]|[1-9][0-9])"
 result $? "pedal and C-arm keys reach the recording"
 
-# The device is gone in mid-session: the window says so, the recording is whole up to there, and the exit code is not 0.
+# The device disappears in mid-session: the window reports it, the recording is whole up to there, and the
+# exit code is not 0.
 cat >"$work/gone.sh" <<'EOF'
 "$program" view --instrument "$wire" --device emulator --record "$work/gone.rec" >"$work/gone" 2>&1 &
 window=$!
@@ -93,7 +95,8 @@ result $? "a device that goes away is told, and the exit code is 1"
 [ $? = 1 ] && grep -q "^verified: [1-9][0-9]* ticks" "$work/log" && grep -q "the recording was cut off there" "$work/log"
 result $? "what was recorded until then replays bit for bit, and is said to be cut off"
 
-# Two tools: the catheter is chosen, pushed for a second or more, then the wire and the catheter together.
+# With two tools: the catheter is selected and pushed for a second or more, then the wire and the catheter
+# together.
 cat >"$work/two.sh" <<'EOF'
 "$program" view --tool "$wire" --tool "$catheter" --inserted 60 --inserted 40 --record "$work/two.rec" \
     --screenshot "$work/two.png" >"$work/two" 2>&1 &
@@ -109,11 +112,11 @@ export catheter=shared/examples/instruments/beacon_5f.toml
 timeout 300 bash "$work/two.sh" >"$work/two_said" 2>&1
 code=$?
 cat "$work/two_said" >>"$work/two" 2>/dev/null
-ls "$work" >>"$work/two" # a second recording: a key began the session anew
+ls "$work" >>"$work/two" # a second recording: a key restarted the session
 log="$work/two" result $code "two tools open, move and end with exit code 0"
 "$program" replay "$work/two.rec" --verify >"$work/log" 2>&1
 result $? "what the keys did to two tools replays bit for bit"
-# The wire went with the second push only, the catheter with both.
+# The wire moved only with the second push, the catheter with both.
 awk '/^tool/ {k = $2} /inserted/ {end[k] = $2} END {exit !(end[1] > 62 && end[2] - 40 > end[1] - 60 + 10)}' "$work/log"
 result $? "the chosen tool moves alone, and both move together"
 
@@ -121,7 +124,7 @@ result $? "the chosen tool moves alone, and both move together"
 [ $? = 2 ] && grep -q "only 2 tools" "$work/log"
 result $? "more lengths than tools are wrong usage"
 
-# Ctrl-C: everything written is whole, and the exit code says that it did not end by itself.
+# After Ctrl-C every written file is whole, and the exit code shows that the session did not end by itself.
 cat >"$work/stop.sh" <<'EOF'
 env --default-signal=INT "$program" view --instrument "$wire" --record "$work/stop.rec" >"$work/stop" 2>&1 &
 window=$!

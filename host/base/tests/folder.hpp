@@ -1,4 +1,4 @@
-// A folder for one test, gone afterwards.
+// A folder for one test, removed afterwards.
 #pragma once
 #include <cstdlib>
 #include <filesystem>

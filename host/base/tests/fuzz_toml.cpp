@@ -1,5 +1,5 @@
-// Fuzz target: any text may be offered as TOML. What is accepted can be walked through, copied and destroyed,
-// and its tables lie no deeper than the look before the parser promises; what is refused has a text.
+// Fuzz target: any text may be given as TOML. An accepted text can be traversed, copied and destroyed, and
+// its tables are no deeper than the check before the parser promises; a refused one has a message.
 #include "host/base/toml.hpp"
 #include <algorithm>
 #include <cstdint>
@@ -12,8 +12,7 @@ extern "C" std::size_t fuzz_seed(unsigned index, std::uint8_t *bytes, std::size_
 namespace
 {
 
-// 32 brackets within each other, each with a key of 32 names, below a header of 32; and the values
-// themselves.
+// 32 nested brackets, each with a key of 32 names, below a header of 32; and the values themselves.
 constexpr int depth_max =
     crn::toml_brackets_max + (crn::toml_brackets_max + 2) * (crn::toml_key_names_max + 1);
 

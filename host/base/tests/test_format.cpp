@@ -1,4 +1,4 @@
-// Claims: text of any length is whole; what would be HTML's own is text again.
+// Claims: text of any length comes out whole, and HTML's own characters are escaped.
 #include "host/base/format.hpp"
 #include <csetjmp>
 #include <cstdarg>
@@ -26,7 +26,7 @@ void a_line_ends(void **)
     assert_string_equal(formatted_line("%d of %d", 3, 4).c_str(), "3 of 4\n");
 }
 
-// In an element as in an attribute; what was safe before is not taken for safe.
+// The text is safe in an element and in an attribute; text that is already escaped is escaped again.
 void text_of_a_page_is_no_markup(void **)
 {
     assert_string_equal(html_text("<b title=\"a\">R&D &amp;").c_str(),

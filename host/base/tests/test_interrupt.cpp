@@ -1,6 +1,6 @@
-// Claims: the first Ctrl-C or SIGTERM only asks; the second one ends the program by that signal wherever it
-// is, with files under way removed, also where a parent had blocked or ignored the signal; and every program
-// of ours asks the same helper.
+// Claims: the first Ctrl-C or SIGTERM only sets a flag. The second one ends the program by that signal
+// wherever it is and removes pending files, even where a parent had blocked or ignored the signal. Every
+// program of ours uses the same helper.
 #include <csetjmp>
 #include <csignal>
 #include <cstdarg>
@@ -25,7 +25,7 @@ namespace
 
 namespace fs = std::filesystem;
 
-// A program that never asks whether it is interrupted, with a file under way; `before` is what it inherited.
+// Starts a program that never checks the flag, with a pending file; `before` sets what it inherits.
 pid_t start_deaf(const std::string &file, void (*before)())
 {
     int ends[2];
@@ -87,7 +87,7 @@ void what_a_parent_blocked_or_ignored_does_not_matter(void **)
     });
 }
 
-// Whoever takes SIGINT or SIGTERM itself makes a program that the second Ctrl-C may not end.
+// A file that handles SIGINT or SIGTERM itself could make a program that the second Ctrl-C does not end.
 void no_program_has_a_handler_of_its_own(void **)
 {
     unsigned files = 0;
@@ -103,8 +103,8 @@ void no_program_has_a_handler_of_its_own(void **)
                  {"signal(SIGINT", "signal(SIGTERM", "sigaction(SIGINT", "sigaction(SIGTERM"}) {
                 for (std::size_t at = text.find(taken); at != std::string::npos;
                      at = text.find(taken, at + 1)) {
-                    // To give a signal back to the system, or to leave it to whoever stops the job, is no
-                    // handler.
+                    // Restoring a signal's default, or ignoring it for the owner of the job, does not count
+                    // as a handler.
                     const std::string line = text.substr(at, text.find('\n', at) - at);
                     if (line.find("SIG_DFL") == std::string::npos &&
                         line.find("SIG_IGN") == std::string::npos)

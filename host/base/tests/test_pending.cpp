@@ -1,6 +1,6 @@
-// A name never stands for half a file: what is written appears at the end, what stood there stays until then,
-// and nothing is left behind by errors and signals. Bytes are on the disk before their name is: this program
-// has its own fsync and rename, which write down what is asked of them.
+// Claims: a name never refers to half a file. The new file appears only when whole, the former one stays
+// until then, and errors and signals leave nothing behind. Bytes reach the disk before their name does: this
+// program has its own fsync and rename, which log their calls.
 #include "host/base/pending_file.hpp"
 #include "host/base/tests/folder.hpp"
 #include <cerrno>
@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 
 namespace
 {
-std::vector<std::string> calls; // "sync a.part", "rename a", in order; what stands behind ".part" is left out
+std::vector<std::string> calls; // "sync a.part", "rename a", in order; the part after ".part" is left out
 int renames_until_failure = -1;
 
 std::string last_part(const std::string &path)
@@ -51,7 +51,7 @@ extern "C" int fsync(int file)
 
 extern "C" int rename(const char *from, const char *to)
 {
-    if (renames_until_failure >= 0 && renames_until_failure-- == 0) { // this one alone
+    if (renames_until_failure >= 0 && renames_until_failure-- == 0) { // only this call fails
         errno = ENOSPC;
         return -1;
     }
@@ -62,7 +62,7 @@ extern "C" int rename(const char *from, const char *to)
 namespace
 {
 
-// One for every test.
+// Each test has its own folder.
 struct Folder : tests::Folder {
     Folder() : tests::Folder("pending") {}
 };
@@ -83,7 +83,7 @@ template <class Work> std::string message_of(const Work &work)
     return "nothing was thrown";
 }
 
-// Runs the work in a child of its own and returns how it ended, as waitpid says.
+// Runs the work in a child process and returns its status from waitpid.
 template <class Work> int status_of_child(const Work &work)
 {
     const pid_t child = fork();
@@ -134,7 +134,7 @@ static void a_link_is_followed_to_its_file(void **)
     assert_string_equal(text_of(folder.file("deep/target")).c_str(), "after");
 }
 
-// Renaming would put a regular file in their place: as root even over /dev/null.
+// Renaming would put a regular file in their place, for root even over /dev/null.
 static void devices_pipes_and_folders_are_refused_and_stay(void **)
 {
     Folder folder;
@@ -162,7 +162,7 @@ static void a_folder_that_is_missing_is_told(void **)
             .c_str());
 }
 
-// The process may write 1,000 bytes into a file; the 2,000 are refused by the system as on a full disk.
+// The process may write 1,000 bytes into a file; the system refuses 2,000 as on a full disk.
 static void a_full_disk_is_told_and_leaves_what_was_there(void **)
 {
     Folder folder;
@@ -185,7 +185,7 @@ static void a_signal_ends_the_program_and_leaves_nothing(void **)
     Folder folder;
     for (int number : {SIGINT, SIGTERM, SIGHUP}) {
         const int status = status_of_child([&] {
-            std::signal(number, SIG_DFL); // nohup hands a hang-up down as ignored
+            std::signal(number, SIG_DFL); // nohup passes a hang-up on as ignored
             PendingFile one(folder.file("a")), two(folder.file("b"));
             one.write("half");
             two.write("half");
@@ -210,8 +210,7 @@ static void a_signal_leaves_the_files_that_are_whole(void **)
     assert_string_equal(text_of(folder.file("a")).c_str(), "whole");
 }
 
-// What somebody else who may write into the folder has put there under a name that could be guessed: not
-// followed, not emptied.
+// Another user of the folder has planted a link under a guessable name: it is neither followed nor emptied.
 static void a_planted_link_is_not_followed(void **)
 {
     Folder folder;
@@ -237,7 +236,7 @@ static void two_files_under_way_to_one_name_do_not_meet(void **)
     assert_int_equal(folder.count(), 1);
 }
 
-// 255 bytes are the longest name of a file; the one it has meanwhile must not be longer.
+// A file name has at most 255 bytes; the temporary name must not be longer.
 static void the_longest_name_can_be_written(void **)
 {
     Folder folder;
@@ -281,7 +280,7 @@ static void files_of_a_set_get_their_names_together(void **)
     assert_int_equal(folder.count(), 2);
 }
 
-// The disk fills up between two names: the first one is taken back, whether a file stood there or none did.
+// The disk fills up between two names: the first one is taken back, whether or not a file existed there.
 static void a_set_whose_second_name_fails_is_taken_back(void **)
 {
     for (bool is_new : {false, true}) {
@@ -332,7 +331,7 @@ static void more_files_than_are_watched_are_written_all_the_same(void **)
         files.push_back(std::make_unique<PendingFile>(folder.file(std::to_string(i))));
     for (auto &file : files) file->commit();
     assert_int_equal(folder.count(), pending_max + 3);
-    // Their places are free again.
+    // Their entries are free again.
     status_of_child([&] {
         PendingFile half(folder.file("b"));
         raise(SIGTERM);

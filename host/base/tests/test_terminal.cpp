@@ -1,6 +1,5 @@
-// Text from files reaches a terminal as letters: whatever would move the cursor, turn the direction of
-// writing or end a line is shown as
-// \\xNN, and what people write in their languages stays as it is.
+// Text from files reaches a terminal as letters. Characters that would move the cursor, change the writing
+// direction or end a line are shown as \xNN; text in any language stays as it is.
 #include "host/base/terminal.hpp"
 #include <csetjmp>
 #include <cstdarg>
@@ -44,7 +43,7 @@ static void nothing_turns_the_direction_of_writing(void **)
                         "\u2027\u202f\u2065\u206a"); // their neighbours
 }
 
-// RFC 3629: cut letters, lone bytes, longer forms than needed, surrogates, beyond U+10FFFF.
+// The cases of RFC 3629: cut letters, lone bytes, longer forms than needed, surrogates, beyond U+10FFFF.
 static void bytes_that_are_no_utf8_are_shown_as_numbers(void **)
 {
     for (const char *text : {"\xc3", "\xe2\x80", "\xf0\x9f\xa7", "\x80", "\xff", "\xc0\xaf", "\xe0\x80\xaf",

@@ -1,5 +1,5 @@
-// Claims: a text that would lead its parser too deep is refused with line and column before the parser sees
-// it; everything that the limits allow is read, walked through and destroyed without a deep stack.
+// Claims: a text that would recurse too deeply in its parser is refused with line and column before parsing.
+// Everything within the limits is read, traversed and destroyed without a deep stack.
 #include "host/base/toml.hpp"
 
 #include <csetjmp>
@@ -20,7 +20,7 @@ std::string repeated(const std::string &text, int count)
     return all;
 }
 
-// "line:column what", or "".
+// Returns "line:column what", or "".
 std::string refusal(const std::string &text)
 {
     try {
@@ -48,7 +48,7 @@ void brackets_without_end_are_refused(void **)
 {
     begins_with(refusal("a = " + std::string(1000000, '[')), "1:37 over 32 brackets");
     begins_with(refusal("a = " + repeated("{b = ", 100000)), "1:");
-    // Five quotes end a string of three: what follows is no string.
+    // Five quotes end a string of three quotes: what follows is outside the string.
     begins_with(refusal("a = [\"\"\"x\"\"\"\"\", " + std::string(1000, '[')), "1:");
 }
 
@@ -67,8 +67,8 @@ void what_looks_deep_in_strings_and_comments_is_read(void **)
                         "");
 }
 
-// The deepest that the limits allow: a header of 32 names, and in it 31 tables within each other, each behind
-// 32 names.
+// The deepest text within the limits has a header of 32 names, and in it 31 nested tables, each behind 32
+// names.
 void the_deepest_text_that_is_allowed_is_read(void **)
 {
     const std::string key = repeated("a.", 31) + "a";
@@ -81,7 +81,7 @@ void the_deepest_text_that_is_allowed_is_read(void **)
     assert_int_equal(depth, 32 + 32 * 32);
 }
 
-// toml++ asks whether such a letter is a blank, which ended the sanitized program for most of them
+// toml++ tests whether such a letter is a blank, which ended the sanitized program for most of them
 // (host/base/toml.hpp).
 void a_letter_outside_ascii_is_no_blank(void **)
 {

@@ -1,6 +1,6 @@
-// Runs as DICOM files: read back by DCMTK pixel for pixel, judged by dciodvfy and read by dctopnm (both of
-// dicom3tools, which shares no code with DCMTK), attributes against what was put in, and nothing half-written
-// whatever happens.
+// Claims: a run becomes a valid DICOM file. DCMTK reads it back pixel for pixel, and dciodvfy and dctopnm
+// accept it (both of dicom3tools, which shares no code with DCMTK). Attributes equal the inputs, and no
+// failure leaves half a file.
 #include "host/base/tests/folder.hpp"
 #include "host/dicom/xa_file.hpp"
 #include "host/xray/tests/xray_runs.hpp"
@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 namespace
 {
 
-// One for every test.
+// Each test has its own folder.
 struct Folder : tests::Folder {
     Folder() : tests::Folder("dicom") {}
 };
@@ -109,7 +109,7 @@ std::string output_of(const std::string &command, int *exit_code = nullptr)
     return text;
 }
 
-// dciodvfy's lines that say Error. A missing program is a failure too.
+// Fails for lines of dciodvfy that say Error. A missing program is a failure too.
 void assert_valid(const std::string &path)
 {
     const std::string said = output_of("dciodvfy " + path);
@@ -118,7 +118,7 @@ void assert_valid(const std::string &path)
     if (said.find("Error") != said.npos) fail_msg("%s", said.c_str());
 }
 
-// A call that must throw; its message.
+// Returns the message of a call that must throw.
 template <class Error, class Work> std::string message_of(const Work &work)
 {
     try {
@@ -153,7 +153,7 @@ static void pixels_of_every_kind_read_back_as_they_were(void **)
     }
 }
 
-// The pixels are the last bytes of the file, frame after frame, little end first: no library needed.
+// The pixels are the last bytes of the file, frame after frame, little-endian: no library is needed.
 static void pixels_lie_in_the_file_as_in_memory(void **)
 {
     Folder folder;
@@ -197,7 +197,7 @@ static void dciodvfy_finds_no_error_in_the_other_forms(void **)
     round.collimator = {true, 0, 0, 0, 0, 32.0, 31.0, 30.0};
     XrayRun display = sample_run(RunKind::cine, 2);
     display.relation = PixelRelation::display;
-    XrayRun bare; // only what a run cannot do without
+    XrayRun bare; // only what every run needs
     bare.size = run_size;
     bare.pulses_per_s = 7.5;
     bare.collimator.right = bare.collimator.bottom = run_size;
@@ -232,8 +232,8 @@ static void angles_distances_and_spacing_are_those_of_the_c_arm(void **)
     assert_text(reader, DCM_FieldOfViewDimensions, "320\\320");
     assert_text(reader, DCM_ImagerPixelSpacing, "5\\5"); // 320 mm / 64
     assert_near("pixel at the isocentre", reader.number(DCM_PixelSpacing), 5.0 / 1.4, 1e-8);
-    // 40 LAO 30 CAU: to the right the patient's left, then back; down the feet, then back, then right
-    // (docs/frames.md).
+    // At 40 LAO 30 CAU the patient's left is to the right, then back; the feet are down, then back, then
+    // right (docs/frames.md).
     assert_text(reader, DCM_PatientOrientation, "LP\\FPR");
 }
 
@@ -246,8 +246,9 @@ static void a_moving_arm_and_table_have_an_offset_per_frame(void **)
     assert_text(reader, DCM_PositionerPrimaryAngle, "10");
     assert_text(reader, DCM_PositionerPrimaryAngleIncrement, "0\\2.5\\5\\7.5");
     assert_text(reader, DCM_PositionerSecondaryAngleIncrement, "0\\-1.25\\-2.5\\-3.75");
-    // The isocentre goes 1 mm right, 2 mm to the head and 3 mm to the front per frame: the table 1 mm left, 2
-    // mm to the feet and 3 mm down. Longitudinal is toward LAO, lateral toward cranial (C.8.7.4.1).
+    // The isocentre moves 1 mm right, 2 mm to the head and 3 mm to the front per frame. So the table moves 1
+    // mm left, 2 mm to the feet and 3 mm down. Longitudinal is toward LAO, lateral toward cranial
+    // (C.8.7.4.1).
     assert_text(reader, DCM_TableMotion, "DYNAMIC");
     assert_text(reader, DCM_TableLongitudinalIncrement, "0\\1\\2\\3");
     assert_text(reader, DCM_TableLateralIncrement, "0\\-2\\-4\\-6");
@@ -266,7 +267,7 @@ static void tube_and_dose_are_sums_and_means_in_the_units_of_the_standard(void *
     assert_near("exposure time, us", reader.number(DCM_ExposureTimeInuS), 25000.0, 0.0); // 5 pulses of 5 ms
     assert_near("exposure, uAs", reader.number(DCM_ExposureInuAs), 2525.0, 0.0);         // 101 mA x 25 ms
     assert_near("pulse, ms", reader.number(DCM_AveragePulseWidth), 5.0, 0.0);
-    // 5 x 0.004 Gy cm2 = 0.02 Gy cm2 = 0.2 dGy cm2; 20 + .. + 24 uGy = 0.11 mGy.
+    // Expected: 5 x 0.004 Gy cm2 = 0.02 Gy cm2 = 0.2 dGy cm2; 20 + .. + 24 uGy = 0.11 mGy.
     assert_near("KAP, dGy cm2", reader.number(DCM_ImageAndFluoroscopyAreaDoseProduct), 0.2, 1e-9);
     assert_near("kerma, mGy", reader.number(DCM_EntranceDoseInmGy), 0.11, 1e-9);
     assert_text(reader, DCM_FilterMaterial, "ALUMINUM\\COPPER");
@@ -328,7 +329,7 @@ static void a_dsa_run_names_its_mask_shift_and_contrast(void **)
     assert_text(reader, DCM_ContrastBolusVolume, "12");
     assert_text(reader, DCM_ContrastFlowRate, "6");
     assert_text(reader, DCM_ContrastBolusIngredientConcentration, "350");
-    // A mask in the middle, as after re-masking, is taken from every frame.
+    // A mask in the middle, as after re-masking, is subtracted from every frame.
     XrayRun late = sample_run(RunKind::dsa, 6);
     late.mask->frames = {4};
     write_xa(folder.file("b.dcm"), late, study_of("a"));
@@ -339,8 +340,8 @@ static void a_dsa_run_names_its_mask_shift_and_contrast(void **)
     assert_text(other, DCM_ApplicableFrameRange, "absent");
 }
 
-// What make_logarithmic() promises: a plain difference is the logarithm of the ratio, and the table leads
-// back.
+// After make_logarithmic() a plain difference is the logarithm of the ratio, and the table inverts the
+// conversion.
 static void logarithmic_runs_subtract_plainly_and_lead_back_to_linear(void **)
 {
     XrayRun run = sample_run(RunKind::dsa, 2);
@@ -432,7 +433,7 @@ static void the_same_run_gives_the_same_bytes_and_another_one_other_uids(void **
     assert_int_equal(studies.size(), 1);
 }
 
-// 2.25. and a decimal number below 2^128 that does not begin with 0, PS3.5 B.2.
+// The form is 2.25. and a decimal number below 2^128 that does not begin with 0, PS3.5 B.2.
 static void uids_have_the_form_of_the_standard(void **)
 {
     std::set<std::string> all;
@@ -523,7 +524,7 @@ static void an_interrupted_export_leaves_nothing_and_keeps_what_was_there(void *
     assert_int_equal(folder.count(), 1);
 }
 
-// A limit of the process stands for a full disk: a write fails in the middle.
+// A limit of the process simulates a full disk: a write fails in the middle.
 static void a_full_disk_is_told_and_leaves_nothing(void **)
 {
     Folder folder;
@@ -565,7 +566,7 @@ static void a_name_that_cannot_be_a_file_is_refused(void **)
 
 int main()
 {
-    dcmDataDict.isDictionaryLoaded(); // once, before children are made
+    dcmDataDict.isDictionaryLoaded(); // once, before child processes start
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pixels_of_every_kind_read_back_as_they_were),
         cmocka_unit_test(pixels_lie_in_the_file_as_in_memory),

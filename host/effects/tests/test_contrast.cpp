@@ -1,6 +1,6 @@
-// Claims: contrast medium in a tree of vessels moves with the blood, divides as the conductances say, is
-// never lost or made, goes back when more is injected than flows away, and stops where the catheter fills the
-// lumen. Closed forms stand at each test.
+// Claims: contrast medium in a tree of vessels moves with the blood and divides in proportion to the
+// conductances. None is lost or created. It flows back when more is injected than flows away, and it stops
+// where the catheter fills the lumen. Each test states its closed form.
 #include "host/effects/contrast_flow.hpp"
 #include <cmath>
 #include <csetjmp>
@@ -33,13 +33,13 @@ VesselBranch straight(const char *name, const Vector3d &from_mm, const Vector3d 
     return branch;
 }
 
-// 400 mm along x, radius 3 mm.
+// Makes a tube of 400 mm along x, radius 3 mm.
 VesselTree tube(double flow_ml_s)
 {
     return {{straight("tube", {0, 0, 0}, {400, 0, 0}, 3.0, flow_ml_s)}};
 }
 
-// Trunk along x that ends in two branches of different width.
+// Makes a trunk along x that ends in two branches of different width.
 VesselTree fork()
 {
     VesselTree tree{{straight("trunk", {0, 0, 0}, {60, 0, 0}, 4.0, 0.0),
@@ -52,7 +52,7 @@ VesselTree fork()
     return tree;
 }
 
-// Aorta along y with a renal artery from its middle.
+// Makes an aorta along y with a renal artery from its middle.
 VesselTree aorta()
 {
     VesselTree tree{{straight("aorta", {0, 0, 0}, {0, -200, 0}, 10.0, 40.0),
@@ -83,7 +83,7 @@ void within(const char *what, double value, double expected, double tolerance)
     fail_msg("%s = %.9g, expected %.9g (allowed %.3g %%)", what, value, expected, tolerance * 100);
 }
 
-// Place along x, mm, where the concentration falls to half of that in the first cell.
+// Returns the place along x, mm, where the concentration falls to half of that in the first cell.
 double front_mm(const ContrastFlow &contrast)
 {
     const double half = 0.5 * contrast.iodine_mg_per_ml(0);
@@ -97,13 +97,13 @@ double front_mm(const ContrastFlow &contrast)
 
 // --- transport ---
 
-// ml/s into the bed behind the last cell.
+// Returns the flow into the bed behind the last cell, ml/s.
 double out_of_the_last(const ContrastFlow &contrast)
 {
     return contrast.network().outflow_ml_s(contrast.network().runs().size() - 1);
 }
 
-// One velocity: a front in a straight tube moves by flow / area. 10 ml/s in 28.3 mm^2: 354 mm/s.
+// One velocity: a front in a straight tube moves by flow / area. 10 ml/s in 28.3 mm^2 give 354 mm/s.
 void a_front_moves_with_flow_over_area(void **)
 {
     ContrastFlow contrast(tube(10.0), {3.5, 0.5, 30.0});
@@ -117,7 +117,7 @@ void a_front_moves_with_flow_over_area(void **)
     within("front speed, mm/s", (front_mm(contrast) - first_mm) / 0.6, flow_ml_s * 1e3 / (pi * 9.0), 0.01);
 }
 
-// Laminar: the layers run at 1.5 and 0.5 of the mean speed, and the blood that has been replaced, which is
+// In laminar flow the layers move at 1.5 and 0.5 of the mean speed. The replaced volume of blood, which is
 // the front's mean place over the section, grows by exactly the flow.
 void a_laminar_front_is_long_and_its_mean_moves_with_the_flow(void **)
 {
@@ -136,7 +136,7 @@ void a_laminar_front_is_long_and_its_mean_moves_with_the_flow(void **)
 }
 
 // Two layers at U(1 +- 1/2) whose difference falls by U/lambda per second spread a pulse with D = U lambda /
-// 4; upwind cells of length L add U L / 2 less what the step in time takes away (L = 1.5 mm: 3 % in all).
+// 4. Upwind cells of length L add U L / 2 less the part that the time step removes (L = 1.5 mm: 3 % in all).
 void a_pulse_spreads_as_the_two_layers_say(void **)
 {
     const VesselTree tree{{straight("tube", {0, 0, 0}, {1900, 0, 0}, 3.0, 10.0)}};
@@ -162,7 +162,7 @@ void a_pulse_spreads_as_the_two_layers_say(void **)
            0.03);
 }
 
-// What flows along with the blood is diluted by it: S / Q of the injected concentration.
+// The blood that flows past dilutes the injected fluid: to S / Q of the injected concentration.
 void injected_fluid_is_diluted_by_the_blood_that_flows(void **)
 {
     ContrastFlow contrast(tube(10.0));
@@ -172,7 +172,7 @@ void injected_fluid_is_diluted_by_the_blood_that_flows(void **)
     within("mg/ml", contrast.iodine_mg_per_ml(contrast.cells().size() - 1), iodine * 2.0 / flow_ml_s, 1e-6);
 }
 
-// Each way behind the fork has the conductance 1 / (R + 1/G) of its vessel's Poiseuille resistance and the
+// Each path behind the fork has the conductance 1 / (R + 1/G) of its vessel's Poiseuille resistance and the
 // bed behind it.
 void a_fork_divides_iodine_as_its_conductances(void **)
 {
@@ -188,14 +188,14 @@ void a_fork_divides_iodine_as_its_conductances(void **)
             8 * 3.5e-3 * length_mm * 1e-3 / (pi * std::pow(radius_mm * 1e-3, 4)) * 1e-6 / 133.322;
         return 1.0 / (vessel + mean_pressure_mmHg / flow_ml_s);
     };
-    // Hardly any has come to an end yet, so what went in is still there.
+    // Hardly any medium has left yet, so all that went in is still there.
     assert_true(contrast.budget().out_mg < 1e-6 * contrast.budget().injected_mg);
     within("wide over thin", held_in(contrast, 1) / held_in(contrast, 2),
            conductance(1, 3.0, 6.0) / conductance(2, 1.0, 3.0), 0.01);
 }
 
-// 60 s of a beating heart, injections of which one refluxes, and a catheter that goes into the renal artery
-// and out again.
+// The test lasts 60 s of a beating heart, with injections of which one refluxes, and a catheter that enters
+// the renal artery and leaves it again.
 void iodine_is_conserved_and_stays_between_none_and_injected(void **)
 {
     ContrastFlow contrast(aorta());
@@ -223,7 +223,7 @@ void iodine_is_conserved_and_stays_between_none_and_injected(void **)
         fail_msg("concentrations %.17g to %.17g mg/ml", least, most);
 }
 
-// --- where it goes ---
+// --- distribution ---
 
 void more_than_flows_away_goes_back_upstream(void **)
 {
@@ -233,7 +233,8 @@ void more_than_flows_away_goes_back_upstream(void **)
         for (int tick = 0; tick < 150; ++tick) contrast->step({}, {contrast == &gentle ? 4.0 : 20.0, iodine});
     }
     assert_true(held_in(gentle, 0) == 0.0);
-    // What the bed behind the renal artery does not take is in the aorta and on the way there.
+    // The medium that the bed behind the renal artery does not take is in the aorta and in the vessels
+    // towards it.
     const FlowCells &cells = forced.cells();
     double back_mg = held_in(forced, 0);
     for (std::size_t i = cells.branch_begin(1); i < cells.size(); ++i)
@@ -241,8 +242,8 @@ void more_than_flows_away_goes_back_upstream(void **)
     within("mg back", back_mg, iodine * (20.0 - out_of_the_last(forced)) * 0.15, 0.03);
 }
 
-// A catheter as wide as the vessel lets nothing past: no blood comes, so what is injected goes down
-// undiluted, and none back.
+// A catheter as wide as the vessel blocks the flow: no blood comes, so the injected fluid goes down
+// undiluted, and none comes back.
 void a_wedged_catheter_lets_nothing_past(void **)
 {
     ContrastFlow contrast(aorta());
@@ -254,10 +255,10 @@ void a_wedged_catheter_lets_nothing_past(void **)
     within("outflow, ml/s", out_of_the_last(contrast), 2.0, 1e-9);
     within("mg/ml", contrast.iodine_mg_per_ml(contrast.cells().size() - 1), iodine, 1e-3);
     for (int tick = 0; tick < 1000; ++tick) contrast.step({}, {});
-    assert_true(held_in(contrast, 1) > 300.0); // stands still: nothing washes it out
+    assert_true(held_in(contrast, 1) > 300.0); // no flow: nothing washes it out
 }
 
-// Concentric annulus, textbook formula by libm.
+// The reference is the concentric annulus, the textbook formula by libm.
 void a_tool_in_the_lumen_leaves_an_annulus(void **)
 {
     for (double k = 0.02; k < 0.97; k += 0.01) {
@@ -285,8 +286,8 @@ void side_holes_share_the_flow(void **)
     within("thin over wide", held_in(contrast, 2) / held_in(contrast, 1), 3.0, 1e-9);
 }
 
-// Power distance: a tip at the renal artery's mouth, nearer to the renal centreline than to the wall, is in
-// that artery.
+// By power distance, a tip at the renal artery's ostium that is nearer to the renal centreline than to the
+// wall is in that artery.
 void the_cell_is_that_of_the_vessel_in_which_the_tip_lies_deepest(void **)
 {
     const FlowCells cells(aorta());
@@ -332,7 +333,7 @@ void a_snapshot_goes_on_bit_for_bit(void **)
     assert_true(first.snapshot() == second.snapshot());
 }
 
-// A beating heart carries its vessels: cells go along, and what they hold stays.
+// A beating heart carries its vessels: cells move with them and keep their contents.
 void cells_follow_their_vessels(void **)
 {
     VesselTree tree = tube(10.0);

@@ -1,6 +1,6 @@
 // Claims: the traces of the heart follow the beats that the core reports: rate, pressures of a resting adult,
-// what a premature beat and asystole do to them; and the host's lattice of a moving vessel is the one in the
-// scene: pushing undoes pulling, bodies move with it.
+// the effects of a premature beat and of asystole. The host's lattice of a moving vessel is the one in the
+// scene: pushing undoes pulling, and bodies move with it.
 #include "host/effects/pulse.hpp"
 #include "host/model/motion.hpp"
 #include "shared/scene/tests/scene_sample.h"
@@ -43,7 +43,8 @@ struct Patient {
     }
 };
 
-// Systolic 110 to 130, diastolic 70 to 85 mmHg at 70 /min; the rate is read from the intervals to 0.2 /min.
+// Expects systolic 110 to 130 and diastolic 70 to 85 mmHg at 70 /min; the rate from the intervals is exact to
+// 0.2 /min.
 void a_resting_adult_has_the_usual_pressures(void **)
 {
     Patient patient;
@@ -55,7 +56,7 @@ void a_resting_adult_has_the_usual_pressures(void **)
     assert_true(std::abs(patient.monitor.rate_per_min() - 70) < 0.2);
 }
 
-// The early beat ejects less: a lower systolic pressure, and a lower diastolic one after its long pause.
+// The early beat ejects less: systolic pressure is lower, and so is diastolic pressure after its long pause.
 void a_premature_beat_is_weak_and_the_pause_after_it_long(void **)
 {
     Patient patient;
@@ -92,7 +93,7 @@ void asystole_is_a_flat_line_and_a_falling_pressure(void **)
     assert_true(patient.monitor.rate_per_min() == 0);
 }
 
-// R 36 ms after the QRS begins, T at four fifths of systole, P before the next QRS, also at 150 /min.
+// R comes 36 ms after the QRS begins, T at four fifths of systole, P before the next QRS, also at 150 /min.
 void the_waves_stand_where_the_beat_says(void **)
 {
     for (std::uint32_t rate : {50u, 70u, 150u}) {
@@ -155,8 +156,8 @@ void pushing_undoes_pulling(void **)
     }
 }
 
-// A body of eight vertices, one of two moves: at the keyframes its vertices are where the lattice pushes
-// them, to 2 um.
+// A body has eight vertices, and one of two bodies moves: at the keyframes its vertices are where the lattice
+// pushes them, to 2 um.
 void bodies_that_move_go_where_the_lattice_takes_them(void **)
 {
     const Sample sample;
@@ -181,8 +182,8 @@ void bodies_that_move_go_where_the_lattice_takes_them(void **)
     }
 }
 
-// Places go where the lattice pushes them: to 1 um at the keyframes, of which the spline is made, to 50 um
-// between them and in a deep breath; places outside the lattice stay to the last bit.
+// Places go where the lattice pushes them. They are exact to 1 um at the keyframes, of which the spline is
+// made, and to 50 um between them and in a deep breath. Places outside the lattice stay to the last bit.
 void points_that_move_go_where_the_lattice_takes_them(void **)
 {
     const Sample sample;

@@ -1,7 +1,7 @@
-// Claims: a lesion costs the pressure that Poiseuille's law and the jet behind its throat say, takes flow
-// from what lies behind it, more so in hyperaemia and with a wire in it, delays contrast medium, and its
-// state is part of a snapshot; where it gives way it costs what is left, and no iodine is lost. Closed forms
-// stand at each test.
+// Claims: a lesion costs the pressure that Poiseuille's law and the jet behind its narrowest place predict.
+// It takes flow from the vessels behind it, more so in hyperaemia and with a wire in it, and it delays
+// contrast medium. Its state is part of a snapshot; after it yields it costs what remains, and no iodine is
+// lost. Each test states its closed form.
 #include "host/effects/contrast_flow.hpp"
 #include "host/effects/lesion_figures.hpp"
 #include "host/model/lesion_opening.hpp"
@@ -26,14 +26,14 @@ namespace
 constexpr double pi = 3.14159265358979323846, viscosity_mPa_s = 3.5, mmHg_per_Pa = 1 / 133.322;
 constexpr double healthy_mm = 1.5, flow_ml_s = 1.0;
 
-// ml/s into the bed behind the last cell.
+// Returns the flow into the bed behind the last cell, ml/s.
 double out_of_the_last(const FlowNetwork &network)
 {
     return network.outflow_ml_s(network.runs().size() - 1);
 }
 
-// 70 mm along x, radius 1.5 mm; narrowed to `throat_mm` from 22 to 40 mm, with a taper of 1 mm before and
-// behind.
+// A vessel of 70 mm along x, radius 1.5 mm; narrowed to `throat_mm` from 22 to 40 mm, with a taper of 1 mm
+// before and behind.
 VesselTree vessel(double throat_mm)
 {
     VesselBranch branch;
@@ -54,7 +54,7 @@ VesselTree vessel(double throat_mm)
     return {{branch}, {lesion}};
 }
 
-// Integral of ds / r^4 over the lesion: 18 mm of the throat and two tapers.
+// Returns the integral of ds / r^4 over the lesion: 18 mm at the minimal radius, and two tapers.
 double per_r4_mm3(double throat_mm)
 {
     const double a = throat_mm, b = healthy_mm;
@@ -66,7 +66,7 @@ double viscous_mmHg(double throat_mm, double q_ml_s)
     return 8 * viscosity_mPa_s * q_ml_s * per_r4_mm3(throat_mm) / pi * mmHg_per_Pa;
 }
 
-// K_t rho / 2 (A0 / As - 1)^2 v0^2, K_t = 1.5 (Young and Tsai 1973).
+// Returns K_t rho / 2 (A0 / As - 1)^2 v0^2, K_t = 1.5 (Young and Tsai 1973).
 double jet_mmHg(double throat_mm, double q_ml_s)
 {
     const double widening = healthy_mm * healthy_mm / (throat_mm * throat_mm) - 1;
@@ -85,8 +85,7 @@ LesionFigures figures_of(const VesselTree &tree)
     return lesion_figures(tree, viscosity_mPa_s).at(0);
 }
 
-// Between the cells before and behind there are up to 4 mm of healthy vessel besides: below 1 % of the
-// lesion's drop.
+// The cells before and behind also include up to 4 mm of healthy vessel: below 1 % of the lesion's drop.
 void a_lesion_costs_what_wall_and_jet_take(void **)
 {
     for (double throat_mm : {0.375, 0.6, 0.9}) {
@@ -99,7 +98,7 @@ void a_lesion_costs_what_wall_and_jet_take(void **)
         print_message("# %.2f mm: %.1f mmHg at %.2f ml/s, FFR %.2f\n", 2 * throat_mm, f.rest_drop_mmHg, q,
                       f.ffr);
     }
-    // 60 ml/min through 0.75 mm x 18 mm: 61 mmHg and about 30.
+    // 60 ml/min through 0.75 mm x 18 mm cost 61 mmHg by the wall and about 30 mmHg by the jet.
     within("61 mmHg", 8 * viscosity_mPa_s * 18 / (pi * std::pow(0.375, 4)) * mmHg_per_Pa, 61, 0.02);
     within("about 30 mmHg", jet_mmHg(0.375, 1.0), 30, 0.15);
 }
@@ -114,7 +113,7 @@ void percent_by_diameter_and_by_area(void **)
     assert_string_equal(f.branch.c_str(), "lad");
 }
 
-// Without a narrowing 88 mmHg less what 70 mm of Poiseuille cost reach the bed, also at four times the flow.
+// Without a narrowing, 88 mmHg less the Poiseuille drop of 70 mm reach the bed, also at four times the flow.
 void flow_reserve_falls_with_the_stenosis(void **)
 {
     double before = 1;
@@ -124,10 +123,11 @@ void flow_reserve_falls_with_the_stenosis(void **)
         before = ffr;
     }
     assert_true(figures_of(vessel(1.499)).ffr > 0.9);
-    assert_true(before < 0.5); // 75 % by diameter: surely worth treating (0.80 is the usual limit)
+    assert_true(before < 0.5); // 75 % by diameter: clearly worth treating (0.80 is the usual limit)
 }
 
-// Flow that satisfies both the bed and the lesion, by bisection: not the network's own way.
+// Returns the flow that satisfies both the bed and the lesion, by bisection: independent of the network's
+// method.
 void the_flow_is_the_one_at_which_drops_add_up(void **)
 {
     const double throat_mm = 0.375,
@@ -157,8 +157,8 @@ void a_wire_in_the_throat_takes_flow(void **)
     within("ml/s", out_of_the_last(network), free_ml_s, 1e-9);
 }
 
-// Milliseconds from the begin of an injection before the lesion until half of what is injected reaches the
-// last cell.
+// Returns the milliseconds from the start of an injection before the lesion until half of the injected
+// concentration reaches the last cell.
 int arrival_ms(double throat_mm)
 {
     ContrastFlow contrast(vessel(throat_mm));
@@ -184,7 +184,8 @@ void a_snapshot_goes_on_as_the_original_does(void **)
     ContrastFlow contrast(vessel(0.375)), copy(vessel(0.375));
     const CatheterMouth mouth{{0.005, 0, 0}, 1.0};
     contrast.set_mouths({&mouth, 1});
-    for (int ms = 0; ms < 7; ++ms) contrast.step({}, {0.2, 350.0}); // the throat's flow is not settled yet
+    for (int ms = 0; ms < 7; ++ms)
+        contrast.step({}, {0.2, 350.0}); // the flow through the stenosis has not settled yet
     assert_true(copy.restore(contrast.snapshot()));
     for (int ms = 0; ms < 50; ++ms) {
         contrast.step({}, {0.2, 350.0});
@@ -196,9 +197,9 @@ void a_snapshot_goes_on_as_the_original_does(void **)
     assert_false(copy.restore(short_of_it));
 }
 
-// --- lesions that give way ---
+// --- lesions that yield ---
 
-// The same vessel wholly or half open: points stay (it is concentric), radii are half way.
+// The same vessel fully or partly open: points stay (it is concentric), radii change in proportion.
 VesselTree opened(const VesselTree &tree, double share)
 {
     const LesionStations stations{21, 1e-3};
@@ -219,7 +220,7 @@ void opened_wholly_it_costs_what_the_healthy_vessel_does(void **)
     assert_true(std::fabs(f.diameter_percent()) < 1e-9);
 }
 
-// 0.375 + 0.6 (1.5 - 0.375) mm: the drop is that of a vessel baked so.
+// The radius is 0.375 + 0.6 (1.5 - 0.375) mm: the drop is that of a vessel baked with this radius.
 void opened_partly_it_costs_what_is_left(void **)
 {
     const VesselTree tree = vessel(0.375), now = opened(tree, 0.6);
@@ -231,8 +232,8 @@ void opened_partly_it_costs_what_is_left(void **)
     within("ffr", f.ffr, as_baked.ffr, 1e-9);
 }
 
-// Stations lie evenly about the lesion's middle; between two of them it is linear. 20 mm in 7 gaps of 4 mm:
-// from -4 to 24 mm.
+// Stations lie evenly about the lesion's middle; the opening is linear between two of them. The stations
+// cover 20 mm in 7 gaps of 4 mm: from -4 to 24 mm.
 void a_place_is_open_as_the_stations_beside_it(void **)
 {
     const VesselTree tree = vessel(0.375);
@@ -244,7 +245,7 @@ void a_place_is_open_as_the_stations_beside_it(void **)
         assert_true(std::fabs(LesionOpening::at(opening.place(0, arc_mm * 1e-3), open) - share) < 1e-12);
     assert_true(opening.is_any_open(open));
     assert_false(opening.is_any_open(std::vector<double>(8, 0.0)));
-    assert_false(opening.is_any_open({})); // a device that says nothing
+    assert_false(opening.is_any_open({})); // a device that reports nothing
 }
 
 double lost_mg(const ContrastFlow &contrast)
@@ -253,9 +254,9 @@ double lost_mg(const ContrastFlow &contrast)
     return std::fabs(budget.injected_mg - contrast.held_mg() - budget.out_mg - budget.reflux_mg);
 }
 
-// Opened under a balloon that lets nothing past, deployed, recoiling by a third, opened again, while medium
-// is injected before it: no iodine is lost, none is anywhere stronger than it was injected, and cells hold
-// what their shape says.
+// The lesion is opened under a balloon that blocks the flow, recoils by a third after deflation, and is
+// opened again, while medium is injected before it. No iodine is lost, the concentration nowhere exceeds the
+// injected one, and cells hold the volumes of their shape.
 void iodine_is_conserved_while_the_wall_gives_way(void **)
 {
     const VesselTree tree = vessel(0.375);
@@ -290,8 +291,8 @@ void iodine_is_conserved_while_the_wall_gives_way(void **)
     assert_true(strongest < 350.0 * (1 + 1e-9));
 }
 
-// A vessel full of medium at the strength injected that opens stays full: what is missing comes from the cell
-// before, which has as much.
+// A vessel full of medium at the injected concentration stays full when it opens: the missing volume comes
+// from the cell before, which has the same concentration.
 void what_a_widening_cell_takes_has_its_neighbours_strength(void **)
 {
     const VesselTree tree = vessel(0.9);

@@ -10,7 +10,7 @@
 
 struct libusb_device {
     fake_usb::Rig *rig;
-    std::uint32_t generation; // plugged in for the so manyth time
+    std::uint32_t generation; // number of times it has been plugged in
 };
 struct libusb_device_handle {
     libusb_device *device;
@@ -19,7 +19,7 @@ struct libusb_device_handle {
 struct libusb_context {
     libusb_hotplug_callback_fn callback = nullptr;
     void *user = nullptr;
-    std::vector<std::pair<libusb_device *, libusb_hotplug_event>> plugs; // not told yet
+    std::vector<std::pair<libusb_device *, libusb_hotplug_event>> plugs; // not reported yet
     bool is_woken = false;
 };
 
@@ -30,7 +30,7 @@ using Clock = std::chrono::steady_clock;
 
 struct Flight {
     libusb_transfer *transfer;
-    Clock::time_point end; // of its time limit
+    Clock::time_point end; // end of its time limit
     bool is_cancelled = false;
 };
 
@@ -38,7 +38,7 @@ struct Bus {
     std::mutex lock;
     std::condition_variable changed;
     std::list<fake_usb::Rig> rigs;
-    std::list<libusb_device> devices; // kept for ever, as handles point to them
+    std::list<libusb_device> devices; // kept for ever, because handles point to them
     std::vector<libusb_context *> contexts;
     std::vector<Flight> flights;
     std::size_t transfers = 0;
@@ -75,11 +75,11 @@ void pull(fake_usb::Rig &rig)
     libusb_device *device = device_of(rig);
     rig.is_plugged = false;
     rig.is_claimed = false;
-    device->generation = 0; // its handles are dead
+    device->generation = 0; // invalidates its handles
     tell(device, LIBUSB_HOTPLUG_EVENT_DEVICE_LEFT);
 }
 
-// What becomes of a transfer now: nothing, or its status.
+// Decides whether a transfer is done now, and with which status.
 bool is_done(Flight &flight, libusb_transfer_status &status)
 {
     libusb_transfer *transfer = flight.transfer;
@@ -132,7 +132,7 @@ bool is_done(Flight &flight, libusb_transfer_status &status)
     return transfer->timeout != 0 && Clock::now() >= flight.end;
 }
 
-// One transfer of this context that is over, taken out of the list; in the order of submission per endpoint.
+// Takes one finished transfer of this context out of the list; in the order of submission per endpoint.
 libusb_transfer *take_done(libusb_context *context)
 {
     std::vector<std::pair<libusb_device_handle *, unsigned char>> waits;
@@ -299,7 +299,7 @@ int LIBUSB_CALL libusb_open(libusb_device *device, libusb_device_handle **handle
     if (device->generation == 0) return LIBUSB_ERROR_NO_DEVICE;
     if (device->rig->open_error != 0) return device->rig->open_error;
     device->rig->opens++;
-    // One context is being served by whoever opens; the newest is the opener's in these tests.
+    // In these tests the context that was made last is the one that opens.
     *handle = new libusb_device_handle{device, bus.contexts.back()};
     return 0;
 }
@@ -405,7 +405,7 @@ int LIBUSB_CALL libusb_clear_halt(libusb_device_handle *handle, unsigned char en
 {
     const std::lock_guard<std::mutex> hold(bus.lock);
     if (handle->device->generation == 0) return LIBUSB_ERROR_NO_DEVICE;
-    static const std::uint8_t zero = 0; // the stream begins anew: docs/usb.md
+    static const std::uint8_t zero = 0; // the stream restarts: docs/usb.md
     if ((endpoint & LIBUSB_ENDPOINT_IN) == 0) crn_sim_write(handle->device->rig->sim, &zero, 1);
     return 0;
 }

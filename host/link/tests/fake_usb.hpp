@@ -1,9 +1,9 @@
-// A machine with rigs on USB and without either: the functions of libusb that host/link calls, over devices
-// in this process.
+// Simulates a machine with rigs on USB, without hardware: it provides the functions of libusb that host/link
+// calls, over devices in this process.
 //
-// Each rig is the sim port (the real firmware) behind a bulk pair; tests pull cables, take rights away and
-// let devices lie. Transfers complete in libusb_handle_events, on whichever thread calls it, as with the
-// library. Linked instead of libusb.
+// Each rig is the sim port (the real firmware) behind a bulk pair; tests pull cables, remove permissions and
+// make devices lie. Transfers complete in libusb_handle_events, on whichever thread calls it, as with the
+// library. It is linked instead of libusb.
 #pragma once
 #include "firmware/port/sim/sim.h"
 #include <cstdint>
@@ -23,14 +23,14 @@ struct Rig {
     int open_error = 0, claim_error = 0;
     bool has_stream = true; // its descriptors name the bulk pair
     bool takes_bytes = true, gives_bytes = true;
-    int read_status = 0;                  // libusb_transfer_status of the next read that has bytes, once
+    int read_status = 0; // libusb_transfer_status of the next read that has bytes; applies once
     std::uint64_t unplug_after_bytes = 0; // of OUT data; 0: never
     std::uint64_t out_bytes = 0;
-    std::uint32_t in_bytes_max = 512; // a read gives at most so many: a short packet ends a transfer
-    std::size_t flood_bytes = 0;      // given before what the firmware says: byte n is 7 n
+    std::uint32_t in_bytes_max = 512; // largest size of a read: a short packet ends a transfer
+    std::size_t flood_bytes = 0;      // sent before the firmware's bytes: byte n is 7 n
     std::size_t flood_given = 0;
-    std::function<void(std::vector<std::uint8_t> &)> spoil; // what is read, before the host sees it
-    // A device that is not the sim alone: bytes that it takes, and up to so many that it gives.
+    std::function<void(std::vector<std::uint8_t> &)> spoil; // changes the bytes before the host reads them
+    // A device that replaces the sim: the bytes that it takes, and the limited number that it gives.
     std::function<void(std::span<const std::uint8_t>)> take;
     std::function<std::size_t(std::span<std::uint8_t>)> give;
     bool answers_control = true; // false: requests for its strings time out
@@ -38,13 +38,13 @@ struct Rig {
     bool is_claimed = false;
 };
 
-void reset();                           // no rigs; hot plug is told
-Rig &add(const std::string &serial);    // powered up and plugged
-void unplug(const std::string &serial); // the device goes on without a host
+void reset();                           // removes all rigs; hot plug events are delivered
+Rig &add(const std::string &serial);    // powered and plugged in
+void unplug(const std::string &serial); // the device continues without a host
 void plug(const std::string &serial);
 void set_hotplug(bool is_told);
-void change(const std::function<void()> &what); // a rig's fields, while a transport runs
-std::size_t transfers(); // alive; handles, contexts and transfers have to be 0 at a test's end
+void change(const std::function<void()> &what); // changes a rig's fields while a transport runs
+std::size_t transfers(); // number alive; handles, contexts and transfers must be 0 at a test's end
 std::size_t contexts();
 
 } // namespace fake_usb

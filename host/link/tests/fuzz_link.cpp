@@ -1,15 +1,17 @@
-// Fuzz target: the host's side of the wire against any device. The input is a list of things a host asks for,
-// and behind each what the device says to it:
+// Fuzz target: the host's side of the wire against any device. The input is a list of the host's requests,
+// each followed by the device's messages:
 //
 //   call u8 modulo 21, then answers until the call ends:
-//     0 silence: what is under way fails           3 the same with the last byte repeated: length u16, times u8
-//     1 raw bytes: length u8, bytes                4 any type, answering another frame: type u8, back u8, length u8, payload
-//     2 the message that is waited for:            5 raw bytes as 1, then the answer as 2
-//       length u8, payload
-//     6 .. a message of type u8 without being asked: length u8, payload
+//     0     silence: the call under way fails
+//     1     raw bytes: length u8, bytes
+//     2     the expected message: length u8, payload
+//     3     the expected message with the last byte repeated: length u16, times u8
+//     4     any type, answering another frame: type u8, back u8, length u8, payload
+//     5     raw bytes as 1, then the answer as 2
+//     6 ..  an unasked message of type u8: length u8, payload
 //
-// Whatever a device says, a call ends, by a result or by a LinkError with a text, and the books of the host
-// agree.
+// Whatever a device sends, a call ends with a result or with a LinkError that has a text, and the host's
+// counters agree.
 #include "host/link/link.hpp"
 #include <algorithm>
 #include <cstdlib>
@@ -53,7 +55,7 @@ class Input
     std::size_t left_;
 };
 
-// What a host that is asked for `type` waits for.
+// Returns the answer that a host expects to a request `type`.
 std::uint16_t answer_of(std::uint16_t type, std::uint8_t what)
 {
     static constexpr std::uint16_t gets[] = {0,
@@ -78,7 +80,7 @@ class FuzzedDevice final : public crn::Transport
   public:
     explicit FuzzedDevice(Input &in) : in_(in) {}
 
-    // The host's frames are good: their first bytes, without COBS, say what is waited for.
+    // The host's frames are valid: their first bytes, without COBS, show the expected answer.
     void write(std::span<const std::uint8_t> bytes) override
     {
         std::uint8_t body[9] = {};
@@ -220,7 +222,7 @@ void check_books(crn::Link &link)
         promise(live.state.tools_count <= CRN_WIRE_TOOL_MAX);
 }
 
-// --- seeds: a session that goes well, and some that do not ---
+// --- seeds: a session that succeeds, and some that fail ---
 
 class Script
 {

@@ -1,6 +1,6 @@
-// Claims: after whatever was lost, torn or repeated on the way, HELLO begins a conversation that works,
-// without a cable pulled; what comes late is not taken for an answer; a device that talks without end, or
-// hands over without bound, is left with an error; no tick that came is lost to the recording.
+// Claims: after any loss, tear or repetition of bytes, HELLO begins a working conversation without unplugging
+// the cable. A late answer is not taken for the present one. A device that sends without end or without limit
+// produces an error. No received tick is missing in the recording.
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -24,7 +24,7 @@ extern "C" {
 namespace
 {
 
-// A device that says what it is told to, as answers to the last frame of the host or unasked.
+// A device that sends prepared messages, as answers to the host's last frame or unasked.
 class TalkingDevice final : public crn::Transport
 {
   public:
@@ -95,7 +95,7 @@ class TalkingDevice final : public crn::Transport
     std::uint16_t sequence_ = 0;
 };
 
-// The text of the error that `call` ends with; empty: none.
+// Returns the text of the error with which `call` ends; empty: none.
 std::string error_of(const std::function<void()> &call)
 {
     try {
@@ -111,8 +111,8 @@ bool contains(const std::string &text, const char *part)
     return text.find(part) != std::string::npos;
 }
 
-// The device started again within a frame: our decoder holds its first half, and the reply follows it without
-// a zero.
+// The device restarted within a frame: our decoder holds its first half, and the reply follows without a
+// zero.
 void hello_finds_the_device_behind_half_a_frame(void **)
 {
     TalkingDevice device;
@@ -121,11 +121,11 @@ void hello_finds_the_device_behind_half_a_frame(void **)
     assert_true(contains(error_of([&] { link.read_status(); }), "does not answer"));
     device.on_frame = [&] { device.greet(); };
     assert_string_equal(error_of([&] { link.hello(); }).c_str(), "");
-    device.raw({9, 1, 2, 3}); // and when the half frame comes just before the reply
+    device.raw({9, 1, 2, 3}); // and the same when the half frame comes just before the reply
     assert_string_equal(error_of([&] { link.hello(); }).c_str(), "");
 }
 
-// Answers, refusals and broken messages of the conversation before do not disturb the new one.
+// Answers, refusals and broken messages of the earlier conversation do not disturb the new one.
 void hello_is_deaf_to_what_was_before(void **)
 {
     TalkingDevice device;
@@ -143,8 +143,8 @@ void hello_is_deaf_to_what_was_before(void **)
     assert_true(contains(error_of([&] { link.hello(); }), "WRONG_STATE"));
 }
 
-// A refusal that comes after its request was given up is not the answer to the next one; one of this request
-// is, also when it is about an earlier frame of it.
+// A refusal that comes after its request was given up is not the answer to the next request; a refusal of the
+// present one is, even when it concerns an earlier frame of it.
 void a_late_refusal_is_not_taken_for_an_answer(void **)
 {
     TalkingDevice device;
@@ -172,7 +172,7 @@ void a_device_that_talks_without_end_is_left_with_an_error(void **)
     TalkingDevice device;
     crn::Link link(device);
     device.on_silence = [&] { device.say(CRN_WIRE_TYPE_notice, 0, crn_wire_notice{}, crn_wire_put_notice); };
-    // On a slow machine its time is over before its frames are too many: an error all the same.
+    // On a slow machine the time runs out before the frames are too many: an error in any case.
     const auto is_left = [&](const std::string &error) {
         return contains(error, "without end") ||
                (REFERENCE_RUN(10) < 10 && contains(error, "kept the host waiting"));
@@ -183,8 +183,8 @@ void a_device_that_talks_without_end_is_left_with_an_error(void **)
     assert_true(link.take_notices().size() == crn::Link::notices_max);
 }
 
-// Endless zeros, endless noise, or one byte now and then: none is a message, and each ends in bounded bytes
-// or bounded time.
+// Endless zeros, endless noise, or one byte now and then: none is a message, and each ends after a bounded
+// number of bytes or a bounded time.
 void a_device_that_never_frames_is_left_with_an_error(void **)
 {
     for (const unsigned char byte : {0x00, 0x55, 0xff}) {
@@ -203,8 +203,7 @@ void a_device_that_never_frames_is_left_with_an_error(void **)
     }
 }
 
-// The budget is 60 ms here, and no request waits on its own account: the second finds what the first has
-// left.
+// The budget is 60 ms here, and requests share it: the second one gets what the first has left.
 void a_device_that_keeps_its_host_waiting_is_left_with_an_error(void **)
 {
     TalkingDevice device;
@@ -217,11 +216,11 @@ void a_device_that_keeps_its_host_waiting_is_left_with_an_error(void **)
     const std::string text = error_of([&] { link.read_status(); });
     if (!contains(text, "kept the host waiting") || !contains(text, "status")) fail_msg("'%s'", text.c_str());
     for (int i = 0; i < 5; i++) assert_false(error_of([&] { link.read_status(); }).empty());
-    // 0.26 s for the first and 0.2 s for each other one; a machine that does other work may take its time.
+    // 0.26 s for the first and 0.2 s for each other one; a busy machine may take longer.
     assert_true(std::chrono::steady_clock::now() - begin < std::chrono::seconds(5));
 }
 
-// A snapshot has the size that was announced, and no more than any device has.
+// A snapshot has its announced size, and no more than any device has.
 void a_snapshot_beyond_its_size_is_refused(void **)
 {
     TalkingDevice device;
@@ -238,8 +237,8 @@ void a_snapshot_beyond_its_size_is_refused(void **)
     assert_true(contains(error_of([&] { link.read_snapshot(); }), "snapshot_begin"));
 }
 
-// STOP is answered before the ticks that were still in the device's queue; they come, and are the recording's
-// last.
+// STOP is answered before the ticks that were still in the device's queue; they come later, and are the
+// recording's last ones.
 void ticks_that_come_behind_the_answer_to_stop_are_recorded(void **)
 {
     TalkingDevice device;
@@ -263,9 +262,9 @@ void ticks_that_come_behind_the_answer_to_stop_are_recorded(void **)
     assert_int_equal(link.free_run(0).size(), 0);
 }
 
-// A host that makes a picture for longer than the 30 ms after which a device fades its forces: it is heard of
-// meanwhile, and not for ever. Counted, not timed: three frames come while it lives, and after its limit
-// none.
+// A host makes a picture for longer than the 30 ms after which a device fades its forces: heartbeats come
+// meanwhile, but not for ever. The test counts instead of timing: three frames come while Presence exists,
+// and none after its limit.
 void a_busy_host_is_present_for_half_a_second(void **)
 {
     TalkingDevice device;

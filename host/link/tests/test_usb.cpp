@@ -1,6 +1,5 @@
-// Claims: a rig on USB is the same device as one in this process, bit for bit; every way in which it goes,
-// refuses, keeps silent or lies ends in time with a message that tells what to do; and nothing of libusb is
-// left behind.
+// Claims: a rig on USB is the same device as one in this process, bit for bit. Every unplug, refusal, silence
+// or lie ends in time with a message that gives the remedy, and nothing of libusb is left behind.
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -18,7 +17,7 @@
 #include "host/session/device.hpp"
 #include <libusb-1.0/libusb.h>
 
-// Last, because its macros (fail, ...) would change other headers.
+// This header comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -100,7 +99,7 @@ crn::DeviceChoice usb_choice(const std::string &serial = "", std::uint32_t retur
 
 constexpr unsigned session_ticks = 2400, batch_ticks = 40;
 
-// The last hash of a session; `before_batch` may do something to the bus.
+// Returns the last hash of a session; `before_batch` may act on the bus.
 std::uint64_t play(const crn::DeviceChoice &choice, std::uint32_t &resumes,
                    const std::function<void(unsigned)> &before_batch = {})
 {
@@ -140,7 +139,8 @@ void a_session_on_usb_has_the_hash_of_one_in_this_process(void **)
     assert_int_equal(resumes, 0);
 }
 
-// Cut inside the n-th byte of what the host sends, for many n; the device keeps its power or loses it.
+// The cable is cut inside the n-th byte that the host sends, for many n; the device keeps its power or loses
+// it.
 void a_session_goes_on_bit_for_bit_after_every_cut(void **)
 {
     unsigned total = 0;
@@ -308,7 +308,7 @@ void a_silent_rig_is_told_in_time(void **)
         {"took no bytes for 100 ms", "plug it out and in"});
 }
 
-// A device that does not even say its name is asked nothing else.
+// A device that does not answer with its name gets no other request.
 void a_rig_that_does_not_say_its_name_is_told(void **)
 {
     fake_usb::add("RIG-0001").answers_control = false;
@@ -349,7 +349,7 @@ void a_longer_packet_than_fits_is_told(void **)
     expect_error([] { hello(""); }, {"longer packet", "firmware"});
 }
 
-// The firmware's own bytes, damaged at random: whatever comes is an error of the link or nothing at all.
+// The firmware's own bytes are damaged at random: each result is an error of the link or none at all.
 void a_lying_rig_leaves_the_host_alive(void **)
 {
     std::mt19937 random(1);
@@ -373,7 +373,7 @@ void a_lying_rig_leaves_the_host_alive(void **)
     assert_true(errors > 40);
 }
 
-// Bytes that nobody reads hold the device, and none is lost.
+// Unread bytes hold the device back, and none is lost.
 void bytes_come_in_order_and_a_slow_host_holds_the_rig(void **)
 {
     constexpr std::size_t total = 3 << 20;
@@ -396,7 +396,7 @@ void bytes_come_in_order_and_a_slow_host_holds_the_rig(void **)
                     fail_msg("byte %zu is wrong", got + i);
         }
         assert_int_equal(got, total);
-        pipe.pass_time_ms(1); // then a read waits no more
+        pipe.pass_time_ms(1); // after this a read does not wait any more
         assert_int_equal(pipe.read(bytes), 0);
     }
 }

@@ -1,4 +1,5 @@
-// Body files are read as they were written, and what is no body file is refused with file, place and remedy.
+// Claims: body files are read as they were written, and a file that is not a body file is refused with file,
+// place and remedy.
 #include "host/model/bodies.hpp"
 #include "host/xray/tests/xray_shapes.hpp"
 #include "shared/scene/scene_write.h"
@@ -20,7 +21,7 @@ namespace
 
 const std::string path = "/tmp/cournand-bodies-" + std::to_string(getpid()) + ".bodies";
 
-// The BODY section of docs/scene.md, written here independently of tools/bake.
+// Makes the BODY section of docs/scene.md, independently of tools/bake.
 std::vector<std::uint8_t> body_section(const Body &body)
 {
     std::vector<std::uint8_t> bytes(64);
@@ -100,7 +101,7 @@ static void missing_file_is_named(void **)
     assert_true(error.find("/nowhere/a.bodies") != error.npos);
 }
 
-// Every truncation and a flipped bit in every 37th byte: refused, and nothing half read.
+// Every truncation and a flipped bit in every 37th byte are refused, and no part is read.
 static void damaged_file_is_refused_and_leaves_the_old_bodies(void **)
 {
     const std::vector<std::uint8_t> whole = body_file(two_bodies());
@@ -137,7 +138,7 @@ static void bodies_are_read_with_the_scene_they_were_baked_with_alone(void **)
     for (const char *part : {"were not baked with", "9 bytes, CRC-32 cbf43926", "bake ", "--bodies"})
         assert_true(error.find(part) != error.npos);
     assert_true(error.find(path + ":") == 0 && error.find(other) != error.npos);
-    write(body_file(two_bodies())); // of an older bake
+    write(body_file(two_bodies())); // from an older bake
     assert_false(read_bodies_of(scene, path, kept, error));
     assert_true(error.find("does not say which scene") != error.npos && error.find("bake ") != error.npos);
     assert_true(read_bodies_of("", path, kept, error)); // free space has none

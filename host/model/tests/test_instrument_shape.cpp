@@ -1,6 +1,6 @@
-// Claims: the device takes every shipped instrument by every preset; left alone in free space without
-// gravity, the core's rod takes the shape that the file intends; every wire goes with every catheter that it
-// fits into, and both with a guide.
+// Claims: the device accepts every shipped instrument by every preset. In free space without gravity the
+// core's rod takes the shape that the file intends. Every wire works with every catheter that it fits into,
+// and both with a guide.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -25,7 +25,7 @@ extern "C" {
 #include "host/model/units.hpp"
 #include "host/session/device.hpp"
 
-// Last, because its macros (fail, ...) would change other headers.
+// This header comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -164,8 +164,8 @@ double angle_deg(const Vector3d &a, const Vector3d &b)
     return std::atan2(a.cross(b).norm(), a.dot(b)) * 180.0 / std::numbers::pi;
 }
 
-// From straight to rest in 4 s. Positions are compared node by node; the tip's direction is that of its first
-// element.
+// The rod goes from straight to rest in 4 s. Positions are compared node by node; the tip's direction is that
+// of its first element.
 void expect_rest_shape(const Instrument &instrument)
 {
     constexpr double allowed_deg = 2.5, allowed_strain = 1e-3;
@@ -200,7 +200,7 @@ void every_physical_instrument_rests_in_its_shape(void **)
     for (const std::string &file : shipped_files()) expect_rest_shape(crn::read_instrument(file));
 }
 
-// A curve in two planes, which none of those that ship has: a quarter circle up, then one to the side.
+// The curve lies in two planes, unlike all shipped ones: a quarter circle up, then one to the side.
 void a_shape_out_of_its_plane_rests_in_it(void **)
 {
     std::string text = crn::read_text_file(folder + "simmons_2_5f.toml");
@@ -221,7 +221,7 @@ void a_shape_out_of_its_plane_rests_in_it(void **)
     expect_rest_shape(instrument);
 }
 
-// --- what the device takes
+// --- what the device accepts
 // --------------------------------------------------------------------------------------
 
 void the_device_takes_every_preset(void **)
@@ -267,8 +267,8 @@ void expect_line(const std::vector<const Instrument *> &tools)
     }
 }
 
-// A wire alone, in each catheter, and both in each guide; fits of the thesis are of one instrument and
-// thicker than the catheters' lumens, so they are not asked to go together.
+// A wire is tested alone, in each catheter, and both in each guide. Fits of the thesis describe one
+// instrument and are thicker than the catheters' lumens, so they are not combined.
 void every_wire_goes_with_every_catheter(void **)
 {
     std::vector<Instrument> all;
@@ -280,7 +280,7 @@ void every_wire_goes_with_every_catheter(void **)
         for (const Instrument &catheter : all) {
             if (catheter.kind != crn::InstrumentKind::catheter) continue;
             const bool fits = fits_into(wire, catheter);
-            if (catheter.balloon && !fits) continue; // over a 0.014 in wire only
+            if (catheter.balloon && !fits) continue; // only over a 0.014 in wire
             balloons += catheter.balloon.has_value();
             assert_true(fits);
             expect_line({&wire, &catheter});

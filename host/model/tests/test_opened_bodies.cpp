@@ -1,7 +1,7 @@
-// Claims: the baker's map of a lesion's wall is undone within a hundredth of a millimetre, a body of blood
-// goes back to the healthy vessel as far as the stations say and nowhere else, calcium is pushed outwards
-// without losing volume, in a heart that beats too, and nothing is touched while nothing is open. Shapes have
-// closed forms.
+// Claims: the baker's map of a lesion's wall is inverted within a hundredth of a millimetre. A body of blood
+// returns to the healthy vessel as far as the stations say and nowhere else. Calcium is pushed outwards and
+// keeps its volume, in a beating heart too, and nothing is changed while nothing is open. Shapes have closed
+// forms.
 #include "host/model/lesion_wall.hpp"
 #include "host/model/opened_bodies.hpp"
 #include "host/stent/tests/stent_heart.hpp"
@@ -22,8 +22,8 @@ namespace
 constexpr double pi = std::numbers::pi, radius_mm = 2.0, stenosis = 0.7, aside = 0.4;
 constexpr double throat_mm = radius_mm * (1 - stenosis);
 
-// 60 mm along y, 2 mm wide; 70 % over 16 mm about y = 30, the channel 0.4 of what is lost off the axis; a
-// side branch at 38 mm.
+// The tube is 60 mm along y and 2 mm wide, with a side branch at 38 mm. It is 70 % narrowed over 16 mm about
+// y = 30, with the channel 0.4 of the lost diameter off the axis.
 VesselTree tube_tree()
 {
     VesselTree tree;
@@ -50,7 +50,7 @@ VesselTree tube_tree()
 
 const LesionStations stations{17, 1e-3};
 
-// A tube of a length along y as a closed mesh, um: rows every half millimetre of 32 vertices, and a vertex in
+// A tube of a length along y as a closed mesh, um: rows of 32 vertices every half millimetre, and a vertex in
 // the middle of each end.
 Body tube(double radius, double length_mm)
 {
@@ -102,8 +102,8 @@ double volume_mm3(const Body &body, std::span<const Eigen::Vector3i> vertices_um
     return sum;
 }
 
-// At the throat on a grid of radii and angles: near the wall, in the fade to what stays, and beside the
-// branch.
+// The test covers a grid of radii and angles at the narrowest place: near the wall, in the transition to the
+// unmoved region, and beside the branch.
 void the_map_of_a_wall_is_undone(void **)
 {
     const LesionWall wall(tube_tree(), 0);
@@ -131,12 +131,12 @@ void the_map_of_a_wall_is_undone(void **)
                 const double again = (back.place_m + wall.way_m(back.place_m) - to).norm() * 1e3;
                 worst_mm = std::max(worst_mm, again);
                 if (r <= lesion_near_radii * radius_mm &&
-                    y < 35) // beyond, the fade folds: more than one place goes there
+                    y < 35) // beyond, the transition folds: more than one place maps there
                     worst_mm = std::max(worst_mm, (back.place_m - from).norm() * 1e3);
             }
     print_message("# %d places, undone within %.5f mm\n", moved, worst_mm);
     assert_true(moved > 1000);
-    assert_true(worst_mm < 0.01); // at a corner of the line two places may be the foot
+    assert_true(worst_mm < 0.01); // at a corner of the line there may be two feet
 }
 
 void opened_wholly_a_body_is_the_healthy_one_and_half_open_half_way(void **)
@@ -164,8 +164,8 @@ void opened_wholly_a_body_is_the_healthy_one_and_half_open_half_way(void **)
     assert_true(opened.vertex_count() >= moved && opened.vertex_count() < moved + 40);
 }
 
-// The throat is at y = 30; only the stations from 27 to 33 mm are open, by 0.6 in the middle and 0 at both
-// ends.
+// The narrowest place is at y = 30; only the stations from 27 to 33 mm are open, by 0.6 in the middle and 0
+// at both ends.
 void a_body_opens_station_by_station(void **)
 {
     Bodies bodies{{tube(radius_mm, 60)}, tube_tree()};
@@ -191,12 +191,13 @@ void while_nothing_is_open_nothing_is_touched(void **)
     narrow(bodies.bodies[0], bodies.vessels);
     OpenedBodies opened(bodies, LesionOpening(bodies.vessels, {&stations, 1}), nullptr);
     assert_true(opened.at({}, std::vector<double>(17, 0.0)).empty());
-    assert_true(opened.at({}, {}).empty()); // a device that says nothing of lesions
+    assert_true(opened.at({}, {}).empty()); // a device that reports no lesions
     assert_int_equal(opened.at({}, std::vector<double>(17, 0.1)).size(), 1);
     assert_true(opened.at({}, std::vector<double>(17, 0.0)).empty());
 }
 
-// Of bodies only blood that the vessel runs through: not a chamber beside it, not the flesh around it.
+// Only the body of blood through which the vessel runs changes: not a chamber beside it, not the flesh around
+// it.
 void other_bodies_stay(void **)
 {
     Bodies bodies{{tube(radius_mm, 60), tube(10, 60), tube(1, 60)}, tube_tree()};
@@ -209,15 +210,15 @@ void other_bodies_stay(void **)
     assert_int_equal(moved[0].body, 0);
 }
 
-// A half shell of calcium round the channel, from 1.6 to 1.9 mm off its middle: outside the opened lumen, its
-// volume kept.
+// A half shell of calcium lies round the channel, from 1.6 to 1.9 mm off its middle: it ends up outside the
+// opened lumen, with its volume kept.
 void calcium_goes_out_with_the_wall_and_keeps_its_volume(void **)
 {
     Bodies bodies{{tube(radius_mm, 60), tube(1.0, 8)}, tube_tree()};
     Body &calcium = bodies.bodies[1];
     calcium.name = "plaque_calcium";
     calcium.material = "bone_cortical";
-    // The tube bent into a shell: its x to the angle, its z to the distance.
+    // The tube is bent into a shell: its x becomes the angle, its z the distance.
     for (Eigen::Vector3i &v_um : calcium.vertices_um) {
         const double angle = v_um.x() * 1e-3, r = 1.75 + 0.15 * v_um.z() * 1e-3;
         v_um = (Vector3d(r * std::sin(angle), 26 + v_um.y() * 1e-3, r * std::cos(angle) - 0.4) * 1e3)
@@ -247,7 +248,7 @@ void calcium_goes_out_with_the_wall_and_keeps_its_volume(void **)
     }
 }
 
-// In a heart the opened wall is where the heart takes the healthy one.
+// In a beating heart the opened wall is where the heart moves the healthy one.
 void in_a_heart_that_beats_the_open_wall_beats(void **)
 {
     const BeatingLattice lattice;
@@ -276,7 +277,7 @@ void in_a_heart_that_beats_the_open_wall_beats(void **)
             way_mm = std::max(way_mm, (there_um - healthy_um[i].cast<double>()).norm() * 1e-3);
         }
         assert_true(moving.at(moment)[0].vertices_um[0] ==
-                    at[0].vertices_um[0]); // far from it as the heart says
+                    at[0].vertices_um[0]); // far from it, where the heart moves it
     }
     print_message("# moved by up to %.1f mm, off by %.4f mm\n", way_mm, worst_mm);
     assert_true(way_mm > 4 && worst_mm < 0.01);

@@ -1,6 +1,6 @@
-// Claims: in a session contrast medium comes out of the catheter's tip and of nothing else, follows from
-// commands and shapes at fixed ticks whatever pictures were asked for, and the columns that the X-ray gets
-// hold as much iodine as the vessels.
+// Claims: in a session contrast medium leaves only through the catheter's openings. It depends on commands
+// and shapes at fixed ticks, whatever pictures were requested. The columns for the X-ray hold as much iodine
+// as the vessels.
 #include "host/base/text.hpp"
 #include "host/patient/contrast.hpp"
 #include "host/rig/pedals.hpp"
@@ -28,7 +28,7 @@ constexpr std::uint32_t never = std::numeric_limits<std::uint32_t>::max();
 constexpr double pi = 3.14159265358979323846;
 const RoomCommand inject_6_ml{RoomAction::inject, {6000, 4000, 0}};
 
-// 300 mm down the y axis, radius 8 mm, 30 ml/s.
+// Makes an aorta of 300 mm down the y axis, radius 8 mm, 30 ml/s.
 VesselTree aorta()
 {
     VesselBranch branch;
@@ -51,7 +51,8 @@ Instrument tool(const char *name, std::uint32_t inner_um)
     return made;
 }
 
-// Up the aorta from its lower end; the wire is 50 mm ahead of the catheter, whose tip is at y = -150 mm.
+// The line goes up the aorta from its lower end; the wire is 50 mm ahead of the catheter, whose tip is at y =
+// -150 mm.
 WireFrame line_at(std::uint32_t tick)
 {
     WireFrame wire;
@@ -69,7 +70,7 @@ WireFrame line_at(std::uint32_t tick)
 
 const std::vector<Instrument> wire_and_catheter = {tool("wire", 0), tool("catheter", 485)};
 
-// To `end`, stopping wherever a look is wanted and every `frame_ticks`.
+// Advances to `end`, stopping at every due look and every `frame_ticks`.
 void go_on(PatientContrast &contrast, std::uint32_t from, std::uint32_t end, std::uint32_t frame_ticks)
 {
     for (std::uint32_t tick = from; tick < end;) {
@@ -103,7 +104,7 @@ void without_a_catheter_or_vessels_it_says_so(void **)
     assert_true(bare.next_tick() == never && no_tree.next_tick() == never && good.next_tick() == never);
 }
 
-// Frames of a film between the looks change no bit of it.
+// Film frames between the looks change no bit of the result.
 void other_pictures_do_not_change_it(void **)
 {
     PatientContrast often(aorta(), wire_and_catheter), seldom(aorta(), wire_and_catheter);
@@ -130,7 +131,7 @@ void after_washing_out_no_look_is_wanted(void **)
     assert_true(std::fabs(contrast.flow().budget().injected_mg - 6.0 * 350.0) < 1e-6);
 }
 
-// An artery that ends in two: some column of each branch begins where the artery ends.
+// An artery ends in two branches: some column of each branch begins where the artery ends.
 void columns_have_no_gap_where_a_vessel_divides(void **)
 {
     VesselTree tree = aorta();
@@ -158,8 +159,8 @@ void columns_have_no_gap_where_a_vessel_divides(void **)
     assert_true(begin >= 2 && end >= 1);
 }
 
-// Cones of the curves times their share of iohexol 350, against what the cells hold. 2 %: ends that fade out,
-// and linear shares.
+// The volumes of the curves' cones times their share of iohexol 350 are compared with the contents of the
+// cells. The tolerance is 2 %, for ends that fade out and linear shares.
 void columns_hold_the_iodine_of_the_vessels(void **)
 {
     PatientContrast contrast(aorta(), wire_and_catheter);
@@ -177,8 +178,8 @@ void columns_hold_the_iodine_of_the_vessels(void **)
         fail_msg("curves %.1f mg, vessels %.1f mg", mg, contrast.flow().held_mg());
 }
 
-// 6 ml of 350 mg/ml at 4 ml/s from tick 1001 on (the command comes after the frame of tick 1000), then 2 ml
-// of 150 mg/ml at 2 ml/s.
+// The session injects 6 ml of 350 mg/ml at 4 ml/s from tick 1001 on (the command comes after the frame of
+// tick 1000), then 2 ml of 150 mg/ml at 2 ml/s.
 void what_was_given_between_two_ticks_is_known(void **)
 {
     PatientContrast contrast(aorta(), wire_and_catheter);
@@ -216,8 +217,8 @@ void blood_around_the_line_takes_its_colour(void **)
     assert_true(wire.nodes[15].contrast_mg_per_ml > 10.0); // downstream of the catheter's tip
 }
 
-// 20 holes of a fifth of the end hole's area: a fifth of the medium leaves at the tip, the rest between 20
-// and 58 mm behind it.
+// The catheter has 20 holes of a fifth of the end hole's area: a fifth of the medium leaves at the tip, the
+// rest between 20 and 58 mm behind it.
 void a_pigtail_gives_medium_through_its_side_holes(void **)
 {
     Instrument pigtail = tool("pigtail", 500);
@@ -229,7 +230,7 @@ void a_pigtail_gives_medium_through_its_side_holes(void **)
     assert_true((mouths[20].place_m - Vector3d(0, -0.208, 0)).norm() < 1e-12);
     PatientContrast contrast(aorta(), {tool("wire", 0), pigtail});
     contrast.command(0, inject_6_ml);
-    go_on(contrast, 0, 41, 20); // one look, then 1 ms: what went in still stands where it went in
+    go_on(contrast, 0, 41, 20); // one look, then 1 ms: the injected medium is still where it entered
     const FlowCells &cells = contrast.flow().cells();
     double ahead_mg = 0.0, all_mg = 0.0;
     for (std::size_t i = 0; i < cells.size(); ++i) {
@@ -240,8 +241,8 @@ void a_pigtail_gives_medium_through_its_side_holes(void **)
     if (std::fabs(ahead_mg / all_mg - 0.2) > 0.03) fail_msg("%.3f of it at the tip", ahead_mg / all_mg);
 }
 
-// The core's heart leads: in its asystole the medium stays where it was injected, with beats 6 ml of it are
-// carried away.
+// The core's heart sets the flow: during asystole the medium stays where it was injected, and with beats the
+// blood carries 6 ml of it away.
 void blood_flows_with_the_cores_heart(void **)
 {
     double carried_mg[2] = {};
@@ -263,8 +264,8 @@ void blood_flows_with_the_cores_heart(void **)
     assert_true(carried_mg[0] > 60.0 && carried_mg[1] == 0.0);
 }
 
-// A vessel through the sample's lattice: its cells are where the lattice pushes them, to 0.1 mm (points every
-// millimetre).
+// A vessel passes through the sample's lattice: its cells are where the lattice pushes them, to 0.1 mm
+// (points every millimetre).
 void medium_moves_with_the_vessels(void **)
 {
     alignas(16) static std::uint8_t file[SAMPLE_BYTES_MAX];
@@ -295,10 +296,10 @@ void medium_moves_with_the_vessels(void **)
     assert_true(largest_m > 0.5e-3);
 }
 
-// --- lesions that give way ---
+// --- lesions that yield ---
 
-// 60 mm of the aorta's end, y = -160 to -220 mm behind the catheter's tip, narrowed from 8 to 2 mm and 3 mm
-// to the left.
+// The last 60 mm of the aorta, y = -160 to -220 mm, beyond the catheter's tip, are narrowed from 8 to 2 mm
+// and shifted 3 mm to the left.
 VesselTree narrowed_aorta()
 {
     VesselTree tree = aorta();
@@ -318,8 +319,8 @@ VesselTree narrowed_aorta()
 
 const LesionStations stations_of_aorta{7, 0.01};
 
-// Open by 0.7 within a second, from second 1 on, and by 0.5 again from second 2 on: medium fills it in the
-// meantime.
+// The lesion opens by 0.7 within a second, from second 1 on, and by 0.5 again from second 2 on: medium fills
+// it in the meantime.
 WireFrame giving_way_at(std::uint32_t tick)
 {
     WireFrame wire = line_at(tick);
@@ -361,7 +362,7 @@ void a_lesion_that_gives_way_widens_cells_and_columns(void **)
     assert_true(often.vessels().branches[0].radii_m[19] == 0.002);
 }
 
-// Wholly open, in the sample's moving scene: cells are where the heart takes the healthy vessel.
+// The lesion is fully open in the sample's moving scene: cells are where the heart moves the healthy vessel.
 void an_open_lesion_moves_with_the_heart(void **)
 {
     alignas(16) static std::uint8_t file[SAMPLE_BYTES_MAX];
@@ -399,7 +400,7 @@ void an_open_lesion_moves_with_the_heart(void **)
     }
 }
 
-// --- the ways to ask for it ---
+// --- the ways to order it ---
 
 void scripts_ask_for_it_in_millilitres(void **)
 {
@@ -424,7 +425,7 @@ void scripts_ask_for_it_in_millilitres(void **)
     }
 }
 
-// 5,000 counts over 1 s, wrapping, are 5 ml; drawing back and a jump of the sensor are nothing.
+// 5,000 counts over 1 s, wrapping, are 5 ml; drawing back and a jump of the sensor inject nothing.
 void a_rigs_syringe_injects_what_its_plunger_gives(void **)
 {
     RigSyringe syringe;

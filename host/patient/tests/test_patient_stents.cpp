@@ -26,7 +26,7 @@ namespace
 {
 
 constexpr double pi = std::numbers::pi;
-constexpr std::uint32_t stations = 24; // from end to end of its lesion
+constexpr std::uint32_t stations = 24; // from one end of its lesion to the other
 const char *const stent_file = "shared/examples/stents/coronary_3_0x18.toml";
 
 std::vector<Instrument> wire_and_balloon()
@@ -35,8 +35,9 @@ std::vector<Instrument> wire_and_balloon()
             read_instrument("shared/examples/instruments/balloon_3x20.toml")};
 }
 
-// Along the middle of the artery with its lesion, a millimetre from node to node; the balloon's middle is
-// that of the lesion. The wire is 20 mm ahead of the catheter. `radius_mm`: of the balloon, all along.
+// The line lies along the middle of the artery with its lesion, with nodes a millimetre apart; the balloon's
+// middle is that of the lesion. The wire is 20 mm ahead of the catheter. `radius_mm` is the balloon's radius
+// over its whole length.
 WireFrame line_at(std::uint32_t tick, double radius_mm, double open)
 {
     static const VesselTree tree = beating_artery(false);
@@ -67,8 +68,8 @@ PatientStents session_stents(std::size_t count = 1)
 
 constexpr RoomCommand load{RoomAction::load_stent, {}};
 
-// 800 ms: up to 200 crimped, up to 500 under pressure, then the balloon folds. Looks, and other frames in
-// between.
+// The test lasts 800 ms: crimped up to 200, under pressure up to 500, then the balloon folds. There are
+// looks, and other frames in between.
 void carry_out(PatientStents &stents, std::uint32_t frame_ticks)
 {
     stents.command(0, load);
@@ -112,7 +113,7 @@ void nothing_is_looked_at_before_a_stent_is_loaded(void **)
     assert_true(stents.next_tick() == 80);
 }
 
-// Frames between the looks change no bit, and neither do pictures.
+// Frames between the looks change no bit of the result, and neither do pictures.
 void other_pictures_do_not_change_it(void **)
 {
     PatientStents often = session_stents(), seldom = session_stents(), seen = session_stents();
@@ -282,7 +283,7 @@ void another_one_is_loaded_outside_only(void **)
     PatientStents stents = session_stents(2);
     crn_wire_tick_state state{};
     state.tools_count = 2;
-    state.tools[1].inserted_m_q30 = 1 << 24; // 15.6 mm: the balloon begins 5 mm behind the tip
+    state.tools[1].inserted_m_q30 = 1 << 24; // 15.6 mm: the balloon begins 5 mm proximal to the tip
     stents.command(0, load);
     stents.advance(line_at(0, 0.45, 0.0));
     stents.tick({}, state);
@@ -300,8 +301,8 @@ void another_one_is_loaded_outside_only(void **)
     assert_true(results[0].was_taken_out && !results[1].was_taken_out);
 }
 
-// Iodine in the column against that of the cylinder, the cones (each of volume pi h / 3 (R^2 + R r + r^2)
-// less the shaft) and the waist.
+// The iodine in the column is compared with that of the cylinder, the cones (each of volume pi h / 3 (R^2 + R
+// r + r^2) less the shaft) and the waist.
 void the_filling_holds_as_much_as_the_balloon(void **)
 {
     const std::vector<Instrument> tools = wire_and_balloon();
@@ -335,7 +336,7 @@ void a_balloon_outside_of_the_patient_is_not_seen(void **)
     assert_true(balloon_filling(wire, wire_and_balloon(), 175.0).empty());
     assert_true(balloon_pose(wire, 1).points.empty());
     wire.balloon_arc_m =
-        wire.nodes.back().arc_m - 0.005; // most of it in the inserter, where the line goes on straight
+        wire.nodes.back().arc_m - 0.005; // most of it is in the introducer, where the line continues straight
     const BalloonPose pose = balloon_pose(wire, 1);
     assert_int_equal(pose.points.size(), 21);
     for (std::size_t i = 1; i < pose.points.size(); ++i)

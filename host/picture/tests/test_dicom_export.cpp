@@ -1,5 +1,5 @@
-// A session's runs as a folder of files: which frames go into which file, what their values become, and what
-// is left when the export is stopped. Pixels are read back by DCMTK; the frames are tiny.
+// Tests a session's runs as a folder of files: which frames go into which file, how their values are
+// converted, and what is left when the export is stopped. Pixels are read back by DCMTK; the frames are tiny.
 #include "host/base/output_files.hpp"
 #include "host/base/tests/folder.hpp"
 #include "host/picture/dicom_export.hpp"
@@ -132,7 +132,7 @@ static void a_press_without_a_frame_is_no_run(void **)
     assert_names(folder, {"run_01_fluoro.dcm"});
 }
 
-// Rows and columns of another size on the detector have no place in one file.
+// Frames whose rows and columns have another size on the detector cannot share a file.
 static void another_field_begins_another_file_of_the_same_run(void **)
 {
     Folder folder;
@@ -172,7 +172,7 @@ static void a_run_of_more_than_2000_frames_goes_on_in_the_next_file(void **)
     assert_int_equal(second.pixel(2 * tiny * tiny), 2002);
 }
 
-// log2(1 + 255) = 8, half of the range of 16 octaves.
+// log2(1 + 255) = 8 is half of the range of 16 octaves.
 static void values_are_logarithmic_unless_asked_otherwise(void **)
 {
     for (const char *values : {"log", "linear"}) {
@@ -184,13 +184,13 @@ static void values_are_logarithmic_unless_asked_otherwise(void **)
         out.add_run(run);
         Read read(out.finish(go_on)[0]);
         const bool is_log = std::string(values) == "log";
-        // The logarithm is good to 2e-5: one step here.
+        // The logarithm is exact to 2e-5: one step here.
         assert_in_range(read.pixel(0), is_log ? 32767 : 255, is_log ? 32769 : 255);
         assert_string_equal(read.text(DCM_PixelIntensityRelationship).c_str(), is_log ? "LOG" : "LIN");
     }
 }
 
-// 1,000 frames of 1, 2, .. 1,000: the hundredth at either end is left out. A detector filled to the brim is
+// There are 1,000 frames of 1, 2, .. 1,000: the hundredth at either end is left out. A saturated detector is
 // not counted.
 static void the_window_spans_the_run(void **)
 {
@@ -208,7 +208,7 @@ static void the_window_spans_the_run(void **)
     }
 }
 
-// What lies behind the blades is dark and says nothing.
+// Pixels behind the blades are dark and do not count.
 static void the_window_looks_inside_the_collimator(void **)
 {
     Folder folder;
@@ -221,11 +221,12 @@ static void the_window_looks_inside_the_collimator(void **)
         for (int x = 0; x < tiny; x++) frame.raw[x] = frame.raw[3 * tiny + x] = 0;
     out.add_run(run);
     Read read(out.finish(go_on)[0]);
-    assert_string_equal(read.text(DCM_WindowCenter).c_str(), "500"); // 600 is the brim: as often as 500
+    assert_string_equal(read.text(DCM_WindowCenter).c_str(),
+                        "500"); // 600 is the saturation value: as frequent as 500
     assert_string_equal(read.text(DCM_WindowWidth).c_str(), "1");
 }
 
-// Nobody told the files: volume, flow and strength of what was injected between a file's first and last
+// The files once lacked volume, flow and strength of the medium injected between a file's first and last
 // frame.
 static void each_file_names_the_medium_given_during_its_frames(void **)
 {
@@ -278,7 +279,7 @@ static void an_export_given_up_leaves_no_folder(void **)
         assert_int_equal(folder.names().size(), 1);
     }
     assert_false(fs::exists(folder.settings.folder));
-    fs::create_directory(folder.settings.folder); // one that was there stays
+    fs::create_directory(folder.settings.folder); // an existing folder stays
     {
         DicomExport out(folder.settings, "wire");
     }
@@ -286,7 +287,7 @@ static void an_export_given_up_leaves_no_folder(void **)
     assert_names(folder, {});
 }
 
-// Bytes that are no character made a file whose text nobody can read, without a word.
+// Bytes that are no character once made a file with unreadable text, without a message.
 static void a_name_that_is_not_utf8_is_refused(void **)
 {
     const auto is_refused = [](const char *name) {
@@ -301,7 +302,8 @@ static void a_name_that_is_not_utf8_is_refused(void **)
     };
     for (const char *good : {"", "Phantom^Aorta", "M\xc3\xbcller^\xe5\xb1\xb1", "\xf0\x9f\x98\x80"})
         if (is_refused(good)) fail_msg("'%s' is refused", good);
-    // No lead byte, cut short, a longer form than needed, half of a pair, beyond the last character.
+    // The cases: no lead byte, cut short, a longer form than needed, half of a pair, beyond the last
+    // character.
     for (const char *bad : {"a\xff", "\x80", "\xc3", "\xe5\xb1", "\xc0\x80", "\xe0\x80\x80", "\xed\xa0\x80",
                             "\xf4\x90\x80\x80", "\xf8\x88\x80\x80\x80"})
         if (!is_refused(bad)) fail_msg("'%s' is taken", bad);

@@ -1,5 +1,5 @@
-// Pictures as files: PNG read back by libpng, MP4 by ffprobe; failures leave nothing behind; the display is
-// drawn.
+// Tests pictures as files: libpng reads PNG back, ffprobe reads MP4; failures leave nothing behind; the
+// display is drawn.
 #include "host/base/tests/folder.hpp"
 #include "host/picture/overlay.hpp"
 #include <csetjmp>
@@ -24,7 +24,7 @@ using namespace crn;
 namespace
 {
 
-// One for all tests, gone at the end.
+// One folder for all tests, removed at the end.
 const tests::Folder &all_files()
 {
     static const tests::Folder files("picture");
@@ -145,7 +145,7 @@ static void film_without_ffmpeg_says_what_to_install(void **)
     assert_int_equal(files_in_folder(), 0);
 }
 
-// ffmpeg must not be in the group that Ctrl-C reaches: only the program decides what becomes of the film.
+// ffmpeg must not be in the group that Ctrl-C reaches: only the program decides what happens to the film.
 static void film_survives_an_interrupt_of_the_foreground_group(void **)
 {
     std::fflush(stdout);
@@ -172,8 +172,7 @@ static void film_survives_an_interrupt_of_the_foreground_group(void **)
     assert_int_equal(files_in_folder(), 0);
 }
 
-// An ffmpeg that never reads and never ends by itself, in place of the real one: only the death of its parent
-// ends it.
+// A fake ffmpeg that never reads and never ends by itself: only the death of its parent ends it.
 static void film_program_ends_when_we_are_killed(void **)
 {
     const std::string program = folder() + "/ffmpeg", number = folder() + "/number";
@@ -202,7 +201,7 @@ static void film_program_ends_when_we_are_killed(void **)
     assert_true(ffmpeg > 1);
     kill(child, SIGKILL);
     assert_int_equal(waitpid(child, nullptr, 0), child);
-    // Gone, or a zombie that nobody has looked at yet.
+    // The process is gone, or a zombie that has not been reaped yet.
     const bool is_gone = wait_until([&] {
         std::ifstream stat("/proc/" + std::to_string(ffmpeg) + "/stat");
         const std::string text{std::istreambuf_iterator<char>(stat), {}};

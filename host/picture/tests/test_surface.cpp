@@ -1,5 +1,5 @@
-// Claims: a picture of surfaces shows every panel on one scale, what is nearer hides what is behind it, and a
-// wall is glass over what lies in it.
+// Claims: a picture of surfaces shows every panel on one scale, nearer objects hide those behind them, and a
+// wall looks like glass over its contents.
 #include "host/picture/surface_picture.hpp"
 #include <csetjmp>
 #include <cstdarg>
@@ -17,7 +17,7 @@ namespace
 
 constexpr int size = 100;
 
-// A box about the z axis, anticlockwise from outside.
+// Makes a box about the z axis; faces are anticlockwise from outside.
 SurfaceMesh box(SurfaceKind kind, double half_mm, double z_mm)
 {
     SurfaceMesh mesh;
@@ -42,7 +42,8 @@ std::array<int, 3> pixel(const Image &image, int x, int y)
 
 constexpr std::array<int, 3> white = {255, 255, 255};
 
-// 20 mm and 10 mm wide: 92 pixels are 20 mm, so the second box ends 23 pixels from its panel's middle.
+// The boxes are 20 mm and 10 mm wide: 92 pixels are 20 mm, so the second box ends 23 pixels from its panel's
+// middle.
 void panels_are_side_by_side_on_one_scale(void **)
 {
     const Image image = draw_surfaces(
@@ -54,7 +55,7 @@ void panels_are_side_by_side_on_one_scale(void **)
     assert_true(pixel(image, size + 50, 50 - 22) != white && pixel(image, size + 50, 50 - 24) == white);
 }
 
-// Seen from +z: calcium is yellowish (red above blue), a balloon blue.
+// Seen from +z, calcium is yellowish (red above blue), and a balloon is blue.
 void what_is_nearer_hides_what_is_behind(void **)
 {
     for (const double calcium_z : {-8.0, 8.0}) {
@@ -65,7 +66,8 @@ void what_is_nearer_hides_what_is_behind(void **)
     }
 }
 
-// Beside the balloon the wall is red; over it its blue comes through, but less than without the wall.
+// Beside the balloon the wall is red; over the balloon its blue shows through, but less than without the
+// wall.
 void a_wall_is_glass(void **)
 {
     const SurfaceMesh balloon = box(SurfaceKind::balloon, 3, 0);

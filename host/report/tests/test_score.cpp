@@ -1,4 +1,4 @@
-// The score of an angioplasty from a session's report: marks between stated limits, and the page.
+// Tests the score of an angioplasty from a session's report: marks between stated limits, and the page.
 #include "host/report/score.hpp"
 #include <csetjmp>
 #include <cstdarg>
@@ -15,7 +15,7 @@ namespace
 
 using Json = nlohmann::ordered_json;
 
-// A good result: one lesion opened, one stent on the wall over all of it.
+// A good result: one lesion is opened, and one stent on the wall covers all of it.
 Json good_report()
 {
     return Json::parse(R"({
@@ -53,7 +53,7 @@ void a_good_result_has_full_marks(void **)
     assert_float_equal(score["percent"].get<double>(), 100.0, 1e-9);
 }
 
-// In proportion between the limits: 20 % is half way from 10 to 30.
+// Marks fall in proportion between the limits: 20 % is half way from 10 to 30.
 void marks_fall_in_proportion_between_the_limits(void **)
 {
     Json report = good_report();
@@ -61,11 +61,11 @@ void marks_fall_in_proportion_between_the_limits(void **)
     assert_float_equal(points(report, "residual_stenosis_pct"), 12.5, 1e-9);
     report["lesions"][0]["after"]["stenosis_diameter_pct"] = 45.0;
     assert_float_equal(points(report, "residual_stenosis_pct"), 0.0, 1e-9);
-    report["stents"][0]["apposed_pct"] = 87.5; // falls downwards, from 95 to 80
+    report["stents"][0]["apposed_pct"] = 87.5; // decreases, from 95 to 80
     assert_float_equal(points(report, "apposition_pct"), 10.0, 1e-9);
 }
 
-// Each fault costs in its own metric and in no other.
+// Each fault lowers its own metric and no other.
 void a_fault_is_seen_by_the_metric_that_should_notice(void **)
 {
     const struct {
@@ -98,7 +98,7 @@ void a_fault_is_seen_by_the_metric_that_should_notice(void **)
     }
 }
 
-// What is not known has no marks and leaves the rest alone: a balloon without a stent.
+// A value that is not known gets no marks and leaves the rest unchanged: here a balloon without a stent.
 void what_is_not_known_is_not_judged(void **)
 {
     Json report = good_report();
@@ -113,7 +113,7 @@ void what_is_not_known_is_not_judged(void **)
     assert_true(crn::score_of(report)["percent"].is_null());
 }
 
-// Two stents, one for either end: nothing is left between what each covers best.
+// Two stents cover one end each: nothing is left between their best coverages.
 void stents_cover_a_lesion_together(void **)
 {
     Json report = good_report();

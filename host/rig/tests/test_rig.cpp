@@ -1,6 +1,6 @@
-// Claims: every `cournand rig` command says what the device says, writes only what was confirmed and read
-// back, powers a motor only after a typed yes, and leaves the rig as it was when it is stopped; the HID side
-// survives a rig that lies.
+// Claims: every `cournand rig` command reports what the device reports, and writes only what was confirmed
+// and read back. It powers a motor only after a typed yes, and leaves the rig as it was when it is stopped.
+// The HID side survives a rig that lies.
 #include <cmath>
 #include <csetjmp>
 #include <cstdarg>
@@ -19,7 +19,7 @@
 #include "host/rig/rig.hpp"
 #include <hidapi/hidapi.h>
 
-// Last, because its macros (fail, ...) would change other headers.
+// This header comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -27,7 +27,7 @@ extern "C" {
 namespace
 {
 
-// A rig whose sensors a test moves.
+// A rig whose sensors the test moves.
 class Rig final : public crn::Transport
 {
   public:
@@ -61,10 +61,10 @@ class Rig final : public crn::Transport
     crn_sim *sim;
     crn_port_inputs inputs;
     std::int32_t push_counts_per_ms = 0, largest_mN = 0;
-    unsigned powered_ms = 0, stop_after_ms = ~0u; // then somebody presses the emergency stop
+    unsigned powered_ms = 0, stop_after_ms = ~0u; // then the emergency stop is pressed
 };
 
-// A user with answers ready; each may first do something to the rig. What the command printed is in `text`.
+// A user with prepared answers; each may first do something to the rig. The command's output is in `text`.
 struct User {
     std::deque<std::pair<std::string, std::function<void()>>> answers;
     bool is_interrupted = false;
@@ -123,7 +123,7 @@ struct Bench {
     }
 };
 
-// --- looking ---
+// --- reading ---
 
 void info_and_log_say_what_the_device_says(void **)
 {
@@ -257,7 +257,8 @@ void a_fault_in_the_trial_is_told_and_logged(void **)
 
 // --- calibration ---
 
-// 4 000 counts for 100 mm the wrong way round, 2 turns of 1 024 counts, zero at -120, 100 g are 1 000 counts.
+// The motion gives 4 000 counts for 100 mm in the opposite direction, 2 turns of 1 024 counts, zero at -120,
+// and 1 000 counts for 100 g.
 void script_motion(Bench &b)
 {
     b.options.turns = 2.0;

@@ -1,6 +1,6 @@
-// Claims: the room does what was asked at the tick at which it was asked, the same again each time: pulses by
-// pedal and rate, last image hold, runs, masks, roadmaps, review, dose. Pictures are made up here: the room
-// does not know where they come from.
+// Claims: the room carries out each command at its tick, and reproducibly: pulses by pedal and rate, last
+// image hold, runs, masks, roadmaps, review, dose. The pictures here are synthetic, since the room does not
+// depend on their source.
 #include "host/room/presets.hpp"
 #include "host/room/room_screen.hpp"
 #include <algorithm>
@@ -24,7 +24,7 @@ namespace
 constexpr int size = 64;
 constexpr std::size_t pixels = std::size_t{size} * size;
 
-// Density of the object in doublings at a pixel and tick: what the made-up patient is.
+// Density of the object in doublings at a pixel and tick: the synthetic patient.
 using Object = std::function<double(int x, int y, std::uint32_t tick)>;
 
 double nothing(int, int, std::uint32_t)
@@ -74,7 +74,7 @@ struct Bench {
     {
         assert_string_equal(room.give(now, {action, {a, b, c}}).c_str(), "");
     }
-    // Up to tick `end`, this one not included.
+    // Runs up to tick `end`, not included.
     void run_to(std::uint32_t end)
     {
         for (; now < end; ++now) {
@@ -100,7 +100,7 @@ struct Bench {
         screen.compose(size, grey);
         return grey[static_cast<std::size_t>(y) * size + static_cast<std::size_t>(x)];
     }
-    // A DSA run of six frames, 3 per s.
+    // Makes a DSA run of six frames, 3 per s.
     void dsa_run()
     {
         ask(RoomAction::program, 1);
@@ -120,7 +120,7 @@ struct Bench {
 
 } // namespace
 
-// Pulse k of a press comes k/rate after it, rounded up to the tick: closed form.
+// Pulse k of a press comes k/rate after the press, rounded up to the tick: closed form.
 static void pulses_come_at_the_rate_chosen(void **)
 {
     for (std::int32_t rate : fluoro_rates_centihertz) {
@@ -154,7 +154,7 @@ static void the_next_pulse_is_announced_so_that_it_is_not_missed(void **)
 static void the_last_image_stays_when_the_pedal_is_released(void **)
 {
     Bench bench;
-    assert_int_equal(bench.grey_at(10, 10), 0); // nothing yet
+    assert_int_equal(bench.grey_at(10, 10), 0); // no picture yet
     assert_true(bench.screen.status().source == ScreenSource::nothing);
     bench.ask(RoomAction::fluoro_pedal, 1);
     bench.run_to(500);
@@ -166,7 +166,7 @@ static void the_last_image_stays_when_the_pedal_is_released(void **)
     assert_true(bench.room.dose().kerma_rate_mGy_min() == 0.0);
 }
 
-// Pedals held over each other and over changes of mode: one beam at a time, and never one without a new
+// Pedals overlap each other and changes of mode: there is one beam at a time, and never one without a new
 // press.
 static void a_pedal_held_over_another_run_does_nothing_until_it_is_pressed_again(void **)
 {
@@ -176,7 +176,7 @@ static void a_pedal_held_over_another_run_does_nothing_until_it_is_pressed_again
     bench.ask(RoomAction::acquire_pedal, 1); // cine wins
     bench.run_to(1001);
     assert_true(bench.screen.status().kind == RunKind::cine && bench.room.is_beam_on());
-    bench.ask(RoomAction::program, 1); // counts for the next press
+    bench.ask(RoomAction::program, 1); // applies to the next press
     bench.run_to(2000);
     assert_true(bench.screen.status().kind == RunKind::cine);
     bench.ask(RoomAction::acquire_pedal, 0);
@@ -200,8 +200,8 @@ static void a_tap_within_one_tick_gives_neither_beam_nor_run(void **)
                 bench.room.dose().irradiations().empty());
 }
 
-// Kerma-area product of a run against the sum over its frames, and against kerma times the field's area at
-// the reference point from the stated geometry: (0.6 m / 1.05 m x 25 cm x 80 %) x (the same x 60 %).
+// The kerma-area product of a run is compared with the sum over its frames. It is also kerma times the
+// field's area at the reference point: (0.6 m / 1.05 m x 25 cm x 80 %) x (the same x 60 %).
 static void dose_of_a_run_is_the_sum_over_its_frames(void **)
 {
     Bench bench;
@@ -255,8 +255,8 @@ static void dose_alerts_come_at_two_and_five_gray_and_are_acknowledged(void **)
     assert_int_equal(*meter.unseen_alert(), 1);
 }
 
-// In front of bone and in front of lung alike: a doubling of attenuation takes 255/2 greys off the background
-// of 160.
+// The contrast is equal in front of bone and of lung: a doubling of attenuation takes 255/2 greys off the
+// background of 160.
 static void dsa_shows_what_came_since_the_mask_and_no_bone(void **)
 {
     Bench bench(bar);
@@ -272,7 +272,7 @@ static void a_new_mask_is_taken_from_the_frames_named(void **)
 {
     Bench bench(bar);
     bench.dsa_run();
-    bench.ask(RoomAction::mask, 3, 5); // the bar is in them: it goes
+    bench.ask(RoomAction::mask, 3, 5); // these frames contain the bar: it disappears
     bench.run_to(bench.now + 1);
     assert_int_equal(bench.grey_at(32, 30), 160);
     bench.ask(RoomAction::review, 2, 1, 0); // before the bar: white
@@ -286,8 +286,8 @@ static void a_new_mask_is_taken_from_the_frames_named(void **)
     assert_int_equal(bench.screen.status().mask_last, 5);
 }
 
-// The bone's edge (two doublings, between columns 31 and 32) moves with the mask: one pixel to the right
-// leaves a seam one pixel wide where the mask was bright and the live picture is not.
+// The bone's edge (two doublings, between columns 31 and 32) moves with the mask. One pixel to the right
+// leaves a seam one pixel wide, where the mask was bright and the live picture is not.
 static void pixel_shift_moves_the_mask(void **)
 {
     Bench bench;
@@ -341,7 +341,7 @@ static void dsa_keeps_its_technique_and_holds_the_motors(void **)
     assert_true(bench.screen.status().carm.primary_deg == 45.0);
 }
 
-// Loop of 15 frames at 15 per s: frame = floor(time x rate) modulo 15.
+// The loop has 15 frames at 15 per s: frame = floor(time x rate) modulo 15.
 static void a_cine_loop_runs_at_the_rate_of_its_run(void **)
 {
     Bench bench([](int, int, std::uint32_t tick) { return tick / 1000.0; }); // each frame darker
@@ -384,7 +384,7 @@ static void review_of_what_is_not_there_says_so(void **)
     bench.run_to(103);
     assert_non_null(std::strstr(bench.screen.status().notice.c_str(), "1 to 2"));
     bench.run_to(103 + 4000);
-    assert_string_equal(bench.screen.status().notice.c_str(), ""); // a notice goes by itself
+    assert_string_equal(bench.screen.status().notice.c_str(), ""); // a notice disappears by itself
 }
 
 static void stored_fluoroscopy_is_what_the_last_seconds_showed(void **)
@@ -407,8 +407,8 @@ static void stored_fluoroscopy_is_what_the_last_seconds_showed(void **)
     assert_true(run.frames.front().tick > 3000 && run.frames.back().tick == bench.pulses.back());
 }
 
-// Vessel: a bar with contrast during DSA. Under fluoroscopy without contrast its place is lighter by the
-// roadmap.
+// The vessel is a bar with contrast during DSA. Under fluoroscopy without contrast its place is lighter by
+// the roadmap.
 static void a_roadmap_lies_white_under_live_fluoroscopy(void **)
 {
     Bench bench(bar);
@@ -420,7 +420,7 @@ static void a_roadmap_lies_white_under_live_fluoroscopy(void **)
     assert_true(bench.screen.status().roadmap == RoadmapState::shown);
     assert_int_equal(bench.grey_at(10, 30), 128);
     assert_true(bench.grey_at(33, 30) > 32 + 60); // bone is 32
-    // Another geometry: not laid over until the arm is back.
+    // With another geometry the roadmap is not laid over until the arm is back.
     bench.ask(RoomAction::field, 200'000);
     bench.run_to(bench.now + 100);
     assert_int_equal(bench.grey_at(33, 30), 32);
@@ -433,7 +433,7 @@ static void a_roadmap_lies_white_under_live_fluoroscopy(void **)
     assert_int_equal(bench.grey_at(33, 30), 32);
 }
 
-// Along the blades every picture is half dark and all noise: a frame darker there than the mask leaves no
+// Along the blades every picture is half dark and noisy: a frame that is darker there than the mask leaves no
 // white rim.
 static void a_roadmap_leaves_the_rim_of_the_field_alone(void **)
 {
@@ -474,9 +474,9 @@ static void a_roadmap_is_collected_by_the_next_press(void **)
     assert_non_null(std::strstr(bench.screen.status().notice.c_str(), "NO ROADMAP"));
 }
 
-// 64 x 64 x 3 bytes per frame, memory for 40 frames: the second run of 30 pushes the first one's pictures
-// out, of a run of 60 the last 20 are not kept. The beam goes on: the dose does not depend on the size of
-// pictures.
+// Each frame takes 64 x 64 x 3 bytes, and the memory holds 40 frames. The second run of 30 displaces the
+// first one's pictures; of a run of 60 the last 20 are not kept. The beam stays on: the dose does not depend
+// on the size of pictures.
 static void image_memory_is_bounded_and_the_oldest_pictures_go(void **)
 {
     Bench bench(nothing, 40 * pixels * 3);
@@ -499,7 +499,7 @@ static void image_memory_is_bounded_and_the_oldest_pictures_go(void **)
     assert_int_equal(bench.room.runs()[2].frames, 60);
     assert_int_equal(bench.screen.store().find(3)->run.frames.size(), 40);
     assert_true(bench.screen.store().bytes() <= 40 * pixels * 3);
-    assert_int_equal(bench.room.dose().irradiations().size(), 3); // what was given is counted all the same
+    assert_int_equal(bench.room.dose().irradiations().size(), 3); // all dose given is counted nevertheless
 }
 
 static void the_table_follows_a_tip_that_leaves_the_middle(void **)
@@ -508,7 +508,7 @@ static void the_table_follows_a_tip_that_leaves_the_middle(void **)
     room.give(0, {RoomAction::follow, {1, 0, 0}});
     const Eigen::Vector3d entry(0.05, -0.2, 0.03);
     room.advance(0, &entry);
-    assert_true((room.gantry().carm(0.32).isocentre_m - entry).norm() < 1e-12); // stands there at once
+    assert_true((room.gantry().carm(0.32).isocentre_m - entry).norm() < 1e-12); // is there without motion
     const Eigen::Vector3d nearby = entry + Eigen::Vector3d(0.0, 0.03, 0.0),
                           away = entry + Eigen::Vector3d(0.0, 0.07, 0.0);
     for (std::uint32_t tick = 50; tick <= 1000; tick += 50) room.advance(tick, &nearby);
@@ -517,8 +517,8 @@ static void the_table_follows_a_tip_that_leaves_the_middle(void **)
     assert_true((room.gantry().carm(0.32).isocentre_m - away).norm() < 1e-9);
 }
 
-// Everything twice: the same commands and pictures give the same screen, whether the ticks are gone through
-// one by one or only where something is to be seen.
+// The same commands and pictures give the same screen, whether all ticks are processed or only those that
+// need attention.
 static void the_same_commands_give_the_same_screens(void **)
 {
     std::vector<std::uint8_t> screens[2];

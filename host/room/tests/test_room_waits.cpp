@@ -1,6 +1,6 @@
-// Claims: a run of cine or DSA begins when C-arm and table stand where they were asked to go, and says so
-// while it waits; a pedal that goes up before that makes no run, and the room says why; every five minutes of
-// fluoroscopy are reminded of until acknowledged.
+// Claims: a run of cine or DSA begins when C-arm and table have reached their ordered pose, and the room says
+// so while it waits. A pedal released before that makes no run, and the room says why. Every five minutes of
+// fluoroscopy bring a reminder until it is acknowledged.
 #include "host/room/room_screen.hpp"
 #include <csetjmp>
 #include <cstdarg>
@@ -21,7 +21,7 @@ struct Bench {
     {
         assert_string_equal(room.give(now, {action, {a, b, c}}).c_str(), "");
     }
-    // Up to tick `end`, this one not included.
+    // Runs up to tick `end`, not included.
     void run_to(std::uint32_t end, const Eigen::Vector3d *tip = nullptr)
     {
         for (; now < end; ++now) {
@@ -45,8 +45,8 @@ struct Bench {
     std::uint32_t now = 0, begin_tick = 0; // of the first run
 };
 
-// 30 degrees at 25 degrees/s and 40 degrees/s^2 take 1.2 s + 0.625 s. Asked at tick 1, so the run begins at
-// tick 1826 or 1827.
+// 30 degrees at 25 degrees/s and 40 degrees/s^2 take 1.2 s + 0.625 s. The order comes at tick 1, so the run
+// begins at tick 1826 or 1827.
 void check_waits(std::int32_t program)
 {
     Bench bench;
@@ -59,7 +59,7 @@ void check_waits(std::int32_t program)
     assert_true(bench.notice_has("WAITS - the C-arm or the table is moving"));
     bench.run_to(3000);
     assert_in_range(bench.begin_tick, 1820, 1830);
-    assert_true(bench.screen.status().carm.primary_deg == 30.0); // not stopped on its way
+    assert_true(bench.screen.status().carm.primary_deg == 30.0); // not stopped on its path
     bench.ask(RoomAction::acquire_pedal, 0);
     bench.run_to(3100);
     assert_int_equal(bench.screen.store().runs().size(), 1);
@@ -98,7 +98,7 @@ static void a_pedal_that_goes_up_too_early_makes_no_run_and_the_room_says_why(vo
     assert_non_null(std::strstr(bench.room.refusals()[0].why.c_str(), "hold the pedal longer"));
 }
 
-// A run that was, and one that was asked for while the motors stood, are no refusals.
+// A run that was made, and one requested while the motors were at rest, are no refusals.
 static void a_pedal_on_a_room_that_stands_is_never_refused(void **)
 {
     Bench bench;
@@ -127,7 +127,8 @@ static void fluoroscopy_goes_on_while_a_run_waits(void **)
     assert_true(bench.room.is_beam_on() && bench.screen.status().kind == RunKind::cine);
 }
 
-// A tip that goes on would keep the table moving for ever: the table follows it again during the run of cine.
+// A tip that keeps moving would keep the table moving for ever: the table follows it again during the cine
+// run.
 static void a_table_that_follows_a_tip_comes_to_rest_for_a_run(void **)
 {
     Bench bench;

@@ -1,4 +1,5 @@
-// Claims: scripts become the motion they state, smoothly and exactly; a mistake is reported with its place.
+// Claims: scripts become exactly the motion that they state, and smoothly; a mistake is reported with its
+// place.
 #include <array>
 #include <cmath>
 #include <csetjmp>
@@ -13,7 +14,7 @@
 #include "host/base/text.hpp"
 #include "host/script/session.hpp"
 
-// Last, because its macros (fail, ...) would change other headers.
+// This header comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -51,7 +52,7 @@ void advance_goes_exactly_the_distance_in_the_stated_time(void **)
     assert_int_equal(inputs.back().hands[0].translation_counts, 120000);
 }
 
-// Speed never exceeds the stated one (by more than a count of rounding), never turns back, and changes per
+// Speed never exceeds the stated one (by more than a count of rounding) and never reverses. It changes per
 // tick by no more than a smoothstep's steepest, 1.5 x speed / ramp, plus two counts of rounding.
 void motion_is_smooth_and_never_faster_than_stated(void **)
 {
@@ -80,7 +81,7 @@ void withdraw_and_negative_turns_go_the_other_way(void **)
     assert_int_equal(inputs.back().hands[0].rotation_counts, -16384);
 }
 
-// Three strokes and two pauses of 150 ms.
+// The move has three strokes and two pauses of 150 ms.
 void strokes_add_up_to_the_whole(void **)
 {
     const auto whole = play("advance 100 mm at 50 mm/s"),
@@ -96,7 +97,7 @@ void moves_joined_by_while_run_together(void **)
     assert_int_equal(both[1300].hands[0].translation_counts, 40000);
 }
 
-// The condition is met at 100 mm; after it the hand may run on for one ramp: 30 mm/s x 0.1 s = 3 mm.
+// The condition is met at 100 mm; after it the hand may continue for one ramp: 30 mm/s x 0.1 s = 3 mm.
 void until_stops_within_one_ramp(void **)
 {
     const crn::Session session = crn::parse_session("advance until inserted 100 mm at 30 mm/s", "test");
@@ -145,7 +146,7 @@ void views_change_between_moves(void **)
                                                                     {RoomAction::field, {200000, 0, 0}}}));
 }
 
-// What a script says to the room, as the room hears it.
+// Words of a script are compared with the room's commands.
 void the_room_is_asked_in_words(void **)
 {
     using crn::RoomAction, crn::RoomCommand;
@@ -166,7 +167,7 @@ void the_room_is_asked_in_words(void **)
           {RoomAction::field, {200000, 0, 0}}}},
         {"c-arm SID 120 cm RAO 20",
          {{RoomAction::distance, {1200000, 750000, 0}}, {RoomAction::angles, {-20000, 0, 0}}}},
-        // Both ends of what docs/session.md allows.
+        // The values are both ends of what docs/session.md allows.
         {"field 45 cm", {{RoomAction::field, {450000, 0, 0}}}},
         {"field 100 mm", {{RoomAction::field, {100000, 0, 0}}}},
         {"c-arm SID 130 cm SOD 60 cm", {{RoomAction::distance, {1300000, 600000, 0}}}},
@@ -219,7 +220,8 @@ void heart_and_breath_are_asked_at_their_ticks(void **)
     expect_error("hart rate 90 /min\n", "did you mean 'heart'");
 }
 
-// Two bar a second to 8 bar take four seconds; deflating lets four bar out in a second. Hands rest meanwhile.
+// At two bar a second, 8 bar take four seconds; deflating releases four bar in a second. The hands are at
+// rest meanwhile.
 void the_inflator_goes_to_its_pressure_at_its_rate(void **)
 {
     const auto inputs = play("inflate to 8 bar at 2 bar/s\nwait 0.5 s\ndeflate\nadvance 10 mm\n");
@@ -275,7 +277,7 @@ void comments_commas_and_joined_units_are_understood(void **)
     assert_int_equal(inputs.back().hands[0].rotation_counts, 16384);
 }
 
-// Every hand has its own counts; those that are not named rest.
+// Every hand has its own counts; hands that are not named are at rest.
 std::vector<crn_wire_encoders> play(const std::string &text, std::size_t tool_count)
 {
     const crn::Session session = crn::parse_session(text, "test");
@@ -301,7 +303,8 @@ void a_move_names_its_tool_or_moves_the_selected_one(void **)
     assert_int_equal(end.hands[2].rotation_counts, 16384);
 }
 
-// Wire 3 s + a ramp, catheter 1 s + a ramp: after 1.2 s the catheter rests and the wire is on its way.
+// The wire takes 3 s and a ramp, the catheter 1 s and a ramp: after 1.2 s the catheter is at rest and the
+// wire still moves.
 void two_tools_move_at_once(void **)
 {
     const auto inputs = play("advance wire 60 mm at 20 mm/s while withdraw catheter 10 mm at 10 mm/s", 2);
@@ -323,7 +326,7 @@ void together_moves_every_tool_of_the_line(void **)
     }
 }
 
-// The condition looks at the named tool's own length.
+// The condition uses the named tool's own length.
 void until_looks_at_its_own_tool(void **)
 {
     const crn::Session session = crn::parse_session("withdraw wire until inserted 100 mm at 30 mm/s", "test");
@@ -351,7 +354,7 @@ void every_tool_may_begin_at_its_own_length(void **)
     assert_int_equal(each.tools_named, 3);
 }
 
-// A script that needs more tools than are given says where and what to do.
+// A script that needs more tools than it gets reports the line and the remedy.
 void a_tool_that_is_not_there_is_named_with_its_line(void **)
 {
     const crn::Session session =
@@ -366,7 +369,7 @@ void a_tool_that_is_not_there_is_named_with_its_line(void **)
     }
 }
 
-// Keyboard: a speed is reached by steps and left by steps; the counters follow.
+// With the keyboard a speed is reached and left in steps; the counters follow.
 void a_live_hand_comes_to_rest(void **)
 {
     crn::LiveHand hand;

@@ -1,8 +1,8 @@
-// Claims: places in a tree of vessels are named as anatomists name them; a script that steers reaches its
-// vessel although the tip turns into another one most of the time, whatever the share of angles that lead
-// there and wherever they lie; it says where the tip was when it cannot; and what a script expects is judged
-// with its line. The world of these tests is a tube with one wrong turning: which vessel the tip goes on into
-// depends on the angle of the hand alone, which is the hardest case of a bent tip.
+// Claims: places in a tree of vessels have anatomists' names. A script that steers reaches its vessel
+// although the tip usually turns into another one, whatever the share of angles that lead there and wherever
+// they lie. If it fails, it says where the tip was. Expectations are judged with their line. The world of
+// these tests is a tube with one wrong branch. The vessel into which the tip goes depends only on the angle
+// of the hand, which is the hardest case of a bent tip.
 #include <algorithm>
 #include <cmath>
 #include <csetjmp>
@@ -26,8 +26,8 @@ namespace
 
 using Eigen::Vector3d;
 
-// The root runs up along y; "brachiocephalic" leaves it at 80 mm and "left subclavian" at 120; the root ends
-// at 300. Tools come in at its far end.
+// The root goes up along y; "brachiocephalic" leaves it at 80 mm and "left subclavian" at 120; the root ends
+// at 300. Tools enter at its far end.
 crn::VesselTree tree()
 {
     crn::VesselTree tree;
@@ -48,9 +48,9 @@ crn::VesselTree tree()
     return tree;
 }
 
-// The tip `pushed_m` beyond the sheath at y = 290 mm. At the left subclavian it goes on into the aorta only
-// when the hand stands within `window_deg` of `open_deg`; once beyond the turning it stays in its vessel
-// until it is drawn back.
+// The tip is `pushed_m` beyond the sheath at y = 290 mm. At the left subclavian it goes on into the aorta
+// only when the hand's angle is within `window_deg` of `open_deg`; beyond the branching it stays in its
+// vessel until it is pulled back.
 struct World {
     double open_deg, window_deg;
     bool is_astray = false, was_beyond = false;
@@ -119,7 +119,7 @@ void an_aorta_is_three_vessels(void **)
     assert_string_equal(map.vessels()[map.at({0.05, 0.12, 0}).vessel].name.c_str(), "left subclavian artery");
 }
 
-// 1 um: what is rounded.
+// The tolerance is 1 um, for rounding.
 void inside_is_measured_from_where_the_tools_come_in(void **)
 {
     const crn::VesselMap map(tree());
@@ -129,7 +129,7 @@ void inside_is_measured_from_where_the_tools_come_in(void **)
     const crn::VesselWay way = map.way(map.at({0.05, 0.12, 0}), sheath, *map.find("ascending aorta"));
     assert_int_equal(way.ahead_um, 40000);
     assert_true(way.astray_um > 37000 &&
-                way.astray_um <= 50000); // blood of its own begins in the aorta's wall
+                way.astray_um <= 50000); // the branch's own blood begins in the aorta's wall
 }
 
 void names_are_found_however_they_are_written(void **)
@@ -147,7 +147,7 @@ void an_unknown_vessel_is_refused_with_its_place_and_a_suggestion(void **)
     assert_non_null(strstr(error_of("expect tip in spleen\n").c_str(), "known: ascending aorta"));
 }
 
-// Open for a twelfth and for a third of all angles, wherever these lie.
+// The window is a twelfth or a third of all angles, wherever it lies.
 void a_tip_that_goes_astray_is_brought_back_and_tried_again(void **)
 {
     for (const double window_deg : {15.0, 60.0})
@@ -177,7 +177,7 @@ void an_expectation_that_does_not_hold_is_named_with_what_was_found(void **)
     const Played played = play("expect tip in descending aorta at least 5 mm\nexpect tip in aortic arch\n"
                                "expect inserted at least 100 mm\n",
                                {0.0, 180.0});
-    assert_int_equal(played.failures.size(), 2); // of three at the same moment
+    assert_int_equal(played.failures.size(), 2); // out of three at the same moment
     assert_int_equal(played.failures[0].find("case:2: expected tip wire in aortic arch, but the tip is"), 0);
     assert_int_equal(
         played.failures[1].find("case:3: expected inserted wire at least 100 mm, but it is 20 mm"), 0);

@@ -1,6 +1,6 @@
-// Claims: physics that leaves its range is seen in the tick in which it does, named with its figures and
-// limits, and no session that stays in it is ended; a scripted hand is rigid up to what fingers hold, gives
-// way beyond, and slips alike whatever the batches are.
+// Claims: physics that leaves its range is detected in the same tick and reported with its values and limits,
+// and no session that stays in range is ended. A scripted hand is rigid up to the force that fingers hold,
+// slips beyond it, and slips alike whatever the batches are.
 #include <cmath>
 #include <csetjmp>
 #include <cstdarg>
@@ -15,7 +15,7 @@
 #include "host/session/hand_grip.hpp"
 #include "host/session/range_watch.hpp"
 
-// Last, because its macros (fail, ...) would change other headers.
+// This header comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -45,8 +45,8 @@ bool says(const RangeWatch &watch, const std::string &what)
     return watch.is_left() && range_text(*watch.left()).find(what) != std::string::npos;
 }
 
-// The limits themselves are in range; stalled feeds, capped steps and tools at their end (fault bits 1 to 3)
-// are ordinary.
+// The limits themselves are in range; stalled feeds, limited steps and tools at their end (fault bits 1 to 3)
+// are normal.
 void what_stays_within_the_limits_is_no_error(void **)
 {
     RangeWatch watch;
@@ -62,7 +62,7 @@ void a_tool_deep_in_the_wall_is_out_of_range_in_that_tick(void **)
     RangeWatch watch;
     for (std::uint32_t tick = 1; tick < 12345; tick++) watch.take(state_at(tick, 0.2));
     watch.take(state_at(12345, 3.51));
-    watch.take(state_at(12346, 9.0, 5.0, 1)); // what comes after is not what is told
+    watch.take(state_at(12346, 9.0, 5.0, 1)); // later values are not reported
     assert_int_equal(watch.left()->tick, 12345);
     assert_true(range_notice(*watch.left()) == "physics left its range at 00:12.3");
     assert_true(says(watch, "physics left its range at 00:12.3 (tick 12345): 3.51 mm through the wall"));
@@ -87,7 +87,7 @@ void a_line_too_long_or_too_short_and_a_saturated_core_are_out_of_range(void **)
     assert_true(watch.left()->is_saturated && says(watch, "CORE_SATURATED"));
 }
 
-// A run and its replay have other batches: both look where it is on the same tick, the next multiple of 16 or
+// A run and its replay have other batches: both read the place on the same tick, the next multiple of 16 or
 // the last one.
 void where_it_happened_is_looked_at_on_a_tick_that_every_run_has(void **)
 {
@@ -127,9 +127,9 @@ void below_its_limits_the_grip_is_rigid(void **)
     assert_false(grip.figures(0).first_tick.has_value());
 }
 
-// A wall of 20 N/mm that a hand walks into at 20 mm/s: 1 s rigid would be 400 N. It slips where its force is
-// 25 N and holds the tool there within the 0.2 N that a tick's 20 um add, and once that more before the slip
-// acts. The same backwards; counts wrap as encoders do.
+// A hand pushes against a wall of 20 N/mm at 20 mm/s: 1 s rigid would give 400 N. It slips where its force is
+// 25 N. It holds the tool there within the 0.2 N that a tick's 20 um add, and once the same again before the
+// slip acts. The test repeats it backwards; counts wrap as in encoders.
 void beyond_its_force_the_tool_stays_behind_and_the_hand_slips(void **)
 {
     for (int sign : {1, -1}) {
@@ -154,8 +154,8 @@ void beyond_its_force_the_tool_stays_behind_and_the_hand_slips(void **)
     }
 }
 
-// 1 N m/rad of a stuck tool: 50 mN m are 0.05 rad, 2.9 degrees. Turned by one turn a second, which the hand
-// looks at from tick 16 on.
+// A stuck tool has 1 N m/rad: 50 mN m are 0.05 rad, 2.9 degrees. The hand turns one turn a second and checks
+// the torque from tick 16 on.
 void beyond_its_torque_it_slips_as_well(void **)
 {
     HandGrip grip;
@@ -165,11 +165,11 @@ void beyond_its_torque_it_slips_as_well(void **)
         grip.feel(felt(tick, 0.0, torque_mN_m));
         assert_true(torque_mN_m < (tick < 40 ? 110.0 : 65.0));
     }
-    assert_true(std::fabs(torque_mN_m - 56.2) < 7.0); // each tick 6.2 mN m more than what slipped
+    assert_true(std::fabs(torque_mN_m - 56.2) < 7.0); // each tick adds 6.2 mN m to the torque after the slip
     assert_true(std::fabs(grip.figures(0).slipped_deg - 354.0) < 1.0);
 }
 
-// Whether ticks come alone or in the largest batches that it allows, the same hands are told.
+// Single ticks and the largest batches that it allows give the device the same counts.
 void what_slips_does_not_depend_on_the_batches(void **)
 {
     const auto run = [](std::uint32_t batch_most) {

@@ -1,5 +1,5 @@
-// An artery that beats, for tests and benchmarks of stents: 50 mm of it in a bend, with a lesion of 75 %, in
-// a lattice as the core's, whose motion is as large as the shipped heart's: 12 mm to and fro, 4 % of
+// A beating artery for tests and benchmarks of stents: 50 mm of it in a bend, with a lesion of 75 %. Its
+// motion lattice is like the core's. The motion is as large as the shipped heart's: 12 mm to and fro, 4 % of
 // length, 3.5 % of width, 6 degrees of turn, and bending.
 #pragma once
 #include "host/model/motion.hpp"
@@ -15,7 +15,7 @@ namespace crn
 
 inline constexpr double artery_middle_mm = 25.0;
 
-// w of the moving lattice at a keyframe, mm: towards the reference pose.
+// Returns the displacement w of the moving lattice at a keyframe, mm: towards the reference pose.
 inline Eigen::Vector3d artery_way_mm(const Eigen::Vector3d &x, int key)
 {
     const double t = 2 * std::numbers::pi * key / motion_keyframes, s = std::sin(t), c = std::cos(t),
@@ -27,7 +27,7 @@ inline Eigen::Vector3d artery_way_mm(const Eigen::Vector3d &x, int key)
     return moved + stretched + turned + Eigen::Vector3d(-bend * u * x.y(), bend * u * u / 2, 0);
 }
 
-// The same as the coefficients of the core's lattice.
+// The same displacements as the coefficients of the core's lattice.
 struct BeatingLattice {
     std::vector<std::int16_t> rows;
     std::optional<Motion> motion;
@@ -63,7 +63,8 @@ struct BeatingLattice {
     }
 };
 
-// 50 mm along x in a bend, 1.6 to 1.4 mm; 75 % narrowed over 12 mm when `is_diseased`.
+// Makes an artery of 50 mm along x in a bend, radius 1.6 to 1.4 mm; 75 % narrowed over 12 mm when
+// `is_diseased`.
 inline VesselTree beating_artery(bool is_diseased)
 {
     VesselBranch branch;

@@ -1,5 +1,5 @@
-// Vessels for tests and benchmarks of stents: tubes round a curve, with any section, that beat; balloons that
-// fill them; and a judge of struts in the wall that knows no shortcuts. Lengths in mm.
+// Vessels for tests and benchmarks of stents: beating tubes round a curve, with any section; balloons that
+// fill them; and a measurement of strut penetration that uses no shortcuts. Lengths in mm.
 #pragma once
 #include "host/model/motion.hpp"
 #include "host/stent/contact.hpp"
@@ -77,8 +77,8 @@ struct TestVessel {
     static Eigen::Vector3d still(const Eigen::Vector3d &x) { return x; }
 };
 
-// A balloon of `length` round the vessel's middle, its middle at `at` along the vessel, which its tool's arc
-// runs along.
+// Makes a balloon of `length` round the vessel's middle, with its own middle at `at` along the vessel; its
+// tool's arc runs along the vessel.
 inline BalloonPose balloon_in(const TestVessel &vessel, double at_mm, double length_mm, double radius_mm,
                               const TestVessel::Map &map = TestVessel::still)
 {
@@ -91,7 +91,7 @@ inline BalloonPose balloon_in(const TestVessel &vessel, double at_mm, double len
     return pose;
 }
 
-// Deepest of all struts in all triangles, by libccd, without grid, patch or planes.
+// Returns the deepest penetration of all struts in all triangles, by libccd, without grid, patch or planes.
 inline double deepest_strut_mm(const Stent &stent, const StentWall &wall)
 {
     double deepest = 0.0;
@@ -104,7 +104,7 @@ inline double deepest_strut_mm(const Stent &stent, const StentWall &wall)
             const double reach = (capsule.to_mm - capsule.from_mm).norm() + 2.0;
             for (std::size_t t = 0; t < wall.triangle_count(); ++t) {
                 if ((wall.corner_mm(t, 0) - capsule.from_mm).squaredNorm() > reach * reach)
-                    continue; // too far by any measure
+                    continue; // too far away to matter
                 deepest = std::max(
                     deepest,
                     strut_contact(capsule, {wall.corner_mm(t, 0), wall.corner_mm(t, 1), wall.corner_mm(t, 2)},

@@ -1,6 +1,6 @@
-// Claims: a stent file is read whole or refused with its place; a stent opens to its balloon, shortens and
-// recoils as closed forms say; its rings are as stiff as stated; contacts of struts are those of planes; a
-// stent's outcomes are defined, whatever is done with it.
+// Claims: a stent file is read whole or refused with its place. A stent opens to its balloon, shortens and
+// recoils as closed forms predict; its rings are as stiff as stated; contacts of struts are those of planes.
+// Every sequence of actions on a stent has a defined outcome.
 #include "firmware/tests/reference/long_run.h"
 #include "host/base/tests/folder.hpp"
 #include "host/base/text.hpp"
@@ -58,7 +58,7 @@ StentWall wall_of(const TestVessel &vessel)
     return wall;
 }
 
-// Up to `radius_mm` in ten pictures, down again in ten.
+// Inflates to `radius_mm` in ten pictures, and deflates in ten.
 void inflate(Stent &stent, const StentWall *wall, const TestVessel &vessel, double radius_mm,
              double length_mm = 20.0)
 {
@@ -155,8 +155,8 @@ static void stent_opens_to_its_balloon(void **)
     }
 }
 
-// A diamond cell: two struts of length s, chord c = 2 r sin(pi/2N), so high as sqrt(s^2 - c^2) each. Written
-// out here, with the stent's own points measured from end to end.
+// A diamond cell has two struts of length s and a chord c = 2 r sin(pi/2N), so each strut is sqrt(s^2 - c^2)
+// high. The test computes this itself, and measures the stent's own points from end to end.
 static void cells_shorten_as_diamonds_do(void **)
 {
     const TestVessel straight = tube(5.0);
@@ -171,7 +171,7 @@ static void cells_shorten_as_diamonds_do(void **)
         const double r0 = (1.05 - 0.081) / 2, r1 = balloon + 0.081 / 2;
         const double gap = (18 - 12 * height(r0)) / 11;
         near("length", stent_figures(stent, nullptr).length_mm, 12 * height(r1) + 11 * gap, 1e-9);
-        // Open cells, joined from crown to like crown, lose one ring's height alone.
+        // Open cells, joined from crown to like crown, lose only one ring's height.
         Stent open(read_stent(coronary_file), mount_mm);
         open.step({nullptr, &pose});
         near("length, open cells", stent_figures(open, nullptr).length_mm, 18 - height(r0) + height(r1),
@@ -194,8 +194,8 @@ static void free_stent_recoils_by_its_share(void **)
     }
 }
 
-// The springs of one ring opened by dR, by themselves: F = dE/dR and K = d2E/dR2 by differences, against what
-// the file says. Chords only: heights follow at no cost, as the struts turn.
+// The springs of one ring opened by dR, without the rest: F = dE/dR and K = d2E/dR2 by differences, compared
+// with the file's values. Only chords count: heights follow without force, as the struts turn.
 static void ring_is_as_stiff_as_stated(void **)
 {
     for (const std::string &file : {coronary_file, renal_file}) {
@@ -217,15 +217,15 @@ static void ring_is_as_stiff_as_stated(void **)
     }
 }
 
-// A ring that a wall holds below its free radius R0 stores K/2 (R0 - R)^2 in its springs. R is that of the
-// circle of as much area; the wall's facets and the bracing between rings make it uneven, which costs more
-// energy: 10 %.
+// A ring that a wall holds below its free radius R0 stores K/2 (R0 - R)^2 in its springs. R is the radius of
+// the circle of equal area. The wall's facets and the bracing between rings make the ring uneven, which costs
+// 10 % more energy.
 static void pressed_ring_stores_what_its_stiffness_says(void **)
 {
     const TestVessel vessel = tube(1.5);
     const StentWall wall = wall_of(vessel);
     StentDesign design = read_stent(coronary_file);
-    design.recoil = 0.1; // elastic over the whole way
+    design.recoil = 0.1; // elastic over the full range
     for (double stiffness : {4.0, 8.0, 16.0}) {
         design.ring_stiffness_N_per_mm = stiffness;
         Stent stent(design, mount_mm);
@@ -241,8 +241,8 @@ static void pressed_ring_stores_what_its_stiffness_says(void **)
 
 // --- the wall ---
 
-// Depth of a capsule whose end reaches through a triangle's middle, by hand: radius minus the end's distance
-// before the plane.
+// The depth of a capsule whose end reaches through a triangle's middle, computed by hand: radius minus the
+// end's distance in front of the plane.
 static void contact_of_a_strut_is_that_of_its_plane(void **)
 {
     const std::array<Vector3d, 3> corners = {Vector3d(-1, -1, 0), Vector3d(2, -1, 0), Vector3d(-1, 2, 0)};
@@ -255,8 +255,8 @@ static void contact_of_a_strut_is_that_of_its_plane(void **)
     }
 }
 
-// Walks over the tube's triangles from two millimetres beside, against all triangles one by one: to a
-// micrometre, since outside of an edge either face may be the nearest of its neighbours.
+// Walks over the tube's triangles from two millimetres aside are compared with a search over all triangles.
+// They agree to a micrometre, since beyond an edge either of its two faces may be the nearest.
 static void walk_over_the_wall_ends_at_the_nearest_place(void **)
 {
     const TestVessel vessel = tube(1.5, 0.04, 0.1);
@@ -277,8 +277,8 @@ static void walk_over_the_wall_ends_at_the_nearest_place(void **)
 
 // --- deployment ---
 
-// The same radius as the vessel's, in bends and in an oval: on the wall with more than 95 %, and not through
-// it.
+// The stent has the vessel's radius, in bends and in an oval: more than 95 % of it lies on the wall, and none
+// of it passes through.
 static void stent_of_the_right_size_lies_on_the_wall(void **)
 {
     const struct {
@@ -312,12 +312,12 @@ static void stent_a_size_too_small_is_found_out(void **)
     const StentFigures figures = stent_figures(stent, &wall);
     assert_true(figures.apposed_share < 0.8);
     assert_true(!figures.gaps.empty());
-    // 1.5 less 1.25 and struts of 0.081, plus the recoil: 0.21 mm all round, within what the balloon lies off
-    // the middle.
+    // The gap is 1.5 less 1.25 and struts of 0.081, plus the recoil: 0.21 mm all round, apart from the
+    // balloon's distance from the middle.
     for (const StentGap &gap : figures.gaps) assert_true(gap.gap_mm > apposed_mm && gap.gap_mm < 0.4);
 }
 
-// What a second, wider balloon does to it: it ends where that one would have opened it to, less the recoil.
+// A second, wider balloon opens the stent again: it ends at that balloon's diameter, less the recoil.
 static void post_dilation_brings_a_small_stent_to_the_wall(void **)
 {
     const TestVessel vessel = tube(1.5, 0.03);
@@ -326,7 +326,7 @@ static void post_dilation_brings_a_small_stent_to_the_wall(void **)
     inflate(stent, &wall, vessel, 1.30);
     rest(stent, &wall, 10);
     const StentFigures before = stent_figures(stent, &wall);
-    assert_int_equal(stent.stage(), StentStage::adrift); // so far
+    assert_int_equal(stent.stage(), StentStage::adrift); // still
     for (int i = 0; i <= 60; ++i) {                      // up, held for 20 pictures, down
         const double up = std::clamp(1.5 - std::abs(i - 30) / 20.0, 0.0, 1.0);
         const BalloonPose pose = balloon_in(vessel, mount_mm, 22, 0.4 + 1.06 * up);
@@ -347,8 +347,8 @@ static void post_dilation_brings_a_small_stent_to_the_wall(void **)
                               std::vector<double>{1.5, 1.5}) > 0.02);
 }
 
-// The second one lies on the first: its crowns are a strut's thickness nearer to the axis there, and that
-// long is the overlap.
+// The second one lies on the first: in the overlap its crowns are a strut's thickness nearer to the axis,
+// which also shows the overlap's length.
 static void second_stent_lies_on_the_first_where_they_overlap(void **)
 {
     const TestVessel vessel = tube(1.5);
@@ -383,7 +383,7 @@ static void second_stent_lies_on_the_first_where_they_overlap(void **)
     assert_true(deepest_strut_mm(first, wall) <= 0.05 && deepest_strut_mm(second, wall) <= 0.05);
 }
 
-// --- what goes wrong ---
+// --- failures ---
 
 static void stent_pulled_through_a_narrow_place_slides_off(void **)
 {
@@ -392,7 +392,8 @@ static void stent_pulled_through_a_narrow_place_slides_off(void **)
         Stent stent(read_stent(coronary_file), mount_mm);
         for (double at = 20; at <= to_mm; at += 0.25) {
             BalloonPose pose = balloon_in(straight, at, 20, 0.4);
-            // The tool's own arc stays while it is pulled along the vessel. The narrow place lies at 30 mm.
+            // The tool's own arc stays the same while it is pulled along the vessel. The narrow place lies at
+            // 30 mm.
             for (BalloonPoint &ball : pose.points) {
                 if (std::abs(ball.arc_mm - 30) < 1.0) ball.room_mm = room_mm;
                 ball.arc_mm += mount_mm - at;
@@ -427,8 +428,8 @@ static void stent_deployed_outside_a_vessel_is_adrift(void **)
     }
 }
 
-// Half of it beyond the end of the vessel, as at an ostium: held by the other half, with the crowns outside
-// named.
+// Half of the stent lies beyond the end of the vessel, as at an ostium: the other half holds it, and the
+// report names the crowns outside.
 static void half_a_stent_in_the_ostium_is_held_and_reported(void **)
 {
     TestVessel vessel = tube(1.5);
@@ -454,7 +455,7 @@ static void half_a_stent_in_the_ostium_is_held_and_reported(void **)
     near("missed before", coverage.missed_before_mm, 0.0, 1e-9);
 }
 
-// A balloon that stops short: nothing is deployed, and it can be taken out again.
+// A balloon that is inflated too little: nothing is deployed, and the stent can be taken out again.
 static void stent_that_was_not_opened_stays_on_its_balloon(void **)
 {
     const TestVessel straight = tube(5.0);
@@ -465,8 +466,8 @@ static void stent_that_was_not_opened_stays_on_its_balloon(void **)
     assert_int_equal(stent_figures(stent, nullptr).unopened_rings, 12);
 }
 
-// Balloons that leap in place and width, lose balls and shrink to a point, and walls that jump by
-// millimetres: it may be torn from where it was, but its points stay numbers, near the vessel, and its struts
+// Balloons leap in place and width, lose balls and shrink to a point, and walls jump by millimetres. The
+// stent may be torn from its place, but its points stay finite and near the vessel, and its struts keep
 // within a few times their length.
 static void nothing_that_balloon_and_wall_do_tears_it_apart(void **)
 {
@@ -539,7 +540,7 @@ static void struts_and_bands_are_drawn_where_they_are(void **)
     const TestVessel straight = tube(5.0);
     const StentDesign design = read_stent(coronary_file);
     Stent stent(design, mount_mm);
-    assert_true(stent_lines(stent).empty()); // nowhere yet
+    assert_true(stent_lines(stent).empty()); // not placed yet
     const BalloonPose pose = balloon_in(straight, mount_mm, 24, 1.5);
     stent.step({nullptr, &pose});
     const std::vector<StentLine> lines = stent_lines(stent);

@@ -1,7 +1,7 @@
-// Claims: a stent in an artery that beats stays where the wall carries it, on it and not through it, for a
-// minute, at 15 and at 60 pictures a second; a size too small does not; a lesion that a balloon opens is the
-// healthy vessel's tube, and the tube is the tree's. The artery goes 12 mm to and fro, turns, bends, and
-// changes in length and width by as much as the shipped heart's does.
+// Claims: a stent in a beating artery stays for a minute where the wall carries it, on the wall and not
+// through it, at 15 and at 60 pictures a second. A stent of too small a size does not. A lesion that a
+// balloon opens becomes the healthy vessel's tube, and the tube is the tree's. The artery moves 12 mm to and
+// fro, turns, bends, and changes in length and width by as much as the shipped heart's does.
 #include "firmware/tests/reference/long_run.h"
 #include "host/stent/stents.hpp"
 #include "host/stent/tests/stent_heart.hpp"
@@ -29,8 +29,8 @@ struct Minute {
     StentFigures last;
 };
 
-// Inflated in a second to `share` of the artery's radius, held for two, down in one; then what happens until
-// `seconds`.
+// Inflates in a second to `share` of the artery's radius, holds for two seconds, deflates in one, and
+// observes until `seconds`.
 Minute minute(double share, double pictures_per_s, double beats_per_min, double seconds)
 {
     const BeatingLattice heart;
@@ -90,12 +90,12 @@ static void stent_a_size_too_small_is_not_apposed_while_it_beats(void **)
     const Minute result = minute(0.83, 15, 70, 6);
     assert_true(result.apposed_share < 0.8);
     assert_true(result.deepest_mm <= 0.05);
-    // It goes along, neither flattened nor torn.
+    // The stent moves with the artery, neither flattened nor torn.
     assert_true(result.last.diameter_min_mm > 2.0 && std::abs(result.last.length_mm - 17.9) < 1.5);
 }
 
-// Middles of facets on the circle: every vertex at r / cos(pi/24), by the tree's own points and radii; every
-// 23rd triangle.
+// Middles of facets lie on the circle, so every vertex is at r / cos(pi/24), by the tree's own points and
+// radii; every 23rd triangle is tested.
 static void tube_is_that_of_the_tree_narrowed_and_opened(void **)
 {
     const VesselTree tree = beating_artery(true);
@@ -119,14 +119,15 @@ static void tube_is_that_of_the_tree_narrowed_and_opened(void **)
                 most = std::max(most, share);
             }
         std::printf("# opened %.1f: vertices at %.4f to %.4f of the radius\n", opened, least, most);
-        assert_true(least > 0.95 && most < 1.05); // in a taper the nearest middle is not the vertex' own
+        assert_true(least > 0.95 &&
+                    most < 1.05); // in a taper the nearest middle is not that of the vertex itself
         const double throat = *std::min_element(vessel.radius_mm().begin(), vessel.radius_mm().end());
         const double wanted = 1.5 - 0.75 * 1.5 * (1 - opened);
         assert_true(opened == 1.0 ? throat >= 1.4 : std::abs(throat - wanted) < 0.01);
     }
 }
 
-// Open at one end alone: the core's stations, evenly from the lesion's beginning to its end.
+// The lesion is open at one end only: stations as in the core, evenly from the lesion's beginning to its end.
 static void lesion_opens_station_by_station(void **)
 {
     VesselWall vessel(beating_artery(true), 0, 5, 45, nullptr);
@@ -142,8 +143,8 @@ static void lesion_opens_station_by_station(void **)
     assert_true(std::abs(stretch.to_mm - stretch.from_mm - 12) < 0.6 && vessel.lesion_mm(1).is_empty());
 }
 
-// Two stents, one after the other, the second in the first one's end and over half of the lesion; then what
-// the core is told.
+// Two stents are deployed one after the other, the second in the first one's end and over half of the lesion;
+// then their orders to the core are compared.
 struct Two {
     VesselWall vessel{beating_artery(true), 0, 5, 45, nullptr};
     Stents stents;
@@ -170,7 +171,7 @@ static void stents_tell_the_core_what_they_hold_open(void **)
 {
     Two two;
     assert_true(two.stents.holds(two.vessel, 0, 13).empty());
-    two.stents.add(two.design, 30); // goes out again, not opened
+    two.stents.add(two.design, 30); // taken out again without being opened
     two.picture(30, 0.0);
     two.deploy(16.0); // 7 to 25 mm: half of the lesion of 19 to 31 mm
     assert_int_equal(two.stents.size(), 1);
@@ -183,11 +184,12 @@ static void stents_tell_the_core_what_they_hold_open(void **)
     assert_int_equal(two.stents.size(), 2);
     const std::vector<StentHold> whole = two.stents.holds(two.vessel, 0, 13);
     assert_int_equal(whole.back().last, 12);
-    // Where the plaque is thick, the recoil of 3 % counts little: nine tenths open at the throat.
+    // Where the plaque is thick, the recoil of 3 % counts little: nine tenths are open at the minimal lumen
+    // diameter.
     for (const StentHold &hold : whole)
         if (hold.first <= 6 && hold.last >= 6) assert_true(hold.open_256 > 230 && hold.open_256 <= 256);
     assert_true(stent_overlap_mm(two.stents[1], two.stents[0].sleeve()) > 1.5);
-    // A copy by its bytes goes on alike.
+    // A copy restored from its bytes behaves the same.
     Two other;
     other.deploy(16.0);
     other.deploy(31.0);
@@ -199,8 +201,8 @@ static void stents_tell_the_core_what_they_hold_open(void **)
     assert_false(Two().stents.restore(two.stents.snapshot()));
 }
 
-// A renal artery of 3 mm radius out of an aorta of 9: the tube begins where the branch leaves the aorta's
-// lumen, so that what a stent reaches into the aorta with lies on no wall.
+// A renal artery of 3 mm radius leaves an aorta of 9 mm. The tube begins where the branch leaves the aorta's
+// lumen, so that the part of a stent in the aorta lies on no wall.
 static void wall_of_a_branch_begins_at_its_ostium(void **)
 {
     VesselBranch aorta, renal;

@@ -1,4 +1,4 @@
-// The choice between the two ways without a window, and what they share.
+// Chooses between the two kinds of context without a window, and holds what they share.
 #include "host/xray/gl/gl_context.hpp"
 #include "host/xray/gl/gl_headless.hpp"
 #include <cstring>

@@ -1,5 +1,5 @@
-// Where an OpenGL 3.3 core context comes from: OSMesa or EGL without a surface, each opened at run time by
-// its library's name, or whatever a window gives.
+// An OpenGL 3.3 core context comes from OSMesa, from EGL without a surface, or from a window. The libraries
+// of the first two are opened at run time by name.
 #pragma once
 #include "host/xray/gl/gl_functions.hpp"
 #include <memory>
@@ -10,12 +10,12 @@
 namespace crn
 {
 
-// Says what is missing or refused, and what to do about it.
+// The message says what is missing or refused, and how to fix it.
 struct GlError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-// A context that was there and is no longer: a new one may do.
+// A context that existed has been lost; a new one may work.
 struct GlLost : GlError {
     using GlError::GlError;
 };
@@ -26,17 +26,17 @@ class GlContext
 {
   public:
     virtual ~GlContext() = default;
-    // Makes it current in the calling thread; one thread at a time. Throws GlLost.
+    // Makes the context current in the calling thread; only one thread may do so at a time. Throws GlLost.
     virtual void enter() = 0;
-    // Gives the thread back, so that a context of another library may follow.
+    // Releases the thread, so that a context of another library may follow.
     virtual void leave() = 0;
-    // While it is current; nullptr when there is none of this name.
+    // May be called while the context is current; returns nullptr when there is no function of this name.
     virtual GlFunction function(const char *name) const = 0;
-    // "OSMesa (libOSMesa.so.8)"
+    // Names the library, for example "OSMesa (libOSMesa.so.8)".
     virtual std::string origin() const = 0;
 };
 
-// Enters, and leaves at the end of the block.
+// Enters the context, and leaves it at the end of the block.
 class GlEntered
 {
   public:
@@ -57,12 +57,12 @@ struct GlFileNames {
     std::vector<std::string> egl = {"libEGL.so.1", "libEGL.so"};
 };
 
-// A context without window: of OSMesa, or where that is missing (Mesa dropped it in 25.1) of EGL without a
-// surface. Throws GlError, which names what was tried and the packages to install.
+// Opens a context without a window: by OSMesa, or by EGL without a surface where OSMesa is missing (Mesa
+// dropped it in 25.1). Throws GlError, which names what was tried and which packages to install.
 std::unique_ptr<GlContext> open_headless(GlLibrary library = GlLibrary::any, const GlFileNames &names = {});
 
-// Every function of the table by its name; throws GlError naming the first that is missing. The context is
-// current.
+// Loads every function of the table by its name; throws GlError with the name of the first one missing. The
+// context must be current.
 GlFunctions load_functions(const GlContext &context);
 
 struct GlDescription {

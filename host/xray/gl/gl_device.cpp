@@ -8,9 +8,9 @@ namespace crn
 namespace
 {
 
-// Camera axes in mm: x to the right and y up, both times the focal length in half pictures; z away from the
-// source. The picture's first row is the first that is read back, so y is turned over. Clipped is only what
-// is nearer than 1 mm.
+// The camera axes are in mm: x to the right and y up, both multiplied by the focal length in half pictures; z
+// away from the source. The picture's first row is read back first, so y is flipped. Only geometry nearer
+// than 1 mm is clipped.
 constexpr const char *vertex_text = R"(#version 330 core
 layout(location = 0) in vec3 vertex_um;
 uniform vec3 source_um, right, up, forward;
@@ -20,8 +20,8 @@ void main() {
     gl_Position = vec4(dot(ray_mm, right), -dot(ray_mm, up), depth_mm - 2.0, depth_mm);
 })";
 
-// 1 / gl_FragCoord.w is the depth, interpolated as perspective asks. The picture is seen from the detector
-// and turned over: a face that looks at the source is anticlockwise in it, as it is from outside.
+// 1 / gl_FragCoord.w is the depth, interpolated with correct perspective. The picture is seen from the
+// detector and mirrored, so a face that looks at the source is anticlockwise in it, as it is from outside.
 constexpr const char *fragment_text = R"(#version 330 core
 uniform float reference_mm;
 out float sum_mm;
@@ -32,7 +32,7 @@ void main() {
 
 constexpr float near_um = 1000.0f;
 
-// The pyramid of rays, for leaving out chunks.
+// The pyramid of rays, which serves to skip chunks outside it.
 struct Pyramid {
     Eigen::Vector3f source_um, right, up, forward;
     float focal, half; // pixels
@@ -55,7 +55,7 @@ struct Pyramid {
     }
 };
 
-// Runs of neighbouring chunks, one list per channel, as MultiDrawElements wants them.
+// Runs of neighbouring chunks, one list per channel, in the form that MultiDrawElements expects.
 struct DrawList {
     std::vector<int> counts;
     std::vector<const void *> offsets;
@@ -79,7 +79,7 @@ struct DrawList {
 
 struct Plan {
     std::vector<DrawList> lists; // [channel]
-    bool is_source_near = false; // some chunk may reach behind the source
+    bool is_source_near = false; // whether some chunk may reach behind the source
 };
 
 Plan make_plan(const BodyMeshes &meshes, std::span<const std::uint8_t> is_drawn, const View &view)
@@ -153,7 +153,7 @@ GlDevice::~GlDevice()
         gl_.DeleteVertexArrays(1, &array_);
         gl_.DeleteProgram(program_);
     } catch (const GlError &) {
-        // A lost context took its objects with it.
+        // A lost context has already deleted its objects.
     }
 }
 
@@ -228,8 +228,8 @@ void GlDevice::set_view(const View &view, float reference_mm) const
     gl_.Uniform1f(gl_.GetUniformLocation(program_, "reference_mm"), reference_mm);
 }
 
-// What a draw sets and whoever shares the context does not expect. Other settings are made anew by their
-// users.
+// Restores the settings that a draw changes and that other users of the context do not expect to change. Its
+// users set every other setting themselves.
 class GlDevice::StateGuard
 {
   public:
@@ -283,9 +283,9 @@ void GlDevice::draw(const BodyMeshes &meshes, std::span<const std::uint8_t> is_s
     send_vertices(meshes, is_stale);
     resize(meshes.channels.size(), view.size);
     gl_.UseProgram(program_);
-    // Floats are densest near 0: depths count from the isocentre. A face behind the source is not seen, and
-    // its body has one face too few there, so that the depth's origin would show; then it is the source
-    // itself.
+    // Floats are densest near 0, so depths count from the isocentre. A face behind the source is not drawn.
+    // Its body then lacks one face there, and the depth's origin would show in the sum, so the origin moves
+    // to the source itself.
     set_view(view, plan.is_source_near ? 0.0f : static_cast<float>(view.source_isocentre_m * 1e3));
     set_state(view, rect);
     for (std::size_t channel = 0; channel < pictures_.size(); ++channel) {

@@ -1,4 +1,5 @@
-// EGL without a surface: what Mesa offers since OSMesa is gone. No display server is needed either.
+// Implements EGL without a surface, which Mesa offers as the replacement for OSMesa. It needs no display
+// server either.
 #include "host/xray/gl/gl_headless.hpp"
 #include "host/xray/gl/gl_library.hpp"
 #include <mutex>
@@ -8,7 +9,7 @@ namespace crn
 namespace
 {
 
-// Of EGL/egl.h and EGL/eglext.h (Khronos registry).
+// Constants of EGL/egl.h and EGL/eglext.h (Khronos registry).
 constexpr unsigned egl_platform_surfaceless_mesa = 0x31DD, egl_opengl_api = 0x30A2;
 constexpr int egl_surface_type = 0x3033, egl_pbuffer_bit = 1, egl_renderable_type = 0x3040,
               egl_opengl_bit = 8, egl_none = 0x3038, egl_context_major = 0x3098, egl_context_minor = 0x30FB,
@@ -70,8 +71,8 @@ std::string code_of(const Egl &egl)
     return text;
 }
 
-// The one surfaceless display of a process. EGL gives every caller the same, and ending it ends all their
-// contexts: the last context ends it.
+// The one surfaceless display of a process. EGL gives every caller the same display, and ending it ends all
+// contexts on it; therefore the last context ends it.
 class Display
 {
   public:

@@ -1,5 +1,5 @@
-// Mesa's off-screen library: it needs neither display nor graphics card, and has the core profile since
-// Mesa 11.2.
+// Mesa's off-screen library needs neither display nor graphics card, and has the core profile since Mesa
+// 11.2.
 #include "host/xray/gl/gl_headless.hpp"
 #include "host/xray/gl/gl_library.hpp"
 #include <array>
@@ -9,7 +9,7 @@ namespace crn
 namespace
 {
 
-// Of GL/osmesa.h.
+// Constants of GL/osmesa.h.
 constexpr int osmesa_format = 0x22, osmesa_depth_bits = 0x30, osmesa_profile = 0x33,
               osmesa_core_profile = 0x34, osmesa_major = 0x36, osmesa_minor = 0x37, osmesa_rgba = 0x1908;
 
@@ -64,7 +64,7 @@ class OsMesaContext final : public GlContext
     std::string origin() const override { return "OSMesa (" + library_.file.name() + ")"; }
 
   private:
-    // OSMesa wants a picture of its own; path lengths go to textures.
+    // OSMesa requires a picture of its own, although path lengths go to textures.
     static constexpr int edge = 8;
 
     OsMesa library_;

@@ -1,7 +1,7 @@
 // Path lengths of bodies by OpenGL 3.3 core: every face adds its depth to a picture of floats where a ray
-// leaves the body and takes it away where it enters. The order of faces does not matter, so there is neither
-// depth buffer nor sorting. A second way to what RasterPaths draws, by other code; held against it in
-// host/xray/tests/test_gl.cpp. See docs/xray.md.
+// leaves the body, and subtracts it where the ray enters. The order of faces does not matter, so there is
+// neither depth buffer nor sorting. It draws the same as RasterPaths by independent code;
+// host/xray/tests/test_gl.cpp compares the two. See docs/xray.md.
 #pragma once
 #include "host/xray/gl/gl_context.hpp"
 #include "host/xray/paths/paths.hpp"
@@ -10,7 +10,7 @@
 namespace crn
 {
 
-// Makes a context whenever one is needed: at the start, and once more when it was lost.
+// Opens a context whenever one is needed: at the start, and again after the context was lost.
 using GlOpener = std::function<std::unique_ptr<GlContext>()>;
 
 class GlDevice;
@@ -18,8 +18,8 @@ class GlDevice;
 class GlPaths final : public BodyPaths
 {
   public:
-    // `threads` turn what was read back into integers. Throws GlError: no context, a missing function, a
-    // shader that the driver refuses.
+    // The sums read back are converted to integers by `threads` threads. Throws GlError if there is no
+    // context, a function is missing or the driver refuses a shader.
     GlPaths(const BodyMeshes &meshes, GlOpener open, int threads);
     ~GlPaths() override;
 
@@ -35,12 +35,13 @@ class GlPaths final : public BodyPaths
                      PathPictures &pictures) const;
 
     const BodyMeshes *meshes_;
-    std::unique_ptr<BodyMeshes> moved_; // own copy, from the first move on
+    std::unique_ptr<BodyMeshes> moved_; // own copy, made at the first move
     GlOpener open_;
     int threads_;
     GlDescription description_;
-    std::unique_ptr<GlDevice> device_;        // everything that lives in one context
-    std::vector<std::uint8_t> is_stale_;      // of each body: moved since its vertices went to the device
+    std::unique_ptr<GlDevice> device_; // everything that lives in one context
+    std::vector<std::uint8_t>
+        is_stale_; // of each body: whether it moved since its vertices went to the device
     std::vector<std::vector<float>> sums_mm_; // [channel], rectangle of the last draw
 };
 

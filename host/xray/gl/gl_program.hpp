@@ -1,4 +1,4 @@
-// A pair of shaders as one program. Private to this folder and to host/app's window.
+// Builds a program from a pair of shaders. It is private to this folder and to host/app's window.
 #pragma once
 #include "host/xray/gl/gl_context.hpp"
 

@@ -1,4 +1,5 @@
-// C-arm geometry. Sine and cosine are series with additions and products only, so that every compiler agrees.
+// C-arm geometry. Sine and cosine are series of additions and products only, so that every compiler gives the
+// same result.
 #include "host/xray/paths/carm.hpp"
 #include <algorithm>
 #include <array>
@@ -11,7 +12,7 @@ namespace
 
 constexpr double pi = 3.14159265358979323846;
 
-// Taylor series to x^13 and x^14 for |x| <= pi/4; error below 1e-14.
+// Taylor series to x^13 and x^14 for |x| <= pi/4; their error is below 1e-14.
 double sine_series(double x)
 {
     double square = x * x, term = x, sum = x;
@@ -36,7 +37,7 @@ struct SineCosine {
     double sine, cosine;
 };
 
-// Any angle within +-1e6 degrees; whole quarter turns are exact.
+// Accepts any angle within +-1e6 degrees; whole quarter turns are exact.
 SineCosine sine_cosine(double angle_deg)
 {
     double quarters = std::floor(angle_deg / 90.0 + 0.5);

@@ -1,5 +1,5 @@
-// Geometry of the C-arm: where source and detector stand, in the patient frame (docs/frames.md).
-// Angles follow DICOM PS3.3 C.8.7.5.1.2: primary + = LAO, - = RAO; secondary + = cranial, - = caudal.
+// Geometry of the C-arm: the places of source and detector in the patient frame (docs/frames.md). Angles
+// follow DICOM PS3.3 C.8.7.5.1.2: primary + = LAO, - = RAO; secondary + = cranial, - = caudal.
 #pragma once
 #include <Eigen/Core>
 #include <string>
@@ -19,7 +19,8 @@ struct CArm {
     bool operator==(const CArm &) const = default;
 };
 
-// The same as unit vectors and points. Uses no libm: equal bytes from every compiler.
+// The same geometry as unit vectors and points. Its computation uses no libm, so that every compiler gives
+// equal bytes.
 struct View {
     Eigen::Vector3d source_m;
     Eigen::Vector3d right;   // picture's right, patient left in AP
@@ -33,15 +34,15 @@ struct View {
 
 View make_view(const CArm &carm, int size);
 
-// Picture coordinates of a patient point: x to the right, y downwards, pixel centres at .5. False behind the
-// source.
+// Computes the picture coordinates of a patient point: x to the right, y downwards, pixel centres at .5.
+// Returns false for a point behind the source.
 bool project(const View &view, const Eigen::Vector3d &point_m, Eigen::Vector2d &pixel);
 
-// Where the patient lies along a direction, as DICOM names it (C.7.6.1.1.1): R or L, H or F, A or P; the
-// larger part first, parts below sin 22.5 deg left out. "LP": to the left, somewhat to the back.
+// Names a direction in the patient as DICOM does (C.7.6.1.1.1): R or L, H or F, A or P; the larger part
+// first, parts below sin 22.5 deg left out. "LP" means to the left and somewhat to the back.
 std::string patient_side(const Eigen::Vector3d &direction);
 
-// Holds the angles, SID, SOD and field inside what a C-arm can do.
+// Limits the angles, SID, SOD and field to the ranges of a C-arm.
 CArm clamp_carm(const CArm &carm);
 
 } // namespace crn

@@ -1,5 +1,5 @@
-// Cuts a body's mesh into chunks of neighbouring triangles, so that what lies outside the field is skipped as
-// a whole.
+// Cuts a body's mesh into chunks of neighbouring triangles, so that a chunk outside the field is skipped as a
+// whole.
 #include "host/xray/paths/meshes.hpp"
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@ namespace crn
 namespace
 {
 
-// Interleaves three times ten bits: neighbours in space get near keys.
+// Interleaves three times ten bits, so that neighbours in space get near keys.
 std::uint32_t morton_key(const Eigen::Vector3i &cell)
 {
     std::uint32_t key = 0;
@@ -53,7 +53,7 @@ void set_sphere(const BodyMeshes &meshes, MeshChunk &chunk)
         high = high.cwiseMax(vertices[i]);
     }
     chunk.centre_um = 0.5f * (low + high);
-    chunk.radius_um = 0.5f * (high - low).norm() + 10.0f; // 10 um: rounding of the centre
+    chunk.radius_um = 0.5f * (high - low).norm() + 10.0f; // 10 um cover the rounding of the centre
 }
 
 int channel_of(BodyMeshes &meshes, MeshChannel wanted)

@@ -1,5 +1,5 @@
-// The materials an X-ray beam meets, by the names used in body files and instrument files.
-// The figures behind them are in attenuation.cpp, written by tools/make_attenuation.py.
+// The materials an X-ray beam meets, by the names used in body files and instrument files. Their attenuation
+// is in attenuation.cpp, written by tools/check/make_attenuation.py.
 #pragma once
 #include <cstdint>
 #include <optional>

@@ -1,5 +1,6 @@
-// The scene's bodies as drawing wants them: chunks of neighbouring triangles, so that what lies outside the
-// field is skipped as a whole. Made once per scene, then only read, by any number of threads and back ends.
+// The scene's bodies in the form for drawing: chunks of neighbouring triangles, so that a chunk outside the
+// field is skipped as a whole. They are made once per scene; then any number of threads and back ends read
+// them.
 #pragma once
 #include "host/model/bodies.hpp"
 #include <array>
@@ -10,8 +11,8 @@
 namespace crn
 {
 
-// Bodies of one material inside one other share a channel: a sum is theirs, and is taken from the parent's
-// material.
+// Bodies of one material inside one other material share a channel. Their sum is added to their own material
+// and subtracted from the parent's.
 struct MeshChannel {
     int own = 0;     // material
     int parent = -1; // material, -1: air
@@ -43,10 +44,10 @@ inline constexpr int mesh_chunk_triangles = 128;
 // Adds the next body of Bodies, cut into chunks. `own` and `parent` are materials; parent -1: air.
 void append_body(BodyMeshes &meshes, const Body &body, int own, int parent);
 
-// Gives a body other vertices (as many as it had); its triangles stay.
+// Replaces a body's vertices by equally many others; its triangles stay.
 void move_body(BodyMeshes &meshes, int body, std::span<const Eigen::Vector3i> vertices_um);
 
-// The body's vertices as they are, in the order of Body::vertices_um; those that no triangle uses are 0.
+// Returns the body's present vertices in the order of Body::vertices_um; those that no triangle uses are 0.
 std::vector<Eigen::Vector3i> body_vertices_um(const BodyMeshes &meshes, int body);
 
 } // namespace crn

@@ -1,4 +1,4 @@
-// What changed, and who draws it.
+// Decides what has changed, and which back end draws it.
 #include "host/xray/paths/path_keeper.hpp"
 #include "host/xray/paths/parallel.hpp"
 #include "host/xray/paths/raster_paths.hpp"
@@ -11,9 +11,9 @@ namespace crn
 namespace
 {
 
-constexpr int far_um = 2'000'000; // as check_bodies
+constexpr int far_um = 2'000'000; // the same limit as in check_bodies
 
-// A picture for every material that a channel names, and none for the others.
+// Makes a picture for every material that a channel names, and none for the others.
 void size_pictures(const BodyMeshes &meshes, int size, PathPictures &pictures)
 {
     const std::size_t pixels = static_cast<std::size_t>(size) * size;
@@ -41,7 +41,8 @@ PixelRect around_both(const PixelRect &a, const PixelRect &b)
     return {std::min(a.x0, b.x0), std::min(a.y0, b.y0), std::max(a.x1, b.x1), std::max(a.y1, b.y1)};
 }
 
-// Pixels that the box around these points can cover; the whole picture when it reaches behind the source.
+// Returns the pixels that the box around these points can cover; the whole picture when the box reaches
+// behind the source.
 PixelRect covered(const View &view, const std::vector<Eigen::Vector3i> &points_um)
 {
     Eigen::Vector3i low = points_um.front(), high = low;
@@ -146,7 +147,8 @@ void PathKeeper::see_view()
     is_filled_ = true;
 }
 
-// Draws the moved bodies where they are and, as nothing, where they were; adds them to what stands still.
+// Redraws the moved bodies over their new places and over the places that they have left, and adds them to
+// the sums of the bodies at rest.
 void PathKeeper::see_moved(const PixelRect &at_least)
 {
     const PixelRect now = moved_rect();
@@ -180,7 +182,7 @@ bool PathKeeper::see(const CArm &carm, int size, const XrayFrame &frame)
     changed_ = {};
     const bool is_any_moved = std::find(is_moved_.begin(), is_moved_.end(), 1) != is_moved_.end();
     const bool are_bodies_drawn = is_new || (is_any_moved && have_moved);
-    // Tubes are work for one thread, so they are drawn beside the bodies.
+    // One thread draws the tubes, at the same time as the others draw the bodies.
     const int lines = are_bodies_drawn && threads_ > 1 ? 2 : 1;
     run_on_threads(lines, [&](int line) {
         if (line == 0 && is_new) see_view();

@@ -1,5 +1,5 @@
-// Path lengths of one view, kept between frames: what stands still is drawn again only when the view changes,
-// a moved body when its vertices do, tools and curves in every frame.
+// Path lengths of one view, kept between frames: bodies at rest are redrawn only when the view changes, a
+// moved body when its vertices change, tools and curves in every frame.
 #pragma once
 #include "host/xray/paths/moved.hpp"
 #include "host/xray/paths/paths.hpp"
@@ -17,13 +17,13 @@ class PathKeeper
 
     const View &view() const { return view_; }
     const PathPictures &bodies() const { return bodies_; } // ray lengths
-    const PixelRect &changed() const { return changed_; }  // what the last call changed of them
-    const ToolPaths &tools() const { return tools_; }      // and curves
+    const PixelRect &changed() const { return changed_; }  // the part of them that the last call changed
+    const ToolPaths &tools() const { return tools_; }      // tools and curves
     std::string_view back_end() const { return back_end_->name(); }
-    const std::string &back_end_error() const { return error_; } // why another back end was given up
+    const std::string &back_end_error() const { return error_; } // why another back end was abandoned
 
   private:
-    // Moves the back end's bodies to where the frame wants them. True when any has changed.
+    // Moves the back end's bodies to the places that the frame gives. True when any has changed.
     bool move(const XrayFrame &frame);
     void see_view();
     void see_moved(const PixelRect &at_least);
@@ -40,8 +40,8 @@ class PathKeeper
     CArm carm_;
     View view_;
     std::vector<std::uint8_t> is_moved_;                 // of each body
-    std::vector<std::vector<Eigen::Vector3i>> moved_um_; // where it is; empty: as in the scene
-    PathPictures still_, moving_;                        // axis sums; empty while nothing is moved
+    std::vector<std::vector<Eigen::Vector3i>> moved_um_; // its place; empty: as in the scene
+    PathPictures still_, moving_;                        // axis sums; empty while no body is moved
     PixelRect moving_rect_, changed_;
     PathPictures bodies_;
     ToolPaths tools_;

@@ -17,7 +17,7 @@ float dot(const Eigen::Vector3f &a, const Eigen::Vector3f &b)
     return a.x() * b.x() + a.y() * b.y() + a.z() * b.z();
 }
 
-// True when the chunk's sphere lies outside one side of the pyramid of rays, or behind the source.
+// Returns true when the chunk's sphere lies outside one side of the pyramid of rays, or behind the source.
 bool is_outside(const Camera &camera, const MeshChunk &chunk)
 {
     const Eigen::Vector3f centre = chunk.centre_um - camera.source;
@@ -30,7 +30,7 @@ bool is_outside(const Camera &camera, const MeshChunk &chunk)
     return x > depth * edge + slack || y > depth * edge + slack;
 }
 
-// Projects whole lanes of corners. False when one lies beyond the guard or nearer than near_um.
+// Projects whole lanes of corners. Returns false when a corner lies beyond the guard or nearer than near_um.
 CRN_WIDE bool project_corners(const Camera &camera, const float *x_um, const float *y_um, const float *z_um,
                               int count, Corner *corners)
 {
@@ -51,7 +51,8 @@ CRN_WIDE bool project_corners(const Camera &camera, const float *x_um, const flo
             const bool is_plain =
                 int{depth >= near_um} & int{std::fabs(u) <= guard_pixels} & int{std::fabs(v) <= guard_pixels};
             is_far |= is_plain ? 0 : 1;
-            // Held, since a conversion of what does not fit is undefined; such a chunk is drawn the slow way.
+            // The value is clamped, since converting a number that does not fit is undefined; such a chunk
+            // takes the slow path.
             const float held_u = u < guard_pixels ? (u > -guard_pixels ? u : -guard_pixels) : guard_pixels;
             const float held_v = v < guard_pixels ? (v > -guard_pixels ? v : -guard_pixels) : guard_pixels;
             at_x[i] = snap(held_u);
@@ -63,7 +64,8 @@ CRN_WIDE bool project_corners(const Camera &camera, const float *x_um, const flo
     return is_far == 0;
 }
 
-// The pixels of `rect` whose centres the box of each triangle holds; triangles without any are left out.
+// Keeps the triangles whose box holds the centre of a pixel of `rect`, with those pixels; leaves out the
+// others.
 CRN_WIDE void keep_triangles(const std::array<std::uint16_t, 3> *triangles, std::uint32_t count,
                              const Corner *corners, const PixelRect &rect, KeptTriangle *kept,
                              Projection::OfChunk &of_chunk)

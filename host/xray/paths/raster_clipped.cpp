@@ -1,4 +1,4 @@
-// Triangles that reach far off the picture or behind the source: one pixel after the other, in 64 bits.
+// Triangles that reach far off the picture or behind the source are drawn pixel by pixel in 64 bits.
 #include "host/xray/paths/raster.hpp"
 #include <algorithm>
 #include <cmath>
@@ -29,8 +29,8 @@ Projected project_um(const Camera &camera, const Eigen::Vector3f &vertex_um)
             camera.half_pixels - dot(camera.up, x, y, z) * scale, depth};
 }
 
-// Within the guard as all other corners are snapped, since they may be the same; farther off up to four
-// million pixels, so that products of differences fit 64 bits.
+// Within the guard corners are snapped like all others, since they may be shared. Farther off they reach up
+// to four million pixels, so that products of differences fit 64 bits.
 std::int32_t snap_far(float pixels)
 {
     if (std::fabs(pixels) <= guard_pixels) return snap(pixels);
@@ -43,7 +43,8 @@ Corner corner(const Projected &p)
     return {snap_far(p.x), snap_far(p.y), 1.0f / p.depth_um};
 }
 
-// One edge, a to b: positive on the inner side. Value at a pixel's centre and its steps by one pixel.
+// One edge, a to b: positive on the inner side. It holds the value at a pixel's centre and the steps by one
+// pixel.
 struct Edge {
     std::int64_t row, step_x, step_y;
 
@@ -70,7 +71,8 @@ struct Edge {
     }
 };
 
-// Plane of 1/depth over the picture, held within the corners' values: a sliver cannot shoot off.
+// Plane of 1/depth over the picture, limited to the range of the corners' values, so that a sliver gives no
+// extreme depth.
 struct DepthPlane {
     float origin, slope_x, slope_y, low, high;
     std::int32_t x, y;
@@ -97,7 +99,7 @@ struct DepthPlane {
     }
 };
 
-// Pixels of the tile whose centres the triangle's box holds.
+// Returns the pixels of the tile whose centres lie in the triangle's box.
 PixelRect pixels_inside(const Corner &a, const Corner &b, const Corner &c, const PixelRect &tile)
 {
     constexpr int half = subpixels / 2;
@@ -147,7 +149,7 @@ void draw(const Corner &a, const Corner &b, const Corner &c, const PixelRect &ti
 
 } // namespace
 
-// Cut at the near plane, then fanned.
+// Cuts the triangle at the near plane, then splits the rest into a fan.
 void raster_clipped(const Camera &camera, const std::array<Eigen::Vector3f, 3> &vertices,
                     const PixelRect &tile, std::int32_t *sums)
 {

@@ -1,4 +1,4 @@
-// The reference back end: the integer rasteriser on all cores. Equal sums for any number of threads.
+// The reference back end: the integer rasteriser on all cores. The sums are equal for any number of threads.
 #pragma once
 #include "host/xray/paths/raster.hpp"
 
@@ -16,11 +16,11 @@ class RasterPaths : public BodyPaths
               PathPictures &pictures, std::string &error) override;
 
   private:
-    // One thread's sums of a tile, and which channels have any.
+    // One thread's sums of a tile, and the channels that have any.
     struct Tile {
         std::vector<std::int32_t> sums; // [channel][tile_ints]
         std::vector<std::uint8_t> has_channel;
-        std::vector<float> oblique; // of each pixel: ray's length over depth
+        std::vector<float> oblique; // of each pixel: length along the ray over depth
     };
     void project(const Camera &camera, std::span<const std::uint8_t> is_drawn, const PixelRect &rect);
     void sum_tile(const Camera &camera, const PixelRect &rect, Tile &tile) const;
@@ -30,9 +30,9 @@ class RasterPaths : public BodyPaths
                           PathForm form, PathPictures &pictures) const;
 
     const BodyMeshes *meshes_;
-    std::unique_ptr<BodyMeshes> moved_; // own copy, from the first move on
+    std::unique_ptr<BodyMeshes> moved_; // own copy, made at the first move
     RasterVertices vertices_;
-    std::vector<int> materials_; // that any channel names
+    std::vector<int> materials_; // named by any channel
     int threads_;
     Projection projection_;
     std::vector<Tile> tiles_; // of each thread

@@ -1,4 +1,4 @@
-// Draws into one tile: eight triangles are set up together, then each one's rows are drawn eight pixels at a
+// Draws into one tile: eight triangles are set up together, then the rows of each are drawn eight pixels at a
 // time.
 #include "host/xray/paths/raster_tile.hpp"
 #include <algorithm>
@@ -36,7 +36,7 @@ DrawBatch choose_draw_batch()
     return plain::draw_batch;
 }
 
-// Takes one triangle's corners and its part of the tile into place k.
+// Loads one triangle's corners and its part of the tile into place k.
 void load(Batch &batch, int k, const Corner &a, const Corner &b, const Corner &c, const KeptTriangle &kept,
           const PixelRect &tile)
 {
@@ -57,7 +57,7 @@ void TileRaster::finish()
 {
     static const DrawBatch draw_batch = choose_draw_batch();
     if (batch_.count == 0) return;
-    // What an earlier triangle left in the places that are free now may be too large for 32 bits.
+    // An earlier triangle may have left values too large for 32 bits in the unused places.
     for (int k = batch_.count; k < lane_count; ++k)
         batch_.ax[k] = batch_.ay[k] = batch_.bx[k] = batch_.by[k] = batch_.cx[k] = batch_.cy[k] = 0;
     draw_batch(batch_, tile_);

@@ -14,15 +14,15 @@ struct Batch {
     float a_inverse[lane_count], b_inverse[lane_count], c_inverse[lane_count];
     std::int32_t column[lane_count], row[lane_count], columns[lane_count],
         rows[lane_count]; // part of the tile
-    // Edge functions at the first pixel's centre, and their steps by one pixel; in `subpixels`, rounded down,
-    // since the steps are whole multiples and only the sign counts.
+    // Edge functions at the first pixel's centre, and their steps by one pixel. They are in units of
+    // `subpixels`, rounded down, since the steps are whole multiples and only the sign counts.
     std::int32_t edge[3][lane_count], step_x[3][lane_count], step_y[3][lane_count];
-    // Rows that an edge leaves to each strip of eight columns.
+    // The rows that an edge allows in each strip of eight columns.
     float from[3][lane_count], from_step[3][lane_count], to[3][lane_count], to_step[3][lane_count];
     float area[lane_count], slope_x[lane_count], slope_y[lane_count], low[lane_count], high[lane_count];
     std::int32_t sign[lane_count];  // -1 for an entry, 0 for an exit
     std::int32_t *sums[lane_count]; // where each is drawn
-    std::int32_t is_large = 0;      // any of them: products need 64 bits
+    std::int32_t is_large = 0;      // whether any is large: products need 64 bits
     int count = 0;
 };
 
@@ -38,7 +38,7 @@ class TileRaster
     // Adds the part of the chunk that lies in the tile to `sums`, whose first entry is pixel (tile.x0,
     // tile.y0).
     void add(std::size_t chunk, std::int32_t *sums);
-    // Draws what is still gathered.
+    // Draws the triangles that are still gathered.
     void finish();
 
   private:

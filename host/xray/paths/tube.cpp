@@ -1,4 +1,4 @@
-// From a wire and from curves to short cylinders between bisecting planes.
+// Turns a wire and curves into short cylinders between bisecting planes.
 #include "host/xray/paths/tube.hpp"
 #include "host/xray/paths/tube_painter.hpp"
 #include <algorithm>
@@ -11,9 +11,9 @@ namespace
 
 using Eigen::Vector3d;
 
-constexpr double sagitta_max_mm = 0.01; // how far the pieces may leave the smooth centreline
+constexpr double sagitta_max_mm = 0.01; // largest distance of the pieces from the smooth centreline
 constexpr int pieces_max = 12;
-constexpr double near_m = 1e-5; // points of a line that are no farther apart count as one
+constexpr double near_m = 1e-5; // points of a line that are closer than this count as one
 
 // A point of the refined centreline in camera axes: x right, y up, z away from the source, mm.
 struct Point {
@@ -21,7 +21,7 @@ struct Point {
     double arc_m = 0.0;
     double radius_mm = 0.0;
     double share = 1.0;    // of a curve's cross-section
-    double contrast = 0.0; // share of iohexol 350 in the blood around
+    double contrast = 0.0; // share of iohexol 350 in the surrounding blood
 };
 
 bool is_finite(const WireNode &node)
@@ -47,7 +47,7 @@ std::vector<Point> to_camera(const WireFrame &wire, const View &view)
     return points;
 }
 
-// Cubic through the nodes with central tangents, cut where the chord would leave it.
+// Lays a cubic with central tangents through the nodes, and cuts it where the chord would leave it.
 std::vector<Point> refine(const std::vector<Point> &nodes)
 {
     std::vector<Point> points;
@@ -90,7 +90,7 @@ Point between(const Point &from, const Point &to, double arc_m)
             from.contrast + share * (to.contrast - from.contrast)};
 }
 
-// The line from a tool's own tip on, with a point wherever one of its sections begins or ends.
+// Returns the line from a tool's tip on, with a point wherever one of its sections begins or ends.
 std::vector<Point> own_part(const std::vector<Point> &line, double tip_arc_m,
                             const RadiopaqueInstrument &tool)
 {
@@ -128,8 +128,8 @@ RadiopaqueRadius radius_at(const RadiopaqueInstrument &tool, double arc_m, doubl
             before.inner_m + share * (after->inner_m - before.inner_m)};
 }
 
-// The cylinder from points[i] to the next one, cut where it meets its neighbours; across a sharp bend, at its
-// end.
+// Returns the cylinder from points[i] to the next one, cut where it meets its neighbours; across a sharp bend
+// it is cut at its end.
 TubePiece piece_between(const std::vector<Point> &points, std::size_t i)
 {
     TubePiece piece;
@@ -148,8 +148,8 @@ TubePiece piece_between(const std::vector<Point> &points, std::size_t i)
     return piece;
 }
 
-// A section down to the lumen counts its whole cross-section, though it has it all in its wall; a ring counts
-// itself.
+// The fill of a section down to the lumen counts the whole cross-section, although all material is in its
+// wall; the fill of a ring counts the ring.
 void draw_section(TubePainter &painter, TubePiece &piece, const RadiopaqueSection &section,
                   const RadiopaqueRadius &radius)
 {
@@ -184,7 +184,7 @@ void draw_tool(TubePainter &painter, const RadiopaqueInstrument &tool, const std
     }
 }
 
-// Empty when any of it is not finite.
+// Returns an empty vector when any point is not finite.
 std::vector<Point> to_camera(const SweptCurve &curve, const View &view)
 {
     std::vector<Point> points;
@@ -201,7 +201,7 @@ std::vector<Point> to_camera(const SweptCurve &curve, const View &view)
     return points;
 }
 
-// Pieces of a cone become cylinders of the same volume.
+// Pieces of a cone are drawn as cylinders of the same volume.
 void draw_curve(TubePainter &painter, const SweptCurve &curve, const View &view)
 {
     const std::vector<Point> points = to_camera(curve, view);
@@ -247,9 +247,9 @@ double contrast_share(double iodine_mg_per_ml)
 
 RadiopaqueInstrument guidewire_look(double tip_m)
 {
-    // The coil's wire fills about three quarters of its tube's wall; with the core, .75 of the cross-section
-    // is steel. A platinum tip coil around a ground-down core: 15 % platinum is already darker than solid
-    // steel.
+    // The coil's wire fills about three quarters of its tube's wall; together with the core, .75 of the
+    // cross-section is steel. At the tip a platinum coil surrounds a ground-down core: 15 % platinum is
+    // already darker than solid steel.
     return {{{0.0, tip_m, Material::platinum, 0.15, 1.0},
              {0.0, tip_m, Material::steel, 0.45, 1.0},
              {tip_m, 10.0, Material::steel, 0.75, 1.0}},

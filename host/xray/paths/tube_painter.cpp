@@ -1,5 +1,5 @@
-// A ray is t d with d = (u, v, focal length) in pixels; the piece's middle lies at t0 d0. All that is
-// computed in single precision is small: pixels from d0, and t - t0.
+// A ray is t d with d = (u, v, focal length) in pixels; the piece's middle lies at t0 d0. All values computed
+// in single precision are small: pixels from d0, and t - t0.
 #include "host/xray/paths/tube_painter.hpp"
 #include "host/xray/paths/lanes.hpp"
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace
 
 constexpr int grid = 3; // rays along each edge of a pixel
 static_assert(grid * grid == tool_rays);
-constexpr double wide_pixels = 6.0; // of radius; from here on one ray per pixel says as much as nine
+constexpr double wide_pixels = 6.0; // of radius; from here on one ray per pixel is as accurate as nine
 
 struct Vector3 {
     float x, y, z;
@@ -26,7 +26,7 @@ Vector3 single(const Vector3d &v)
     return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
 }
 
-// What the chords of one piece need.
+// The constants for the chords of one piece.
 struct Chords {
     Vector3 axis, normal_a, normal_b;
     float middle_u, middle_v, focal, t0; // pixels; mm per pixel
@@ -45,7 +45,8 @@ float greatest(float a, float b)
     return a > b ? a : b;
 }
 
-// Filled chords, in 1/1024 mm, of `count` rays in a row: (u + i step, v), in pixels from the piece's middle.
+// Computes the filled chords, in 1/1024 mm, of `count` rays in a row: (u + i step, v), in pixels from the
+// piece's middle.
 CRN_WIDE void chords_of_row(const Chords &c, float u, float v, float step, int count, std::int32_t *out)
 {
     const float dy = c.middle_v + v, dz = c.focal, ey = -c.t0 * v;
@@ -58,7 +59,7 @@ CRN_WIDE void chords_of_row(const Chords &c, float u, float v, float step, int c
         const float beside = ex * nx + ey * ny; // distance from the axis times |n|
         const float middle =
             (nx * (ey * c.axis.z) - ny * (ex * c.axis.z) + nz * (ex * c.axis.y - ey * c.axis.x)) / square;
-        // The planes; a slope of 0 counts as a small one.
+        // Cuts the chord by the two planes; a slope of 0 counts as a small one.
         float slope_a = dx * c.normal_a.x + dy * c.normal_a.y + dz * c.normal_a.z;
         float slope_b = dx * c.normal_b.x + dy * c.normal_b.y + dz * c.normal_b.z;
         slope_a = std::fabs(slope_a) > 1e-6f ? slope_a : 1e-6f;
@@ -80,8 +81,8 @@ CRN_WIDE void chords_of_row(const Chords &c, float u, float v, float step, int c
     }
 }
 
-// Columns [first, second) of the rows [y, y + 1] that come nearer than `pad` to the line from (ax, ay) to
-// (bx, by).
+// Columns [first, second) of the rows [y, y + 1] that lie nearer than `pad` to the line from (ax, ay) to (bx,
+// by).
 struct Extent {
     double ax, ay, bx, by, pad;
 
@@ -106,7 +107,7 @@ struct TubePainter::Line {
     Chords chords;
     int rays; // per pixel along each edge: grid or 1
     std::size_t material;
-    float contrast; // of what is displaced
+    float contrast; // in the displaced material
 };
 
 TubePainter::TubePainter(const View &view, std::span<const Material> materials, Material displaced,
@@ -186,7 +187,8 @@ void TubePainter::paint(const TubePiece &piece)
     double outer = piece.outer_mm, inner = std::min(piece.inner_mm, outer), share = piece.share;
     const double near_mm = std::min(piece.a_mm.z(), piece.b_mm.z()) - outer;
     if (!(near_mm > 1.0) || !(outer > 0.0) || !(share > 0.0)) return;
-    // Thinner than the rays are apart: as wide as they are, with as much material in the cross-section.
+    // A piece thinner than the distance between rays is drawn as wide as that distance, with the same amount
+    // of material in its cross-section.
     const double apart_mm = middle.z() / focal_pixels_ / grid;
     if (outer < apart_mm) {
         share *= (outer * outer - inner * inner) / (apart_mm * apart_mm);
@@ -195,7 +197,7 @@ void TubePainter::paint(const TubePiece &piece)
     }
     auto pixel_x = [&](const Vector3d &p) { return half_ + focal_pixels_ * p.x() / p.z(); };
     auto pixel_y = [&](const Vector3d &p) { return half_ - focal_pixels_ * p.y() / p.z(); };
-    // Cylinder's rim, its cut at the bisecting planes, and a pixel's own half diagonal.
+    // The pad covers the cylinder's rim, its cut at the bisecting planes, and half a pixel's diagonal.
     const double pad = 1.6 * outer * focal_pixels_ / near_mm + 1.0;
     const Extent extent{pixel_x(piece.a_mm), pixel_y(piece.a_mm), pixel_x(piece.b_mm), pixel_y(piece.b_mm),
                         pad};

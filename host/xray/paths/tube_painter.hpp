@@ -1,31 +1,31 @@
-// Paints short cylinders into ToolPaths: the chord of every ray, exact between two cutting planes.
+// Paints short cylinders into ToolPaths: the chord of every ray is exact between two cutting planes.
 #pragma once
 #include "host/xray/paths/paths.hpp"
 
 namespace crn
 {
 
-// In camera axes: x right, y up, z away from the source. Cylinder about the line from a to b, cut by the
-// planes through a and b.
+// A piece in camera axes: x right, y up, z away from the source. It is a cylinder about the line from a to b,
+// cut by the planes through a and b.
 struct TubePiece {
     Eigen::Vector3d a_mm, b_mm, normal_a, normal_b;
     double outer_mm = 0.0, inner_mm = 0.0;
     Material material = Material::steel;
-    double share = 1.0;              // of the ring that the material fills
-    double displaced_contrast = 0.0; // share of iohexol 350 in the blood around
+    double share = 1.0;              // share of the ring that the material fills
+    double displaced_contrast = 0.0; // share of iohexol 350 in the surrounding blood
 };
 
 class TubePainter
 {
   public:
-    // Empties `paths`. `materials`: all that will be painted. `displaced`: what tools and contrast lie in,
-    // usually blood.
+    // Empties `paths`. `materials` lists all that will be painted. `displaced` is the material around tools
+    // and contrast medium, usually blood.
     TubePainter(const View &view, std::span<const Material> materials, Material displaced, ToolPaths &paths);
 
     void paint(const TubePiece &piece);
 
   private:
-    struct Line; // one row of rays and what a piece needs for it
+    struct Line; // one row of rays and the data that a piece needs for it
     void paint_row(const Line &line, int y, int x0, int x1);
     std::size_t slot(Material material) const;
     std::int32_t *entry(int pixel);

@@ -14,7 +14,8 @@ struct Edge {
     std::int64_t value, step_x, step_y;
     bool is_top_left;
 
-    // From a to b, positive inside a triangle of positive area; at the centre of pixel (x, y).
+    // The edge from a to b: positive inside a triangle of positive area; evaluated at the centre of pixel (x,
+    // y).
     Edge(const SurfaceCorner &a, const SurfaceCorner &b, int x, int y)
     {
         const std::int64_t dx = b.x - a.x, dy = b.y - a.y;
@@ -29,7 +30,7 @@ struct Edge {
 
 int first_pixel(std::int32_t low)
 {
-    return (low + subpixels / 2 - 1) >> 4; // the first centre at or behind `low`
+    return (low + subpixels / 2 - 1) >> 4; // the first centre at or beyond `low`
 }
 
 } // namespace

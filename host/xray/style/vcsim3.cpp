@@ -1,4 +1,4 @@
-// Surfaces of the bodies, a tube around each tool, and the noise.
+// Draws the surfaces of the bodies and a tube around each tool, and adds the noise.
 #include "host/xray/style/vcsim3.hpp"
 #include "host/xray/float_math.hpp"
 #include "host/xray/paths/parallel.hpp"
@@ -13,7 +13,7 @@ namespace crn
 using Eigen::Vector3d;
 
 struct SurfaceScene {
-    struct Part { // a body that is shown, where it rests
+    struct Part { // a body that is shown, in its place of rest
         std::size_t body = 0;
         SurfaceLook look;
         std::vector<Eigen::Vector3i> vertices_um;
@@ -21,31 +21,32 @@ struct SurfaceScene {
     };
     std::vector<Part> parts;
     int threads = 1;
-    // Of the last view.
+    // State of the last view.
     bool is_filled = false;
     CArm carm;
     int size = 0;
-    std::vector<std::uint8_t> is_moved; // per part: not in still_sums
+    std::vector<std::uint8_t> is_moved; // per part: excluded from still_sums
     std::vector<std::int32_t> still_sums, sums, tool_sums;
 };
 
 namespace
 {
 
-constexpr int tool_grid = 2;   // samples per pixel along each edge: a wire is hardly wider than a pixel
+constexpr int tool_grid = 2;   // samples per pixel along each edge: a guidewire is hardly wider than a pixel
 constexpr int tool_sides = 12; // of the tube around a tool
 constexpr int tool_pieces = 4; // between two nodes
-constexpr double contrast_depth = 8.0; // a quarter of undiluted medium looks nearly as dark as all of it
-constexpr double density_per_log2 = 1.4426950408889634 / 65536.0; // 1/65536 nepers as powers of two
+constexpr double contrast_depth =
+    8.0; // a quarter of undiluted medium looks nearly as dark as undiluted medium
+constexpr double density_per_log2 = 1.4426950408889634 / 65536.0; // converts 1/65536 nepers to powers of two
 
-// -ln(1 - A (1 - |n.v|)^p) in 1/65536.
+// Returns -ln(1 - A (1 - |n.v|)^p) in 1/65536.
 std::int32_t density_q16(const SurfaceLook &look, double cosine)
 {
     const double opacity = look.edge_opacity * std::pow(1.0 - std::min(1.0, std::abs(cosine)), look.power);
     return static_cast<std::int32_t>(std::lround(-std::log1p(-opacity) * 65536.0));
 }
 
-// A part's corners in a view, with normals weighted by area.
+// Returns a part's corners in a view, with normals weighted by area.
 std::vector<SurfaceCorner> corners_of(const SurfaceScene::Part &part,
                                       std::span<const Eigen::Vector3i> places_um, const View &view)
 {
@@ -67,7 +68,7 @@ std::vector<SurfaceCorner> corners_of(const SurfaceScene::Part &part,
     return corners;
 }
 
-// The parts that moved, or those that did not.
+// Adds either the parts that moved or those that did not.
 void add_parts(const SurfaceScene &scene, std::span<const std::span<const Eigen::Vector3i>> places_um,
                bool moved, const View &view, std::vector<std::int32_t> &sums)
 {
@@ -85,7 +86,7 @@ void add_parts(const SurfaceScene &scene, std::span<const std::span<const Eigen:
     });
 }
 
-// What stands still is kept from picture to picture, what moves is drawn anew.
+// Keeps the sums of parts at rest from picture to picture, and draws moved parts again.
 void fill_bodies(SurfaceScene &scene, const CArm &carm, int size, std::span<const MovedBody> moved)
 {
     std::vector<std::uint8_t> is_moved(scene.parts.size(), 0);
@@ -125,7 +126,8 @@ double radius_m(const RadiopaqueInstrument &tool, double arc_m, double node_radi
     return after[-1].outer_m + share * (after->outer_m - after[-1].outer_m);
 }
 
-// A point of the curve through the nodes (Catmull-Rom), `share` of the way from node i to the next.
+// Returns a point of the curve through the nodes (Catmull-Rom) at the fraction `share` between node i and the
+// next.
 Vector3d on_curve(const std::vector<WireNode> &nodes, std::size_t i, double share)
 {
     const Vector3d &b = nodes[i].position_m, &c = nodes[std::min(i + 1, nodes.size() - 1)].position_m;
@@ -169,7 +171,7 @@ void add_band(SurfaceScene &scene, const View &view, const Ring &from, const Rin
     }
 }
 
-// Contrast medium in a vessel, or a strut: a tube along the curve, open at its ends.
+// Draws contrast medium in a vessel, or a strut, as a tube along the curve, open at its ends.
 void add_curve(SurfaceScene &scene, const View &view, const SweptCurve &curve)
 {
     Ring last;
@@ -210,7 +212,8 @@ void add_tool(SurfaceScene &scene, const View &view, const RadiopaqueInstrument 
     }
 }
 
-// About normal, mean 0 and deviation 1: the sum of four even numbers from a hash of key and pixel.
+// Returns an approximately normal number of mean 0 and deviation 1: the sum of four uniform numbers from a
+// hash of key and pixel.
 float noise_at(std::uint64_t key, std::uint32_t pixel)
 {
     std::uint64_t x = key + 0x9e3779b97f4a7c15u * (pixel + 1ull);
@@ -230,7 +233,7 @@ std::uint8_t grey_of(float share, float noise)
     return static_cast<std::uint8_t>(std::clamp(value, 0.0f, 255.0f));
 }
 
-// Light that passes the tools over one pixel.
+// Returns the share of light that passes the tools over one pixel.
 float tool_share(const SurfaceScene &scene, int x, int y)
 {
     float share = 0.0f;

@@ -1,6 +1,6 @@
-// The look of VCSim3's fluoroscopy screen (thesis, 5.3.4.1) beside the physical picture: no attenuation, but
-// surfaces whose opacity depends on the angle between normal and view, and noise afterwards. The thesis gives
-// the idea without an equation; ours is in docs/xray-style.md:
+// Draws the look of VCSim3's fluoroscopy screen (thesis, 5.3.4.1), as an alternative to the physical picture.
+// It has no attenuation; surfaces have an opacity that depends on the angle between normal and view, and
+// noise is added afterwards. The thesis gives the idea without an equation; ours is in docs/xray-style.md:
 //
 //   I = product over all surfaces s on the ray of (1 - A_s (1 - |n_s . v|)^p_s),   grey = 255 (b I + sigma g)
 #pragma once
@@ -9,13 +9,14 @@
 namespace crn
 {
 
-// Opacity of a surface seen edge-on, and how fast it falls towards the front view.
+// Opacity of a surface seen edge-on, and its decrease towards the front view.
 struct SurfaceLook {
     double edge_opacity = 0.0; // A, 0 .. 0.98; 0: not shown
     double power = 2.0;        // p
 };
 
-// What the thesis shows: skeleton, heart and filled vessels; skin, fat, lungs and gas are left out.
+// The look of what the thesis shows: skeleton, heart and filled vessels; skin, fat, lungs and gas are left
+// out.
 SurfaceLook surface_look(const Bodies &bodies, std::size_t index);
 
 inline constexpr double vcsim3_background = 0.84; // b, share of white
@@ -23,8 +24,8 @@ inline constexpr double vcsim3_noise = 0.035;     // sigma, share of white
 inline constexpr SurfaceLook vcsim3_tool = {0.75, 0.6};
 inline constexpr SurfaceLook vcsim3_contrast = {0.80, 0.7}; // undiluted
 
-// Of what runs along a curve: contrast medium, by its share of the cross-section (0 .. 1), or a strut, as
-// dark as a tool.
+// The look of a curve: contrast medium by its share of the cross-section (0 .. 1), or a strut, as dark as a
+// tool.
 SurfaceLook curve_look(Material material, double share);
 
 struct SurfaceScene; // the bodies that are shown, and the sums of the last view
@@ -37,9 +38,9 @@ class Vcsim3Look
     Vcsim3Look(const Vcsim3Look &) = delete;
     Vcsim3Look &operator=(const Vcsim3Look &) = delete;
 
-    // Replaces what the picture shows (grey and shown); its counts and doses stay those of Xray::render. As
-    // reproducible as that: the same bytes for any number of threads. Only carm and size of the settings
-    // count.
+    // Replaces the shown picture (grey and shown); its counts and doses stay those of Xray::render. It is as
+    // reproducible as Xray::render: the same bytes for any number of threads. Only carm and size of the
+    // settings count.
     void draw(const XraySettings &settings, const XrayFrame &frame, std::uint64_t seed, XrayPicture &picture);
 
     // Sum of -ln(1 - opacity) over the bodies' surfaces of the last render, in 1/65536, size*size.

@@ -1,6 +1,6 @@
-// Claims: the picture's geometry is the C-arm's: markers at known places land on the pixels that an
-// independent calculation predicts, on the side that DICOM says; motors keep their limits; nothing runs into
-// the table.
+// Claims: the picture's geometry is the C-arm's. Markers at known places appear at the pixels that an
+// independent calculation predicts, and on the side that DICOM names. Motors keep their limits, and nothing
+// collides with the table.
 #include "firmware/tests/reference/long_run.h"
 #include "host/room/command.hpp"
 #include "host/room/gantry.hpp"
@@ -48,7 +48,7 @@ Bodies marker_cube(const Eigen::Vector3d &middle_m)
     return bodies;
 }
 
-// Centre of a marker's shadow, weighted by path length.
+// Returns the centre of a marker's shadow, weighted by path length.
 Eigen::Vector2d shadow(const std::vector<std::int32_t> &path, int size)
 {
     Eigen::Vector2d sum = Eigen::Vector2d::Zero();
@@ -63,8 +63,8 @@ Eigen::Vector2d shadow(const std::vector<std::int32_t> &path, int size)
     return sum / weight;
 }
 
-// Without the program's own C-arm: turn the patient instead, about his long axis by the primary angle and
-// then about the left-right axis by the secondary, and look from the front.
+// Predicts without the program's own C-arm: it turns the patient instead, about his long axis by the primary
+// angle and then about the left-right axis by the secondary angle, and looks from the front.
 Eigen::Vector2d predicted(const CArm &carm, int size, const Eigen::Vector3d &point_m)
 {
     const Eigen::Vector3d p = point_m - carm.isocentre_m;
@@ -153,8 +153,8 @@ static void sides_of_the_picture_are_named_as_dicom_does(void **)
     assert_string_equal(sides(120, 0).c_str(), "PR/H");
 }
 
-// A move of every axis: never beyond its speed, never more acceleration than stated, never past the target,
-// and in the time of the trapezium distance/speed + speed/acceleration within 2 %.
+// Moves every axis. No axis exceeds its speed or its stated acceleration, none overshoots the target, and the
+// time is that of the trapezium, distance/speed + speed/acceleration, within 2 %.
 static void motors_keep_speed_and_acceleration_and_do_not_overshoot(void **)
 {
     const GantryPose from = {0, 0, 0, 0, 0, 1.05, 0.75}, to = {30, -20, 0.1, -0.2, 0.05, 1.15, 0.80};
@@ -220,7 +220,8 @@ static void halt_brakes_and_stays(void **)
     assert_true(gantry.pose()[axis_primary] == stood_deg && stood_deg < 40.0);
 }
 
-// Whatever is asked: the gap stays open, also at the end of braking. Random poses after each other, 4 s each.
+// Whatever pose is ordered, the gap stays open, also at the end of braking. The test orders random poses one
+// after the other, 4 s each.
 static void nothing_touches_the_table(void **)
 {
     std::uint64_t seed = 12345;
@@ -244,7 +245,7 @@ static void nothing_touches_the_table(void **)
     }
     std::printf("# smallest gap %.1f mm, %d of %d motions stopped by the interlock\n", smallest_m * 1e3,
                 blocked, poses);
-    assert_true(smallest_m >= 0.02); // it brakes at 2.5 cm and looks at seven places of the way
+    assert_true(smallest_m >= 0.02); // it brakes at 2.5 cm and checks seven places along the move
     assert_true(blocked > poses / 30);
 }
 
@@ -262,16 +263,16 @@ static void a_blocked_arm_is_free_to_go_back(void **)
     assert_true(gantry.pose()[axis_primary] == 0.0 && !gantry.is_blocked());
 }
 
-// Known gap: at AP the tube's housing ends 25 cm in front of the focal spot, so 50 cm below the isocentre;
-// the table's under side is 13 + 6 cm below the patient's origin.
+// The gap at AP is known. The tube's housing ends 25 cm in front of the focal spot, so 50 cm below the
+// isocentre; the table's underside is 13 + 6 cm below the patient's origin.
 static void the_gap_under_the_table_is_the_one_of_the_drawing(void **)
 {
     const double gap_m = table_clearance_m({0, 0, 0, 0, 0, 1.05, 0.75});
     assert_float_equal(gap_m, 0.50 - 0.19, 1e-9);
 }
 
-// With the heart at the isocentre, as for coronaries; arch, renal and iliac views stand lower or higher on
-// the same table.
+// The heart is at the isocentre, as for coronaries; arch, renal and iliac views have the same table lower or
+// higher.
 static void every_preset_is_reached_clear_of_the_table(void **)
 {
     std::set<std::string_view> names;

@@ -1,12 +1,12 @@
-// Path lengths by OpenGL against those of the rasteriser, in both contexts that need no window; and what
-// happens when a library, a function or the context is missing or goes.
+// Compares path lengths by OpenGL with those of the rasteriser, in both contexts that need no window. It also
+// tests what happens when a library, a function or the context is missing or lost.
 //
 // Tolerances. Both cover a pixel by its centre, after corners were moved to a grid: 1/256 pixel in the
-// rasteriser, and what the driver likes in OpenGL (llvmpipe: 1/256 too, rounded by itself). So at an edge one
-// pixel may belong to either side. Inside, where the path changes by less than 2 mm between neighbours, a
-// shift of 1/128 pixel is 0.016 mm; the sums are floats around 100 mm, good to 0.00001 mm each, and the
-// rasteriser's faces are rounded to 1/1024 mm. Hence 0.05 mm inside, mean 0.002 mm, and at edges a share of
-// pixels that may differ.
+// rasteriser, and the driver's own choice in OpenGL (llvmpipe: also 1/256, with its own rounding). So at an
+// edge one pixel may belong to either side. Inside, where the path changes by less than 2 mm between
+// neighbours, a shift of 1/128 pixel is 0.016 mm. The sums are floats around 100 mm, exact to 0.00001 mm
+// each, and the rasteriser's faces are rounded to 1/1024 mm. Hence the tolerance is 0.05 mm inside, with a
+// mean of 0.002 mm, and a share of pixels at edges may differ.
 #include "firmware/tests/reference/long_run.h"
 #include "host/xray/gl/gl_paths.hpp"
 #include "host/xray/paths/raster_paths.hpp"
@@ -28,8 +28,7 @@ extern "C" {
 #include <cmocka.h>
 }
 
-// Mesa and LLVM keep what they allocated at start-up; only blocks that were allocated inside them are left
-// out.
+// Mesa and LLVM keep what they allocate at start-up; only blocks allocated inside them are suppressed.
 extern "C" const char *__lsan_default_suppressions();
 extern "C" const char *__lsan_default_suppressions()
 {
@@ -53,7 +52,7 @@ void turn(Body &body, const Eigen::Vector3d &centre_m)
     }
 }
 
-// Eight materials, three levels deep, one tilted, one hidden behind another.
+// Makes eight materials, three levels deep, one tilted, one hidden behind another.
 Bodies nested_bodies()
 {
     Bodies bodies;
@@ -112,7 +111,8 @@ struct Difference {
     double inner_sum_mm = 0.0;
 };
 
-// Inside: the path differs from all eight neighbours by less than 2 mm and none of the nine is empty.
+// A pixel counts as inside when its path differs from all eight neighbours by less than 2 mm and none of the
+// nine is empty.
 void compare_material(const std::vector<std::int32_t> &expected, const std::vector<std::int32_t> &got,
                       int size, Difference &difference)
 {
@@ -235,7 +235,7 @@ void a_source_inside_a_body_sees_the_way_out_only(void **)
     draw(raster, view, expected, 2);
     draw(opengl, view, got, 2);
     assert_same(expected, got, 256, "source inside");
-    // On the axis: from the source at 750 mm to the far wall at 900 mm, less the trunk.
+    // On the axis the path goes from the source at 750 mm to the far wall at 900 mm, less the trunk.
     const double axis_mm = got[static_cast<int>(Material::air)][128 * 256 + 128] * q10_mm;
     std::printf("# axis %.2f mm, expected 1470 mm\n", axis_mm);
     assert_true(std::fabs(axis_mm - 1470.0) < 1.5); // facets of the large sphere
@@ -312,7 +312,8 @@ void every_size_from_64_to_2048_and_back_is_right(void **)
     }
 }
 
-// A wire through the trunk, seen by the whole chain: only the bodies' paths come from elsewhere.
+// A wire passes through the trunk and the whole chain runs: only the bodies' paths come from another back
+// end.
 void pictures_with_a_wire_look_the_same_to_the_eye(void **)
 {
     XrayScene scene;
@@ -378,7 +379,7 @@ void a_library_that_is_no_opengl_is_refused(void **)
     }
 }
 
-// --- a context that goes, and drivers that refuse
+// --- a context that is lost, and drivers that refuse
 // ----------------------------------------------------------------------
 unsigned no_memory()
 {
@@ -393,7 +394,7 @@ void nothing_compiled(unsigned, unsigned, int *value)
     *value = 0;
 }
 
-// A real context that goes at its nth entering, or has another function in one place.
+// A real context that is lost at its nth entering, or has one function replaced.
 class Tampered final : public GlContext
 {
   public:
@@ -516,7 +517,7 @@ void fifty_contexts_come_and_go_without_growing(void **)
     }
     const long growth_kB = resident_kB() - after_ten_kB;
     std::printf("# %ld kB more after 50 contexts than after 10\n", growth_kB);
-#ifndef REFERENCE_SANITIZED // which holds freed blocks back
+#ifndef REFERENCE_SANITIZED // which delays the reuse of freed blocks
     assert_true(growth_kB < 16384);
 #endif
 }
@@ -535,8 +536,8 @@ void another_thread_may_go_on_with_it(void **)
     }
 }
 
-// EGL takes its driver out of memory with its last context; what that leaks could then not be told from what
-// we leak. So the driver is asked to stay.
+// EGL unloads its driver with its last context, and the driver's leaks could then not be told from ours. So
+// the test keeps the driver loaded.
 int keep_driver(void **)
 {
     std::unique_ptr<GlContext> context;

@@ -1,4 +1,5 @@
-// Tube spectra against spekpy, half-value layers, and the few energies of a picture against steps of 1 keV.
+// Compares tube spectra with spekpy, half-value layers with known ones, and the few energies of a picture
+// with steps of 1 keV.
 #include "host/xray/beam_table.hpp"
 #include "host/xray/float_math.hpp"
 #include <algorithm>
@@ -23,7 +24,7 @@ double attenuation(Material material, int energy_index)
     return static_cast<double>(attenuation_per_cm[static_cast<int>(material)][energy_index]);
 }
 
-// Mean over the detector's signal of a spectrum.
+// Returns the mean of a value over the detector's signal of a spectrum.
 template <class Value> double signal_mean(const Spectrum &spectrum, Value value)
 {
     double sum = 0.0, mass = 0.0;
@@ -84,9 +85,9 @@ bool is_near(const char *what, double value, double expected, double share)
 
 } // namespace
 
-// spekpy 2.5.4 (Omar's cross-sections, another model than ours): 11 degrees, 2.5 mm Al + 0.2 mm Cu, 20 cm of
-// soft tissue, signal of 0.55 mm CsI. The models differ by 1 % in mean energy, so by 1 % and 5 % in what
-// tissue and bone attenuate.
+// The reference is spekpy 2.5.4 (Omar's cross-sections, another model than ours): 11 degrees, 2.5 mm Al + 0.2
+// mm Cu, 20 cm of soft tissue, signal of 0.55 mm CsI. The models differ by 1 % in mean energy, and so by 1 %
+// and 5 % in the attenuation of tissue and bone.
 static void beam_behind_a_patient_agrees_with_spekpy(void **)
 {
     struct Row {
@@ -108,8 +109,8 @@ static void beam_behind_a_patient_agrees_with_spekpy(void **)
     }
 }
 
-// Iodine hardens the beam: effective 1/cm through 3 mm and 10 mm of iohexol-350 behind the patient, spekpy as
-// above.
+// Iodine hardens the beam: effective 1/cm through 3 mm and 10 mm of iohexol-350 behind the patient, from the
+// same spekpy model.
 static void contrast_hardens_the_beam_as_in_spekpy(void **)
 {
     struct Row {
@@ -125,8 +126,8 @@ static void contrast_hardens_the_beam_as_in_spekpy(void **)
     }
 }
 
-// Half-value layers of spekpy. Tucker's spectrum is known to be somewhat harder: 6 % without copper, 3 % with
-// it.
+// The half-value layers are spekpy's. Tucker's spectrum is known to be somewhat harder: 6 % without copper, 3
+// % with it.
 static void half_value_layers_agree_with_spekpy(void **)
 {
     struct Row {
@@ -139,8 +140,9 @@ static void half_value_layers_agree_with_spekpy(void **)
                             row.aluminium_mm, row.tolerance));
 }
 
-// Every combination of 0 .. 40 cm tissue, 0 .. 5 cm bone and 0 .. 2 cm undiluted contrast that lets more than
-// 1e-4 through, for every filter of the tube from 60 to 125 kV: within 1 % of 1 keV steps.
+// Tests every combination of 0 .. 40 cm tissue, 0 .. 5 cm bone and 0 .. 2 cm undiluted contrast that
+// transmits more than 1e-4, for every filter of the tube from 60 to 125 kV. The result must be within 1 % of
+// 1 keV steps.
 static void few_energies_are_within_one_percent_of_one_keV_steps(void **)
 {
     double worst = 0.0;
@@ -164,7 +166,7 @@ static void few_energies_are_within_one_percent_of_one_keV_steps(void **)
     assert_true(worst <= 0.01);
 }
 
-// Metals with a K edge inside the spectrum have no smooth curve; what they let through must still be of the
+// Metals with a K edge inside the spectrum have no smooth curve; their transmission must still be of the
 // right size.
 static void platinum_lets_through_what_it_should(void **)
 {
@@ -185,11 +187,11 @@ static void platinum_lets_through_what_it_should(void **)
             }
             std::printf("# %g kV, %g mm: %.4f, exact %.4f\n", kV, mm, with / without, exact);
             assert_true(std::fabs(with / without - exact) <
-                        0.025); // of 1: what is behind it is nearly black either way
+                        0.025); // of the open beam (1): the pixel behind is nearly black either way
         }
 }
 
-// What the picture path may not take from libm: its own powers, logarithms and sines against libm's.
+// The picture path must not use libm: its own powers, logarithms and sines are compared with libm's.
 static void functions_without_libm_are_exact(void **)
 {
     for (double x = -60.0; x < 60.0; x += 0.37) {

@@ -1,6 +1,6 @@
 // Claims: the thesis' look is the stated product over surfaces, shows what the thesis shows, and is the same
-// picture for any number of threads. Shown on a sphere, where the angle between normal and ray follows from
-// the chord.
+// picture for any number of threads. The test uses a sphere, where the angle between normal and ray follows
+// from the chord.
 #include "host/xray/style/vcsim3.hpp"
 #include "host/xray/tests/xray_shapes.hpp"
 #include <algorithm>
@@ -74,7 +74,7 @@ void density_of_a_sphere_is_the_stated_product(void **)
             const double cosine = std::sqrt(1.0 - square / (sphere_radius_m * sphere_radius_m));
             const double opacity = surface.edge_opacity * std::pow(1.0 - cosine, surface.power);
             const double expected = -2.0 * std::log1p(-opacity);
-            // Normals of flat facets, 0.9 degrees across.
+            // Normals are those of flat facets, 0.9 degrees across.
             if (std::abs(got - expected) > 0.012 + 0.02 * expected)
                 fail_msg("pixel %d, %d: density %.4f, expected %.4f", x, y, got, expected);
             ++compared;
@@ -93,8 +93,8 @@ void noise_has_the_stated_mean_and_deviation(void **)
     }
     const double count = static_cast<double>(picture.grey.size()), mean = sum / count;
     const double deviation = std::sqrt(squares / count - mean * mean);
-    // 16,384 pixels: standard errors 0.07 and 0.05; whole numbers, rounded down, take half a grey value off
-    // the mean.
+    // 16,384 pixels have standard errors of 0.07 and 0.05; rounding down to whole numbers lowers the mean by
+    // half a grey value.
     if (std::abs(mean - (255.0 * vcsim3_background - 0.5)) > 0.3) fail_msg("mean %.3f", mean);
     if (std::abs(deviation - 255.0 * vcsim3_noise) > 0.25) fail_msg("deviation %.3f", deviation);
 }
@@ -133,7 +133,8 @@ void wire_is_a_dark_line_at_its_place(void **)
         fail_msg("grey %d and %d beside it", at(row - 5), at(row + 5));
 }
 
-// Mean of the picture's middle rows at this distance below the tube's axis: noise of 0.8 grey values is left.
+// Returns the mean of the picture's middle rows at this distance below the tube's axis, where noise of 0.8
+// grey values remains.
 double grey_beside_the_axis(const XrayPicture &picture, double below_m)
 {
     const View view = make_view(small_view().carm, 128);
@@ -147,7 +148,7 @@ double grey_beside_the_axis(const XrayPicture &picture, double below_m)
     return sum / 120.0;
 }
 
-// What was in the vessels was missing from this look.
+// This look once did not show the medium in the vessels.
 void contrast_medium_is_a_tube_that_is_darker_the_more_iodine_it_holds(void **)
 {
     const auto picture_with = [](double share) {
@@ -160,8 +161,8 @@ void contrast_medium_is_a_tube_that_is_darker_the_more_iodine_it_holds(void **)
     };
     const double background = 255.0 * vcsim3_background;
     const XrayPicture undiluted = picture_with(1.0), diluted = picture_with(0.05);
-    // Two surfaces whose normal stands at |n.v| = 0.6 to the ray, 4 mm from the axis; a tube of 12 sides and
-    // rows of 0.8 mm.
+    // The ray crosses two surfaces with |n.v| = 0.6, 4 mm from the axis; the tube has 12 sides and rows are
+    // 0.8 mm apart.
     const double light = 1.0 - 0.8 * std::pow(1.0 - 0.6, 0.7);
     const double edge = grey_beside_the_axis(undiluted, 0.004);
     if (std::abs(edge - background * light * light) > 0.15 * background)
@@ -174,8 +175,8 @@ void contrast_medium_is_a_tube_that_is_darker_the_more_iodine_it_holds(void **)
     assert_true(picture_with(0.0).grey == picture_of({}, {}, 1).grey);
 }
 
-// A beating heart stood still in this look: its bodies are drawn where the picture's moment has them, and
-// stand again where they rest when the next picture moves none.
+// A beating heart once stood still in this look. Now its bodies are drawn at their places at the picture's
+// moment, and return to their places of rest when the next picture moves none.
 void bodies_are_drawn_where_they_have_moved_to(void **)
 {
     const Eigen::Vector3i way_um(21000, -13000, 8000);

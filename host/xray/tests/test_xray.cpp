@@ -1,5 +1,5 @@
-// Path lengths against closed forms, and the promise that a picture depends on nothing but what it is asked
-// for. Photons and detector have test_xray_physics.cpp.
+// Compares path lengths with closed forms, and tests that a picture depends on nothing but its inputs.
+// Photons and detector are tested in test_xray_physics.cpp.
 #include "host/xray/detector.hpp"
 #include "host/xray/tests/xray_shapes.hpp"
 #include "host/xray/xray.hpp"
@@ -18,7 +18,7 @@ using namespace crn;
 namespace
 {
 
-// Ray of a pixel's centre: origin at the source, unit direction.
+// Returns the ray of a pixel's centre: origin at the source, unit direction.
 Eigen::Vector3d pixel_ray(const View &view, int x, int y)
 {
     const double u = (x + 0.5 - view.size * 0.5) * view.pixel_m,
@@ -141,8 +141,8 @@ std::uint64_t hash_of(const XrayPicture &picture)
 
 } // namespace
 
-// 100k triangles: what is left is the facets' own chord error (0.013 mm) and half a unit of rounding per
-// face.
+// With 100k triangles only the facets' own chord error (0.013 mm) and half a unit of rounding per face
+// remain.
 static void sphere_path_is_the_chord(void **)
 {
     const Eigen::Vector3d centre_m(0.02, 0.01, -0.02);
@@ -155,7 +155,7 @@ static void sphere_path_is_the_chord(void **)
     assert_true(errors.mean_mm < 0.02);
 }
 
-// Flat faces have no facet error: only corner snapping (1/512 pixel) at the slanted rim, and rounding.
+// Flat faces have no facet error, only corner snapping (1/512 pixel) at the slanted rim, and rounding.
 static void box_path_is_the_chord(void **)
 {
     const Eigen::Vector3d low(-0.03, -0.05, -0.04), high(0.04, 0.03, 0.02);
@@ -180,7 +180,7 @@ static void nested_body_is_taken_out_of_its_parent(void **)
     assert_true(path_errors(seen->xray->body_path_q10mm(Material::muscle), view, wall).mean_mm < 0.03);
 }
 
-// A source inside a body sees the way from itself to the wall; faces behind it are cut off at 1 mm.
+// A source inside a body measures the length from itself to the wall; faces behind it are cut off at 1 mm.
 static void source_inside_a_body_sees_the_way_out(void **)
 {
     XraySettings settings;
@@ -198,7 +198,8 @@ static void picture_is_the_same_for_any_number_of_threads(void **)
     for (int threads : {2, 3, 7})
         assert_int_equal(hash_of(render(chest_like(), oblique_settings(), bent_wire(), threads)->picture),
                          one);
-    // Golden over compilers and optimisation levels; changes only when the picture is meant to change.
+    // This hash is golden over compilers and optimisation levels; it changes only when the picture is meant
+    // to change.
     std::printf("# hash %016llx\n", static_cast<unsigned long long>(one));
     assert_int_equal(one, 0x7a9083b12e5445e1);
 }
@@ -236,8 +237,8 @@ static void tube_has_the_volume_of_its_wire(void **)
     for (std::int32_t chord : path) volume_mm3 += chord / 1024.0 * pixel_mm * pixel_mm;
     const double expected = 3.14159265 * 0.45 * 0.45 * length_mm;
     std::printf("# volume %.3f mm3, expected %.3f\n", volume_mm3, expected);
-    // 2 %: the wire leaves the isocentre's plane by 10 mm (2.7 % in area, both signs) and is smoothed between
-    // nodes.
+    // The tolerance is 2 %, because the wire leaves the isocentre's plane by 10 mm (2.7 % in area, both
+    // signs) and is smoothed between nodes.
     assert_true(std::fabs(volume_mm3 - expected) < 0.02 * expected);
 }
 
@@ -270,8 +271,8 @@ static void tube_is_unbroken_and_as_thick_as_the_wire(void **)
         thickest_mm = std::max(thickest_mm, chord_mm);
     }
     std::printf("# between %.3f and %.3f mm, diameter 0.9\n", thinnest_mm, thickest_mm);
-    // Mean over a pixel (.45 mm) whose centre may lie .3 mm beside the axis: .60 at least, a gap would show
-    // as less.
+    // The mean covers a pixel (.45 mm) whose centre may lie .3 mm beside the axis. It is at least .60, and a
+    // gap would show as less.
     assert_true(thinnest_mm > 0.60 && thickest_mm < 0.91);
 }
 
@@ -290,7 +291,7 @@ static void cramped_or_broken_wire_frames_do_no_harm(void **)
     render(chest_like(), XraySettings{}, through_source);
 }
 
-// DICOM: LAO positive puts what lies behind (the spine) on the right of the picture.
+// In DICOM, positive LAO puts what lies behind (the spine) on the right of the picture.
 static void carm_angles_have_the_signs_of_dicom(void **)
 {
     CArm carm;

@@ -1,5 +1,5 @@
-// What goes from picture to picture: exposure control against its curve and limits, lag against its own
-// decay, and that a sequence repeats.
+// Tests what carries over from picture to picture: exposure control against its curve and limits, lag against
+// its stated decay, and that a sequence repeats.
 #include "host/xray/lag.hpp"
 #include "host/xray/tests/xray_room.hpp"
 #include <cmath>
@@ -8,8 +8,8 @@
 
 using namespace crn;
 
-// A single picture has settled: the signal over the measuring field is the dose asked for, through thin and
-// thick.
+// A single picture has settled: the signal over the measuring field is the demanded dose, through thin and
+// thick patients.
 static void exposure_holds_the_dose_behind_thin_and_thick(void **)
 {
     for (double thickness_m : {0.08, 0.15, 0.20, 0.25}) {
@@ -27,8 +27,8 @@ static void exposure_holds_the_dose_behind_thin_and_thick(void **)
     }
 }
 
-// From a thin view to a thick one: darker at first, monotonous, settled within 12 % after five pulses, and
-// then still.
+// The view changes from thin to thick: pictures are darker at first, approach monotonically, are within 12 %
+// after five pulses, and then stay constant.
 static void exposure_follows_within_a_few_pulses(void **)
 {
     Room thin(slab(0.12)), thick(slab(0.24));
@@ -51,8 +51,8 @@ static void exposure_follows_within_a_few_pulses(void **)
     assert_true(std::fabs(raw[9] / raw_of_wanted_dose - 1.0) < 0.04);
 }
 
-// Over a patient of growing thickness: voltage, current and pulse within the tube's limits and the power
-// limit; the kerma rate of fluoroscopy never above 88 mGy/min; past the end of the curve the picture is
+// The patient's thickness grows: voltage, current and pulse stay within the tube's limits and the power
+// limit. The kerma rate of fluoroscopy never exceeds 88 mGy/min. Past the end of the curve the picture is
 // underexposed and says so.
 static void exposure_keeps_its_limits_and_underexposes_at_them(void **)
 {
@@ -89,8 +89,9 @@ static void exposure_keeps_its_limits_and_underexposes_at_them(void **)
     assert_true(dark.raw[256 * 512 + 256] < 0.5 * raw_of_wanted_dose);
 }
 
-// A plate is seen for 40 pictures, then moved away by panning the table: what it left behind is the stated
-// share of the step, and each picture's is 2^(-T/h) of the one before. Without memory there is no lag.
+// A plate lies in the beam for 40 pictures, then panning the table moves it away. Its ghost is the stated
+// share of the step, and each picture's ghost is 2^(-T/h) of the previous one. Without memory there is no
+// lag.
 static void lag_is_the_stated_share_and_decays_per_picture(void **)
 {
     Room room({{box_body("plate", "soft_tissue", -1, {-0.02, -0.02, -0.1}, {0.02, 0.02, 0.1})}});

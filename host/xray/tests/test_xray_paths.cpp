@@ -1,5 +1,5 @@
-// Path lengths against analytic chords, over views drawn by lot, and where rasterisers fail: slivers, corners
-// on the centres of pixels, the source inside a body or faces behind it.
+// Compares path lengths with analytic chords over random views, and tests the cases where rasterisers fail.
+// Those are slivers, corners on the centres of pixels, a source inside a body and faces behind it.
 #include "host/xray/paths/path_keeper.hpp"
 #include "host/xray/paths/raster_paths.hpp"
 #include "host/xray/tests/xray_shapes.hpp"
@@ -20,7 +20,7 @@ using Eigen::Vector3d;
 namespace
 {
 
-// Numbers by lot, the same on every machine.
+// Random numbers, the same on every machine.
 class Lot
 {
   public:
@@ -84,7 +84,7 @@ Vector3d pixel_ray(const View &view, int x, int y)
     return (view.right * u + view.up * v + view.forward * view.source_detector_m).normalized();
 }
 
-// A turned frame: columns are its axes.
+// Returns a rotated frame: columns are its axes.
 Eigen::Matrix3d turned(Lot &lot)
 {
     Eigen::Quaterniond q(lot.between(-1, 1), lot.between(-1, 1), lot.between(-1, 1), lot.between(0.1, 1));
@@ -92,7 +92,7 @@ Eigen::Matrix3d turned(Lot &lot)
     return q.toRotationMatrix();
 }
 
-// A body in its own frame, put to `at`.
+// Moves a body from its own frame to `at`.
 Body placed(const std::string &name, const std::vector<Vector3d> &points_m,
             const std::vector<std::array<std::uint32_t, 3>> &triangles, const Eigen::Matrix3d &axes,
             const Vector3d &at)
@@ -116,7 +116,7 @@ std::vector<Vector3d> box_points(const Vector3d &half)
     return points;
 }
 
-// Along z, from -half to half; `sides` flat sides.
+// Makes a cylinder along z, from -half to half; `sides` flat sides.
 Body cylinder_body(double radius, double half, int sides, const Eigen::Matrix3d &axes, const Vector3d &at)
 {
     std::vector<Vector3d> points = {{0, 0, -half}, {0, 0, half}};
@@ -165,7 +165,8 @@ double sphere_chord(const Vector3d &source, const Vector3d &ray, double radius)
     return square > 0.0 ? 2.0 * std::sqrt(square) : 0.0;
 }
 
-// Mean error in mm over the pixels where the chord is not 0; the chord is asked for in the body's own frame.
+// Returns the mean error in mm over the pixels where the chord is not 0; the chord is computed in the body's
+// own frame.
 template <class Chord>
 double mean_error_mm(const Body &body, const Eigen::Matrix3d &axes, const Vector3d &at, const View &view,
                      Chord chord)
@@ -187,7 +188,7 @@ double mean_error_mm(const Body &body, const Eigen::Matrix3d &axes, const Vector
     return sum / std::max(count, 1);
 }
 
-// Long and thin to needles: closed tetrahedra with edges from 2 um to 40 mm.
+// Makes closed tetrahedra with edges from 2 um to 40 mm, up to long thin needles.
 Body slivers(Lot &lot, int count)
 {
     Body body{"slivers", "bone", -1, {}, {}};
@@ -214,8 +215,8 @@ Body slivers(Lot &lot, int count)
     return body;
 }
 
-// An unpaired face leaves its distance from the source, 500 mm or more: no sum of closed bodies comes near
-// it.
+// An unpaired face leaves its distance from the source, 500 mm or more, which no sum of closed bodies
+// approaches.
 void no_pixel_is_unpaired(const BodyMeshes &meshes, const View &view, double largest_mm)
 {
     const PathPictures pictures = draw(meshes, view, PathForm::axis_sums);
@@ -230,7 +231,8 @@ void no_pixel_is_unpaired(const BodyMeshes &meshes, const View &view, double lar
 
 } // namespace
 
-// Facets: 0.010 mm on the sphere. The cylinder has 720 sides (0.3 um). Corners are rounded to 1 um.
+// The facets' error is 0.010 mm on the sphere. The cylinder has 720 sides (0.3 um). Corners are rounded to 1
+// um.
 static void paths_of_sphere_cylinder_and_tilted_box_are_their_chords(void **)
 {
     Lot lot(1);
@@ -317,8 +319,8 @@ static void corners_and_edges_on_the_centres_of_pixels_are_covered_once(void **)
         }
 }
 
-// The ray's way from the source to the face that it leaves by; what is nearer than 1 mm is cut off along the
-// axis.
+// The expected length runs along the ray from the source to the face where it leaves; what is nearer than 1
+// mm is cut off along the axis.
 static void a_source_inside_a_body_sees_the_way_out_in_every_direction(void **)
 {
     Lot lot(3);
@@ -387,7 +389,7 @@ static void part_of_a_picture_is_drawn_like_the_whole_and_by_any_number_of_threa
     }
 }
 
-// A mesh with a hole is refused by nobody here: the harm stays in the pixels behind the hole.
+// No code here refuses a mesh with a hole: the error stays in the pixels behind the hole.
 static void an_open_mesh_harms_only_the_pixels_behind_its_hole(void **)
 {
     Body ball = sphere_body("ball", "bone", -1, {0, 0, 0}, 0.05, 30);
@@ -405,8 +407,8 @@ static void an_open_mesh_harms_only_the_pixels_behind_its_hole(void **)
                 std::vector<std::int32_t>(256 * 256, 0));
 }
 
-// A beating heart: the picture is that of a scene made with the moved body, and only its surroundings are
-// drawn anew.
+// The heart beats: the picture is that of a scene made with the moved body, and only its surroundings are
+// redrawn.
 static void a_moved_body_is_drawn_as_if_the_scene_had_it_there(void **)
 {
     Body heart = sphere_body("heart", "muscle", 0, {0.02, 0.0, 0.01}, 0.03, 30);
@@ -433,7 +435,7 @@ static void a_moved_body_is_drawn_as_if_the_scene_had_it_there(void **)
     }
     assert_true(keeper.see(carm, 256, {{}, wire}));
     assert_true(keeper.bodies() == at_rest);
-    // Not a body of the scene, not its number of vertices, out of reach: left out.
+    // Entries with no body of the scene, with a wrong number of vertices or out of reach are left out.
     std::vector<Eigen::Vector3i> far(heart.vertices_um.size(), Eigen::Vector3i(3'000'000, 0, 0));
     const std::vector<Eigen::Vector3i> few(3, Eigen::Vector3i(0, 0, 0));
     const MovedBody wrong[] = {{7, heart.vertices_um}, {-1, heart.vertices_um}, {1, few}, {1, far}};

@@ -1,5 +1,5 @@
-// From path lengths to raw values: attenuation against the exponential, noise against Poisson's law, edges
-// against the stated MTF, scatter against a measurement. What goes from picture to picture has
+// From path lengths to raw values: attenuation is compared with the exponential, noise with Poisson's law,
+// edges with the stated MTF, scatter with a measurement. Effects from picture to picture are tested in
 // test_xray_exposure.cpp.
 #include "host/xray/blur.hpp"
 #include "host/xray/detector.hpp"
@@ -27,7 +27,7 @@ double mean_photons(const XrayPicture &picture)
 
 } // namespace
 
-// Against the double-precision exponential of the same table.
+// The reference is the double-precision exponential of the same table.
 static void transmission_follows_beer_and_lambert(void **)
 {
     const BeamTable beam = make_beam_table(75.0, 0.2);
@@ -48,7 +48,8 @@ static void transmission_follows_beer_and_lambert(void **)
         }
 }
 
-// Poisson: variance equals mean. 262,144 pixels: five standard errors of the mean; the variance to 2 %.
+// For a Poisson distribution the variance equals the mean. Over 262,144 pixels the mean may differ by five
+// standard errors, the variance by 2 %.
 static void noise_has_the_poisson_mean_and_variance(void **)
 {
     for (float expected : {0.4f, 3.0f, 11.0f, 13.0f, 60.0f, 400.0f, 20000.0f, 500000.0f}) {
@@ -92,8 +93,9 @@ static void noise_of_neighbours_and_ticks_is_unrelated(void **)
     assert_true(std::fabs(ticks / 512 / 511 / 100) < 0.01);
 }
 
-// The bar: rendered pictures of 20 cm of tissue at three doses, 2^20 pixels each. The noise-free picture of
-// the same technique is the mean of every pixel, so that the beam's obliquity does not count as noise.
+// The criterion covers rendered pictures of 20 cm of tissue at three doses, 2^20 pixels each. The noise-free
+// picture of the same technique is the mean of every pixel, so that the beam's obliquity does not count as
+// noise.
 static void rendered_counts_have_variance_over_mean_of_one(void **)
 {
     Room room(slab(0.20));
@@ -116,8 +118,8 @@ static void rendered_counts_have_variance_over_mean_of_one(void **)
     }
 }
 
-// Photons, kerma and KAP rise together with the charge; KAP does not depend on the distance, kerma at the
-// reference point on the detector's neither.
+// Photons, kerma and KAP rise together with the charge. KAP does not depend on the distance, and kerma at the
+// reference point does not depend on the detector's distance.
 static void dose_and_photons_come_from_the_same_charge(void **)
 {
     Room room(slab(0.20));
@@ -125,8 +127,8 @@ static void dose_and_photons_come_from_the_same_charge(void **)
     assert_true(std::fabs(two.photons_open / one.photons_open - 2.0) < 1e-12);
     assert_true(std::fabs(two.air_kerma_uGy / one.air_kerma_uGy - 2.0) < 1e-12);
     assert_true(std::fabs(two.kap_Gy_cm2 / one.kap_Gy_cm2 - 2.0) < 1e-12);
-    // spekpy: 24.60 uGy/mAs at 1 m behind 2.5 mm Al + 0.2 mm Cu; the reference point is 0.60 m from the focal
-    // spot.
+    // spekpy gives 24.60 uGy/mAs at 1 m behind 2.5 mm Al + 0.2 mm Cu; the reference point is 0.60 m from the
+    // focal spot.
     std::printf("# kerma %.3f uGy, KAP %.4g Gy cm2\n", one.air_kerma_uGy, one.kap_Gy_cm2);
     assert_true(std::fabs(one.air_kerma_uGy - 24.60 * 0.25 / 0.36) < 0.01 * one.air_kerma_uGy);
     XraySettings far = fixed(80.0, 50.0, 5.0);
@@ -135,7 +137,7 @@ static void dose_and_photons_come_from_the_same_charge(void **)
     const XrayPicture same = room.picture(far);
     assert_true(std::fabs(same.kap_Gy_cm2 / one.kap_Gy_cm2 - 1.0) < 1e-9);
     assert_true(std::fabs(same.air_kerma_uGy / one.air_kerma_uGy - 1.0) < 1e-12);
-    // Field of 97 % of 32 cm at 1.05 m: 17.74 cm wide at the reference point.
+    // A field of 97 % of 32 cm at 1.05 m is 17.74 cm wide at the reference point.
     const double side_cm = 32.0 * 496.0 / 512.0 * 0.60 / 1.05;
     std::printf("# area %.2f cm2, expected %.2f\n", one.kap_Gy_cm2 / one.air_kerma_uGy * 1e6,
                 side_cm * side_cm);
@@ -167,9 +169,9 @@ static void raw_values_are_linear(void **)
 namespace
 {
 
-// Presampled MTF by the slanted edge of ISO 12233 and IEC 62220-1: every pixel of a row has its own distance
-// from the edge; all of them make one edge profile in steps of a tenth of a pixel, whose derivative's Fourier
-// transform is the MTF.
+// Measures the presampled MTF by the slanted edge of ISO 12233 and IEC 62220-1. Every pixel of a row has its
+// own distance from the edge. All of them make one edge profile in steps of a tenth of a pixel, and the
+// Fourier transform of its derivative is the MTF.
 class SlantedEdge
 {
   public:
@@ -222,8 +224,8 @@ Body slanted_plate()
 
 } // namespace
 
-// The bar: rendered edge against the product of the stated curves, focal spot, pixel and scintillator, up to
-// 0.9 of half the sampling frequency, for three fields and both focal spots.
+// The criterion: a rendered edge has the product of the stated curves of focal spot, pixel and scintillator,
+// up to 0.9 of half the sampling frequency, for three fields and both focal spots.
 static void slanted_edge_has_the_stated_mtf(void **)
 {
     Room room({{slanted_plate()}});
@@ -247,8 +249,8 @@ static void slanted_edge_has_the_stated_mtf(void **)
             std::printf("# field %.0f mm, focal spot %.1f mm, %.2f/mm: MTF %.4f, stated %.4f (%+.1f %%)\n",
                         now.field_m * 1e3, now.focal_spot_mm, cycles / geometry.pixel_mm, seen, stated,
                         (seen / stated - 1.0) * 100.0);
-            // Where next to nothing is left (focal spot of 0.8 mm at its first zero) 5 % of it are within
-            // 0.005 of nothing.
+            // The tolerance is 5 %, and 0.005 where the curve is nearly zero (focal spot of 0.8 mm at its
+            // first zero).
             assert_true(std::fabs(seen - stated) < std::max(0.05 * stated, 0.005));
         }
     }
@@ -257,8 +259,8 @@ static void slanted_edge_has_the_stated_mtf(void **)
 namespace
 {
 
-// What a straight wire takes from each column of the picture, over the rows about the middle: a line spread
-// function.
+// Returns how much a straight wire takes from each column of the picture, over the rows about the middle: a
+// line spread function.
 std::vector<double> line_of_a_wire(double focal_spot_mm)
 {
     Room room(slab(0.05));
@@ -297,8 +299,8 @@ double spectrum_of(const std::vector<double> &line, double cycles_per_pixel)
 
 } // namespace
 
-// The same wire under two focal spots: its spectra differ by the ratio of their MTFs, and it takes as much
-// from the beam. Each kernel meets its curve within 0.01.
+// The same wire under two focal spots: its spectra differ by the ratio of their MTFs, and it takes the same
+// total from the beam. Each kernel follows its curve within 0.01.
 static void focal_spot_blurs_tools_as_stated(void **)
 {
     const std::vector<double> fine = line_of_a_wire(0.4), coarse = line_of_a_wire(0.8);
@@ -312,8 +314,8 @@ static void focal_spot_blurs_tools_as_stated(void **)
     }
 }
 
-// Noise passes the scintillator but not focal spot and pixel: neighbours in the raw picture are related as
-// the kernel says.
+// Noise passes the scintillator but not focal spot and pixel: neighbours in the raw picture correlate as the
+// kernel predicts.
 static void noise_has_the_texture_of_the_scintillator(void **)
 {
     Room room(slab(0.20));
@@ -352,8 +354,8 @@ static void noise_has_the_texture_of_the_scintillator(void **)
 namespace
 {
 
-// Scattered over primary in the middle of a field, in front of the grid; the slab fills a detector of square
-// pixels.
+// Returns scattered over primary in the middle of a field, in front of the grid; the slab fills a detector of
+// square pixels.
 double scatter_to_primary(double tissue_cm, double kV, double width_cm, double height_cm)
 {
     const Spectrum open = tube_spectrum(kV, 0.2), left = behind(open, Material::soft_tissue, tissue_cm);
@@ -379,9 +381,9 @@ double scatter_to_primary(double tissue_cm, double kV, double width_cm, double h
 
 } // namespace
 
-// Altunbas et al. 2016: 30 cm of acrylic (33 cm of tissue by electrons) in 40 x 30 cm, 125 kV: 4.51, behind
-// the grid 1.28. Textbooks (Bushberg et al., chapter on scatter): 20 cm in 30 x 30 cm about 3, and rising
-// with thickness and field.
+// Altunbas et al. 2016: 30 cm of acrylic (33 cm of tissue by electrons) in 40 x 30 cm at 125 kV give 4.51,
+// and 1.28 behind the grid. Textbooks (Bushberg et al., chapter on scatter) give about 3 for 20 cm in 30 x 30
+// cm, rising with thickness and field.
 static void scatter_agrees_with_a_measurement_and_grows_with_field_and_thickness(void **)
 {
     const double measured = scatter_to_primary(33.0, 125.0, 40.0, 30.0);
@@ -403,9 +405,9 @@ static void scatter_agrees_with_a_measurement_and_grows_with_field_and_thickness
                 1.3 * scatter_to_primary(20.0, 80.0, 20.0, 20.0));
 }
 
-// Digital subtraction: logarithms of two raw pictures at a locked technique, one with 4 mm of undiluted
-// contrast, differ by what the beam's table says of the contrast behind the same patient; beside it they are
-// the same to the last bit.
+// Digital subtraction takes logarithms of two raw pictures at a locked technique, one of them with 4 mm of
+// undiluted contrast. They differ by what the beam's table gives for the contrast behind the same patient;
+// beside it they are equal to the last bit.
 static void logarithms_of_raw_values_subtract_exactly(void **)
 {
     const Body trunk = box_body("trunk", "soft_tissue", -1, {-0.5, -0.5, -0.1}, {0.5, 0.5, 0.1});
@@ -432,7 +434,8 @@ static void logarithms_of_raw_values_subtract_exactly(void **)
     assert_int_equal(mask.raw[beside], live.raw[beside]);
 }
 
-// PS3.3 C.11.2.1.2: below level - window/2 black, above level + window/2 white, linear between.
+// By PS3.3 C.11.2.1.2 values below level - window/2 are black, above level + window/2 white, and linear
+// between.
 static void window_and_level_are_those_of_dicom(void **)
 {
     Room room(slab(0.2));
@@ -451,7 +454,7 @@ static void window_and_level_are_those_of_dicom(void **)
     assert_true(between > 1000);
 }
 
-// What is photographed does not depend on how much: a tenth of the dose gives the same shares, with more
+// The grey of the picture does not depend on the dose: a tenth of the dose gives the same shares, with more
 // noise.
 static void photons_are_fewer_at_a_lower_dose_and_the_grey_is_the_same(void **)
 {

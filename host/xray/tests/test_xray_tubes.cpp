@@ -1,5 +1,5 @@
-// Tools and curves: what a ray crosses of walls, cores, bands, struts and contrast medium, and what these
-// displace.
+// Tools and curves: tests how much of walls, cores, bands, struts and contrast medium a ray crosses, and what
+// these displace.
 #include "host/xray/paths/tube.hpp"
 #include "host/xray/tests/xray_shapes.hpp"
 #include "host/xray/xray.hpp"
@@ -35,7 +35,7 @@ ToolPaths tubes(const XrayFrame &frame, const View &view)
     return paths;
 }
 
-// Mean over a pixel's rays, mm.
+// Returns the mean over a pixel's rays, mm.
 double length_mm(const ToolPaths &paths, Material material, int x, int y)
 {
     const std::int32_t touched = paths.entry[static_cast<std::size_t>(y) * paths.size + x];
@@ -45,14 +45,14 @@ double length_mm(const ToolPaths &paths, Material material, int x, int y)
     return 0.0;
 }
 
-// Sum of chord times the beam's cross-section at the isocentre's depth: the volume of what lies there.
+// Sums chord times the beam's cross-section at the isocentre's depth: the volume of the material there.
 double volume_mm3(const ToolPaths &paths, const View &view, Material material)
 {
     const double pixel_mm = view.pixel_m * 1e3 * view.source_isocentre_m / view.source_detector_m;
     double sum = 0.0;
     for (std::int32_t pixel : paths.pixels) {
         const int x = pixel % paths.size, y = pixel / paths.size;
-        // The beam of a pixel beside the axis is as wide there, but crosses it at a slant.
+        // The beam of a pixel beside the axis is as wide there, but crosses at an angle.
         const double dx = (x + 0.5 - view.size * 0.5) * view.pixel_m,
                      dy = (y + 0.5 - view.size * 0.5) * view.pixel_m;
         const double slant = std::sqrt(dx * dx + dy * dy + view.source_detector_m * view.source_detector_m);
@@ -102,10 +102,11 @@ static void catheter_wall_braid_and_marker_band_have_their_thickness(void **)
     assert_true(std::fabs(band - 0.4) < 0.003);
     assert_true(no_band == 0.0);
     assert_true(std::fabs(at(-0.025, Material::blood) + 0.6) <
-                0.004); // what the wall displaces; the lumen stays
+                0.004); // displaced by the wall; the lumen stays
 }
 
-// Cone: pi h (a^2 + a b + b^2)/3, its share from s to t: exact mean over pieces of 0.5 mm.
+// The reference is the cone's volume, pi h (a^2 + a b + b^2)/3, its share from s to t: the exact mean over
+// pieces of 0.5 mm.
 static void contrast_column_holds_the_iodine_of_its_cone(void **)
 {
     for (double thickest_m : {0.0005, 0.002, 0.012}) {
@@ -128,7 +129,8 @@ static void contrast_column_holds_the_iodine_of_its_cone(void **)
         const double iodine = volume_mm3(paths, view, Material::iohexol_350);
         std::printf("# radius to %.1f mm: %.3f mm3 of iohexol, expected %.3f, displaced %.3f\n",
                     thickest_m * 1e3, iodine, expected_mm3, volume_mm3(paths, view, Material::blood));
-        // 0.5 %: 12 mm of depth on either side are magnified differently, in the second order.
+        // The tolerance is 0.5 %: 12 mm of depth on either side are magnified differently, in the second
+        // order.
         assert_true(std::fabs(iodine - expected_mm3) < 0.005 * expected_mm3);
         assert_true(std::fabs(iodine + volume_mm3(paths, view, Material::blood)) < 1e-6 * expected_mm3);
     }
@@ -166,7 +168,7 @@ static void wire_in_contrast_displaces_iodine_and_blood(void **)
     assert_true(std::fabs(blood + 0.7 * metal) < 0.01 * metal);
 }
 
-// 400 struts of 12 pieces: what a sum of single drawings says.
+// 400 struts of 12 pieces must equal the sum of single drawings.
 static void many_curves_add_up(void **)
 {
     std::vector<SweptCurve> curves;
@@ -194,8 +196,8 @@ static void many_curves_add_up(void **)
                     1e-6);
 }
 
-// Not finite, of no length, of one point, behind the source, through it, seen end on, bent back on itself: no
-// harm, and what can be drawn is.
+// These curves are not finite, have no length or one point, lie behind or through the source, are seen end
+// on, or are bent back on themselves. They do no harm, and what can be drawn is drawn.
 static void broken_and_awkward_curves_do_no_harm(void **)
 {
     const double nan = std::numeric_limits<double>::quiet_NaN(),
@@ -230,8 +232,8 @@ static void broken_and_awkward_curves_do_no_harm(void **)
             assert_in_range(paths.sum(i, slot), 0, 9ll * 1024 * 41);
 }
 
-// Struts and contrast reach the picture: both are darker than the blood around them, and a curve of air is
-// not there.
+// Struts and contrast reach the picture: both are darker than the blood around them, and a curve of air
+// leaves no trace.
 static void curves_are_seen_in_the_picture(void **)
 {
     XrayScene scene;

@@ -1,4 +1,4 @@
-// Pictures of simple bodies for the tests of the signal chain.
+// Makes pictures of simple bodies for the tests of the signal chain.
 #pragma once
 #include "host/xray/tests/xray_shapes.hpp"
 #include "host/xray/xray.hpp"
@@ -38,7 +38,7 @@ struct Room {
     }
 };
 
-// A slab across the whole field, its middle in the isocentre.
+// Makes a slab across the whole field, with its middle at the isocentre.
 inline Bodies slab(double thickness_m, const char *material = "soft_tissue")
 {
     return {
@@ -52,7 +52,7 @@ inline XraySettings fixed(double kV, double mA, double ms, double copper_mm = 0.
     return settings;
 }
 
-// What automatic exposure looks at: geometric mean over the round measuring field.
+// Returns what automatic exposure measures: the geometric mean over the round measuring field.
 inline double measured_raw(const XrayPicture &picture)
 {
     const double half = 0.5 * picture.size, reach = 0.65 * half;

@@ -1,4 +1,4 @@
-// Runs as the X-ray room makes them, small: rendered frames of a sphere in a box with every figure that files
+// Small runs like those of the X-ray room: rendered frames of a sphere in a box with every value that files
 // hold.
 #pragma once
 #include "host/xray/run.hpp"
@@ -10,8 +10,8 @@ namespace crn
 
 inline constexpr int run_size = 64;
 
-// Frames at the pulse rate, numbered from tick 1000; angles, table and tube differ from frame to frame when
-// it moves.
+// Makes frames at the pulse rate, numbered from tick 1000; if it moves, angles, table and tube differ from
+// frame to frame.
 inline XrayRun sample_run(RunKind kind, int frame_count, bool moves = false)
 {
     Bodies bodies;

@@ -1,8 +1,11 @@
 #!/usr/bin/env python3
-"""`anatomy beat` against the beat it borrows: the shipped left coronaries, 1.2 times as large, turned and shifted, must move as they do, turned back.
+"""Compares `anatomy beat` with the beat that it borrows.
+
+The shipped left coronaries, 1.2 times as large, turned and shifted, must move as the shipped ones do, turned back.
 
 usage: check_beat.py make HEART MESH.obj ANATOMY  writes the other heart's mesh; prints its three places as arguments
-       check_beat.py compare HEART FOLDER        prints the largest miss in mm; 1 above 0.02 mm (frames are written to 0.001 mm, times the scale)
+       check_beat.py compare HEART FOLDER         prints the largest deviation in mm; exit code 1 above 0.02 mm
+                                                  (frames are written to 0.001 mm, times the scale)
 """
 
 import re
@@ -15,13 +18,13 @@ SCALE, SHIFT, BODY = 1.2, (11.0, -7.0, 300.0), "coronaries_left"
 
 
 def there(point):
-    """A quarter turn about z, the scale and the shift."""
+    """Applies a quarter turn about z, the scale and the shift."""
     x, y, z = point
     return tuple(SCALE * a + b for a, b in zip((-y, x, z), SHIFT))
 
 
 def read_body(path):
-    """Vertices and faces of BODY, counted from 1."""
+    """Returns vertices and faces of BODY, counted from 1."""
     vertices, faces, before, inside = [], [], 0, False
     for line in path.read_text().splitlines():
         words = line.split()

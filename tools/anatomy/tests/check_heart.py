@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Measures a folder of `anatomy heart` with nothing of the tool's own code; prints one TAP line per claim.
+"""Measures a folder of `anatomy heart` without any of the tool's own code; prints one TAP line per claim.
 
 usage: check_heart.py FOLDER FIRST_NUMBER
 
-Bounds: ejection fraction 55 to 65 %, base descent 10 to 16 mm; rest of the coronary arteries (no point moves more than 1 mm)
-at 70 beats per minute after systole 76 +- 34 ms right and 80 +- 25 ms left, in diastole 65 +- 42 and 112 +- 42 ms (MR
-angiography of the coronary rest period, 1999 to 2001); twist 10 to 15 degrees, the base clockwise as seen from the apex.
+Bounds: ejection fraction 55 to 65 %; base descent 10 to 16 mm; rest of the coronary arteries (no point moves more than
+1 mm) at 70 beats per minute after systole 76 +- 34 ms right and 80 +- 25 ms left, in diastole 65 +- 42 and 112 +- 42 ms
+(MR angiography of the coronary rest period, 1999 to 2001); twist 10 to 15 degrees, the base clockwise as seen from the
+apex.
 """
 
 import json
@@ -16,11 +17,11 @@ from pathlib import Path
 from check_meshes import volume_mm3
 
 FRAMES, BEAT_MS = 24, 60000 / 70
-APEX, BASE = (78, 69, 48), (4, 117, 2)  # ends of the left ventricle's axis, tools/anatomy/heart_beat.cpp
+APEX, BASE = (78, 69, 48), (4, 117, 2)  # ends of the left ventricle's axis, from tools/anatomy/heart_beat.cpp
 
 
 def read_obj(path, wanted):
-    """Vertices and triangles of the wanted objects, and every vertex's object only once."""
+    """Returns vertices and triangles of the wanted objects; every vertex belongs to one object only."""
     vertices, bodies, name = [], {}, None
     for line in path.read_text().splitlines():
         key, _, rest = line.partition(" ")
@@ -61,7 +62,7 @@ def across(point):
 
 
 def turn_deg(pairs):
-    """Mean turn about the axis, counter-clockwise as seen from the apex."""
+    """Returns the mean turn about the axis, counter-clockwise as seen from the apex."""
     sine = cosine = 0.0
     for before, after in pairs:
         a, b = across(before), across(after)
@@ -81,8 +82,11 @@ def curves_of(path):
 
 
 def rest_ms(frames, low, high):
-    """Longest window with its middle in the given part of the beat in which no point is more than 1 mm from its place at the window's
-    beginning or end; frames joined by straight ways, steps of 1/120 beat."""
+    """Returns the length of the longest window in which the vessel rests.
+
+    No point is more than 1 mm from its place at the window's beginning or end. The middle of the window lies in the
+    given part of the beat. Frames are joined by straight lines; steps are 1/120 beat.
+    """
     fine = 120
 
     def place(step):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks the files of one anatomy folder with nothing of the tool's own code; prints one TAP line per check.
+"""Checks the files of one anatomy folder without any of the tool's own code; prints one TAP line per check.
 
 usage: check_meshes.py FOLDER STATIONS.tsv FIRST_NUMBER     (STATIONS.tsv is the output of `anatomy list`)
 """
@@ -27,7 +27,7 @@ def read_ply(path):
 
 
 def read_scene(path):
-    """The few keys of scene.toml that the checks need."""
+    """Reads the few keys of scene.toml that the checks need."""
     bodies, table, entry, ignored = [], None, {}, {}
     for line in path.read_text().splitlines():
         if line == "[[body]]":
@@ -42,7 +42,7 @@ def read_scene(path):
 
 
 def closed_fault(triangles):
-    """Each directed edge once, and its opposite once."""
+    """Checks that each directed edge occurs once, and its opposite once."""
     edges = Counter()
     for a, b, c in triangles:
         edges.update(((a, b), (b, c), (c, a)))
@@ -61,7 +61,9 @@ def volume_mm3(vertices, triangles):
 
 
 class Inside:
-    """Point in a closed mesh by counting crossings of a line along z; triangles are binned over x and y."""
+    """Decides whether a point lies in a closed mesh: it counts crossings of a line along z; triangles are binned over
+    x and y.
+    """
 
     CELL_MM = 6.0
 
@@ -75,7 +77,7 @@ class Inside:
                     self.bins.setdefault((i, j), []).append(points)
 
     def holds(self, point):
-        # Irrational nudges keep the line off edges and corners.
+        # Irrational offsets keep the line off edges and corners.
         x, y, z = point[0] + 1.7e-5 * math.pi, point[1] + 1.3e-5 * math.e, point[2]
         crossings = 0
         for (ax, ay, az), (bx, by, bz), (cx, cy, cz) in self.bins.get(
@@ -92,7 +94,7 @@ class Inside:
 
 
 def section_area_mm2(vertices, triangles, centre, normal, reach_mm):
-    """Area of the mesh's section with a plane, only the part whose triangles lie within reach_mm of the centre."""
+    """Returns the area of the mesh's section with a plane, counting only triangles within reach_mm of the centre."""
     side = {}
 
     def height(vertex):
@@ -152,7 +154,7 @@ def sampled(vertices, count):
 
 
 def nesting_faults(bodies, meshes):
-    """Samples of every body lie in its parent and in none of its siblings."""
+    """Checks that samples of every body lie in its parent and in none of its siblings."""
     inside = {name: Inside(*mesh) for name, mesh in meshes.items()}
     faults = []
     for body in bodies:
@@ -173,7 +175,7 @@ def nesting_faults(bodies, meshes):
 
 
 def dimension_faults(lumen, stations):
-    """Section areas of the lumen at the stated stations: within 3 % of pi d^2 / 4."""
+    """Compares section areas of the lumen at the stated stations with pi d^2 / 4, within 3 %."""
     faults, checked = [], 0
     for line in stations.splitlines()[1:]:
         vessel, station, diameter, *numbers, _ = line.split("\t")
@@ -185,13 +187,14 @@ def dimension_faults(lumen, stations):
         checked += 1
         if abs(area / expected - 1) > 0.03:
             faults.append(
-                f"{station}: {area:.2f} mm2, expected {expected:.2f} (off by {100 * (area / expected - 1):+.1f} %, allowed 3 %)"
+                f"{station}: {area:.2f} mm2, expected {expected:.2f} "
+                f"(off by {100 * (area / expected - 1):+.1f} %, allowed 3 %)"
             )
     return faults if checked > 5 else faults + [f"only {checked} stations were checked"]
 
 
 def centreline_faults(folder, lumen):
-    """Every control point, converted from the declared LPS, lies in the lumen with its radius stated."""
+    """Checks that every control point, converted from the declared LPS, lies in the lumen and states its radius."""
     inside, faults = Inside(*lumen), []
     files = sorted(folder.glob("*.mrk.json"))
     for path in files:

@@ -1,10 +1,10 @@
 #!/bin/sh
-# The anatomies that ship: meshes, nesting, stated dimensions, same bytes twice, and messages for bad command lines.
-# Bodies are made coarser than usual (--body-scale 2) to keep this short; the checks do not depend on it.
+# Tests the shipped anatomies: meshes, nesting, stated dimensions, same bytes twice, messages for bad command lines.
+# Bodies are made coarser than usual (--body-scale 2) to save time; the checks do not depend on it.
 programs=anatomy
 . "$(dirname "$0")/../../check/tool.sh"
 
-check() { # check NAME: independent checks of one folder; five TAP lines
+check() { # check NAME runs the independent checks of one folder; five TAP lines
     python3 "$here/check_meshes.py" "$work/$1" "$work/$1.tsv" $((number + 1)) || failed=1
     number=$((number + 5))
 }

@@ -1,10 +1,10 @@
 #!/bin/sh
-# The beating heart that ships: figures measured by a script of its own on the files, and the check of such folders.
-# Bodies are made coarser than usual (--body-scale 2) and without the skeleton to keep this short.
+# Tests the shipped beating heart: an independent script measures the figures on the files; folders are checked too.
+# Bodies are made coarser than usual (--body-scale 2) and without the skeleton to save time.
 programs=anatomy
 . "$(dirname "$0")/../../check/tool.sh"
 
-is_bad() { # is_bad NAME WORDS: the check of $work/bad ends with 1 and says the words
+is_bad() { # is_bad NAME WORDS: checking $work/bad ends with 1 and prints the words
     refuses "$1" 1 "$2" check "$work/bad"
     rm -rf "$work/bad"
 }
@@ -19,7 +19,7 @@ number=$((number + 10))
 "$tool" check "$work/heart/beat" >"$work/said" 2>&1
 report "its folder of frames is a beat" $?
 
-# Its beat for another heart.
+# The borrowed beat for another heart.
 places=$(python3 "$here/check_beat.py" make "$work/heart" "$work/other.obj" "$tool")
 # shellcheck disable=SC2086 # words on purpose
 "$tool" beat "$work/other.obj" $places -o "$work/borrowed" >"$work/said" 2>&1 &&
@@ -30,7 +30,7 @@ refuses "places on one line are refused" 2 "one line" beat "$work/other.obj" --l
 refuses "a heart in the wrong unit is refused with its size" 2 "0.10 times as large" beat "$work/other.obj" --left 2 15 1 --right 0 13 3.5 --apex 7.8 6.9 4.8 -o "$work/no"
 refuses "a place of another heart is refused by name" 2 "mm off where a heart like the shipped one has it" beat "$work/other.obj" --left 20 150 14 --right 90 150 14 --apex 78 69 48 -o "$work/no"
 
-# A tetrahedron that grows and shrinks; two objects, one with a face of four corners.
+# A tetrahedron that grows and shrinks, and two objects, one of which has a face of four corners.
 mkdir "$work/small"
 awk -v folder="$work/small" 'BEGIN { for (i = 0; i < 24; i++) { name = sprintf("%s/f_%02d.obj", folder, i); h = 10 + sin(i * 3.14159265 / 12)
     printf "o one\nv 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 %.4f\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\no two\nv 0 0 20\nv 5 0 20\nv 5 5 20\nv 0 5 %.4f\nf -4//1 -3//1 -2//1 -1//1\n", h, 10 + h > name

@@ -23,7 +23,7 @@ print(one, two)
 assert one["branch"] == "left_renal_artery" and two["branch"] == "right_renal_artery"
 assert abs(one["stenosis_diameter_pct"] - 75) < 0.1 and abs(one["stenosis_area_pct"] - 93.75) < 0.1
 assert abs(two["stenosis_diameter_pct"] - 40) < 0.1
-assert one["rest_drop_mmHg"] > 10 * two["rest_drop_mmHg"] > 0  # a wider throat costs far less
+assert one["rest_drop_mmHg"] > 10 * two["rest_drop_mmHg"] > 0  # a wider minimal lumen costs far less pressure
 assert 0 < one["ffr"] < two["ffr"] < 1
 PY
 report "a session's report has their diameters, drops and flow reserves" $?

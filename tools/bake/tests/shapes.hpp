@@ -1,4 +1,4 @@
-// Meshes with closed-form distances for the tests of bake, and texts and folders for them.
+// Meshes with closed-form distances for the tests of bake, with texts and folders for them.
 #pragma once
 #include "host/base/pending_file.hpp"
 #include "tools/bake/bake.hpp"
@@ -13,7 +13,7 @@
 namespace crn::bake::tests
 {
 
-// A surface over a u-v grid, closed along u when `round_u`, along v always.
+// A surface over a u-v grid, closed along u when `round_u` is set, always closed along v.
 inline Mesh grid_mesh(int nu, int nv, bool round_u, const std::function<Eigen::Vector3d(double, double)> &at)
 {
     Mesh mesh;
@@ -33,7 +33,7 @@ inline Mesh grid_mesh(int nu, int nv, bool round_u, const std::function<Eigen::V
 
 constexpr double turn = 2 * 3.14159265358979323846;
 
-// Torus around the z axis: a tube of radius `r` bent to radius `R`.
+// A torus around the z axis: a tube of radius `r` bent to radius `R`.
 inline Mesh torus(double R, double r, int nu, int nv)
 {
     return grid_mesh(nu, nv, true, [=](double u, double v) {
@@ -47,7 +47,7 @@ inline double torus_distance(const Eigen::Vector3d &p, double R, double r)
     return std::hypot(std::hypot(p.x(), p.y()) - R, p.z()) - r;
 }
 
-// Open tube along y.
+// An open tube along y.
 inline Mesh tube(double radius, double length, int nu, int nv)
 {
     return grid_mesh(nu, nv, false, [=](double u, double v) {
@@ -66,7 +66,7 @@ inline Mesh cube(double edge)
     return mesh;
 }
 
-// An empty folder for one test, removed with everything in it.
+// An empty folder for one test; it is removed with all its contents.
 struct Folder {
     std::filesystem::path path;
     Folder()
@@ -94,7 +94,7 @@ inline std::string scene_text_of(const std::string &mesh, const std::string &mor
            "\n[entry]\nposition_mm = " + entry + "\ndirection = [-1, 0, 0]\n";
 }
 
-// What the work complains about, or "" when it does not.
+// The message of the Fault that the work throws, or "" when it throws none.
 inline std::string complaint(const std::function<void()> &work)
 {
     try {

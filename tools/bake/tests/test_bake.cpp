@@ -1,6 +1,6 @@
-// Claims: a baked lumen is the surface that was given, within the stated tolerance, whatever level a brick
-// has; its file opens, and what cannot be baked is refused in one sentence and leaves the old files. Shown on
-// a torus, whose distance is known in closed form, and on texts with one fault each.
+// Claims: a baked lumen equals the given surface within the stated tolerance, whatever level a brick has. Its
+// file opens; anything that cannot be baked is refused in one sentence and leaves the old files. This is
+// shown on a torus, whose distance is known in closed form, and on texts with one fault each.
 #include "shared/scene/scene.h"
 #include "tools/bake/tests/shapes.hpp"
 
@@ -48,11 +48,11 @@ double worst_of(Field &field, double inner_mm)
 void field_of_a_torus_is_its_closed_form_distance(void **)
 {
     Progress progress;
-    const Mesh mesh = torus(ring_mm, tube_mm, 500, 100); // chords off by 0.001 and 0.003 mm
+    const Mesh mesh = torus(ring_mm, tube_mm, 500, 100); // its chords are off by 0.001 and 0.003 mm
     const TriangleTree tree(mesh);
     Field field = make_field(tree, {10, 2.5, 1.5, 0}, progress);
     const double worst = worst_of(field, tube_mm);
-    // rounding to 1/64 voxel = 0.015 mm, spline of a bent wall 0.01 mm, chords
+    // The sum of rounding to 1/64 voxel = 0.015 mm, the spline of a curved wall 0.01 mm, and the chords.
     if (worst > 0.03) fail_msg("worst %.4f mm, allowed 0.03", worst);
     assert_true(field.bricks_of_level[1] == 0);
 }
@@ -74,7 +74,7 @@ void bricks_are_refined_until_the_tolerance_holds(void **)
     }
 }
 
-// The last and first samples of neighbours are the same ones, so that a wire feels no step.
+// Neighbours share their last and first samples, so a guidewire feels no step.
 void neighbouring_bricks_agree_where_they_overlap(void **)
 {
     Progress progress;
@@ -194,7 +194,7 @@ void axes_and_offset_move_the_surface(void **)
         {folder.path, {}});
     std::string report;
     const Mesh mesh = lumen_surface(text, report, progress);
-    // file (56, 0, 0) is the first vertex: left = +y = 0, head = -x
+    // The file's vertex (56, 0, 0) is the first: left = +y = 0, head = -x.
     assert_true((mesh.vertices_mm.size() == 8000) &&
                 std::abs(volume_mm3(mesh) / (turn * turn / 2 * 25 * 9) - 1) < 0.01);
     Eigen::AlignedBox3d box;
@@ -306,8 +306,8 @@ void stevebench_obj_is_refused_with_its_faults(void **)
              {"non-manifold edges", "open edges", "triangle"});
 }
 
-// The example that ships, on the real centrelines: at most 2 MB, and 99.9 % of places near the wall within
-// 0.15 mm.
+// The shipped example on the real centrelines: at most 2 MB, and 99.9 % of places near the wall within 0.15
+// mm.
 void stevebench_scene_keeps_its_size_and_error(void **)
 {
     const char *folder_name = std::getenv("CRN_ANATOMY");

@@ -1,5 +1,5 @@
-// Claims: centrelines in any order and direction become the tree along which blood flows, and what makes none
-// is refused with the centreline's name.
+// Claims: centrelines in any order and direction become the tree along which blood flows; a set that makes no
+// tree is refused with the centreline's name.
 #include "host/model/bodies.hpp"
 #include "tools/bake/branches.hpp"
 #include "tools/bake/container.hpp"
@@ -35,8 +35,8 @@ Centreline line(const char *file, const Eigen::Vector3d &from_mm, const Eigen::V
     return made;
 }
 
-// An aorta that was traced upwards and divides at its lower end, a renal artery traced towards it, one iliac
-// each way.
+// An aorta that was traced upwards and divides at its lower end, a renal artery traced towards it, and one
+// iliac artery in each direction.
 std::vector<Centreline> four()
 {
     return {line("a/left_iliac.mrk.json", {80, -120, 0}, {1, -3, 0}, 4, 5),
@@ -62,7 +62,7 @@ void lines_in_any_order_and_direction_become_a_tree(void **)
     assert_int_equal(tree.branches.size(), 4);
     assert_string_equal(tree.branches[0].name.c_str(), "aorta");
     assert_true((tree.branches[0].points_m.front() - Eigen::Vector3d(0, 0.2, 0)).norm() <
-                1e-9); // its widest end
+                1e-9); // the radius at its widest end
     for (std::size_t b = 1; b < 4; ++b) {
         const VesselBranch &branch = tree.branches[b];
         assert_int_equal(branch.parent, 0);
@@ -71,10 +71,10 @@ void lines_in_any_order_and_direction_become_a_tree(void **)
         assert_int_equal(branch.parent_point, branch.name == "renal" ? 5 : 10);
         assert_true(tree.is_outlet(b));
     }
-    assert_false(tree.is_outlet(0)); // it divides
+    assert_false(tree.is_outlet(0)); // the branch divides there
 }
 
-// As the centreline tool and VMTK write a fork: its branches begin at one place, here a little beyond the
+// A fork as the centreline tool and VMTK write it: its branches begin at one place, here slightly beyond the
 // trunk's end.
 void branches_that_begin_together_leave_one_parent(void **)
 {
@@ -93,7 +93,7 @@ void branches_that_begin_together_leave_one_parent(void **)
 void inlet_beds_and_flows_are_those_of_the_text(void **)
 {
     TreeText text;
-    text.inlet = "aorta"; // its first end, though the other is wider
+    text.inlet = "aorta"; // the inlet is its first end, though the other is wider
     text.flow_ml_min = {{"left_iliac", 300.0}};
     text.left_coronary = {"right_iliac"};
     const VesselTree tree = join_branches(four(), text);
@@ -128,7 +128,7 @@ void a_branch_is_called_as_its_file(void **)
     assert_int_equal(branch_name(std::string(60, 'a') + ".mrk.json").size(), 31);
 }
 
-// [tree] of a scene text -> section of the body file -> what the host reads.
+// The [tree] of a scene text becomes a section of the body file and then what the host reads.
 void a_tree_of_the_text_comes_back_from_the_body_file(void **)
 {
     const std::filesystem::path folder =

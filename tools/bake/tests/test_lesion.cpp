@@ -1,6 +1,6 @@
-// Claims: a lesion narrows tree, surface and field alike to what its text says, leaves the rest of the vessel
-// as it was, keeps the mesh closed with its vertices in place, and a text that does not fit is refused by
-// name.
+// Claims: a lesion narrows tree, surface and field equally to what its text says, leaves the rest of the
+// vessel unchanged, and keeps the mesh closed with its vertices in place. A text that does not fit is refused
+// by name.
 extern "C" {
 #include "firmware/core/lesion.h"
 }
@@ -28,7 +28,7 @@ namespace
 
 constexpr double radius_mm = 2.0;
 
-// A tube of radius 2 mm along y, 0 to 60 mm, points 5 mm apart, with a side branch at 45 mm.
+// A tube of radius 2 mm along y, from 0 to 60 mm, with points 5 mm apart and a side branch at 45 mm.
 VesselTree tree_of_tube()
 {
     VesselTree tree;
@@ -75,7 +75,7 @@ void the_channel_is_the_cosine_of_the_text(void **)
         const double u = (lad.points_m[i].y() * 1e3 - 30) / 16;
         const double left = std::abs(u) < 0.5 ? 1 - 0.7 * 0.5 * (1 + std::cos(turn * u)) : 1;
         assert_true(std::abs(lad.radii_m[i] * 1e3 - radius_mm * left) <
-                    2e-3); // micrometres, and u from rounded places
+                    2e-3); // the file holds micrometres, and u comes from rounded places
         assert_true(std::hypot(lad.points_m[i].x(), lad.points_m[i].z()) < 1e-9);
     }
     assert_true(std::abs(lad.radii_m[tree.throat(lesion)] - 0.6e-3) < 2e-6);
@@ -92,7 +92,7 @@ void side_branches_still_leave_where_they_left(void **)
     assert_true(check_vessel_tree(tree, error));
 }
 
-// Plaque in front (+z): the channel lies towards the back, and wholly eccentric it touches the healthy wall
+// With plaque in front (+z) the channel lies towards the back; at eccentricity 1 it touches the healthy wall
 // there.
 void an_eccentric_channel_lies_away_from_the_plaque(void **)
 {
@@ -107,8 +107,8 @@ void an_eccentric_channel_lies_away_from_the_plaque(void **)
     assert_true(tree.branches[0].points_m[tree.throat(tree.lesions[0])].x() < -1.39e-3);
 }
 
-// The wall at the tree's own points is as far as their radii say. Chords of 0.4 mm around 2 mm lie 0.01 mm
-// inside.
+// The wall's distance from the tree's own points equals their radii. Chords of 0.4 mm around a radius of 2 mm
+// lie 0.01 mm inside.
 void the_surface_goes_with_the_tree(void **)
 {
     for (double eccentricity : {0.0, 0.6}) {
@@ -122,13 +122,13 @@ void the_surface_goes_with_the_tree(void **)
         assert_true(mesh.triangles.size() > 4 * before.triangles.size());
         assert_true(std::abs(volume_mm3(mesh) - volume_mm3(before)) < 1e-6);
         const std::vector<bool> moved = narrow_lesions(mesh.vertices_mm, tree);
-        check_closed(mesh, Cap::none); // throws when it is not
+        check_closed(mesh, Cap::none); // throws when the mesh is not closed
         const TriangleTree surface(mesh);
         const VesselLesion &lesion = tree.lesions[0];
         for (std::size_t i = lesion.first_point; i < lesion.first_point + lesion.size(); ++i) {
             const VesselBranch &lad = tree.branches[0];
             const double wall_mm = -surface.nearest(lad.points_m[i] * 1e3).distance_mm;
-            // The nearest wall of a tapering channel is nearer than its radius: by the cosine of the taper.
+            // In a tapering channel the nearest wall is nearer than the radius, by the cosine of the taper.
             const double slope = 0.7 * radius_mm * turn / 2 / 16 * 1.001;
             assert_true(wall_mm < lad.radii_m[i] * 1e3 + 0.02);
             assert_true(wall_mm >
@@ -140,8 +140,8 @@ void the_surface_goes_with_the_tree(void **)
     }
 }
 
-// What the core will feel: the wall where it is, all round, and a wire of 0.18 mm that touches it. On the
-// axis of so narrow a channel the spline rounds the distance's ridge off.
+// The core must feel the wall at its place all round, with a guidewire of 0.18 mm touching it. On the axis of
+// so narrow a channel the spline rounds off the ridge of the distance.
 void the_field_knows_the_narrowed_wall(void **)
 {
     VesselTree tree = tree_of_tube();
@@ -165,9 +165,9 @@ void the_field_knows_the_narrowed_wall(void **)
     assert_true(worst_mm < 0.05); // a fifth of a voxel
 }
 
-// A scene may ask little of its field; a channel of 0.4 mm radius is known all the same: without its region
-// there is none. On the axis the spline rounds off the ridge of so narrow a one, so that less than 0.4 mm of
-// room is seen.
+// A scene may set a coarse tolerance for its field. A channel of 0.4 mm radius must still be resolved;
+// without its fine region the channel vanishes. On the axis the spline rounds off the ridge of so narrow a
+// channel, so the field shows less than 0.4 mm of clearance.
 void a_lesion_asks_more_of_the_field_than_its_scene(void **)
 {
     VesselTree tree = tree_of_tube();
@@ -180,7 +180,7 @@ void a_lesion_asks_more_of_the_field_than_its_scene(void **)
     const TriangleTree surface(mesh);
     Progress progress;
     const auto room_mm =
-        [&](const FieldText &text) { // that the field leaves on the channel's axis, the least
+        [&](const FieldText &text) { // the least clearance that the field leaves on the channel's axis
             Field field = make_field(surface, text, progress);
             double least = 10;
             for (double y = 28; y <= 32; y += 0.1) {
@@ -197,7 +197,7 @@ void a_lesion_asks_more_of_the_field_than_its_scene(void **)
     assert_true(fine_mm > 0.15 && fine_mm < 0.41);
 }
 
-// An eccentric lesion of 70 %, baked, and the PLAQUES section as the core takes it.
+// An eccentric lesion of 70 %, baked, with its PLAQUES section as the core loads it.
 struct BakedLesion {
     VesselTree tree = tree_of_tube();
     Mesh mesh = capped_tube();
@@ -239,7 +239,7 @@ struct BakedLesion {
         lumen.lesions = &lesion;
     }
     Vector3d throat_mm() const { return tree.branches[0].points_m[tree.throat(tree.lesions[0])] * 1e3; }
-    // What the core has at a place, stations open by those shares: mm outside the wall.
+    // The core's distance at a place, in mm outside the wall, with the stations open by the given shares.
     double distance_mm(const Vector3d &place_mm, const std::vector<double> &open) const
     {
         crn_lesion_state state{};
@@ -253,8 +253,8 @@ struct BakedLesion {
     }
 };
 
-// Wholly open, the lesion's wall is that of the healthy vessel, and half open its throat is half as narrow.
-// The narrow field's error is widened with it.
+// Fully open, the lesion's wall is that of the healthy vessel; half open, its narrowing is half as large. The
+// error of the narrow field is widened with it.
 void opened_it_is_the_healthy_vessel(void **)
 {
     const BakedLesion baked;
@@ -274,8 +274,8 @@ void opened_it_is_the_healthy_vessel(void **)
     }
 }
 
-// What the picture and the flow have is where the core has its wall: vertices and inscribed spheres, the
-// stations open by 0.2 to 0.9.
+// The vessel of picture and flow must have its wall where the core has it. This is checked on vertices and
+// inscribed spheres, with the stations open by 0.2 to 0.9.
 void the_hosts_vessel_opens_as_the_cores_does(void **)
 {
     const BakedLesion baked;
@@ -296,7 +296,8 @@ void the_hosts_vessel_opens_as_the_cores_does(void **)
     double wall_mm = 0, sphere_mm = 0;
     int count = 0;
     for (const Eigen::Vector3i &v_um : moved[0].vertices_um) {
-        if (v_um.y() < 23000 || v_um.y() > 37000) continue; // beyond, the core asks nothing
+        if (v_um.y() < 23000 || v_um.y() > 37000)
+            continue; // beyond these ends the core does not use the lesion
         wall_mm = std::max(wall_mm, std::abs(baked.distance_mm(v_um.cast<double>() * 1e-3, open)));
         ++count;
     }
@@ -316,13 +317,13 @@ void the_hosts_vessel_opens_as_the_cores_does(void **)
     assert_true(wall_mm < 0.06 && sphere_mm < 0.06);
 }
 
-// Places are those of the healthy vessel: neither an eccentric lesion before, whose channel is longer than
-// the vessel, nor one that narrows the parent where a branch leaves, moves another one.
+// Positions refer to the healthy vessel. Neither an eccentric lesion before, whose channel is longer than the
+// vessel, nor one that narrows the parent where a branch leaves, moves another lesion.
 void a_lesion_lies_where_it_would_lie_alone(void **)
 {
     LesionText second = plaque(0.5), ostium = plaque(), side = plaque();
     second.name = "second";
-    second.at_mm = 46; // begins where the first ends
+    second.at_mm = 46; // it begins where the first ends
     for (bool is_first : {false, true}) {
         VesselTree tree = tree_of_tube();
         place_lesions(tree, is_first ? std::vector{second, plaque(1)} : std::vector{plaque(1), second});
@@ -339,7 +340,7 @@ void a_lesion_lies_where_it_would_lie_alone(void **)
     assert_true(alone.branches[1].points_m == both.branches[1].points_m);
 }
 
-// A vessel that comes to run forwards within its lesion: the plaque stays on one side of it. Its points are 5
+// A vessel that turns to run forwards within its lesion: the plaque stays on one side of it. Its points are 5
 // degrees apart.
 void plaque_stays_on_its_side_in_a_bend(void **)
 {
@@ -352,14 +353,14 @@ void plaque_stays_on_its_side_in_a_bend(void **)
         tree.branches[0].radii_m.push_back(radius_mm * 1e-3);
     }
     LesionText text = plaque(1);
-    text.at_mm = 10; // runs 29 degrees from the front there, and along it at the lesion's begin
+    text.at_mm = 10; // the vessel runs 29 degrees from the front there, and along it where the lesion begins
     text.length_mm = 18;
     place_lesions(tree, {text});
     const VesselLesion &lesion = tree.lesions[0];
     Vector3d before = Vector3d::Zero();
     for (std::size_t i = 0; i < lesion.size(); ++i) {
         const Vector3d off_m = tree.branches[0].points_m[lesion.first_point + i] - lesion.healthy_points_m[i];
-        if (off_m.norm() < 0.05e-3) continue; // rounding turns short ones
+        if (off_m.norm() < 0.05e-3) continue; // rounding changes the direction of short offsets
         const Vector3d now = off_m.normalized();
         if (before.norm() > 0) assert_true(now.dot(before) > std::cos(turn * 6 / 360));
         before = now;
@@ -367,8 +368,8 @@ void plaque_stays_on_its_side_in_a_bend(void **)
     assert_true(before.norm() > 0);
 }
 
-// A side branch of 1 mm runs along the vessel, both are narrowed: a wall that is rather the side branch's
-// goes with that one only.
+// A side branch of 1 mm runs along the vessel, and both are narrowed. A wall that belongs rather to the side
+// branch moves with the side branch only.
 void walls_go_with_their_own_vessel_when_both_are_narrowed(void **)
 {
     VesselTree tree = tree_of_tube();
@@ -378,12 +379,13 @@ void walls_go_with_their_own_vessel_when_both_are_narrowed(void **)
     side.name = "side";
     side.branch = "diagonal";
     place_lesions(tree, {plaque(), side});
-    std::vector<Vector3d> wall_mm = {{3.05 - 0.17, 30, 0.985}}; // 1.52 radii from the one, 1 from the other
+    std::vector<Vector3d> wall_mm = {
+        {3.05 - 0.17, 30, 0.985}}; // 1.52 radii from the vessel, 1 from the side branch
     narrow_lesions(wall_mm, tree);
     assert_true((wall_mm[0] - Vector3d(3.05 - 0.3 * 0.17, 30, 0.3 * 0.985)).norm() < 5e-3);
 }
 
-// As computer-aided design writes tubes: the middles of their edges lie far from the lesion.
+// Tubes as computer-aided design writes them: the middles of their edges lie far from the lesion.
 void triangles_as_long_as_the_vessel_are_divided(void **)
 {
     LesionText text = plaque();
@@ -399,7 +401,7 @@ void triangles_as_long_as_the_vessel_are_divided(void **)
     assert_true(wall_mm > 0.56 && wall_mm < 0.62);
 }
 
-// A chamber of the heart beside the vessel is blood too, but not the vessel's.
+// A chamber of the heart beside the vessel is blood too, but not blood of this vessel.
 void blood_beside_the_vessel_keeps_its_shape(void **)
 {
     VesselTree tree = tree_of_tube();
@@ -426,7 +428,7 @@ void calcium_is_a_closed_shell_in_the_plaque(void **)
     for (const Vector3d &v : calcium.mesh.vertices_mm) {
         assert_true(std::hypot(v.x(), v.z()) < radius_mm);
         assert_true(v.z() > -1e-9); // 60 degrees to either side of the front
-        double channel_mm = 1e9;    // outside of every ball of the channel
+        double channel_mm = 1e9;    // the distance outside of every ball of the channel
         for (std::size_t i = 0; i < tree.branches[0].points_m.size(); ++i)
             channel_mm = std::min(channel_mm, (v - tree.branches[0].points_m[i] * 1e3).norm() -
                                                   tree.branches[0].radii_m[i] * 1e3);
@@ -454,8 +456,8 @@ void a_file_gives_the_lesion_back(void **)
         assert_true((lesion.healthy_points_m[i] - tree.lesions[0].healthy_points_m[i]).norm() < 1e-9);
 }
 
-// A mesh of 2 mm under centrelines that say 2 and 2.5 mm: the throat of the one agrees, that of the other is
-// 0.3 mm wider in the tree.
+// The mesh has 2 mm, and the centrelines state 2 and 2.5 mm. The minimal lumen radius of the first agrees;
+// that of the other is 0.3 mm wider in the tree.
 void a_mesh_that_is_not_the_trees_is_warned_of(void **)
 {
     for (const double stated_mm : {2.0, 2.5}) {
@@ -525,7 +527,7 @@ void a_text_says_where_it_is_wrong(void **)
                                 "256 bodies and the calcium of 1 lesions are more than 256"));
 }
 
-// Four lesions give way; the report names those that do not.
+// Four lesions can yield; the report names those that cannot.
 void more_lesions_than_give_way_are_named(void **)
 {
     VesselTree tree = tree_of_tube();

@@ -1,5 +1,5 @@
-// Claims: exact distances are exact; meshes that bound a body are taken, repaired where that is safe, and all
-// others are refused with file, element and remedy. Shown on small meshes with one fault each.
+// Claims: exact distances are exact. Meshes that bound a body are accepted and repaired where that is safe;
+// all others are refused with file, element and remedy. This is shown on small meshes with one fault each.
 #include "tools/bake/centreline.hpp"
 #include "tools/bake/tests/shapes.hpp"
 
@@ -96,7 +96,7 @@ void one_sided_surface_is_refused(void **)
                                (20 + across * std::cos(half)) * std::sin(turn * u), across * std::sin(half));
     });
     std::vector<Triangle>
-        kept; // the grid closes along v: leave out its second half, and join the ends crosswise
+        kept; // the grid closes along v: we drop its second half and join the ends crosswise
     for (Triangle t : strip.triangles) {
         for (std::uint32_t &v : t)
             if (v >= 80) v = 81 - v;
@@ -196,7 +196,7 @@ void equal_vertices_are_welded(void **)
     assert_true(std::abs(volume_mm3(loaded) - 1000) < 1e-6);
 }
 
-// Distance of the hull of two spheres, by brute force over the spheres between them.
+// The distance from the hull of two spheres, by brute force over the spheres between them.
 double hull_distance(const Eigen::Vector3d &p, const Eigen::Vector3d &a, double ra, const Eigen::Vector3d &b,
                      double rb)
 {

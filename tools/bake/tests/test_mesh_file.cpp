@@ -1,6 +1,6 @@
-// Claims: no file that declares more than it holds, names a vertex that is not there, nests without end or is
-// no mesh at all ends the program: each is refused with its name, the place and what to do, in a child
-// process of limited memory, time and stack. What an honest file holds comes back whole.
+// Claims: no file can end the program by declaring more than it holds, naming a missing vertex, nesting
+// without end, or being no mesh at all. Each is refused with its name, the place and the remedy, in a child
+// process of limited memory, time and stack. A valid file comes back whole.
 #include "host/base/guarded_read.hpp"
 #include "tools/bake/mesh.hpp"
 #include "tools/bake/tests/shapes.hpp"
@@ -64,7 +64,7 @@ template <class Value> void put(std::string &bytes, Value value)
     bytes.append(reinterpret_cast<const char *>(&value), sizeof value);
 }
 
-// A tetrahedron of 20 mm, its corner number `bad` of face 2 replaced.
+// A tetrahedron of 20 mm whose corner number of face 2 is replaced by `corner`.
 std::string binary_ply(std::int32_t corner, const std::string &vertices = "4")
 {
     std::string bytes = ply_head("binary_little_endian", vertices, "4");
@@ -89,7 +89,7 @@ void an_index_beyond_the_vertices_is_named(void **)
     contains(reading(folder, "d.obj", "v 0 0 0\nv 9 0 0\nv 0 9 0\nf 1 2 -4\n"), {"d.obj:4", "'-4'"});
 }
 
-// What stands between assimp and the program, whatever assimp gives.
+// The check between assimp and the program must hold whatever assimp returns.
 void pieces_with_an_index_beyond_their_vertices_are_refused(void **)
 {
     const std::vector<MeshPiece> good = {{"left", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}};
@@ -180,7 +180,8 @@ void damaged_texts_are_named_by_line(void **)
 }
 
 // --- the child ---
-// 15 s of the wall, since a busy machine may let a new process wait for seconds.
+
+// The limit is 15 s of wall time, since a busy machine may make a new process wait for seconds.
 const crn::ReadLimits small = {std::uint64_t{64} << 20, 2, 15, std::uint64_t{8} << 20};
 
 std::string apart(const std::function<void(crn::Outbox &)> &parse, const crn::ReadLimits &limits = small)
@@ -236,7 +237,7 @@ void a_reader_has_limits_of_stack_memory_and_time(void **)
                  },
                  {std::uint64_t{64} << 20, 1, 15, std::uint64_t{8} << 20}),
              {"a.ply", "not done after"});
-    // A file left behind by a dead reader would be litter.
+    // A dead reader must not leave a file behind.
     const Folder folder;
     const std::string litter = folder.write("litter", "").string();
     apart([&](crn::Outbox &) {
@@ -248,7 +249,7 @@ void a_reader_has_limits_of_stack_memory_and_time(void **)
     assert_int_equal(std::filesystem::file_size(litter), 0);
 }
 
-// A reader that says more or other things than it can is not believed.
+// A reader that reports impossible counts or values is not believed.
 void counts_from_the_child_are_bounded(void **)
 {
     contains(said([] {

@@ -1,6 +1,6 @@
 // Claims: a lattice fitted to 24 frames carries the lumen to within 0.3 mm of each of them, as the core looks
-// it up; frames of another timing are retimed; and what is no sequence is refused in one sentence. Shown on a
-// tube of 1.5 mm radius that lies on a beating, turning sphere.
+// it up. Frames of another timing are retimed, and anything that is no sequence is refused in one sentence.
+// This is shown on a tube of 1.5 mm radius that lies on a beating, turning sphere.
 #include "host/model/bodies.hpp"
 #include "host/model/motion.hpp"
 #include "shared/scene/scene.h"
@@ -35,7 +35,7 @@ double contraction(double phase)
     return (1 - std::cos(turn * share)) / 2;
 }
 
-// Shrinks by 30 % about a middle of its own, goes 6 mm down and turns by 12 degrees; fades out at 90 mm.
+// Shrinks by 30 % about its own middle, moves 6 mm down and turns by 12 degrees; fades out at 90 mm.
 Eigen::Vector3d beating(const Eigen::Vector3d &X, double phase)
 {
     const Eigen::Vector3d middle(8, -5, 6), r = X - middle;
@@ -45,7 +45,7 @@ Eigen::Vector3d beating(const Eigen::Vector3d &X, double phase)
     return middle + (1 - 0.3 * c) * (twist * r) - Eigen::Vector3d(0, 6 * c, 0);
 }
 
-// A full breath then carries all of it 3.2 mm down, as in the shipped heart, fading out at 90 mm.
+// A full breath then carries everything 3.2 mm down, as in the shipped heart, fading out at 90 mm.
 Eigen::Vector3d inhaled(const Eigen::Vector3d &x)
 {
     const double s = x.norm() / 90, fade = s < 1 ? (1 - s * s) * (1 - s * s) : 0;
@@ -68,7 +68,7 @@ std::string frame_name(int k)
     return (k < 10 ? "frames/f0" : "frames/f") + std::to_string(k) + ".obj";
 }
 
-// 24 frames and a scene whose lumen is the first of them.
+// Writes 24 frames and a scene whose lumen is the first of them.
 void write_frames(const Folder &folder, const std::function<double(int)> &phase_of)
 {
     std::filesystem::create_directory(folder.path / "frames");
@@ -127,7 +127,8 @@ void the_moved_lumen_is_the_moved_mesh_in_every_frame(void **)
     assert_int_equal(scene.motion.spacing_log2_q30, 23);
 }
 
-// Breath is fitted to one frame alone, and carries every other as well: a chest moves what beats in it.
+// Breath is fitted to one frame alone and carries every other as well: a moving chest carries what beats in
+// it.
 void a_full_breath_carries_every_frame(void **)
 {
     Folder folder;
@@ -157,7 +158,7 @@ void a_full_breath_carries_every_frame(void **)
     assert_true(worst_mm > 0.005 && worst_mm < 0.3);
 }
 
-// The reference pose is the one in the middle: from it no frame is farther than half the motion.
+// The reference pose is the middle one: no frame is farther from it than half the motion.
 void the_reference_pose_is_in_the_middle(void **)
 {
     Sequence sequence;
@@ -166,7 +167,8 @@ void the_reference_pose_is_in_the_middle(void **)
     assert_true(std::abs(sequence.moved_mm[pose][0].x() - 5) < 1.1);
 }
 
-// What is described at keyframe 0 is taken to the reference pose: a vertex there is where the frames have it.
+// Bodies described at keyframe 0 are carried to the reference pose: a vertex there lies where the frames have
+// it.
 void bodies_go_to_the_reference_pose_with_the_lumen(void **)
 {
     Folder folder;
@@ -190,8 +192,8 @@ void bodies_go_to_the_reference_pose_with_the_lumen(void **)
     assert_true(nearest_mm < 0.3);
 }
 
-// A lesion of 60 % at 220 degrees of the ring, made in the reference pose: pushed to a frame its throat lies
-// where the motion takes that place of the ring.
+// A lesion of 60 % at 220 degrees of the ring is made in the reference pose. Carried to a frame, its
+// narrowest point lies where the motion carries that place of the ring.
 void a_lesion_moves_with_its_vessel(void **)
 {
     Folder folder;
@@ -229,7 +231,8 @@ void a_lesion_moves_with_its_vessel(void **)
     }
 }
 
-// The same motion recorded with its end of systole in frame 8: keyframe 10 is that frame, keyframe 5 frame 4.
+// The same motion recorded with its end of systole in frame 8: keyframe 10 is that frame, and keyframe 5 is
+// frame 4.
 void frames_of_another_timing_are_retimed(void **)
 {
     Sequence timed;
@@ -240,7 +243,7 @@ void frames_of_another_timing_are_retimed(void **)
                 std::abs(timed.moved_mm[5][0].x() - 4) < 1e-9);
     assert_true(std::abs(timed.moved_mm[17][0].x() - 16) < 1e-9);
     assert_true(std::abs(timed.moved_mm[0][0].x()) < 1e-9);
-    for (int k = 0; k < 10; ++k) // between frames within 0.1 % of a smooth course
+    for (int k = 0; k < 10; ++k) // between frames, within 0.1 % of a smooth course
         assert_true(std::abs(timed.moved_mm[static_cast<std::size_t>(k)][0].y() -
                              std::cos(turn * 0.8 * k / 24)) < 1e-3);
 }

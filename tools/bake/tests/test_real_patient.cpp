@@ -1,6 +1,7 @@
 // Claims: shared/examples/real_patient.toml brings bones, heart and vessels of three sources into one
-// patient: neighbours meet as in a body, and no bone stands in the aorta. Shown on the meshes as they are
-// loaded and placed; one bone is made whole. Skipped, and said so, where the anatomy is not there.
+// patient: neighbours meet as in a body, and no bone lies in the aorta. This is shown on the meshes as they
+// are loaded and placed; one bone is made whole. The test is skipped, and says so, where the anatomy is
+// missing.
 #include "tools/bake/centreline.hpp"
 #include "tools/bake/form.hpp"
 #include "tools/bake/tests/shapes.hpp"
@@ -21,7 +22,7 @@ namespace
 
 struct Patient {
     SceneText text;
-    Folder shipped; // stands for skin, lungs and belly, which are not looked at here
+    Folder shipped; // stands in for skin, lungs and belly, which are not examined here
     bool is_there = false;
 };
 Patient *patient = nullptr;
@@ -107,7 +108,7 @@ void hips_turn_about_the_heads_of_the_femurs(void **)
     }
 }
 
-// Piece by piece: every rib begins at the spine.
+// Every rib begins at the spine; we check piece by piece.
 void every_rib_reaches_the_spine(void **)
 {
     skip_without_anatomy();
@@ -175,17 +176,17 @@ void hip_bone_becomes_one_solid_within_its_stated_error(void **)
     skip_without_anatomy();
     BodyText hip = body("hip_left");
     hip.form.less.clear();
-    hip.form.solid_mm = 1.2; // quicker than the scene's 0.8
+    hip.form.solid_mm = 1.2; // faster than the scene's 0.8
     std::string report;
     Mesh mesh = form_body(hip, {}, report);
     check_closed(mesh, Cap::none);
     if (report.find("decimated         hip_left") == std::string::npos) fail_msg("%s", report.c_str());
     const Deviation found = deviation(load_mesh(body("hip_left").mesh), mesh, 2000);
-    // Inner walls between ilium, ischium and pubis are gone: only the mean distance says that it is the same
-    // bone.
+    // The inner walls between ilium, ischium and pubis are gone, so only the mean distance shows that it is
+    // the same bone.
     if (found.mean_mm > 1.5) fail_msg("%.2f mm from the atlas's bone on average", found.mean_mm);
-    // The atlas's own volume: shells of compact bone and the spongy bone in them, as their faces enclose it.
-    // Our solid has no gap between the two, and closes the joints: one part in a hundred.
+    // The atlas's own volume: shells of compact bone and the spongy bone inside, as their faces enclose it.
+    // Our solid has no gap between the two and closes the joints: one part in a hundred.
     MeshText whole = body("hip_left").mesh;
     for (const char *name : {"ilium", "ischium", "pubis"})
         whole.parts.push_back("VH_M_" + std::string(name) + "_spongy_bone_L");

@@ -1,4 +1,5 @@
-// Ways are taken back from the farthest voxel, as in TEASAR (Sato et al. 2000), until every voxel is covered.
+// Paths are traced back from the farthest voxel, as in TEASAR (Sato et al. 2000), until every voxel is
+// covered.
 #include "tools/centreline/fit/automatic.hpp"
 
 #include <algorithm>
@@ -11,7 +12,7 @@ namespace crn::centreline
 namespace
 {
 
-constexpr double cover_radii = 1.5, cover_voxels = 2.0; // of a way about its line
+constexpr double cover_radii = 1.5, cover_voxels = 2.0; // reach of a branch's cover about its line
 constexpr std::size_t tries_max = 20000;
 
 std::vector<Eigen::Vector3d> places(const Voxels &voxels, const std::vector<std::size_t> &way)
@@ -21,7 +22,7 @@ std::vector<Eigen::Vector3d> places(const Voxels &voxels, const std::vector<std:
     return points;
 }
 
-// Which voxels lie near a way that is already taken.
+// Records which voxels lie near a path that has already been taken.
 class Cover
 {
   public:
@@ -34,7 +35,7 @@ class Cover
         double since_mm = INFINITY;
         for (std::size_t k = 0; k < way.size(); ++k) {
             if (k > 0) since_mm += (voxels_.centre_mm(way[k]) - voxels_.centre_mm(way[k - 1])).norm();
-            // Balls a fifth of their radius apart leave no hollow that matters.
+            // Balls a fifth of their radius apart leave no gap that matters.
             const double reach = cover_radii * voxels_.depth_mm(way[k]) + cover_voxels * voxels_.voxel_mm();
             if (since_mm < 0.2 * reach && k + 1 < way.size()) continue;
             since_mm = 0;
@@ -43,7 +44,7 @@ class Cover
     }
 
   private:
-    // All that hangs together with its middle within the ball: not the vessel beside.
+    // Covers all connected voxels around `middle` within the ball, but not a vessel beside it.
     void ball(std::size_t middle, double reach_mm)
     {
         const Eigen::Vector3d centre = voxels_.centre_mm(middle);
@@ -69,7 +70,7 @@ class Cover
     std::uint32_t stamp_ = 0;
 };
 
-// Reached voxels, farthest first.
+// The reached voxels, farthest first.
 std::vector<std::size_t> by_length(const Ways &ways)
 {
     std::vector<std::size_t> order;
@@ -80,7 +81,7 @@ std::vector<std::size_t> by_length(const Ways &ways)
     return order;
 }
 
-// Ways from the source to every tip that is worth a branch, the longest first.
+// Paths from the source to every tip that deserves a branch, the longest first.
 std::vector<std::vector<std::size_t>> ways_to_tips(const Voxels &voxels, const Ways &ways,
                                                    const AutoWish &wish, bake::Progress &progress)
 {
@@ -93,7 +94,7 @@ std::vector<std::vector<std::size_t>> ways_to_tips(const Voxels &voxels, const W
         ++tries;
         progress.step(n);
         const std::vector<std::size_t> way = ways.to(order[n]);
-        std::size_t begin = way.size() - 1; // of what no branch covers yet
+        std::size_t begin = way.size() - 1; // where the part that no branch covers yet begins
         while (begin > 0 && !cover.has(way[begin - 1])) --begin;
         const double own_mm = ways.length_mm[way.back()] - ways.length_mm[way[begin]];
         const double least_mm =
@@ -104,7 +105,7 @@ std::vector<std::vector<std::size_t>> ways_to_tips(const Voxels &voxels, const W
     return kept;
 }
 
-// The depth of the vessel at a tip: of the deepest voxel within a few millimetres of way.
+// The depth of the vessel at a tip: that of the deepest voxel within a few millimetres along the path.
 double width_at(const Voxels &voxels, const std::vector<std::size_t> &way)
 {
     double depth = 0;
@@ -145,7 +146,7 @@ std::size_t inlet_of(const Lumen &lumen, const AutoWish &wish, std::vector<std::
         notes.push_back("the inlet is the widest opening, at " + bake::place_text(widest->centre_mm));
         return static_cast<std::size_t>(near_point(lumen, widest->centre_mm));
     }
-    // From the deepest voxel the farthest is a tip; from there all tips are found, and the widest is the
+    // The voxel farthest from the deepest one is a tip. From there we find all tips, and the widest is the
     // inlet.
     std::size_t deepest = 0;
     for (std::size_t v = 0; v < voxels.size(); ++v)
@@ -153,7 +154,7 @@ std::size_t inlet_of(const Lumen &lumen, const AutoWish &wish, std::vector<std::
     const std::size_t tip = by_length(find_ways(voxels, {deepest}, -1)).front();
     const Ways ways = find_ways(voxels, {tip}, -1);
     std::vector<std::vector<std::size_t>> tips = ways_to_tips(voxels, ways, wish, progress);
-    tips.push_back({tips.front().rbegin(), tips.front().rend()}); // the first tip itself
+    tips.push_back({tips.front().rbegin(), tips.front().rend()}); // the path back to the first tip itself
     const auto best = std::max_element(tips.begin(), tips.end(), [&](const auto &a, const auto &b) {
         return width_at(voxels, a) < width_at(voxels, b);
     });
@@ -161,7 +162,7 @@ std::size_t inlet_of(const Lumen &lumen, const AutoWish &wish, std::vector<std::
     return best->back();
 }
 
-// Other pieces of the mesh that the tree does not reach.
+// Notes other pieces of the mesh that the tree does not reach.
 void note_unreached(const Voxels &voxels, const Ways &ways, std::vector<std::string> &notes)
 {
     std::size_t reached = 0, sample = 0;

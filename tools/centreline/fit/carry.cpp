@@ -1,4 +1,5 @@
-// Wall vertices near a sphere give an affine motion; the sphere follows it and is centred anew.
+// The wall vertices near a sphere define an affine motion. The sphere follows this motion and is then centred
+// again.
 #include "tools/centreline/fit/carry.hpp"
 
 #include <Eigen/Dense>
@@ -11,9 +12,9 @@ namespace crn::centreline
 namespace
 {
 
-constexpr double wall_share = 1.6; // vertices up to so many radii away carry a sphere
+constexpr double wall_share = 1.6; // vertices up to this many radii away carry a sphere
 constexpr std::size_t vertices_wanted = 48;
-constexpr double refit_share = 0.3; // farthest that the fit moves a sphere, in radii
+constexpr double refit_share = 0.3; // largest displacement of a sphere by the fit, in radii
 
 // The vertices around one sphere.
 std::vector<std::uint32_t> carriers_of(const bake::Mesh &mesh, const Sphere &sphere)
@@ -28,14 +29,15 @@ std::vector<std::uint32_t> carriers_of(const bake::Mesh &mesh, const Sphere &sph
         if (near.size() >= mesh.vertices_mm.size()) break;
     }
     std::sort(near.begin(), near.end());
-    // Evenly from near to far, so that a dense side does not outweigh the other.
+    // We choose vertices evenly from near to far, so that a dense side does not outweigh the other.
     std::vector<std::uint32_t> chosen;
     const std::size_t step = std::max<std::size_t>(1, near.size() / vertices_wanted);
     for (std::size_t i = 0; i < near.size(); i += step) chosen.push_back(near[i].second);
     return chosen;
 }
 
-// Least squares of u = t + A (x - mean); A is held towards 0 where the vertices lie in a plane or line.
+// Least squares of u = t + A (x - mean); A is regularised towards 0 where the vertices lie in a plane or on a
+// line.
 Eigen::Vector3d carried_to(const Eigen::Vector3d &p, double radius_mm,
                            const std::vector<std::uint32_t> &carriers, const bake::Mesh &from,
                            const bake::Mesh &to)
@@ -83,7 +85,7 @@ Eigen::Vector3d direction_of(const Branch &branch, std::size_t i)
     return way.norm() > 0 ? way.normalized() : Eigen::Vector3d::UnitZ();
 }
 
-// Centres and measures the carried spheres; returns the farthest move.
+// Centres and measures the carried spheres; returns the largest displacement.
 double refit(const Lumen &lumen, Tree &tree)
 {
     double farthest = 0;
@@ -102,7 +104,7 @@ double refit(const Lumen &lumen, Tree &tree)
                 sphere = tree.branches[branch.parent].spheres[branch.parent_sphere];
                 continue;
             }
-            // Neighbours go alike, so that spheres stay in order.
+            // Neighbours move alike, so spheres stay in order.
             const bool is_inner = i > own && i + 1 < branch.spheres.size();
             const Eigen::Vector3d move =
                 is_inner ? Eigen::Vector3d(0.25 * step[i - 1] + 0.5 * step[i] + 0.25 * step[i + 1]) : step[i];

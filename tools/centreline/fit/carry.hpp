@@ -1,5 +1,5 @@
-// The tree of one frame carried through a sequence of meshes with one topology: the same branches, the same
-// spheres, in the same order.
+// Carries the tree of one frame through a sequence of meshes with one topology: the branches and spheres stay
+// the same, in the same order.
 #pragma once
 #include "tools/centreline/fit/line_fit.hpp"
 
@@ -11,15 +11,15 @@ constexpr std::size_t frames_max = 1000;
 struct Frame {
     std::string name;
     Tree tree;
-    double moved_mm = 0; // farthest that a sphere lies from where it was in the first frame
-    double refit_mm = 0; // farthest that the fit moved a sphere from where the wall had carried it
+    double moved_mm = 0; // largest distance of a sphere from its place in the first frame
+    double refit_mm = 0; // largest displacement by the fit from where the wall had carried a sphere
 };
 
-// The .obj (or .ply, .stl, .glb) files of a folder in the order of the numbers in their names. Throws Fault.
+// The .obj (or .ply, .stl, .glb) files of a folder, sorted by the numbers in their names. Throws Fault.
 std::vector<std::filesystem::path> frames_of(const std::filesystem::path &folder);
 
-// `files`: the frames; the tree belongs to the first. Each sphere goes with the wall around it and is then
-// fitted again. Throws Fault naming the frame when its topology differs.
+// `files` are the frames; the tree belongs to the first. Each sphere moves with the wall around it and is
+// then fitted again. Throws Fault naming the frame when its topology differs.
 std::vector<Frame> carried(const Tree &tree, const std::vector<std::filesystem::path> &files,
                            const bake::MeshText &text, const LumenWish &wish, bake::Progress &progress);
 

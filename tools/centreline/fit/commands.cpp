@@ -1,4 +1,4 @@
-// Files in, work, files out.
+// The commands: each reads files, does its work and writes files.
 #include "tools/centreline/fit/commands.hpp"
 #include "host/base/output_files.hpp"
 #include "tools/bake/centreline.hpp"
@@ -30,7 +30,7 @@ bake::MeshText mesh_text(const Options &options, const std::string &file)
     return text;
 }
 
-// A mesh, or the lumen that a scene's text names, placed in the patient as `bake` does.
+// Loads a mesh, or the lumen that a scene's text names, and places it in the patient as `bake` does.
 bake::Mesh load(const Options &options, const std::string &file, bake::Progress &progress)
 {
     if (std::filesystem::path(file).extension() != ".toml") return bake::load_mesh(mesh_text(options, file));
@@ -62,7 +62,7 @@ void print_notes(const std::vector<std::string> &notes)
     for (const std::string &note : notes) std::printf("note: %s\n", note.c_str());
 }
 
-// One line per branch, tab separated.
+// Prints one line per branch, separated by tabs.
 void print_tree(const Tree &tree, const std::vector<double> &flow_ml_min)
 {
     std::printf("branch\tname\tparent\tspheres\tlength_mm\tradius_first_mm\tradius_last_mm\tflow_ml_"
@@ -88,7 +88,7 @@ int finish(const Options &options, Tree &tree, const Lumen &lumen, const std::ve
     return 0;
 }
 
-// "+x,+z,-y": for each axis of what is written, the file's axis and its sense.
+// "+x,+z,-y" names, for each axis of the output, the file's axis and its sign.
 Eigen::Matrix3d turned_axes(const std::string &text)
 {
     Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();

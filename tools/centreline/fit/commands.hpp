@@ -1,4 +1,4 @@
-// What the program's commands do, given their options.
+// The commands of the program, given their options.
 #pragma once
 #include "tools/centreline/fit/automatic.hpp"
 #include "tools/centreline/fit/guided.hpp"
@@ -11,14 +11,14 @@ namespace crn::centreline
 {
 
 struct Options {
-    // The mesh and how to read it.
+    // The mesh and its reading options.
     std::string mesh, unit = "mm", cap = "any";
     std::vector<std::string> parts;
     std::string data = "../shared/anatomy", shipped = "build/anatomy/aorta";
     double voxel_mm = 0;
 
     std::string points, output, project, screenshot;
-    std::string tree; // of carry and show
+    std::string tree; // for carry and show
     std::vector<std::string> inputs;
     std::string folder, radii_from, axes;
     std::vector<double> inlet_mm;
@@ -30,7 +30,7 @@ struct Options {
     FlowSettings flow;
 };
 
-// Each returns the exit code; throws Fault, UsageError or OutputError.
+// Each returns the exit code and throws Fault, UsageError or OutputError.
 int command_fit(const Options &options);
 int command_auto(const Options &options);
 int command_convert(const Options &options);

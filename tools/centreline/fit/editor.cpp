@@ -1,4 +1,4 @@
-// Keys and pointer -> project, fit -> picture.
+// Keys and pointer change the project; the fit and the picture follow.
 #include "tools/centreline/fit/editor.hpp"
 #include "host/base/pending_file.hpp"
 #include "host/picture/screen.hpp"
@@ -49,7 +49,7 @@ class Editor
         shows_help_ = !project.was_resumed();
     }
 
-    // False when a signal ended it.
+    // Returns false when a signal ended the window.
     bool run()
     {
         for (int frame = 0; wish_.frames == 0 || frame < wish_.frames; ++frame) {
@@ -76,7 +76,7 @@ class Editor
         is_dirty_ = true;
     }
 
-    // Work that may be refused: the window stays, and says why.
+    // Runs work that may be refused: the window stays open and shows the reason.
     template <typename Work> void attempt(Work work)
     {
         try {
@@ -145,7 +145,7 @@ class Editor
 
     void take_control_key(int key)
     {
-        // The letter as the keyboard's layout has it, where it says so.
+        // We use the letter of the keyboard's layout, where GLFW reports one.
         const char *name = glfwGetKeyName(key, 0);
         const char letter = name ? name[0] : static_cast<char>(key + ('a' - 'A'));
         if (letter == 's') attempt([&] { save(); });
@@ -208,7 +208,7 @@ class Editor
         if (kind_ == PointKind::start) kind_ = PointKind::end;
     }
 
-    // With the pointer, at the depth where it was.
+    // Moves the point with the pointer, at the point's own depth.
     void drag(double x, double y)
     {
         const Eigen::Vector3d along = view_.axes().row(2), on_plane = view_.ray_start_mm(x, y);
@@ -222,7 +222,8 @@ class Editor
         is_dragging_ = false;
         const auto which = static_cast<std::size_t>(chosen_);
         project_.drag(which, dragged_from_);
-        if (std::hypot(x - pressed_x_, y - pressed_y_) < 3) return; // only taken
+        if (std::hypot(x - pressed_x_, y - pressed_y_) < 3)
+            return; // a movement this small is a selection only
         const Eigen::Vector3d along = view_.axes().row(2), on_plane = view_.ray_start_mm(x, y);
         const Eigen::Vector3d at = on_plane + along * along.dot(dragged_from_ - on_plane);
         const long voxel = lumen_.voxels().nearest(at, 1.5 * lumen_.voxels().voxel_mm());
@@ -285,7 +286,7 @@ class Editor
         look_anew();
     }
 
-    // What is under the pointer stays there.
+    // The place under the pointer stays there.
     void zoom(double factor, double x, double y)
     {
         const Eigen::Vector3d before = view_.ray_start_mm(x, y);
@@ -300,7 +301,7 @@ class Editor
         is_dirty_ = true;
     }
 
-    // Lines on a ground that dims the picture.
+    // Draws lines of text on a background that dims the picture.
     static void panel(Sheet &sheet, int top, const std::vector<std::string> &lines, Ink ink)
     {
         int width = 0, y = top + 8;
@@ -344,7 +345,7 @@ class Editor
     bake::Progress &progress_;
     Screen screen_;
     View view_;
-    std::vector<float> glass_; // empty: to be drawn anew
+    std::vector<float> glass_; // empty: it must be drawn again
     Tree tree_;
     bool is_tree_old_ = true, is_dirty_ = true, shows_help_ = true, wants_end_ = false, is_dragging_ = false,
          is_bad_ = false;

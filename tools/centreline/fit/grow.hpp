@@ -1,4 +1,4 @@
-// A tree grows branch by branch from rough ways; junctions and ends are put in order.
+// Builds a tree branch by branch from rough paths, and completes its junctions and ends.
 #pragma once
 #include "tools/centreline/fit/line_fit.hpp"
 
@@ -9,25 +9,26 @@ struct GrowWish {
     double spacing = 0.5; // of neighbouring spheres, in radii
 };
 
-// What one branch is made of.
+// The input for one branch.
 struct Way {
     std::vector<Eigen::Vector3d> points_mm; // from its parent (or inlet) outwards
     std::string name;
-    int parent = -1;             // branch of the tree
-    bool leaves_at_end = false;  // the parent's last sphere, not where the way leaves its tube
-    bool is_first_given = false; // the first point is a person's (or a junction): it stays
-    bool is_last_given = false;  // likewise; else the end is found: at an opening's plane, or where the last
-                                 // sphere that touches the far end lies
+    int parent = -1; // number of the parent branch in the tree
+    bool leaves_at_end =
+        false; // it begins at the parent's last sphere, not where the path leaves the parent's tube
+    bool is_first_given = false; // a person gave the first point (or it is a junction): it stays
+    bool is_last_given = false;  // likewise for the last; otherwise the end is found: at an opening's plane,
+                                 // or at the last sphere that touches the far end
 };
 
-// The tree gets one more branch; its number is returned. Throws Fault when the way is too short to be a
-// branch.
+// Adds one branch to the tree and returns its number. Throws Fault when the path is too short for a branch.
 int grow_branch(Tree &tree, const Lumen &lumen, const Way &way, const GrowWish &wish);
 
-// The branch along whose tube the way runs farthest before it leaves it; -1: it touches none.
+// The branch along whose tube the path runs farthest before leaving it; -1 when it touches none.
 int parent_of(const Tree &tree, const std::vector<Eigen::Vector3d> &way_mm);
 
-// The ends of a way that nobody gave: at the middle of an opening that is near, or left as it is.
+// Completes the end of a path that nobody gave: it moves to the middle of a nearby opening, or is left as it
+// is.
 void finish_last(const Lumen &lumen, std::vector<Eigen::Vector3d> &points_mm);
 
 } // namespace crn::centreline

@@ -1,4 +1,4 @@
-// Points -> who follows whom -> ways -> branches.
+// From points to their order, then to paths, then to branches.
 #include "tools/centreline/fit/guided.hpp"
 
 #include <algorithm>
@@ -10,12 +10,12 @@ namespace crn::centreline
 namespace
 {
 
-constexpr double outside_max_mm = 5.0; // farther from the inside, a point is a mistake
+constexpr double outside_max_mm = 5.0; // a point farther from the inside is a mistake
 
 struct Placed {
     const Point *point;
     std::size_t voxel; // the middle of the vessel near it
-    int before = -1;   // the point before it; -1: none found yet, or a start
+    int before = -1;   // the preceding point; -1: none found yet, or a start
     double length_mm = -1;
     int branch = -1;
 };
@@ -36,8 +36,8 @@ Placed placed(const Lumen &lumen, const Point &point, std::size_t number, std::v
     if (voxel < 0)
         throw Fault("the " + title(point, number) + " lies over 5 mm outside the vessel: move it inside");
     Placed made{&point, static_cast<std::size_t>(voxel)};
-    // An end stays where it was put, as long as that is inside: only across the vessel it is moved, by the
-    // fit.
+    // A point may lie beside the middle of the vessel. Its voxel is the middle near it, found across the
+    // vessel only; the fit moves an end no other way.
     made.voxel = voxels.middle_near(made.voxel);
     const double moved_mm = (voxels.centre_mm(made.voxel) - point.position_mm).norm();
     if (moved_mm > voxels.depth_mm(made.voxel))
@@ -51,8 +51,8 @@ void follow(Placed &point, int before, double length_mm)
     if (length_mm > point.length_mm) point.before = before, point.length_mm = length_mm;
 }
 
-// Each end's way from its start passes through bifurcations: in the order in which it does, one follows the
-// other.
+// The path from a start to an end passes bifurcations. Their order on that path decides which point follows
+// which.
 void find_order(const Lumen &lumen, std::vector<Placed> &points, const Ways &ways,
                 const std::vector<int> &starts)
 {
@@ -60,7 +60,7 @@ void find_order(const Lumen &lumen, std::vector<Placed> &points, const Ways &way
     for (std::size_t e = 0; e < points.size(); ++e) {
         if (points[e].point->kind != PointKind::end) continue;
         const std::vector<std::size_t> way = ways.to(points[e].voxel);
-        std::vector<std::pair<std::size_t, int>> passed; // place on the way, point
+        std::vector<std::pair<std::size_t, int>> passed; // place on the path, point
         for (std::size_t b = 0; b < points.size(); ++b) {
             if (points[b].point->kind != PointKind::bifurcation) continue;
             const Eigen::Vector3d centre = voxels.centre_mm(points[b].voxel);
@@ -118,7 +118,7 @@ void check_order(const std::vector<Placed> &points)
     }
 }
 
-// From the point before to this one, by way of the given places.
+// The path from the preceding point to this one, through the given places.
 std::vector<Eigen::Vector3d> way_between(const Lumen &lumen, const Placed &from, const Placed &to)
 {
     const Voxels &voxels = lumen.voxels();
@@ -165,7 +165,7 @@ Tree fit_points(const Lumen &lumen, const std::vector<Point> &points, const Grow
     find_order(lumen, all, ways, starts);
     apply_names(all);
     check_order(all);
-    // Parents first: by depth in the order of points, then as given.
+    // Parents come first, by depth in the order of points, and then in the given order.
     std::vector<std::pair<std::size_t, std::size_t>> order;
     std::vector<std::size_t> children(all.size(), 0);
     for (std::size_t i = 0; i < all.size(); ++i) {
@@ -184,7 +184,7 @@ Tree fit_points(const Lumen &lumen, const std::vector<Point> &points, const Grow
         const Placed &from = all[to.before];
         Way way{
             way_between(lumen, from, to), branch_name(all, order[n].second), from.branch, true, true, true};
-        // Several ends without a bifurcation between: where they part follows from their ways.
+        // Several ends without a bifurcation between them: their paths determine where they part.
         if (from.branch < 0 && !is_first[to.before]) {
             way.parent = parent_of(tree, way.points_mm);
             way.leaves_at_end = false;

@@ -1,4 +1,4 @@
-// Turns of: move each point to the middle of its cross-section, smooth.
+// Repeats two steps: move each point to the middle of its cross-section, then smooth.
 #include "tools/centreline/fit/line_fit.hpp"
 
 #include <Eigen/Geometry>
@@ -12,8 +12,8 @@ namespace
 
 using Points = std::vector<Eigen::Vector3d>;
 constexpr int turns = 4;
-constexpr double fine_spacing = 0.25;   // of the points while fitting, in radii
-constexpr double reach_share = 0.5;     // a point may move so many radii in a turn
+constexpr double fine_spacing = 0.25;   // spacing of the points while fitting, in radii
+constexpr double reach_share = 0.5;     // largest move of a point in a turn, in radii
 constexpr double centred_share = 0.004; // smallest step of the search, in radii
 
 double length_of(const Points &line)
@@ -23,7 +23,7 @@ double length_of(const Points &line)
     return sum;
 }
 
-// Points about `step(p)` apart; first and last stay.
+// Points about `step(p)` apart; the first and the last stay.
 template <typename Step> Points resampled(const Points &line, Step step)
 {
     Points made{line.front()};
@@ -37,7 +37,7 @@ template <typename Step> Points resampled(const Points &line, Step step)
         }
         left -= (line[i] - at).norm();
     }
-    // The last piece is as long as the others, more or less.
+    // The last piece should be about as long as the others.
     if (made.size() > 1 && (made.back() - line.back()).norm() < 0.5 * step(line.back())) made.pop_back();
     made.push_back(line.back());
     return made;
@@ -52,7 +52,8 @@ void smooth(Points &line, double share, int times)
     }
 }
 
-// Direction over about a radius to either side: neighbours alone stand too close.
+// The direction over about a radius to either side: the immediate neighbours are too close for a stable
+// direction.
 Eigen::Vector3d direction_at(const Points &line, std::size_t i, double radius_mm)
 {
     std::size_t before = i, after = i;

@@ -1,4 +1,4 @@
-// From a rough way through a vessel to inscribed spheres in its middle: docs/centreline.md.
+// Fits inscribed spheres in the middle of a vessel to a rough path through it (docs/centreline.md).
 #pragma once
 #include "tools/centreline/fit/lumen.hpp"
 #include "tools/centreline/tree.hpp"
@@ -9,7 +9,7 @@ namespace crn::centreline
 struct LineWish {
     double spacing = 0.5; // of neighbouring spheres, in radii
     const Branch *parent =
-        nullptr; // points inside its tube stay on the way from the parent's middle to the wall
+        nullptr; // points inside this branch's tube stay on the path from its middle to the wall
     bool holds_first = true, holds_last = true; // the ends stay where they are
 };
 
@@ -18,11 +18,11 @@ struct LineWish {
 Eigen::Vector3d centred(const Lumen &lumen, const Eigen::Vector3d &p_mm, const Eigen::Vector3d &direction,
                         double limit_mm);
 
-// Spheres along the way, at least two.
+// At least two spheres along the path.
 std::vector<Sphere> fit_line(const Lumen &lumen, const std::vector<Eigen::Vector3d> &way_mm,
                              const LineWish &wish);
 
-// The same line with spheres at other distances; first and last stay.
+// The same line with spheres at another spacing; the first and the last stay.
 std::vector<Sphere> spaced(const Lumen &lumen, const std::vector<Eigen::Vector3d> &line_mm, double spacing);
 
 } // namespace crn::centreline

@@ -1,4 +1,4 @@
-// Command line of `centreline`: docs/centreline.md.
+// Command line of `centreline` (docs/centreline.md).
 #include "host/base/command_values.hpp"
 #include "host/base/output_files.hpp"
 #include "host/base/terminal.hpp"

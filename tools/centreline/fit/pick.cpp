@@ -11,9 +11,10 @@ namespace crn::centreline
 namespace
 {
 
-constexpr double beside_mm = 3.0; // a click so near to the vessel still means it
+constexpr double beside_mm = 3.0; // a click this close beside the vessel still selects it
 
-// Depth towards the viewer at which the line of sight meets the triangle, or NaN. Moeller and Trumbore 1997.
+// The depth towards the viewer at which the line of sight meets the triangle, or NaN (Moeller and Trumbore
+// 1997).
 double meets(const Eigen::Vector3d &from, const Eigen::Vector3d &along, const Eigen::Vector3d &a,
              const Eigen::Vector3d &b, const Eigen::Vector3d &c)
 {
@@ -44,7 +45,7 @@ std::optional<Eigen::Vector3d> picked(const Lumen &lumen, const View &view, doub
     long voxel = -1;
     for (std::size_t i = 0; voxel < 0 && i + 1 < depths.size(); ++i)
         voxel = voxels.nearest(from + along * ((depths[i] + depths[i + 1]) / 2), voxels.voxel_mm());
-    if (voxel < 0) { // beside the outline: whatever lies nearest to the line of sight
+    if (voxel < 0) { // beside the outline: take whatever lies nearest to the line of sight
         double nearest = beside_mm;
         for (std::size_t v = 0; v < voxels.size(); ++v) {
             const Eigen::Vector3d off = voxels.centre_mm(v) - from;

@@ -1,4 +1,4 @@
-// Points as TOML.
+// Reads and writes points as TOML.
 #include "tools/centreline/fit/points.hpp"
 #include "host/base/pending_file.hpp"
 #include "tools/bake/toml_file.hpp"

@@ -1,5 +1,5 @@
-// What a person says of a vessel tree: start, end and bifurcation points, in a text (TOML) that is also the
-// editor's project.
+// A person's description of a vessel tree: start, end and bifurcation points, in a text (TOML) that is also
+// the editor's project.
 #pragma once
 #include "tools/bake/mesh.hpp"
 
@@ -16,12 +16,12 @@ const char *kind_name(PointKind kind);
 struct Point {
     PointKind kind = PointKind::end;
     std::string name;  // of the branch that ends here
-    std::string after; // name of the point before it on the way from the start; empty: found from the mesh
+    std::string after; // name of the preceding point on the path from the start; empty: found from the mesh
     Eigen::Vector3d position_mm = Eigen::Vector3d::Zero();
 };
 
 struct PointText {
-    std::string mesh; // file it belongs to, as written; empty: none
+    std::string mesh; // the file to which the points belong, as written; empty: none
     std::string unit = "mm";
     std::vector<Point> points;
 };
@@ -29,6 +29,7 @@ struct PointText {
 // Throws Fault "FILE:LINE: ...".
 PointText read_points(const std::filesystem::path &file);
 std::string points_text(const PointText &text);
-void write_points(const std::filesystem::path &file, const PointText &text); // whole or not at all
+void write_points(const std::filesystem::path &file,
+                  const PointText &text); // the file is written completely or not at all
 
 } // namespace crn::centreline

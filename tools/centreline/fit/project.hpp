@@ -1,4 +1,4 @@
-// What the editor edits, without its window: points, undo, what is saved, which tree was fitted last.
+// The editor's data without its window: points, undo, what is saved, and the last fitted tree.
 #pragma once
 #include "tools/centreline/fit/points.hpp"
 
@@ -8,8 +8,8 @@ namespace crn::centreline
 class Project
 {
   public:
-    // Goes on with the file where it exists, else begins anew; `mesh` as it is to stand in the file. Throws
-    // Fault.
+    // Continues with the file where it exists, else begins anew; `mesh` is written into the file as given.
+    // Throws Fault.
     Project(const std::filesystem::path &file, const std::string &mesh, const std::string &unit);
 
     const std::vector<Point> &points() const { return text_.points; }
@@ -18,13 +18,13 @@ class Project
     void move(std::size_t point, const Eigen::Vector3d &to_mm);
     void remove(std::size_t point);
     void replace(std::vector<Point> points);
-    // While a point is dragged only the last place counts: no step until `move`.
+    // While a point is dragged only its last place counts: `move` ends the drag as one step.
     void drag(std::size_t point, const Eigen::Vector3d &to_mm) { text_.points[point].position_mm = to_mm; }
     bool undo();
     bool redo();
 
     bool is_saved() const { return points_text(text_) == saved_; }
-    void save(); // whole or not at all
+    void save(); // the file is written completely or not at all
     const std::filesystem::path &file() const { return file_; }
     bool was_resumed() const { return was_resumed_; }
 

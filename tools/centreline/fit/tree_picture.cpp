@@ -1,4 +1,4 @@
-// Software drawing: glass, then spheres from far to near, then points and letters.
+// Software drawing: the glass vessel, then the spheres from far to near, then points and letters.
 #include "tools/centreline/fit/tree_picture.hpp"
 
 #include <Eigen/Geometry>
@@ -15,7 +15,7 @@ constexpr Ink wall_ink{96, 120, 150}, sphere_ink{40, 110, 190}, line_ink{16, 44,
     letter_ink{30, 30, 40};
 constexpr double rad_per_deg = 3.14159265358979323846 / 180;
 
-// A ball that lets light through: its rim is darker than its middle.
+// Draws a translucent ball: its rim is darker than its middle.
 void draw_ball(Sheet &sheet, const SheetPoint &at, double radius_px, Ink ink, double share)
 {
     const double reach = radius_px + 1;
@@ -35,7 +35,7 @@ void draw_dot(Sheet &sheet, const SheetPoint &at, double radius_px, Ink ink)
     for (int y = static_cast<int>(at.y - reach); y <= at.y + reach; ++y)
         for (int x = static_cast<int>(at.x - reach); x <= at.x + reach; ++x) {
             const double distance = std::hypot(x + 0.5 - at.x, y + 0.5 - at.y);
-            // Light from the upper left, so that it looks round.
+            // Light from the upper left makes it look round.
             const double light =
                 std::hypot(x + 0.5 - at.x + 0.35 * radius_px, y + 0.5 - at.y + 0.35 * radius_px);
             const double bright = std::max(0.0, 1 - light / (0.8 * radius_px));
@@ -56,7 +56,7 @@ void draw_line(Sheet &sheet, const SheetPoint &a, const SheetPoint &b, double wi
     sheet.unclip();
 }
 
-// The barycentric share of each pixel's middle that a triangle covers.
+// Calls use() with the barycentric coordinates of each pixel centre that a triangle covers.
 template <typename Use> void each_pixel(const std::array<SheetPoint, 3> &c, const View &view, Use use)
 {
     const double area = (c[1].x - c[0].x) * (c[2].y - c[0].y) - (c[2].x - c[0].x) * (c[1].y - c[0].y);
@@ -158,7 +158,7 @@ std::vector<float> glass_of(const bake::Mesh &mesh, const View &view)
 namespace
 {
 
-// Each edge once, those far from the viewer first and paler.
+// Draws each edge once, those far from the viewer first and paler.
 void draw_wires(Sheet &sheet, const View &view, const bake::Mesh &mesh)
 {
     const Eigen::Matrix3d axes = view.axes();
@@ -171,7 +171,7 @@ void draw_wires(Sheet &sheet, const View &view, const bake::Mesh &mesh)
     for (const bake::Triangle &t : mesh.triangles)
         for (std::size_t k = 0; k < 3; ++k) {
             const std::uint32_t from = t[k], to = t[(k + 1) % 3];
-            if (from > to) continue; // the neighbour has it the other way round
+            if (from > to) continue; // the neighbouring triangle has this edge in the other direction
             const double depth_mm = (axes * (mesh.vertices_mm[from] + mesh.vertices_mm[to])).z() / 2;
             edges.push_back({depth_mm, from, to});
             nearest_mm = std::max(nearest_mm, depth_mm);

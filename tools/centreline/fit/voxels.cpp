@@ -1,4 +1,5 @@
-// OpenVDB gives the distances; bricks of 8^3 numbers find neighbours; Dijkstra's search finds ways.
+// OpenVDB gives the distances, bricks of 8^3 numbers give the neighbours, and Dijkstra's search finds the
+// paths.
 #include "tools/centreline/fit/voxels.hpp"
 #include "tools/bake/solid.hpp"
 
@@ -85,7 +86,8 @@ long Voxels::nearest(const Eigen::Vector3d &p_mm, double reach_mm) const
 
 std::size_t Voxels::middle_near(std::size_t voxel) const
 {
-    // Off the middle the depth grows as fast as the way; along the middle only as the vessel widens.
+    // Away from the middle the depth grows as fast as the path length; along the middle it grows only as the
+    // vessel widens.
     constexpr double slope_min = 0.5;
     for (;;) {
         double steepest = slope_min;
@@ -125,7 +127,7 @@ Ways find_ways(const Voxels &voxels, const std::vector<std::size_t> &sources, lo
         waiting.push({0.0, source});
     }
     const auto price = [&](std::size_t voxel) {
-        // A voxel's middle may lie on the wall.
+        // The middle of a voxel may lie on the wall.
         const double depth = std::max(voxels.depth_mm(voxel), 0.25 * voxels.voxel_mm());
         return 1 / (depth * depth);
     };

@@ -1,5 +1,5 @@
-// The inside of a closed mesh as voxels with their distance to the wall, and shortest ways through them that
-// keep to the middle.
+// The inside of a closed mesh as voxels with their distance to the wall, and shortest paths through them that
+// stay in the middle.
 #pragma once
 #include "tools/bake/mesh.hpp"
 
@@ -11,20 +11,21 @@ constexpr double voxels_inside_max = 3e7;
 class Voxels
 {
   public:
-    // Throws Fault when the mesh has no inside, or one of too many voxels.
+    // Throws Fault when the mesh has no inside, or needs too many voxels.
     Voxels(const bake::Mesh &closed, double voxel_mm);
 
     std::size_t size() const { return depth_mm_.size(); }
     double voxel_mm() const { return voxel_mm_; }
     Eigen::Vector3d centre_mm(std::size_t voxel) const;
-    double depth_mm(std::size_t voxel) const { return depth_mm_[voxel]; } // to the wall, above 0
+    double depth_mm(std::size_t voxel) const { return depth_mm_[voxel]; } // distance to the wall, above 0
     // The inside voxel nearest to the point, at most `reach_mm` away; -1: none.
     long nearest(const Eigen::Vector3d &p_mm, double reach_mm) const;
-    // The deepest voxel that steepest ascent reaches from here: the middle of the vessel, never along it.
+    // The deepest voxel that steepest ascent reaches from here: the middle of the vessel. The ascent never
+    // runs along the vessel.
     std::size_t middle_near(std::size_t voxel) const;
-    // Calls use(neighbour, distance_mm) for those of the 26 around to which the way surely stays inside: two
-    // balls inside the vessel that overlap hold the way between their middles, so that no thin wall is
-    // crossed.
+    // Calls use(neighbour, distance_mm) for those of the 26 neighbours to which the path surely stays inside.
+    // Two overlapping balls inside the vessel contain the segment between their centres, so the path crosses
+    // no thin wall.
     template <typename Use> void each_neighbour(std::size_t voxel, Use use) const
     {
         const Eigen::Array3i &cell = cell_[voxel];
@@ -66,17 +67,17 @@ class Voxels
     std::vector<float> depth_mm_;
 };
 
-// Cheapest ways from the sources to every voxel: a millimetre costs 1 / depth^2, so that ways run in the
+// The cheapest paths from the sources to every voxel. A millimetre costs 1 / depth^2, so paths run in the
 // middle.
 struct Ways {
-    std::vector<std::int32_t> from;   // -1: not reached; a source is its own
+    std::vector<std::int32_t> from;   // -1: not reached; a source points to itself
     std::vector<float> length_mm;     // from the source
-    std::vector<std::int32_t> source; // number in the list of sources
+    std::vector<std::int32_t> source; // index in the list of sources
 
-    // From the source to the voxel.
+    // The path from the source to the voxel.
     std::vector<std::size_t> to(std::size_t voxel) const;
 };
-// Stops early when `target` (not -1) is reached. Throws Fault when the user interrupted.
+// Stops early when `target` (not -1) is reached. Throws Fault when the user has interrupted.
 Ways find_ways(const Voxels &voxels, const std::vector<std::size_t> &sources, long target);
 
 } // namespace crn::centreline

@@ -1,6 +1,6 @@
-// Fuzz target: any bytes may be offered as a centreline, in each of the four formats (the first byte says
-// which), with the parsers of JSON and XML in this process. What is accepted keeps check_tree's rules, and is
-// the same tree after it was written and read again.
+// Fuzz target: any bytes may be offered as a centreline in each of the four formats (the first byte selects
+// it), with the parsers of JSON and XML in this process. An accepted tree keeps check_tree's rules, and is
+// the same tree after it has been written and read again.
 #include "tools/centreline/formats.hpp"
 #include <algorithm>
 #include <cstdint>

@@ -12,7 +12,7 @@ namespace crn::centreline::tests
 
 constexpr double turn = 2 * 3.14159265358979323846;
 
-// An open tube about the y axis (bend_mm 0) or along an arc that begins so and bends towards +x.
+// An open tube about the y axis (bend_mm 0), or along an arc that begins there and bends towards +x.
 inline bake::Mesh tube_mesh(double radius_mm, double length_mm, double bend_mm, int along, int around)
 {
     bake::Mesh mesh;
@@ -42,8 +42,8 @@ inline double tube_off_mm(const Eigen::Vector3d &p, double bend_mm)
     return std::hypot(std::hypot(p.x() - bend_mm, p.y()) - bend_mm, p.z());
 }
 
-// A trunk of radius 3 along y up to the origin, and two arcs of radius 2.4 from there, bent to both sides
-// about 30 mm.
+// A trunk of radius 3 mm along y up to the origin, and two arcs of radius 2.4 mm from there, bent to both
+// sides with a bend radius of 30 mm.
 constexpr double fork_trunk_mm = 3.0, fork_branch_mm = 2.4, fork_bend_mm = 30, fork_angle = 1.0;
 
 inline std::vector<bake::Centreline> fork_lines()
@@ -68,10 +68,10 @@ inline bake::Mesh fork_mesh(double voxel_mm)
     return bake::surface_of(fork_lines(), voxel_mm, progress);
 }
 
-// Distance from the true lines, and the true radius there.
+// The distance from the true lines, and the true radius there.
 struct Truth {
     double off_mm, radius_mm;
-    double other_mm; // to the wall of the nearest other vessel: below 0 the spheres of both overlap
+    double other_mm; // distance to the wall of the nearest other vessel; below 0 the spheres of both overlap
 };
 inline Truth fork_truth(const Eigen::Vector3d &p)
 {

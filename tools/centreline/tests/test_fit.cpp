@@ -1,6 +1,6 @@
 // Claims: spheres lie in the middle of the vessel and touch its wall; branches, junctions and ends are where
-// they are in the vessel; a beating vessel keeps its spheres. Shown on tubes and arcs whose lines and radii
-// are known. Tolerances: 5 % of the radius for a centre, 3 % for a radius (issue 6, bar 5).
+// the vessel has them; a beating vessel keeps its spheres. This is shown on tubes and arcs whose lines and
+// radii are known. Tolerances: 5 % of the radius for a centre, 3 % for a radius (issue 6, bar 5).
 #include "tools/centreline/fit/automatic.hpp"
 #include "tools/centreline/fit/carry.hpp"
 #include "tools/centreline/fit/guided.hpp"
@@ -17,7 +17,7 @@ constexpr double centre_share = 0.05, radius_share = 0.03;
 
 bake::Progress progress;
 
-// Coarse voxels are enough for ways; the spheres are fitted to the wall itself.
+// Coarse voxels are enough for paths, because the spheres are fitted to the wall itself.
 LumenWish coarse()
 {
     LumenWish wish;
@@ -65,7 +65,7 @@ void a_straight_and_a_bent_tube_are_recovered_to_their_openings(void **)
         const Tree tree = automatic(lumen);
         assert_int_equal(tree.branches.size(), 1);
         print(bend_mm > 0 ? "bent tube" : "straight tube", worst_in_tube(tree, 2.0, bend_mm));
-        // From plane to plane.
+        // The length from plane to plane.
         const double length = length_mm(tree.branches[0]);
         if (std::abs(length - 30) > 0.3) fail_msg("is %.2f mm long, expected 30", length);
     }
@@ -77,7 +77,8 @@ void check_fork(const Tree &tree, const char *what)
     for (std::size_t b = 0; b < tree.branches.size(); ++b)
         for (const Sphere &sphere : tree.branches[b].spheres) {
             const Truth truth = fork_truth(sphere.centre_mm);
-            if (truth.other_mm < truth.radius_mm) continue; // where vessels meet there is no one true radius
+            if (truth.other_mm < truth.radius_mm)
+                continue; // there is no single true radius where vessels meet
             worst.centre = std::max(worst.centre, truth.off_mm / truth.radius_mm);
             worst.radius = std::max(worst.radius, std::abs(sphere.radius_mm / truth.radius_mm - 1));
             ++worst.spheres;
@@ -95,7 +96,7 @@ void a_fork_of_arcs_is_found_without_help(void **)
     assert_int_equal(tree.branches[1].parent, 0);
     assert_int_equal(tree.branches[2].parent, 0);
     check_fork(tree, "fork, automatic");
-    // The first and last sphere touch the round ends: the curves' own ends.
+    // The first and last sphere touch the round ends, so they are the curves' own ends.
     const double y = tree.branches[0].spheres.front().centre_mm.y();
     if (std::abs(y + 20) > 0.5) fail_msg("begins at y = %.2f, expected -20", y);
     for (int b : {1, 2}) {
@@ -133,7 +134,7 @@ void points_of_a_person_give_the_same_fork(void **)
     assert_true(tree.branches[0].spheres.front().is_manual && tree.branches[0].spheres.back().is_manual);
     assert_true(tree.branches[1].spheres.back().is_manual && !tree.branches[1].spheres[3].is_manual);
     check_fork(tree, "fork, by points");
-    // What is proposed gives the tree again.
+    // The proposed points give the same tree again.
     const Tree again = fit_points(lumen, points_of(tree), {}, notes, progress);
     assert_int_equal(again.branches.size(), 3);
     assert_string_equal(again.branches[2].name.c_str(), "right");
@@ -180,7 +181,7 @@ void points_that_cannot_be_used_are_named(void **)
 
 void short_stubs_are_pruned(void **)
 {
-    // A tube with a bump of half a radius, and one with a side branch.
+    // A tube with a bump of half a radius, and a tube with a side branch.
     for (double reach_mm : {3.5, 12.0}) {
         std::vector<bake::Centreline> lines(2);
         for (int i = 0; i <= 30; ++i)
@@ -193,7 +194,7 @@ void short_stubs_are_pruned(void **)
     }
 }
 
-// A sheet of a heartbeat: the fork bends out of its plane, shifts and narrows.
+// One frame of a heartbeat: the fork bends out of its plane, shifts and narrows.
 Eigen::Vector3d beaten(const Eigen::Vector3d &p, int frame)
 {
     const double beat = std::sin(turn * frame / 24), squeeze = 1 - 0.06 * beat * beat;
@@ -209,7 +210,7 @@ void a_beating_fork_keeps_its_spheres_and_their_order(void **)
         bake::Mesh moved = mesh;
         for (Eigen::Vector3d &v : moved.vertices_mm) v = beaten(v, frame);
         write_obj(folder.path / ("heart" + std::to_string(frame) + ".obj"),
-                  moved); // heart10 stands before heart2 by name
+                  moved); // heart10 sorts before heart2 by name
     }
     const Lumen lumen(mesh, coarse(), progress);
     AutoWish wish;
@@ -249,7 +250,8 @@ void a_beating_fork_keeps_its_spheres_and_their_order(void **)
         "# a beating fork: spheres within %.1f %% of a radius from where their points went (%.1f %% where "
         "vessels meet)\n",
         100 * worst, 100 * worst_where_vessels_meet);
-    assert_true(worst < centre_share); // the middle of the moved vessel is not quite the moved middle
+    assert_true(worst <
+                centre_share); // the middle of the moved vessel differs slightly from the moved middle
     assert_true(worst_where_vessels_meet < 0.3);
 }
 

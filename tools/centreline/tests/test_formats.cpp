@@ -1,6 +1,6 @@
-// Claims: a tree survives every format, VTK's own encodings are read, and what is no tree is refused in one
-// sentence that names the place. Shown by writing and reading, by arrays packed here as VTK packs them, and
-// by damage at random places.
+// Claims: a tree survives every format, VTK's own encodings are read, and anything that is no tree is refused
+// in one sentence that names the place. This is shown by writing and reading, by arrays packed here as VTK
+// packs them, and by damage at random places.
 #include "host/base/pending_file.hpp"
 #include "tools/centreline/tests/trees.hpp"
 
@@ -18,7 +18,7 @@ void every_format_gives_back_the_tree_it_was_given(void **)
 {
     const Tree tree = y_tree();
     assert_same_tree(read_csv(csv_text(tree), "t"), tree);
-    assert_same_tree(read_markups(markups_text(tree), "t"), tree, false); // knows no speed
+    assert_same_tree(read_markups(markups_text(tree), "t"), tree, false); // the format has no speed
     assert_same_tree(read_polydata(polydata_text(tree), "t"), tree);
     const Tree lines = read_polyline(polyline_text(tree), "t");
     assert_int_equal(lines.branches[2].parent, 0);
@@ -48,11 +48,11 @@ template <typename T> std::string bytes_of(const std::vector<T> &values)
     return std::string(reinterpret_cast<const char *>(values.data()), values.size() * sizeof(T));
 }
 
-// As vtkXMLWriter packs: header and data in one text, or header, then the packed blocks.
+// Packs as vtkXMLWriter does: header and data in one text, or the header and then the packed blocks.
 std::string packed(const std::string &bytes, bool is_zlib)
 {
     if (!is_zlib) return base64(bytes_of<std::uint32_t>({static_cast<std::uint32_t>(bytes.size())}) + bytes);
-    constexpr std::size_t block = 40; // so that there are several, and a last shorter one
+    constexpr std::size_t block = 40; // small, so that there are several blocks and a shorter last one
     std::vector<std::uint32_t> header = {static_cast<std::uint32_t>((bytes.size() + block - 1) / block),
                                          block, static_cast<std::uint32_t>(bytes.size() % block)};
     std::string data;
@@ -69,7 +69,7 @@ std::string packed(const std::string &bytes, bool is_zlib)
     return base64(bytes_of(header)) + base64(data);
 }
 
-// A line of three points as VMTK would write it, each array in its place.
+// A line of three points as VMTK would write it, with each array in its place.
 std::string vmtk_file(bool is_zlib, bool is_appended)
 {
     std::string appended;
@@ -144,7 +144,7 @@ void faults_name_place_and_remedy(void **)
     says([] { read_tree("/etc/hostname"); }, {".csv", ".vtp"});
 }
 
-// Anything but a crash: each damaged text is a tree that keeps the rules, or a Fault.
+// No input may cause a crash: each damaged text is a tree that keeps the rules, or a Fault.
 void damaged_files_are_trees_or_faults(void **)
 {
     using Read = Tree (*)(const std::string &, const std::string &);

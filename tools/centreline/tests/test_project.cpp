@@ -1,4 +1,4 @@
-// Claims: a project keeps points through saving, undo and redo, and a click means the middle of the vessel
+// Claims: a project keeps points through saving, undo and redo, and a click selects the middle of the vessel
 // behind it.
 #include "host/base/pending_file.hpp"
 #include "tools/centreline/fit/editor.hpp"
@@ -82,13 +82,13 @@ void every_change_can_be_undone_and_done_again(void **)
         assert_true(project.redo());
         assert_string_equal(state().c_str(), states[n].c_str());
     }
-    // A new change forgets what was undone.
+    // A new change discards what was undone.
     assert_true(project.undo());
     project.add(point(PointKind::end, 3));
     assert_true(!project.redo());
 }
 
-// Anything but a crash, and each refusal begins with the file's name.
+// No input may cause a crash, and each refusal begins with the file's name.
 void damaged_texts_of_points_are_points_or_faults(void **)
 {
     const Folder folder;
@@ -126,7 +126,7 @@ void damaged_texts_of_points_are_points_or_faults(void **)
 
 void a_click_means_the_middle_of_the_first_vessel_behind_it(void **)
 {
-    // Two tubes one behind the other, seen from the front.
+    // Two tubes, one behind the other, seen from the front.
     bake::Mesh mesh = tube_mesh(2, 30, 0, 60, 32);
     const bake::Mesh back = mesh;
     for (const Eigen::Vector3d &v : back.vertices_mm)
@@ -147,7 +147,8 @@ void a_click_means_the_middle_of_the_first_vessel_behind_it(void **)
     }
 }
 
-// +x to the right, +y up; from the patient's left (+x) one looks along -x, and +z lies to the left.
+// From the front, +x is to the right and +y up. From the patient's left (+x) one looks along -x, and +z is to
+// the left.
 void views_look_from_where_they_say(void **)
 {
     View view;

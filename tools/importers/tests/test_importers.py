@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A part of `make importers` on the plain build: what was made by hand to break readers, and some hundred mutations. Prints TAP."""
+"""A part of `make importers` on the plain build: the files made by hand, and some hundred mutations. Prints TAP."""
 
 import os
 import sys

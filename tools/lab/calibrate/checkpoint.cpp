@@ -41,7 +41,7 @@ std::string head_text(std::uint64_t hash)
     return head;
 }
 
-// Words of a checkpoint, one after the other.
+// Reads the words of a checkpoint one after the other.
 struct Reader {
     const std::string &file;
     std::istringstream stream;
@@ -89,7 +89,7 @@ struct Reader {
 void Hash::add(std::string_view bytes)
 {
     for (const char byte : bytes) value_ = (value_ ^ static_cast<unsigned char>(byte)) * 1099511628211u;
-    value_ = (value_ ^ bytes.size()) * 1099511628211u; // "ab", "c" is not "a", "bc"
+    value_ = (value_ ^ bytes.size()) * 1099511628211u; // the length makes "ab", "c" differ from "a", "bc"
 }
 
 void Hash::add(double value)

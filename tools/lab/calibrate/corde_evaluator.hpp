@@ -1,8 +1,8 @@
-// The thesis' rod as an evaluator: the baseline beside ours, fitted by the same search.
+// The thesis' rod as an evaluator: the baseline beside our rod, fitted by the same search.
 //
-// Five numbers are fitted, as in the thesis (5.3.3): Young's modulus of the shaft, alpha (that of the tip
-// over it), radius, density and Kp. How stiffness goes from tip to shaft, GJ over EI and the tip's shape are
-// the instrument file's; friction and gravity the case's.
+// Five numbers are fitted, as in the thesis (5.3.3): Young's modulus of the shaft, alpha (the tip's modulus
+// over the shaft's), radius, density and Kp. The instrument file determines how stiffness changes from tip to
+// shaft, GJ over EI and the tip's shape; the case determines friction and gravity.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "tools/lab/calibrate/corde_rod.hpp"
@@ -11,7 +11,7 @@
 namespace crn::calibrate
 {
 
-// The defaults, and without short cuts: elements half as long, a slow hand, a long rest.
+// The default settings, and those without shortcuts: elements half as long, a slow hand, a long rest.
 CordeSettings corde_settings();
 CordeSettings careful_corde_settings();
 
@@ -22,7 +22,7 @@ CordeValues nominal_corde_values(const Instrument &instrument);
 class CordeEvaluator final : public Evaluator
 {
   public:
-    // `vessel` must outlive this. Reads the instrument's file. Throws CaseError, FileError.
+    // `vessel` must outlive this object. Reads the instrument's file. Throws CaseError, FileError.
     CordeEvaluator(const insertion::Case &c, const vcsim3::Vessel &vessel, const CordeSettings &settings);
 
     std::string rod() const override { return "corde"; }

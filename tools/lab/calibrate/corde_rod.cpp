@@ -13,12 +13,12 @@ namespace
 using vcsim3::JointProperties, vcsim3::RodProperties;
 
 constexpr double tick_s = 1e-3, radian = std::numbers::pi / 180.0;
-// Steps times the fastest motion of the points and of the segments' turning. The square root of the sum of
-// their squares must stay below 2; squeezed segments and large turns take the rest.
+// The step times the fastest motion of the points, and of the segments' turning. The square root of the sum
+// of their squares must stay below 2; the margin covers compressed segments and large turns.
 constexpr double point_ratio = 1.5, turn_ratio = 0.9;
-constexpr double outside_mm = 3.0; // deeper in the wall: it has gone through
+constexpr double outside_mm = 3.0; // a rod deeper in the wall has passed through it
 
-// EI, GJ and rest turn of a joint: over the half elements beside its node compliances and curvatures add.
+// EI, GJ and rest turn of a joint. Compliances and curvatures add up over the half elements beside its node.
 JointProperties joint_at(const crn_wire_instrument &table, const CordeValues &values, double arc_mm,
                          double element_mm)
 {
@@ -32,21 +32,23 @@ JointProperties joint_at(const crn_wire_instrument &table, const CordeValues &va
         const double bend_N_m2 = values.bend_N_m2() * std::pow(values.tip_over_shaft, weight);
         bend += 1.0 / (samples * bend_N_m2);
         twist += knot.bend_stiffness_nN_m2 / (samples * bend_N_m2 * knot.twist_stiffness_nN_m2);
-        // A bend of the tip towards the first axis is a turn about the second one from the tip's side to the
-        // hand's.
+        // A bend of the tip towards the first axis is a turn about the second one, going from the tip's side
+        // to the hand's side.
         turn_rad += element_mm * 1e-6 / samples *
                     Vector3d(-knot.rest_curvature2_per_m_milli, knot.rest_curvature1_per_m_milli, 0.0);
     }
     return {1.0 / bend, 1.0 / twist, vcsim3::rest_strain(turn_rad, element_mm * 1e-3)};
 }
 
-// Substeps by the real mass, at most the given number; then the mass that this number takes. Inertia of
-// turning is a number of the integration alone: what turning needs to be as stable.
+// Chooses the number of substeps for the real mass, up to the given maximum, and then the mass that this
+// number requires. The inertia of turning is a parameter of the integration alone: it gets the value that
+// makes turning as stable.
 void choose_steps(CordeModel &model, double real_kg_per_m, int substeps_max)
 {
 
     RodProperties &rod = model.properties;
-    const double fastest = 2.0 / rod.element_m * std::sqrt(rod.parallel_N); // times the root of kg/m, per s
+    const double fastest =
+        2.0 / rod.element_m * std::sqrt(rod.parallel_N); // divided by the root of kg/m, per s
     const double wanted = std::ceil(fastest / std::sqrt(real_kg_per_m) * tick_s / point_ratio);
     model.substeps = static_cast<int>(std::clamp(wanted, 1.0, double(substeps_max)));
     const double step_s = tick_s / model.substeps;

@@ -1,4 +1,5 @@
-// The firmware core with one tool, as an insertion needs it. The only file pair of this folder that calls it.
+// The firmware core with one tool, as an insertion needs it. Only these two files of the folder call the
+// core.
 #pragma once
 #include "shared/wire/wire.h"
 #include "tools/lab/calibrate/hand.hpp"
@@ -12,17 +13,18 @@ namespace crn::calibrate
 class CoreRod final : public HeldRod
 {
   public:
-    // `lumen` must outlive this; nullptr is free space. Throws TrialRefused when the core takes no such tool.
+    // `lumen` must outlive this object; nullptr is free space. Throws TrialRefused when the core rejects the
+    // tool.
     CoreRod(const crn_wire_instrument &table, const crn_lumen *lumen, const Vector3d &mouth_mm,
             const Vector3d &direction, const Vector3d &gravity_m_s2, double inserted_mm);
-    // Same version, same inputs, same hashes.
+    // The core's version: with the same version, the same inputs give the same hashes.
     static unsigned version();
     ~CoreRod() override;
 
     void tick(double hand_mm, double turn_deg) override;
     double inserted_mm() const override;
     double handle_axial_mN() const override;
-    bool is_sound() const override; // nothing saturated, nothing outside the field
+    bool is_sound() const override; // nothing is saturated, nothing lies outside the field
     std::vector<Vector3d> nodes_mm() const override;
 
   private:

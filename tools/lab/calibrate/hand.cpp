@@ -8,16 +8,16 @@ namespace crn::calibrate
 namespace
 {
 
-constexpr int turn_ticks = 200; // to bring the tip into its first plane, before the hand feeds
+constexpr int turn_ticks = 200; // to turn the tip into its first plane before the hand feeds
 constexpr double force_every_mm =
-    0.1; // by way, so that a slow stretch does not outweigh a fast one in a median
+    0.1; // of travel, so that a slow stretch does not outweigh a fast one in a median
 constexpr int still_in_a_row =
-    2; // windows no farther than allowed from the one before: one may be where a swing turns back
+    2; // consecutive windows within the limit; a single one may be where a swing turns back
 constexpr int sample_every =
-    5; // ticks, of a place at rest: odd, as a contact may be there in every second tick
+    5; // ticks between samples of a rod at rest: odd, since a contact may occur in every second tick
 constexpr double arrived_mm = 0.01, turn_step_deg = 0.5;
 
-// One insertion under way.
+// One insertion in progress.
 class Hand
 {
   public:
@@ -26,7 +26,7 @@ class Hand
     {
     }
 
-    // The tip comes into the plane of the first depth while the hand does not feed.
+    // Turns the tip into the plane of the first depth while the hand does not feed.
     void turn_first()
     {
         const double to_deg = case_.depths.front().turn_deg;
@@ -44,7 +44,7 @@ class Hand
         }
     }
 
-    // Mean places at rest: the tip may be anywhere on its way about them.
+    // The mean places at rest: the tip may oscillate about them.
     std::vector<Vector3d> rest()
     {
         const double still_mm = settings_.still_um_per_tick * settings_.rest_window_ticks * 1e-3;
@@ -64,15 +64,15 @@ class Hand
     }
 
   private:
-    // The case's where that is faster, never more than on the way.
+    // The case's speed where that is faster, but never more than the normal feed.
     double near_speed_mm_per_s() const
     {
         return std::min(settings_.speed_mm_per_s,
                         std::max(settings_.approach_mm_per_s, case_.speed_mm_per_s));
     }
 
-    // Of every node, over the next ticks; nothing where their number changes, as it does while the rod
-    // follows the hand.
+    // The mean place of each node over the next window; empty if the number of nodes changes, as it does
+    // while the rod still follows the hand.
     std::vector<Vector3d> mean_over_window()
     {
         const double turn_deg = case_.turn_deg_at(hand_mm_);

@@ -1,7 +1,7 @@
-// One number at a time is moved away from the optimum, over a ladder of doubling steps and then by halving
-// between the last step that noise explains and the first that it does not. That misses numbers that make up
-// for each other; trials of the search that are as good as the best one show those, so the range is widened
-// to them.
+// Each number in turn is moved away from the optimum: over a ladder of doubling steps, and then by halving
+// between the last step within the noise and the first beyond it. This misses numbers that compensate each
+// other. Trials of the search that are as good as the best one reveal those, so the range is widened to
+// include them.
 #include "tools/lab/calibrate/identify.hpp"
 #include <algorithm>
 #include <array>
@@ -18,8 +18,8 @@ constexpr int halvings = 4;
 struct Side {
     std::size_t parameter;
     double direction;  // -1 or +1
-    double good = 0.0; // farthest offset that noise explains
-    double bad = 0.0;  // nearest beyond it; 0: none
+    double good = 0.0; // largest offset that noise explains
+    double bad = 0.0;  // nearest offset beyond it; 0: none
 };
 
 double moved(const Trial &best, const Side &side, double offset)
@@ -34,7 +34,7 @@ std::vector<double> shares_at(const Trial &best, const Side &side, double offset
     return shares;
 }
 
-// Up to the first step that reaches the bound: farther ones are the same trial.
+// The number of steps up to the first that reaches the bound: larger ones give the same trial.
 std::size_t steps_to_bound(const Trial &best, const Side &side)
 {
     const double room =

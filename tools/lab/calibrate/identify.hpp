@@ -1,5 +1,5 @@
-// How well each number is determined: how far it can go, the others as they are or as the search has varied
-// them, while the objective rises by less than what noise explains.
+// How well each number is determined: the range over which it can vary while the objective rises by less than
+// noise explains. The others stay as they are, or vary as in the search's trials.
 #pragma once
 #include "tools/lab/calibrate/search.hpp"
 
@@ -7,10 +7,10 @@ namespace crn::calibrate
 {
 
 struct IdentifySettings {
-    bool is_wanted = true;  // false: ranges are those of the search's trials alone
-    double noise_mm = 0.05; // rise of the objective that says nothing
+    bool is_wanted = true;  // false: ranges come from the search's trials alone
+    double noise_mm = 0.05; // a smaller rise of the objective is not significant
     double spans_share =
-        0.8; // of the range between the bounds: more says that the data leave the number open
+        0.8; // share of the range between the bounds: above it, the data leave the number undetermined
 };
 
 struct Identified {
@@ -19,7 +19,8 @@ struct Identified {
     bool is_determined = false;
 };
 
-// One per parameter. Trials go to `evaluate` in a few batches. `trials` are those of the search.
+// Returns one entry per parameter. Trials go to `evaluate` in a few batches. `trials` are those of the
+// search.
 std::vector<Identified> identify(const std::vector<Parameter> &parameters, const Trial &best,
                                  const std::vector<Trial> &trials, const EvaluateShares &evaluate,
                                  const IdentifySettings &settings);

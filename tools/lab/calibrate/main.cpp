@@ -1,4 +1,4 @@
-// Command line of `calibrate`: docs/calibrate.md.
+// Command line of `calibrate` (docs/calibrate.md).
 #include "host/base/command_values.hpp"
 #include "host/base/interrupt.hpp"
 #include "host/base/output_files.hpp"
@@ -42,9 +42,10 @@ struct Options {
     std::vector<std::string> methods = {"cmaes"}, bounds, trial;
     bool is_trial = false, resume = false, quiet = false, with_page = true;
     unsigned threads = 0;
-    SearchSettings search;                           // but for its method and what is absent here:
-    std::optional<unsigned> population, generations; // the method's, and what the budget has room for
-    std::optional<double> speed_mm_per_s, approach_mm, element_factor; // absent: the rod's own
+    SearchSettings search; // except its method and the optional values below
+    std::optional<unsigned> population,
+        generations; // empty: the method's population, and as many generations as the budget allows
+    std::optional<double> speed_mm_per_s, approach_mm, element_factor; // empty: the rod's own
     JudgeSettings judge;
     IdentifySettings identify;
 };
@@ -68,7 +69,7 @@ double number_of(const std::string &text, const std::string &whole)
     return value;
 }
 
-// "NAME=REST" -> the parameter of that name, and REST.
+// Splits "NAME=REST" into the parameter of that name and REST.
 std::pair<std::size_t, std::string> named(const std::string &text, const std::vector<Parameter> &parameters)
 {
     const std::size_t at = text.find('=');
@@ -81,7 +82,7 @@ std::pair<std::size_t, std::string> named(const std::string &text, const std::ve
     throw UsageError("'" + text + "': give NAME=... with one of this instrument's parameters: " + known);
 }
 
-// Everything that one trial needs; the same on every rank.
+// Everything that one trial needs; it is the same on every rank.
 struct Setup {
     insertion::Case c;
     std::unique_ptr<vcsim3::Vessel> vessel;
@@ -135,7 +136,7 @@ struct Setup {
     }
 };
 
-// Nodes from the tip -> depth_N.csv as a case has it: from the mouth to the tip.
+// Writes nodes (tip first) as depth_N.csv of a case, which runs from the introducer to the tip.
 void write_shape(const Options &options, const insertion::Case &c, std::size_t depth,
                  const std::vector<Vector3d> &nodes_mm)
 {
@@ -174,7 +175,7 @@ int evaluate_once(const Options &options, const Setup &setup)
     return 0;
 }
 
-// One method to the end of its budget, with a checkpoint after every generation.
+// Runs one method to the end of its budget, with a checkpoint after every generation.
 Finished search(const Options &options, Method method, const Setup &setup, const EvaluateShares &evaluate,
                 std::string &doing)
 {
@@ -203,7 +204,7 @@ void write_outputs(const Options &options, const Setup &setup, const Result &res
     if (!result.instrument_file.empty()) {
         const std::string file = (folder / "instrument.toml").string();
         crn::write_whole_file(file, result.instrument_file);
-        crn::read_instrument(file); // what cannot be loaded is not handed over
+        crn::read_instrument(file); // checks that the file can be loaded before we deliver it
     }
     for (std::size_t i = 0; i < result.depths.size(); i++)
         write_shape(options, setup.c, i, result.depths[i].simulated_mm);
@@ -246,7 +247,7 @@ int calibrate(const Options &options, MpiJob *job)
     crn::watch_for_interrupt();
     crn::ProgressLine line(!options.quiet);
     std::string doing;
-    std::size_t total = 1, made = 0; // trials: of the batch under way; of all
+    std::size_t total = 1, made = 0; // number of trials: in the current batch; in total
     const Progress progress = [&](std::size_t done) { line.show(doing, done, total); };
     const std::unique_ptr<Workers> workers =
         job ? job->workers(options.threads, one, crn::is_interrupted, progress)

@@ -28,8 +28,8 @@ ParameterResult judged(const Parameter &parameter, double share, const Identifie
     return result;
 }
 
-// What is not determined goes back to the file's value, one number after the other, as long as the objective
-// stays within the noise.
+// Undetermined numbers return to the file's value, one after the other, as long as the objective stays within
+// the noise.
 Verdict keep_nominal(std::vector<ParameterResult> &parameters, double limit, const EvaluateShares &evaluate,
                      Verdict best)
 {
@@ -52,8 +52,8 @@ Verdict keep_nominal(std::vector<ParameterResult> &parameters, double limit, con
     return best;
 }
 
-// Without short cuts, where the core's numbers have room for such short elements: no fit is lost for want of
-// it.
+// Repeats the insertion without shortcuts, where the core's number format allows such short elements. A fit
+// is not lost when it does not.
 std::optional<Insertion> careful_insertion(const Evaluator &careful, const std::vector<double> &values,
                                            std::size_t depth_count)
 {

@@ -1,5 +1,5 @@
-// What a calibration has found, before it is written: the same for any number of workers, so nothing of the
-// machine or the clock.
+// The result of a calibration before it is written. It is the same for any number of workers, so it contains
+// nothing about the machine or the clock.
 #pragma once
 #include "tools/lab/calibrate/identify.hpp"
 #include "tools/lab/vcsim3/lumen.hpp"
@@ -10,12 +10,12 @@ namespace crn::calibrate
 struct DepthResult {
     std::string name;
     double inserted_mm = 0.0;
-    bool is_fitted = false; // false: for validation
+    bool is_fitted = false; // false: the depth serves for validation
     Distances distances;
-    std::optional<double> force_error; // relative, from the mouth to here
+    std::optional<double> force_error; // relative, from the introducer to here
     int settle_ticks = 0;
-    std::optional<double> short_cuts_mm; // RMS distance to the same insertion made without them; absent where
-                                         // that cannot be made
+    std::optional<double> short_cuts_mm; // RMS distance from the same insertion made without shortcuts; empty
+                                         // where that cannot be made
     std::vector<Vector3d> simulated_mm, reference_mm;
 };
 
@@ -24,8 +24,8 @@ struct ParameterResult {
     double fitted = 0.0; // at the optimum
     Identified identified;
     bool is_determined = false;
-    std::string why;   // of what is not determined
-    double kept = 0.0; // in the instrument file: what is not determined keeps its nominal value
+    std::string why;   // reason when it is not determined
+    double kept = 0.0; // value in the instrument file: an undetermined number keeps its nominal value
 };
 
 struct MethodResult {
@@ -43,7 +43,7 @@ struct Result {
     unsigned evaluations = 0;
     std::vector<ParameterResult> parameters;
     std::vector<DepthResult> depths;
-    Distances average; // means over all depths of their figures
+    Distances average; // means of the figures over all depths
     std::vector<MethodResult> methods;
     std::string instrument_file; // text with the kept values; empty: our simulator has no such rod
 };
@@ -53,14 +53,15 @@ struct Finished {
     SearchState state;
 };
 
-// From the best of the searches. Trials of the identification and the last insertions go to `evaluate`.
+// Makes the result from the best of the searches. `evaluate` runs the identification's trials and the last
+// insertions.
 Result make_result(const insertion::Case &c, const Evaluator &evaluator, const Evaluator &careful,
                    const Judge &judge, const std::vector<Finished> &searches, const EvaluateShares &evaluate,
                    const IdentifySettings &settings);
 
 std::string to_json(const Result &result);
 std::string page_html(const Result &result);
-// Figure 5.5 for every depth, and the searches' curves. Throw std::runtime_error.
+// Draw figure 5.5 for every depth, and the curves of the searches. Both throw std::runtime_error.
 void draw_shapes(const Result &result, const vcsim3::Vessel &vessel, const std::string &path);
 void draw_curves(const Result &result, const std::string &path);
 

@@ -1,4 +1,4 @@
-// A result as JSON, as a page and as pictures, by the thesis baseline's canvas, charts and tables.
+// Writes a result as JSON, as a page and as pictures, using the thesis baseline's canvas, charts and tables.
 #include "host/base/format.hpp"
 #include "tools/lab/calibrate/result.hpp"
 #include "tools/lab/figures/chart.hpp"

@@ -11,13 +11,16 @@ namespace crn::calibrate
 namespace
 {
 
-// Bounds: EI a decade either way, alpha a decade below and above, but never a tip four times as stiff as the
-// shaft; radius within a quarter, density from an eighth to eight times. Those of the core hold behind them.
+// Bounds: EI a decade either way; alpha a decade below and above, but never a tip four times as stiff as the
+// shaft; radius within a quarter; density from an eighth to eight times. The core's own limits apply after
+// these.
 constexpr double bend_factor = 10.0, alpha_factor = 10.0, radius_factor = 1.25, density_factor = 8.0;
 constexpr double alpha_max = 4.0;
 constexpr double outside_mm =
-    60.0; // of the instrument outside at the deepest place: what is behind it does nothing
-constexpr double coarser = 1.25, coarsest = 2.0; // elements, where the core takes no finer ones
+    60.0; // length of the instrument outside at the deepest place; what is farther back has no effect
+constexpr double coarser = 1.25,
+                 coarsest =
+                     2.0; // factors of the element length, for tools whose finer elements the core rejects
 
 const crn_wire_knot &shaft_of(const crn_wire_instrument &table)
 {
@@ -136,8 +139,8 @@ RodValues RodEvaluator::values_of(const std::vector<double> &values) const
     return all;
 }
 
-// The core with elements of the wanted length; longer ones where stiffness and mass leave its number format
-// with short ones.
+// Makes the core with elements of the wanted length, or longer ones where short elements take stiffness and
+// mass out of its number format.
 std::unique_ptr<CoreRod> RodEvaluator::make_rod(const crn_wire_instrument &table) const
 {
     for (double factor = settings_.element_factor;; factor *= coarser) {

@@ -1,8 +1,8 @@
 // Our own rod as an evaluator: the firmware core, fed into the case's lumen as the device feeds it.
 //
-// Four numbers are fitted: EI of the shaft, alpha (EI of the tip over that), the outer radius and the
-// density. The friction, the shape and the mesh are the case's and the instrument file's. An instrument whose
-// tip is as stiff as its shaft has no alpha.
+// Four numbers are fitted: EI of the shaft, alpha (EI of the tip over EI of the shaft), the outer radius and
+// the density. The case and the instrument file give the friction, the shape and the mesh. An instrument
+// whose tip is as stiff as its shaft has no alpha.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "tools/lab/calibrate/core_rod.hpp"
@@ -11,16 +11,16 @@
 namespace crn::calibrate
 {
 
-// Without short cuts: the case's speed all the way, elements 0.35 times the file's where the core takes them,
-// and a long rest.
+// Settings without shortcuts: the case's speed throughout, elements 0.35 times the file's where the core
+// accepts them, and a long rest.
 InsertionSettings careful_settings();
 
-// Values of the four; a missing parameter has its nominal value.
+// Values of the four numbers; a missing parameter has its nominal value.
 struct RodValues {
     double bend_shaft_N_m2 = 0.0, tip_over_shaft = 0.0, radius_mm = 0.0, density_kg_m3 = 0.0;
 };
 
-// kg/m over the metal's cross-section at the shaft.
+// Mass per length divided by the metal's cross-section at the shaft.
 double density_of(const crn_wire_instrument &table, double radius_mm);
 RodValues nominal_values(const crn_wire_instrument &table);
 // The nominal table with these values: EI and GJ by tools/lab/case/stiffness.hpp, radius and mass by a factor
@@ -28,13 +28,13 @@ RodValues nominal_values(const crn_wire_instrument &table);
 crn_wire_instrument virtual_instrument(const crn_wire_instrument &nominal, const RodValues &values,
                                        const insertion::Case &c);
 
-// The first `length_mm` of an instrument: what stays outside needs no nodes.
+// The first `length_mm` of an instrument; the part that stays outside needs no nodes.
 crn_wire_instrument shortened(const crn_wire_instrument &table, double length_mm);
 
 class RodEvaluator final : public Evaluator
 {
   public:
-    // `vessel` must outlive this. Reads the instrument's file. Throws CaseError, FileError.
+    // `vessel` must outlive this object. Reads the instrument's file. Throws CaseError, FileError.
     RodEvaluator(const insertion::Case &c, const vcsim3::Vessel &vessel, const InsertionSettings &settings);
 
     std::string rod() const override { return "core"; }

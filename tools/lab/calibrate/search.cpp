@@ -1,4 +1,4 @@
-// The only file that knows pagmo and boost.
+// Only this file uses pagmo and boost.
 #include "tools/lab/calibrate/search.hpp"
 #include <algorithm>
 #include <boost/archive/text_iarchive.hpp>
@@ -20,7 +20,7 @@ namespace
 
 using Numbers = std::vector<double>;
 
-// What both problems share: trials asked for, and answers by trial.
+// Data that both problems share: the requested trials, and the answers by trial.
 struct Exchange {
     bool is_collecting = false;
     std::vector<Numbers> asked;
@@ -29,7 +29,7 @@ struct Exchange {
     EvaluateShares evaluate;
 };
 
-// pagmo copies its problems, so they only point at the exchange.
+// pagmo copies its problems, so they only point to the exchange.
 struct SharedProblem {
     std::size_t count = 1;
     Exchange *exchange = nullptr;
@@ -49,17 +49,17 @@ struct SharedProblem {
         return {answer->second};
     }
     std::pair<Numbers, Numbers> get_bounds() const { return {Numbers(count, 0.0), Numbers(count, 1.0)}; }
-    // A state is kept by SearchState, not by pagmo's archives.
+    // SearchState keeps the state; pagmo's archives do not.
     template <typename Archive> void serialize(Archive &, unsigned) {}
 };
 
-// Tolerances of 0: the budget ends a search, so that the three can be compared.
+// Tolerances are 0: the budget ends a search, so that the three methods can be compared.
 pagmo::algorithm fresh_algorithm(const SearchSettings &settings)
 {
     switch (settings.method) {
     case Method::genetic:
-        // Crossover 0.9 of pairs drawn by tournament, mutation of each number by 1/20, the best of parents
-        // and children live on.
+        // Crossover 0.9 of pairs drawn by tournament, mutation of each number with probability 1/20; the best
+        // of parents and children survive.
         return pagmo::algorithm(
             pagmo::sga(1, 0.9, 10.0, 0.05, 10.0, 2, "sbx", "polynomial", "tournament", settings.seed));
     case Method::differential:
@@ -96,7 +96,7 @@ pagmo::population population_of(const SearchState &state, std::size_t count, Exc
     return population;
 }
 
-// Drawn evenly; 53 bits of a generator that the standard defines bit for bit.
+// Draws evenly, with 53 bits of a generator that the standard defines bit for bit.
 std::vector<Numbers> first_trials(const SearchSettings &settings, std::size_t count)
 {
     std::mt19937_64 generator(settings.seed);
@@ -126,7 +126,7 @@ unsigned default_population(Method method)
 SearchSettings sized(SearchSettings settings, Method method, std::optional<unsigned> population,
                      std::optional<unsigned> generations)
 {
-    constexpr unsigned least_generations = 50; // what is drawn at random once is no search
+    constexpr unsigned least_generations = 50; // a single random draw is no search
     settings.method = method;
     settings.population = population.value_or(default_population(method));
     settings.generations =

@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
-"""Fit the nine instruments of the thesis' Table 5.1 and write one page (docs/table51.md).
+"""Fits the nine instruments of the thesis' Table 5.1 and writes one page (docs/table51.md).
 
   table51.py -o out/table51 [--preset full|quick|fast] [--instruments NAME ...] [--page-only]
 
-For each instrument: truth by the reference rod with stiffness that its file does not have, virtual scans and their segmentation
-(or, direct, the truth's centrelines with noise), then fits of our rod without and with the force trace, and of the CoRdE baseline.
-Every finished step leaves a file NAME.done with its commands and is not made again by the same ones; a fit that was stopped
-goes on from its last generation. An instrument that fails is named on the page and the others go on. The page is renewed
-after every instrument. Ends with 0 when everything was made, 1 when something failed or was stopped, 2 on a usage error.
+For each instrument, the reference rod makes the truth with stiffness that differs from the file's. The truth goes
+through virtual scans and their segmentation, or directly as centrelines with noise. Then come fits of our rod without
+and with the force trace, and of the CoRdE baseline. Every finished step leaves a file NAME.done with its commands and
+is not repeated for the same commands. A fit that was stopped continues from its last generation. An instrument that
+fails is named on the page, and the others continue. The page is renewed after every instrument. The exit code is 0 when
+everything was made, 1 when something failed or was stopped, 2 on a usage error.
 """
 
 import argparse
@@ -24,7 +25,8 @@ import sys
 import table51_data
 import table51_page
 
-# How much is done. `population` and `generations`: None is calibrate's own, 2,500 trials. `short_cuts`: of the insertions, beside calibrate's own (docs/calibrate.md). `rangeless`: fits that do not ask how well
+# The amount of work. `population` and `generations`: None means calibrate's own, 2,500 trials. `short_cuts` are options
+# of the insertions beside calibrate's own (docs/calibrate.md). `rangeless` lists fits that skip the question how well
 # each number is determined.
 PRESETS = {
     "full": {
@@ -55,13 +57,13 @@ PRESETS = {
         "truth": ["--edge-tip-mm", "0.5", "--edge-shaft-mm", "2", "--feed-step-mm", "1"],
     },
 }
-SHAPE_NOISE_MM = 0.02  # as far as a segmented scan is off: docs/ct.md
-# Population and generations of the CoRdE baseline, whose insertions take seven times as long; without them it is left out.
+SHAPE_NOISE_MM = 0.02  # the error of a segmented scan: docs/ct.md
+# Population and generations of the CoRdE baseline, whose insertions take seven times as long; None leaves it out.
 CORDE = {"full": (None, None), "quick": (12, 8), "fast": None}
 
 
 class Failed(Exception):
-    """The text says which command failed and what it said last."""
+    """The message says which command failed and quotes its last output."""
 
 
 class Stopped(Exception):
@@ -69,7 +71,7 @@ class Stopped(Exception):
 
 
 def run(command, log):
-    """One program to its end, its standard output into `log`. Progress goes to the terminal where there is one."""
+    """Runs one program with its standard output into `log`; progress goes to the terminal if there is one."""
     quiet = not sys.stderr.isatty()
     with open(log, "a", encoding="utf-8") as out:
         out.write("$ %s\n" % shlex.join(command))
@@ -78,7 +80,7 @@ def run(command, log):
             try:
                 code = child.wait()
             except KeyboardInterrupt:
-                child.wait()  # it was told too, and keeps what it has finished
+                child.wait()  # it received the signal too, and keeps what it has finished
                 raise Stopped() from None
     if code != 0:
         with open(log, encoding="utf-8", errors="replace") as out:
@@ -94,7 +96,7 @@ def remove(path):
 
 
 def text_of(path):
-    """None where there is no such file."""
+    """Returns None where there is no such file."""
     if not os.path.exists(path):
         return None
     with open(path, encoding="utf-8") as file:
@@ -108,7 +110,7 @@ def write(path, text):
 
 @functools.cache
 def digest(program):
-    """Which build of a program this is; empty where there is none."""
+    """Identifies the build of a program; empty where there is none."""
     if not os.path.exists(program):
         return ""
     with open(program, "rb") as file:
@@ -116,8 +118,10 @@ def digest(program):
 
 
 def step(row_folder, name, command, announce, unheard=()):
-    """Runs `command` unless it has been run; True if it was, and then announced. What fails leaves NAME.failed. `unheard`: arguments that
-    change nothing of what is made."""
+    """Runs `command` and announces it, unless it has been run before; returns True if it ran.
+
+    A failure leaves NAME.failed. `unheard` holds arguments that do not change the result.
+    """
     log, done, failed = (os.path.join(row_folder, name + ending) for ending in (".log", ".done", ".failed"))
     wanted = shlex.join(command) + "\n"
     if text_of(done) == wanted:
@@ -154,7 +158,7 @@ class Chain:
         return os.path.join(self.options.build, "bin", name)
 
     def case_steps(self, row, case):
-        """(name, what is told, command): the truth, and what calibrate may see of it."""
+        """Returns (name, announcement, command) for the truth and for the data that calibrate may see."""
         depths = [
             word
             for (inserted, name), turn in zip(self.depths, row["turns_deg"])
@@ -190,7 +194,7 @@ class Chain:
         ]
 
     def kinds(self):
-        """Fits to make. An older calibrate has no baseline."""
+        """Returns the fits to make. An older calibrate has no baseline."""
         return [
             kind for kind in self.options.fits if kind != "corde" or (self.has_corde and CORDE[self.options.preset])
         ]
@@ -221,7 +225,7 @@ class Chain:
         return command
 
     def check_scans(self, row_folder):
-        """Distances of the segmentation from the truth for the page; over a bar is no reason to stop."""
+        """Measures the segmentation against the truth for the page; a missed bar does not stop the chain."""
         log = os.path.join(row_folder, "check.log")
         remove(log)
         try:
@@ -240,13 +244,13 @@ class Chain:
             is_new = step(row_folder, name, command, lambda what=what: say(what)) or is_new
         if not is_new:
             return
-        for kind in table51_data.FITS:  # of another case
+        for kind in table51_data.FITS:  # these fits belong to another case
             remove(os.path.join(row_folder, kind + ".begun"))
         if self.preset["scans"]:
             self.check_scans(row_folder)
 
     def make_fit(self, row_folder, kind, say):
-        """A search goes on from what is there when only its length has changed."""
+        """Continues a search from its last state when only its length has changed."""
         command = self.fit_command(row_folder, kind)
         begun = os.path.join(row_folder, kind + ".begun")
         search = shlex.join([word for before, word in zip([""] + command, command) if before != "--generations"]) + "\n"
@@ -263,7 +267,7 @@ class Chain:
         )
 
     def make_row(self, row, say):
-        """All that can be made of one instrument; True if nothing failed."""
+        """Makes everything that is possible for one instrument; returns True if nothing failed."""
         row_folder = os.path.join(self.options.output, row["stem"])
         os.makedirs(row_folder, exist_ok=True)
         try:
@@ -281,7 +285,7 @@ class Chain:
         return good
 
     def by_other_builds(self, rows):
-        """What was made before its program was built anew: "Rosen: shape"."""
+        """Lists what was made before its program was rebuilt, such as "Rosen: shape"."""
         programs = {
             "truth": "reference_rod",
             "scans": "ct",
@@ -365,7 +369,7 @@ def main(arguments):
         parser.error(str(problem))
     wanted = chosen(parser, rows, options.instruments or PRESETS[options.preset]["instruments"])
     os.makedirs(options.output, exist_ok=True)
-    # Those that were made before stay on the page.
+    # Instruments that were made before stay on the page.
     shown = [row for row in rows if row in wanted or os.path.isdir(os.path.join(options.output, row["stem"]))]
     chain = Chain(options, depths)
     failed = []
@@ -390,7 +394,7 @@ def main(arguments):
 
 
 if __name__ == "__main__":
-    signal.signal(signal.SIGINT, signal.default_int_handler)  # also where whoever started this ignores it
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # the caller may ignore the signal
     try:
         sys.exit(main(sys.argv[1:]))
     except KeyboardInterrupt:

@@ -1,5 +1,7 @@
-"""What `make table51` knows: the rows of table51.txt, and what the fits of a row have left in its folder.
-Imported by table51.py and table51_page.py."""
+"""The data of `make table51`: the rows of table51.txt, and the results of the fits in each row's folder.
+
+table51.py and table51_page.py import it.
+"""
 
 import csv
 import json
@@ -8,7 +10,7 @@ import os
 
 FOLDER = os.path.dirname(os.path.abspath(__file__))
 TABLE = os.path.join(FOLDER, "table51.txt")
-# Figures of Table 5.1 in its order: key, head, and what result.json has for it on average.
+# The figures of Table 5.1 in its order: key, heading, and the key of their mean in result.json.
 FIGURES = (
     ("depth3_rms_mm", "RMS at depth 3", None),
     ("average_rms_mm", "average RMS", "rms_mm"),
@@ -17,16 +19,16 @@ FIGURES = (
     ("max_mm", "maximum", "max_mm"),
 )
 THESIS_PARAMETERS = ("young_1e7", "radius_1e3", "density_1e5", "kp_1e3")
-# Fits of a row, each a folder: what stands above its column.
+# The fits of a row, each in a folder, with the heading of its column.
 FITS = {"shape": "our rod, shape alone", "force": "our rod, with the force trace", "corde": "CoRdE, shape alone"}
-# Before the fits.
+# The steps before the fits.
 CASE_STEPS = ("truth", "scans", "segmentation")
-# Parameter of a fit -> its true value in truth/parameters.toml.
+# The parameter of a fit, and the key of its true value in truth/parameters.toml.
 TRUE_NAMES = {"bend_shaft": "shaft_bend_stiffness_N_m2", "alpha": "tip_over_shaft"}
 
 
 class BadTable(Exception):
-    """The text says where table51.txt cannot be read."""
+    """The message says where table51.txt cannot be read."""
 
 
 def _row(cells):
@@ -47,7 +49,7 @@ def _row(cells):
 
 
 def read_table(path=TABLE):
-    """(depths as (inserted_mm, name), rows). Raises BadTable with file and line."""
+    """Returns (depths as (inserted_mm, name), rows). Raises BadTable with file and line."""
     depths, rows = [], []
     with open(path, encoding="utf-8") as file:
         for number, line in enumerate(file, 1):
@@ -66,7 +68,7 @@ def read_table(path=TABLE):
 
 
 def read_truth(case):
-    """Numbers of CASE/truth/parameters.toml, which no fit ever sees; {} where there is none."""
+    """Reads the numbers of CASE/truth/parameters.toml, which no fit ever sees; {} where there is none."""
     truth = {}
     try:
         with open(os.path.join(case, "truth", "parameters.toml"), encoding="utf-8") as file:
@@ -80,7 +82,7 @@ def read_truth(case):
 
 
 def read_fit(folder):
-    """result.json of a fit, or None where it is not finished."""
+    """Reads result.json of a fit; None where the fit is not finished."""
     try:
         with open(os.path.join(folder, "result.json"), encoding="utf-8") as file:
             return json.load(file)
@@ -89,14 +91,14 @@ def read_fit(folder):
 
 
 def figures_of(result):
-    """The five figures of Table 5.1 from a result.json."""
+    """Takes the five figures of Table 5.1 from a result.json."""
     figures = {key: result["average"][name] for key, _, name in FIGURES if name}
     figures["depth3_rms_mm"] = result["depths"][-1]["rms_mm"]
     return {key: figures[key] for key, _, _ in FIGURES}
 
 
 def recovery_of(result, truth):
-    """Parameter -> fitted over true, and whether the fit itself calls it determined."""
+    """Returns for each parameter fitted over true, and whether the fit itself calls it determined."""
     found = {}
     for parameter in result["parameters"]:
         true = truth.get(TRUE_NAMES.get(parameter["name"]))
@@ -112,7 +114,7 @@ def recovery_of(result, truth):
 
 
 def said(path):
-    """A file's text without its end of line; None where there is none."""
+    """Returns a file's text without its last line end; None where there is no file."""
     if not os.path.exists(path):
         return None
     with open(path, encoding="utf-8") as file:
@@ -120,7 +122,11 @@ def said(path):
 
 
 def collect(rows, output):
-    """Each row with "fits" (kind -> result.json, figures and recovery), "truth", "folder" and "notes" (kind -> why there is none)."""
+    """Adds to each row its results.
+
+    They are "fits" (kind -> result.json, figures and recovery), "truth", "folder" and "notes" (kind -> reason for a
+    missing fit).
+    """
     collected = []
     for row in rows:
         folder = os.path.join(output, row["stem"])
@@ -141,7 +147,9 @@ def collect(rows, output):
 
 
 def averages(rows, kind):
-    """Means of the five figures over the rows that have them: (figures, number of rows). `kind`: a fit, or "thesis"."""
+    """Returns means of the five figures over the rows that have them, and the number of rows. `kind`: a fit, or
+    "thesis".
+    """
     sets = [
         row["thesis"] if kind == "thesis" else row["fits"][kind]["figures"]
         for row in rows
@@ -153,13 +161,13 @@ def averages(rows, kind):
 
 
 def thesis_bend_N_m2(thesis):
-    """EI of a row of Table 5.1 in the units of docs/thesis.md: E x 1e7 Pa, radius x 1e-4 m."""
+    """Computes EI of a row of Table 5.1 in the units of docs/thesis.md: E x 1e7 Pa, radius x 1e-4 m."""
     numbers = thesis["parameters"]
     return numbers["young_1e7"] * 1e7 * math.pi / 4.0 * (numbers["radius_1e3"] * 1e-4) ** 4
 
 
 def to_json(rows, settings):
-    """The whole table as one object: what the page shows, in numbers."""
+    """Returns the whole table as one object: the page's contents in numbers."""
     out = {"settings": settings, "rows": [], "averages": {}}
     for row in rows:
         entry = {
@@ -185,7 +193,7 @@ def to_json(rows, settings):
 
 
 def write_csv(rows, path):
-    """One line per instrument and one of averages; cells of what was not run are empty."""
+    """Writes one line per instrument and one of averages; the cells of missing fits are empty."""
     kinds = (*FITS, "thesis")
     names = {
         kind: ("young", "alpha", "radius", "density", "kp")

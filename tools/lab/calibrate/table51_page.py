@@ -1,5 +1,7 @@
-"""The page of `make table51`: Table 5.1 with ours beside it, recovery, identifiability, convergence and pictures. The same bytes from
-the same results. Imported by table51.py."""
+"""The page of `make table51`: Table 5.1 beside our values, recovery, identifiability, convergence and pictures.
+
+The same results give the same bytes. table51.py imports it.
+"""
 
 import html
 import math
@@ -9,8 +11,8 @@ import table51_data
 from table51_data import FIGURES, FITS, averages
 
 COLOURS = {"shape": "#3465a4", "force": "#cc5500", "corde": "#783c96"}
-RECOVERY_BAR = 0.10  # of issue-level aims: alpha from shape alone, EI of the shaft with the force trace
-FORCE_MISSED = 0.3  # relative: no fit of the force, and then its EI says nothing
+RECOVERY_BAR = 0.10  # aims of the issue: alpha from shape alone, EI of the shaft with the force trace
+FORCE_MISSED = 0.3  # relative; beyond it the force is not fitted and its EI is meaningless
 DEPTH3_BAR_MM, AVERAGE_BAR_MM = 0.5, 0.6
 STYLE = """<style>
 body { font: 15px/1.45 sans-serif; margin: 24px auto; max-width: 1240px; padding: 0 16px; color: #1e1e28; }
@@ -48,7 +50,7 @@ def judged(words, is_good):
 
 
 def table(head_rows, body_rows):
-    """Rows are lists of whole cells, or (class, cells)."""
+    """`rows` holds lists of whole cells, or (class, cells)."""
     out = ["<table>"]
     out += ["<tr>%s</tr>" % "".join(cells) for cells in head_rows]
     for row in body_rows:
@@ -61,9 +63,9 @@ def group(words, columns):
     return '<th class="group" colspan="%d">%s</th>' % (columns, words)
 
 
-# --- Table 5.1 ------------------------------------------------------------------------------------------------------------
+# --- Table 5.1 ---
 def figure_cells(key, sets, bar):
-    """Ours, CoRdE's and the thesis' value of one figure."""
+    """Formats one figure: our value, CoRdE's and the thesis'."""
     ours, corde, thesis = sets
     words = millimetres(ours.get(key))
     if key in ours and bar is not None:
@@ -72,7 +74,7 @@ def figure_cells(key, sets, bar):
 
 
 def average_name(rows):
-    """Whose average it is where not every row has every fit."""
+    """States which rows an average covers where not every row has every fit."""
     counts = [(words, averages(rows, kind)[1]) for kind, words in (("shape", "ours"), ("corde", "CoRdE"))]
     partial = ["%s of %d" % (words, count) for words, count in counts if 0 < count < len(rows)]
     return "Average" + (" (%s)" % ", ".join(partial) if partial else "")
@@ -108,7 +110,7 @@ def fitted_cell(parameters, name):
 
 
 def parameter_table(rows):
-    """What was fitted, grey where the data leave it open; the thesis' numbers as printed."""
+    """Shows the fitted numbers, grey where the data leave them undetermined; the thesis' numbers as printed."""
     corde_names = list(
         dict.fromkeys(
             p["name"]
@@ -148,7 +150,7 @@ def parameter_table(rows):
     return table(head, body)
 
 
-# --- recovery -------------------------------------------------------------------------------------------------------------
+# --- recovery ---
 def recovery_cell(fit, name, kind=""):
     found = fit.get("recovery", {}).get(name)
     if found is None:
@@ -201,7 +203,7 @@ def recovery_table(rows):
     return table(head, body)
 
 
-# --- identifiability ------------------------------------------------------------------------------------------------------
+# --- identifiability ---
 def share_cell(parameter):
     if parameter is None:
         return cell("-", "first")
@@ -230,7 +232,7 @@ def identifiability_table(rows, kind):
     return table(head, body)
 
 
-# --- convergence ----------------------------------------------------------------------------------------------------------
+# --- convergence ---
 def curve_points(curve, most, low, high, box):
     left, top, right, bottom = box
     span = math.log10(high / low)
@@ -244,7 +246,7 @@ def curve_points(curve, most, low, high, box):
 
 
 def convergence_chart(row):
-    """Best objective by insertions, logarithmic upwards, of every search of a row."""
+    """Draws the best objective by insertions, on a logarithmic scale, of every search of a row."""
     searches = [
         (kind, search) for kind in FITS if kind in row["fits"] for search in row["fits"][kind]["result"]["searches"]
     ]
@@ -263,8 +265,8 @@ def convergence_chart(row):
     for decade in range(round(math.log10(low)), round(math.log10(high)) + 1):
         y = box[3] - (box[3] - box[1]) * (decade - math.log10(low)) / math.log10(high / low)
         out.append(
-            '<line x1="%d" x2="%d" y1="%.1f" y2="%.1f" stroke="#dee0e6"/><text x="40" y="%.1f" text-anchor="end">%g</text>'
-            % (box[0], box[2], y, y, y + 4, 10.0**decade)
+            '<line x1="%d" x2="%d" y1="%.1f" y2="%.1f" stroke="#dee0e6"/>'
+            '<text x="40" y="%.1f" text-anchor="end">%g</text>' % (box[0], box[2], y, y, y + 4, 10.0**decade)
         )
     for share in (0.0, 0.5, 1.0):
         out.append(
@@ -286,7 +288,7 @@ def legend():
     )
 
 
-# --- pictures, and the whole page -----------------------------------------------------------------------------------------
+# --- pictures, and the whole page ---
 def pictures(row, output):
     out = ["<h3>%s</h3>" % text(row["name"])]
     for kind in ("shape", "corde"):
@@ -297,7 +299,8 @@ def pictures(row, output):
             instrument = os.path.exists(os.path.join(output, place, "instrument.toml"))
             out.append(
                 '<p>%s: <a href="%s/index.html">its page</a>%s<br>'
-                '<a href="%s/shapes.png"><img src="%s/shapes.png" alt="%s, %s: phantom, reference red, simulated green" loading="lazy"></a></p>'
+                '<a href="%s/shapes.png"><img src="%s/shapes.png" '
+                'alt="%s, %s: phantom, reference red, simulated green" loading="lazy"></a></p>'
                 % (
                     text(FITS[kind]),
                     place,
@@ -314,8 +317,8 @@ def pictures(row, output):
 def other_builds(settings):
     old = settings["by_other_builds"]
     return (
-        '<p class="bad">Made by programs that have been built anew since: %s. Remove their folders to make them again.</p>'
-        % text(", ".join(old))
+        '<p class="bad">Made by programs that have been built anew since: %s. '
+        "Remove their folders to make them again.</p>" % text(", ".join(old))
         if old
         else ""
     )
@@ -332,7 +335,7 @@ def notes(rows):
 
 
 def segmentation(rows, output):
-    """What `ct check` said of each case's scans."""
+    """Quotes what `ct check` reported for each case's scans."""
     parts = []
     for row in rows:
         said = table51_data.said(os.path.join(output, row["stem"], "check.log"))
@@ -342,7 +345,7 @@ def segmentation(rows, output):
 
 
 def searches(rows):
-    """What the fits say of themselves."""
+    """Quotes what the fits report about themselves."""
     found = [fit["result"] for row in rows for fit in row["fits"].values()]
     kinds = sorted(
         {
@@ -373,11 +376,11 @@ def introduction(rows, settings):
     fitted = ", ".join("%s (%g mm)" % (text(depth["name"]), depth["inserted_mm"]) for depth in settings["depths"])
     made = {kind: averages(rows, kind)[1] for kind in FITS}
     return (
-        "<p>Written by <code>make table51</code> (preset %s). The reference is no scan of a real instrument, which nobody has published, but an "
-        "independent model (<code>docs/reference_rod.md</code>) with stiffness that the instrument's file does not have, seen through %s. "
-        "So the thesis' values stand beside ours as the level that real scans in another phantom gave, not as the same measurement. "
-        "Method and limits: <code>docs/table51.md</code>.</p>\n"
-        "<p>Depths: %s; the last is not fitted. Searches: %s. Fits at hand: %s.</p>\n"
+        "<p>Written by <code>make table51</code> (preset %s). Nobody has published scans of a real instrument, so the "
+        "reference is an independent model (<code>docs/reference_rod.md</code>) with stiffness that differs from the "
+        "instrument file's, seen through %s. The thesis' values show the level that real scans in another phantom "
+        "reached; they are not the same measurement. Method and limits: <code>docs/table51.md</code>.</p>\n"
+        "<p>Depths: %s; the last is not fitted. Searches: %s. Available fits: %s.</p>\n"
         % (
             text(settings["preset"]),
             where,
@@ -389,7 +392,7 @@ def introduction(rows, settings):
 
 
 def page(rows, settings, output):
-    """The whole page; pictures are those in the folders of the fits."""
+    """Returns the whole page; its pictures lie in the folders of the fits."""
     parts = [
         "<!DOCTYPE html>",
         '<html lang="en"><head><meta charset="utf-8">',
@@ -402,21 +405,23 @@ def page(rows, settings, output):
         notes(rows),
         "<h2>Table 5.1</h2>",
         table_5_1(rows),
-        "<p>Ours and CoRdE by shape alone, as in the thesis. Averages are over the three depths. Green: RMS at depth 3 at most %g mm, "
-        "average at most %g mm. Distances of the simulated nodes to the nearest point of the reference (equation 19).</p>"
-        % (DEPTH3_BAR_MM, AVERAGE_BAR_MM),
+        "<p>Ours and CoRdE by shape alone, as in the thesis. Averages are over the three depths. Green: RMS at depth 3 "
+        "at most %g mm, average at most %g mm. Distances are those of the simulated nodes from the nearest point of "
+        "the reference (equation 19).</p>" % (DEPTH3_BAR_MM, AVERAGE_BAR_MM),
         "<h2>Fitted parameters</h2>",
         parameter_table(rows),
-        "<p>Grey: undetermined, the number is one of many that are as good. A rigid lumen shows ratios of EI only, so EI from shape alone "
-        "always is.</p>",
+        "<p>Grey: undetermined, the number is one of many that fit equally well. A rigid lumen shows ratios of EI "
+        "only, so EI from shape alone is always undetermined.</p>",
         "<h2>Recovery of the truth</h2>",
         recovery_table(rows),
-        '<p>"File": the instrument file\'s number over the true one, what a fit that changed nothing would give. Green: within %d %% of the '
-        "truth. Where the force itself is missed by more than %g (relative, red), EI is the search's failure or the model's, not a "
-        "measurement.</p>" % (round(100 * RECOVERY_BAR), FORCE_MISSED),
+        '<p>"File": the instrument file\'s number over the true one, as a fit that changed nothing would give it. '
+        "Green: within %d %% of the truth. Where the force itself is missed by more than %g (relative, red), EI shows "
+        "a failure of the search or of the model; it is not a measurement.</p>"
+        % (round(100 * RECOVERY_BAR), FORCE_MISSED),
         "<h2>How well each number is determined</h2>",
-        "<p>The range over which a number can go while the objective rises by less than the noise, as a share of the way between its "
-        'bounds (logarithmic): little is well determined. "Open": the fit says undetermined.</p>',
+        "<p>The range over which a number can vary while the objective rises by less than the noise, as a share of the "
+        "range between its bounds (logarithmic): a small share means well determined. "
+        '"Open": the fit reports the number as undetermined.</p>',
     ]
     for kind, what in FITS.items():
         parts += [

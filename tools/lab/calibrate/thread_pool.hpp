@@ -1,4 +1,4 @@
-// Threads that evaluate trials as they come, and hand back what is done, in any order.
+// Threads that evaluate trials as they arrive and return the results in any order.
 #pragma once
 #include "tools/lab/calibrate/workers.hpp"
 #include <condition_variable>
@@ -19,13 +19,13 @@ class ThreadPool
     };
 
     ThreadPool(unsigned threads, Evaluate evaluate);
-    ~ThreadPool(); // finishes the trials under way and leaves the others
+    ~ThreadPool(); // finishes the running trials and discards the others
 
     unsigned size() const { return static_cast<unsigned>(threads_.size()); }
     void give(std::size_t index, std::vector<double> values);
-    // What is done since the last call; waits at most `wait_ms` for the first.
+    // The results since the last call; waits at most `wait_ms` for the first.
     std::vector<Done> take(int wait_ms);
-    // Drops what no thread has begun.
+    // Drops the trials that no thread has begun.
     void clear();
 
   private:

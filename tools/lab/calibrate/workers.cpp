@@ -66,7 +66,7 @@ void ThreadPool::work()
 namespace
 {
 
-constexpr int look_ms = 100; // how often a wish to stop is seen
+constexpr int look_ms = 100; // interval between two checks for a stop request
 
 class ThreadWorkers final : public Workers
 {

@@ -1,14 +1,14 @@
-// Trials over the ranks of an MPI job. The only file that knows MPI. Only the first thread of a rank talks to
-// the others; it looks for messages and sleeps in between, since the calls of MPI that wait burn a core.
+// Trials over the ranks of an MPI job. Only this file uses MPI. Only the first thread of a rank talks to the
+// others. It polls for messages and sleeps in between, since MPI's waiting calls keep a core busy.
 //   trial    rank 0 -> r   { index, values... }
 //   verdict  r -> rank 0   { index, objective, error, force error }
 //   threads  r -> rank 0   { how many trials r takes at a time }
-//   failure  r -> rank 0   what went wrong, as text
+//   failure  r -> rank 0   the error as text
 //   over     rank 0 -> r   nothing
 #include "tools/lab/calibrate/thread_pool.hpp"
 #include <chrono>
 #include <cstdlib>
-#define OMPI_SKIP_MPICXX 1 // its C++ classes are of no use here
+#define OMPI_SKIP_MPICXX 1 // we do not use its C++ classes
 #define MPICH_SKIP_MPICXX 1
 #include <mpi.h>
 
@@ -127,7 +127,7 @@ class MpiWorkers final : public Workers
     ThreadPool pool_;
     Stop stop_;
     Progress progress_;
-    std::vector<unsigned> room_, busy_; // trials that each rank takes at a time, and has
+    std::vector<unsigned> room_, busy_; // trials that each rank takes at a time, and has now
 };
 
 } // namespace

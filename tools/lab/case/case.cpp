@@ -14,7 +14,7 @@ namespace crn::insertion
 namespace
 {
 
-// A table of the file, with where it stands for errors.
+// A table of the file, with its place for error messages.
 struct Reading {
     std::string file, place; // place: "" or "depth 2: "
     const toml::table &table;
@@ -109,7 +109,7 @@ std::vector<Depth> read_depths(const Reading &root)
     return depths;
 }
 
-// Lines of numbers under a header, the first `columns` of it named.
+// Reads lines of numbers under a header that names at least the first `columns` of them.
 std::vector<std::vector<double>> read_columns(const std::filesystem::path &file, const std::string &header,
                                               std::size_t columns)
 {
@@ -215,7 +215,7 @@ Case read_case(const std::filesystem::path &folder_or_file, CaseParts wanted)
     return c;
 }
 
-// Three numbers as TOML, with the line's end.
+// Three numbers as TOML, with the end of the line.
 static std::string vector_text(const Eigen::Vector3d &v)
 {
     return "[" + number_text(v.x()) + ", " + number_text(v.y()) + ", " + number_text(v.z()) + "]\n";
@@ -225,7 +225,7 @@ void complete_case(const Case &c)
 {
     const std::filesystem::path file = c.folder / "case.toml";
     const toml::table table = parse(file);
-    std::string added; // lines
+    std::string added; // the lines to add
     const auto add = [&](const std::string &key, const std::string &value) {
         if (!table.contains(key)) added += key + " = " + value;
     };
@@ -238,7 +238,7 @@ void complete_case(const Case &c)
     if (added.empty()) return;
     std::ifstream stream(file, std::ios::binary);
     std::string text{std::istreambuf_iterator<char>(stream), {}};
-    // After the line of `format`, which is one of the first table's.
+    // The lines go after the line of `format`, a key of the first table.
     const toml::node *format = table.get("format");
     std::size_t at = 0;
     for (unsigned line = 0; format && line < format->source().begin.line; ++line)

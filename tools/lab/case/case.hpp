@@ -1,13 +1,13 @@
-// One instrument in one phantom: what a scan, or the virtual scanner, leaves for the calibration. A folder
-// with
+// One instrument in one phantom: the data that a scan, or the virtual scanner, provides for the calibration.
+// Its folder contains
 //   case.toml      phantom, instrument, friction, depths, names of the files below
-//   depth_N.csv    the instrument's centreline at each depth, from the mouth to the tip
+//   depth_N.csv    the instrument's centreline at each depth, from the introducer to the tip
 //   force.csv      the hand's force during the insertion, where it was measured
-// All places are in the scene's axes and in mm. docs/ct.md has the format.
+// All places are in the scene's axes and in mm. docs/ct.md specifies the format.
 //
-// The protocol of an insertion is part of it: the hand feeds at `speed_mm_per_s` and turns evenly with the
-// feed, from the turn of one depth to that of the next (the first depth's turn holds from the mouth on); at
-// each depth it rests.
+// The case also states the protocol of the insertion. The hand feeds at `speed_mm_per_s` and turns evenly
+// with the feed, from the turn of one depth to that of the next; the first depth's turn holds from the
+// introducer on. The hand rests at each depth.
 #pragma once
 #include <Eigen/Core>
 #include <filesystem>
@@ -19,71 +19,73 @@
 namespace crn::insertion
 {
 
-// What is wrong in a case's file: "FILE: field: what; what to do".
+// An error in a case's file: "FILE: field: cause; remedy".
 class CaseError : public std::runtime_error
 {
   public:
     using std::runtime_error::runtime_error;
 };
 
-// Where the insertion rests and was scanned.
+// A depth at which the insertion rests and was scanned.
 struct Depth {
     std::string name;                 // "iliac bifurcation"
     double inserted_mm = 0.0;         // 0 < . <= 1000, rising from depth to depth
-    double turn_deg = 0.0;            // of the hand, right-handed about the feed, -3600 .. 3600
+    double turn_deg = 0.0;            // turn of the hand, right-handed about the feed, -3600 .. 3600
     std::filesystem::path scan;       // volume; empty when there is none
     std::filesystem::path centreline; // depth_N.csv
 };
 
-// What the hand feels (sign: + pushes the hand back out) while this much is inserted.
+// The force on the hand (+ pushes it back out) at this inserted length.
 struct ForceSample {
     double inserted_mm = 0.0;
     double axial_mN = 0.0;
 };
 
-// Paths are as in the file, absolute or relative to the case's folder; path_in() resolves them.
+// Paths are stored as in the file, absolute or relative to the case's folder; path_in() resolves them.
 struct Case {
     std::string name;
     std::filesystem::path folder;
-    std::filesystem::path instrument; // nominal instrument file, with ":preset" if it is not `physical`
-    std::filesystem::path scene;      // the phantom's lumen, baked: the core reads it
-    std::filesystem::path surface;    // the same as a closed mesh in mm; empty when there is none
-    bool has_mouth = true; // false: the next two are not known yet (CaseParts::before_segmentation alone)
-    Eigen::Vector3d mouth_mm = Eigen::Vector3d::Zero();   // where the inserter ends
+    std::filesystem::path
+        instrument; // nominal instrument file, followed by ":preset" unless the preset is `physical`
+    std::filesystem::path scene;   // the phantom's lumen, baked, as the core reads it
+    std::filesystem::path surface; // the same as a closed mesh in mm; empty when there is none
+    bool has_mouth = true; // false: the next two are not known yet (only with CaseParts::before_segmentation)
+    Eigen::Vector3d mouth_mm = Eigen::Vector3d::Zero();   // the distal end of the introducer
     Eigen::Vector3d direction = Eigen::Vector3d::UnitX(); // unit, into the vessel
     Eigen::Vector3d gravity_m_s2 =
-        Eigen::Vector3d::Zero(); // (0, 0, -9.81) on the back; zero: weight counts for nothing
+        Eigen::Vector3d::Zero(); // (0, 0, -9.81) for a patient on the back; zero: weight is ignored
     double friction_kinetic = 0.0, friction_static = 0.0; // 0 .. 1
     double speed_mm_per_s = 0.0;                          // 1 .. 200
     std::vector<Depth> depths;                            // 1 .. 16
     std::filesystem::path force;                          // empty: no force was measured
 
     std::filesystem::path path_in(const std::filesystem::path &path) const;
-    // The hand's turn with this much inserted.
+    // The hand's turn at this inserted length.
     double turn_deg_at(double inserted_mm) const;
 };
 
-// What a case must have: all; or what is known with scans alone, to which `ct segment` adds scene, surface
-// and mouth.
+// Which parts a case must have: all, or those that are known from scans alone. `ct segment` then adds scene,
+// surface and mouth_mm.
 enum class CaseParts { all, before_segmentation };
-// FOLDER/case.toml, or the file itself. Throws CaseError.
+// Reads FOLDER/case.toml, or the file itself. Throws CaseError.
 Case read_case(const std::filesystem::path &folder_or_file, CaseParts wanted = CaseParts::all);
 // Writes FOLDER/case.toml. Throws crn::OutputError.
 void write_case(const Case &c);
-// Adds scene, surface, mouth_mm and direction where FOLDER/case.toml lacks them, and leaves the rest of its
+// Adds scene, surface, mouth_mm and direction where FOLDER/case.toml lacks them, and keeps the rest of its
 // text as a person wrote it. Throws CaseError, crn::OutputError.
 void complete_case(const Case &c);
 
-// Ordered points in mm, header x_mm,y_mm,z_mm; further columns are passed over. At least two. Throws
-// CaseError.
+// Reads ordered points in mm under the header x_mm,y_mm,z_mm; further columns are ignored. There must be at
+// least two points. Throws CaseError.
 std::vector<Eigen::Vector3d> read_centreline(const std::filesystem::path &file);
 void write_centreline(const std::filesystem::path &file, const std::vector<Eigen::Vector3d> &points_mm);
 
-// Header inserted_mm,axial_mN; insertion never falls. Throws CaseError.
+// Reads force.csv with the header inserted_mm,axial_mN; the inserted length must never decrease. Throws
+// CaseError.
 std::vector<ForceSample> read_force(const std::filesystem::path &file);
 void write_force(const std::filesystem::path &file, const std::vector<ForceSample> &samples);
 
-// Nine digits, as all files of a case have their numbers.
+// Nine digits, as in all files of a case.
 std::string number_text(double value);
 
 } // namespace crn::insertion

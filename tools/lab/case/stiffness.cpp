@@ -1,4 +1,4 @@
-// EI along an instrument from two numbers.
+// Computes EI along an instrument from two numbers.
 #include "tools/lab/case/stiffness.hpp"
 #include "tools/lab/case/case.hpp"
 #include <algorithm>
@@ -9,8 +9,8 @@ namespace crn::insertion
 namespace
 {
 
-constexpr double least_N_m2 = 1e-7, most_N_m2 = 3e-2; // of the core (firmware/core/core.h, crn_knot)
-constexpr double same = 1e-9;                         // two alphas closer than this are one
+constexpr double least_N_m2 = 1e-7, most_N_m2 = 3e-2; // the core's limits (firmware/core/core.h, crn_knot)
+constexpr double same = 1e-9;                         // two values of alpha closer than this count as equal
 
 std::uint32_t rounded_nN_m2(double stiffness_N_m2)
 {

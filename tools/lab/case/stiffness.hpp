@@ -1,9 +1,10 @@
-// The two numbers that say how stiff an instrument is: EI of its shaft and alpha, EI of its tip over that.
+// Two numbers describe how stiff an instrument is: EI of its shaft, and alpha, the ratio of EI at its tip to
+// EI of its shaft.
 //
-// An instrument file has EI along the whole length. Other values of the two numbers keep its layout: where
-// the file's EI is (EI of the shaft) * alpha_file^w, it becomes (new EI of the shaft) * alpha^w. So w is 1 at
-// the tip, 0 on the shaft, and between them on a taper; E scales the shaft, alpha says how soft the tip is
-// against it. GJ keeps its ratio to EI.
+// An instrument file states EI along the whole length. Other values of the two numbers keep its layout: where
+// the file's EI is (EI of the shaft) * alpha_file^w, it becomes (new EI of the shaft) * alpha^w. The weight w
+// is thus 1 at the tip, 0 on the shaft, and between them on a taper. EI of the shaft scales everything, and
+// alpha states how soft the tip is relative to the shaft. GJ keeps its ratio to EI.
 #pragma once
 #include "shared/wire/wire.h"
 
@@ -15,16 +16,16 @@ struct Stiffness {
     double tip_over_shaft = 0.0; // alpha
 };
 
-// The file's own: its first knot is the tip, its last one the shaft. At least two knots, as the device
-// demands.
+// The file's own numbers: its first knot is the tip, its last one the shaft. The device requires at least two
+// knots.
 Stiffness stiffness_of(const crn_wire_instrument &table);
 
-// w of a place whose EI in the file is `bend_N_m2`; 0 everywhere on an instrument with alpha 1.
+// The weight w of a place whose EI in the file is `bend_N_m2`; 0 everywhere on an instrument with alpha 1.
 double tip_weight(double bend_N_m2, const Stiffness &nominal);
 
-// The same instrument with other stiffness. Knots are rounded to nN m^2 and kept within what the core takes
-// (1e-7 to 3e-2 N m^2, EI and GJ). Throws CaseError where a number is not above 0, or where alpha shall
-// change and the file's is 1.
+// The same instrument with other stiffness. Knots are rounded to nN m^2 and kept within the core's limits
+// (1e-7 to 3e-2 N m^2, EI and GJ). Throws CaseError when a number is not above 0, or when alpha should change
+// although the file's alpha is 1.
 crn_wire_instrument with_stiffness(const crn_wire_instrument &table, const Stiffness &wanted);
 
 } // namespace crn::insertion

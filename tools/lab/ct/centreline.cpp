@@ -13,12 +13,12 @@ using Eigen::Vector3d;
 namespace
 {
 
-constexpr double step_mm = 0.5;    // of the line's points
-constexpr double trimmed_mm = 1.5; // of the voxels' ends, which bloom beyond the instrument's
-constexpr double stiffness = 4.0;  // of the smoothing: third differences against measured places
+constexpr double step_mm = 0.5;    // spacing of the line's points
+constexpr double trimmed_mm = 1.5; // cut off the voxels' ends, which bloom beyond the instrument's
+constexpr double stiffness = 4.0;  // weight of the smoothing: third differences against measured places
 constexpr int rounds = 5;
-constexpr double beyond_mm = 3.0;    // searched for the tip
-constexpr double doubtful_mm = 0.09; // of bends and slices: said why
+constexpr double beyond_mm = 3.0;    // range of the search for the tip beyond the line
+constexpr double doubtful_mm = 0.09; // of bends and slices: above it the report states the reason
 
 double length_of(const std::vector<Vector3d> &line)
 {
@@ -47,7 +47,8 @@ std::vector<Vector3d> part_of(const std::vector<Vector3d> &line, double begin_mm
     return result;
 }
 
-// Weighted places against third differences: (W + k D'D) x = W m, a matrix of seven diagonals, by Cholesky.
+// Fits weighted places against third differences: (W + k D'D) x = W m, a matrix of seven diagonals, by
+// Cholesky.
 std::vector<Vector3d> smooth(const std::vector<Vector3d> &places, const std::vector<double> &weights,
                              double against)
 {
@@ -85,7 +86,7 @@ std::vector<Vector3d> smooth(const std::vector<Vector3d> &places, const std::vec
     return x;
 }
 
-// Goes on with the bend of the last three millimetres.
+// Extends the line with the bend of its last three millimetres.
 void extrapolate(std::vector<Vector3d> &line, double by_mm)
 {
     const double length = length_of(line);
@@ -112,7 +113,7 @@ double median_height(const std::vector<LinePoint> &points)
     return *middle;
 }
 
-// Shifts every place to the middle of what lies across it, a few times.
+// Shifts every place to the middle of the section across it, a few times.
 std::vector<LinePoint> refine(const LineFit &fit, std::vector<Vector3d> line, LineModel &model,
                               const Report &report)
 {
@@ -148,7 +149,7 @@ std::vector<LinePoint> refine(const LineFit &fit, std::vector<Vector3d> line, Li
     return points;
 }
 
-// The line as far as the instrument goes, with what is known of its points.
+// The line up to the instrument's end, with the uncertainty of its points.
 std::vector<LinePoint> to_the_tip(const LineFit &fit, const std::vector<LinePoint> &points,
                                   const LineModel &model)
 {
@@ -165,7 +166,7 @@ std::vector<LinePoint> to_the_tip(const LineFit &fit, const std::vector<LinePoin
     while (result.size() > 2 && length_of({result.begin()->place_mm}) == 0 &&
            static_cast<double>(result.size() - 1) * step_mm > end)
         result.pop_back();
-    // The last stretch anew, so that it ends at the tip.
+    // The last stretch is made again so that it ends at the tip.
     double from = 0;
     for (std::size_t i = 1; i < result.size(); ++i)
         from += (result[i].place_mm - result[i - 1].place_mm).norm();
@@ -177,9 +178,9 @@ std::vector<LinePoint> to_the_tip(const LineFit &fit, const std::vector<LinePoin
     return result;
 }
 
-// What shifts the whole section is not in the fit's residuals: the blur of a bend draws it inwards, and of a
-// line that lies in the slice only a slice or two tell the height. Weights from virtual scans of bends of 3
-// mm radius and 1 mm slices.
+// The fit's residuals do not show what shifts the whole section. The blur of a bend draws the section
+// inwards, and for a line that lies in the slice only one or two slices determine the height. The weights
+// come from virtual scans of bends of 3 mm radius and 1 mm slices.
 void doubt_bends_and_slices(std::vector<LinePoint> &points, const Volume &volume)
 {
     constexpr double bend_mm2 = 0.4, slice_share = 0.12, flat = 0.5; // flat: sine of the angle to the slice
@@ -197,8 +198,8 @@ void doubt_bends_and_slices(std::vector<LinePoint> &points, const Volume &volume
         if (doubt > doubtful_mm && points[i].why.empty())
             points[i].why = in_slice > 0.5 ? "lies in the slice" : "bends sharply";
     }
-    // The tip and what is beside it are as doubtful as what leads there; along the line a tip in the slice
-    // ends anywhere in it.
+    // The tip and the point beside it are as uncertain as the points that lead there. Along the line, a tip
+    // that lies in the slice may end anywhere within it.
     const double leads = points[points.size() - std::min<std::size_t>(points.size(), 3)].unsure_mm;
     const Vector3d end = points.back().place_mm - points[points.size() - 2].place_mm;
     const double in_slice = std::max(0.0, 1 - std::abs(end.normalized().dot(across_slices)) / flat);
@@ -272,7 +273,7 @@ InstrumentLine trace_instrument(const Volume &volume, const Volume &mask, const 
     const double length = length_of(path);
     if (length < 4 * trimmed_mm + 2)
         throw Fault(volume.name + ": the instrument in the scan is too short to be followed");
-    // The stairs of the voxels first go.
+    // This removes the steps of the voxels first.
     path = part_of(path, 0, length);
     path = smooth(path, std::vector<double>(path.size(), 1.0), 60);
     const bool is_cut_off =

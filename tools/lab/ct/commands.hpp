@@ -1,4 +1,4 @@
-// What `ct`'s sub-commands do.
+// The sub-commands of `ct`.
 #pragma once
 #include "tools/lab/ct/scanner.hpp"
 #include "tools/lab/ct/segment.hpp"
@@ -10,7 +10,7 @@
 namespace crn::ct
 {
 
-// Lines of progress on standard error; throws Fault after Ctrl-C.
+// Prints lines of progress on standard error; throws Fault after Ctrl-C.
 Report terminal_report();
 
 struct ScanOptions {
@@ -23,7 +23,7 @@ struct ScanOptions {
     std::vector<double> box_mm; // six numbers, or none
 };
 
-// One volume of a phantom with instruments along lines. Throws Fault.
+// Makes one volume of a phantom with instruments along lines. Throws Fault.
 void command_scan(ScanOptions options);
 
 struct SimulateOptions {
@@ -31,11 +31,11 @@ struct SimulateOptions {
     PhantomMaterials phantom;
     std::filesystem::path folder;
     std::string format = "nrrd";   // of the volumes: nrrd, nii.gz, mha, dicom
-    reference::TruthRequest truth; // with an instrument: the case is made first, in this folder
+    reference::TruthRequest truth; // with an instrument, the case is made first, in this folder
 };
 
-// Scans every depth of a case whose truth/ is there, and writes the scans' names into case.toml. Throws
-// Fault, CaseError, and what reference::make_case throws.
+// Scans every depth of a case that has a truth/ folder, and writes the scans' names into case.toml. Throws
+// Fault, CaseError, and whatever reference::make_case throws.
 void command_simulate(SimulateOptions options);
 
 struct SegmentCommand {

@@ -1,4 +1,4 @@
-// `ct scan` and `ct simulate`: volumes from the virtual scanner.
+// `ct scan` and `ct simulate` make volumes with the virtual scanner.
 #include "host/base/output_files.hpp"
 #include "host/base/pending_file.hpp"
 #include "tools/lab/case/case.hpp"
@@ -28,7 +28,7 @@ bake::Mesh closed_mesh(const fs::path &file)
     return mesh;
 }
 
-// Where the inserter is: the instrument goes on straight behind the mouth, out of the picture.
+// The instrument continues straight outside the vessel, within the introducer, until it leaves the picture.
 std::vector<Vector3d> with_inserter(std::vector<Vector3d> line, const insertion::Case &c)
 {
     constexpr double behind_mm = 300;
@@ -119,7 +119,7 @@ void command_simulate(SimulateOptions options)
         throw Fault((c.folder / "case.toml").string() +
                     ": surface: is missing: the scanner needs the lumen as a closed mesh");
     const bake::Mesh lumen = closed_mesh(c.path_in(c.surface));
-    // What was really inserted, where it differs from the nominal file.
+    // The instrument that was really inserted, where it differs from the nominal file.
     const fs::path true_instrument = c.folder / "truth" / "instrument.toml";
     const std::vector<ScanStretch> stretches = stretches_of(
         fs::exists(true_instrument) ? true_instrument.string() : c.path_in(c.instrument).string());
@@ -132,12 +132,13 @@ void command_simulate(SimulateOptions options)
         depth.scan =
             "scan_" + std::to_string(i + 1) + (options.format == "dicom" ? "" : "." + options.format);
         ScannerSettings settings = options.scanner;
-        settings.seed = options.scanner.seed * 1000 + i; // another noise in every scan
+        settings.seed = options.scanner.seed * 1000 + i; // gives every scan its own noise
         const Volume volume =
             simulate_scan(lumen, options.phantom, {instrument}, settings, terminal_report());
         write_volume(volume, c.path_in(depth.scan));
         tell(volume, c.path_in(depth.scan));
-        insertion::write_case(c); // after each, so that an interrupted run keeps what is finished
+        insertion::write_case(
+            c); // written after each scan, so that an interrupted run keeps what is finished
         ++scanned;
     }
     if (scanned == 0)

@@ -1,4 +1,4 @@
-// `ct segment` and `ct check`: files from scans, and how far they are from the truth.
+// `ct segment` makes files from scans, and `ct check` measures their distance from the truth.
 #include "host/base/output_files.hpp"
 #include "host/base/pending_file.hpp"
 #include "tools/bake/bake.hpp"
@@ -24,7 +24,7 @@ bake::Mesh mesh_of(const fs::path &file)
     return bake::load_mesh(text);
 }
 
-// A depth whose instrument is found.
+// A depth at which the instrument was found.
 struct SegmentedDepth {
     const insertion::Depth *depth;
     Volume volume;
@@ -47,7 +47,7 @@ SegmentedDepth segment_depth(const insertion::Case &c, const insertion::Depth &d
     return result;
 }
 
-// From the mouth on: pictures, page and the case's own depth_N.csv.
+// Writes the results from the introducer on: pictures, page and the case's own depth_N.csv.
 void finish_depth(const insertion::Case &c, SegmentedDepth &found)
 {
     const bool begins_at_mouth = begin_at_mouth(found.line, {c.mouth_mm, c.direction}, found.volume.name);
@@ -58,14 +58,14 @@ void finish_depth(const insertion::Case &c, SegmentedDepth &found)
     insertion::write_centreline(c.path_in(found.depth->centreline), found.line.places());
 }
 
-// Shorter where the case's folder is above it.
+// The path relative to the case's folder, where that is above the file.
 fs::path path_from(const fs::path &folder, const fs::path &file)
 {
     const fs::path relative = fs::relative(file, folder.empty() ? fs::path(".") : folder);
     return relative.empty() || *relative.begin() == ".." ? fs::absolute(file) : relative;
 }
 
-// The scene for calibrate and the simulator from the lumen's mesh.
+// Bakes the scene for calibrate and the simulator from the lumen's mesh.
 void bake_lumen(const insertion::Case &c, const bake::Mesh &lumen, const fs::path &surface,
                 const fs::path &scene)
 {
@@ -96,7 +96,7 @@ void bake_lumen(const insertion::Case &c, const bake::Mesh &lumen, const fs::pat
     std::fputs(bake::bake(options, progress).c_str(), stdout);
 }
 
-// The lumen from all scans, and what the case lacks for calibrate: surface, scene, mouth.
+// Finds the lumen from all scans, and adds what the case lacks for calibrate: surface, scene, mouth_mm.
 void finish_case(insertion::Case &c, const std::vector<SegmentedDepth> &found, const LumenOptions &options,
                  const fs::path &folder, const Report &report)
 {

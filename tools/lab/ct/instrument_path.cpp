@@ -14,9 +14,9 @@ using Eigen::Vector3d;
 namespace
 {
 
-constexpr double branch_mm = 6; // of voxels off the path that are another instrument's
+constexpr double branch_mm = 6; // length of voxels off the path that show a second instrument
 
-// The instrument's voxels and what bridges its gaps as a graph whose ways are short along the ridge.
+// The instrument's voxels and the bridges of its gaps as a graph whose shortest paths follow the ridge.
 class Ways
 {
   public:
@@ -32,7 +32,8 @@ class Ways
 
     const std::vector<std::size_t> &voxels() const { return inside_; }
 
-    // Costs of all ways from a voxel; `from` has the one before. Stops nowhere: all inside are wanted.
+    // The costs of all paths from a voxel; `before` gives the preceding voxel. It does not stop early, since
+    // all voxels inside are needed.
     void spread(std::size_t start, std::vector<double> &cost, std::vector<std::size_t> &before) const
     {
         using Entry = std::pair<double, std::size_t>;
@@ -75,7 +76,7 @@ class Ways
     }
 
   private:
-    // Shells from the border inwards: a saturated plateau has its middle where the most shells are.
+    // Shells from the border inwards: the middle of a saturated plateau lies deepest.
     std::vector<std::uint8_t> depths() const
     {
         std::vector<std::uint8_t> depth(volume_.count(), 0);
@@ -103,7 +104,8 @@ class Ways
     double price_of(std::size_t at) const
     {
         const double hu = static_cast<double>(volume_.hu[at]);
-        if (mask_.hu[at] <= 0) return hu > bridge_ ? 40 : 1e10; // through a gap, where something bright leads
+        if (mask_.hu[at] <= 0)
+            return hu > bridge_ ? 40 : 1e10; // crosses a gap where something bright leads through it
         const double dimness = 1 - std::clamp(hu / top_, 0.0, 1.0);
         return 1 + 6 * dimness * dimness + 4.0 / (depth_[at] * depth_[at]);
     }
@@ -129,7 +131,7 @@ std::string middle_text(const Vector3d &p)
     return text;
 }
 
-// What lies off the path over a length belongs to something else.
+// Voxels off the path over a certain length belong to another object.
 void refuse_branches(const Ways &ways, const std::vector<Vector3d> &path, const Volume &volume)
 {
     Eigen::AlignedBox3d stray;
@@ -175,7 +177,8 @@ std::vector<Vector3d> path_through(const Volume &volume, const Volume &mask, con
         if (at == one) break;
     }
     refuse_branches(ways, path, volume);
-    // From the mouth: nearest to it; else the end that leaves the picture; else the lower one.
+    // The line begins at the end nearest to mouth_mm, or else at the end that leaves the picture, or else at
+    // the lower end.
     bool begins_at_mouth = path.front().y() < path.back().y();
     if (options.mouth_mm) {
         begins_at_mouth = (path.front() - *options.mouth_mm).dot(options.direction) <

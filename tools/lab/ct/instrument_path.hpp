@@ -1,11 +1,12 @@
-// The way through the instrument's voxels from end to end.
+// Finds the path through the instrument's voxels from end to end.
 #pragma once
 #include "tools/lab/ct/centreline.hpp"
 
 namespace crn::ct
 {
 
-// Places (scene, mm) along the ridge from the mouth's end to the tip. Throws Fault where the voxels branch.
+// Places (scene, mm) along the ridge from the introducer's end to the tip. Throws Fault where the voxels
+// branch.
 std::vector<Eigen::Vector3d> path_through(const Volume &volume, const Volume &mask,
                                           const LineOptions &options, std::vector<std::string> &notes);
 

@@ -1,14 +1,15 @@
-// An instrument file as the scanner sees it.
+// Converts an instrument file to the form that the scanner needs.
 #pragma once
 #include "tools/lab/ct/scanner.hpp"
 
 namespace crn::ct
 {
 
-// Stretches of constant section from the tip, from the file's knots and layers. Throws crn::FileError, Fault.
+// Stretches of constant section, beginning at the tip, from the file's knots and layers. Throws
+// crn::FileError, Fault.
 std::vector<ScanStretch> stretches_of(const std::string &instrument_path);
 
-// A round tube of one material. Throws Fault for a material nobody knows.
+// A round tube of one material. Throws Fault for an unknown material.
 std::vector<ScanStretch> plain_stretch(double radius_mm, double bore_mm, const std::string &material);
 
 } // namespace crn::ct

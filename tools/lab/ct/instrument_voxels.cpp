@@ -1,4 +1,4 @@
-// Which voxels are the instrument's: bright ones that hang together over a length that no streak has.
+// Selects the instrument's voxels: bright connected voxels over a length that no streak has.
 #include "tools/lab/ct/centreline.hpp"
 #include "tools/mesh/fault.hpp"
 #include <Eigen/Geometry>
@@ -15,13 +15,13 @@ namespace
 {
 
 constexpr double brightest_least_HU =
-    800; // metal and marked polymer are brighter, silicone and streaks in it are not
-constexpr double length_least_mm = 12; // of an instrument in the picture
-constexpr double gap_mm = 6;           // pieces that end so near one another are one instrument
+    800; // metal and marked polymer are brighter; silicone and the streaks in it are not
+constexpr double length_least_mm = 12; // least length of an instrument in the picture
+constexpr double gap_mm = 6;           // pieces whose ends are this close together are one instrument
 
 struct Piece {
     std::vector<std::size_t> voxels;
-    Eigen::AlignedBox3d box; // scene
+    Eigen::AlignedBox3d box; // in the scene's axes
     double length_mm() const { return box.sizes().norm(); }
 };
 
@@ -45,7 +45,7 @@ Vector3d place_of(const Volume &volume, std::size_t at)
     return volume.scene({double(index[0]), double(index[1]), double(index[2])});
 }
 
-// Voxels above the threshold that touch, longest piece first.
+// Connected voxels above the threshold, longest piece first.
 std::vector<Piece> pieces_above(const Volume &volume, double threshold)
 {
     std::vector<Piece> pieces;
@@ -129,7 +129,8 @@ Volume find_instrument(const Volume &volume, LineOptions &options)
     }
     std::swap(pieces[0], pieces[chosen]);
     Piece whole = pieces[0];
-    // Pieces that continue it are part of it; what is as long and elsewhere is another one.
+    // Pieces that continue the instrument are part of it; an equally long piece elsewhere is another
+    // instrument.
     std::vector<bool> joined(pieces.size(), false);
     for (bool changes = true; changes;) {
         changes = false;

@@ -16,10 +16,10 @@ namespace
 {
 
 constexpr double reach_mm = 2.3, along_sigma_mm = 0.6;
-constexpr double model_error = 0.12; // share of the model that streaks and hardening may take away
-constexpr double cauchy = 2.5;       // residuals beyond so many sigmas count little
+constexpr double model_error = 0.12; // share of the model that streaks and hardening may remove
+constexpr double cauchy = 2.5;       // residuals beyond this many sigmas count little
 constexpr int fit_steps = 10;
-constexpr std::size_t blur_places = 24; // at which both blurs are fitted
+constexpr std::size_t blur_places = 24; // number of places at which both blurs are fitted
 
 double median(std::vector<double> values)
 {
@@ -77,7 +77,8 @@ LineModel LineFit::first_model(const std::vector<Vector3d> &line) const
     return model;
 }
 
-// Voxels around a place of the line, by their place across it and along it. The line itself may bend.
+// The voxels around a place of the line, by their position across the line and along it. The line itself may
+// bend.
 std::vector<LineFit::Sample> LineFit::samples_at(const std::vector<Frame> &frames, std::size_t index,
                                                  double reach, double along) const
 {
@@ -136,7 +137,8 @@ Eigen::Matrix2d LineFit::inverse_spread(const Frame &frame, const LineModel &mod
     return Eigen::Matrix2d(across.transpose() * spread * across).inverse();
 }
 
-// Levenberg and Marquardt over shift and logarithm of the height, with weights that forgive streaks.
+// Levenberg and Marquardt's method over shift and logarithm of the height. Its weights reduce the influence
+// of streaks.
 AcrossFit LineFit::fit(const std::vector<Frame> &frames, std::size_t index, const LineModel &model) const
 {
     const std::vector<Sample> samples = samples_at(frames, index, reach_mm, 1.5);
@@ -161,7 +163,7 @@ AcrossFit LineFit::fit(const std::vector<Frame> &frames, std::size_t index, cons
             if (!matrix) continue;
             const double weight = sample.weight / (1 + scaled * scaled) / (sigma * sigma);
             Vector3d derivative(height * pull.x(), height * pull.y(), height);
-            // Beyond the scale the voxel says only that the model is not too low.
+            // Beyond the end of the scale the voxel only shows that the model is not too low.
             if (is_cut) derivative *= residual < -0.02 * room ? 0.3 * room / height : 0.0;
             *matrix += weight * derivative * derivative.transpose();
             *slope += weight * residual * derivative;
@@ -197,7 +199,7 @@ AcrossFit LineFit::fit(const std::vector<Frame> &frames, std::size_t index, cons
     const Matrix3d covariance = information.inverse();
     double weights = 0;
     for (const Sample &sample : samples) weights += sample.weight;
-    // The misfit says how much more than noise there is.
+    // The misfit shows by how much the residuals exceed the noise.
     const double excess = std::max(1.0, misfit / std::max(weights, 1.0) * cauchy * cauchy);
     result.variance_mm2 = std::clamp(0.5 * (covariance(0, 0) + covariance(1, 1)) * excess, 1e-6, 4.0);
     return result;
@@ -229,7 +231,7 @@ void LineFit::fit_blurs(const std::vector<Frame> &frames, LineModel &model) cons
                 }
 }
 
-// Along the line the end is a step blurred by the point spread.
+// At the end of the instrument, the profile along the line is a step blurred by the point spread.
 double LineFit::fit_end(const std::vector<Frame> &frames, double low_mm, double high_mm, double height_HU,
                         const LineModel &model) const
 {

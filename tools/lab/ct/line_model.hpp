@@ -1,20 +1,20 @@
-// The blurred instrument as a model of voxels, and its fit across the line at one place.
-// Across a straight round line the blurred picture is a Gaussian whose covariance is the point spread's plus
-// the instrument's own section, seen along the line; the scale cuts it off at the top.
+// The blurred instrument as a model of voxels, and its fit across the line at one place. Across a straight
+// round line the blurred picture is a Gaussian. Its covariance is that of the point spread plus that of the
+// instrument's own section, as seen along the line. The scale cuts it off at the top.
 #pragma once
 #include "tools/lab/ct/centreline.hpp"
 
 namespace crn::ct
 {
 
-// What is the same along the whole line.
+// Values that are constant along the whole line.
 struct LineModel {
     double blur_mm = 0.5,
            blur_slice_mm = 0.6; // sigma along the first two axes of the grid, and along the third
     double around_HU = 0, highest_HU = 3071, noise_HU = 15;
 };
 
-// A line whose points have arc lengths, tangents and a frame across.
+// A point of a line with its arc length, its tangent and two axes across.
 struct Frame {
     Eigen::Vector3d place, tangent, across1, across2;
     double arc_mm;
@@ -22,9 +22,9 @@ struct Frame {
 std::vector<Frame> frames_of(const std::vector<Eigen::Vector3d> &line);
 
 struct AcrossFit {
-    double shift1_mm = 0, shift2_mm = 0; // of the middle from the line
+    double shift1_mm = 0, shift2_mm = 0; // of the middle, relative to the line
     double height_HU = 0;
-    double variance_mm2 = 0; // mean of the two directions
+    double variance_mm2 = 0; // mean of both directions
     double misfit = 0;       // weighted sum of squares
     int voxels = 0;
 };
@@ -33,12 +33,13 @@ class LineFit
 {
   public:
     explicit LineFit(const Volume &volume);
-    // Guesses noise, the scale's end, and what is around the line.
+    // Estimates noise, the end of the scale, and the value around the line.
     LineModel first_model(const std::vector<Eigen::Vector3d> &line) const;
     AcrossFit fit(const std::vector<Frame> &frames, std::size_t index, const LineModel &model) const;
-    // Blurs that fit best at a few places.
+    // Finds the blurs that fit best at a few places.
     void fit_blurs(const std::vector<Frame> &frames, LineModel &model) const;
-    // Arc length at which the instrument ends, searched between two; `height` of it there.
+    // The arc length at which the instrument ends, searched between two values; `height_HU` is its height
+    // there.
     double fit_end(const std::vector<Frame> &frames, double low_mm, double high_mm, double height_HU,
                    const LineModel &model) const;
 

@@ -14,12 +14,12 @@ namespace
 {
 
 constexpr double wall_contrast_least_HU = 40;
-constexpr double opening_mm = 1.1; // of the ball: streaks may thin the wall, not over such a width
-constexpr double closing_mm = 2.2; // of what streaks and the hidden wall leave open near the instrument
-constexpr double seed_mm = 2.6;    // around the line: fluid is so near, what lies behind the wall is not
-constexpr double rim_mm = 1.0;     // around what is masked, where the fluid's value is looked for
+constexpr double opening_mm = 1.1; // radius of the ball: streaks may thin the wall, but not over such a width
+constexpr double closing_mm = 2.2; // closes gaps that streaks and the hidden wall leave near the instrument
+constexpr double seed_mm = 2.6; // around the line: this close there is fluid, not what lies behind the wall
+constexpr double rim_mm = 1.0;  // around the masked region, where the fluid's value is measured
 
-// The commonest value of voxels in a ring around the line, from a histogram smoothed over 20 HU.
+// The most frequent value of voxels in a ring around the line, from a histogram smoothed over 20 HU.
 double commonest(const Volume &volume, const Volume &distance, double from_mm, double to_mm)
 {
     constexpr int low = -1000, high = 2000;
@@ -44,14 +44,15 @@ double commonest(const Volume &volume, const Volume &distance, double from_mm, d
 }
 
 struct Wall {
-    double crest_HU, edge_HU; // the wall's highest, and where the way up to it is steepest: its surface
+    double crest_HU,
+        edge_HU; // the wall's highest value, and the value where its slope is steepest, which is its surface
 };
 
 struct Crests {
     std::vector<double> crests, edges;
 };
 
-// Outwards across the line in 16 directions: the first crest well above the fluid is the wall.
+// Searches outwards across the line in 16 directions: the first crest well above the fluid is the wall.
 void look_outwards(const Volume &volume, const std::vector<Vector3d> &line, double fluid, double from_mm,
                    Crests &found)
 {
@@ -128,8 +129,8 @@ struct Grower {
     }
 };
 
-// Voxels that may be fluid, opened by a ball so that no hole of a streak in the wall leads out; what hangs
-// together with the line; then what that encloses.
+// Takes the voxels that may be fluid and opens them with a ball, so that no gap that a streak leaves in the
+// wall leads out. It keeps what is connected to the line, and then adds what that encloses.
 Volume grown(const Volume &restored, const Volume &distance, double fluid, double limit)
 {
     Volume dim = restored.like(0);
@@ -174,7 +175,7 @@ Volume grown(const Volume &restored, const Volume &distance, double fluid, doubl
     return mask;
 }
 
-// Cracks that streaks leave near the instrument are closed: out by some, and back.
+// Closes cracks that streaks leave near the instrument: the mask is expanded and shrunk again.
 void close_cracks(Volume &mask, const Volume &distance)
 {
     Volume wide = signed_distance(mask);
@@ -185,7 +186,7 @@ void close_cracks(Volume &mask, const Volume &distance)
             mask.hu[i] = 1;
 }
 
-// The level between voxels, from their values: where they pass the limit. What is enclosed and bright stays
+// Places the level between voxels from their values, where they pass the limit. Enclosed bright voxels stay
 // inside.
 Volume level_of(const Volume &mask, const Volume &restored, double limit, double slope_HU_per_mm)
 {
@@ -193,14 +194,14 @@ Volume level_of(const Volume &mask, const Volume &restored, double limit, double
     for (std::size_t i = 0; i < level.hu.size(); ++i) {
         const double away = static_cast<double>(level.hu[i]),
                      by_value = (static_cast<double>(restored.hu[i]) - limit) / slope_HU_per_mm;
-        // Distance from the nearest voxel of the other kind; the surface is somewhere between.
+        // `away` is the distance from the nearest voxel of the other kind; the surface lies between the two.
         if (std::abs(away) < 1.1 && (by_value < 0) == (mask.hu[i] > 0))
             level.hu[i] = static_cast<float>(std::clamp(by_value, -1.2, 1.2));
     }
     return level;
 }
 
-// The box of what is inside, with `around` voxels more.
+// The box around the mask, with `around` more voxels.
 void box_of(const Volume &mask, int around, std::array<int, 3> &low, std::array<int, 3> &high)
 {
     low = mask.size;
@@ -257,7 +258,8 @@ Lumen find_lumen(const std::vector<LumenScan> &scans, const LumenOptions &option
     for (Volume *part : {&mask, &merged.distance, &merged.filled, &merged.hidden, &lumen.restored})
         *part = cut_out(*part, low, high);
     lumen.hidden = std::move(merged.hidden);
-    // The steepest of a smooth edge of this height: height / (sigma sqrt(2 pi)); half of it is an edge.
+    // The steepest slope of a smooth edge of this height is height / (sigma sqrt(2 pi)); half of it counts as
+    // an edge.
     const double steepest = contrast / (2.5066 * std::hypot(options.smooth_mm, 0.45));
     lumen.edge_HU_per_mm = 0.5 * steepest;
     lumen.first = level_of(mask, lumen.restored, lumen.edge_HU, steepest);
@@ -266,7 +268,7 @@ Lumen find_lumen(const std::vector<LumenScan> &scans, const LumenOptions &option
     report("lumen", 0.4);
     lumen.level = evolve_snake(lumen.first, lumen.speed, options.snake);
     report("lumen", 0.95);
-    // Where the instrument is, there is lumen.
+    // The place of the instrument always belongs to the lumen.
     for (std::size_t i = 0; i < lumen.level.hu.size(); ++i)
         lumen.level.hu[i] =
             std::min(lumen.level.hu[i], merged.distance.hu[i] - static_cast<float>(options.instrument_mm));

@@ -1,4 +1,4 @@
-// One picture of the phantom from scans of it with the instrument at different places.
+// Merges scans of the phantom with the instrument at different places into one picture of the phantom.
 #include "tools/lab/ct/lumen.hpp"
 #include <algorithm>
 #include <cmath>
@@ -13,8 +13,8 @@ namespace
 
 constexpr double noise_least_HU = 4;
 
-// Standard deviation of noise and streaks, which differ from place to place: in blocks of every slice, from
-// the median difference of voxels two apart. Walls are too thin to change a median.
+// The standard deviation of noise and streaks, which differ from place to place. It is estimated in blocks of
+// every slice from the median difference of voxels two apart. Walls are too thin to change a median.
 class LocalNoise
 {
   public:
@@ -32,7 +32,7 @@ class LocalNoise
                 }
     }
 
-    // Between the blocks' middles by the nearest four.
+    // Interpolates between the middles of the nearest four blocks.
     double sigma_HU(int i, int j, int k) const
     {
         const double x = std::clamp((i + 0.5) / side - 0.5, 0.0, columns_ - 1.0),
@@ -50,7 +50,7 @@ class LocalNoise
     }
 
   private:
-    static constexpr int side = 12; // voxels of a block
+    static constexpr int side = 12; // voxels along one side of a block
 
     void collect(int first, int row, int k, std::vector<float> &differences) const
     {
@@ -68,7 +68,7 @@ class LocalNoise
         if (differences.empty()) return 1e3f;
         const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
         std::nth_element(differences.begin(), middle, differences.end());
-        return *middle / 0.954f; // of normal deviates with a deviation of 1
+        return *middle / 0.954f; // median difference of normal deviates with a deviation of 1
     }
 
     const Volume &volume_;
@@ -82,7 +82,7 @@ bool is_same_grid(const Volume &a, const Volume &b)
            (a.origin_mm - b.origin_mm).norm() < 1e-3 && (a.direction - b.direction).norm() < 1e-6;
 }
 
-// How much a voxel of a scan says of the phantom: nothing where the instrument hides it.
+// The weight of a scan's voxel as information about the phantom; zero where the instrument hides the phantom.
 double weight_of(double value, double away_mm, double sigma_HU, double masked_mm, double fluid)
 {
     if (away_mm < masked_mm || (away_mm < streak_mm && (value > fluid + 280 || value < fluid - 180)))

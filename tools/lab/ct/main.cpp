@@ -1,4 +1,4 @@
-// Command line of `ct`: docs/ct.md.
+// Command line of `ct` (docs/ct.md).
 #include "host/base/command_values.hpp"
 #include "host/base/terminal.hpp"
 #include "host/base/text.hpp"

@@ -12,11 +12,12 @@ using Eigen::Vector3d;
 namespace
 {
 
-constexpr double beside_mm = 10;      // of the mouth a line may pass
-constexpr double length_share = 0.04; // by which a line's length may differ from what is inserted ...
-constexpr double length_mm = 6;       // ... or this, whichever is more
-constexpr double depths_mm = 6;       // by which the mouths of the depths may differ
-constexpr double straight_mm = 12;    // of the line at the mouth, whose direction is the inserter's
+constexpr double beside_mm = 10; // distance at which a line may pass mouth_mm
+constexpr double length_share =
+    0.04;                       // permitted difference between a line's length and the inserted length ...
+constexpr double length_mm = 6; // ... or this, whichever is larger
+constexpr double depths_mm = 6; // permitted difference between the places of mouth_mm from different depths
+constexpr double straight_mm = 12; // length of the line at the mouth whose direction is the introducer's
 
 double length_of(const std::vector<Vector3d> &line)
 {
@@ -25,7 +26,7 @@ double length_of(const std::vector<Vector3d> &line)
     return length;
 }
 
-// The place so far behind the line's last point, which must be on it.
+// The place this far back from the line's last point; it must lie on the line.
 Vector3d before_tip(const std::vector<Vector3d> &line, double arc_mm)
 {
     for (std::size_t i = line.size() - 1; i > 0; --i) {
@@ -36,7 +37,7 @@ Vector3d before_tip(const std::vector<Vector3d> &line, double arc_mm)
     return line.front();
 }
 
-// The straight line that fits the places best, forward.
+// The direction of the straight line that fits the places best, pointing forwards.
 Vector3d direction_of(const std::vector<Vector3d> &places)
 {
     Vector3d middle = Vector3d::Zero();
@@ -47,7 +48,8 @@ Vector3d direction_of(const std::vector<Vector3d> &places)
     return axis.dot(places.back() - places.front()) < 0 ? Vector3d(-axis) : axis;
 }
 
-// Of the inserter, which is straight: what the scan shows of it, else the line's first millimetres.
+// The direction of the introducer, which is straight: from its part that the scan shows, else from the line's
+// first millimetres.
 Vector3d direction_at(const InsertedLine &line)
 {
     const double end = length_of(line.places), mouth = end - line.inserted_mm;
@@ -67,7 +69,7 @@ bool begin_at_mouth(InstrumentLine &line, const Mouth &mouth, const std::string 
     const auto ahead = [&](std::size_t i) {
         return (points[i].place_mm - mouth.place_mm).dot(mouth.direction);
     };
-    std::size_t first = 0; // behind the crossing that is nearest to the mouth
+    std::size_t first = 0; // the point after the crossing that is nearest to mouth_mm
     Vector3d begin = points.front().place_mm;
     for (std::size_t i = 1; i < points.size(); ++i) {
         const double a = ahead(i - 1), b = ahead(i);

@@ -14,9 +14,9 @@ class Page
 
     // Saves the picture under this name, and shows it with a line of text. Throws OutputError.
     void show(const Picture &picture, const std::string &name, const std::string &what);
-    // A link to another page, with its name.
+    // Adds a link to another page, with its name.
     void link(const std::string &to, const std::string &name);
-    // index.html with everything shown so far. Throws OutputError.
+    // Writes index.html with everything shown so far. Throws OutputError.
     void write(const std::string &head, const std::string &facts) const;
 
   private:

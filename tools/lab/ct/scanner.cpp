@@ -17,12 +17,12 @@ using Eigen::Vector3d;
 namespace
 {
 
-constexpr int slice_planes = 7;           // of a slice's profile, 0.7 sigma apart
-constexpr double around_mm = 3;           // of air in the picture
-constexpr double photons_least = 2;       // what a starved ray counts as
+constexpr int slice_planes = 7;           // planes of a slice's profile, 0.7 sigma apart
+constexpr double around_mm = 3;           // margin of air in the picture
+constexpr double photons_least = 2;       // least number of photons that a starved ray counts
 constexpr double electronic_photons = 15; // standard deviation of the read-out
 
-// A number of its own for every ray, whatever the order: splitmix64's finaliser.
+// A separate random number for every ray, whatever the order: splitmix64's finaliser.
 std::uint64_t mixed(std::uint64_t value)
 {
     value += 0x9e3779b97f4a7c15u;
@@ -91,16 +91,16 @@ class Scan
     }
 
   private:
-    // Over the diagonal, with a ray more at each end for the interpolation.
+    // Covers the diagonal, with one more ray at each end for the interpolation.
     static int bins_for(const Volume &volume, double pitch_mm)
     {
         const double x = volume.size[0] * volume.spacing_mm.x(), y = volume.size[1] * volume.spacing_mm.y();
         return static_cast<int>(std::ceil(std::hypot(x, y) / pitch_mm)) + 6;
     }
 
-    // Share of the signal on rays that meet an instrument, -1 on the others; empty where none does. The mean
-    // over aperture and slice is that of the signal, not of the lengths: this is what makes thin metal bloom
-    // and streak.
+    // The share of the signal on rays that meet an instrument, -1 on the others; empty where none does. The
+    // mean over aperture and slice is that of the signal, not of the lengths. This makes thin metal bloom and
+    // streak.
     std::vector<float> through_instruments(double height, const std::vector<float> &water) const
     {
         const std::size_t materials = beam_.material_count(), block = slice_planes * rays_per_bin * materials;
@@ -154,7 +154,8 @@ class Scan
         return std::max(photons_least, mean + sigma * normal_number(settings_.seed, number)) / photons_;
     }
 
-    // Photons per ray in air that give the wanted noise in the lumen's middle, in the middle slice.
+    // The number of photons per ray in air that gives the wanted noise in the lumen's middle, in the middle
+    // slice.
     double photons_for_noise() const
     {
         std::vector<Edge> edges;
@@ -162,7 +163,8 @@ class Scan
         planes_.edges_at(0, edges);
         add_chords(edges, rays_, 1, water);
         for (float &length : water) {
-            // Variance of -log is 1 / photons; of the water, that times the square of mm per depth.
+            // The variance of -log is 1 / photons; the variance of the water length is that times the square
+            // of mm per depth.
             const double share = beam_.water_transmission(static_cast<double>(length));
             const double slope = beam_.water_for(share * 0.99) - beam_.water_for(share * 1.01);
             length = static_cast<float>(slope * slope / (0.02 * 0.02) / share);

@@ -1,11 +1,11 @@
-// The virtual scanner: a silicone phantom with an instrument in it, as an axial CT sees it (docs/ct.md, "The
-// scanner").
+// The virtual scanner: a silicone phantom with an instrument in it, as an axial CT images it (docs/ct.md,
+// "The scanner").
 //
 // For every slice it computes the line integrals of parallel beams exactly (chords of the cut meshes, chords
-// of the instrument's tube), averages them over the detector's aperture and the slice's profile, attenuates a
-// polychromatic beam, counts photons, corrects for the hardening by water as scanners do, and reconstructs by
-// filtered back-projection. Blooming, streaks and starved photons come out of that; nothing is painted. Left
-// out: scatter, the fan's and the helix' geometry.
+// of the instrument's tube) and averages them over the detector's aperture and the slice's profile. It
+// attenuates a polychromatic beam, counts photons, corrects for the beam hardening by water as scanners do,
+// and reconstructs by filtered back-projection. Blooming, streaks and starved photons result from this;
+// nothing is painted. Scatter and the geometry of fan and helix are left out.
 #pragma once
 #include "host/xray/paths/materials.hpp"
 #include "tools/bake/mesh.hpp"
@@ -17,16 +17,15 @@
 namespace crn::ct
 {
 
-// Hounsfield units of what the phantom is made of, at 120 kV (xraylib's cross-sections at 70 keV:
-// docs/ct.md).
+// Hounsfield units of the phantom's materials at 120 kV (xraylib's cross-sections at 70 keV: docs/ct.md).
 struct PhantomMaterials {
     double fluid_HU = 80;     // water with 40 % glycerol, 1.10 g/cm3
     double silicone_HU = 230; // PDMS, 1.10 g/cm3
-    double gel_HU = 20;       // agar gel that holds the vessels; assumption
-    double wall_mm = 2;       // of silicone around the lumen; assumption
+    double gel_HU = 20;       // agar gel that holds the vessels; assumed
+    double wall_mm = 2;       // thickness of silicone around the lumen; assumed
 };
 
-// A stretch of the instrument from its tip on: a round tube of layers as instrument files have them.
+// A stretch of the instrument, counted from its tip: a round tube of layers as in instrument files.
 struct ScanLayer {
     Material material = Material::steel;
     double fill = 1, radius_share = 1; // shares of the section and of the radius
@@ -37,29 +36,29 @@ struct ScanStretch {
     std::vector<ScanLayer> layers;
 };
 struct ScanInstrument {
-    std::vector<Eigen::Vector3d> line_mm; // scene's axes, from the mouth to the tip
-    std::vector<ScanStretch> stretches;   // the last one goes on beyond its end
+    std::vector<Eigen::Vector3d> line_mm; // scene's axes, from the introducer to the tip
+    std::vector<ScanStretch> stretches;   // the last one continues beyond its end
 };
 
 struct ScannerSettings {
     Eigen::Vector3d spacing_mm = {0.53, 0.53, 1.0}; // left, front-back, head (slices)
     double blur_mm = 0.40;                          // sigma of the point spread in the slice
-    double blur_slice_mm = 0.50;                    // and across it, cut off at 2.1 sigma
+    double blur_slice_mm = 0.50;                    // sigma across the slice, cut off at 2.1 sigma
     double noise_HU = 15;     // standard deviation in the middle of the phantom; 0: none
-    double highest_HU = 3071; // of a 12-bit scanner
+    double highest_HU = 3071; // that of a 12-bit scanner
     double tube_kV = 120;
     int views = 600;           // over half a turn
     double detector_mm = 0.40; // pitch and aperture
     std::uint64_t seed = 1;
     int threads = 1;
-    Eigen::AlignedBox3d box_mm; // of the gel, scene's axes; empty: the phantom with 8 mm around it
+    Eigen::AlignedBox3d box_mm; // box of the gel, scene's axes; empty: the phantom with 8 mm around it
 };
 
-// Tells how much is done, 0 .. 1; throws to stop.
+// Reports the completed share, 0 .. 1; it throws to stop the work.
 using Report = std::function<void(const std::string &stage, double share)>;
 
-// `lumen` is closed, in the scene's mm. Same settings, same volume, whatever the threads. Throws Fault for
-// sizes that cannot be.
+// `lumen` is closed, in the scene's mm. The same settings give the same volume for any number of threads.
+// Throws Fault for impossible sizes.
 Volume simulate_scan(const bake::Mesh &lumen, const PhantomMaterials &phantom,
                      const std::vector<ScanInstrument> &instruments, const ScannerSettings &settings,
                      const Report &report);

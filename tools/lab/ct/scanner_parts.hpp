@@ -1,5 +1,5 @@
 // The parts of the virtual scanner: planes through the phantom, chords of the instrument, the beam, the
-// reconstruction. Inside a part lengths are mm in LPS with the scanner's axis through `centre`.
+// reconstruction. Lengths inside a part are mm in LPS, with the scanner's axis through `centre`.
 #pragma once
 #include "tools/lab/ct/scanner.hpp"
 #include <array>
@@ -8,8 +8,8 @@
 namespace crn::ct
 {
 
-// Parallel rays of one slice: view v looks along (-sin, cos), ray i lies at s = (i + 0.5 - bins / 2) pitch
-// along (cos, sin).
+// The parallel rays of one slice: view v looks along (-sin, cos); ray i lies at s = (i + 0.5 - bins / 2)
+// pitch along (cos, sin).
 struct Rays {
     Rays(int views, int bins, double pitch_mm);
     int views, bins;
@@ -18,21 +18,21 @@ struct Rays {
     std::size_t count() const { return static_cast<std::size_t>(views) * static_cast<std::size_t>(bins); }
 };
 
-// An edge of a closed outline in a plane, with what it encloses on its left.
+// An edge of a closed outline in a plane; the enclosed region lies on its left.
 struct Edge {
     Eigen::Vector2d a, b;
     double value; // HU / 1000 inside minus outside
 };
 
-// Outlines of lumen, wall and gel in planes of constant height.
+// The outlines of lumen, wall and gel in planes of constant height.
 class PhantomPlanes
 {
   public:
-    // Places relative to `centre` (LPS).
+    // Places are relative to `centre` (LPS).
     PhantomPlanes(const bake::Mesh &lumen, const PhantomMaterials &phantom,
                   const Eigen::AlignedBox3d &box_lps, const Eigen::Vector3d &centre);
     void edges_at(double height_mm, std::vector<Edge> &edges) const;
-    // The middle of the lumen in this plane; the axis where there is none.
+    // The middle of the lumen in this plane; the axis where there is no lumen.
     Eigen::Vector2d middle_at(double height_mm) const;
 
   private:
@@ -44,14 +44,14 @@ class PhantomPlanes
     PhantomMaterials phantom_;
     Eigen::AlignedBox3d box_;
     std::vector<std::array<Eigen::Vector3d, 3>> triangles_;
-    std::vector<std::vector<std::uint32_t>> at_height_; // triangles that reach into each millimetre
-    // Distance from the lumen's surface (negative inside) on a grid of 1 mm, cut off beyond the wall.
+    std::vector<std::vector<std::uint32_t>> at_height_; // triangles that reach into each millimetre of height
+    // The distance from the lumen's surface (negative inside) on a grid of 1 mm, cut off beyond the wall.
     Eigen::Vector3d field_origin_;
     std::array<int, 3> field_size_;
     std::vector<float> field_;
 };
 
-// Adds the mean chords times value, in mm, of what the edges enclose.
+// Adds the mean chords of the region enclosed by the edges, times their value, in mm.
 void add_chords(const std::vector<Edge> &edges, const Rays &rays, double weight, std::vector<float> &sums);
 
 inline constexpr int rays_per_bin = 3;
@@ -60,7 +60,7 @@ inline constexpr int beam_energies = 8;
 // Metal and polymer of the instruments along sub-rays of one plane.
 struct TubeChord {
     std::uint32_t ray; // view * bins * rays_per_bin + sub-ray
-    float length_mm;   // times fill
+    float length_mm;   // multiplied by `fill`
     std::uint8_t material;
 };
 class InstrumentTubes
@@ -75,9 +75,9 @@ class InstrumentTubes
         double outer_mm, inner_mm, fill;
         std::uint8_t material;
     };
-    struct Piece { // from a to b, cut at the planes that halve the angles with its neighbours
+    struct Piece { // from a to b, cut at the planes that bisect the angles with its neighbours
         Eigen::Vector3d a, b, axis, normal_a, normal_b;
-        double reach_mm; // of the widest layer
+        double reach_mm; // radius of the widest layer
         std::vector<Layer> layers;
     };
     void add(const ScanInstrument &instrument, const Eigen::Vector3d &centre);
@@ -87,15 +87,15 @@ class InstrumentTubes
     std::vector<Material> materials_;
 };
 
-// The beam as few energies, weighted by what the detector makes of them.
+// The beam as a few energies, weighted by the detector's response.
 class Beam
 {
   public:
     Beam(double tube_kV, const std::vector<Material> &materials);
-    // Share of the signal behind so much water and so much of each material, mm.
+    // The share of the signal behind these lengths of water and of each material, mm.
     double transmission(double water_mm, const float *lengths_mm) const;
     double water_transmission(double water_mm) const;
-    // The water that lets through as much: what scanners' correction of hardening gives.
+    // The length of water with the same transmission, as scanners' correction of beam hardening gives it.
     double water_for(double transmission) const;
     std::size_t material_count() const { return per_mm_.size(); }
 
@@ -111,16 +111,16 @@ class Reconstruction
   public:
     Reconstruction(const Rays &rays, double blur_mm);
     ~Reconstruction();
-    // Rays in place become filtered.
+    // Filters the rays in place.
     void filter(std::vector<float> &lengths_mm) const;
     void project_back(const std::vector<float> &filtered, const Eigen::Vector2d &first,
                       const Eigen::Vector2d &spacing, int columns, int rows, float *out_HU) const;
-    // Standard deviation of a pixel for independent rays with these variances (mm2) at `place`, HU.
+    // The standard deviation in HU of a pixel at `place`, for independent rays with these variances (mm2).
     double noise_HU(const std::vector<float> &variance_mm2, const Eigen::Vector2d &place) const;
 
   private:
     const Rays &rays_;
-    std::vector<float> response_; // of the filter, by frequency
+    std::vector<float> response_; // response of the filter, by frequency
     double row_gain_ = 0;         // sum of squares of the filter in space, after interpolation
 };
 

@@ -1,4 +1,4 @@
-// Planes through the phantom: the lumen's mesh cut exactly, the wall as the outline at a distance from it.
+// Planes through the phantom: the lumen's mesh is cut exactly; the wall is the outline at a distance from it.
 #include "tools/lab/ct/scanner_parts.hpp"
 #include <algorithm>
 #include <cmath>
@@ -12,9 +12,9 @@ using Eigen::Vector3d;
 namespace
 {
 
-constexpr double beside_mm = 1e-5; // planes keep off the vertices of meshes with round numbers
+constexpr double beside_mm = 1e-5; // keeps planes off the vertices of meshes with round numbers
 
-// Squared distance of p from a triangle (Ericson, Real-Time Collision Detection, 5.1.5).
+// The squared distance of p from a triangle (Ericson, Real-Time Collision Detection, 5.1.5).
 double distance_square(const Vector3d &p, const std::array<Vector3d, 3> &t)
 {
     const Vector3d ab = t[1] - t[0], ac = t[2] - t[0], ap = p - t[0];
@@ -42,7 +42,7 @@ Vector2d flat(const Vector3d &p)
     return p.head<2>();
 }
 
-// A box as four edges, its inside on the left.
+// Adds a box as four edges, with its inside on the left.
 void add_box(const Eigen::AlignedBox3d &box, double value, std::vector<Edge> &edges)
 {
     const Vector2d low = flat(box.min()), high = flat(box.max());
@@ -89,7 +89,7 @@ PhantomPlanes::PhantomPlanes(const bake::Mesh &lumen, const PhantomMaterials &ph
     mark_inside();
 }
 
-// Every triangle tells the places within the wall and a little more around it how far away they are.
+// Each triangle lowers the distance at all places within the wall and slightly beyond.
 void PhantomPlanes::measure_distance()
 {
     const double reach = phantom_.wall_mm + 2;
@@ -117,7 +117,7 @@ void PhantomPlanes::measure_distance()
     }
 }
 
-// Rows of the grid cross the cut lumen an even number of times.
+// Rows of the grid cross the outline of the cut lumen an even number of times.
 void PhantomPlanes::mark_inside()
 {
     std::vector<Edge> edges;
@@ -165,7 +165,8 @@ void PhantomPlanes::cut_lumen(double height_mm, double value, std::vector<Edge> 
     }
 }
 
-// Marching squares over the distance in this plane: where it is the wall's thickness.
+// Marching squares over the distance in this plane: the outline is where the distance equals the wall's
+// thickness.
 void PhantomPlanes::outline_wall(double height_mm, double value, std::vector<Edge> &edges) const
 {
     const double place = height_mm - field_origin_.z();
@@ -180,7 +181,7 @@ void PhantomPlanes::outline_wall(double height_mm, double value, std::vector<Edg
     };
     for (int j = 0; j + 1 < field_size_[1]; ++j)
         for (int i = 0; i + 1 < field_size_[0]; ++i) {
-            // Corners counter-clockwise; an edge enters where the level falls below 0 and leaves where it
+            // Corners are counter-clockwise; an edge enters where the level falls below 0 and leaves where it
             // rises.
             const int di[4] = {0, 1, 1, 0}, dj[4] = {0, 0, 1, 1};
             double v[4];
@@ -223,8 +224,9 @@ Vector2d PhantomPlanes::middle_at(double height_mm) const
     return area > 1 ? Vector2d(sum / area) : Vector2d::Zero();
 }
 
-// Chord = sum over edges of -t sign(ds): those below enter, those above leave. Along an edge t is linear in
-// s, so that the mean over a bin is that at the middle of what the edge covers of it.
+// Chord = sum over edges of -t sign(ds): rays enter through edges below and leave through edges above. Along
+// an edge t is linear in s, so the mean over a bin is the value at the middle of the part of the bin that the
+// edge covers.
 void add_chords(const std::vector<Edge> &edges, const Rays &rays, double weight, std::vector<float> &sums)
 {
     const double per_bin = 1 / rays.pitch_mm, half = 0.5 * rays.bins;

@@ -1,4 +1,4 @@
-// The instrument in the beam: chords of rays with pieces of round tubes, and the beam itself.
+// The instrument in the beam: chords of rays with pieces of round tubes; and the beam itself.
 #include "host/xray/attenuation.hpp"
 #include "host/xray/spectrum.hpp"
 #include "tools/lab/ct/scanner_parts.hpp"
@@ -14,7 +14,8 @@ using Eigen::Vector3d;
 namespace
 {
 
-constexpr double piece_mm = 0.5; // of a curve; its chord is off by 0.01 mm in a bend of 3 mm radius
+constexpr double piece_mm =
+    0.5; // length of a piece of a curve; its chord is off by 0.01 mm in a bend of 3 mm radius
 constexpr double water_step_mm = 1.0;
 constexpr int water_steps = 3000;
 
@@ -37,7 +38,7 @@ struct Span {
     double length() const { return std::max(0.0, high - low); }
 };
 
-// What of the ray p + t d lies before or behind a plane through q.
+// Keeps the part of the ray p + t d that lies before or behind a plane through q.
 void clip(Span &span, double slope, double beyond, bool wants_positive)
 {
     if (!wants_positive) {
@@ -78,7 +79,7 @@ void InstrumentTubes::add(const ScanInstrument &instrument, const Vector3d &cent
         throw Fault("the instrument has no section: give its radius and material");
     std::vector<Vector3d> line = fine_line(instrument.line_mm);
     for (Vector3d &point : line) point = lps_from_scene(point) - centre;
-    std::reverse(line.begin(), line.end()); // from the tip
+    std::reverse(line.begin(), line.end()); // the line now begins at the tip
     double arc = 0;
     const std::size_t first = pieces_.size();
     for (std::size_t i = 0; i + 1 < line.size(); ++i) {
@@ -165,7 +166,7 @@ Beam::Beam(double tube_kV, const std::vector<Material> &materials)
     double below = 0;
     for (int i = 0; i < energy_count; ++i) {
         const double share = signal[static_cast<std::size_t>(i)] / all;
-        // Bins of equal signal, each with the mean attenuation of its photons.
+        // Bins of equal signal; each has the mean attenuation of its photons.
         const auto bin = std::min<std::size_t>(beam_energies - 1,
                                                static_cast<std::size_t>((below + share / 2) * beam_energies));
         below += share;

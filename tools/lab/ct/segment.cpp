@@ -33,7 +33,7 @@ void write_points(const InstrumentLine &line, const fs::path &file)
     write_whole_file(file.string(), text);
 }
 
-// The instrument's own surface, by the same snake from its voxels.
+// Writes the instrument's own surface, which the same snake finds from its voxels.
 void write_instrument(const Volume &volume, const Volume &mask, const InstrumentLine &line,
                       const fs::path &file)
 {
@@ -54,7 +54,7 @@ void write_instrument(const Volume &volume, const Volume &mask, const Instrument
     write_surface(mesh, {}, file);
 }
 
-// Where metal hid the wall nothing was seen of it; elsewhere the noise tells.
+// The uncertainty of the wall: large where metal hid it, elsewhere given by the noise.
 std::vector<float> unsure_of(const bake::Mesh &mesh, const Lumen &lumen)
 {
     std::vector<float> unsure;
@@ -116,7 +116,7 @@ void show_line(Page &page, const Volume &volume, const InstrumentLine &line)
     }
 }
 
-// Slices through a place in the lumen: of the picture, the speed, the snake.
+// Shows slices through a place in the lumen: the picture, the speed and the snake.
 void show_lumen(Page &page, const Lumen &lumen, const Vector3d &place)
 {
     const Vector3d middle = lumen.level.voxel(place);
@@ -250,8 +250,8 @@ Apart lines_apart(const std::vector<Vector3d> &line, const std::vector<Vector3d>
     return apart;
 }
 
-// The mean is over the surface, not over its vertices, which lie closer where it bends: every triangle is
-// asked at places of a grid on it, none wider than this.
+// The mean is taken over the surface, not over its vertices, which are denser where it bends. Every triangle
+// is sampled on a grid no wider than this.
 Apart surfaces_apart(const bake::Mesh &surface, const bake::Mesh &reference)
 {
     constexpr double grid_mm = 1.0;
@@ -264,7 +264,7 @@ Apart surfaces_apart(const bake::Mesh &surface, const bake::Mesh &reference)
         const int parts =
             std::clamp(static_cast<int>(std::ceil(std::max(u.norm(), v.norm()) / grid_mm)), 1, 200);
         const double share = 0.5 * u.cross(v).norm() / (parts * parts);
-        // The middles of the small triangles: upright ones, and those between them.
+        // We sample the middles of the small triangles: the upright ones, and those between them.
         for (int i = 0; i < parts; ++i)
             for (int j = 0; i + j < parts; ++j)
                 for (const double third : {1.0 / 3, 2.0 / 3}) {

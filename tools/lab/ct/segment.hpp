@@ -15,11 +15,11 @@ struct SegmentOptions {
     bool wants_lumen = true;
 };
 
-// The instrument in one scan: instrument.ply and a picture into the page's folder. Throws Fault.
+// Finds the instrument in one scan; writes instrument.ply and a picture into the page's folder. Throws Fault.
 InstrumentLine segment_line(const Volume &volume, LineOptions options, Page &page, const Report &report);
-// centreline.csv, report.json, the line's pictures and the page. `facts` goes above them.
+// Writes centreline.csv, report.json, the line's pictures and the page, which begins with `facts`.
 void write_line(const InstrumentLine &line, const Volume &volume, Page &page, const std::string &facts);
-// "volume ...", "instrument ...": what was found, a line each.
+// "volume ...", "instrument ...": the findings, one line each.
 std::string line_facts(const InstrumentLine &line, const Volume &volume);
 
 struct LumenSurface {
@@ -27,24 +27,24 @@ struct LumenSurface {
     Lumen lumen;
     std::vector<std::string> notes;
 };
-// The lumen of scans of the same phantom at the same place: lumen.ply and pictures into the page's folder.
-// Throws Fault.
+// Finds the lumen in scans of the same phantom at the same place; writes lumen.ply and pictures into the
+// page's folder. Throws Fault.
 LumenSurface segment_lumen(const std::vector<LumenScan> &scans, const LumenOptions &options, Page &page,
                            const Report &report);
 std::string lumen_facts(const LumenSurface &surface);
 
-// Line and lumen of one scan, with the page index.html.
+// The line and the lumen of one scan, with the page index.html.
 struct Segmentation {
     InstrumentLine line;
-    bake::Mesh lumen; // closed, mm, scene's axes; empty where it was not wanted
+    bake::Mesh lumen; // closed, mm, scene's axes; empty where it was not requested
 };
 Segmentation segment_scan(const Volume &volume, const SegmentOptions &options,
                           const std::filesystem::path &folder, const Report &report);
 
-// How far a line is from another: nearest distances of the first's points.
+// The distance of a line from another: nearest distances of the first line's points.
 struct Apart {
     double mean_mm = 0, max_mm = 0, tip_mm = 0;
-    double offset_mm = 0; // of a surface: mean with its sign, + outside the reference
+    double offset_mm = 0; // for a surface: mean with its sign, + outside the reference
 };
 Apart lines_apart(const std::vector<Eigen::Vector3d> &line, const std::vector<Eigen::Vector3d> &reference);
 // Nearest distances of a surface from another, closed one; the mean is over its area.

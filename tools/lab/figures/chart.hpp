@@ -1,4 +1,4 @@
-// Frame of a chart: title, axes, grid and legend, and the way from values to pixels.
+// The frame of a chart: title, axes, grid and legend, and the conversion from values to pixels.
 #pragma once
 #include "tools/lab/figures/canvas.hpp"
 #include <utility>
@@ -24,7 +24,7 @@ struct Axis {
 class Chart
 {
   public:
-    // Pixels of the plot area.
+    // The rectangle of the plot area is in pixels.
     Chart(Canvas &canvas, double left, double top, double right, double bottom, Axis vertical);
 
     void draw_frame(); // grid lines, numbers and label of the vertical axis
@@ -44,7 +44,7 @@ class Chart
 void draw_title(Canvas &canvas, const std::string &title, const std::vector<std::string> &lines);
 void draw_legend(Canvas &canvas, double x, double y, const std::vector<std::pair<Colour, std::string>> &rows);
 
-// Significant digits without an exponent: "0.00842", "7.07", "384".
+// Formats significant digits without an exponent: "0.00842", "7.07", "384".
 std::string short_number(double value, int digits = 3);
 
 } // namespace vcsim3

@@ -9,10 +9,10 @@ namespace
 {
 
 constexpr double reach_m = 0.5;
-constexpr int spare_elements = 6; // stay in the inserter
+constexpr int spare_elements = 6; // these stay in the inserter
 constexpr double axial_max_N = 10000.0;
 
-// The two solvers with one face. A length error that is no number ends a run.
+// Both solvers with one interface. A length error that is not a number ends a run.
 class BaselineRun
 {
   public:
@@ -65,7 +65,7 @@ class DirectRun
     DirectRod rod_;
 };
 
-// Adds what one tick shows to the result: means over the last part of push and hold, and extremes.
+// Adds the values of one tick to the result: means over the last part of push and hold, and extremes.
 template <class Run>
 void record(const Run &run, int tick, int push, int all, int window, CompressionResult &result)
 {
@@ -138,7 +138,7 @@ Simulation make_simulation(const Preset &preset, const Mode &mode, const Vessel 
 {
     SimulationSettings settings;
     settings.mode = mode;
-    // Shorter elements need shorter steps in proportion: 2/l sqrt(Kp/mass per length) h stays what it is.
+    // Shorter elements need proportionally shorter steps: 2/l sqrt(Kp/mass per length) h stays constant.
     settings.substeps =
         static_cast<int>(std::ceil(preset.substeps * preset_element_m / protocol.element_m - 1e-9));
     return Simulation(

@@ -1,5 +1,5 @@
-// The experiment of the thesis' section 5.4.2: a rod is fed into the phantom until its tip stands at the
-// closed end and feeding on has crowded it, and its length is compared with its rest length. Every mode and
+// The experiment of the thesis' section 5.4.2. A rod is fed into the phantom until its tip is at the closed
+// end and further feeding has compressed it; its length is then compared with its rest length. Every mode and
 // our direct solver get the same rod, vessel and hand.
 #pragma once
 #include "tools/lab/vcsim3/direct.hpp"
@@ -17,7 +17,7 @@ struct Protocol {
     double element_m = preset_element_m;
     double start_m = 0.02;   // inserted when the hand begins to move
     double speed_m_s = 0.05; // of the hand
-    double hold_s = 0.5;     // hand at rest after that
+    double hold_s = 0.5;     // time after that with the hand at rest
     double average_s = 0.1;  // figures are means over this time
 
     double goal_m() const { return element_count * element_m; }
@@ -27,32 +27,34 @@ struct Protocol {
 
 struct ShapeNode {
     Vector position_m;
-    bool is_touching; // at some tick of the last average_s of the hold
+    bool is_touching; // true if it touched at some tick of the last average_s of the hold
 };
 
-// Positive percentages are compression. A rod that has burst (a coordinate is not finite, or half a metre
-// away, or the length is off by more than half) has is_sound false and means nothing else.
+// Positive percentages are compression. A rod that has become unstable has is_sound false, and its other
+// values are meaningless. Unstable means that a coordinate is not finite or half a metre away, or that the
+// length is off by more than half.
 struct CompressionResult {
     std::string name, token; // "25 Local", "local25"; "Direct", "direct"
     bool is_sound = true;
-    double pushing_pct = 0.0;        // while the hand pushes, at the end: Figure 5.11
+    double pushing_pct = 0.0;        // at the end of the push: Figure 5.11
     double holding_pct = 0.0;        // at the end of the hold
     double largest_pct = 0.0;        // at any tick
     double handle_N = 0.0;           // pushing, at the end
     double depth_max_mm = 0.0;       // of any node in the wall, at the end of any tick
     int contacts = 0;                // touching nodes of the shape
     std::vector<ShapeNode> shape;    // tip first, at the end of the hold
-    std::vector<std::uint8_t> state; // the same moment, for timing: begin_at() or DirectRod::restore
+    std::vector<std::uint8_t> state; // state at the same moment, for timing: begin_at() or DirectRod::restore
 };
 
-// Called after each tick with the share done; a false answer stops the run, which then throws Interrupted.
+// It is called after each tick with the completed share; if it returns false, the run stops and throws
+// Interrupted.
 using Watch = std::function<bool(double)>;
 struct Interrupted : std::exception {
     const char *what() const noexcept override { return "interrupted"; }
 };
 
-// What our solver gets: the preset's stiffness, radius and friction, a real wire's mass, and no weight, as
-// the baseline.
+// The properties for our solver: the preset's stiffness, radius and friction, a real wire's mass, and no
+// weight, as in the baseline.
 DirectProperties direct_of(const Preset &preset, const Protocol &protocol);
 inline constexpr double direct_mass_kg_per_m = 0.005;
 
@@ -65,7 +67,7 @@ CompressionResult compress_baseline(const Preset &preset, const Mode &mode, cons
 CompressionResult compress_direct(const Preset &preset, const Vessel &vessel, const Protocol &protocol,
                                   const Watch &watch);
 
-// A simulation's numbers as bytes and back, for CompressionResult::state.
+// Converts a simulation's numbers to bytes and back, for CompressionResult::state.
 std::vector<std::uint8_t> to_bytes(const std::vector<double> &numbers);
 std::vector<double> to_numbers(const std::vector<std::uint8_t> &bytes);
 

@@ -1,4 +1,4 @@
-// Figure 5.14 twice: the thesis' milliseconds on its machine, and microseconds per step here.
+// Figure 5.14 twice: the thesis' milliseconds on its machine, and our microseconds per step on this one.
 #include "tools/lab/figures/chart.hpp"
 #include "tools/lab/figures/figures.hpp"
 #include "tools/lab/figures/thesis_values.hpp"
@@ -18,7 +18,7 @@ const char *const phase_names[4] = {"integrator", "constraints, contact response
 struct Stack {
     std::string name, label;
     double parts[4];
-    double direct; // one bar of its own
+    double direct; // a separate bar
 };
 
 double height_of(const Stack &stack)
@@ -26,7 +26,7 @@ double height_of(const Stack &stack)
     return stack.parts[0] + stack.parts[1] + stack.parts[2] + stack.parts[3] + stack.direct;
 }
 
-// "25 Local" for a narrow place.
+// Splits "25 Local" into two lines for a narrow place.
 std::pair<std::string, std::string> two_lines(const std::string &name)
 {
     if (name == "1 Global") return {"1", "glob."};

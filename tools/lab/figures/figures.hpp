@@ -1,5 +1,5 @@
-// The four figures of the thesis as pictures, with its values beside ours and our direct solver as one more
-// bar.
+// The four figures of the thesis as pictures. They show its values beside ours, and our direct solver as an
+// additional bar.
 #pragma once
 #include "tools/lab/figures/study.hpp"
 

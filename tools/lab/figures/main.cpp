@@ -1,4 +1,4 @@
-// Command line of `vcsim3`: docs/thesis.md.
+// Command line of `vcsim3` (docs/thesis.md).
 #include "host/base/command_values.hpp"
 #include "host/base/interrupt.hpp"
 #include "host/base/output_files.hpp"
@@ -55,7 +55,8 @@ struct Options {
     }
 };
 
-// Lines of what is done on standard error; the share done where a person looks on, else only what has begun.
+// Reports progress on standard error: the completed share on a terminal, otherwise only the beginning of each
+// part.
 bool report(const std::string &what, double share)
 {
     static const bool is_watched = isatty(2) != 0;

@@ -1,5 +1,5 @@
-// How many steps per millisecond a preset needs: the smallest number with which a short rod survives being
-// crowded in a closed tube. The presets' substeps keep clear of it.
+// The number of steps per millisecond that a preset needs: the smallest with which a short rod survives
+// compression in a closed tube. The presets' substeps keep a margin above it.
 #pragma once
 #include "tools/lab/figures/compression.hpp"
 
@@ -9,11 +9,10 @@ namespace vcsim3
 // A straight tube along +x from the origin, closed by a plane at `length_m`; the distance is exact.
 Wall tube_wall(double radius_m, double length_m);
 
-// 64 elements of the preset (96 mm) are pushed at 0.1 m/s into a tube of 85 mm. No segment may grow by a
-// tenth.
+// Pushes 64 elements of the preset (96 mm) at 0.1 m/s into a tube of 85 mm. No segment may grow by a tenth.
 bool survives_crowding(const Preset &preset, const Mode &mode, int substeps);
 
-// Bisection between 1 and twice the preset's substeps; 0 when even those fail.
+// Bisects between 1 and twice the preset's substeps; returns 0 when even those fail.
 int smallest_stable_substeps(const Preset &preset, const Mode &mode, const Watch &watch);
 
 } // namespace vcsim3

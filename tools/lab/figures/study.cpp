@@ -34,7 +34,7 @@ void in_parallel(int count, int threads, const std::function<void(int)> &work)
     if (failure) std::rethrow_exception(failure);
 }
 
-// The share done of many jobs that do not take the same time.
+// The completed share of many jobs that take different times.
 class Progress
 {
   public:
@@ -87,14 +87,14 @@ std::string said(const CompressionResult &run)
 void add_runs(Study &study, const StudySettings &settings, const Vessel &vessel, const Report &report)
 {
     const std::size_t baseline = settings.modes.size();
-    std::vector<double> weights; // of the time they take
+    std::vector<double> weights; // relative duration of each job
     for (const Mode &mode : settings.modes)
         weights.push_back(20.0 + (mode.kind == Mode::Kind::local ? mode.iterations : 1));
     weights.push_back(5.0);
     study.runs.resize(baseline + 1);
     Progress progress("compression", weights, report);
     in_parallel(static_cast<int>(baseline) + 1, settings.threads, [&](int job) {
-        // The dearest first, so that the threads end together.
+        // The longest jobs run first, so that the threads end together.
         const std::size_t i = baseline - static_cast<std::size_t>(job);
         const Preset &preset = *settings.preset;
         study.runs[i] = i == baseline ? compress_direct(preset, vessel, settings.protocol, progress.watch(i))
@@ -113,7 +113,7 @@ void add_stability(Study &study, const StudySettings &settings, const Report &re
     in_parallel(static_cast<int>(presets().size()), settings.threads, [&](int job) {
         const Preset &preset = presets()[job];
         const Watch watch = progress.watch(job);
-        // A third of this preset's work each.
+        // Each call does a third of this preset's work.
         const auto measure = [&](Mode::Kind kind, int iterations, double third) {
             return smallest_stable_substeps(preset, {kind, iterations},
                                             [&](double share) { return watch((third + share) / 3.0); });

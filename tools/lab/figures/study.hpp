@@ -1,4 +1,4 @@
-// Everything `vcsim3 figures` finds out, before it is drawn and written.
+// All results of `vcsim3 figures`, before they are drawn and written.
 #pragma once
 #include "tools/lab/figures/stability.hpp"
 #include "tools/lab/figures/timing.hpp"
@@ -6,7 +6,7 @@
 namespace vcsim3
 {
 
-// Smallest stable steps per millisecond of a preset, by mode.
+// The smallest stable number of steps per millisecond of a preset, by mode.
 struct StabilityRow {
     const Preset *preset;
     int penalty, local10, global;
@@ -16,11 +16,11 @@ struct Study {
     const Preset *preset = nullptr;
     Protocol protocol;
     std::vector<CompressionResult> runs; // in the order of the modes, the direct solver last
-    std::vector<TimingResult> times;     // same order; empty when they were not taken
+    std::vector<TimingResult> times;     // in the same order; empty when they were not measured
     std::vector<StabilityRow> stability; // empty when it was not measured
 };
 
-// What a study is to hold. Modes keep the thesis' order.
+// The contents of a study. Modes keep the thesis' order.
 struct StudySettings {
     const Preset *preset = nullptr;
     Protocol protocol;
@@ -29,8 +29,8 @@ struct StudySettings {
     int threads = 1;
 };
 
-// Says what is being done and how far it is: (what, share done or -1 for a line of its own). From several
-// threads, but one at a time. A false answer stops everything with Interrupted.
+// Reports the current work and its progress: (what, completed share, or -1 for a separate line). It is called
+// from several threads, but one at a time. If it returns false, everything stops with Interrupted.
 using Report = std::function<bool(const std::string &, double)>;
 
 Study make_study(const StudySettings &settings, const Vessel &vessel, const Report &report);
@@ -38,8 +38,9 @@ Study make_study(const StudySettings &settings, const Vessel &vessel, const Repo
 // The run with this token; nullptr when there is none.
 const CompressionResult *find_run(const Study &study, const std::string &token);
 
-// Sentences on what Figure 5.11 has to show and does not (bar 4 of the product): empty when the order
-// penalty > 5 > 10 > 25 > 50 local holds, nothing burst, and the direct solver is below every mode.
+// Sentences on requirements for Figure 5.11 (bar 4 of the product) that are not met. The list is empty when
+// the order penalty > 5 > 10 > 25 > 50 local holds, no rod became unstable, and the direct solver is below
+// every mode.
 std::vector<std::string> order_faults(const Study &study);
 
 } // namespace vcsim3

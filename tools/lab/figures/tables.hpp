@@ -1,11 +1,11 @@
-// A study as tables (TSV) and as one JSON file: what the figures show, in numbers.
+// A study as tables (TSV) and as one JSON file: the numbers of the figures.
 #pragma once
 #include "tools/lab/figures/study.hpp"
 
 namespace vcsim3
 {
 
-// Head and rows of text; every row as long as the head.
+// Head and rows of text; every row is as long as the head.
 struct Table {
     std::vector<std::string> head;
     std::vector<std::vector<std::string>> rows;

@@ -11,7 +11,7 @@ namespace
 
 constexpr int rounds = 60, steps_per_round = 10;
 
-// One rod, of the baseline or ours, at the end of its run.
+// One rod, the baseline's or ours, at the end of its run.
 class Runner
 {
   public:
@@ -71,7 +71,7 @@ void keep_fastest(TimingResult &best, const TimingResult &now)
 
 } // namespace
 
-// A name for callgrind's --toggle-collect.
+// callgrind's --toggle-collect refers to this name.
 extern "C" __attribute__((noinline)) void vcsim3_measured_step(void *runner);
 extern "C" void vcsim3_measured_step(void *runner)
 {

@@ -40,10 +40,10 @@ VesselPicture::VesselPicture(const Vessel &vessel, double pixels_per_mm) : pixel
         for (int column = 0; column < width_; column++) {
             const double x = left_mm_ + (column + 0.5) / pixels_per_mm,
                          y = top_mm_ - (row + 0.5) / pixels_per_mm;
-            double deepest_mm = 0.0; // of the lumen along the line of sight
+            double deepest_mm = 0.0; // depth of the lumen along the line of sight
             for (double z = low_mm.z(); z < high_mm.z(); z += depth_step_mm)
                 deepest_mm = std::max(deepest_mm, -1e3 * vessel.sample(Vector(x, y, z) * 1e-3).distance_m);
-            // Glass looks darkest where it is seen edge on.
+            // Glass looks darkest where it is seen edge-on.
             const double edge = std::max(0.0, 1.0 - deepest_mm / rim_mm);
             glass_[static_cast<std::size_t>(row) * width_ + column] =
                 deepest_mm > 0.0 ? 0.18 + 0.55 * edge * edge : 0.0;

@@ -1,5 +1,5 @@
-// A vessel seen from the front as glass, with a rod of spheres in it: green where it touches the wall, red
-// where free.
+// A vessel seen from the front as glass, with a rod of spheres in it: green where the rod touches the wall,
+// red where it is free.
 #pragma once
 #include "tools/lab/figures/canvas.hpp"
 #include "tools/lab/figures/compression.hpp"
@@ -15,11 +15,11 @@ class VesselPicture
 
     int width() const { return width_; }
     int height() const { return height_; }
-    // Where a point of the patient lies in the picture, from its top left corner.
+    // The place of a patient's point in the picture, from its top left corner.
     Eigen::Vector2d place_of(const Vector &position_m) const;
 
-    // The vessel with its top left corner there, and the rod's nodes as spheres: far ones first, touching
-    // ones on top.
+    // Draws the vessel with its top left corner at this place, and the rod's nodes as spheres: far ones
+    // first, touching ones on top.
     void draw(Canvas &canvas, double left, double top, const std::vector<ShapeNode> &shape,
               double free_radius_mm, double touching_radius_mm) const;
 

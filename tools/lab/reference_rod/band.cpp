@@ -1,4 +1,4 @@
-// Cholesky's factor of a band, row by row.
+// Computes Cholesky's factor of a band, row by row.
 #include "tools/lab/reference_rod/band.hpp"
 #include <algorithm>
 #include <cmath>

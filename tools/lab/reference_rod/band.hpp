@@ -1,4 +1,4 @@
-// Symmetric matrix whose entries lie within `Band::reach` of the diagonal, its Cholesky factor and the
+// A symmetric matrix whose entries lie within `Band::reach` of the diagonal, with its Cholesky factor and the
 // solution of a system.
 #pragma once
 #include <Eigen/Core>
@@ -10,7 +10,8 @@ namespace crn::reference
 class Band
 {
   public:
-    static constexpr int reach = 10; // of a joint: three nodes and two edges have 11 unknowns side by side
+    static constexpr int reach =
+        10; // that of a joint: its three nodes and two edges have 11 unknowns side by side
 
     void reset(int size); // all zero
     int size() const { return size_; }
@@ -24,15 +25,15 @@ class Band
         return entries_[static_cast<std::size_t>(row) * (reach + 1) + column - row + reach];
     }
 
-    // Becomes its own lower Cholesky factor. False where it is not positive definite; its entries are lost
-    // then.
+    // Replaces the matrix by its lower Cholesky factor. Returns false where it is not positive definite; its
+    // entries are lost then.
     bool factor();
-    // After factor(): right side -> solution.
+    // After factor(): replaces the right side by the solution.
     void solve(Eigen::VectorXd &x) const;
 
   private:
     int size_ = 0;
-    std::vector<double> entries_; // row by row, `reach` left of the diagonal and the diagonal
+    std::vector<double> entries_; // row by row: `reach` entries left of the diagonal, and the diagonal
 };
 
 } // namespace crn::reference

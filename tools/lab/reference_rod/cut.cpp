@@ -1,4 +1,4 @@
-// From the profile of an instrument file to the constants of a rod.
+// Computes the constants of a rod from the profile of an instrument file.
 #include "tools/lab/reference_rod/rod.hpp"
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@ namespace crn::reference
 namespace
 {
 
-// The profile at one place; linear between knots, as the wire says.
+// The profile at one place, linear between knots, as the wire format specifies.
 struct Profile {
     double bend_N_m2, twist_N_m2, radius_m, curvature1_per_m, curvature2_per_m;
 };
@@ -30,7 +30,7 @@ Profile profile_at(const crn_wire_instrument &table, double arc_m)
             between(from.rest_curvature2_per_m_milli, to.rest_curvature2_per_m_milli, 1e-3)};
 }
 
-// Where the last curve of the tip ends.
+// The place where the last curve of the tip ends.
 double curves_m(const crn_wire_instrument &table)
 {
     double end_m = 0.0;
@@ -41,7 +41,7 @@ double curves_m(const crn_wire_instrument &table)
     return end_m;
 }
 
-// Springs in a row: their compliances add. Curvature adds over the cell.
+// The cell acts as springs in series: their compliances add. Curvature adds over the cell.
 void fill_cell(const crn_wire_instrument &table, double from_m, double to_m, int node, Rod &rod)
 {
     constexpr int samples = 16;
@@ -94,7 +94,7 @@ Rod cut_rod(const crn_wire_instrument &table, double length_m, const Cut &cut)
     constexpr double growth = 1.2;
     Rod rod;
     double arc_m = 0.0, edge_m = cut.tip_m;
-    int beyond = 0; // nodes behind the length
+    int beyond = 0; // nodes beyond the length
     while (beyond < 3) {
         rod.arc_m.push_back(arc_m);
         if (arc_m >= length_m) beyond++;

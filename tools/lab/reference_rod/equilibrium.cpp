@@ -1,4 +1,4 @@
-// Newton's method with a shifted band Cholesky and backtracking, friction lagged by one iterate.
+// Newton's method with a shifted band Cholesky factor and backtracking; friction lags by one iterate.
 #include "tools/lab/reference_rod/equilibrium.hpp"
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@ namespace crn::reference
 namespace
 {
 
-// Energy, force and stiffness of the wall per length at a depth, without k.
+// Energy, force and stiffness of the wall per length at a depth, divided by k.
 struct Press {
     double energy, force, stiffness;
 };
@@ -31,8 +31,8 @@ class Potential
     {
     }
 
-    // Friction of a node goes `share` of the way to what it is in this state. Returns the largest difference
-    // there was.
+    // Moves the friction of every node by `share` towards its value in this state. Returns the largest
+    // difference that there was.
     double renew_friction(const State &state, double share)
     {
         double most_N = 0.0;
@@ -99,7 +99,7 @@ class Potential
         const Vector u = tangential * (x - lag.at);
         const double way = u.norm();
         const bool sticks = way < e;
-        // Force over way, and the force's slope.
+        // The force divided by the displacement, and the slope of the force.
         const double secant = lag.limit_N * (sticks ? (2.0 - way / e) / e : 1.0 / way);
         const double tangent = sticks ? lag.limit_N * 2.0 * (1.0 - way / e) / e : 0.0;
         Eigen::Matrix3d h = secant * tangential;
@@ -121,8 +121,8 @@ double residual(const Eigen::VectorXd &slope, int free)
     return most;
 }
 
-// Solves (H + shift D) d = -g for the free unknowns, D = the diagonal's size, with the least shift of a
-// ladder that makes it positive definite.
+// Solves (H + shift D) d = -g for the free unknowns, where D is the size of the diagonal. The shift is the
+// least of a ladder that makes the matrix positive definite.
 void newton_direction(const Band &whole, const Eigen::VectorXd &slope, int unknowns, double &shift,
                       Eigen::VectorXd &direction)
 {
@@ -141,7 +141,8 @@ void newton_direction(const Band &whole, const Eigen::VectorXd &slope, int unkno
     band.solve(direction);
 }
 
-// No node goes further than this in one iterate, no edge turns further.
+// The longest permitted step along `direction`, as a factor: no node moves by more than 2 mm in one iterate,
+// and no edge turns by more than 0.7 rad.
 double longest(const Eigen::VectorXd &direction, int free)
 {
     constexpr double way_m = 2e-3, turn_rad = 0.7;
@@ -158,7 +159,7 @@ double longest(const Eigen::VectorXd &direction, int free)
 Outcome find_rest(const Rod &rod, const Physics &physics, int free, int count, std::vector<Anchor> &anchors,
                   State &state)
 {
-    constexpr int whole_renewals = 4; // then by halves: what swings to and fro settles
+    constexpr int whole_renewals = 4; // later renewals go half-way, so that oscillations decay
     Potential potential(rod, physics, free, count, anchors);
     Outcome out;
     Eigen::VectorXd direction;

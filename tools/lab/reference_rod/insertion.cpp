@@ -1,4 +1,4 @@
-// Feeding through a sheath, step by step.
+// Feeds the rod through a sheath, step by step.
 #include "tools/lab/reference_rod/insertion.hpp"
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -34,7 +34,7 @@ Insertion::Insertion(const Rod &rod, const Physics &physics, const Sheath &sheat
     step(start_m, turn_rad);
 }
 
-// Where a node goes when the line moves on along itself: to where the line in front of it was.
+// The new place of a node when the line moves along itself: the place that the line in front of the node had.
 Vector Insertion::followed(int node, double feed_m) const
 {
     const double arc_m = rod_.arc_m[node] - feed_m;
@@ -45,8 +45,7 @@ Vector Insertion::followed(int node, double feed_m) const
     return (1.0 - u) * state_.x[edge] + u * state_.x[edge + 1];
 }
 
-// The line moves on along itself, its curved tip as a rigid body in front of it; the whole turns with the
-// hand.
+// Moves the line along itself, with its curved tip as a rigid body in front; everything turns with the hand.
 void Insertion::place(double inserted_m, double turn_rad)
 {
     const double feed_m = inserted_m - inserted_m_;
@@ -77,8 +76,8 @@ void Insertion::place(double inserted_m, double turn_rad)
     stiffen_mouth();
 }
 
-// A joint bends its whole cell; of the two beside the mouth only what is outside may. Without this the rod is
-// clamped up to an edge behind the mouth.
+// A joint bends its whole cell. Of the two joints beside the sheath's end only the part outside may bend;
+// otherwise the rod would be clamped up to an edge behind that end.
 void Insertion::stiffen_mouth()
 {
     constexpr double least = 0.02; // of a cell
@@ -92,16 +91,17 @@ double Insertion::cell_front_m(int joint) const
     return rod_.arc_m[joint] - 0.5 * rod_.length_m(joint - 1);
 }
 
-// What holds the nodes in the sheath, and the push of a sleeve on a rod that is bent where it leaves it, EI
-// kappa^2 / 2 (Bigoni et al., Eshelby-like forces acting on elastic structures, 2015): with every step more
-// of the rod may bend. Without the second the hand's work would not be the energy that the rod stores. Of
-// bending alone: twist at the mouth would add GJ m^2 / 2 (m per metre), below a millinewton here.
+// The force that holds the nodes in the sheath, plus the push EI kappa^2 / 2 of a sleeve on a rod that is
+// bent where it leaves it (Bigoni et al., Eshelby-like forces acting on elastic structures, 2015). The push
+// arises because every step frees more of the rod to bend; without it the hand's work would not equal the
+// energy that the rod stores. It covers bending alone: twist at the sheath's end would add GJ m^2 / 2 (m per
+// metre), below a millinewton here.
 double Insertion::held_N() const
 {
     double force_N = 0.0;
     for (int i = free_; i < std::min(free_ + 2, rod_.nodes()); i++)
         force_N += outcome_.slope.segment<3>(4 * i).dot(sheath_.direction);
-    int mouth = std::clamp(free_, 1, rod_.nodes() - 2); // the joint whose cell the mouth divides
+    int mouth = std::clamp(free_, 1, rod_.nodes() - 2); // the joint whose cell the sheath's end divides
     while (mouth > 1 && cell_front_m(mouth) > inserted_m_) mouth--;
     const Vector &front = state_.tangent[mouth - 1], &rear = state_.tangent[mouth];
     const double curvature_per_m =

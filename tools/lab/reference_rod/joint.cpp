@@ -1,5 +1,5 @@
-// Derivatives in the two edges first, then spread to nodes: rear edge = node - rear node, front edge = front
-// node - node.
+// We take derivatives in the two edges first, then spread them to nodes: rear edge = node - rear node, front
+// edge = front node - node.
 #include "tools/lab/reference_rod/joint.hpp"
 #include <Eigen/Geometry>
 
@@ -18,13 +18,14 @@ Matrix cross_matrix(const Vector &v)
     return m;
 }
 
-// What all measures share.
+// Values that all measures share.
 struct Frame {
     double rear_m, front_m, chi; // 1 + cos of the turn
     Vector te, tf, mean, kb;     // tangents; (te + tf) / chi; curvature binormal
 };
 
-constexpr int at_rear = 0, rear_angle = 3, at_node = 4, front_angle = 7, at_front = 8; // among the unknowns
+constexpr int at_rear = 0, rear_angle = 3, at_node = 4, front_angle = 7,
+              at_front = 8; // places among the unknowns
 
 void spread(const Vector &de, const Vector &df, Slope &slope)
 {
@@ -33,7 +34,7 @@ void spread(const Vector &de, const Vector &df, Slope &slope)
     slope.segment<3>(at_front) = df;
 }
 
-// Second derivatives in edges; ef has the rear edge's component as row.
+// Spreads second derivatives in the edges to the nodes; ef has the rear edge's component as row.
 void spread(const Matrix &ee, const Matrix &ff, const Matrix &ef, Second &second)
 {
     const Matrix fe = ef.transpose();
@@ -48,7 +49,7 @@ void spread(const Matrix &ee, const Matrix &ff, const Matrix &ef, Second &second
     second.block<3, 3>(at_front, at_front) = ff;
 }
 
-// Second derivatives in an angle and the two edges.
+// Spreads second derivatives in an angle and the two edges.
 void spread_angle(int angle, const Vector &de, const Vector &df, Second &second)
 {
     Slope row = Slope::Zero();
@@ -57,8 +58,9 @@ void spread_angle(int angle, const Vector &de, const Vector &df, Second &second)
     second.row(angle) += row.transpose();
 }
 
-// kb . (ue + uf) / 2 for the second axes u = t x d1 of both edges gives the curvature towards d1; with u =
-// -d1 that towards t x d1. `ve`, `vf` are du / d(angle), negated: d1 there, t x d1 here.
+// kb . (ue + uf) / 2 for the second axes u = t x d1 of both edges gives the curvature towards d1. With u =
+// -d1 it gives the curvature towards t x d1. `ve`, `vf` are du / d(angle), negated: d1 in the first case, t x
+// d1 in the second.
 void curvature(const Frame &f, const Vector &ue, const Vector &uf, const Vector &ve, const Vector &vf,
                bool with_second, Measure &out)
 {

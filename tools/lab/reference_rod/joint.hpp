@@ -21,9 +21,9 @@ struct Joint {
     double twist = 0.0; // of the material frames
 };
 
-// Towards d1, towards t x d1, and twist. `with_second`: also second derivatives. For frames that go along by
-// the smallest turn of their tangent: Bergou et al. 2010, appendix, and Panetta et al., X-Shells, 2019 for
-// the twist's.
+// Curvature towards d1, curvature towards t x d1, and twist. `with_second` requests second derivatives too.
+// They hold for frames that follow the smallest turn of their tangent: Bergou et al. 2010, appendix, and for
+// the twist Panetta et al., X-Shells, 2019.
 void joint_measures(const Joint &joint, bool with_second, Measure &curvature1, Measure &curvature2,
                     Measure &twist);
 

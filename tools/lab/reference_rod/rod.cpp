@@ -11,7 +11,7 @@ namespace
 
 constexpr double pi = 3.14159265358979323846;
 
-// `v` across `from`, turned with it to `to` by the smallest turn (unit vectors).
+// `v`, perpendicular to `from`, carried to `to` by the smallest turn from one to the other (unit vectors).
 Vector carry(const Vector &v, const Vector &from, const Vector &to)
 {
     const Vector b = from.cross(to);
@@ -20,7 +20,7 @@ Vector carry(const Vector &v, const Vector &from, const Vector &to)
     return (turned - turned.dot(to) * to).normalized();
 }
 
-// Angle from a to b about t, near `guess`.
+// The angle from a to b about t, nearest to `guess`.
 double angle_near(const Vector &a, const Vector &b, const Vector &t, double guess)
 {
     const double angle = std::atan2(a.cross(b).dot(t), a.dot(b));
@@ -37,7 +37,7 @@ void set_reference(State &state, int joint, double guess)
 double add_square(const Measure &m, double rest, double weight, int first, Eigen::VectorXd *slope,
                   Band *second)
 {
-    // Of the joint's unknowns among all: front node and edge come first there.
+    // The joint's unknowns among all unknowns, where front node and edge come first.
     static constexpr int place[11] = {8, 9, 10, 7, 4, 5, 6, 3, 0, 1, 2};
     const double off = m.value - rest;
     if (slope)

@@ -20,39 +20,40 @@ namespace crn::reference
 
 using Vector = Eigen::Vector3d;
 
-// Constants of a rod. Nodes 0 .. n-1; joints are the nodes 1 .. n-2.
+// The constants of a rod. It has nodes 0 .. n-1; its joints are the nodes 1 .. n-2.
 struct Rod {
     std::vector<double> arc_m;                            // per node, from 0
     std::vector<double> cell_m;                           // per node: half of each edge beside it
-    std::vector<double> bend_N_m2, twist_N_m2;            // per node: of its cell
+    std::vector<double> bend_N_m2, twist_N_m2;            // per node, for its cell
     std::vector<double> rest_curvature1, rest_curvature2; // per node: 2 tan(turn / 2), towards d1 and t x d1
     std::vector<double> radius_m;                         // per node, outer
     std::vector<double>
-        joint_m; // per node: what of its cell can bend; less than the cell at a sheath's mouth
+        joint_m; // per node: the part of its cell that can bend; less than the cell at the end of a sheath
     std::vector<double> stretch_N; // per edge: EA
 
     int nodes() const { return static_cast<int>(arc_m.size()); }
     double length_m(int edge) const { return arc_m[edge + 1] - arc_m[edge]; }
 };
 
-// How a rod is cut.
+// The division of the rod into edges.
 struct Cut {
     double tip_m = 0.25e-3, shaft_m = 0.75e-3; // longest edge at the tip, and elsewhere
-    double fine_m = 0.0; // from the tip; 0: to 5 mm behind the tip's curves, at least 20 mm
-    // EA = stretch * EI / edge^2 of the softer end: under the force EI / R^2 of a bend of radius R an edge h
-    // shortens by (h / R)^2 / stretch, 3e-5 for 2 and 50 mm. Stiffer only takes more iterates.
+    double fine_m = 0.0; // length from the tip; 0: to 5 mm behind the tip's curves, at least 20 mm
+    // EA = stretch * EI / edge^2 of the softer end. Under the force EI / R^2 of a bend of radius R an edge h
+    // shortens by (h / R)^2 / stretch, which is 3e-5 for 2 and 50 mm. A higher value only takes more
+    // iterates.
     double stretch = 64.0;
 };
 
-// The instrument's first `length_m`, and two edges more for the sheath. Throws std::invalid_argument where it
-// is shorter.
+// The instrument's first `length_m`, plus two edges for the sheath. Throws std::invalid_argument when the
+// instrument is shorter.
 Rod cut_rod(const crn_wire_instrument &table, double length_m, const Cut &cut);
 // Outer radius of an instrument at a place from its tip, m.
 double radius_at_m(const crn_wire_instrument &table, double arc_m);
-// A uniform straight one.
+// A uniform straight rod.
 Rod uniform_rod(double bend_N_m2, double twist_N_m2, double radius_m, double length_m, double edge_m);
 
-// Where it lies.
+// The shape of the rod.
 struct State {
     std::vector<Vector> x;       // per node
     std::vector<double> angle;   // per edge, from the reference axis to d1
@@ -61,17 +62,18 @@ struct State {
     std::vector<double>
         reference; // per joint (index of its node): twist of the reference frames, rear to front edge
 
-    // Straight, tip at x, along unit `forward`, d1 at unit `d1` everywhere.
+    // A straight rod with its tip at x, along the unit vector `forward`, with d1 equal to the unit vector
+    // `d1` everywhere.
     static State straight(const Rod &rod, const Vector &tip, const Vector &forward, const Vector &d1);
     Vector d1(int edge) const;
 };
 
-// The state with other places and angles: reference frames go along by the smallest turn of each tangent.
+// The state with other places and angles; reference frames follow the smallest turn of each tangent.
 void move_state(const State &from, const std::vector<Vector> &x, const std::vector<double> &angle, int nodes,
                 State &to);
 
-// Elastic energy of nodes 0 .. nodes-1 and the joints among them, J; adds its slope (4 per node: x, y, z,
-// angle of the edge behind it) and, where given, its second derivatives.
+// The elastic energy of nodes 0 .. nodes-1 and the joints among them, J. It adds its slope (4 per node: x, y,
+// z, angle of the edge behind it) and, where requested, its second derivatives.
 double elastic_energy(const Rod &rod, const State &state, int nodes, Eigen::VectorXd *slope, Band *second);
 
 } // namespace crn::reference

@@ -1,4 +1,4 @@
-// Making a case with a known answer.
+// Makes a case with a known answer.
 #include "tools/lab/reference_rod/truth.hpp"
 #include "host/base/pending_file.hpp"
 #include "host/model/instrument.hpp"
@@ -78,8 +78,8 @@ void write_parameters(const TruthRequest &request, const Truth &truth)
     write_whole_file((request.folder / "truth" / "parameters.toml").string(), file.str());
 }
 
-// Places of a centreline that a scan without bias would give: each off by independent noise, the mouth is
-// known.
+// The places of a centreline as a scan without bias would give them: each has independent noise, and the
+// first place is known exactly.
 std::vector<Vector> noisy(const std::vector<Vector> &points_mm, double noise_mm, Noise &noise)
 {
     std::vector<Vector> out = points_mm;
@@ -88,7 +88,7 @@ std::vector<Vector> noisy(const std::vector<Vector> &points_mm, double noise_mm,
     return out;
 }
 
-// The hand's force at even places, with noise.
+// The hand's force at equal distances, with noise.
 std::vector<insertion::ForceSample> measured(const TruthRequest &request,
                                              const std::vector<insertion::ForceSample> &force, Noise &noise)
 {

@@ -1,5 +1,6 @@
-// The maker of a case with a known answer: the reference rod with stiffness that the instrument's file does
-// not have, inserted into a baked lumen; what a scan and a hand would show of it, and, apart, the truth.
+// Makes a case with a known answer. The reference rod, with stiffness that differs from the instrument
+// file's, is inserted into a baked lumen. The case holds the data that a scan and a hand would give, and
+// separately the truth.
 #pragma once
 #include "tools/lab/case/stiffness.hpp"
 #include "tools/lab/reference_rod/insertion.hpp"
@@ -12,18 +13,18 @@ namespace crn::reference
 {
 
 struct TruthRequest {
-    std::filesystem::path instrument;     // file, with ":preset" if it is not `physical`
+    std::filesystem::path instrument;     // file, followed by ":preset" unless the preset is `physical`
     std::filesystem::path scene;          // baked lumen
     std::filesystem::path surface;        // closed mesh of it; empty: none
-    std::filesystem::path folder;         // of the case
-    std::string name;                     // empty: instrument and scene
+    std::filesystem::path folder;         // folder of the case
+    std::string name;                     // empty: made from instrument and scene
     double shaft_factor = 1.0;            // the truth's EI of the shaft over the file's
     double tip_factor = 1.0;              // the truth's alpha over the file's
     double friction = 0.1;                // of the whole instrument against the wall
     double speed_mm_per_s = 10.0;         // of the hand
     std::vector<insertion::Depth> depths; // name, inserted_mm and turn_deg are read; scans stay empty
-    double shape_noise_mm = -1.0;         // negative: no depth_N.csv, which a scan shall give
-    double force_noise_mN = 1.0;          // standard deviation; negative: no force is measured
+    double shape_noise_mm = -1.0; // negative: no depth_N.csv is written, because a scan will provide it
+    double force_noise_mN = 1.0;  // standard deviation; negative: no force is measured
     double force_every_mm = 1.0;
     std::uint64_t seed = 1;
     Cut cut;
@@ -37,16 +38,16 @@ struct Truth {
 };
 
 // Inserts and writes FOLDER: case.toml, instrument.toml and scene (copies), surface, force.csv, depth_N.csv
-// where noise is asked for, truth/parameters.toml, truth/depth_N.csv and truth/force.csv. `progress` is told
-// the depth done and may be empty. The same request gives the same files. Throws std::runtime_error
+// where noise is requested, truth/parameters.toml, truth/depth_N.csv and truth/force.csv. `progress` receives
+// each finished depth and may be empty. The same request gives the same files. Throws std::runtime_error
 // (FileError, CaseError, OutputError) with the remedy.
 Truth make_case(const TruthRequest &request, const std::function<void(const std::string &)> &progress = {});
 
-// What the instrument looks like to a scanner: outer radius along `centreline_mm` (from the mouth to the
+// The instrument as a scanner sees it: the outer radius along `centreline_mm` (from the sheath's end to the
 // tip), in mm.
 std::vector<double> radii_mm(const crn_wire_instrument &table, const std::vector<Vector> &centreline_mm);
 
-// Independent normal deviates with standard deviation 1, the same on every machine.
+// Independent normal deviates with standard deviation 1, identical on every machine.
 class Noise
 {
   public:

@@ -1,4 +1,4 @@
-// Command line of a truth: what `reference_rod` and `ct simulate --instrument` ask for alike.
+// The command-line options of a truth, which `reference_rod` and `ct simulate --instrument` share.
 #pragma once
 #include "tools/lab/reference_rod/truth.hpp"
 #include <CLI/CLI.hpp>
@@ -8,7 +8,7 @@
 namespace crn::reference
 {
 
-// All but the case's folder and the seed. `depths` are for take_depths.
+// All options except the case's folder and the seed. `depths` are passed to take_depths.
 inline void add_truth_options(CLI::App &app, TruthRequest &request, std::vector<std::string> &depths)
 {
     app.add_option("--instrument", request.instrument, "nominal instrument file, or FILE:preset");
@@ -38,7 +38,7 @@ inline void add_truth_options(CLI::App &app, TruthRequest &request, std::vector<
         ->capture_default_str();
 }
 
-// "NAME:INSERTED_MM:TURN_DEG". Throws std::invalid_argument, saying what is wanted.
+// Reads "NAME:INSERTED_MM:TURN_DEG". Throws std::invalid_argument with the expected form.
 inline insertion::Depth depth_from(const std::string &text)
 {
     const std::size_t turn = text.rfind(':'), inserted = turn == 0 ? turn : text.rfind(':', turn - 1);

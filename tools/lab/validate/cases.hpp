@@ -1,4 +1,4 @@
-// The cases of the validation suite: each sets up a rod, loads it, and compares it with its reference.
+// The cases of the validation suite. Each sets up a rod, loads it, and compares it with its reference.
 #pragma once
 #include "tools/lab/validate/report.hpp"
 
@@ -9,13 +9,14 @@ namespace crn::validate
 
 struct Case {
     std::string name;
-    std::function<void(Result &, bool quick)> run; // quick: fewer figures, seconds for the whole suite
+    std::function<void(Result &, bool quick)>
+        run; // quick: fewer figures, so that the whole suite takes seconds
 };
 
-// In the order of the report.
+// All cases in the order of the report.
 std::vector<Case> all_cases();
 
-// One list per file.
+// One list of cases per file.
 std::vector<Case> bend_cases();
 std::vector<Case> motion_cases();
 std::vector<Case> buckle_cases();

@@ -12,7 +12,7 @@ namespace crn::validate
 namespace
 {
 
-// A cantilever that leaves the mouth along +x.
+// A cantilever that leaves the inserter along +x.
 struct Cantilever {
     double bend_N_m2, length_m;
     unsigned elements;
@@ -61,8 +61,7 @@ void compare_tip(Result &result, const std::string &what, const Cantilever &c, c
     result.error(what, "y/L", shape.y.back(), tip[2], 100 * off, "% of L", tolerance_pct);
 }
 
-// --- dead load at the tip
-// -------------------------------------------------------------------------------------------
+// --- dead load at the tip ---
 
 void tip_load(Result &result, bool quick)
 {
@@ -97,10 +96,9 @@ void tip_load(Result &result, bool quick)
     if (!plot.series.empty()) result.plots.push_back(plot);
 }
 
-// --- weight
-// ---------------------------------------------------------------------------------------------------------
+// --- weight ---
 
-// The heaviest load whose settling needs no limit of the number formats, in steps of 30 %.
+// The heaviest load, in steps of 30 %, that settles within the limits of the number formats.
 double heaviest(double bend_N_m2, double from, double to)
 {
     Cantilever c(bend_N_m2, 0.5, 256);
@@ -148,12 +146,11 @@ void self_weight(Result &result, bool quick)
     }
 }
 
-// --- three-point bend
-// -----------------------------------------------------------------------------------------------
+// --- three-point bend ---
 
-// Half of the span: by symmetry the middle of the beam is clamped and each support pushes with P / 2. Returns
-// P over the deflection. `mass_factor` 4 makes m / h^2 that of half a time step, which is all the step does
-// to a solve besides the drag.
+// Models half of the span: by symmetry the middle of the beam is clamped and each support pushes with P / 2.
+// Returns P divided by the deflection. `mass_factor` 4 makes m / h^2 that of half a time step, which is the
+// step's only effect on a solve besides the drag.
 double bench_stiffness(double bend_N_m2, double span_m, double deflection_m, double mass_factor, int ticks)
 {
     double half = span_m / 2, element = element_length(half, bend_N_m2 > 2e-3 ? 10 : 20);
@@ -202,12 +199,11 @@ void three_point(Result &result, bool)
     result.plots.push_back(plot);
 }
 
-// --- curved tips
-// ----------------------------------------------------------------------------------------------------
+// --- curved tips ---
 
-// Two spans, base clamp to `second` (a) and on to the tip (d), of a rod with rest curvature 1/R on the axis:
-// the moment at `second` over EI/R by Clapeyron's three moments. Near 1; not 1 since the last span is only
-// supported at its ends.
+// Two spans, from the base clamp to `second` (a) and on to the tip (d), of a rod with rest curvature 1/R on
+// the axis. Clapeyron's theorem of three moments gives the moment at `second` over EI/R. It is near 1, but
+// not 1, because the last span is only supported at its ends.
 double three_moments(double a, double d)
 {
     return (3 * d + 1.5 * a) / (2 * d + 1.5 * a);

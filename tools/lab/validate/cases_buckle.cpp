@@ -1,4 +1,4 @@
-// Buckling under a thrust: Euler's four columns and what follows beyond the load.
+// Buckling under thrust: Euler's four columns, and the behaviour beyond the critical load.
 #include "tools/lab/validate/cases.hpp"
 #include "tools/lab/validate/elastica.hpp"
 #include "tools/lab/validate/support.hpp"
@@ -29,10 +29,11 @@ constexpr Column columns[] = {{"K_2", End::free, 2, 8},
                               {"K_0.699", End::pinned, 0.699156, 185},
                               {"K_0.5", End::clamped, 0.5, 384}};
 
-// The clamp of a tip is two supports this far apart: on the springs of neighbours it would turn.
+// The clamp of a tip consists of two supports this far apart; on the springs of neighbouring nodes it would
+// turn.
 constexpr unsigned clamp_elements = 8;
 
-// A soft piece of one element at the mouth serves as a hinge.
+// A soft piece of one element at the inserter serves as a hinge.
 constexpr double hinge_N_m2 = 2e-6;
 
 Rig make(const Column &column)
@@ -64,8 +65,7 @@ double critical_load(const Column &column)
         double arm = clamp_elements * element;
         return std::pow(euler_two_spans(length_m - arm, arm), 2) * bend_N_m2;
     }
-    if (column.end ==
-        End::hinged_base) { // the hinge stands in the middle of the soft piece and is a little stiff
+    if (column.end == End::hinged_base) { // the hinge is in the middle of the soft piece and slightly stiff
         double free = length_m - element / 2, spring = hinge_N_m2 / element * free / bend_N_m2;
         return std::pow(euler_spring_pinned(spring) / free, 2) * bend_N_m2;
     }
@@ -80,9 +80,9 @@ double sag(const Rig &rig)
     return most;
 }
 
-// Side load over sag against thrust falls to zero, nearly along a straight line, at the critical load
-// (Southwell). The thrust is raised by halves until the sag has grown, then each goes 7/10 of the way to
-// where the last two point; no theory of buckling enters.
+// Side load divided by sag falls with the thrust, nearly along a straight line, to zero at the critical load
+// (Southwell). The thrust is raised by halves until the sag has grown. Each further thrust goes 7/10 of the
+// remaining distance to where the last two points extrapolate. No theory of buckling enters.
 double measure(const Column &column, Series &series)
 {
     Rig rig = make(column);
@@ -135,8 +135,7 @@ void euler(Result &result, bool quick)
     result.plots.push_back(plot);
 }
 
-// --- beyond the load
-// ------------------------------------------------------------------------------------------------
+// --- beyond the load ---
 
 void beyond_euler(Result &result, bool quick)
 {

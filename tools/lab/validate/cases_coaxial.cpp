@@ -1,4 +1,4 @@
-// Tools inside one another: stiffness adds, shapes share, and a change of the lead moves nothing.
+// Tools inside one another: stiffness adds, shapes combine, and a change of the leading tool moves nothing.
 #include "tools/lab/validate/cases.hpp"
 #include "tools/lab/validate/elastica.hpp"
 #include "tools/lab/validate/support.hpp"
@@ -24,8 +24,7 @@ Knot catheter_knot(double bend)
     return {.bend_N_m2 = bend, .twist_N_m2 = bend / 1.3, .radius_m = 835e-6, .radius_inner_m = 485e-6};
 }
 
-// --- stiffness adds
-// -------------------------------------------------------------------------------------------------
+// --- stiffness adds ---
 
 void stiffness_adds(Result &result, bool quick)
 {
@@ -77,10 +76,9 @@ void stiffness_adds(Result &result, bool quick)
     result.plots.push_back(plot);
 }
 
-// --- a straight catheter opens a J
-// ----------------------------------------------------------------------------------
+// --- a straight catheter opens a J ---
 
-// Angle by which the tip's direction leaves the mouth's, degrees, unwrapped along the line.
+// The angle between the directions of the tip and of the inserter, degrees, unwrapped along the line.
 double opening(const Rig &rig)
 {
     std::vector<Vector3d> points = rig.shape();
@@ -122,7 +120,7 @@ void opens_hook(Result &result, bool quick)
                                    : uniform_tool(wire_knot(straight_bend), 0.12, 0.001);
         Tool catheter = wire_is_hooked ? uniform_tool(catheter_knot(straight_bend), 0.12, 0.001)
                                        : hooked(catheter_knot(hook_bend), 0.12);
-        double begin = 0.04, end = 0.0805; // beyond the mouth; the J lies from 0.05 to 0.08
+        double begin = 0.04, end = 0.0805; // beyond the inserter; the J lies from 0.05 to 0.08
         Start start{.inserted_m = wire_is_hooked ? std::vector{0.08, begin} : std::vector{begin, 0.08}};
         Rig rig({wire, catheter}, nullptr, start);
         settle(rig, 1e-7, 4000);
@@ -159,11 +157,10 @@ void opens_hook(Result &result, bool quick)
     result.plots.push_back(plot);
 }
 
-// --- change of the lead
-// ---------------------------------------------------------------------------------------------
+// --- change of the lead ---
 
-// A catheter is pushed over a resting wire until it leads by 20 mm, and drawn back, in a bend. Largest way of
-// any node of the catheter-free line per tick, beyond what the tool's own feed explains.
+// A catheter is pushed over a resting wire in a bend until it leads by 20 mm, and is then drawn back. We take
+// the largest displacement per tick of any node that the catheter does not cover, less the tool's own feed.
 void lead_change(Result &result, bool quick)
 {
     result.title = "Change of the leading tool";

@@ -26,7 +26,8 @@ struct Oscillation {
     double omega, decay; // rad/s, 1/s
 };
 
-// q[n+1] = a q[n] + b q[n-1] for every decaying oscillation: least squares, then its complex root.
+// q[n+1] = a q[n] + b q[n-1] holds for every decaying oscillation. We fit it by least squares and take its
+// complex root.
 Oscillation fit(const std::vector<double> &q, double interval_s)
 {
     double pp = 0, pr = 0, rr = 0, pq = 0, rq = 0;
@@ -43,7 +44,8 @@ Oscillation fit(const std::vector<double> &q, double interval_s)
     return {std::fabs(rate.imag()), -rate.real()};
 }
 
-// What implicit Euler makes of omega and the drag: roots of (1 + w^2 h^2) z^2 - (2 - g h) z + (1 - g h) = 0.
+// The effect of implicit Euler on omega and the drag: roots of (1 + w^2 h^2) z^2 - (2 - g h) z + (1 - g h) =
+// 0.
 Oscillation implicit_euler(double omega)
 {
     double a = 1 + omega * omega * step_s * step_s, b = 2 - drag_per_s * step_s, c = 1 - drag_per_s * step_s;

@@ -12,15 +12,14 @@ namespace crn::validate
 namespace
 {
 
-// --- compression
-// ----------------------------------------------------------------------------------------------------
+// --- compression ---
 
 struct Pressed {
     double hand_N, peak_N, strain, strain_peak, resting_m;
     Series force_against_way;
 };
 
-// 256 elements of 3 mm in a closed straight tube, the last millimetres pushed until the hand stalls.
+// 256 elements of 3 mm in a closed straight tube; the last millimetres are pushed until the hand stalls.
 Pressed press(double axial_N, double stall_N, double friction, double speed_m_s)
 {
     Path path({-0.03, 0, 0}, {1, 0, 0}, {0, 0, 1});
@@ -101,11 +100,10 @@ void stall(Result &result, bool quick)
     }
 }
 
-// --- work and energy
-// ------------------------------------------------------------------------------------------------
+// --- work and energy ---
 
-// Bending energy of the free part from positions alone; joint at the mouth as the core clips it (half an
-// element or less).
+// The bending energy of the free part, from positions alone. The joint at the inserter counts with the length
+// that the core gives it (half an element or less).
 double bending_energy(const Rig &rig, double bend_N_m2, double element_m)
 {
     double sum = 0;
@@ -164,15 +162,15 @@ void energy(Result &result, bool quick)
     result.plots.push_back({"Work of the hand", "inserted (mm)", "mJ", {work_in, work_out, stored}});
 }
 
-// --- range of stiffness
-// ---------------------------------------------------------------------------------------------
+// --- range of stiffness ---
 
 struct Calm {
     double strain, depth_m, resting_m;
     bool saturated;
 };
 
-// Pushed 0.55 m through three bends out of one plane at 0.1 m/s, then left alone for a second.
+// The rod is pushed 0.55 m through three bends that do not lie in one plane at 0.1 m/s, and then rests for a
+// second.
 Calm insert(const Tool &tool)
 {
     Path path({-0.03, 0, 0}, {1, 0, 0}, {0, 0, 1});
@@ -212,7 +210,7 @@ void stability(Result &result, bool quick)
         result.at_most("length_error." + name, "%", 100 * worst.strain, 0.6);
         result.at_most("wall_depth." + name, "mm", 1e3 * worst.depth_m, 1);
         result.at_most("resting_motion." + name, "um/tick", 1e6 * worst.resting_m, 5);
-        if (name == "EI_3e-2") { // needs 0.59 N m at a joint, the format has 60 N x 3 mm
+        if (name == "EI_3e-2") { // needs 0.59 N m at a joint; the format holds 60 N x 3 mm
             result.reported("saturated." + name, "", 0, worst.saturated);
         } else {
             result.at_most("saturated." + name, "", worst.saturated, 0);
@@ -227,7 +225,7 @@ void stability(Result &result, bool quick)
     if (quick) return;
     Tool tool;
     tool.axial_stiffness_max_N = 10000;
-    for (int k = 0; k <= 12; k++) { // equal ratios, as a taper has
+    for (int k = 0; k <= 12; k++) { // equal ratios, as on a taper
         double bend = 2e-6 * std::pow(4.9e-3 / 2e-6, k / 12.0);
         tool.knots.push_back(
             {.arc_m = 0.3 * k / 12, .bend_N_m2 = bend, .twist_N_m2 = bend / 1.3, .friction = 0.2});

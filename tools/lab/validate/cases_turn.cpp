@@ -1,4 +1,4 @@
-// Turning: torque to the tip, straight and round a bend, without and with friction.
+// Turning: torque transmitted to the tip, straight and round a bend, without and with friction.
 #include "tools/lab/validate/cases.hpp"
 #include "tools/lab/validate/support.hpp"
 
@@ -13,8 +13,7 @@ namespace
 
 constexpr double wire_radius_m = 445e-6;
 
-// --- straight
-// -------------------------------------------------------------------------------------------------------
+// --- straight ---
 
 Rig floor_rig(const LumenField &field, double tube_m, const Knot &knot, double length_m)
 {
@@ -72,8 +71,7 @@ void torque_straight(Result &result, bool quick)
     }
 }
 
-// --- a J round a bend
-// -----------------------------------------------------------------------------------------------
+// --- a J round a bend ---
 
 struct Turned {
     double tip_deg, heading_deg;                  // after a turn and rest

@@ -1,4 +1,4 @@
-// Twist that buckles: the straight rod, the ring, and the localised coil of a long rod.
+// Twist that causes buckling: the straight rod, the ring, and the localised coil of a long rod.
 #include "tools/lab/validate/cases.hpp"
 #include "tools/lab/validate/elastica.hpp"
 #include "tools/lab/validate/support.hpp"
@@ -14,8 +14,8 @@ namespace
 
 constexpr double nu = 0.3, bend_over_twist = 1 + nu;
 
-// A rod whose tip is clamped in space by its first edge, which counts as rigid: the clamp stands in the
-// edge's middle.
+// A rod whose tip is clamped in space by its first edge, which counts as rigid: the clamp lies in the edge's
+// middle.
 struct Clamped {
     Rig rig;
     double element_m, length_m; // between the clamps
@@ -52,8 +52,7 @@ struct Clamped {
     }
 };
 
-// --- straight rod
-// ---------------------------------------------------------------------------------------------------
+// --- straight rod ---
 
 double radius_of(const Rig &rig)
 {
@@ -96,13 +95,12 @@ void greenhill_case(Result &result, bool)
         {"Sag of a twisted rod", "twist / Greenhill's", "sag without twist / sag", {series}});
 }
 
-// --- ring
-// -----------------------------------------------------------------------------------------------------------
+// --- ring ---
 
-// Distance of the nodes from their best plane through the x axis and the mouth, root mean square.
+// The root mean square distance of the nodes from their best plane through the x axis and the inserter's end.
 double warp(const Rig &rig)
 {
-    // y = a x + b z by the normal equations, whose two columns a ring makes about orthogonal.
+    // y = a x + b z by the normal equations, whose two columns are nearly orthogonal for a ring.
     const unsigned n = rig.free_count();
     double xx = 0, xz = 0, zz = 0, xy = 0, zy = 0;
     for (unsigned i = 0; i < n; i++) {
@@ -163,10 +161,9 @@ void ring(Result &result, bool quick)
         {"Distance from the plane of a twisted ring", "twist / Michell's", "1 mm / warp", {series}});
 }
 
-// --- localised coil
-// -------------------------------------------------------------------------------------------------
+// --- localised coil ---
 
-// cos of the angle between each edge and the axis, against arc length over L.
+// The cosine of the angle between each edge and the axis, against arc length over L.
 Series tilt_of(const Clamped &rod)
 {
     Series series{"ours", {}, {}, true};

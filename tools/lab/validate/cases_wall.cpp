@@ -1,4 +1,4 @@
-// Walls: friction round a bend, on an incline and along a floor; a pressed rod that coils in its tube.
+// Walls: friction round a bend, on an incline and along a floor, and a pressed rod that coils in its tube.
 #include "tools/lab/validate/cases.hpp"
 #include "tools/lab/validate/support.hpp"
 
@@ -13,15 +13,14 @@ namespace
 
 constexpr double wire_radius_m = 445e-6;
 
-// --- capstan
-// --------------------------------------------------------------------------------------------------------
+// --- capstan ---
 
 struct Capstan {
-    double mean, low, high; // pull at the hand over the load at the tip
+    double mean, low, high; // pull at the hand divided by the load at the tip
 };
 
-// A wire laid along the inner wall of a bend, its tip loaded along the way out, is drawn back by 30 mm. The
-// mouth lies at the inner wall too, so that the wire turns by the bend's angle and no less.
+// A wire lies along the inner wall of a bend, with a load at its tip along the direction out. It is drawn
+// back by 30 mm. The inserter lies at the inner wall too, so that the wire turns by exactly the bend's angle.
 Capstan draw(double angle_rad, double friction, double tip_N)
 {
     const double bend_m = 0.1, tube_m = 0.002, lead_m = 0.03, out_m = 0.07, off_m = tube_m - wire_radius_m;
@@ -88,20 +87,19 @@ void capstan(Result &result, bool quick)
     result.plots.push_back(plot);
 }
 
-// --- incline
-// --------------------------------------------------------------------------------------------------------
+// --- incline ---
 
 struct Slope {
     Series travel; // angle in degrees -> mm
     double onset_deg = 0;
 };
 
-// A heavy stretch of 250 mm on the floor of a straight tube, tied to the mouth by 50 mm of a very soft wire
-// (4e-7 N m2), while gravity tilts towards the tip by 1 degree per second.
+// A heavy stretch of 250 mm lies on the floor of a straight tube, tied to the inserter by 50 mm of a very
+// soft wire (4e-7 N m2). Gravity tilts towards the tip by 1 degree per second.
 Slope tilt(double friction, bool skew)
 {
     Vector3d along(1, 0, 0), up(0, 0, 1);
-    if (skew) { // no direction of the field's lattice
+    if (skew) { // a direction that is not one of the field's lattice
         along = Vector3d(std::cos(0.3) * std::cos(0.4), std::cos(0.3) * std::sin(0.4), -std::sin(0.3));
         up = Vector3d(std::sin(0.3) * std::cos(0.4), std::sin(0.3) * std::sin(0.4), std::cos(0.3));
     }
@@ -158,8 +156,7 @@ void incline(Result &result, bool quick)
     result.plots.push_back(plot);
 }
 
-// --- sliding
-// --------------------------------------------------------------------------------------------------------
+// --- sliding ---
 
 void sliding(Result &result, bool quick)
 {
@@ -200,8 +197,7 @@ void sliding(Result &result, bool quick)
     }
 }
 
-// --- helix in a tube
-// ------------------------------------------------------------------------------------------------
+// --- helix in a tube ---
 
 double pitch(double bend, double force_N)
 {

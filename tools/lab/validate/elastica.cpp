@@ -64,7 +64,8 @@ PlaneShape elastica(double tip_load, double line_load)
     return shape;
 }
 
-// Load = K(k)^2, k = sin(alpha / 2) with alpha the tip's angle; x / L = 2 E / K - 1, y / L = 2 k / K.
+// Load = K(k)^2 with k = sin(alpha / 2), where alpha is the tip's angle; x / L = 2 E / K - 1, y / L = 2 k /
+// K.
 Buckled buckled_cantilever(double load)
 {
     double k = root([&](double m) { return std::pow(std::comp_ellint_1(m), 2) - load; }, 0, 0.999999);
@@ -98,14 +99,16 @@ double euler_clamped_pinned()
     return root([](double u) { return std::sin(u) - u * std::cos(u); }, M_PI, 1.5 * M_PI);
 }
 
-// EI u^2 sin u = k L (u cos u - sin u), from w = A sin(u s) + D s with w(1) = 0 and EI w'' = -k w' at s = 1.
+// EI u^2 sin u = k L (u cos u - sin u) follows from w = A sin(u s) + D s with w(1) = 0 and EI w'' = -k w' at
+// s = 1.
 double euler_spring_pinned(double spring)
 {
     return root([&](double u) { return u * u * std::sin(u) - spring * (u * std::cos(u) - std::sin(u)); }, 2,
                 1.5 * M_PI);
 }
 
-// Slope-deflection with stability functions: s(u) / a + s''(v) / d = 0, far ends clamped and free to turn.
+// Slope-deflection with stability functions: s(u) / a + s''(v) / d = 0; the far ends are clamped and free to
+// turn.
 double euler_two_spans(double a, double d)
 {
     auto stiffness = [&](double q) {
@@ -124,8 +127,8 @@ double greenhill()
 
 Writhe writhe(double slack, double turn_rad, double bend_over_twist)
 {
-    // slack = sqrt(16 / t (1 - m^2 / 4t)), turn = m B/C + 4 acos(m / (2 sqrt t)): m from the second for given
-    // t
+    // slack = sqrt(16 / t (1 - m^2 / 4t)), turn = m B/C + 4 acos(m / (2 sqrt t)); the second gives m for a
+    // given t.
     auto moment = [&](double t) {
         return root(
             [&](double m) { return m * bend_over_twist + 4 * std::acos(m / (2 * std::sqrt(t))) - turn_rad; },
@@ -136,7 +139,7 @@ Writhe writhe(double slack, double turn_rad, double bend_over_twist)
         return std::sqrt(16 / t * (1 - m * m / (4 * t))) - slack;
     };
     double least =
-        std::pow(turn_rad / bend_over_twist / 2, 2); // tension at which the straight rod would give way
+        std::pow(turn_rad / bend_over_twist / 2, 2); // tension at which the straight rod would buckle
     double t = root(miss, least * 1.0001, least * 1.5);
     return {moment(t), t};
 }

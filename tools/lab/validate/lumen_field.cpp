@@ -11,8 +11,7 @@
 namespace crn::validate
 {
 
-// --- path
-// -----------------------------------------------------------------------------------------------------------
+// --- path ---
 
 Path::Path(const Vector3d &start, const Vector3d &direction, const Vector3d &normal)
     : at_(start), direction_(direction.normalized()), normal_(normal.normalized()), low_(start), high_(start)
@@ -90,8 +89,7 @@ double Path::distance(const Vector3d &point_m) const
     return least;
 }
 
-// --- field
-// ----------------------------------------------------------------------------------------------------------
+// --- field ---
 
 struct LumenField::Storage {
     crn_lumen lumen{};
@@ -103,7 +101,7 @@ namespace
 {
 
 constexpr double voxel0_m = double(1 << CRN_LUMEN_VOXEL_LOG2_Q30) / (1 << 30);
-constexpr double band_m = 0.0025;                 // beyond a brick's own half diagonal
+constexpr double band_m = 0.0025;                 // beyond half the diagonal of a brick
 constexpr int support = CRN_LUMEN_BRICK_EDGE + 4; // 10 coefficients and one sample on either side
 constexpr double brick0_m = voxel0_m * int(CRN_LUMEN_BRICK_EDGE);
 
@@ -116,7 +114,7 @@ class Builder
     {
     }
 
-    // Entry for the cube of 8 voxels at `corner`.
+    // The entry for the cube of 8 voxels at `corner`.
     std::uint16_t entry(const Vector3d &corner, unsigned level)
     {
         double voxel = voxel0_m / (1u << level);
@@ -148,8 +146,8 @@ class Builder
 
     double &at(int x, int y, int z) { return f_[std::size_t((z * support + y) * support + x)]; }
 
-    // Coefficients c = f - (second differences) / 8, the first-order inverse of the spline's own smoothing [1
-    // 6 1] / 8.
+    // The coefficients are c = f - (second differences) / 8, the first-order inverse of the spline's own
+    // smoothing [1 6 1] / 8.
     std::uint16_t brick(const Vector3d &corner, double voxel)
     {
         for (int z = 0; z < support; z++) {

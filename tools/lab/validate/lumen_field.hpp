@@ -1,5 +1,6 @@
 // Lumens from closed forms: exact distance functions, and the core's sparse field made from them in memory.
-// A baker would store the same field; this one is made without it, so that a case depends on the core alone.
+// The baker would store the same field. This one does not use the baker, so that a case depends on the core
+// alone.
 #pragma once
 #include <Eigen/Geometry>
 #include <functional>
@@ -13,10 +14,10 @@ namespace crn::validate
 
 using Eigen::Vector3d;
 
-// Signed distance to the wall in metres, negative inside; never steeper than 1.
+// The signed distance to the wall in metres, negative inside; its slope never exceeds 1.
 using Distance = std::function<double(const Vector3d &)>;
 
-// A path of straight pieces and arcs in one plane or several, by closed form.
+// A path of straight pieces and arcs, in one or several planes, in closed form.
 class Path
 {
   public:
@@ -26,11 +27,11 @@ class Path
     Path &roll(double angle_rad);                  // turns the normal about the direction
 
     double distance(const Vector3d &point_m) const; // to the path
-    Vector3d at(double arc_m) const;                // the last piece goes on beyond the end
+    Vector3d at(double arc_m) const;                // the last piece continues beyond the end
     Vector3d end() const { return at_; }
     Vector3d end_direction() const { return direction_; }
     double length() const { return length_m_; }
-    // Smallest box around the path.
+    // The smallest box around the path.
     Vector3d low() const { return low_; }
     Vector3d high() const { return high_; }
 
@@ -50,7 +51,7 @@ class Path
 class LumenField
 {
   public:
-    // Field of `distance` within the box; refinement level 0, 1, 2 for voxels of 1, 0.5, 0.25 mm.
+    // The field of `distance` within the box; refinement level 0, 1, 2 for voxels of 1, 0.5, 0.25 mm.
     LumenField(const Distance &distance, const Vector3d &low, const Vector3d &high, unsigned level);
     ~LumenField();
     LumenField(LumenField &&) noexcept;
@@ -61,7 +62,7 @@ class LumenField
     std::unique_ptr<Storage> storage_;
 };
 
-// Tube of one radius around a path, with half balls at its ends; or closed by a plane across its end.
+// A tube of one radius around a path, with hemispheres at its ends, or closed by a plane across its end.
 LumenField tube_field(const Path &path, double radius_m, unsigned level, bool flat_end = false);
 
 } // namespace crn::validate

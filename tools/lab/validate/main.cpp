@@ -50,8 +50,8 @@ Result run_case(const Case &one, bool quick)
     return result;
 }
 
-// Cases are taken from the list by `jobs` threads; they share nothing, so results do not depend on the number
-// of threads.
+// `jobs` threads take cases from the list. Cases share nothing, so results do not depend on the number of
+// threads.
 std::vector<Result> run_all(const std::vector<Case> &cases, const Options &options)
 {
     std::vector<Result> results(cases.size());
@@ -73,7 +73,7 @@ std::vector<Result> run_all(const std::vector<Case> &cases, const Options &optio
     return results;
 }
 
-// Replaces what stands between the two marks of a page.
+// Replaces the text between the two marks of a page.
 void write_docs(const std::string &path, const std::string &table)
 {
     std::ifstream file(path, std::ios::binary);

@@ -10,7 +10,7 @@ struct Series {
     std::string label; // empty: not in the legend
     std::vector<double> x, y;
     bool dots = false; // else a line
-    int colour = -1;   // series of one number have one colour; -1: its place in the plot, 6: black
+    int colour = -1;   // series with the same number share a colour; -1: its position in the plot, 6: black
 };
 
 struct Plot {
@@ -20,10 +20,10 @@ struct Plot {
     bool x_is_logarithmic = false;
 };
 
-// A whole <svg> element. Values that are not finite are left out.
+// Returns a complete <svg> element. Values that are not finite are omitted.
 std::string svg(const Plot &plot);
 
-// A number for people: four significant digits, no trailing zeros.
+// A number for readers: four significant digits, no trailing zeros.
 std::string short_number(double value);
 
 } // namespace crn::validate

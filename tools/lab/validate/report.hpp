@@ -1,5 +1,5 @@
-// What a case finds: figures against references with stated tolerances, and plots; and how they are written
-// down.
+// The results of a case, figures against references with stated tolerances and plots; and how they are
+// written.
 #pragma once
 #include "tools/lab/validate/plot.hpp"
 
@@ -9,13 +9,13 @@
 namespace crn::validate
 {
 
-// One figure. `error` is in `error_unit` and passes when its size is within `tolerance`; a tolerance below 0
+// One figure. `error` is in `error_unit` and passes when its size is within `tolerance`. A tolerance below 0
 // means that the figure is only reported.
 struct Row {
-    std::string name;    // case.what, unique, stable: others refer to it
+    std::string name;    // case.what: unique and stable, because others refer to it
     std::string formula; // how the reference is computed
     std::string source;  // where the formula comes from
-    std::string unit;    // of reference and value
+    std::string unit;    // unit of reference and value
     double reference = 0, value = 0;
     double error = 0, tolerance = 0;
     std::string error_unit;
@@ -29,18 +29,18 @@ struct Result {
     std::vector<Row> rows;
     std::vector<Plot> plots;
     double seconds = 0;
-    std::string failure; // what stopped the case, or empty
+    std::string failure; // the error that stopped the case, or empty
 
-    // Value against reference: error in percent of the reference.
+    // Compares value and reference: error in percent of the reference.
     void relative(const std::string &what, const std::string &unit, double reference, double value,
                   double tolerance_pct);
-    // Error in the value's own unit.
+    // Compares in the value's own unit.
     void absolute(const std::string &what, const std::string &unit, double reference, double value,
                   double tolerance);
-    // Error computed by the case, in `error_unit`.
+    // Takes an error that the case has computed, in `error_unit`.
     void error(const std::string &what, const std::string &unit, double reference, double value, double error,
                const std::string &error_unit, double tolerance);
-    // Something that must not be larger than a bar.
+    // Checks that a value is not larger than a bar.
     void at_most(const std::string &what, const std::string &unit, double value, double bar);
     void reported(const std::string &what, const std::string &unit, double reference, double value);
     bool passed() const;

@@ -103,8 +103,7 @@ Rig::Rig(const std::vector<Tool> &tools, const LumenField *field, const Start &s
 Rig::~Rig() = default;
 Rig::Rig(Rig &&) noexcept = default;
 
-// --- what acts on the rod
-// -------------------------------------------------------------------------------------------
+// --- loads and supports of the rod ---
 
 void Rig::set_gravity(const Vector3d &m_s2)
 {
@@ -130,8 +129,9 @@ void Rig::set_hold(const Hold &hold)
     crn_model_set_tip_hold(&core_->model, &h);
 }
 
-// The core holds the tip's angle against the axis carried without twist from the inserter; that axis itself
-// turns at the tip when the line coils (its writhe). Held in space, the angle is the negative of that turn.
+// The core holds the tip's angle against the axis carried without twist from the inserter. That axis itself
+// turns at the tip when the line coils (its writhe). To hold the tip in space, the angle must be the negative
+// of that turn.
 void Rig::hold_in_space()
 {
     crn_model &model = core_->model;
@@ -195,8 +195,7 @@ void Rig::place(const std::vector<Vector3d> &positions_m)
     }
 }
 
-// --- what is measured
-// -----------------------------------------------------------------------------------------------
+// --- measurements ---
 
 unsigned Rig::free_count() const
 {
@@ -241,7 +240,8 @@ double Rig::base_angle(unsigned tool) const
     return core_->base_angle[tool];
 }
 
-// Frames turn about tangents that point to the hand, hands about the direction of insertion: opposite senses.
+// Frames turn about tangents that point to the hand, and hands turn about the direction of insertion, so the
+// signs are opposite.
 double Rig::tip_angle(unsigned tool) const
 {
     const crn_node_state *nodes = core_->state.words.nodes;

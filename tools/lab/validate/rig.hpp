@@ -1,8 +1,8 @@
-// The core as the cases see it: SI doubles in, SI doubles out. The only file pair of this folder that calls
-// the core, so that a change of its interface is a change of one file.
+// The core as the cases use it: SI doubles in, SI doubles out. Only these two files of the folder call the
+// core, so that a change of its interface changes one place.
 //
-// Lengths count from the tip of tool 0 (node 0 is the leading tip). The inserter's mouth lies at the origin
-// and points along +x unless a case says otherwise.
+// Lengths count from the tip of tool 0 (node 0 is the leading tip). The inserter ends at the origin and
+// points along +x unless a case states otherwise.
 #pragma once
 #include "tools/lab/validate/lumen_field.hpp"
 
@@ -16,7 +16,7 @@ namespace crn::validate
 
 using Eigen::Vector3d;
 
-// Properties at an arc length from the tip; linear between knots, two at one arc length make a step.
+// Properties at an arc length from the tip, linear between knots; two knots at one arc length make a step.
 struct Knot {
     double arc_m = 0;
     double bend_N_m2 = 1e-3;
@@ -35,10 +35,10 @@ struct Tool {
     double element_m = 0.003; // of the whole tool
 };
 
-// One set of properties over `length_m`.
+// A tool with one set of properties over `length_m`.
 Tool uniform_tool(const Knot &knot, double length_m, double element_m);
 
-// Springs of 2e5 N/m that hold the tip: node 0, and node `second` when it is not 0, at their anchors.
+// Springs of 2e5 N/m that hold the tip at anchors: node 0, and node `second` when it is not 0.
 struct Hold {
     Vector3d anchor_m = Vector3d::Zero();
     unsigned second = 0;
@@ -56,7 +56,7 @@ struct Start {
 class Rig
 {
   public:
-    // Throws std::runtime_error when the core refuses the tools. The field must outlive the rig.
+    // Throws std::runtime_error when the core rejects the tools. The field must outlive the rig.
     Rig(const std::vector<Tool> &tools, const LumenField *field, const Start &start);
     ~Rig();
     Rig(Rig &&) noexcept;
@@ -64,32 +64,34 @@ class Rig
     void set_gravity(const Vector3d &m_s2);
     void set_tip_load(const Vector3d &N);
     void set_hold(const Hold &hold);
-    void set_stall(double N); // handle force at which the feed stops; here 400 N at first, that is never
+    void set_stall(double N); // handle force at which the feed stops; initially 400 N, which is never reached
 
     void feed(double m, unsigned tool = 0); // the hand's position since the start
     void turn(double rad,
               unsigned tool = 0); // the hand's angle, right-handed about the direction of insertion
     void step(int ticks = 1);
 
-    // Writes the shape of the free nodes, at rest.
+    // Sets the shape of the free nodes, at rest.
     void place(const std::vector<Vector3d> &positions_m);
 
     unsigned free_count() const;
     Vector3d position(unsigned node) const;
-    std::vector<Vector3d> shape() const; // free nodes, tip first, and the mouth
+    std::vector<Vector3d> shape() const; // free nodes, tip first, and the inserter's end
     double arc(unsigned node) const;     // from the leading tip
     double inserted(unsigned tool = 0) const;
     double handle_axial(unsigned tool = 0) const;  // N, + pushes the hand back out
     double handle_torque(unsigned tool = 0) const; // N m, + opposes positive rotation
-    double base_angle(unsigned tool = 0) const;    // of the inserter's frame, unwrapped, sense of turn()
-    double tip_angle(unsigned tool = 0) const;     // of the tip's frame against that carried without twist
-    double length_error() const;                   // relative, + stretched
-    double penetration() const;                    // m
+    double
+    base_angle(unsigned tool = 0) const; // angle of the inserter's frame, unwrapped, in the sense of turn()
+    double
+    tip_angle(unsigned tool = 0) const; // angle of the tip's frame against the frame carried without twist
+    double length_error() const;        // relative, + stretched
+    double penetration() const;         // m
     Vector3d
-    hold_force(unsigned node) const; // N, of the springs of a held node on the rod; node 0 or `second`
-    double motion_per_tick() const;  // largest of any node in the last tick, m
+    hold_force(unsigned node) const; // N, force of the springs of a held node on the rod; node 0 or `second`
+    double motion_per_tick() const;  // largest displacement of any node in the last tick, m
     std::optional<Vector3d>
-    contact_force(unsigned node) const; // N; nothing where the node is clear of the wall
+    contact_force(unsigned node) const; // N; empty where the node is clear of the wall
     unsigned contact_count() const;
     unsigned solve_count() const;
     bool saturated() const; // sticky

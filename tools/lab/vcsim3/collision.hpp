@@ -1,5 +1,5 @@
-// Contact of mass points with a rigid wall: found once per step, answered on velocities after every distance
-// iteration.
+// Contact of mass points with a rigid wall. It is detected once per step and resolved on velocities after
+// every distance iteration.
 #pragma once
 #include "tools/lab/vcsim3/lumen.hpp"
 #include "tools/lab/vcsim3/rod.hpp"
@@ -16,11 +16,11 @@ struct Contact {
     double depth_m; // > 0
 };
 
-// Free nodes deeper than the wall by the rod's radius. Order: by node.
+// Lists the free nodes that are deeper than the wall by the rod's radius, in the order of nodes.
 void find_contacts(const Rod &rod, const Wall &wall, std::vector<Contact> &contacts);
 
-// Each touching node gets the inward velocity it lacks, baumgarte depth / h, and loses at most `friction`
-// times that of its tangential velocity.
+// Gives each touching node the inward velocity that it lacks, baumgarte depth / h. The node loses at most
+// `friction` times that of its tangential velocity.
 void answer_contacts(Rod &rod, const std::vector<Contact> &contacts, double baumgarte, double step_s);
 
 } // namespace vcsim3

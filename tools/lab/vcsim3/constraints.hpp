@@ -14,7 +14,7 @@ struct DistanceSettings {
     double baumgarte = 0.1; // share of the length error removed per step
 };
 
-// Directions and wanted velocities of one step, kept over its iterations.
+// The directions and wanted velocities of one step, kept over its iterations.
 class DistanceConstraints
 {
   public:
@@ -23,13 +23,13 @@ class DistanceConstraints
     // Reads the present positions.
     void prepare(const Rod &rod, double step_s);
 
-    // Each changes velocities of free nodes only.
+    // Each of these changes velocities of free nodes only.
     void sweep_local(Rod &rod);
     void solve_global(Rod &rod);
 
     int count() const { return static_cast<int>(normal_.size()); }
 
-    // Sum of this step's impulses on the first held node, N s.
+    // The sum of this step's impulses on the first held node, N s.
     const Vector &hand_impulse() const { return hand_impulse_; }
 
   private:
@@ -38,8 +38,8 @@ class DistanceConstraints
     DistanceSettings settings_;
     std::vector<Vector> normal_;
     std::vector<double> wanted_m_s_, share_, impulse_;
-    std::vector<double> gain_[2]; // velocity per impulse of either end, with mixing
-    std::vector<double> mass_kg_; // that both ends oppose
+    std::vector<double> gain_[2]; // velocity per impulse of either end, including mixing
+    std::vector<double> mass_kg_; // effective mass of both ends
     Vector hand_impulse_ = Vector::Zero();
 };
 

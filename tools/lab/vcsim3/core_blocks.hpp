@@ -1,4 +1,4 @@
-// Memory of one core beside a double-precision program, and the core's number formats.
+// The memory of one core for use in a double-precision program, and the core's number formats.
 #pragma once
 #include <cmath>
 #include <cstddef>
@@ -16,14 +16,14 @@ inline double from_q(std::int32_t value, int bits)
     return std::ldexp(value, -bits);
 }
 
-// Rounded to nearest; |value| < 2.
+// Rounds to nearest; |value| < 2.
 inline std::int32_t to_q30(double value)
 {
     return static_cast<std::int32_t>(std::lround(std::ldexp(value, 30)));
 }
 
-// Model and state in bytes that are aligned for any of their members, with one tick's input and output.
-// Neither copied nor moved.
+// Model and state as bytes that are aligned for any of their members, with one tick's input and output. It is
+// neither copied nor moved.
 struct CoreBlocks {
     std::vector<std::max_align_t> model_memory, state_memory;
     crn_model *model = nullptr;

@@ -1,5 +1,5 @@
-// Our own solver beside the baseline: the firmware core, fed into the same vessel by its public header. The
-// only file of this folder that calls it.
+// Our own solver beside the baseline: the firmware core, fed into the same vessel by its public header. Only
+// this file of the folder calls the core.
 #pragma once
 #include "tools/lab/vcsim3/lumen.hpp"
 #include "tools/lab/vcsim3/rod.hpp"
@@ -8,7 +8,7 @@
 namespace vcsim3
 {
 
-// What the core gets. Uniform and straight; ranges: firmware/core/core.h.
+// The properties given to the core: uniform and straight. Ranges: firmware/core/core.h.
 struct DirectProperties {
     double length_m = 0.0;
     double element_m = 0.0;
@@ -16,32 +16,32 @@ struct DirectProperties {
     double mass_kg_per_m = 0.0;
     double radius_m = 0.0;
     double friction = 0.0;
-    double axial_max_N = 0.0; // cap of EA
+    double axial_max_N = 0.0; // upper limit of EA
 };
 
 class DirectRod
 {
   public:
-    // `lumen` must outlive this; the rod enters it at `mouth_m` along the unit vector `direction`. Throws
-    // std::runtime_error when the core refuses the rod.
+    // `lumen` must outlive this object; the rod enters it at `mouth_m` along the unit vector `direction`.
+    // Throws std::runtime_error when the core rejects the rod.
     DirectRod(const DirectProperties &properties, const crn_lumen &lumen, const Vector &mouth_m,
               const Vector &direction, double inserted_m);
     DirectRod(DirectRod &&) noexcept;
     ~DirectRod();
 
-    // One tick of 1 ms in which the hand moves by feed_m; a tick is one step of the solver.
+    // One tick of 1 ms in which the hand moves by feed_m. A tick is one step of the solver.
     void tick(double feed_m);
 
     double inserted_m() const;
     double handle_axial_N() const;         // + pushes the hand back out
-    double length_error() const;           // of the free part, as of the baseline
+    double length_error() const;           // of the free part, as in the baseline
     double depth_max_m() const;            // of the last tick
     int contact_count() const;             // as the core counts them
     int solve_count() const;               // of the last tick
     std::vector<Vector> positions() const; // free nodes and the first held one
-    std::vector<bool> touching() const;    // of each of them
+    std::vector<bool> touching() const;    // for each of these nodes
 
-    // The state as bytes, and back; false when they are none of this rod's.
+    // The state as bytes, and back; returns false when the bytes do not belong to this rod.
     std::vector<std::uint8_t> save() const;
     bool restore(const std::vector<std::uint8_t> &bytes);
 

@@ -1,4 +1,4 @@
-// The sheath that feeds the rod: nodes beyond its mouth lie on its axis and move with the hand.
+// The sheath that feeds the rod: the nodes inside it lie on its axis and move with the hand.
 #pragma once
 #include "tools/lab/vcsim3/rod.hpp"
 
@@ -13,22 +13,22 @@ class Inserter
         : mouth_m_(mouth_m), direction_(direction), unturned_(turn_from_z(-direction))
     {
     }
-    // With the segments' first axis at `axis` (unit, across `direction`) while the hand is not turned: where
-    // a bent tip points.
+    // `axis` (unit, perpendicular to `direction`) is the segments' first axis while the hand is not turned; a
+    // bent tip points there.
     Inserter(const Vector &mouth_m, const Vector &direction, const Vector &axis);
 
-    // A straight rod at rest with `inserted_m` of it outside, 0 .. its length.
+    // A straight rod at rest with the length `inserted_m` outside the sheath, 0 .. its whole length.
     Rod make_rod(const RodProperties &properties, double inserted_m) const;
 
     // Places and moves the held nodes for this inserted length and turns their segments, right-handed about
-    // the direction; frees those that have left the mouth.
+    // the direction. Frees the nodes that have left the sheath.
     void feed(Rod &rod, double inserted_m, double speed_m_s, double turn_rad = 0.0) const;
 
     const Vector &direction() const { return direction_; }
 
   private:
     Vector mouth_m_, direction_;
-    Quaternion unturned_; // of held segments
+    Quaternion unturned_; // orientation of held segments
 };
 
 } // namespace vcsim3

@@ -1,5 +1,5 @@
-// Reading a scene file and evaluating its field. The spline's weights at fraction u of a voxel are (1-u)^2/2,
-// 1/2 + u - u^2 and u^2/2; their slopes -(1-u), 1-2u and u; their bends 1, -2 and 1.
+// Reads a scene file and evaluates its field. The spline's weights at fraction u of a voxel are (1-u)^2/2,
+// 1/2 + u - u^2 and u^2/2; their slopes are -(1-u), 1-2u and u; their second derivatives are 1, -2 and 1.
 #include "tools/lab/vcsim3/lumen.hpp"
 #include "shared/scene/scene.h"
 #include <cmath>
@@ -16,7 +16,7 @@ constexpr double far_m = 0.015625;
 constexpr double voxel_m = 1.0 / (1 << (30 - CRN_LUMEN_VOXEL_LOG2_Q30));
 constexpr double brick_m = static_cast<int>(CRN_LUMEN_BRICK_EDGE) * voxel_m;
 constexpr double bends[3] = {1.0, -2.0, 1.0};
-constexpr int row = 10, slice = 100; // coefficients along x, and in a plane
+constexpr int row = 10, slice = 100; // number of coefficients along x, and in a plane
 
 double metres(std::int32_t q30)
 {
@@ -32,7 +32,7 @@ std::vector<std::uint8_t> read_bytes(const std::string &path)
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// Index entry of the brick that holds a point; `corner` becomes the point in voxels of that brick's level.
+// The index entry of the brick that holds a point; `place` becomes the point in voxels of that brick's level.
 std::uint32_t find_entry(const crn_lumen &lumen, Eigen::Array3d &place, int &level)
 {
     Eigen::Array3i cell = place.floor().cast<int>();
@@ -60,7 +60,7 @@ struct Weights {
     }
 };
 
-// One row of taps along x: value, slope and bend.
+// One row of taps along x: value, slope and second derivative.
 struct Line {
     double value, slope, bend;
 };

@@ -1,5 +1,5 @@
-// The vessel in double precision: the same sparse field of B-spline coefficients that the core reads (lumen.h
-// of the core states the layout), evaluated here independently of the core's arithmetic.
+// The vessel in double precision: the sparse field of B-spline coefficients that the core also reads (the
+// core's lumen.h specifies the layout), evaluated here independently of the core's arithmetic.
 #pragma once
 #include "tools/lab/vcsim3/rod.hpp"
 extern "C" {
@@ -17,7 +17,7 @@ struct LumenSample {
     Vector inward = Vector::Zero(); // unit normal; zero far from the wall
 };
 
-// The field itself: its gradient is not quite of length 1, and it is what the value's change follows. Second
+// The field itself: the change of its value follows its gradient, whose length is not exactly 1. Second
 // derivatives jump at the borders of voxels. Both are zero far from the wall.
 struct LumenField {
     double distance_m = 0.0; // negative inside the lumen
@@ -25,13 +25,14 @@ struct LumenField {
     Eigen::Matrix3d second_per_m = Eigen::Matrix3d::Zero();
 };
 
-// The lumen and where the rod enters. Owns the bytes of its file, so it is neither copied nor moved.
+// The lumen and the place where the rod enters. It owns the bytes of its file, so it is neither copied nor
+// moved.
 class Vessel
 {
   public:
     // Throws std::runtime_error that names the file, the fault and the remedy.
     explicit Vessel(const std::string &path);
-    // Of a lumen that somebody else owns and that outlives this.
+    // Uses a lumen that another object owns and that outlives this one.
     Vessel(const crn_lumen &lumen, const Vector &mouth_m, const Vector &direction);
     Vessel(const Vessel &) = delete;
     Vessel &operator=(const Vessel &) = delete;
@@ -42,7 +43,7 @@ class Vessel
     const Vector &direction() const { return direction_; }
     const std::string &name() const { return name_; }
 
-    // Corners of the lattice.
+    // The corners of the lattice.
     Vector low_m() const;
     Vector high_m() const;
 
@@ -53,7 +54,8 @@ class Vessel
     std::string name_;
 };
 
-// The field at a point: value and gradient of 27 coefficients. Far from every wall +-15.6 mm with no normal.
+// The field at a point: value and gradient from 27 coefficients. Far from every wall it is +-15.6 mm with no
+// normal.
 LumenSample sample_lumen(const crn_lumen &lumen, const Vector &position_m);
 
 LumenField lumen_field(const crn_lumen &lumen, const Vector &position_m);

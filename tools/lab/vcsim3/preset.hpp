@@ -1,10 +1,10 @@
-// The nine instruments of the thesis' Table 5.1 as rods, with what explicit integration needs to keep them
-// stable.
+// The nine instruments of the thesis' Table 5.1 as rods, with the scales that keep them stable in explicit
+// integration.
 //
-// The table gives no units. Read as here all nine are one consistent set: E x 1e7 Pa, radius x 1e-4 m (8.9 is
-// then the Super Stiff's 0.89 mm), density x 1e5 kg/m^3, and Kp x 10 N, because Kp / (E radius^2) has to be
-// the table's own ratio when the table's length is the decimetre that makes 8.9e-3 of it 0.89 mm.
-// docs/thesis.md has the argument.
+// The table gives no units. With the following reading all nine are one consistent set: E x 1e7 Pa, radius x
+// 1e-4 m (8.9 is then the Super Stiff's 0.89 mm), density x 1e5 kg/m^3, and Kp x 10 N. The last follows
+// because Kp / (E radius^2) must be the table's own ratio if the table's length is the decimetre, in which
+// 0.89 mm is 8.9e-3. docs/thesis.md gives the argument.
 #pragma once
 #include "tools/lab/vcsim3/rod.hpp"
 #include <string>
@@ -15,12 +15,12 @@ namespace vcsim3
 struct Preset {
     const char *token;      // for command lines
     const char *instrument; // row of Table 5.1
-    // As printed, without the powers of ten of the table's head.
+    // As printed, without the powers of ten in the table's head.
     double young, radius, density, parallel;
-    // For all modes alike.
+    // The same for all modes.
     int substeps;         // steps per millisecond with elements of element_m
-    double mass_scale;    // of the table's density
-    double inertia_scale; // of a segment's rotational inertia, on top of the mass scale
+    double mass_scale;    // factor of the table's density
+    double inertia_scale; // factor of a segment's rotational inertia, in addition to the mass scale
 
     double young_Pa() const { return young * 1e7; }
     double radius_m() const { return radius * 1e-4; }
@@ -33,7 +33,7 @@ struct Preset {
 
 inline constexpr double preset_element_m = 1.5e-3;
 inline constexpr double wall_friction = 0.2;
-// Drag of the mass points (as our solver's) and of the segments' turning, per second.
+// Drag of the mass points (as in our solver) and of the segments' turning, per second.
 inline constexpr double drag_per_s = 20.0, spin_drag_per_s = 200.0;
 
 const std::vector<Preset> &presets();
@@ -42,7 +42,7 @@ const Preset *find_preset(const std::string &token); // nullptr when there is no
 RodProperties rod_of(const Preset &preset, int element_count, double element_m);
 
 // The fastest motion that the parallel constraint gives the mass points, 2/l sqrt(Kp / mass per length),
-// times the step: explicit integration needs less than 2.
+// times the step. Explicit integration needs less than 2.
 double step_ratio(const Preset &preset, double element_m, int substeps);
 
 } // namespace vcsim3

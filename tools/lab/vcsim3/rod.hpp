@@ -16,34 +16,35 @@ namespace vcsim3
 using Vector = Eigen::Vector3d;
 using Quaternion = Eigen::Quaterniond;
 
-// A joint of a rod that is not the same everywhere, or not straight.
+// A joint of a rod that is not uniform or not straight.
 struct JointProperties {
     double bend_N_m2 = 0.0, twist_N_m2 = 0.0;
     Vector rest_strain =
         Vector::Zero(); // u of rod_forces.cpp at rest, 1/m, in the segments' axes: rest_strain()
 };
 
-// Constants of a rod. All finite and positive unless said.
+// The constants of a rod. All are finite and positive unless stated otherwise.
 struct RodProperties {
-    int element_count = 0;               // 2 or more
-    double element_m = 0.0;              // rest length of every segment
-    double bend_N_m2 = 0.0;              // EI
-    double twist_N_m2 = 0.0;             // GJ
-    double parallel_N = 0.0;             // Kp: ties the third director to the segment
-    double mass_kg_per_m = 0.0;          // of the mass points, after the mass scale
-    double inertia_bend_kg_m = 0.0;      // of a segment about a transverse axis per length, after both scales
+    int element_count = 0;      // 2 or more
+    double element_m = 0.0;     // rest length of every segment
+    double bend_N_m2 = 0.0;     // EI
+    double twist_N_m2 = 0.0;    // GJ
+    double parallel_N = 0.0;    // Kp: keeps the third director parallel to the segment
+    double mass_kg_per_m = 0.0; // mass of the mass points, including the mass scale
+    double inertia_bend_kg_m =
+        0.0; // inertia of a segment about a transverse axis per length, including both scales
     double inertia_twist_kg_m = 0.0;     // about its own axis
-    double radius_m = 0.0;               // of the tube that touches the wall
+    double radius_m = 0.0;               // radius of the tube that touches the wall
     double friction = 0.0;               // Coulomb, 0 or more
     double drag_per_s = 0.0;             // of the points' velocities, 0 or more
     double spin_drag_per_s = 0.0;        // of the segments' angular velocities, 0 or more
-    double stretch_N = 0.0;              // Ks of the penalty mode; 0: lengths are held by constraints
-    std::vector<JointProperties> joints; // of node i at [i - 1]; empty: EI and GJ above, and straight
+    double stretch_N = 0.0;              // Ks of the penalty mode; 0: constraints hold the lengths
+    std::vector<JointProperties> joints; // of node i at [i - 1]; empty: straight, with EI and GJ above
     Vector weight_N_per_m = Vector::Zero();
 };
 
 // Node i has position and velocity; segment j has orientation (body to world) and angular velocity in its own
-// axes. Nodes from free_count on, and their segments, are held: nothing here moves them.
+// axes. Nodes from free_count on, and their segments, are held: nothing in this file moves them.
 struct Rod {
     RodProperties properties;
     int free_count = 0; // 0 .. element_count + 1
@@ -51,7 +52,7 @@ struct Rod {
     std::vector<Quaternion> orientation;
     std::vector<Vector> spin, torque;
 
-    // Straight at rest from `tip` in direction `to_hand` (unit), all nodes free.
+    // A straight rod at rest from `tip` in direction `to_hand` (unit), with all nodes free.
     Rod(const RodProperties &given, const Vector &tip, const Vector &to_hand);
 
     int node_count() const { return static_cast<int>(position.size()); }
@@ -60,11 +61,11 @@ struct Rod {
     Vector director(int segment) const { return orientation[segment] * Vector::UnitZ(); }
 };
 
-// The turn of +z to a direction, by the shortest way.
+// The smallest rotation from +z to a direction.
 Quaternion turn_from_z(const Vector &direction);
 
-// Rest strain of a joint whose segment on the hand's side is turned by `turn_rad` (axis times angle, under 2
-// pi) against that on the tip's side.
+// The rest strain of a joint whose segment on the hand's side is turned by `turn_rad` (axis times angle,
+// under 2 pi) relative to the segment on the tip's side.
 Vector rest_strain(const Vector &turn_rad, double element_m);
 
 // Fills force and torque (in the segment's axes) from the energies of the present shape.
@@ -81,11 +82,11 @@ Energy energy_of(const Rod &rod);
 void integrate_velocities(Rod &rod, double step_s);
 void integrate_positions(Rod &rod, double step_s);
 
-// Length of the free part now, divided by its rest length, minus 1: negative when compressed.
+// The present length of the free part divided by its rest length, minus 1: negative when compressed.
 double length_error(const Rod &rod);
 
-// False when a coordinate is not finite, or a node farther than `reach_m` from the first held node (or the
-// tip).
+// Returns false when a coordinate is not finite, or a node is farther than `reach_m` from the first held node
+// (or the tip).
 bool is_sound_within(const Rod &rod, double reach_m);
 
 } // namespace vcsim3

@@ -1,7 +1,8 @@
 // Energies of CoRdE and their gradients. With l the rest length, e = x[j+1] - x[j], t = e/|e|, d3 the third
 // director:
 //   parallel  l Kp/2 |t - d3|^2                           per segment
-//   bending   l/2 (EI (u1^2 + u2^2) + GJ u3^2)            per joint, u = (4/l) v/(1+w), (w, v) = q[j]* q[j+1], less u at rest
+//   bending   l/2 (EI (u1^2 + u2^2) + GJ u3^2)            per joint, u = (4/l) v/(1+w), (w, v) = q[j]* q[j+1],
+//                                                         less u at rest
 //   stretch   Ks/(2 l) (|e| - l)^2                        per segment, in the penalty mode only
 // u is CoRdE's 2/|q|^2 B q.q' with q the mean of both quaternions and q' their difference over l, which for
 // unit quaternions is 4/l tan(angle/4) about the axis of turning. The weight acts on every node.
@@ -12,16 +13,16 @@ namespace vcsim3
 namespace
 {
 
-// Half the tangent of a quarter of the turning, as a vector in the axes of either segment.
+// Half the tangent of a quarter of the rotation angle, as a vector in the axes of either segment.
 Vector quarter_tangent(const Quaternion &a, const Quaternion &b)
 {
     const Quaternion relative = a.conjugate() * b;
-    const double sign = relative.w() < 0.0 ? -1.0 : 1.0; // q and -q are one orientation
+    const double sign = relative.w() < 0.0 ? -1.0 : 1.0; // q and -q are the same orientation
     return sign * relative.vec() / (1.0 + sign * relative.w());
 }
 
 struct Bent {
-    Vector strain, moment; // off rest
+    Vector strain, moment; // relative to the rest state
 };
 
 Bent bent_from_rest(const RodProperties &p, int node, const Vector &strain)
@@ -33,7 +34,7 @@ Bent bent_from_rest(const RodProperties &p, int node, const Vector &strain)
     return {off, {joint.bend_N_m2 * off.x(), joint.bend_N_m2 * off.y(), joint.twist_N_m2 * off.z()}};
 }
 
-// The joint at the first held node stands for half a cell only: the other half is inside the inserter.
+// The joint at the first held node represents half a cell only: the other half is inside the inserter.
 double joint_weight(const Rod &rod, int joint_node)
 {
     return joint_node >= rod.free_count ? 2.0 : 1.0;

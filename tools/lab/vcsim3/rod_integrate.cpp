@@ -1,4 +1,4 @@
-// State of the rod and its explicit integration.
+// The state of the rod and its explicit integration.
 #include "tools/lab/vcsim3/rod.hpp"
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 namespace vcsim3
 {
 
-// For -z half a turn about x. Eigen's FromTwoVectors compiles a singular value decomposition
-// for that one case, which takes 8 s.
+// For -z this is half a turn about x. Eigen's FromTwoVectors would compile a singular value decomposition for
+// that one case, which takes 8 s.
 Quaternion turn_from_z(const Vector &direction)
 {
     const Vector to = direction.normalized();

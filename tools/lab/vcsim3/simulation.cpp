@@ -12,7 +12,7 @@ constexpr double tick_s = 1e-3;
 
 RodProperties with_mode(RodProperties properties, const SimulationSettings &settings)
 {
-    // The penalty spring removes the same share of a length error per step as Baumgarte's term does: two
+    // The penalty spring removes the same share of a length error per step as Baumgarte's term does. Two
     // points of mass m pushed apart by Ks/l C for h gain 2 h Ks C/(l m), which is beta C/h for Ks = beta m
     // l/(2 h^2).
     const double step_s = tick_s / settings.substeps;

@@ -12,21 +12,21 @@
 namespace vcsim3
 {
 
-// How lengths are held.
+// The method that keeps lengths.
 struct Mode {
     enum class Kind { global, penalty, local };
     Kind kind = Kind::global;
-    int iterations = 1; // of local
+    int iterations = 1; // of the local method
 
     std::string name() const;  // as in the thesis' figures: "1 Global", "25 Local"
     std::string token() const; // for command lines and files: "global", "local25"
 };
 bool operator==(const Mode &a, const Mode &b);
 
-// Parses a token; false when it is none ("local" wants 1 .. 10000).
+// Parses a token; returns false for an unknown one ("local" needs 1 .. 10000).
 bool parse_mode(const std::string &token, Mode &mode);
 
-// The nine of Figures 5.11 to 5.14, in the thesis' order.
+// The nine modes of Figures 5.11 to 5.14, in the thesis' order.
 const std::vector<Mode> &thesis_modes();
 
 struct PhaseTimes {
@@ -46,11 +46,11 @@ class Simulation
     Simulation(const RodProperties &properties, const Inserter &inserter, const Wall &wall,
                const SimulationSettings &settings, double inserted_m);
 
-    // One millisecond during which the hand feeds `feed_m` and turns by `turn_rad` (right-handed about the
-    // feed) at constant speed.
+    // Simulates one millisecond during which the hand feeds `feed_m` and turns by `turn_rad` (right-handed
+    // about the feed) at constant speed.
     void tick(double feed_m, double turn_rad = 0.0);
 
-    // One step of 1 ms / substeps with the hand at rest; adds to `times` when given.
+    // One step of 1 ms / substeps with the hand at rest; it adds to `times` when given.
     void step(PhaseTimes *times);
 
     const Rod &rod() const { return rod_; }
@@ -60,7 +60,8 @@ class Simulation
     double handle_axial_N() const; // of the last step, + pushes the hand back out; noisy, so take a mean
     double handle_axial_mean_N() const { return handle_mean_N_; } // over the steps of the last tick
 
-    // The rod as numbers, and back (of a rod with as many elements); false when they do not fit.
+    // The rod as numbers, and back (for a rod with the same number of elements); returns false when they do
+    // not fit.
     std::vector<double> save() const;
     bool restore(const std::vector<double> &numbers);
     const std::vector<Contact> &contacts() const { return contacts_; } // of the last step

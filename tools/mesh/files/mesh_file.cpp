@@ -1,4 +1,4 @@
-// Assimp in a child process, and what comes back from it.
+// Runs assimp in a child process and checks its result.
 #include "tools/mesh/files/mesh_file.hpp"
 #include "host/base/guarded_read.hpp"
 #include "tools/mesh/fault.hpp"
@@ -20,7 +20,7 @@ namespace crn::bake
 namespace
 {
 
-// A byte of a file's faces becomes objects of the parser with lists of their own, tens of bytes.
+// Each byte of a file's faces becomes parser objects with lists of their own, tens of bytes.
 constexpr double growth = 64;
 
 std::string ending_of(const std::filesystem::path &file)
@@ -48,7 +48,7 @@ void check_name_and_size(const std::filesystem::path &file)
                     " MiB: simplify the mesh, or give it in binary");
 }
 
-// The file's bytes as long as this lives.
+// Maps the file's bytes for the life of this object.
 class Mapped
 {
   public:
@@ -74,7 +74,7 @@ class Mapped
     std::size_t count_ = 0;
 };
 
-// A part of the file as its nodes hang together: mesh and the way from its coordinates to the file's.
+// A mesh of the file's node hierarchy, with the transformation from its coordinates to the file's.
 struct Part {
     std::string name;
     const aiMesh *mesh;
@@ -113,7 +113,7 @@ std::vector<Part> chosen(const std::vector<Part> &parts, const std::vector<std::
     return found;
 }
 
-// Before assimp itself follows them.
+// Checks face indices before assimp itself follows them.
 void check_faces(const aiScene &scene, const std::string &file)
 {
     for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
@@ -128,13 +128,13 @@ void check_faces(const aiScene &scene, const std::string &file)
     }
 }
 
-// What was understood is as much as the file declares.
+// Checks that assimp has understood as much as the file declares.
 void check_declared(const aiScene &scene, const Declared &declared, const std::string &file)
 {
     std::int64_t faces = 0, vertices = 0;
     for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
         const aiMesh &mesh = *scene.mMeshes[m];
-        // Lines and points of an OBJ come as faces of fewer corners.
+        // Lines and points of an OBJ arrive as faces of fewer corners.
         faces += std::count_if(mesh.mFaces, mesh.mFaces + mesh.mNumFaces,
                                [](const aiFace &face) { return face.mNumIndices >= 3; });
         vertices += mesh.mNumVertices;
@@ -212,7 +212,7 @@ std::vector<MeshPiece> read_mesh_here(const std::filesystem::path &path,
     if (!scene) throw Fault(file + ": cannot be read as STL, OBJ, PLY or glTF: " + importer.GetErrorString());
     check_faces(*scene, file);
     check_declared(*scene, declared, file);
-    // Only what changes no vertex: the welding is ours, so that it is the same for every format.
+    // We apply only steps that change no vertex. The welding is our own, so it is the same for every format.
     scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
     if (!scene || !scene->mRootNode) throw Fault(file + ": cannot be made of triangles: export triangles");
     std::vector<Part> parts;

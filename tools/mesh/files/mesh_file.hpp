@@ -1,5 +1,6 @@
-// A mesh file as plain data: what it declares is held against its size, assimp reads it in a child process
-// with limits (host/base/guarded_read.hpp), and every index and number that comes back is checked here.
+// A mesh file as plain data. Its declared counts are checked against its size; assimp reads it in a child
+// process with limits (host/base/guarded_read.hpp); and every index and number that comes back is checked
+// here.
 #pragma once
 #include <Eigen/Core>
 #include <array>
@@ -22,31 +23,33 @@ struct MeshPiece {
     std::string name;
     std::vector<std::array<float, 3>> vertices;
     std::vector<std::array<std::uint32_t, 3>> triangles;
-    std::uint64_t other = 0; // faces that are points or lines
+    std::uint64_t other = 0; // the number of faces that are points or lines
 };
 
-// The parts that `parts` names ("name" or "begin*"; empty: all). Throws Fault: what, where, what to do.
+// Returns the parts that `parts` names ("name" or "begin*"; empty: all). Throws Fault with the cause, the
+// place and the remedy.
 std::vector<MeshPiece> read_mesh_file(const std::filesystem::path &file,
                                       const std::vector<std::string> &parts);
-// The same in this process: what the child does.
+// Does the same in this process, as the child runs it.
 std::vector<MeshPiece> read_mesh_here(const std::filesystem::path &file,
                                       const std::vector<std::string> &parts);
 
-// Every vertex is finite, every triangle's corners are there. Throws Fault naming file, part, vertex or face.
+// Checks that every vertex is finite and that every triangle's corners exist. Throws Fault naming file, part,
+// vertex or face.
 void check_pieces(const std::vector<MeshPiece> &pieces, const std::string &file);
 
-// What a file says of itself, as far as its format says it; -1: it does not.
+// What a file declares about itself; -1 where its format does not say.
 struct Declared {
     std::int64_t vertices = -1, faces = -1;
 };
 
-// A strict reading of the whole file: counts fit its size, indices name vertices that are there, numbers are
-// numbers. Throws Fault. `folder` is where a .gltf's other files are.
+// A strict reading of the whole file: counts fit its size, indices name existing vertices, numbers parse.
+// Throws Fault. `folder` holds the other files of a .gltf.
 Declared check_ply(std::string_view bytes, const std::string &file);
 Declared check_stl(std::string_view bytes, const std::string &file);
 Declared check_obj(std::string_view bytes, const std::string &file);
 Declared check_gltf(std::string_view bytes, const std::string &file, const std::filesystem::path &folder);
-// By the ending of the name, in small letters.
+// Chooses the check by the extension of the name, in lower case.
 Declared check_mesh_bytes(std::string_view bytes, const std::string &file, const std::string &ending,
                           const std::filesystem::path &folder);
 

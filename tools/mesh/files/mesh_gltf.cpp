@@ -1,5 +1,5 @@
-// What a glTF file declares, held against what it holds, before assimp follows it: buffers, views, accessors,
-// nodes. glTF 2.0 specification, sections 3.5 to 3.7 and 4.4 (binary form).
+// Checks the declarations of a glTF file against its contents before assimp follows them: buffers, views,
+// accessors, nodes. See the glTF 2.0 specification, sections 3.5 to 3.7 and 4.4 (binary form).
 #include "tools/mesh/files/mesh_file.hpp"
 #include "tools/mesh/files/mesh_words.hpp"
 #include "tools/mesh/json_depth.hpp"
@@ -15,7 +15,7 @@ namespace
 
 using nlohmann::json;
 
-constexpr int depth_max = 64; // of nodes within nodes
+constexpr int depth_max = 64; // nesting depth of nodes
 constexpr std::size_t glb_head_bytes = 12, chunk_head_bytes = 8;
 constexpr std::uint32_t json_chunk = 0x4E4F534A, bytes_chunk = 0x004E4942;
 
@@ -41,7 +41,8 @@ class Gltf
         }
     }
 
-    // Faces of all meshes together, where they are single triangles; -1: they are strips or fans as well.
+    // The number of faces of all meshes together, when all of them are single triangles; -1 when there are
+    // strips or fans.
     std::int64_t faces() const
     {
         std::int64_t faces = 0;
@@ -80,7 +81,7 @@ class Gltf
         throw Fault(file_ + ": cannot be read as glTF: " + what + ": export the mesh again");
     }
 
-    // The JSON part; sets the size of the binary one.
+    // Returns the JSON part and sets the size of the binary part.
     std::string_view text_of(std::string_view bytes)
     {
         if (bytes.substr(0, 4) != "glTF") return bytes;
@@ -103,7 +104,7 @@ class Gltf
         return text;
     }
 
-    // Parsers go one call deeper with every bracket.
+    // Parsers recurse once per bracket.
     void check_depth(std::string_view text) const
     {
         const int depth = json_depth(text);
@@ -121,7 +122,7 @@ class Gltf
         return *found;
     }
 
-    // A whole number from `low` on; `otherwise` where it is missing (-1: it may not be).
+    // A whole number not below `low`; `otherwise` where the key is missing (-1: it must be there).
     std::int64_t whole(const json &of, const char *key, const std::string &place, std::int64_t low = 0,
                        std::int64_t otherwise = -1) const
     {
@@ -205,7 +206,8 @@ class Gltf
         if (type == values.end() || component == bytes.end()) fail(place + " is of a type that glTF has not");
         const std::int64_t count = whole(accessor, "count", place, 1);
         if (count > 1'000'000'000) fail(place + " declares " + std::to_string(count) + " values");
-        if (!accessor.contains("bufferView")) return; // zeros: no mesh may use them, see check_mesh
+        if (!accessor.contains("bufferView"))
+            return; // such an accessor is all zeros, which no mesh may use (see check_mesh)
         const json &view = named("bufferViews", accessor["bufferView"], place);
         const std::int64_t each = component->second * type->second,
                            stride = whole(view, "byteStride", place, 4, each),
@@ -249,7 +251,7 @@ class Gltf
         }
     }
 
-    // A forest: every node is in one other at most, and not too deep.
+    // The nodes must form a forest: every node has at most one parent and a limited depth.
     void check_nodes() const
     {
         const json &nodes = list("nodes");
@@ -282,7 +284,7 @@ class Gltf
     const std::string &file_;
     const std::filesystem::path &folder_;
     json root_;
-    std::int64_t own_bytes_ = -1; // of the binary chunk
+    std::int64_t own_bytes_ = -1; // of the binary chunk; -1: there is none
 };
 
 } // namespace

@@ -1,5 +1,4 @@
-// What a mesh is held against when it comes back from its reader: no index without its vertex, no coordinate
-// that is no number.
+// Checks of a mesh that its reader returned: every index has its vertex, every coordinate is a finite number.
 #include "tools/mesh/fault.hpp"
 #include "tools/mesh/files/mesh_file.hpp"
 #include <cmath>

@@ -1,4 +1,4 @@
-// What a PLY file declares, held against what it holds: header, then the data element by element.
+// Checks the declarations of a PLY file against its contents: the header, then the data element by element.
 #include "tools/mesh/files/mesh_file.hpp"
 #include "tools/mesh/files/mesh_words.hpp"
 
@@ -150,7 +150,7 @@ class Header
     bool has_format_ = false;
 };
 
-// One record's numbers, from text or from bytes.
+// Reads the numbers of one record from text or from bytes.
 class Body
 {
   public:
@@ -182,7 +182,7 @@ class Body
 
     void check(const Element &element)
     {
-        // The least that a record can take: a digit and a blank for each number of a text.
+        // The least size of a record: a digit and a blank for each number of a text file.
         std::size_t least = 0;
         bool has_list = false;
         for (const Property &p : element.properties) {
@@ -234,7 +234,7 @@ class Body
         at_ += bytes;
     }
 
-    // Whole numbers as they are; others are only looked at.
+    // Returns whole numbers as they are; other numbers are only checked.
     std::int64_t number(const Type &type, const Element &element)
     {
         if (header_.is_ascii) return number_of_text(type, element);

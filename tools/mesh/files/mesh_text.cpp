@@ -1,4 +1,4 @@
-// Strict readings of STL and OBJ before assimp sees them: it guesses where a text is damaged, and gives
+// Strict readings of STL and OBJ before assimp sees them. Where a text is damaged, assimp guesses and returns
 // another mesh.
 #include "tools/mesh/files/mesh_file.hpp"
 #include "tools/mesh/files/mesh_words.hpp"
@@ -52,8 +52,7 @@ void facet(Words &words)
     expect(words, "endfacet");
 }
 
-// --- OBJ
-// -------------------------------------------------------------------------------------------------------------
+// --- OBJ ---
 class Obj
 {
   public:
@@ -67,7 +66,7 @@ class Obj
             line_ = words_.line();
             std::string_view line = words_.rest_of_line(is_line);
             if (!is_line) break;
-            // A line that ends with \ goes on in the next.
+            // A line that ends with \ continues on the next.
             while (!line.empty() && line.back() == '\\') {
                 joined += std::string(line.substr(0, line.size() - 1)) + " ";
                 line = words_.rest_of_line(is_line);
@@ -134,7 +133,7 @@ class Obj
         }
     }
 
-    // "point/texture/normal", the last two of which may be left out.
+    // "point/texture/normal"; the last two are optional.
     void reference(std::string_view corner)
     {
         std::size_t begin = 0;

@@ -1,4 +1,4 @@
-// Words and numbers of a mesh file's text, with the line that they stand in.
+// Words and numbers of a mesh file's text, with the line in which they occur.
 #pragma once
 #include "tools/mesh/fault.hpp"
 #include <charconv>
@@ -15,7 +15,8 @@ inline bool is_blank(char c)
     return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\f' || c == '\v';
 }
 
-// The whole word as a number (also "nan" and "inf", which are refused where they matter); false: it is none.
+// Reads the whole word as a number (also "nan" and "inf", which are refused where they matter). Returns false
+// if it is none.
 inline bool is_number(std::string_view word, double &value)
 {
     if (!word.empty() && word.front() == '+') word.remove_prefix(1);
@@ -38,7 +39,7 @@ inline std::string shown(std::string_view word)
     return plain + "'";
 }
 
-// Goes through a text word by word or line by line.
+// Reads a text word by word or line by line.
 class Words
 {
   public:
@@ -47,7 +48,7 @@ class Words
     {
     }
 
-    // Empty at the end of the text.
+    // Returns an empty word at the end of the text.
     std::string_view word()
     {
         skip_blanks();
@@ -55,7 +56,7 @@ class Words
         while (at_ < text_.size() && !is_blank(text_[at_])) ++at_;
         return text_.substr(begin, at_ - begin);
     }
-    // The rest of the line, without its end; `is_line` is false behind the last.
+    // The rest of the line, without its end; `is_line` is false after the last line.
     std::string_view rest_of_line(bool &is_line)
     {
         is_line = at_ < text_.size();

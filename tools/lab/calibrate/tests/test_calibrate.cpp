@@ -1,6 +1,6 @@
-// Claims: distances and forces are judged as equation 19 and its page say (closed forms); the virtual
-// instrument and the file that is written of it hold the numbers that were asked for; a search gives the same
-// bits for any number of workers and after any number of stops; what cannot be determined is said to be so.
+// Claims: distances and forces are judged as equation 19 and the documents state (closed forms). The virtual
+// instrument and the file written from it hold the requested numbers. A search gives the same bits for any
+// number of workers and after any number of stops. Undetermined numbers are reported as such.
 #include "host/base/tests/folder.hpp"
 #include "tools/lab/calibrate/checkpoint.hpp"
 #include "tools/lab/calibrate/fitted_instrument.hpp"
@@ -11,7 +11,7 @@
 #include <fstream>
 #include <mutex>
 
-// Last, because its macros (fail, ...) would change other headers.
+// These headers come last because their macros (fail, ...) would change other headers.
 #include <csetjmp>
 #include <cstdarg>
 extern "C" {
@@ -35,7 +35,7 @@ void assert_near(double got, double expected, double tolerance)
     assert_true(false);
 }
 
-// A valley that bends, with its lowest point at 0.3, 0.6, ...; smooth and cheap.
+// A curved valley with its lowest point at 0.3, 0.6, ...; it is smooth and cheap.
 Verdict valley(const std::vector<double> &shares)
 {
     double sum = 0.0;
@@ -69,10 +69,9 @@ SearchState searched(const SearchSettings &settings, const EvaluateShares &evalu
     return state;
 }
 
-// --- what is judged
-// -----------------------------------------------------------------------------------------------------
+// --- judging ---
 
-// Beside a piece the distance is to the piece, beyond an end to the end: 3-4-5 triangles.
+// Beside a piece the distance is to the piece, beyond an end to the end. We use 3-4-5 triangles.
 void distances_go_to_the_nearest_point_of_the_line(void **)
 {
     const std::vector<Vector3d> line = {{0, 0, 0}, {10, 0, 0}, {10, 10, 0}};
@@ -94,8 +93,7 @@ void equation_19_is_the_rms_over_the_nodes(void **)
     assert_near(d.max_mm, 4.0, 1e-12);
 }
 
-// A trace that is everywhere 1.2 times the reference is off by 0.2; one peak of a single sample does not
-// show.
+// A trace that is everywhere 1.2 times the reference is off by 0.2; a peak of a single sample has no effect.
 void the_force_error_is_relative_and_passes_over_single_peaks(void **)
 {
     std::vector<insertion::ForceSample> reference, simulated;
@@ -110,8 +108,7 @@ void the_force_error_is_relative_and_passes_over_single_peaks(void **)
     assert_false(force_error(simulated, reference, 200, 300, 6).has_value());
 }
 
-// --- the virtual instrument
-// ------------------------------------------------------------------------------------------------
+// --- the virtual instrument ---
 
 void parameters_and_shares_are_each_others_inverse(void **)
 {
@@ -121,7 +118,7 @@ void parameters_and_shares_are_each_others_inverse(void **)
     assert_near(parameter.share_of(100.0), 1.0, 0.0);
 }
 
-// EI of tip and shaft, radius and mass per length, straight from their definitions.
+// EI of tip and shaft, radius and mass per length are compared with their definitions.
 void a_virtual_instrument_has_the_values_asked_for(void **)
 {
     const crn_wire_instrument nominal =
@@ -142,12 +139,12 @@ void a_virtual_instrument_has_the_values_asked_for(void **)
     assert_near(shaft.radius_outer_um, 1.1 * was.radius_outer_um, 0.51);
     const double outer_m = shaft.radius_outer_um * 1e-6, inner_m = shaft.radius_inner_um * 1e-6;
     const double metal_m2 = 3.14159265358979 * (outer_m * outer_m - inner_m * inner_m);
-    assert_near(shaft.mass_mg_per_m * 1e-6 / metal_m2, 5000.0, 20.0); // the radius is whole micrometres
+    assert_near(shaft.mass_mg_per_m * 1e-6 / metal_m2, 5000.0, 20.0); // the radius is in whole micrometres
     assert_int_equal(shaft.friction_kinetic_milli, 70);
     assert_int_equal(table.knots[0].friction_static_milli, 90);
 }
 
-// The simulator's reader gives back the table that was written, within a unit of the wire: at steps, along
+// The simulator's reader returns the table that was written, within a unit of the wire: at steps, along
 // tapers and behind a J.
 void a_fitted_file_is_read_as_the_table_it_was_made_of(void **)
 {
@@ -194,10 +191,9 @@ void a_preset_made_from_another_one_cannot_be_written(void **)
     assert_true(is_refused);
 }
 
-// --- the search
-// ------------------------------------------------------------------------------------------------------------
+// --- the search ---
 
-// Every trial that pagmo asks for in earnest has been asked for before: nothing is evaluated alone.
+// Every trial that pagmo's real run requests was recorded before, so none is evaluated alone.
 void all_trials_of_a_generation_are_evaluated_together(void **)
 {
     for (const Method method : methods) {
@@ -224,8 +220,8 @@ void every_method_finds_the_bottom_of_a_valley(void **)
     }
 }
 
-// By hand: three trials that lie 0.03 apart; then a valley, where the state after the end is the one that was
-// asked for.
+// First three trials made by hand that lie 0.03 apart; then a valley, where the final state is the expected
+// one.
 void a_search_has_converged_when_its_population_is_equally_good(void **)
 {
     SearchState state;
@@ -249,7 +245,7 @@ void a_search_has_converged_when_its_population_is_equally_good(void **)
     assert_true(best_of(state).verdict.objective < 0.02);
 }
 
-// The nodes lie 2 mm beside the reference, and the force is twice what was measured.
+// The nodes lie 2 mm beside the reference, and the force is twice the measured one.
 void without_a_weight_the_force_trace_is_not_there(void **)
 {
     const Folder folder("judge");
@@ -272,7 +268,8 @@ void without_a_weight_the_force_trace_is_not_there(void **)
     assert_near(without.judge(made).objective, 2.0, 1e-9);
 }
 
-// The same budget for all three: the thesis' 50 of 50, and more generations of fewer for CMA-ES.
+// All three methods have the same budget: the thesis' 50 generations of 50, and more but smaller generations
+// for CMA-ES.
 void without_a_size_a_search_has_the_budget_of_the_thesis(void **)
 {
     const SearchSettings genetic = sized({}, Method::genetic, {}, {}),
@@ -282,11 +279,12 @@ void without_a_size_a_search_has_the_budget_of_the_thesis(void **)
     assert_int_equal(cmaes.population, 16);
     assert_int_equal(cmaes.generations, 156);
     assert_true(sized({}, Method::differential, {}, {}).method == Method::differential);
-    assert_int_equal(sized({}, Method::cmaes, 1000, {}).generations, 50); // not two draws at random
+    assert_int_equal(sized({}, Method::cmaes, 1000, {}).generations,
+                     50); // at least 50, where the budget would allow only two random draws
     assert_int_equal(sized({}, Method::cmaes, {}, 20).generations, 20);
 }
 
-// A rod that lies where the reference does, or none at all.
+// A rod that lies on the reference, or is refused.
 struct ScriptedEvaluator final : Evaluator {
     bool refuses = false;
 
@@ -311,7 +309,7 @@ struct ScriptedEvaluator final : Evaluator {
     }
 };
 
-// Short elements may leave the core's number format: then that figure is missing, and nothing else.
+// Short elements may exceed the core's number format: then only that figure is missing.
 void a_fit_is_not_lost_where_its_short_cuts_cannot_be_measured(void **)
 {
     const Folder folder("careful");
@@ -342,7 +340,7 @@ void another_seed_gives_other_trials(void **)
                       searched({Method::cmaes, 8, 3, 2}, all_of).trials));
 }
 
-// The workers hand in their answers as they finish; the search does not notice.
+// The workers return answers in any order; the search does not depend on it.
 void any_number_of_threads_gives_the_same_bits(void **)
 {
     for (const Method method : methods) {
@@ -384,10 +382,9 @@ void a_wish_to_stop_ends_an_evaluation(void **)
     assert_true(is_stopped);
 }
 
-// --- checkpoints
-// ---------------------------------------------------------------------------------------------------------------
+// --- checkpoints ---
 
-// Written and read after every generation, a search goes the way it goes without.
+// Written and read back after every generation, a search proceeds exactly as it does without.
 void a_search_that_was_stopped_after_any_generation_goes_on_as_if_not(void **)
 {
     const Folder folder{"checkpoint"};
@@ -447,11 +444,10 @@ void the_hash_tells_borders_and_numbers(void **)
     assert_true(c.value() != d.value());
 }
 
-// --- what is determined
-// ----------------------------------------------------------------------------------------------------
+// --- what is determined ---
 
-// Objective |x - 0.4| + 0 y, in shares: a rise of 0.05 bounds x by 0.35 and 0.45 within a step of the halving
-// (0.04 / 16), and y by nothing.
+// The objective is |x - 0.4| + 0 y, in shares. A rise of 0.05 bounds x by 0.35 and 0.45 within a step of the
+// halving (0.04 / 16), and does not bound y.
 void what_the_data_leave_open_is_said_to_be_undetermined(void **)
 {
     const std::vector<Parameter> parameters = {{"x", "", "", 1.0, 10.0, 3.0}, {"y", "", "", 1.0, 10.0, 3.0}};
@@ -470,8 +466,8 @@ void what_the_data_leave_open_is_said_to_be_undetermined(void **)
     assert_false(found[1].is_determined);
 }
 
-// Objective |x - y| at x = y = 0.5: alone each is bounded; the search's trials along x = y show that both are
-// open.
+// The objective is |x - y| at x = y = 0.5. Alone each number is bounded; the search's trials along x = y show
+// that both are undetermined.
 void numbers_that_make_up_for_each_other_are_undetermined(void **)
 {
     const std::vector<Parameter> parameters = {{"x", "", "", 1.0, 10.0, 3.0}, {"y", "", "", 1.0, 10.0, 3.0}};

@@ -1,11 +1,12 @@
 #!/bin/sh
-# The program `calibrate` on a short insertion: same bits for 1, 2 and 4 threads and for 1 to 4 ranks of MPI, also after it was
-# killed at several moments; the fitted file is loaded by the simulator; messages for bad input. Prints TAP.
+# Tests the program `calibrate` on a short insertion: the bits are the same for 1, 2 and 4 threads and for 1 to 4 ranks
+# of MPI, also after it was killed at several moments; the simulator loads the fitted file; messages for bad input.
+# Prints TAP.
 programs="calibrate bake cournand"
 . "$(dirname "$0")/../../../check/tool.sh"
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1
 
-# A bent tube of 8 mm diameter, and a case in it whose scans are the insertion with other numbers than the file's.
+# A bent tube of 8 mm diameter, and a case in it. Its scans are the insertion with numbers that differ from the file's.
 python3 - "$work" <<'END'
 import math, sys
 folder = sys.argv[1]
@@ -56,8 +57,9 @@ launch=
 "$BUILD/bin/cournand" instruments "$work/one/instrument.toml" >"$work/said" 2>&1 && grep -q "fitted" "$work/said"
 report "the simulator loads the fitted instrument" $?
 
-# Killed as soon as so many generations are done, then prolonged: the moment within the next generation is chance.
-killed() { # killed FOLDER GENERATIONS COMMAND...: stops the command's last process group
+# We kill the search as soon as it has completed this many generations, and prolong it later; the moment within the
+# next generation is random.
+killed() { # killed FOLDER GENERATIONS COMMAND... stops the command's last process group
     folder=$1 wanted=$2
     shift 2
     "$@" "$tool" "$work/case" -o "$work/$folder" --population 8 --generations 400 --no-ranges --no-page --quiet >"$work/said" 2>&1 &

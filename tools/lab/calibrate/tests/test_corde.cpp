@@ -1,6 +1,6 @@
 // Claims: the thesis' rod, as the baseline of `calibrate`, is the instrument that its file describes, in the
-// same frame as ours; its integration stays stable for any trial; it is fitted by the same search with the
-// same bits for any number of workers.
+// same frame as our rod. Its integration stays stable for any trial. The same search fits it with the same
+// bits for any number of workers.
 #include "host/base/tests/folder.hpp"
 #include "tools/lab/calibrate/corde_evaluator.hpp"
 #include "tools/lab/calibrate/core_rod.hpp"
@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
-// Last, because its macros (fail, ...) would change other headers.
+// These headers come last because their macros (fail, ...) would change other headers.
 #include <csetjmp>
 #include <cstdarg>
 extern "C" {
@@ -55,7 +55,7 @@ struct Space {
     }
 };
 
-// A case in free space: one rest, 30 mm out of the mouth.
+// A case in free space with one rest, 30 mm beyond the introducer.
 insertion::Case free_case(const std::string &name)
 {
     insertion::Case c;
@@ -71,8 +71,7 @@ insertion::Case free_case(const std::string &name)
     return c;
 }
 
-// --- the rod
-// ------------------------------------------------------------------------------------------------------------
+// --- the rod ---
 
 void nominal_values_make_the_files_stiffness_and_mass(void **)
 {
@@ -87,8 +86,8 @@ void nominal_values_make_the_files_stiffness_and_mass(void **)
     }
 }
 
-// Along a wire with a soft tip: at the tip alpha EI, on the shaft EI, GJ in the file's ratio; between them
-// never outside.
+// On a wire with a soft tip, EI is alpha EI at the tip and EI on the shaft, with GJ in the file's ratio; in
+// between, values never leave this range.
 void joints_have_the_stiffness_asked_for(void **)
 {
     const crn::Instrument instrument = instrument_of("amplatz_super_stiff");
@@ -107,9 +106,9 @@ void joints_have_the_stiffness_asked_for(void **)
         assert_true(joints[i].bend_N_m2 >= joints[i - 1].bend_N_m2 * (1.0 - 1e-12));
 }
 
-// Over all corners of the bounds: no more steps than allowed, no less mass than the real one, and the fastest
-// motions (closed forms of a point between two springs Kp/l and of a segment's turning) times the step
-// within 2.
+// Over all corners of the bounds there are no more steps than allowed and no less mass than the real one. The
+// fastest motions times the step stay within 2; their closed forms are those of a point between two springs
+// Kp/l and of a turning segment.
 void every_trial_gets_a_step_that_is_stable(void **)
 {
     const Space space;
@@ -136,7 +135,7 @@ void every_trial_gets_a_step_that_is_stable(void **)
     }
 }
 
-// The unloaded tip, turned by the hand: ours has elements of its own, so it is compared as a line.
+// The unloaded tip, turned by the hand. Our rod has different elements, so the tips are compared as lines.
 void a_bent_tip_lies_where_our_rods_tip_lies(void **)
 {
     const Space space;
@@ -165,11 +164,10 @@ void a_bent_tip_lies_where_our_rods_tip_lies(void **)
     }
 }
 
-// --- the fit
-// ------------------------------------------------------------------------------------------------------------
+// --- the fit ---
 
-// A wire that sags out of the mouth under its weight shows EI of its tip; all other numbers are held near
-// their own.
+// A wire that sags under its weight beyond the introducer shows EI of its tip; all other numbers are held
+// near their own values.
 struct Sagging {
     Folder folder{"corde"};
     Space space;
@@ -183,7 +181,7 @@ struct Sagging {
         c.gravity_m_s2 = Vector3d(0.0, 0.0, -9.81);
         CordeSettings settings = corde_settings();
         settings.speed_mm_per_s = 200.0;
-        settings.drag_per_s = 20.0; // nothing touches it
+        settings.drag_per_s = 20.0; // the rod touches nothing
         settings.settle_max_ticks = 400;
         evaluator = std::make_unique<CordeEvaluator>(c, *space.vessel, settings);
         std::vector<double> truth;
@@ -230,7 +228,7 @@ void a_fit_finds_the_tips_stiffness_with_the_same_bits_from_any_threads(void **)
     assert_near(found, 0.5, 0.1);
 }
 
-// A checkpoint holds what trials gave, so its hash must know the core that gave it, and which rod it was.
+// A checkpoint holds results of trials, so its hash must include the core that gave them, and the rod.
 void settings_name_the_rod_and_the_core(void **)
 {
     const Space space;
@@ -256,7 +254,7 @@ void bounds_without_the_nominal_value_are_refused(void **)
     assert_near(evaluator.parameters()[0].low, 1e7, 0.0);
 }
 
-// The bounds hold the file's numbers and those of the thesis' table.
+// The bounds contain the file's numbers and those of the thesis' table.
 void bounds_hold_the_row_of_the_thesis_table(void **)
 {
     const Space space;
@@ -273,7 +271,7 @@ void bounds_hold_the_row_of_the_thesis_table(void **)
     assert_true(holds("kp", 377.0));
 }
 
-// Out of the mouth into the wall's far side there is no vessel.
+// This wall places every point 15 mm outside the vessel.
 void a_rod_that_leaves_the_vessel_is_refused(void **)
 {
     const insertion::Case c = free_case("bentson");

@@ -1,7 +1,10 @@
 #!/usr/bin/env python3
-"""Claims: the fast preset of `make table51` fits the Amplatz to a truth that its file does not have and says what it found; the chain of
-all nine keeps what is finished, names what fails, goes on after Ctrl-C, and fills the page. The second part runs the chain with
-programs of a few lines in the places of the real ones, which hand out the first part's results. Prints TAP."""
+"""Tests the chain of `make table51`.
+
+Claims: the fast preset fits the Amplatz to a truth that its file does not have, and reports its findings. The chain of
+all nine keeps what is finished, names what fails, continues after Ctrl-C, and fills the page. The second part runs the
+chain with programs of a few lines in place of the real ones; they return the first part's results. Prints TAP.
+"""
 
 import csv
 import json
@@ -20,7 +23,7 @@ import table51_data  # noqa: E402  (after the path)
 
 BUILD = os.environ.get("BUILD", "build")
 CHAIN = os.path.join(ROOT, "tools", "lab", "calibrate", "table51.py")
-# After 64 insertions each; measured: 0.32 and 0.19 mm, 4 and 1 %. The instrument's file itself is 23 and 43 % off.
+# Reached after 64 insertions each: 0.32 and 0.19 mm, 4 and 1 %. The instrument's file itself is 23 and 43 % off.
 FAST_DEPTH3_MAX_MM, FAST_AVERAGE_MAX_MM, FAST_BEND_MAX_SHARE, FAST_ALPHA_MAX_SHARE = 0.6, 0.6, 0.15, 0.2
 
 FAKES = {
@@ -67,7 +70,7 @@ def read(*place):
 
 
 def check_table(tap):
-    """The printed averages of Table 5.1 come out of its printed rows; two rows have rounded wrongly in print by 0.01."""
+    """The averages of Table 5.1 follow from its printed rows; two rows have rounding errors of 0.01 in print."""
     _, rows = table51_data.read_table()
     means, count = table51_data.averages([dict(row, fits={}) for row in rows], "thesis")
     printed = {"depth3_rms_mm": 2.28, "average_rms_mm": 1.66, "mean_mm": 1.34, "deviation_mm": 0.95, "max_mm": 4.50}
@@ -85,7 +88,7 @@ def check_table(tap):
 
 
 def check_fast(tap, output):
-    """The real programs, from the Makefile."""
+    """Builds the real programs with the Makefile."""
     done = make(
         "table51",
         "PRESET=fast",
@@ -102,7 +105,8 @@ def check_fast(tap, output):
         row[kind]["recovery"][name]["fitted_over_true"] for kind, name in (("force", "bend_shaft"), ("shape", "alpha"))
     )
     print(
-        "#- Amplatz, %d insertions: RMS at depth 3 %.3f mm, average %.3f mm; EI with force %.3f, alpha by shape alone %.3f of the truth"
+        "#- Amplatz, %d insertions: RMS at depth 3 %.3f mm, average %.3f mm; "
+        "EI with force %.3f, alpha by shape alone %.3f of the truth"
         % (row["shape"]["evaluations"], depth3, average, bend, alpha)
     )
     tap.report(
@@ -127,7 +131,7 @@ def check_fast(tap, output):
 
 
 class Rehearsal:
-    """The chain with fake programs, which note what they are asked for."""
+    """The chain with fake programs, which record their arguments."""
 
     def __init__(self, work, real):
         self.folder, self.output = os.path.join(work, "fake"), os.path.join(work, "out")
@@ -174,7 +178,7 @@ class Rehearsal:
         return lines
 
     def stopped_in(self, place):
-        """Ctrl-C as soon as this fit has begun."""
+        """Sends Ctrl-C as soon as this fit has begun."""
         with self.start() as child:
             deadline = time.monotonic() + 60
             while (

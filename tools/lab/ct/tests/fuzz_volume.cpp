@@ -1,6 +1,6 @@
-// Fuzz target: any bytes may be offered as the header of a scan (NRRD, MetaImage, NIfTI: the first byte says
-// which) to the strict readings that stand before ITK. What is accepted has sizes and a finite spacing, and
-// its bytes are those of its voxels.
+// Fuzz target: any bytes may be offered as the header of a scan (NRRD, MetaImage, NIfTI; the first byte
+// selects the format) to the strict readings before ITK. An accepted header has sizes and a finite spacing,
+// and its number of bytes is that of its voxels.
 #include "tools/lab/ct/volume/volume_declared.hpp"
 #include "tools/lab/ct/volume/volume_io.hpp"
 #include <algorithm>
@@ -32,7 +32,8 @@ const char *const texts[] = {
 int LLVMFuzzerTestOneInput(const std::uint8_t *bytes, std::size_t count)
 {
     if (count == 0) return 0;
-    const std::vector<char> exact(bytes + 1, bytes + count); // so that a read past the end is seen
+    const std::vector<char> exact(bytes + 1,
+                                  bytes + count); // an exact copy, so that a read past the end is detected
     const std::string_view head(exact.data(), exact.size());
     try {
         const DeclaredVolume declared = bytes[0] % 3 == 0   ? declared_nrrd(head, "fuzz")

@@ -1,11 +1,12 @@
 #!/bin/sh
-# The program `ct` as a person uses it: scans of a wire in a short tube, segmented, checked against the truth, and made into a case
-# that calibrate reads, from the scans alone; what is wrong with scans and cases is refused with file and remedy, and leaves nothing
-# half-written; an interrupt keeps what was finished. Prints TAP.
+# Tests the program `ct` as a person uses it. Scans of a wire in a short tube are segmented, checked against the truth,
+# and made into a case that calibrate reads, from the scans alone. Errors in scans and cases are refused with file and
+# remedy, and leave nothing half-written. An interrupt keeps what was finished. Prints TAP.
 programs="ct calibrate"
 . "$(dirname "$0")/../../../check/tool.sh"
 
-# A tube of 7 mm radius along the head axis as an OBJ, a case with two depths in it, and its truth: a wire that leans on the wall.
+# A tube of 7 mm radius along the head axis as an OBJ, a case with two depths in it, and its truth: a wire that leans
+# on the wall.
 python3 - "$work" <<'END'
 import math, os, sys
 work = sys.argv[1]
@@ -24,7 +25,7 @@ with open(work + "/tube.obj", "w", encoding="utf-8") as out:
 
 
 def wire(length):
-    # Straight through the mouth at y = -22, then towards the wall.
+    # The wire runs straight past the introducer at y = -22, then towards the wall.
     points, y = [(0.0, -22.0, 0.0)], -22.0
     arc = 0.0
     while arc < length - 1e-9:
@@ -43,7 +44,7 @@ for i, length in enumerate((16, 24)):
     with open("%s/case/truth/depth_%d.csv" % (work, i + 1), "w", encoding="utf-8") as out:
         out.write("x_mm,y_mm,z_mm\n" + "".join("%.4f,%.4f,%.4f\n" % p for p in wire(length)))
 END
-write_case() { # write_case FOLDER KEYS: of a case with these lines in its first table
+write_case() { # write_case FOLDER KEYS writes a case with these lines in its first table
     {
         printf '# a person wrote this\nformat = 1\nname = "tube"\ninstrument = "%s/shared/examples/instruments/amplatz_super_stiff.toml"\n' "$PWD"
         printf 'friction_kinetic = 0.1\nfriction_static = 0.1\nspeed_mm_per_s = 20\n%b' "$2"
@@ -64,7 +65,7 @@ pictures=$(find "$work/case/segmentation" -name '*.png' -size +1k | wc -l)
 [ "$pages" = 3 ] && [ "$pictures" -ge 10 ] && grep -q 'href="depth_2/index.html"' "$work/case/segmentation/index.html"
 report "a page for the case and for every depth, with pictures" $?
 
-# From the scans alone: lumen, scene and mouth are found, and calibrate inserts an instrument there.
+# From the scans alone, lumen, scene and mouth_mm are found, and calibrate inserts an instrument there.
 cp "$work"/case/scan_?.nrrd "$work/scans"
 write_case "$work/scans" ''
 cp "$work/scans/case.toml" "$work/alone.toml"
@@ -77,19 +78,19 @@ report "the rest of case.toml is as it was" $?
 "$BUILD/bin/calibrate" "$work/scans" --evaluate alpha=0.05 -o "$work/fit" >"$work/said" 2>&1 && [ -s "$work/fit/depth_2.csv" ]
 report "calibrate inserts the instrument into the segmented lumen" $?
 
-# What is wrong is named with its remedy, and nothing of a case is changed by it.
-head_of() { # head_of FILE FROM TO: FROM in a volume's text head becomes TO
+# An error is named with its remedy, and the case is not changed by it.
+head_of() { # head_of FILE FROM TO replaces FROM by TO in a volume's text head
     python3 -c 'import sys
 data = open(sys.argv[1], "rb").read()
 assert sys.argv[2].encode() in data[:1000], data[:600]
 open(sys.argv[1], "wb").write(data.replace(sys.argv[2].encode(), sys.argv[3].encode(), 1))' "$@"
 }
-spoiled() { # spoiled NAME WORDS: segmenting the folder `bad` ends with 1 and these words, and leaves its case as it was
+spoiled() { # spoiled NAME WORDS: segmenting the folder `bad` ends with 1 and these words, and leaves its case unchanged
     refuses "$1" 1 "$2" segment "$work/bad"
     cmp -s "$work/before.toml" "$work/bad/case.toml" && ! find "$work/bad" -name '*.scene' -o -name '*.part*' | grep -q .
     report "$1, and its case stays as it was" $?
 }
-fresh() { # the folder `bad`: the case of scans alone, for the test to spoil
+fresh() { # makes the folder `bad`: the case of scans alone, for the test to spoil
     rm -rf "$work/bad"
     mkdir "$work/bad"
     cp "$work/alone.toml" "$work/bad/case.toml"
@@ -145,8 +146,8 @@ refuses "one slice of a series is refused" 1 "give the folder" segment "$work/ke
 [ ! -e "$work/out2/centreline.csv" ]
 report "neither leaves a centreline either" $?
 
-# An interrupt keeps what was finished, and a name never stands for half a file.
-interrupted() { # interrupted FILE COMMAND...: as soon as FILE is there
+# An interrupt keeps what was finished, and no name ever stands for half a file.
+interrupted() { # interrupted FILE COMMAND... interrupts the command as soon as FILE exists
     wanted=$1
     shift
     "$tool" "$@" >"$work/said" 2>&1 &

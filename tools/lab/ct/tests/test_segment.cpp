@@ -1,8 +1,9 @@
-// Claims: in a virtual scan of 0.53 x 0.53 x 1 mm the centreline of a J wire leaning on the wall is found
-// within bar 1 of the project (mean 0.2 mm, most 0.6 mm, both ways, the tip of the J too), and the lumen
-// within 0.3 mm on average, closed; that of a marked catheter too; what is said to be unsure covers the
-// errors; scans without an instrument, with two apart and with two that touch are refused by name. The
-// reference is the line and the mesh that the scan was made from, which segmenting never sees.
+// Claims, for a virtual scan of 0.53 x 0.53 x 1 mm: the centreline of a J wire that leans on the wall is
+// found within bar 1 of the project (mean 0.2 mm, maximum 0.6 mm, in both directions, including the tip of
+// the J). The lumen is closed and within 0.3 mm on average; so is that of a marked catheter. The stated
+// uncertainty covers the errors. Scans without an instrument, with two separate ones and with two that touch
+// are refused by name. The reference is the line and the mesh from which the scan was made; segmentation
+// never sees them.
 #include "host/base/tests/folder.hpp"
 #include "tools/lab/case/case.hpp"
 #include "tools/lab/ct/mouth.hpp"
@@ -16,7 +17,7 @@
 #include <cstdint>
 #include <cstdio>
 
-// Last, because its macros (fail, ...) would change other headers.
+// This header comes last because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -30,7 +31,7 @@ namespace
 
 constexpr double radius_mm = 8;
 
-// From below along the wall, and back in a half circle of 3 mm.
+// The line comes from below along the wall, and turns back in a half circle of 3 mm.
 std::vector<Vector3d> j_line()
 {
     std::vector<Vector3d> line;
@@ -97,8 +98,8 @@ void a_j_wire_and_its_lumen_are_within_the_bars(void **)
                 there.max_mm, back.mean_mm, back.max_mm, there.tip_mm);
     assert_true(there.mean_mm <= 0.2 && there.max_mm <= 0.6 && back.mean_mm <= 0.2 && back.max_mm <= 0.6 &&
                 there.tip_mm <= 0.6);
-    // What is said of the places holds: no error beyond three times what it says, and the J's top is doubted
-    // more than the shaft.
+    // The stated uncertainty holds: no error exceeds three times its value, and the J's top is more uncertain
+    // than the shaft.
     double shaft = 1, top = 0;
     for (const LinePoint &point : result.line.points) {
         assert_true(distance_from(truth, point.place_mm).distance_mm <= 3 * point.unsure_mm + 0.01);
@@ -114,7 +115,7 @@ void a_j_wire_and_its_lumen_are_within_the_bars(void **)
         assert_true(std::filesystem::file_size(folder.file(name)) > 100);
     crn::bake::Mesh lumen = result.lumen, reference = tube_mesh(radius_mm, -40, 40, 64);
     crn::bake::check_closed(lumen, crn::bake::Cap::none);
-    // The scan's ends cut the tube; what they close is no wall.
+    // The scan's ends cut the tube; the surfaces that close them are not wall.
     std::erase_if(lumen.triangles,
                   [&](const crn::bake::Triangle &t) { return std::abs(lumen.vertices_mm[t[0]].y()) > 12; });
     const Apart wall = surfaces_apart(lumen, reference);

@@ -1,7 +1,7 @@
-// Claims: a volume comes back from every format with its values and places; left-handed grids keep their
-// places; what is wrong in a scan is refused by name: spacing, axes, values, missing, double, uneven, mixed
-// and truncated slices; no cut or damaged file crashes the readers (2 files of every format, cut and damaged
-// at places that a printed seed gives).
+// Claims: a volume is read back from every format with its values and places. Left-handed grids keep their
+// places. Errors in a scan are refused by name: spacing, axes, values, missing, double, uneven, mixed and
+// truncated slices. No cut or damaged file crashes the readers (2 files of every format, cut and damaged at
+// places that a printed seed gives).
 #include "host/base/tests/folder.hpp"
 #include "tools/lab/ct/volume/volume_io.hpp"
 
@@ -17,7 +17,7 @@
 #include <limits>
 #include <random>
 
-// Last, because its macros (fail, ...) would change other headers.
+// This header comes last because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -30,7 +30,7 @@ namespace fs = std::filesystem;
 namespace
 {
 
-// Oblique, so that no axis can be taken for another, with a value of its own in every voxel.
+// An oblique volume, so that no axis can be mistaken for another, with a different value in every voxel.
 Volume sample()
 {
     Volume volume;
@@ -63,7 +63,7 @@ void replace_in(const fs::path &file, const std::string &what, const std::string
     put_bytes(file, bytes.replace(at, what.size(), by));
 }
 
-// That reading `path` is refused with a message that has every part.
+// Asserts that reading `path` is refused with a message that has every part.
 void refused(const fs::path &path, const std::vector<std::string> &parts)
 {
     try {
@@ -115,7 +115,7 @@ void the_scene_looks_at_the_patient_as_lps_does(void **)
     assert_true((volume.voxel(volume.scene({2, 3, 1.5})) - Eigen::Vector3d(2, 3, 1.5)).norm() < 1e-9);
 }
 
-// A file whose third axis runs backwards holds the same scan: nothing is mirrored, and the turn is noted.
+// A file whose third axis runs backwards holds the same scan: nothing is mirrored, and the reversal is noted.
 void mirrored_axes_keep_their_places(void **)
 {
     const Folder folder{"mirror"};
@@ -166,7 +166,7 @@ void impossible_grids_are_refused(void **)
     }
 }
 
-// ITK takes what it does not understand as 1 mm, and would measure in a wrong scale.
+// ITK replaces a spacing that it does not understand by 1 mm, and would then measure at a wrong scale.
 void a_scale_that_is_none_is_refused(void **)
 {
     const Folder folder{"scale"};
@@ -190,7 +190,7 @@ void a_scale_that_is_none_is_refused(void **)
     refused(folder.file("a.nrrd"), {"a.nrrd:7", "spacings", "finite"});
 }
 
-// The first made ITK search without end, the second take memory without end.
+// The first file makes ITK search without end; the others make it take memory without end.
 void absurd_numbers_of_axes_and_voxels_are_refused(void **)
 {
     const Folder folder{"axes"};
@@ -237,7 +237,7 @@ void truncated_series_are_refused(void **)
     refused(series / "0001.dcm", {"folder"});
 }
 
-// What files say by themselves is not enough: places are compared.
+// The statements of the files are not enough, so their places are compared.
 void missing_and_uneven_slices_are_named(void **)
 {
     const std::vector<std::string> names = {"a", "b", "c", "d", "e"};
@@ -283,7 +283,7 @@ void other_contents_are_refused(void **)
     refused(folder.file("d.nrrd"), {"d.nrrd"});
 }
 
-// Either read or refused by a Fault; whatever else ends the test.
+// Each file is either read or refused by a Fault; anything else ends the test.
 void cut_and_damaged_files_never_crash(void **)
 {
     const Folder folder{"fuzz"};

@@ -1,7 +1,7 @@
-// A CT volume: Hounsfield units on a grid with spacing, origin and direction.
-// Three frames: voxel (whole numbers are the middles of voxels), LPS (what scanners and ITK use: +x patient
-// left, +y back, +z head, mm) and the scene's (+x left, +y head, +z front, mm). Only the two functions below
-// know how the last two go together.
+// A CT volume: Hounsfield units on a grid with spacing, origin and direction. There are three frames: voxel
+// (whole numbers are the middles of voxels), LPS (used by scanners and ITK: +x patient left, +y back, +z
+// head, mm) and the scene's (+x left, +y head, +z front, mm). Only the two functions below convert between
+// the last two.
 #pragma once
 #include <Eigen/Core>
 #include <array>
@@ -28,7 +28,7 @@ struct Volume {
     Eigen::Matrix3d direction = Eigen::Matrix3d::Identity(); // columns: unit vectors of the axes in LPS
     std::vector<float> hu;                                   // first axis fastest
     std::string name;                                        // file or folder, for messages
-    std::vector<std::string> notes;                          // what was put right while reading
+    std::vector<std::string> notes;                          // repairs that were made while reading
 
     std::size_t count() const
     {
@@ -55,19 +55,19 @@ struct Volume {
     {
         return (direction.transpose() * (lps_from_scene(scene_mm) - origin_mm)).cwiseQuotient(spacing_mm);
     }
-    // A shift in voxels becomes one in the scene's millimetres, and its inverse.
+    // Converts a shift in voxels to the scene's millimetres; and its inverse.
     Eigen::Matrix3d scene_per_voxel() const;
-    // Between voxels by the nearest eight; outside: the value at the border.
+    // Interpolates between the nearest eight voxels; outside it returns the value at the border.
     double value(const Eigen::Vector3d &voxel) const;
     // The same volume with all voxels set to `fill`, for masks and speeds.
     Volume like(float fill) const;
 };
 
-// A left-handed grid turned right-handed: the third axis is counted from its other end. Every place keeps its
-// value.
+// Turns a left-handed grid into a right-handed one: the third axis is counted from its other end. Every place
+// keeps its value.
 void make_right_handed(Volume &volume);
 
-// The box [low, high) of voxels as a volume of its own.
+// The box [low, high) of voxels as a separate volume.
 Volume cut_out(const Volume &volume, const std::array<int, 3> &low, const std::array<int, 3> &high);
 
 } // namespace crn::ct

@@ -1,5 +1,5 @@
-// A volume read in a process of its own (host/base/guarded_read.hpp): ITK believes headers, and Debian's GDCM
-// is built with its assertions. Here only the child ends, and the parent says which file is damaged.
+// A volume is read in a separate process (host/base/guarded_read.hpp): ITK trusts headers, and Debian's GDCM
+// is built with its assertions. Only the child ends then, and the parent reports which file is damaged.
 #include "host/base/guarded_read.hpp"
 #include "tools/lab/ct/volume/volume_io.hpp"
 #include <algorithm>
@@ -14,11 +14,12 @@ namespace
 
 namespace fs = std::filesystem;
 
-// A deflated byte may become a thousand: small files may fill the memory that any may have.
+// A deflated byte may become a thousand bytes, so a small file may fill the memory that is allowed for any
+// file.
 constexpr double growth = 1100;
 constexpr std::uint64_t file_bytes_max = std::uint64_t{4} << 30, files_max = 4096;
 
-// Before a block of values: how many follow, or that a fault's text does. 0 ends them.
+// Precedes a block of values and states their number, or that a fault's text follows. 0 ends the blocks.
 constexpr std::uint64_t fault_follows = UINT64_MAX;
 
 struct Grid {
@@ -75,7 +76,7 @@ Volume receive(Inbox &in, const std::string &name)
     return volume;
 }
 
-// Of all files that are read.
+// The size of all files that are read.
 std::uint64_t bytes_of(const fs::path &path)
 {
     std::error_code ignored;

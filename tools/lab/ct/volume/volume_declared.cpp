@@ -1,5 +1,5 @@
-// NRRD, MetaImage and NIfTI headers. teem.sourceforge.net/nrrd/format.html;
-// itk.org/Wiki/MetaIO/Documentation; nifti1.h.
+// Headers of NRRD, MetaImage and NIfTI, as specified in teem.sourceforge.net/nrrd/format.html,
+// itk.org/Wiki/MetaIO/Documentation and nifti1.h.
 #include "tools/lab/ct/volume/volume_declared.hpp"
 #include <algorithm>
 #include <bit>
@@ -22,10 +22,10 @@ namespace
 namespace fs = std::filesystem;
 
 constexpr std::size_t head_bytes_max = 1 << 20;
-constexpr double deflate_growth = 1040; // 1032 of its longest runs, and the trailer
+constexpr double deflate_growth = 1040; // 1032 for its longest runs, and the trailer
 constexpr double bzip2_growth = 50000;
 
-// One field of a header, for numbers and complaints.
+// One field of a header, with the context for messages.
 struct Field {
     const std::string &file;
     std::size_t line = 0;
@@ -144,8 +144,7 @@ void take_spacing(DeclaredVolume &declared, const Field &field, const std::vecto
     }
 }
 
-// --- NRRD
-// ------------------------------------------------------------------------------------------------------------
+// --- NRRD ---
 std::uint64_t nrrd_bytes(const Field &type)
 {
     static const std::map<std::string, std::uint64_t> stems = {
@@ -181,7 +180,7 @@ std::vector<double> nrrd_vector(const Field &field, const std::string &word)
     return numbers;
 }
 
-// Blanks within brackets are no borders of words.
+// Blanks within brackets do not separate words.
 Field without_inner_blanks(Field field)
 {
     int depth = 0;
@@ -221,8 +220,7 @@ void nrrd_scale(DeclaredVolume &declared, const Fields &fields)
                                  : without_inner_blanks(*origin).words()[0]);
 }
 
-// --- MetaImage
-// -------------------------------------------------------------------------------------------------------
+// --- MetaImage ---
 std::uint64_t meta_bytes(const Field &type)
 {
     static const std::map<std::string, std::uint64_t> types = {
@@ -243,9 +241,9 @@ bool is_true(const Field *field)
     field->fail("True or False is needed");
 }
 
-// --- NIfTI
-// -----------------------------------------------------------------------------------------------------------
-// Numbers of a header in either byte order.
+// --- NIfTI ---
+
+// The numbers of a header in either byte order.
 struct Binary {
     std::string_view head;
     bool is_swapped = false;
@@ -283,7 +281,7 @@ std::uint64_t nifti_bytes(int type)
 
 std::string first_bytes(const fs::path &path)
 {
-    // zlib reads files that are not packed as they are.
+    // zlib returns files that are not packed unchanged.
     const std::unique_ptr<gzFile_s, int (*)(gzFile)> packed(
         small(path.string()).ends_with(".gz") ? gzopen(path.c_str(), "rb") : nullptr, gzclose);
     std::string head(head_bytes_max, '\0');
@@ -298,15 +296,15 @@ std::string first_bytes(const fs::path &path)
     return head;
 }
 
-// That packed values can be unpacked, are as many as declared, and have their checksum: ITK looks at none of
-// it.
+// Checks that packed values can be unpacked, are as many as declared, and match their checksum: ITK checks
+// none of this.
 void check_packed(const DeclaredVolume &declared, std::uint64_t bytes, const fs::path &data,
                   const std::string &file)
 {
     std::ifstream stream(data, std::ios::binary);
     stream.seekg(static_cast<std::streamoff>(declared.data_file.empty() ? declared.head_bytes : 0));
     z_stream zip{};
-    if (inflateInit2(&zip, 15 + 32) != Z_OK) throw std::bad_alloc(); // of zlib or of gzip
+    if (inflateInit2(&zip, 15 + 32) != Z_OK) throw std::bad_alloc(); // accepts zlib and gzip
     const std::unique_ptr<z_stream, int (*)(z_stream *)> ended(&zip, inflateEnd);
     std::vector<unsigned char> in(1 << 16), out(1 << 16);
     std::uint64_t unpacked = 0;
@@ -345,7 +343,7 @@ DeclaredVolume declared_nrrd(std::string_view head, const std::string &file)
         if (line == 0 || (!text.empty() && text[0] == '#')) continue;
         if (text.empty()) break;
         const std::size_t colon = text.find(": "), key = text.find(":=");
-        if (key < colon) continue; // the exporter's own notes
+        if (key < colon) continue; // a note of the exporter
         if (colon == std::string::npos && text.back() != ':')
             throw Fault(file + ":" + std::to_string(line + 1) +
                         ": is no line of a NRRD header: export the volume again");
@@ -364,7 +362,7 @@ DeclaredVolume declared_nrrd(std::string_view head, const std::string &file)
             declared.is_deflated = false;
     if (encoding == "bzip2" || encoding == "bz2") declared.bytes_per_file_byte = bzip2_growth;
     if (encoding == "ascii" || encoding == "txt" || encoding == "text")
-        declared.bytes_per_file_byte = 4; // "0 " of 8 bytes
+        declared.bytes_per_file_byte = 4; // "0 " for a value of 8 bytes
     for (const char *name : {"data file", "datafile"})
         if (const Field *data = fields.find(name)) {
             declared.data_file = data->value;
@@ -447,7 +445,7 @@ DeclaredVolume declared_nifti(std::string_view head, const std::string &file)
         if (axis >= 3) continue;
         declared.size[place] = size;
         declared.value_bytes *= static_cast<std::uint64_t>(size);
-        const int unit = head[123] & 7; // 1 m, 2 mm, 3 um, 0 is taken as mm
+        const int unit = head[123] & 7; // 1 m, 2 mm, 3 um; 0 counts as mm
         const double unit_mm = unit == 1 ? 1000 : unit == 3 ? 1e-3 : 1;
         const double spacing_mm = unit_mm * double(binary.at<float>(80 + 4 * place));
         if (!(std::isfinite(spacing_mm) && spacing_mm > 0))
@@ -471,7 +469,7 @@ DeclaredVolume declared_volume(const fs::path &path)
         : name.find(".nii") != std::string::npos ? declared_nifti(head, file)
                                                  : declared_meta(head, file);
     std::uint64_t packed_bytes = declared.value_bytes;
-    if (name.ends_with(".gz")) { // with its header
+    if (name.ends_with(".gz")) { // bytes_per_file_byte includes its header
         packed_bytes += declared.head_bytes;
         declared.bytes_per_file_byte = deflate_growth;
         declared.is_deflated = true;

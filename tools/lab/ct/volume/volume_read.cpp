@@ -1,6 +1,6 @@
-// Volumes from files: NRRD, NIfTI and MetaImage, and DICOM series slice by slice, by ITK's ImageIO classes.
-// They are asked directly, without ITK's image and pipeline templates, which would take a minute to compile
-// and tell less of what is wrong.
+// Reads NRRD, NIfTI and MetaImage files, and DICOM series slice by slice, with ITK's ImageIO classes. We use
+// them directly, without ITK's image and pipeline templates, which would take a minute to compile and report
+// less about errors.
 #include "tools/lab/ct/volume/volume_declared.hpp"
 #include "tools/lab/ct/volume/volume_io.hpp"
 #include <algorithm>
@@ -22,7 +22,7 @@ namespace
 
 namespace fs = std::filesystem;
 
-// The end of a header's complaint, without ITK's file and line numbers.
+// The end of a header's error message, without ITK's file and line numbers.
 std::string cause_of(const itk::ExceptionObject &error)
 {
     std::string text = error.GetDescription();
@@ -32,7 +32,7 @@ std::string cause_of(const itk::ExceptionObject &error)
     return text.substr(0, 200);
 }
 
-// The grid of a file as its reader sees it, in three dimensions.
+// The grid of a file as its reader reports it, in three dimensions.
 struct Head {
     std::array<long, 3> size = {1, 1, 1};
     Eigen::Vector3d spacing_mm = Eigen::Vector3d::Ones(), origin_mm = Eigen::Vector3d::Zero();
@@ -64,7 +64,7 @@ Head head_of(const itk::ImageIOBase &io, const std::string &name)
     return head;
 }
 
-// In blocks, so that a scan is not held twice.
+// The values are passed on in blocks, so that a scan is not held twice.
 template <class Value> void take(const std::vector<char> &bytes, const TakeValues &out, std::size_t count)
 {
     constexpr std::size_t block_values = 1 << 18;
@@ -77,13 +77,13 @@ template <class Value> void take(const std::vector<char> &bytes, const TakeValue
     }
 }
 
-// Values of a file that stands open, as HU.
+// Reads the values of an open file as HU.
 void read_values(itk::ImageIOBase &io, const TakeValues &out, std::size_t count, const std::string &name)
 {
     const std::size_t bytes = static_cast<std::size_t>(io.GetImageSizeInBytes());
     if (bytes != count * static_cast<std::size_t>(io.GetComponentSize()))
         throw Fault(name + ": the header's sizes do not fit together: export it again");
-    // Readers of damaged files may look a little further than they say.
+    // Readers of damaged files may write slightly more than they declare.
     std::vector<char> raw(bytes + 4096);
     itk::ImageIORegion region(io.GetNumberOfDimensions());
     for (unsigned axis = 0; axis < io.GetNumberOfDimensions(); ++axis)
@@ -182,14 +182,14 @@ void read_file(const fs::path &path, const TakeHead &take_head, const TakeValues
     }
 }
 
-// --- DICOM
-// -----------------------------------------------------------------------------------------------------------
+// --- DICOM ---
 struct Slice {
-    std::string name; // the file's, without folders
+    std::string name; // name of the file, without folders
     fs::path file;
     Head head;
     std::string series;
-    long number = 0, in_series = 0; // instance number; images that the series says it has (0: does not say)
+    long number = 0,
+         in_series = 0; // instance number; number of images that the series declares (0: not declared)
 };
 
 long whole_number(const itk::MetaDataDictionary &tags, const std::string &tag)
@@ -236,7 +236,7 @@ std::vector<Slice> slices_in(const fs::path &folder)
             if (lower_name(file).ends_with(".dcm"))
                 throw Fault(file.string() +
                             ": is no DICOM file in spite of its name, or truncated: export it again");
-            continue; // a note, a DICOMDIR's neighbour
+            continue; // skips other files, such as a note or a DICOMDIR
         }
         try {
             slices.push_back(slice_of(file));
@@ -250,7 +250,7 @@ std::vector<Slice> slices_in(const fs::path &folder)
     return slices;
 }
 
-// One series, in one size, whole as far as it says itself.
+// Checks that there is one series of one size, complete as far as it declares.
 void check_series(const std::vector<Slice> &slices, const std::string &folder)
 {
     std::map<std::string, std::size_t> series;

@@ -1,4 +1,4 @@
-// Volumes into files: NRRD, NIfTI, MetaImage, and DICOM series as a CT writes them, by ITK's ImageIO classes.
+// Writes NRRD, NIfTI, MetaImage, and DICOM series as a CT does, with ITK's ImageIO classes.
 #include "host/base/pending_file.hpp"
 #include "tools/lab/ct/volume/volume_io.hpp"
 #include <algorithm>
@@ -28,7 +28,7 @@ std::vector<std::int16_t> whole_numbers(const Volume &volume)
     return values;
 }
 
-// Sizes and places into a writer; `slice` picks one of a series.
+// Passes sizes and places to a writer; `slice` selects one of a series.
 void describe(itk::ImageIOBase &io, const Volume &volume, int slice)
 {
     const bool is_slice = slice >= 0;
@@ -51,7 +51,7 @@ void describe(itk::ImageIOBase &io, const Volume &volume, int slice)
     io.SetNumberOfComponents(1);
 }
 
-// "name.nii.gz" -> ".nii.gz"
+// "name.nii.gz" has the extension ".nii.gz".
 std::string ending_of(const fs::path &path)
 {
     const std::string name = path.filename().string();
@@ -72,7 +72,7 @@ void write_file(const Volume &volume, const fs::path &path, const std::string &e
     describe(*io, volume, -1);
     io->SetUseCompression(ending != ".nii");
     const std::vector<std::int16_t> values = whole_numbers(volume);
-    // The writers look at the ending, so the pending name has it too.
+    // The writers check the extension, so the pending name has it too.
     const OpenPending pending = open_pending(path.string(), ending);
     ::close(pending.file);
     try {
@@ -90,8 +90,7 @@ void put(itk::MetaDataDictionary &tags, const std::string &tag, const std::strin
     itk::EncapsulateMetaData<std::string>(tags, tag, value);
 }
 
-// Numbers under the arc for identifiers made from UUIDs; here from the volume, so that the same scan has the
-// same.
+// Identifiers under the UUID arc, derived from the volume, so that the same scan has the same identifiers.
 std::string uid_of(const Volume &volume, std::uint64_t kind, std::uint64_t number)
 {
     std::uint64_t hash = 1469598103934665603u;

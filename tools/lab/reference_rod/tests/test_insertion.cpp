@@ -1,7 +1,7 @@
-// Claims: the field's derivatives are those of the field; friction on a plane is mu times the load; in a
-// rigid bent tube the shape does not depend on the scale of EI and the force does in proportion; the work of
-// the hand is the energy that is stored; finer cutting and feeding change little; a rod at rest does not
-// creep; the noise is the normal one and repeats.
+// Claims: the field's derivatives are those of the field. Friction on a plane is mu times the load. In a
+// rigid bent tube the shape does not depend on the scale of EI, and the force is proportional to it. The work
+// of the hand is the stored energy. Finer cutting and feeding change little. A rod at rest does not creep.
+// The noise is normal and repeatable.
 #include "tools/lab/reference_rod/truth.hpp"
 extern "C" {
 #include "firmware/tests/reference/tube_lumen.h"
@@ -15,7 +15,7 @@ extern "C" {
 #include <cstdint>
 #include <cstdio>
 
-// Last, because its macros (fail, ...) would change other headers.
+// This header comes last because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -32,7 +32,7 @@ void assert_below(const char *what, double value, double limit)
     assert_true(value <= limit);
 }
 
-// 20 mm straight, then an S of two bends of 90 degrees and radius 30 mm, out of one plane; 8 mm wide.
+// A tube 8 mm wide: 20 mm straight, then an S of two bends of 90 degrees and radius 30 mm, not in one plane.
 class Tube
 {
   public:
@@ -62,7 +62,7 @@ const Tube &tube()
     return one;
 }
 
-// A wire with a soft end of 40 mm, a tenth as stiff, and a taper to 80 mm.
+// A wire with a soft end of 40 mm, a tenth as stiff, and a taper up to 80 mm.
 crn_wire_instrument wire(double factor)
 {
     crn_wire_instrument table{};
@@ -98,7 +98,7 @@ double distance_mm(const Vector &p, const std::vector<Vector> &line)
     return least;
 }
 
-// Root mean square of nearest distances over all depths.
+// The root mean square of nearest distances over all depths.
 double shape_off_mm(const Run &a, const Run &b)
 {
     double sum = 0.0;
@@ -116,7 +116,7 @@ double force_sum_mN(const Run &r)
     return sum / static_cast<double>(r.force.size());
 }
 
-// Central differences over 1 um within a voxel: second derivatives are constant there along an axis.
+// Central differences over 1 um within a voxel, where second derivatives along an axis are constant.
 void field_has_the_derivatives_of_its_value(void **)
 {
     const double h = 1e-6;
@@ -140,12 +140,12 @@ void field_has_the_derivatives_of_its_value(void **)
     assert_true(checked > 20);
 }
 
-// A rod lies on a plane under 0.5 N/m and is pushed over it: the hand feels mu times the load that is out of
-// the sheath.
+// A rod lies on a plane under 0.5 N/m and is pushed over it: the force on the hand is mu times the load
+// outside the sheath.
 void friction_on_a_plane_is_the_coefficient_times_the_load(void **)
 {
     const double per_m_N = 0.5, friction = 0.2, inserted_m = 0.08;
-    Rod rod = uniform_rod(1e-5, 1e-5, 5e-4, 0.1, 2e-3); // soft: the clamp carries 1 mm of it
+    Rod rod = uniform_rod(1e-5, 1e-5, 5e-4, 0.1, 2e-3); // soft, so the clamp carries only 1 mm of it
     Physics physics;
     physics.friction = friction;
     physics.onset_m = 1e-7;
@@ -161,7 +161,7 @@ void friction_on_a_plane_is_the_coefficient_times_the_load(void **)
     const double expected_N = friction * per_m_N * inserted_m;
 
     assert_below("off from mu w L, share", std::abs(line.hand_N() / expected_N - 1.0), 0.03);
-    // Drawn back, friction points the other way.
+    // When the rod is drawn back, friction points in the opposite direction.
     for (int i = 0; i < 3; i++) assert_true(line.advance(line.inserted_m() - 1e-3, 0.0));
     assert_below("drawn back, share",
                  std::abs(line.hand_N() / (-friction * per_m_N * line.inserted_m()) - 1.0), 0.03);
@@ -187,9 +187,9 @@ void finer_cutting_and_feeding_change_little(void **)
                  0.01);
 }
 
-// Without friction the hand's work is what the rod stores (and what the wall does: a thousandth). 1.5 %: the
-// trapezium rule over steps in which a node comes free. It was 13 % more without the push of the sleeve on a
-// rod that is bent where it leaves it.
+// Without friction the hand's work is the energy that the rod stores (and the wall, a thousandth). The
+// tolerance of 1.5 % covers the trapezium rule over steps in which a node comes free. Without the push of the
+// sleeve on a rod that is bent where it leaves the sleeve, the work was 13 % too large.
 void the_work_of_the_hand_is_the_energy_that_the_rod_stores(void **)
 {
     const Rod rod = cut_rod(wire(1.0), 0.1, {0.5e-3, 1e-3});
@@ -208,7 +208,7 @@ void the_work_of_the_hand_is_the_energy_that_the_rod_stores(void **)
     assert_below("work over stored energy, less 1", std::abs(work_J / stored_J - 1.0), 0.015);
 }
 
-// A J straightened by the sheath pulls itself out of it with the energy per length that it stores there, EI
+// A J that the sheath straightens pulls itself out of it with the energy per length that it stores there, EI
 // kappa^2 / 2.
 void free_j_pulls_itself_out_of_the_sheath(void **)
 {
@@ -229,7 +229,7 @@ void free_j_pulls_itself_out_of_the_sheath(void **)
                  0.01);
 }
 
-// Friction makes the hand push harder; without any the hand feels only what the bends store.
+// Friction makes the hand push harder; without it the hand feels only the energy that the bends store.
 void friction_is_felt_by_the_hand(void **)
 {
     assert_true(force_sum_mN(run(1.0, 0.1, coarse, two_mm)) >
@@ -264,7 +264,7 @@ void noise_is_normal_and_repeats(void **)
         squares += value * value;
         fourth += value * value * value * value;
     }
-    // Five standard errors: 1/sqrt(n), sqrt(2/n), sqrt(96/n).
+    // Bounds of five standard errors: 1/sqrt(n), sqrt(2/n), sqrt(96/n).
     assert_below("mean", std::abs(sum / count), 0.035);
     assert_below("variance off by", std::abs(squares / count - 1.0), 0.05);
     assert_below("fourth moment off by", std::abs(fourth / count - 3.0), 0.35);

@@ -1,6 +1,7 @@
 #!/bin/sh
-# The program `reference_rod`: a case in a bent tube baked for it, the same bytes from the same command, the truth apart from what
-# calibrate may read, and messages for bad command lines. 4 s of processor time: a lumen to bake and four insertions. Prints TAP.
+# Tests the program `reference_rod`: a case in a bent tube baked for it, the same bytes from the same command, the truth
+# kept apart from the files that calibrate may read, and messages for bad command lines. It takes 4 s of processor time:
+# a lumen to bake and four insertions. Prints TAP.
 programs="reference_rod bake"
 . "$(dirname "$0")/../../../check/tool.sh"
 
@@ -41,7 +42,7 @@ report "another seed makes other noise of the same truth" $?
 make_case scan && [ -e "$work/scan/truth/depth_1.csv" ] && [ ! -e "$work/scan/depth_1.csv" ]
 report "without noise the depths are left to a scan" $?
 
-# 3e-4 and 2e-6/3e-4 in the file; the truth has 1.5 and 0.5 of that. Every step is at rest.
+# The file has 3e-4 and 2e-6/3e-4; the truth has 1.5 and 0.5 times that. Every step is at rest.
 awk -F' = ' '$1 == "shaft_bend_stiffness_N_m2" { shaft = $2 } $1 == "tip_over_shaft" { tip = $2 } $1 == "steps_not_at_rest" { bad = $2 }
     END { exit !(shaft > 4.4e-4 && shaft < 4.6e-4 && tip > 0.0032 && tip < 0.0035 && bad == 0) }' "$work/one/truth/parameters.toml"
 report "truth/parameters.toml has the stiffness that was asked for" $?
@@ -49,7 +50,8 @@ grep -q "shaft\|factor" "$work/one/case.toml"
 [ $? = 1 ] && cmp -s "$wire" "$work/one/instrument.toml"
 report "what calibrate reads does not have it" $?
 
-# The wire's tip: within the tube, 55 mm from the mouth along it, to the 3 mm that it may cut the corner by.
+# The wire's tip lies within the tube, 55 mm along it from the sheath's end, up to the 3 mm by which it may cut the
+# corner.
 awk -F, 'NR > 2 { length_mm += sqrt(($1 - x) ^ 2 + ($2 - y) ^ 2 + ($3 - z) ^ 2) } NR > 1 { x = $1; y = $2; z = $3 }
     END { rho = sqrt((x - 40) ^ 2 + (y - 40) ^ 2); exit !(length_mm > 54.9 && length_mm < 55.1 && rho > 35 && rho < 45) }' \
     "$work/one/truth/depth_2.csv"

@@ -1,6 +1,6 @@
-// Claims: derivatives of the rod's energy are those of its energy; its band solver solves; a cantilever is
-// Euler's elastica (an independent shooting solution); a curved tip rests in its circle, in the plane that
-// the hand's turn says.
+// Claims: the derivatives of the rod's energy are correct, and its band solver solves. A cantilever is
+// Euler's elastica (an independent shooting solution). A curved tip rests in its circle, in the plane that
+// the hand's turn determines.
 #include "tools/lab/reference_rod/insertion.hpp"
 #include "tools/lab/validate/elastica.hpp"
 #include <Eigen/Dense>
@@ -12,7 +12,7 @@
 #include <cstdint>
 #include <cstdio>
 
-// Last, because its macros (fail, ...) would change other headers.
+// This header comes last because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -60,7 +60,7 @@ struct Crooked {
     }
 };
 
-// Central differences with steps of 1e-7 m and rad: error about 1e-6 of the largest.
+// Central differences with steps of 1e-7 m and rad; their error is about 1e-6 of the largest value.
 void forces_are_the_slope_of_the_energy(void **)
 {
     const Crooked c;
@@ -75,9 +75,9 @@ void forces_are_the_slope_of_the_energy(void **)
     }
 }
 
-// The slope at a moved state is taken with the frames carried there, so second derivatives are not quite
-// symmetric there: their antisymmetric part is the turn of frames carried around a loop. The mean of both is
-// compared.
+// We take the slope at a moved state with the frames carried there, so second derivatives are not quite
+// symmetric. Their antisymmetric part is the turn of frames carried around a loop. We compare the mean of
+// both.
 void stiffness_is_the_slope_of_the_forces(void **)
 {
     const Crooked c;
@@ -122,7 +122,7 @@ void band_solves_as_a_full_matrix_does(void **)
     assert_false(band.factor());
 }
 
-// P L^2 / EI = 3: the tip goes down by more than half its length. 100 edges: 0.05 % of L.
+// With P L^2 / EI = 3 the tip sags by more than half its length. 100 edges give an error of 0.05 % of L.
 void cantilever_is_the_elastica(void **)
 {
     const double length_m = 0.1, bend_N_m2 = 3e-4, load = 3.0, edge_m = 1e-3;
@@ -146,8 +146,8 @@ void cantilever_is_the_elastica(void **)
     }
 }
 
-// 180 degrees of radius 3 mm: the tip stands 6 mm beside the shaft, towards d1, as far out as the curve
-// begins. 0.5 mm edges have a circle 0.1 % larger.
+// A curve of 180 degrees and radius 3 mm: the tip lies 6 mm beside the shaft, towards d1, level with the
+// beginning of the curve. Edges of 0.5 mm make the circle 0.1 % larger.
 void curved_tip_rests_in_its_circle_where_the_hand_turned_it(void **)
 {
     crn_wire_instrument table{};

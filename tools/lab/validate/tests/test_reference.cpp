@@ -1,6 +1,6 @@
-// Claims: the references of the validation suite are right, without the core: published values of the
-// elastica, of Euler, Greenhill and of the localised coil; the lumen field made for the cases lies where its
-// distance function says; the report says what passed.
+// Claims: the references of the validation suite are right, without the core. They reproduce published values
+// of the elastica, of Euler, of Greenhill and of the localised coil. The lumen field made for the cases lies
+// where its distance function says. The report states which rows passed.
 extern "C" {
 #include "firmware/core/lumen.h"
 }
@@ -85,8 +85,8 @@ void columns_have_the_published_loads(void **)
     check_near("beta 3", beam_mode(3), 7.854757, 1e-6);
 }
 
-// The solution that PyElastica's example of Gazzola et al. 2018 states for 27 turns, slack 3 %, B / C = 1.345
-// / 0.789.
+// PyElastica's example of Gazzola et al. 2018 states this solution for 27 turns, slack 3 %, B / C = 1.345 /
+// 0.789.
 void coil_has_the_published_moment_and_tension(void **)
 {
     Writhe coil = writhe(0.03, 27 * 2 * M_PI, 1.345 / 0.789);
@@ -121,8 +121,8 @@ void field_lies_where_its_distance_says(void **)
     }
 }
 
-// Rows pass within their tolerance and fail beyond it, for a value that is no number too; reported rows never
-// fail.
+// Rows pass within their tolerance and fail beyond it, and also for a value that is not a number; rows that
+// are only reported never fail.
 void report_says_what_passed(void **)
 {
     Result good, bad;

@@ -1,10 +1,10 @@
 #!/bin/sh
-# The validation suite in its quick form: every case's figures within their tolerances. Then the table that docs/validation.md
-# holds: one line per case, all passed. And the command line refuses what it cannot do.
+# Tests the validation suite in its quick form: every case's figures are within their tolerances. The table in
+# docs/validation.md has one line per case, and all have passed. The command line refuses what it cannot do.
 programs=validate
 . "$(dirname "$0")/../../../check/tool.sh"
 
-# The quick suite prints TAP itself: its plan is left out and its lines keep their numbers.
+# The quick suite prints TAP itself: we drop its plan, and its lines keep their numbers.
 "$tool" --quick --tap >"$work/tap" || failed=1
 sed '/^1\.\./d' "$work/tap"
 number=$(grep -cE '^(not )?ok ' "$work/tap")

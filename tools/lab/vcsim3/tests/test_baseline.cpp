@@ -1,7 +1,8 @@
-// Claims: the baseline is the rod that docs/thesis.md describes. Its forces are the gradient of its energies,
-// its static shape that of a beam, also of one that is stiffer at one end, bent by itself and turned by the
-// hand, its constraints conserve momentum and never add energy, one global iteration gives exact lengths, and
-// many local ones converge to it. Shown against closed forms and against the other way of computing the same.
+// Claims: the baseline is the rod that docs/thesis.md describes. Its forces are the gradient of its energies.
+// Its static shape is that of a beam, also when one end is stiffer, when the rod is curved at rest, and when
+// the hand turns it. Its constraints conserve momentum and never add energy. One global iteration gives exact
+// lengths, and many local ones converge to it. This is shown against closed forms and against an alternative
+// computation of the same quantity.
 #include "tools/lab/figures/stability.hpp"
 
 #include <algorithm>
@@ -12,7 +13,7 @@
 #include <cstdint>
 #include <random>
 
-// Last, because its macros (fail, ...) would change other headers.
+// This header comes last because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -54,7 +55,7 @@ RodProperties soft_rod(int elements)
     return p;
 }
 
-// A rod with every node, orientation and velocity moved a little from straight.
+// A rod whose nodes, orientations and velocities all deviate slightly from straight.
 Rod shaken_rod(int elements, Draws &draws)
 {
     Rod rod(soft_rod(elements), Vector::Zero(), Vector(0.6, 0.0, 0.8));
@@ -91,7 +92,7 @@ void forces_and_torques_are_the_gradient_of_the_energies(void **)
     Draws draws;
     Rod rod = shaken_rod(12, draws);
     rod.properties.stretch_N = 300.0;
-    rod.free_count = 10; // with a clamp
+    rod.free_count = 10; // the rest is clamped
     for (int node = 1; node < 12; node++)
         rod.properties.joints.push_back(
             {draws.between(1e-5, 3e-5), draws.between(1e-5, 3e-5), draws.vector(100.0)});
@@ -117,7 +118,7 @@ void forces_and_torques_are_the_gradient_of_the_energies(void **)
 
 void bending_strain_is_the_curvature(void **)
 {
-    // Segments turned by a constant angle a about x: u = 4/l tan(a/4), energy per joint l/2 EI u^2.
+    // Segments turn by a constant angle a about x: u = 4/l tan(a/4), and the energy per joint is l/2 EI u^2.
     const int elements = 20;
     const double a = 0.3;
     Rod rod(soft_rod(elements), Vector::Zero(), Vector::UnitZ());
@@ -135,7 +136,7 @@ RodProperties damped_rod(int elements)
     return p;
 }
 
-// For 2 s with a load along y on the tip.
+// Simulates 2 s with a load along y on the tip.
 void settle(Rod &rod, double load_N)
 {
     DistanceConstraints distances({1.0, 0.1});
@@ -160,13 +161,14 @@ void cantilever_sags_by_PL3_over_3EI(void **)
     Rod rod = Inserter(Vector::Zero(), Vector::UnitX()).make_rod(p, length);
     const double load_N = 0.01 * 3.0 * p.bend_N_m2 / (length * length); // sags by 1 % of its length
     settle(rod, load_N);
-    const double shear = load_N * length / p.parallel_N; // what the parallel constraint gives way
+    const double shear =
+        load_N * length / p.parallel_N; // sag through the compliance of the parallel constraint
     within("sag in m", rod.position[0].y(), load_N * std::pow(length, 3) / (3 * p.bend_N_m2) + shear,
            0.005 * 0.01 * length);
 }
 
-// A soft front of length a on a stiff rear up to L: P a^3 / 3 EI_front + P (L^3 - a^3) / 3 EI_rear. The joint
-// between them bends half as either.
+// A soft front of length a on a stiff rear up to L sags by P a^3 / 3 EI_front + P (L^3 - a^3) / 3 EI_rear.
+// The joint between them bends half as each.
 void a_cantilever_of_two_stiffnesses_sags_by_both(void **)
 {
     const int elements = 32, soft = 20;
@@ -194,15 +196,15 @@ void a_cantilever_sags_under_its_weight_by_qL4_over_8EI(void **)
     p.weight_N_per_m = Vector(0.0, 0.01 * length / per_N_per_m, 0.0);
     Rod rod = Inserter(Vector::Zero(), Vector::UnitX()).make_rod(p, length);
     settle(rod, 0.0);
-    // Every node carries a whole element, the tip too: so much at the end is P L^3 / 3 EI with half an
-    // element of weight.
+    // Every node carries the weight of a whole element, the tip too. The extra half element at the tip adds a
+    // sag of P L^3 / 3 EI.
     const double tip_N = 0.5 * p.element_m * p.weight_N_per_m.y();
     within("sag in m", rod.position[0].y(),
            p.weight_N_per_m.y() * per_N_per_m + tip_N * std::pow(length, 3) / (3 * p.bend_N_m2),
            0.01 * 0.01 * length);
 }
 
-// 10 joints of 12 degrees each at the tip, towards the first axis: chords of a circle.
+// 10 joints of 12 degrees each at the tip, towards the first axis, form chords of a circle.
 constexpr int hook_joints = 10;
 constexpr double hook_step_rad = 12.0 * 3.14159265358979323846 / 180.0;
 
@@ -220,7 +222,7 @@ Rod rod_with_hook(const Inserter &inserter, double turn_rad)
     return rod;
 }
 
-// From straight it goes into its own shape, and that is the polygon whose segments turn by 12 degrees at each
+// The rod starts straight and takes its own shape: the polygon whose segments turn by 12 degrees at each
 // joint.
 void a_free_hook_takes_its_own_shape(void **)
 {
@@ -235,7 +237,7 @@ void a_free_hook_takes_its_own_shape(void **)
     }
 }
 
-// Right-handed about the feed: the whole hook, point by point.
+// The whole hook turns right-handed about the feed; we compare it point by point.
 void turning_the_hand_turns_the_hook(void **)
 {
     const Vector forward = Vector(0.6, 0.0, 0.8), axis = Vector(0.8, 0.0, -0.6);
@@ -248,7 +250,7 @@ void turning_the_hand_turns_the_hook(void **)
 
 void twisted_rod_springs_back_at_the_frequency_of_a_shaft(void **)
 {
-    // First torsional mode of a free-free chain: w = 2 sqrt(k/J) sin(pi/(2 n)), k = GJ/l, J = inertia per
+    // The first torsional mode of a free-free chain: w = 2 sqrt(k/J) sin(pi/(2 n)), k = GJ/l, J = inertia per
     // length * l.
     const int n = 16;
     Rod rod(soft_rod(n), Vector::Zero(), Vector::UnitZ());
@@ -360,7 +362,7 @@ void one_global_iteration_with_baumgarte_1_makes_small_errors_exact(void **)
     distances.solve_global(rod);
     integrate_positions(rod, 1e-3);
     after = worst();
-    // What stays is of second order in the error.
+    // The remainder is of second order in the error.
     at_most("length error in m", after, 20.0 * before * before / rod.properties.element_m);
     at_most("share that stays", after / before, 0.02);
 }
@@ -398,7 +400,7 @@ void contact_stops_and_brakes_by_coulomb(void **)
     Rod rod(soft_rod(4), Vector::Zero(), Vector::UnitX());
     const Contact contact = {1, Vector::UnitY(), 0.0};
     rod.properties.friction = 0.2;
-    rod.velocity[1] = Vector(0.5, -1.0, 0.0); // slides on: loses 0.2 of 1 m/s
+    rod.velocity[1] = Vector(0.5, -1.0, 0.0); // keeps sliding: loses 0.2 of 1 m/s
     answer_contacts(rod, {contact}, 0.1, 1e-3);
     within("normal velocity in m/s", rod.velocity[1].y(), 0.0, 1e-15);
     within("sliding velocity in m/s", rod.velocity[1].x(), 0.3, 1e-15);
@@ -410,7 +412,7 @@ void contact_stops_and_brakes_by_coulomb(void **)
     within("leaving velocity in m/s", rod.velocity[1].y(), 0.3, 1e-15);
     const Contact deep = {1, Vector::UnitY(), 1e-4};
     rod.velocity[1].setZero();
-    answer_contacts(rod, {deep}, 0.1, 1e-3); // a tenth of the depth in one step
+    answer_contacts(rod, {deep}, 0.1, 1e-3); // a tenth of the depth is corrected in one step
     within("correction in m/s", rod.velocity[1].y(), 0.1 * 1e-4 / 1e-3, 1e-15);
 }
 

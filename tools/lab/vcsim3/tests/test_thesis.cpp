@@ -1,7 +1,7 @@
-// Claims: the thesis' experiment in short. In one lumen the baseline's modes come in the order of Figure 5.11
-// and our direct solver is compressed least; the presets are stable at their steps and not far below; limits
-// of the method that docs/thesis.md states are real; and everything is deterministic. The lumen is a straight
-// tube closed at both ends.
+// Claims: the thesis' experiment in short form. In one lumen the baseline's modes come in the order of Figure
+// 5.11, and our direct solver is compressed least. The presets are stable at their steps and fail not far
+// below. The limits of the method that docs/thesis.md states are real. Everything is deterministic. The lumen
+// is a straight tube closed at both ends.
 #include "tools/lab/figures/study.hpp"
 #include "tools/lab/figures/thesis_values.hpp"
 
@@ -16,7 +16,7 @@ extern "C" {
 #include "firmware/tests/reference/tube_lumen.h"
 }
 
-// Last, because its macros (fail, ...) would change other headers.
+// This header comes last because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -42,7 +42,7 @@ int free_tube(void **)
     return 0;
 }
 
-// Askew, so that the rod is bent when it meets the end.
+// The rod enters at an angle, so that it is bent when it meets the end.
 Vessel vessel()
 {
     return {tube->lumen, Vector::Zero(), Vector(1.0, 0.25, 0.1)};
@@ -149,7 +149,7 @@ void lumen_in_doubles_is_the_cores_lumen(void **)
         const crn_lumen_sample core = crn_lumen_contact(&tube->lumen, &q);
         const LumenSample ours = sample_lumen(tube->lumen, p);
         worst_m = std::max(worst_m, std::abs(ours.distance_m - std::ldexp(core.distance_m_q30, -30)));
-        // Where the field saturates the direction means nothing.
+        // The direction is meaningless where the field saturates.
         if (std::abs(ours.distance_m) > 0.003) continue;
         for (int k = 0; k < 3; k++)
             worst_normal =
@@ -187,9 +187,9 @@ void preset_is_stable_at_its_steps_and_bursts_with_half(void **)
     }
 }
 
-// The parallel constraint holds a segment of length |e| across with 2/|e| sqrt(Kp l/m): squeezed segments
-// need shorter steps. With a step ratio r the limit is a compression of 1 - r/2. So whatever squeezes too
-// much bursts, which is why a mode's compression cannot grow for ever.
+// The parallel constraint resists transverse motion of a segment of length |e| with the frequency 2/|e|
+// sqrt(Kp l/m), so compressed segments need shorter steps. With a step ratio r the limit is a compression of
+// 1 - r/2. Beyond it the rod becomes unstable, so a mode's compression cannot grow without limit.
 bool stays_straight_when_squeezed(double compression)
 {
     const Preset &preset = *find_preset("amplatz");
@@ -221,8 +221,9 @@ void squeezed_segments_burst_where_the_step_ratio_says(void **)
     if (!(std::abs(burst - limit) < 0.05)) fail_msg("bursts at %.3f, predicted %.3f +- 0.05", burst, limit);
 }
 
-// Pushed head on into a wall, a straight rod's tip is stopped by the wall after the distances were solved,
-// and the next solve sets it going again with the whole rod: nothing upstream learns of the wall.
+// When a straight rod is pushed head on into a wall, the wall stops its tip after the distances were solved.
+// The next solve sets the tip in motion again with the whole rod, so the wall's force never travels along the
+// rod.
 void one_global_iteration_does_not_pass_the_walls_force_on(void **)
 {
     const Preset &preset = *find_preset("amplatz");
@@ -256,7 +257,7 @@ void modes_have_names_and_tokens(void **)
     for (const char *wrong : {"", "local", "local0", "local10001", "local5x", "globally", "direct"})
         assert_false(parse_mode(wrong, mode));
     assert_string_equal(thesis_modes()[5].name().c_str(), "25 Local");
-    // 50 local less the two gains that the text gives.
+    // 50 local, less the two gains that the text states.
     assert_true(std::abs(*thesis_compression_pct("local100") - 0.99) < 1e-12);
     assert_true(std::abs(*thesis_compression_pct("local200") - 0.61) < 1e-12);
     assert_false(thesis_compression_pct("penalty").has_value());

@@ -1,6 +1,6 @@
 #!/bin/sh
-# The program `vcsim3`: `make thesis` in short (128 elements of 3 mm in the shipped phantom, two modes), the same bytes for
-# any number of threads, and messages for bad command lines. Prints TAP.
+# Tests the program `vcsim3`: `make thesis` in short form (128 elements of 3 mm in the shipped phantom, two modes), the
+# same bytes for any number of threads, and messages for bad command lines. Prints TAP.
 programs="vcsim3 anatomy bake"
 . "$(dirname "$0")/../../../check/tool.sh"
 
@@ -20,7 +20,7 @@ result=$?
 report "the short form of all figures is made and its order holds" $result
 [ $result = 0 ] || sed 's/^/# /' "$work/one.said"
 
-# Independent of the program's own check: column 2 falls from row to row, the direct solver last.
+# Independently of the program's own check, column 2 falls from row to row, with the direct solver last.
 awk -F'\t' 'NR == 1 { next } NR > 2 && !($2 < last) { bad = 1 } { last = $2; rows++ } END { exit bad || rows != 3 }' \
     "$work/one/figure_5_11.tsv"
 report "penalty > 5 local > direct in figure_5_11.tsv" $?
@@ -38,7 +38,7 @@ assert [row["mode"] for row in data["compression"]] == ["1 Penalty", "5 Local", 
 assert data["order_faults"] == [] and len(data["presets"]) == 9
 rows = [line.split("\t") for line in open(folder + "/figure_5_12.tsv", encoding="utf-8").read().splitlines()[1:]]
 ends = [row for row in rows if row[0] == "Direct"]
-assert len(ends) in (129, 130), len(ends)  # 128 elements, and perhaps one that is just leaving the mouth
+assert len(ends) in (129, 130), len(ends)  # 128 elements, and perhaps one that is just leaving the inserter
 assert {row[5] for row in rows} == {"0", "1"}
 times = [line.split("\t") for line in open(folder + "/figure_5_14.tsv", encoding="utf-8").read().splitlines()]
 assert [row[6] for row in times[1:]] == ["4", "4", "1"], times

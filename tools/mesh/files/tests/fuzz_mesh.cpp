@@ -1,6 +1,6 @@
-// Fuzz target: any bytes may be offered as a mesh: the strict readings that stand before assimp, and the
-// check of what comes back from it. The first byte says the format. assimp itself is given whole corpora in
-// its child process by tools/importers.
+// Fuzz target: any bytes may be offered as a mesh. It covers the strict readings before assimp, and the check
+// of assimp's result. The first byte selects the format. tools/importers gives assimp itself whole corpora in
+// its child process.
 #include "tools/mesh/fault.hpp"
 #include "tools/mesh/files/mesh_file.hpp"
 #include <algorithm>
@@ -33,7 +33,7 @@ const char *const texts[] = {
     "],"
     "\"buffers\":[{\"byteLength\":12,\"uri\":\"data:;base64,AAAAAAAAAAAAAAAA\"}]}"};
 
-// Three numbers of a vertex or of a triangle, from whatever is there.
+// Builds the three numbers of a vertex or of a triangle from any bytes.
 void offer_pieces(const std::uint8_t *bytes, std::size_t count)
 {
     std::vector<MeshPiece> pieces(1 + count % 3);
@@ -60,11 +60,12 @@ void offer_pieces(const std::uint8_t *bytes, std::size_t count)
 int LLVMFuzzerTestOneInput(const std::uint8_t *bytes, std::size_t count)
 {
     if (count == 0) return 0;
-    const std::vector<char> exact(bytes + 1, bytes + count); // so that a read past the end is seen
+    const std::vector<char> exact(bytes + 1,
+                                  bytes + count); // an exact copy, so that a read past its end is detected
     try {
         const Declared declared =
             check_mesh_bytes({exact.data(), exact.size()}, "fuzz", endings[bytes[0] % 4], "/nonexistent");
-        // Nothing can declare more than its bytes hold.
+        // No file can declare more than its bytes hold.
         if (declared.vertices > static_cast<std::int64_t>(count) ||
             declared.faces > static_cast<std::int64_t>(count))
             std::abort();
