@@ -1,10 +1,10 @@
-/* What the device says without being asked, as far as there is room on the way to the host: ticks of FREE_RUN
- * first, then notices, then pictures. Ticks and notices wait in queues; a picture that found no room is
- * replaced by a newer one. */
+/* What the device sends unasked, as far as there is room in the pipe to the host: first ticks of FREE_RUN,
+ * then notices, then pictures. Ticks and notices wait in queues; a newer picture replaces one that found no
+ * room. */
 #include "firmware/app/app_internal.h"
 
 enum {
-    FRAMES_PER_EDGE = 2, /* so that a host that comes back does not make a tick late */
+    FRAMES_PER_EDGE = 2, /* so that a host that returns does not make a tick late */
     OVERHEAD_BYTES = CRN_WIRE_FRAME_MAX - CRN_WIRE_PAYLOAD_MAX,
 };
 
@@ -15,7 +15,7 @@ static bool has_room(const crn_app *app, size_t payload_bytes)
 
 /* --- ticks --- */
 
-/* The next place in the queue; a full one loses its oldest tick. */
+/* Returns the next place in the queue; a full queue loses its oldest tick. */
 crn_wire_live_tick *crn_app_stream_next(crn_app *app)
 {
     crn_app_queue *queue = &app->queue;
@@ -33,14 +33,14 @@ crn_wire_live_tick *crn_app_stream_next(crn_app *app)
 static bool send_ticks(crn_app *app)
 {
     crn_app_queue *queue = &app->queue;
-    crn_wire_live *live = &app->reply.live;
+    crn_wire_live *live = &app->buffers.reply.live;
     uint32_t count = queue->count < CRN_APP_LIVE_BATCH_ticks ? queue->count : CRN_APP_LIVE_BATCH_ticks;
     if (count == 0 || !has_room(app, CRN_WIRE_BYTES_live)) return false;
     live->ticks_lost = queue->ticks_lost;
     live->ticks_count = (uint16_t)count;
     for (uint32_t i = 0; i < count; i++)
         live->ticks[i] = queue->ticks[(queue->first + i) % CRN_APP_LIVE_QUEUE_ticks];
-    crn_wire_writer writer = crn_wire_writer_make(app->payload, sizeof app->payload);
+    crn_wire_writer writer = crn_wire_writer_make(app->buffers.payload, sizeof app->buffers.payload);
     bool is_encoded = crn_wire_put_live(&writer, live);
     CRN_REQUIRE(app, is_encoded, count);
     if (!crn_app_offer(app, CRN_WIRE_TYPE_live, writer.length)) return false;
@@ -71,7 +71,7 @@ static bool send_notice(crn_app *app)
 {
     crn_app_queue *queue = &app->queue;
     if (queue->event_count == 0 || !has_room(app, CRN_WIRE_BYTES_notice)) return false;
-    crn_wire_writer writer = crn_wire_writer_make(app->payload, sizeof app->payload);
+    crn_wire_writer writer = crn_wire_writer_make(app->buffers.payload, sizeof app->buffers.payload);
     bool is_encoded = crn_wire_put_notice(&writer, &queue->events[queue->event_first]);
     CRN_REQUIRE(app, is_encoded, queue->event_count);
     if (!crn_app_offer(app, CRN_WIRE_TYPE_notice, writer.length)) return false;
@@ -82,7 +82,7 @@ static bool send_notice(crn_app *app)
 
 /* --- pictures --- */
 
-/* After a tick of FREE_RUN. A picture still waiting is dropped for the one that is due now. */
+/* Runs after a tick of FREE_RUN. A picture that still waits is dropped for the one that is due now. */
 void crn_app_stream_tick(crn_app *app)
 {
     crn_app_queue *queue = &app->queue;
@@ -92,7 +92,7 @@ void crn_app_stream_tick(crn_app *app)
     queue->is_picture_due = true;
 }
 
-/* It leaves room for the next ticks, and shows the state as it is when it leaves. */
+/* A picture leaves room for the next ticks, and shows the state at the moment when it is sent. */
 static void send_picture(crn_app *app)
 {
     if (!app->queue.is_picture_due || app->state != CRN_WIRE_STATE_RUNNING) return;
@@ -108,12 +108,12 @@ void crn_app_stream_hash64(crn_app *app)
 
 /* --- the stream --- */
 
-/* Once per edge, after the outputs are written. A batch waits until it is full or no further tick is coming.
- */
+/* Runs once per edge, after the outputs are written. A batch waits until it is full or no further tick will
+ * come. */
 void crn_app_stream_flush(crn_app *app)
 {
     bool is_last = app->state != CRN_WIRE_STATE_RUNNING || app->mode != CRN_WIRE_MODE_FREE_RUN;
-    app->answers = 0;
+    app->link.answers = 0;
     for (int i = 0; i < FRAMES_PER_EDGE; i++) {
         if (app->queue.count < CRN_APP_LIVE_BATCH_ticks && !is_last) break;
         if (!send_ticks(app)) break;
@@ -124,7 +124,7 @@ void crn_app_stream_flush(crn_app *app)
     send_picture(app);
 }
 
-/* A new session: what an old one left is of no use. */
+/* A new session has no use for what the old one left. */
 void crn_app_stream_clear(crn_app *app)
 {
     crn_app_queue *queue = &app->queue;

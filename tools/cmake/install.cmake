@@ -15,7 +15,7 @@ set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/cournand)
 
 # The core: freestanding, for a rig's firmware or a host of one's own. The host: everything that `cournand` is made of.
 set(CRN_CORE_ROOMS firmware/core)
-set(CRN_HOST_ROOMS shared/wire shared/scene firmware/app firmware/port/sim host/base host/model host/link host/effects host/stent
+set(CRN_HOST_ROOMS shared/wire shared/scene firmware/app/safety firmware/app/haptics firmware/app firmware/port/sim host/base host/model host/link host/effects host/stent
     host/xray/paths host/xray host/xray/style host/xray/gl host/room host/dicom host/patient host/rig host/script host/session
     host/picture host/report)
 
