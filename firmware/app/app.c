@@ -24,8 +24,8 @@ void crn_app_init(crn_app *app, const crn_port *port)
     app->port = port;
     app->state = CRN_WIRE_STATE_INIT;
     app->mode = CRN_WIRE_MODE_LOCKSTEP;
-    crn_wire_decoder_init(&app->decoder);
-    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) crn_app_track_default(&app->tracks[k], port);
+    crn_wire_decoder_init(&app->link.decoder);
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) crn_app_track_default(&app->setup.tracks[k], port);
     crn_app_hands_reset(app);
     crn_app_coupling_reset(app);
     crn_app_motors_off(app);
@@ -33,14 +33,15 @@ void crn_app_init(crn_app *app, const crn_port *port)
 
 static void host_spoke(crn_app *app)
 {
-    if (app->silent_ticks >= CRN_APP_HOST_SILENT_ticks) crn_app_notice(app, CRN_WIRE_EVENT_HOST, 0, 0, 0);
-    app->silent_ticks = 0;
+    if (app->link.silent_ticks >= CRN_APP_HOST_SILENT_ticks)
+        crn_app_notice(app, CRN_WIRE_EVENT_HOST, 0, 0, 0);
+    app->link.silent_ticks = 0;
 }
 
 /* A host is there that leads motors with power: its silence has not ended the forces yet. */
 static bool is_led(const crn_app *app)
 {
-    return app->is_driving && app->silent_ticks < CRN_APP_HOST_SILENT_ticks + CRN_APP_FADE_ticks;
+    return app->safety.is_driving && app->link.silent_ticks < CRN_APP_HOST_SILENT_ticks + CRN_APP_FADE_ticks;
 }
 
 /* A program that begins its own conversation in the middle of that would end the other's with its next word,
@@ -53,17 +54,18 @@ static void hello(crn_app *app, const uint8_t *payload, size_t length)
                   CRN_REJECT_MALFORMED, length, CRN_WIRE_BYTES_hello);
     const bool is_understood =
         hello.protocol_major == CRN_WIRE_PROTOCOL_MAJOR && hello.schema_hash == crn_wire_schema_hash();
-    CRN_REJECT_IF(app, CRN_WIRE_TYPE_hello, is_understood && is_led(app), CRN_REJECT_BUSY, app->silent_ticks,
-                  0);
-    app->is_greeted = is_understood;
+    CRN_REJECT_IF(app, CRN_WIRE_TYPE_hello, is_understood && is_led(app), CRN_REJECT_BUSY,
+                  app->link.silent_ticks, 0);
+    app->link.is_greeted = is_understood;
     if (is_understood) host_spoke(app);
-    app->arm_code = 0; /* what another conversation was allowed is not for this one */
-    app->motors_armed = false;
-    if (app->is_greeted && app->state == CRN_WIRE_STATE_INIT) crn_app_set_state(app, CRN_WIRE_STATE_READY);
-    if (!app->is_greeted && app->state == CRN_WIRE_STATE_RUNNING) {
+    app->permission.code = 0; /* what another conversation was allowed is not for this one */
+    app->permission.is_given = false;
+    if (app->link.is_greeted && app->state == CRN_WIRE_STATE_INIT)
+        crn_app_set_state(app, CRN_WIRE_STATE_READY);
+    if (!app->link.is_greeted && app->state == CRN_WIRE_STATE_RUNNING) {
         crn_app_stop(app); /* nobody is left who could stop the motors */
     }
-    crn_app_send_hello_reply(app, app->is_greeted);
+    crn_app_send_hello_reply(app, app->link.is_greeted);
 }
 
 static bool is_built(const crn_app *app)
@@ -123,7 +125,7 @@ static void dispatch(crn_app *app, uint16_t type, const uint8_t *payload, size_t
         hello(app, payload, length);
         return;
     }
-    CRN_REJECT_IF(app, type, !app->is_greeted, CRN_REJECT_NOT_GREETED, type, 0);
+    CRN_REJECT_IF(app, type, !app->link.is_greeted, CRN_REJECT_NOT_GREETED, type, 0);
     switch (type) {
     case CRN_WIRE_TYPE_scene_begin:
         crn_app_scene_begin(app, payload, length);
@@ -183,22 +185,22 @@ static void dispatch(crn_app *app, uint16_t type, const uint8_t *payload, size_t
 
 static void take_frame(crn_app *app)
 {
-    uint16_t sequence = app->decoder.header.sequence;
-    bool follows =
-        sequence == (uint16_t)(app->sequence_in + 1) || (sequence == 1 && app->sequence_in == UINT16_MAX);
-    if (app->sequence_is_known && !follows) app->sequence_gaps++;
-    app->sequence_in = sequence;
-    app->sequence_is_known = true;
-    if (app->is_greeted && app->decoder.header.type != CRN_WIRE_TYPE_hello) host_spoke(app);
-    app->answers = sequence;
-    dispatch(app, app->decoder.header.type, app->decoder.payload, app->decoder.payload_bytes);
-    app->answers = 0;
+    uint16_t sequence = app->link.decoder.header.sequence;
+    bool follows = sequence == (uint16_t)(app->link.sequence_in + 1) ||
+                   (sequence == 1 && app->link.sequence_in == UINT16_MAX);
+    if (app->link.sequence_is_known && !follows) app->link.sequence_gaps++;
+    app->link.sequence_in = sequence;
+    app->link.sequence_is_known = true;
+    if (app->link.is_greeted && app->link.decoder.header.type != CRN_WIRE_TYPE_hello) host_spoke(app);
+    app->link.answers = sequence;
+    dispatch(app, app->link.decoder.header.type, app->link.decoder.payload, app->link.decoder.payload_bytes);
+    app->link.answers = 0;
 }
 
 void crn_app_receive(crn_app *app, const uint8_t *bytes, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
-        if (crn_wire_decoder_push(&app->decoder, bytes[i]) == CRN_WIRE_FRAME) take_frame(app);
+        if (crn_wire_decoder_push(&app->link.decoder, bytes[i]) == CRN_WIRE_FRAME) take_frame(app);
     }
 }
 
@@ -206,7 +208,7 @@ void crn_app_receive(crn_app *app, const uint8_t *bytes, size_t count)
 
 static bool may_speak(crn_app *app, uint16_t type)
 {
-    if (!app->is_greeted) {
+    if (!app->link.is_greeted) {
         crn_app_reject(app, type, CRN_REJECT_NOT_GREETED, type, 0);
         return false;
     }

@@ -168,73 +168,100 @@ typedef struct crn_app_wish {
     crn_strut_order strut;
 } crn_app_wish;
 
-typedef struct crn_app {
-    const crn_port *port;
-    uint8_t state; /* CRN_WIRE_STATE_* */
-    uint8_t mode;  /* CRN_WIRE_MODE_* */
+/* The conversation with the host. */
+typedef struct crn_app_link {
     bool is_greeted;
-    uint16_t fault_code;
-
-    /* link */
-    crn_wire_decoder decoder;
-    uint16_t sequence_in, sequence_out, answers;
     bool sequence_is_known;
+    uint16_t sequence_in, sequence_out;
+    uint16_t answers; /* sequence number of the request that is being answered; 0: of none */
     uint32_t sequence_gaps, transmit_dropped;
     uint32_t silent_ticks; /* since the last valid frame, in FREE_RUN */
-    bool has_mailbox;      /* the host has sent an `input` since START */
-    crn_app_encoders mailbox;
-    crn_app_wish orders[CRN_APP_RHYTHM_QUEUE]; /* FREE_RUN: of the ticks to come */
-    int32_t inflator_raw;                      /* of the last tick: while nobody tells, the pressure stays */
-    uint32_t order_count;
+    crn_wire_decoder decoder;
+} crn_app_link;
 
-    /* set-up */
-    crn_upload scene_upload;
-    uint8_t scene_slot; /* the slot in use; the other one is staged into */
-    bool has_scene, has_entry;
+/* What the host has set up before ARM. */
+typedef struct crn_app_setup {
     uint32_t tool_count; /* 0: none yet */
-    crn_lumen lumen;
-    crn_lesion lesions[CRN_LESION_MAX]; /* of the lumen, that give way */
-    crn_motion motion;                  /* of the lumen, when it moves */
-    crn_instrument tools[CRN_TOOL_MAX]; /* from the innermost */
+    bool has_scene, has_entry;
+    uint8_t scene_slot; /* the slot in use; the other one receives an upload */
+    crn_upload scene_upload;
+    uint32_t scene_bytes, scene_crc32, tools_crc32, entry_crc32;
+    crn_app_track tracks[CRN_TOOL_MAX];
     crn_entry entry;
     uint32_t inserted_um[CRN_TOOL_MAX];
     uint32_t inserted_count; /* lengths that came with the entry */
-    uint32_t scene_bytes, scene_crc32, tools_crc32, entry_crc32;
-    crn_app_track tracks[CRN_TOOL_MAX];
+    crn_lumen lumen;
+    crn_motion motion;                  /* of the lumen, when it moves */
+    crn_lesion lesions[CRN_LESION_MAX]; /* of the lumen, that can yield */
+    crn_instrument tools[CRN_TOOL_MAX]; /* from the innermost */
+} crn_app_setup;
 
-    /* session */
+/* What one session remembers beside the core and the haptics. */
+typedef struct crn_app_session {
     crn_app_hand hands[CRN_TOOL_MAX];
-    crn_port_motor motors[CRN_TOOL_MAX]; /* asked for; in LOCKSTEP only reported */
-    crn_port_motor driven[CRN_TOOL_MAX]; /* given to the port at the last edge; 0 without power */
+    bool has_stop;
+    uint32_t stop_tick; /* tick of a STOP that is still to come */
+    uint32_t buttons;   /* of the last tick */
+    bool has_mailbox;   /* the host has sent an `input` since START */
+    crn_app_encoders mailbox;
+    crn_app_wish orders[CRN_APP_RHYTHM_QUEUE]; /* FREE_RUN: of the ticks to come */
+    uint32_t order_count;
+    int32_t inflator_raw; /* of the last tick; the pressure stays while nobody reports one */
+    crn_upload snapshot_upload;
+} crn_app_session;
+
+/* Between hands and tools: coupling, energy, and the forces that the motors are asked for. */
+typedef struct crn_haptics {
     crn_app_spring springs[CRN_TOOL_MAX][2];
     crn_app_energy energies[CRN_TOOL_MAX];
-    bool has_stop;
-    uint32_t stop_tick; /* a STOP that is to come */
+    crn_port_motor motors[CRN_TOOL_MAX]; /* asked for; in LOCKSTEP only reported */
+    int32_t fade_from[CRN_TOOL_MAX][2];  /* forces when the host fell silent */
+    uint32_t passivity_ticks;
+} crn_haptics;
 
-    /* safety */
-    bool has_rig;
-    crn_port_inputs rig; /* this edge's sample */
-    bool motors_armed;   /* CONFIRM came: the next START powers the motors */
+/* What the checks of every edge remember, and the power of the motors. */
+typedef struct crn_safety {
     bool is_driving;
-    bool drive_level;                 /* of the drive line, flipped once per edge while power is wanted */
-    bool stage_was_on, stage_is_told; /* STAGE_STUCK is in the log */
-    uint32_t drive_ticks, idle_ticks; /* since the power was asked for, or no longer */
-    uint32_t arm_code, arm_code_age, arm_code_count; /* code 0: none is valid */
-    int32_t fade_from[CRN_TOOL_MAX][2];              /* forces when the host fell silent */
+    bool drive_level; /* of the drive line, flipped once per edge while power is wanted */
+    bool stage_was_on;
+    bool stage_is_reported;              /* STAGE_STUCK is in the log */
+    uint32_t drive_ticks, idle_ticks;    /* since power was requested, or since it no longer is */
+    uint32_t asked_at;                   /* place in the rings of what was asked for */
+    crn_port_motor driven[CRN_TOOL_MAX]; /* given to the port at the last edge; 0 without power */
     crn_app_watch watches[CRN_TOOL_MAX];
-    uint32_t asked_at; /* place in the rings of what was asked for */
-    uint32_t buttons;  /* of the last tick */
-    uint32_t edge_us, backlog_us, tick_us_max, tick_overruns, passivity_ticks;
-    uint32_t edges_done; /* by crn_app_timer, to their very end: what a port feeds its watchdog by */
+} crn_safety;
+
+/* This edge's sample of the rig. */
+typedef struct crn_app_edge {
+    bool has_rig;
+    crn_port_inputs rig;
+} crn_app_edge;
+
+/* The two steps before START may power the motors. */
+typedef struct crn_permission {
+    bool is_given;      /* CONFIRM came: the next START powers the motors */
+    uint32_t code;      /* 0: none is valid */
+    uint32_t age_ticks; /* of the code, or of the permission */
+    uint32_t code_count;
+} crn_permission;
+
+/* How long edges and ticks take. */
+typedef struct crn_clock {
+    uint32_t edge_us, backlog_us, tick_us_max, tick_overruns;
     bool has_edge, was_late;
+} crn_clock;
 
-    crn_app_queue queue;
-    uint32_t core_faults_seen;
-    crn_upload snapshot_upload;
-    uint16_t fault_count;
-    crn_wire_fault_entry faults[CRN_APP_FAULT_MAX];
+/* The fault log and the cause of state FAULT. */
+typedef struct crn_app_faults {
+    uint16_t stopped_by; /* CRN_FAULT_CODE_* of the first fault that stopped */
+    uint16_t count;
+    uint32_t core_bits_seen;
+    crn_wire_fault_entry entries[CRN_APP_FAULT_MAX];
+} crn_app_faults;
 
-    /* big blocks last */
+/* Messages being read and written; nothing in here outlives the handling of a request or an edge, but for
+ * `ticks` and `snapshot`. */
+typedef struct crn_app_buffers {
     union {
         crn_wire_scene_chunk scene_chunk;
         crn_wire_tools tools;
@@ -254,6 +281,25 @@ typedef struct crn_app {
     uint8_t payload[CRN_WIRE_PAYLOAD_MAX];
     uint8_t frame[CRN_WIRE_FRAME_MAX];
     uint8_t snapshot[CRN_APP_SNAPSHOT_BYTES];
+} crn_app_buffers;
+
+typedef struct crn_app {
+    const crn_port *port;
+    uint8_t state;       /* CRN_WIRE_STATE_* */
+    uint8_t mode;        /* CRN_WIRE_MODE_* */
+    uint32_t edges_done; /* by crn_app_timer, each to its very end; a port feeds its watchdog by this count */
+    crn_permission permission;
+    crn_clock clock;
+    crn_app_edge edge;
+    crn_safety safety;
+    crn_haptics haptics;
+    crn_app_session session;
+    crn_app_faults faults;
+    crn_app_setup setup;
+    crn_app_link link;
+    /* big blocks last */
+    crn_app_queue queue;
+    crn_app_buffers buffers;
     crn_model model;
     crn_state core;
 } crn_app;
@@ -270,7 +316,7 @@ void crn_app_receive(crn_app *app, const uint8_t *bytes, size_t count);
 /* STOP or RESET, nothing else. True: not RUNNING, READY after it. */
 bool crn_app_order(crn_app *app, uint8_t action);
 
-/* `rig`, the configuration of the first tracks; app->tracks shows what was taken. */
+/* `rig`, the configuration of the first tracks; app->setup.tracks shows what was taken. */
 void crn_app_configure(crn_app *app, const crn_wire_rig *rig);
 
 /* What a track's force sensor says in this edge's sample, mN; 0 without a sensor that is well. */

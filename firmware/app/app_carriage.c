@@ -31,9 +31,9 @@ static int32_t size_of(int32_t value)
 /* Counts since the last edge, + into the patient. */
 int32_t crn_app_carriage_moved(const crn_app *app, uint32_t k)
 {
-    const uint32_t now = (uint32_t)app->rig.hands[k].translation_counts,
-                   last = (uint32_t)app->watches[k].last.translation_counts;
-    const bool is_reversed = (app->tracks[k].wire.options & CRN_WIRE_OPTION_TRANSLATION_REVERSED) != 0;
+    const uint32_t now = (uint32_t)app->edge.rig.hands[k].translation_counts,
+                   last = (uint32_t)app->safety.watches[k].last.translation_counts;
+    const bool is_reversed = (app->setup.tracks[k].wire.options & CRN_WIRE_OPTION_TRANSLATION_REVERSED) != 0;
     return crn_wire_i32_from_u32(is_reversed ? last - now : now - last);
 }
 
@@ -42,11 +42,11 @@ int32_t crn_app_carriage_moved(const crn_app *app, uint32_t k)
  * held to 10 m/s. */
 static int32_t speed_um_s(const crn_app *app, uint32_t k)
 {
-    const crn_app_watch *watch = &app->watches[k];
-    const int64_t pm = app->tracks[k].wire.translation_pm_per_count;
+    const crn_app_watch *watch = &app->safety.watches[k];
+    const int64_t pm = app->setup.tracks[k].wire.translation_pm_per_count;
     int64_t sum = 0, fastest = 0;
     for (uint32_t i = 0; i < CRN_APP_ASKED_ticks; i++) sum += watch->moved[i];
-    const int64_t ways[2] = {watch->moved[app->asked_at], sum};
+    const int64_t ways[2] = {watch->moved[app->safety.asked_at], sum};
     for (uint32_t i = 0; i < 2; i++) {
         const int64_t sure = (ways[i] < 0 ? -ways[i] : ways[i]) - 1;
         const int64_t size =
@@ -72,11 +72,12 @@ static int32_t share_of(int32_t value, int32_t full, int32_t none)
  * last one. */
 static int32_t speed_share(const crn_app *app, uint32_t k, int32_t asked_mN)
 {
-    const crn_app_watch *watch = &app->watches[k];
-    const uint32_t before = (app->asked_at + CRN_APP_ASKED_ticks - 1) % CRN_APP_ASKED_ticks;
+    const crn_app_watch *watch = &app->safety.watches[k];
+    const uint32_t before = (app->safety.asked_at + CRN_APP_ASKED_ticks - 1) % CRN_APP_ASKED_ticks;
     const int32_t speed = speed_um_s(app, k);
-    const int64_t gained = (int64_t)watch->moved[app->asked_at] - watch->moved[before];
-    const int64_t gained_um_s = crn_app_quotient(gained * app->tracks[k].wire.translation_pm_per_count, 1000);
+    const int64_t gained = (int64_t)watch->moved[app->safety.asked_at] - watch->moved[before];
+    const int64_t gained_um_s =
+        crn_app_quotient(gained * app->setup.tracks[k].wire.translation_pm_per_count, 1000);
     const bool is_faster = (gained_um_s > 0) == (speed > 0);
     const int32_t size = size_of(speed + (is_faster ? (int32_t)gained_um_s : 0)); /* both below 2^25 */
     const bool is_braked = (speed > 0) == (asked_mN > 0) && speed != 0; /* + pushes out, + moves in */
@@ -88,13 +89,13 @@ static int32_t speed_share(const crn_app *app, uint32_t k, int32_t asked_mN)
  * be wrong by a quarter. Of a track without one nothing is known of the hand, and the speed alone counts. */
 int32_t crn_app_carriage_bound(crn_app *app, uint32_t k, int32_t asked_mN)
 {
-    crn_app_watch *watch = &app->watches[k];
+    crn_app_watch *watch = &app->safety.watches[k];
     const int32_t measured = crn_app_force_measured(app, k), most = 2 * CRN_APP_FORCE_LIMIT_mN;
     const int32_t by_speed = speed_share(app, k, asked_mN), size = size_of(asked_mN);
     int32_t held = asked_mN < 0 ? -measured : measured;
     held = held < 0 ? 0 : held > most ? most : held;
     const int32_t sure = LOOSE_mN + held + held / 3;
-    const bool has_sensor = app->rig.tracks[k].force_sensor == CRN_PORT_SENSOR_OK;
+    const bool has_sensor = app->edge.rig.tracks[k].force_sensor == CRN_PORT_SENSOR_OK;
     if (has_sensor && size > sure) {
         if (watch->loose_ticks < LOOSE_GRACE_ticks + LOOSE_FADE_ticks) watch->loose_ticks++;
     } else if (held > LOOSE_mN) {
@@ -113,10 +114,10 @@ int32_t crn_app_carriage_bound(crn_app *app, uint32_t k, int32_t asked_mN)
  * pushed. */
 static bool is_driven_fast(crn_app *app, uint32_t k)
 {
-    crn_app_watch *watch = &app->watches[k];
+    crn_app_watch *watch = &app->safety.watches[k];
     const int32_t speed = size_of(speed_um_s(app, k));
     const bool is_touched = size_of(crn_app_force_measured(app, k)) >= TOUCH_mN ||
-                            app->rig.tracks[k].force_sensor != CRN_PORT_SENSOR_OK;
+                            app->edge.rig.tracks[k].force_sensor != CRN_PORT_SENSOR_OK;
     if (is_touched) {
         watch->untouched_ticks = watch->fast_ticks = 0;
         watch->speed_begin_um_s = speed;
@@ -128,7 +129,7 @@ static bool is_driven_fast(crn_app *app, uint32_t k)
         watch->speed_begin_um_s = speed;
         watch->impulse_uN_s = 0;
     }
-    watch->impulse_uN_s += size_of(app->driven[k].axial_mN);
+    watch->impulse_uN_s += size_of(app->safety.driven[k].axial_mN);
     const bool is_fast = speed > SPEED_MAX_um_s && speed - watch->speed_begin_um_s >= SPEED_GAINED_um_s &&
                          watch->impulse_uN_s >= IMPULSE_uN_s;
     watch->fast_ticks = is_fast ? watch->fast_ticks + 1 : 0;
@@ -138,19 +139,19 @@ static bool is_driven_fast(crn_app *app, uint32_t k)
 /* Of a track that is driven, in this edge's sample. */
 crn_fault_code crn_app_carriage_check(crn_app *app, uint32_t k, int32_t *value)
 {
-    crn_app_watch *watch = &app->watches[k];
+    crn_app_watch *watch = &app->safety.watches[k];
     /* More than twice what is a jump is no motion, and sums of it fit. */
-    const int32_t most = 2 * (int32_t)app->tracks[k].translation_jump_counts;
+    const int32_t most = 2 * (int32_t)app->setup.tracks[k].translation_jump_counts;
     const int32_t told = crn_app_carriage_moved(app, k), moved = told > most    ? most
                                                                  : told < -most ? -most
                                                                                 : told;
-    watch->moved[app->asked_at] = moved;
+    watch->moved[app->safety.asked_at] = moved;
     if (is_driven_fast(app, k)) {
         *value = size_of(speed_um_s(app, k)) / 1000;
         return CRN_FAULT_CODE_CARRIAGE_FAST;
     }
-    *value = (int32_t)crn_app_quotient(app->energies[k].taken_pJ, 1000) / 1000;
-    watch->passivity_ticks = crn_app_gives_energy(&app->energies[k]) ? watch->passivity_ticks + 1 : 0;
+    *value = (int32_t)crn_app_quotient(app->haptics.energies[k].taken_pJ, 1000) / 1000;
+    watch->passivity_ticks = crn_app_gives_energy(&app->haptics.energies[k]) ? watch->passivity_ticks + 1 : 0;
     const bool lasts = watch->passivity_ticks >= PASSIVITY_ticks;
     return crn_app_cycle_lasts(app, k, moved) || lasts ? CRN_FAULT_CODE_PASSIVITY_LASTS : CRN_FAULT_CODE_NONE;
 }

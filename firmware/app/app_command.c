@@ -16,9 +16,9 @@ void crn_app_set_state(crn_app *app, uint8_t state)
 /* No tool may begin with more outside than it has. False: refused. */
 static bool lengths_fit(crn_app *app)
 {
-    for (uint32_t k = 0; k < app->tool_count; k++) {
-        uint32_t length_um = app->tools[k].knots[app->tools[k].knot_count - 1].arc_um;
-        if (app->inserted_um[k] <= length_um) continue;
+    for (uint32_t k = 0; k < app->setup.tool_count; k++) {
+        uint32_t length_um = app->setup.tools[k].knots[app->setup.tools[k].knot_count - 1].arc_um;
+        if (app->setup.inserted_um[k] <= length_um) continue;
         crn_app_reject(app, CRN_WIRE_TYPE_command, CRN_REJECT_LENGTH_INSERTED, k, length_um);
         return false;
     }
@@ -28,8 +28,8 @@ static bool lengths_fit(crn_app *app)
 static uint32_t longest_um(const crn_app *app)
 {
     uint32_t longest = 0;
-    for (uint32_t k = 0; k < app->tool_count; k++) {
-        if (app->inserted_um[k] > longest) longest = app->inserted_um[k];
+    for (uint32_t k = 0; k < app->setup.tool_count; k++) {
+        if (app->setup.inserted_um[k] > longest) longest = app->setup.inserted_um[k];
     }
     return longest;
 }
@@ -38,17 +38,18 @@ static void arm(crn_app *app)
 {
     const uint16_t type = CRN_WIRE_TYPE_command;
     CRN_REJECT_IF(app, type, app->state != CRN_WIRE_STATE_READY, CRN_REJECT_WRONG_STATE, app->state, 0);
-    CRN_REJECT_IF(app, type, app->tool_count == 0 || !app->has_entry, CRN_REJECT_SET_UP_MISSING,
-                  app->tool_count, app->has_entry);
+    CRN_REJECT_IF(app, type, app->setup.tool_count == 0 || !app->setup.has_entry, CRN_REJECT_SET_UP_MISSING,
+                  app->setup.tool_count, app->setup.has_entry);
     crn_build_place place = {0, 0};
-    crn_build_status status = crn_model_build(&app->model, app->tools, app->tool_count,
-                                              app->has_scene ? &app->lumen : NULL, &app->entry, &place);
+    crn_build_status status =
+        crn_model_build(&app->model, app->setup.tools, app->setup.tool_count,
+                        app->setup.has_scene ? &app->setup.lumen : NULL, &app->setup.entry, &place);
     if (status != CRN_BUILD_OK) {
         crn_app_reject_build(app, type, status, &place);
         return;
     }
     if (!lengths_fit(app)) return;
-    crn_state_init(&app->model, &app->core, app->inserted_um);
+    crn_state_init(&app->model, &app->core, app->setup.inserted_um);
     int32_t depth_m_q30 = crn_state_depth(&app->model, &app->core);
     CRN_REJECT_IF(app, type, depth_m_q30 > START_DEPTH_MAX_M_Q30, CRN_REJECT_START_IN_WALL,
                   (uint32_t)(((uint64_t)(uint32_t)depth_m_q30 * 1000000u) >> 30), longest_um(app));
@@ -57,9 +58,9 @@ static void arm(crn_app *app)
     crn_app_motors_reset(app);
     crn_app_motors_off(app);
     crn_app_stream_clear(app);
-    app->core_faults_seen = 0;
-    app->ticks.states_count = 0;
-    app->has_stop = false;
+    app->faults.core_bits_seen = 0;
+    app->buffers.ticks.states_count = 0;
+    app->session.has_stop = false;
     crn_app_set_state(app, CRN_WIRE_STATE_ARMED);
     crn_app_send_status(app, type);
 }
@@ -70,8 +71,8 @@ static void arm(crn_app *app)
 static uint32_t driven_tracks(const crn_app *app)
 {
     uint32_t count = 0;
-    for (uint32_t k = 0; k < app->tool_count; k++) {
-        const crn_app_axis *axes = app->tracks[k].axes;
+    for (uint32_t k = 0; k < app->setup.tool_count; k++) {
+        const crn_app_axis *axes = app->setup.tracks[k].axes;
         if (axes[CRN_APP_ALONG].stiffness > 0 || axes[CRN_APP_ABOUT].stiffness > 0) count++;
     }
     return count;
@@ -81,7 +82,7 @@ static uint32_t driven_tracks(const crn_app *app)
  * 0. */
 static uint32_t next_code(crn_app *app)
 {
-    uint32_t code = app->port->now_us(app->port->context) ^ (++app->arm_code_count * 0x9e3779b9u);
+    uint32_t code = app->port->now_us(app->port->context) ^ (++app->permission.code_count * 0x9e3779b9u);
     code = (code ^ (code >> 16)) * 0x7feb352du;
     code = (code ^ (code >> 15)) * 0x846ca68bu;
     code ^= code >> 16;
@@ -99,8 +100,8 @@ static bool may_arm_motors(crn_app *app)
         crn_app_reject(app, type, CRN_REJECT_WRONG_STATE, app->state, 0);
         return false;
     }
-    if (!app->has_rig || driven_tracks(app) == 0) {
-        crn_app_reject(app, type, CRN_REJECT_NO_RIG, app->has_rig, app->tool_count);
+    if (!app->edge.has_rig || driven_tracks(app) == 0) {
+        crn_app_reject(app, type, CRN_REJECT_NO_RIG, app->edge.has_rig, app->setup.tool_count);
         return false;
     }
     crn_fault_code code = crn_app_safety_ready(app);
@@ -110,25 +111,25 @@ static bool may_arm_motors(crn_app *app)
 
 static void arm_motors(crn_app *app)
 {
-    app->motors_armed = false;
-    app->arm_code = 0;
+    app->permission.is_given = false;
+    app->permission.code = 0;
     if (!may_arm_motors(app)) return;
-    app->arm_code = next_code(app);
-    app->arm_code_age = 0;
+    app->permission.code = next_code(app);
+    app->permission.age_ticks = 0;
     crn_app_send_status(app, CRN_WIRE_TYPE_command);
 }
 
 /* Any answer spends the code, the wrong one too. */
 static void confirm(crn_app *app, uint32_t code)
 {
-    uint32_t wanted = app->arm_code;
-    app->arm_code = 0;
-    app->motors_armed = false;
+    uint32_t wanted = app->permission.code;
+    app->permission.code = 0;
+    app->permission.is_given = false;
     CRN_REJECT_IF(app, CRN_WIRE_TYPE_command, wanted == 0 || code != wanted, CRN_REJECT_CODE_WRONG,
-                  app->arm_code_age, code);
+                  app->permission.age_ticks, code);
     if (!may_arm_motors(app)) return;
-    app->motors_armed = true;
-    app->arm_code_age = 0;
+    app->permission.is_given = true;
+    app->permission.age_ticks = 0;
     crn_app_send_status(app, CRN_WIRE_TYPE_command);
 }
 
@@ -147,28 +148,28 @@ static void forget_hands(crn_app *app)
  * replays bit for bit. */
 static void begin_listening(crn_app *app)
 {
-    app->silent_ticks = 0;
-    app->order_count = 0;
-    app->inflator_raw = 0;
-    app->has_stop = false;
+    app->link.silent_ticks = 0;
+    app->session.order_count = 0;
+    app->session.inflator_raw = 0;
+    app->session.has_stop = false;
     if (app->mode != CRN_WIRE_MODE_FREE_RUN) return;
     forget_hands(app);
     crn_app_motors_reset(app);
-    app->has_mailbox = false;
+    app->session.has_mailbox = false;
 }
 
 static void start(crn_app *app)
 {
     const uint16_t type = CRN_WIRE_TYPE_command;
     CRN_REJECT_IF(app, type, app->state != CRN_WIRE_STATE_ARMED, CRN_REJECT_WRONG_STATE, app->state, 0);
-    bool powers = app->mode == CRN_WIRE_MODE_FREE_RUN && app->has_rig && driven_tracks(app) > 0;
-    CRN_REJECT_IF(app, type, powers && !app->motors_armed, CRN_REJECT_NOT_CONFIRMED, 0, 0);
+    bool powers = app->mode == CRN_WIRE_MODE_FREE_RUN && app->edge.has_rig && driven_tracks(app) > 0;
+    CRN_REJECT_IF(app, type, powers && !app->permission.is_given, CRN_REJECT_NOT_CONFIRMED, 0, 0);
     if (powers && !may_arm_motors(app)) return;
     crn_app_motors_off(app); /* spends the permission */
     begin_listening(app);
     if (powers) {
         crn_app_safety_begin(app);
-        app->is_driving = true;
+        app->safety.is_driving = true;
     }
     crn_app_set_state(app, CRN_WIRE_STATE_RUNNING);
     crn_app_send_status(app, type);
@@ -177,7 +178,7 @@ static void start(crn_app *app)
 /* Without a word to the host: it is told by whoever calls. */
 void crn_app_stop(crn_app *app)
 {
-    app->has_stop = false;
+    app->session.has_stop = false;
     crn_app_motors_off(app);
     crn_app_set_state(app, CRN_WIRE_STATE_ARMED);
     if (app->mode != CRN_WIRE_MODE_FREE_RUN) return;
@@ -190,19 +191,19 @@ static void stop(crn_app *app, uint32_t tick)
 {
     CRN_REJECT_IF(app, CRN_WIRE_TYPE_command, app->state != CRN_WIRE_STATE_RUNNING, CRN_REJECT_WRONG_STATE,
                   app->state, 0);
-    app->has_stop = tick > app->core.words.tick;
-    app->stop_tick = tick;
-    if (!app->has_stop) crn_app_stop(app);
+    app->session.has_stop = tick > app->core.words.tick;
+    app->session.stop_tick = tick;
+    if (!app->session.has_stop) crn_app_stop(app);
     crn_app_send_status(app, CRN_WIRE_TYPE_command);
 }
 
 static void reset(crn_app *app)
 {
     crn_app_motors_off(app);
-    app->fault_code = CRN_FAULT_CODE_NONE;
-    app->snapshot_upload.open = false;
-    app->ticks.states_count = 0;
-    app->has_stop = false;
+    app->faults.stopped_by = CRN_FAULT_CODE_NONE;
+    app->session.snapshot_upload.open = false;
+    app->buffers.ticks.states_count = 0;
+    app->session.has_stop = false;
     crn_app_set_state(app, CRN_WIRE_STATE_READY);
     crn_app_send_status(app, CRN_WIRE_TYPE_command);
 }

@@ -109,19 +109,19 @@ static int32_t step_spring(const crn_app_axis *axis, crn_app_spring *spring, int
 /* Hands -> what the core is told. It follows by a quarter of the lead, so four times the step is one step. */
 void crn_app_coupling_before(crn_app *app, crn_input *input)
 {
-    for (uint32_t k = 0; k < app->tool_count; k++) {
-        const crn_app_axis *axes = app->tracks[k].axes;
+    for (uint32_t k = 0; k < app->setup.tool_count; k++) {
+        const crn_app_axis *axes = app->setup.tracks[k].axes;
         const crn_tool_state *tool = &app->core.words.tools[k];
         crn_hand_pose *hand = &input->hands[k];
         if (axes[CRN_APP_ALONG].stiffness > 0) {
-            int32_t step = step_spring(&axes[CRN_APP_ALONG], &app->springs[k][CRN_APP_ALONG],
+            int32_t step = step_spring(&axes[CRN_APP_ALONG], &app->haptics.springs[k][CRN_APP_ALONG],
                                        hand->feed_m_q30, tool->inserted_m_q30);
             int64_t feed = (int64_t)tool->inserted_m_q30 - tool->hand_offset_m_q30 + FOLLOW * step;
             hand->feed_m_q30 = (int32_t)limited(feed, INT32_MAX);
         }
         if (axes[CRN_APP_ABOUT].stiffness > 0) {
             int32_t step =
-                step_spring(&axes[CRN_APP_ABOUT], &app->springs[k][CRN_APP_ABOUT],
+                step_spring(&axes[CRN_APP_ABOUT], &app->haptics.springs[k][CRN_APP_ABOUT],
                             crn_wire_i32_from_u32(hand->turn32), crn_wire_i32_from_u32(tool->base_turn32));
             hand->turn32 = tool->base_turn32 + (uint32_t)(FOLLOW * step);
         }
@@ -151,15 +151,15 @@ static void settle_spring(const crn_app_axis *axis, crn_app_spring *spring, int3
 
 void crn_app_coupling_after(crn_app *app, const crn_output *output)
 {
-    for (uint32_t k = 0; k < app->tool_count; k++) {
-        const crn_app_axis *axes = app->tracks[k].axes;
+    for (uint32_t k = 0; k < app->setup.tool_count; k++) {
+        const crn_app_axis *axes = app->setup.tracks[k].axes;
         const crn_tool_state *tool = &app->core.words.tools[k];
         if (axes[CRN_APP_ALONG].stiffness > 0) {
-            settle_spring(&axes[CRN_APP_ALONG], &app->springs[k][CRN_APP_ALONG], tool->inserted_m_q30,
+            settle_spring(&axes[CRN_APP_ALONG], &app->haptics.springs[k][CRN_APP_ALONG], tool->inserted_m_q30,
                           output->tools[k].axial_N_q22);
         }
         if (axes[CRN_APP_ABOUT].stiffness > 0) {
-            settle_spring(&axes[CRN_APP_ABOUT], &app->springs[k][CRN_APP_ABOUT],
+            settle_spring(&axes[CRN_APP_ABOUT], &app->haptics.springs[k][CRN_APP_ABOUT],
                           crn_wire_i32_from_u32(tool->base_turn32), output->tools[k].torque_N_m_q24);
         }
     }
@@ -169,7 +169,7 @@ void crn_app_coupling_after(crn_app *app, const crn_output *output)
 void crn_app_coupling_reset(crn_app *app)
 {
     for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
-        for (int i = 0; i < 2; i++) app->springs[k][i] = (crn_app_spring){.is_set = false};
-        app->energies[k] = (crn_app_energy){.scale_q16 = 1 << 16};
+        for (int i = 0; i < 2; i++) app->haptics.springs[k][i] = (crn_app_spring){.is_set = false};
+        app->haptics.energies[k] = (crn_app_energy){.scale_q16 = 1 << 16};
     }
 }

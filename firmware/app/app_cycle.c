@@ -62,10 +62,10 @@ static void turn(crn_app_cycle *cycle, bool is_felt, int32_t driven_mN)
 
 bool crn_app_cycle_lasts(crn_app *app, uint32_t k, int32_t moved_counts)
 {
-    crn_app_cycle *cycle = &app->watches[k].cycle;
-    const bool is_felt = app->rig.tracks[k].force_sensor == CRN_PORT_SENSOR_OK;
-    const int32_t driven_mN = app->driven[k].axial_mN, measured_mN = crn_app_force_measured(app, k);
-    const int64_t pm = app->tracks[k].wire.translation_pm_per_count;
+    crn_app_cycle *cycle = &app->safety.watches[k].cycle;
+    const bool is_felt = app->edge.rig.tracks[k].force_sensor == CRN_PORT_SENSOR_OK;
+    const int32_t driven_mN = app->safety.driven[k].axial_mN, measured_mN = crn_app_force_measured(app, k);
+    const int64_t pm = app->setup.tracks[k].wire.translation_pm_per_count;
     const int64_t moved_nm = crn_app_quotient(moved_counts * pm, 1000),
                   two_nm = crn_app_quotient(2 * pm, 1000);
     if (cycle->now.ticks < UINT32_MAX) cycle->now.ticks++;

@@ -18,16 +18,17 @@ static bool fault_stops(crn_fault_code code)
 void crn_app_fault_log(crn_app *app, crn_fault_code code, int32_t value1, int32_t value2)
 {
     uint16_t i = 0;
-    while (i < app->fault_count && app->faults[i].code != code) i++;
-    if (i == app->fault_count && i < CRN_APP_FAULT_MAX) {
-        app->faults[i] = (crn_wire_fault_entry){.code = (uint16_t)code, .tick_first = app->core.words.tick};
-        app->fault_count++;
+    while (i < app->faults.count && app->faults.entries[i].code != code) i++;
+    if (i == app->faults.count && i < CRN_APP_FAULT_MAX) {
+        app->faults.entries[i] =
+            (crn_wire_fault_entry){.code = (uint16_t)code, .tick_first = app->core.words.tick};
+        app->faults.count++;
     }
-    if (i >= app->fault_count) return;
-    if (app->faults[i].count < UINT32_MAX) app->faults[i].count++;
-    app->faults[i].tick_last = app->core.words.tick;
-    app->faults[i].value1 = value1;
-    app->faults[i].value2 = value2;
+    if (i >= app->faults.count) return;
+    if (app->faults.entries[i].count < UINT32_MAX) app->faults.entries[i].count++;
+    app->faults.entries[i].tick_last = app->core.words.tick;
+    app->faults.entries[i].value1 = value1;
+    app->faults.entries[i].value2 = value2;
 }
 
 /* The first fault that stops is the cause that `status` tells; what follows from it is only in the log. */
@@ -36,7 +37,7 @@ void crn_app_fault(crn_app *app, crn_fault_code code, int32_t value1, int32_t va
     crn_app_fault_log(app, code, value1, value2);
     if (fault_stops(code)) {
         crn_app_motors_off(app);
-        if (app->state != CRN_WIRE_STATE_FAULT) app->fault_code = (uint16_t)code;
+        if (app->state != CRN_WIRE_STATE_FAULT) app->faults.stopped_by = (uint16_t)code;
         crn_app_set_state(app, CRN_WIRE_STATE_FAULT);
         crn_app_motors_off(app); /* the lamp */
     }

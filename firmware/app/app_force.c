@@ -54,10 +54,10 @@ bool crn_app_gives_energy(const crn_app_energy *energy)
  * that stays there stops (app_carriage.c). */
 static void observe_energy(crn_app *app, uint32_t k, const crn_hand_pose *hand)
 {
-    crn_app_energy *energy = &app->energies[k];
+    crn_app_energy *energy = &app->haptics.energies[k];
     int32_t way = crn_wire_i32_from_u32((uint32_t)hand->feed_m_q30 - (uint32_t)energy->hand_m_q30);
     int32_t turn = crn_wire_i32_from_u32(hand->turn32 - energy->hand_turn32);
-    int64_t work = energy->is_set ? work_pJ(&app->motors[k], way, turn) : 0;
+    int64_t work = energy->is_set ? work_pJ(&app->haptics.motors[k], way, turn) : 0;
     energy->is_set = true;
     energy->hand_m_q30 = hand->feed_m_q30;
     energy->hand_turn32 = hand->turn32;
@@ -71,7 +71,7 @@ static void observe_energy(crn_app *app, uint32_t k, const crn_hand_pose *hand)
     }
     if (energy->taken_pJ < -2 * given_max_pJ) energy->taken_pJ = -2 * given_max_pJ;
     if (work < 0) energy->scale_q16 = energy->scale_q16 > SCALE_DOWN ? energy->scale_q16 - SCALE_DOWN : 0;
-    app->passivity_ticks++;
+    app->haptics.passivity_ticks++;
     crn_app_fault(app, CRN_FAULT_CODE_PASSIVITY, (int32_t)k,
                   (int32_t)crn_app_quotient(energy->taken_pJ, 1000) / 1000);
 }
@@ -82,12 +82,12 @@ static void observe_energy(crn_app *app, uint32_t k, const crn_hand_pose *hand)
  * with another factor 1000. Overflow: |value| < 2^31, gain <= 4000: below 2^53. */
 static void ask(crn_app *app, uint32_t k, const crn_handle *handle)
 {
-    const crn_app_track *track = &app->tracks[k];
-    const crn_app_spring *springs = app->springs[k];
-    crn_port_motor *motor = &app->motors[k];
+    const crn_app_track *track = &app->setup.tracks[k];
+    const crn_app_spring *springs = app->haptics.springs[k];
+    crn_port_motor *motor = &app->haptics.motors[k];
     bool has_along = track->axes[CRN_APP_ALONG].stiffness > 0,
          has_about = track->axes[CRN_APP_ABOUT].stiffness > 0;
-    const int64_t gain = track->wire.force_gain_milli, scale = app->energies[k].scale_q16;
+    const int64_t gain = track->wire.force_gain_milli, scale = app->haptics.energies[k].scale_q16;
     int32_t axial = has_along ? springs[CRN_APP_ALONG].output : handle->axial_N_q22;
     int32_t torque = has_about ? springs[CRN_APP_ABOUT].output : handle->torque_N_m_q24;
     int64_t axial_mN = crn_rshift_round64(axial * gain, 22);
@@ -114,27 +114,30 @@ static int32_t faded(int32_t value, int32_t from, uint32_t left_ticks)
 /* `hands` are where the hands are, before the coupling. */
 void crn_app_motors_update(crn_app *app, const crn_input *hands, const crn_output *output)
 {
-    bool is_fading = app->mode == CRN_WIRE_MODE_FREE_RUN && app->silent_ticks >= CRN_APP_HOST_SILENT_ticks;
-    uint32_t left = CRN_APP_HOST_SILENT_ticks + CRN_APP_FADE_ticks - app->silent_ticks;
-    for (uint32_t k = 0; k < app->tool_count; k++) {
-        bool has_coupling = app->tracks[k].axes[CRN_APP_ALONG].stiffness > 0 ||
-                            app->tracks[k].axes[CRN_APP_ABOUT].stiffness > 0;
+    bool is_fading =
+        app->mode == CRN_WIRE_MODE_FREE_RUN && app->link.silent_ticks >= CRN_APP_HOST_SILENT_ticks;
+    uint32_t left = CRN_APP_HOST_SILENT_ticks + CRN_APP_FADE_ticks - app->link.silent_ticks;
+    for (uint32_t k = 0; k < app->setup.tool_count; k++) {
+        bool has_coupling = app->setup.tracks[k].axes[CRN_APP_ALONG].stiffness > 0 ||
+                            app->setup.tracks[k].axes[CRN_APP_ABOUT].stiffness > 0;
         if (has_coupling) observe_energy(app, k, &hands->hands[k]);
         ask(app, k, &output->tools[k]);
         if (!is_fading) {
-            app->fade_from[k][0] = app->motors[k].axial_mN;
-            app->fade_from[k][1] = app->motors[k].torque_uN_m;
+            app->haptics.fade_from[k][0] = app->haptics.motors[k].axial_mN;
+            app->haptics.fade_from[k][1] = app->haptics.motors[k].torque_uN_m;
             continue;
         }
-        app->motors[k].axial_mN = faded(app->motors[k].axial_mN, app->fade_from[k][0], left);
-        app->motors[k].torque_uN_m = faded(app->motors[k].torque_uN_m, app->fade_from[k][1], left);
+        app->haptics.motors[k].axial_mN =
+            faded(app->haptics.motors[k].axial_mN, app->haptics.fade_from[k][0], left);
+        app->haptics.motors[k].torque_uN_m =
+            faded(app->haptics.motors[k].torque_uN_m, app->haptics.fade_from[k][1], left);
     }
 }
 
 /* What is asked for begins at nothing again. */
 void crn_app_motors_reset(crn_app *app)
 {
-    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) app->motors[k] = (crn_port_motor){0, 0};
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) app->haptics.motors[k] = (crn_port_motor){0, 0};
 }
 
 /* --- outputs --- */
@@ -150,27 +153,28 @@ static uint8_t lamp(uint8_t state)
  * renders. And it is driven only as far as somebody holds it. */
 static crn_port_motor drive(crn_app *app, uint32_t k)
 {
-    const crn_app_track *track = &app->tracks[k];
-    if (!app->is_driving || k >= app->tool_count) return (crn_port_motor){0, 0};
-    const int32_t asked_mN = track->axes[CRN_APP_ALONG].stiffness > 0 ? app->motors[k].axial_mN : 0;
+    const crn_app_track *track = &app->setup.tracks[k];
+    if (!app->safety.is_driving || k >= app->setup.tool_count) return (crn_port_motor){0, 0};
+    const int32_t asked_mN = track->axes[CRN_APP_ALONG].stiffness > 0 ? app->haptics.motors[k].axial_mN : 0;
     const int32_t bound_mN = crn_app_carriage_bound(app, k, asked_mN);
-    return (crn_port_motor){approach(app->driven[k].axial_mN, limited(asked_mN, -bound_mN, bound_mN),
+    return (crn_port_motor){approach(app->safety.driven[k].axial_mN, limited(asked_mN, -bound_mN, bound_mN),
                                      (int32_t)track->wire.force_slew_mN_per_tick, track->force_limit_mN),
-                            track->axes[CRN_APP_ABOUT].stiffness > 0 ? app->motors[k].torque_uN_m : 0};
+                            track->axes[CRN_APP_ABOUT].stiffness > 0 ? app->haptics.motors[k].torque_uN_m
+                                                                     : 0};
 }
 
 /* Once per edge. While driving: the forces, and one flip of the drive line, which keeps the power stage on
  * for another CRN_PORT_DRIVE_HOLD_ms. */
 void crn_app_outputs_write(crn_app *app)
 {
-    crn_port_outputs outputs = {.enable = app->is_driving, .lamp = lamp(app->state)};
+    crn_port_outputs outputs = {.enable = app->safety.is_driving, .lamp = lamp(app->state)};
     for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
-        outputs.motors[k] = app->driven[k] = drive(app, k);
-        app->watches[k].asked_mN[app->asked_at] = outputs.motors[k].axial_mN;
+        outputs.motors[k] = app->safety.driven[k] = drive(app, k);
+        app->safety.watches[k].asked_mN[app->safety.asked_at] = outputs.motors[k].axial_mN;
     }
-    app->asked_at = (app->asked_at + 1) % CRN_APP_ASKED_ticks;
-    if (app->is_driving) app->drive_level = !app->drive_level;
-    outputs.drive = app->drive_level;
+    app->safety.asked_at = (app->safety.asked_at + 1) % CRN_APP_ASKED_ticks;
+    if (app->safety.is_driving) app->safety.drive_level = !app->safety.drive_level;
+    outputs.drive = app->safety.drive_level;
     app->port->outputs(app->port->context, &outputs);
 }
 
@@ -178,10 +182,10 @@ void crn_app_outputs_write(crn_app *app)
  * was. */
 void crn_app_motors_off(crn_app *app)
 {
-    const crn_port_outputs outputs = {.drive = app->drive_level, .lamp = lamp(app->state)};
-    if (app->is_driving) app->idle_ticks = 0;
-    app->is_driving = app->motors_armed = false;
-    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) app->driven[k] = (crn_port_motor){0, 0};
-    app->arm_code = 0;
+    const crn_port_outputs outputs = {.drive = app->safety.drive_level, .lamp = lamp(app->state)};
+    if (app->safety.is_driving) app->safety.idle_ticks = 0;
+    app->safety.is_driving = app->permission.is_given = false;
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) app->safety.driven[k] = (crn_port_motor){0, 0};
+    app->permission.code = 0;
     app->port->outputs(app->port->context, &outputs);
 }

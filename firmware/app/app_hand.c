@@ -5,12 +5,12 @@
 
 void crn_app_hands_reset(crn_app *app)
 {
-    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) app->hands[k] = (crn_app_hand){false, {0, 0}, 0, 0};
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) app->session.hands[k] = (crn_app_hand){false, {0, 0}, 0, 0};
 }
 
 void crn_app_hands_take_reference(crn_app *app)
 {
-    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) app->hands[k].is_known = false;
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) app->session.hands[k].is_known = false;
 }
 
 /* Difference of two wrapping counters. Format: exact as long as the counter moved by less than 2^31. */
@@ -44,19 +44,20 @@ static crn_fault_code hand_moved(const crn_app_hand *hand, const crn_app_track *
 bool crn_app_hands_update(crn_app *app, const crn_app_encoders *now)
 {
     int32_t moved[CRN_TOOL_MAX][2];
-    for (uint32_t k = 0; k < app->tool_count; k++) {
-        crn_fault_code jump = hand_moved(&app->hands[k], &app->tracks[k], &now->hands[k], moved[k]);
+    for (uint32_t k = 0; k < app->setup.tool_count; k++) {
+        crn_fault_code jump =
+            hand_moved(&app->session.hands[k], &app->setup.tracks[k], &now->hands[k], moved[k]);
         if (jump != CRN_FAULT_CODE_NONE) {
             bool is_turn = jump == CRN_FAULT_CODE_ENCODER_JUMP_ROTATION;
             crn_app_fault(app, jump, (int32_t)k, moved[k][is_turn]);
             return false;
         }
     }
-    for (uint32_t k = 0; k < app->tool_count; k++) {
-        app->hands[k].translation_counts += moved[k][0];
-        app->hands[k].rotation_counts += moved[k][1];
-        app->hands[k].last = now->hands[k];
-        app->hands[k].is_known = true;
+    for (uint32_t k = 0; k < app->setup.tool_count; k++) {
+        app->session.hands[k].translation_counts += moved[k][0];
+        app->session.hands[k].rotation_counts += moved[k][1];
+        app->session.hands[k].last = now->hands[k];
+        app->session.hands[k].is_known = true;
     }
     return true;
 }
@@ -88,9 +89,9 @@ static uint32_t turn32(int64_t counts, uint64_t turn48_per_count)
 void crn_app_hands_input(const crn_app *app, crn_input *input)
 {
     *input = (crn_input){0};
-    for (uint32_t k = 0; k < app->tool_count; k++) {
-        const crn_app_hand *hand = &app->hands[k];
-        const crn_app_track *track = &app->tracks[k];
+    for (uint32_t k = 0; k < app->setup.tool_count; k++) {
+        const crn_app_hand *hand = &app->session.hands[k];
+        const crn_app_track *track = &app->setup.tracks[k];
         input->hands[k].feed_m_q30 = feed_m_q30(hand->translation_counts, track->translation_m_q46_per_count);
         input->hands[k].turn32 = turn32(hand->rotation_counts, track->rotation_turn48_per_count);
     }

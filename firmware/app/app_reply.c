@@ -1,32 +1,34 @@
-/* What goes out: every reply is encoded into app->payload, framed and handed to the port. */
+/* What goes out: every reply is encoded into app->buffers.payload, framed and handed to the port. */
 #include "firmware/app/app_internal.h"
 
 void crn_app_send(crn_app *app, uint16_t type, size_t payload_bytes)
 {
-    app->sequence_out++;
-    if (app->sequence_out == 0) app->sequence_out = 1; /* 0 means "nobody asked" in `answers` */
-    crn_wire_header header = {app->sequence_out, app->answers, type};
-    size_t bytes = crn_wire_frame_encode(&header, app->payload, payload_bytes, app->frame, sizeof app->frame);
+    app->link.sequence_out++;
+    if (app->link.sequence_out == 0) app->link.sequence_out = 1; /* 0 means "nobody asked" in `answers` */
+    crn_wire_header header = {app->link.sequence_out, app->link.answers, type};
+    size_t bytes = crn_wire_frame_encode(&header, app->buffers.payload, payload_bytes, app->buffers.frame,
+                                         sizeof app->buffers.frame);
     CRN_REQUIRE(app, bytes > 0, type);
-    if (bytes == 0 || !app->port->transmit(app->port->context, app->frame, bytes)) app->transmit_dropped++;
+    if (bytes == 0 || !app->port->transmit(app->port->context, app->buffers.frame, bytes))
+        app->link.transmit_dropped++;
 }
 
 /* As crn_app_send, but what found no way out may be offered again: the number of the frame is not used up. */
 bool crn_app_offer(crn_app *app, uint16_t type, size_t payload_bytes)
 {
-    uint16_t before = app->sequence_out;
-    uint32_t dropped = app->transmit_dropped;
+    uint16_t before = app->link.sequence_out;
+    uint32_t dropped = app->link.transmit_dropped;
     crn_app_send(app, type, payload_bytes);
-    if (app->transmit_dropped == dropped) return true;
-    app->transmit_dropped = dropped;
-    app->sequence_out = before;
+    if (app->link.transmit_dropped == dropped) return true;
+    app->link.transmit_dropped = dropped;
+    app->link.sequence_out = before;
     return false;
 }
 
 /* Encode `value` as message `name` and send it. */
 #define SEND(app, name, value)                                                                               \
     do {                                                                                                     \
-        crn_wire_writer writer = crn_wire_writer_make((app)->payload, sizeof(app)->payload);                 \
+        crn_wire_writer writer = crn_wire_writer_make((app)->buffers.payload, sizeof(app)->buffers.payload); \
         bool is_encoded = crn_wire_put_##name(&writer, value);                                               \
         CRN_REQUIRE(app, is_encoded, CRN_WIRE_TYPE_##name);                                                  \
         if (is_encoded) crn_app_send(app, CRN_WIRE_TYPE_##name, writer.length);                              \
@@ -40,25 +42,25 @@ void crn_app_reject(crn_app *app, uint16_t type, uint16_t code, uint32_t detail1
 
 void crn_app_send_status(crn_app *app, uint16_t request_type)
 {
-    const uint32_t *counts = app->decoder.event_counts;
+    const uint32_t *counts = app->link.decoder.event_counts;
     const crn_wire_status status = {
         .request_type = request_type,
         .state = app->state,
         .mode = app->mode,
         .tick = app->core.words.tick,
-        .fault_code = app->fault_code,
+        .fault_code = app->faults.stopped_by,
         .frames_bad = counts[CRN_WIRE_BAD_COBS] + counts[CRN_WIRE_BAD_SIZE] + counts[CRN_WIRE_BAD_CRC] +
                       counts[CRN_WIRE_BAD_LENGTH],
-        .sequence_gaps = app->sequence_gaps,
-        .transmit_dropped = app->transmit_dropped,
-        .motors_armed = app->motors_armed || app->is_driving,
-        .arm_code = app->arm_code,
-        .tick_overruns = app->tick_overruns,
-        .tick_us_max = app->tick_us_max,
+        .sequence_gaps = app->link.sequence_gaps,
+        .transmit_dropped = app->link.transmit_dropped,
+        .motors_armed = app->permission.is_given || app->safety.is_driving,
+        .arm_code = app->permission.code,
+        .tick_overruns = app->clock.tick_overruns,
+        .tick_us_max = app->clock.tick_us_max,
         .ticks_lost = app->queue.ticks_lost,
         .pictures_dropped = app->queue.pictures_dropped,
         .events_lost = app->queue.events_lost,
-        .passivity_ticks = app->passivity_ticks,
+        .passivity_ticks = app->haptics.passivity_ticks,
     };
     SEND(app, status, &status);
 }
@@ -104,7 +106,7 @@ static void put_treatment(const crn_app *app, crn_wire_nodes *nodes)
 
 void crn_app_send_nodes(crn_app *app)
 {
-    crn_wire_nodes *nodes = &app->reply.nodes;
+    crn_wire_nodes *nodes = &app->buffers.reply.nodes;
     uint32_t count = crn_state_free_count(&app->core) + 1;
     uint32_t total = crn_state_node_count(&app->model);
     if (count > total) count = total;
@@ -112,8 +114,8 @@ void crn_app_send_nodes(crn_app *app)
     nodes->tick = app->core.words.tick;
     nodes->heart_phase32 = crn_state_rhythm(&app->core)->heart_phase32;
     nodes->breath_phase32 = crn_state_rhythm(&app->core)->breath_phase32;
-    nodes->inserted_m_q30_count = (uint16_t)app->tool_count;
-    for (uint32_t k = 0; k < app->tool_count; k++)
+    nodes->inserted_m_q30_count = (uint16_t)app->setup.tool_count;
+    for (uint32_t k = 0; k < app->setup.tool_count; k++)
         nodes->inserted_m_q30[k] = crn_state_inserted(&app->core, k);
     put_treatment(app, nodes);
     nodes->positions_count = (uint16_t)count;
@@ -126,7 +128,7 @@ void crn_app_send_nodes(crn_app *app)
 
 void crn_app_send_node_table(crn_app *app)
 {
-    crn_wire_node_table *table = &app->reply.node_table;
+    crn_wire_node_table *table = &app->buffers.reply.node_table;
     uint32_t count = crn_state_node_count(&app->model);
     CRN_REQUIRE(app, count <= CRN_WIRE_MAX_node_table_arcs_m_q30, count);
     if (count > CRN_WIRE_MAX_node_table_arcs_m_q30) count = CRN_WIRE_MAX_node_table_arcs_m_q30;
@@ -137,7 +139,7 @@ void crn_app_send_node_table(crn_app *app)
 
 void crn_app_send_contacts(crn_app *app)
 {
-    crn_wire_contacts *contacts = &app->reply.contacts;
+    crn_wire_contacts *contacts = &app->buffers.reply.contacts;
     uint32_t free_count = crn_state_free_count(&app->core);
     contacts->tick = crn_state_tick(&app->core);
     contacts->contacts_count = 0;
@@ -158,51 +160,51 @@ void crn_app_send_hash64(crn_app *app)
 
 void crn_app_send_fault_log(crn_app *app)
 {
-    crn_wire_fault_log *log = &app->reply.fault_log;
-    log->entries_count = app->fault_count;
-    for (uint16_t i = 0; i < app->fault_count; i++) log->entries[i] = app->faults[i];
+    crn_wire_fault_log *log = &app->buffers.reply.fault_log;
+    log->entries_count = app->faults.count;
+    for (uint16_t i = 0; i < app->faults.count; i++) log->entries[i] = app->faults.entries[i];
     SEND(app, fault_log, log);
 }
 
 /* The ticks gathered so far; starts a new batch. */
 void crn_app_send_ticks(crn_app *app)
 {
-    SEND(app, ticks, &app->ticks);
-    app->ticks.states_count = 0;
+    SEND(app, ticks, &app->buffers.ticks);
+    app->buffers.ticks.states_count = 0;
 }
 
 /* The configuration in force. */
 void crn_app_send_rig(crn_app *app)
 {
     crn_wire_rig rig = {.tracks_count = CRN_TOOL_MAX};
-    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) rig.tracks[k] = app->tracks[k].wire;
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) rig.tracks[k] = app->setup.tracks[k].wire;
     SEND(app, rig, &rig);
 }
 
 void crn_app_send_set_up(crn_app *app)
 {
-    const crn_upload *upload = &app->scene_upload;
+    const crn_upload *upload = &app->setup.scene_upload;
     const crn_wire_set_up set_up = {
-        .scene_bytes = app->has_scene ? app->scene_bytes : 0,
-        .scene_crc32 = app->has_scene ? app->scene_crc32 : 0,
+        .scene_bytes = app->setup.has_scene ? app->setup.scene_bytes : 0,
+        .scene_crc32 = app->setup.has_scene ? app->setup.scene_crc32 : 0,
         .upload_bytes = upload->open ? upload->expected_bytes : 0,
         .upload_crc32 = upload->open ? upload->crc32 : 0,
         .upload_received = upload->open ? upload->received_bytes : 0,
-        .tool_count = (uint16_t)app->tool_count,
-        .tools_crc32 = app->tools_crc32,
-        .has_entry = app->has_entry,
-        .entry_crc32 = app->entry_crc32,
+        .tool_count = (uint16_t)app->setup.tool_count,
+        .tools_crc32 = app->setup.tools_crc32,
+        .has_entry = app->setup.has_entry,
+        .entry_crc32 = app->setup.entry_crc32,
     };
     SEND(app, set_up, &set_up);
 }
 
 static crn_wire_track_sensors track_sensors(const crn_app *app, uint32_t k)
 {
-    const crn_port_track *track = &app->rig.tracks[k];
-    const crn_port_motor motor = app->driven[k];
+    const crn_port_track *track = &app->edge.rig.tracks[k];
+    const crn_port_motor motor = app->safety.driven[k];
     return (crn_wire_track_sensors){
-        .translation_counts = app->rig.hands[k].translation_counts,
-        .rotation_counts = app->rig.hands[k].rotation_counts,
+        .translation_counts = app->edge.rig.hands[k].translation_counts,
+        .rotation_counts = app->edge.rig.hands[k].rotation_counts,
         .force_raw = track->force_raw,
         .force_mN = crn_app_force_measured(app, k),
         .translation_sensor = track->translation_sensor,
@@ -216,10 +218,10 @@ static crn_wire_track_sensors track_sensors(const crn_app *app, uint32_t k)
 
 void crn_app_send_sensors(crn_app *app)
 {
-    const crn_port_inputs *rig = &app->rig;
+    const crn_port_inputs *rig = &app->edge.rig;
     crn_wire_sensors sensors = {
         .tick = app->core.words.tick,
-        .has_rig = app->has_rig,
+        .has_rig = app->edge.has_rig,
         .tracks_count = CRN_TOOL_MAX,
         .syringe_counts = rig->syringe_counts,
         .inflator_raw = rig->inflator_raw,

@@ -238,16 +238,16 @@ void crn_app_rig_take(crn_app *app, const crn_wire_rig *wire)
     crn_app_track candidates[CRN_TOOL_MAX];
     CRN_REJECT_IF(app, type, app->state != CRN_WIRE_STATE_READY, CRN_REJECT_WRONG_STATE, app->state, 0);
     CRN_REJECT_IF(app, type, wire->tracks_count == 0, CRN_REJECT_TOOL_COUNT, 0, CRN_TOOL_MAX);
-    bool is_unlocked = app->has_rig && app->rig.local_unlock;
+    bool is_unlocked = app->edge.has_rig && app->edge.rig.local_unlock;
     bool has_motors = (app->port->capabilities & CRN_WIRE_CAPABILITY_MOTORS) != 0;
     const track_rights rights = {.raises_limits = is_unlocked, .states_all = is_unlocked || !has_motors};
     for (uint16_t k = 0; k < wire->tracks_count; k++) {
         uint32_t field = 0;
-        candidates[k] = app->tracks[k];
+        candidates[k] = app->setup.tracks[k];
         bool ok = track_set(&candidates[k], &wire->tracks[k], rights, &field);
         CRN_REJECT_IF(app, type, !ok, CRN_REJECT_RIG_RANGE, k, field);
     }
-    for (uint16_t k = 0; k < wire->tracks_count; k++) app->tracks[k] = candidates[k];
+    for (uint16_t k = 0; k < wire->tracks_count; k++) app->setup.tracks[k] = candidates[k];
     crn_app_send_status(app, type);
 }
 

@@ -16,11 +16,11 @@ void crn_app_log_core_faults(crn_app *app, uint32_t bits)
         {CRN_FAULT_INSERT_END, CRN_FAULT_CODE_CORE_INSERT_END},
         {CRN_FAULT_OUTSIDE, CRN_FAULT_CODE_CORE_OUTSIDE},
     };
-    uint32_t news = bits & ~app->core_faults_seen;
+    uint32_t news = bits & ~app->faults.core_bits_seen;
     for (size_t i = 0; news != 0 && i < sizeof map / sizeof map[0]; i++) {
         if (news & map[i].bit) crn_app_fault(app, map[i].code, 0, 0);
     }
-    app->core_faults_seen |= bits;
+    app->faults.core_bits_seen |= bits;
 }
 
 static crn_wire_tool_state tool_state(const crn_handle *handle, const crn_port_motor *motor)
@@ -46,7 +46,7 @@ static void note_tick(const crn_app *app, const crn_output *output, crn_wire_tic
         .tick = output->tick,
         .hash_lane0 = output->hash_lane[0],
         .hash_lane1 = output->hash_lane[1],
-        .tools_count = (uint16_t)app->tool_count,
+        .tools_count = (uint16_t)app->setup.tool_count,
         .lead_tool = output->lead_tool,
         .penetration_max_m_q30 = output->penetration_max_m_q30,
         .strain_max_q30 = output->strain_max_q30,
@@ -64,8 +64,8 @@ static void note_tick(const crn_app *app, const crn_output *output, crn_wire_tic
         .balloon_diameter_min_um = um_from_q30(2 * output->balloon_radius_min_m_q30),
         .balloon_wall_mN = (uint32_t)(((int64_t)output->balloon_wall_N_q22 * 1000) >> 22),
     };
-    for (uint32_t k = 0; k < app->tool_count; k++) {
-        state->tools[k] = tool_state(&output->tools[k], &app->motors[k]);
+    for (uint32_t k = 0; k < app->setup.tool_count; k++) {
+        state->tools[k] = tool_state(&output->tools[k], &app->haptics.motors[k]);
     }
 }
 
@@ -82,8 +82,8 @@ static bool tick(crn_app *app, const crn_app_encoders *encoders, const crn_app_w
     crn_input hands, input;
     if (encoders != NULL && !crn_app_hands_update(app, encoders)) return false;
     crn_app_hands_input(app, &hands);
-    if (encoders != NULL) app->inflator_raw = encoders->inflator_raw;
-    hands.inflator_Pa = kPa_of(app->inflator_raw) * 1000;
+    if (encoders != NULL) app->session.inflator_raw = encoders->inflator_raw;
+    hands.inflator_Pa = kPa_of(app->session.inflator_raw) * 1000;
     hands.rhythm = order->rhythm;
     hands.scaffold = order->scaffold;
     hands.strut = order->strut;
@@ -98,17 +98,17 @@ static bool tick(crn_app *app, const crn_app_encoders *encoders, const crn_app_w
 
 static void stop_when_due(crn_app *app)
 {
-    if (!app->has_stop || app->core.words.tick < app->stop_tick) return;
+    if (!app->session.has_stop || app->core.words.tick < app->session.stop_tick) return;
     crn_app_notice(app, CRN_WIRE_EVENT_COMMAND, CRN_WIRE_ACTION_STOP, 1, 0);
     crn_app_stop(app);
 }
 
 static void note_buttons(crn_app *app, uint32_t buttons)
 {
-    if (buttons == app->buttons) return;
+    if (buttons == app->session.buttons) return;
     crn_app_notice(app, CRN_WIRE_EVENT_BUTTONS, 0, crn_wire_i32_from_u32(buttons),
-                   crn_wire_i32_from_u32(app->buttons));
-    app->buttons = buttons;
+                   crn_wire_i32_from_u32(app->session.buttons));
+    app->session.buttons = buttons;
 }
 
 static crn_app_encoders encoders_from_wire(const crn_wire_encoders *wire)
@@ -170,7 +170,7 @@ static uint16_t order_from_wire(const crn_app *app, const crn_wire_encoders *wir
 void crn_app_step(crn_app *app, const uint8_t *payload, size_t length)
 {
     const uint16_t type = CRN_WIRE_TYPE_step;
-    crn_wire_step *step = &app->request.step;
+    crn_wire_step *step = &app->buffers.request.step;
     CRN_REJECT_IF(app, type, !crn_wire_decode_step(payload, length, step), CRN_REJECT_MALFORMED, length,
                   CRN_WIRE_BYTES_step);
     CRN_REJECT_IF(app, type, app->mode != CRN_WIRE_MODE_LOCKSTEP, CRN_REJECT_WRONG_MODE, app->mode, 0);
@@ -178,14 +178,14 @@ void crn_app_step(crn_app *app, const uint8_t *payload, size_t length)
     CRN_REJECT_IF(app, type, step->tick != app->core.words.tick, CRN_REJECT_WRONG_TICK, app->core.words.tick,
                   step->tick);
     for (uint16_t i = 0; i < step->inputs_count; i++) {
-        CRN_REJECT_IF(app, type, step->inputs[i].hands_count != app->tool_count, CRN_REJECT_TOOL_COUNT,
-                      step->inputs[i].hands_count, app->tool_count);
+        CRN_REJECT_IF(app, type, step->inputs[i].hands_count != app->setup.tool_count, CRN_REJECT_TOOL_COUNT,
+                      step->inputs[i].hands_count, app->setup.tool_count);
         crn_app_wish order;
         uint16_t values[2];
         const uint16_t fault = order_from_wire(app, &step->inputs[i], &order, values);
         CRN_REJECT_IF(app, type, fault != CRN_REJECT_NONE, fault, values[0], values[1]);
     }
-    app->ticks.states_count = 0;
+    app->buffers.ticks.states_count = 0;
     for (uint16_t i = 0; i < step->inputs_count && app->state == CRN_WIRE_STATE_RUNNING; i++) {
         const crn_app_encoders encoders = encoders_from_wire(&step->inputs[i]);
         crn_output output;
@@ -194,7 +194,7 @@ void crn_app_step(crn_app *app, const uint8_t *payload, size_t length)
         (void)order_from_wire(app, &step->inputs[i], &order, values);
         note_buttons(app, encoders.buttons);
         if (!tick(app, &encoders, &order, &output)) break;
-        note_tick(app, &output, &app->ticks.states[app->ticks.states_count++]);
+        note_tick(app, &output, &app->buffers.ticks.states[app->buffers.ticks.states_count++]);
         if (output.tick % CRN_APP_HASH64_EVERY_ticks == 0) crn_app_send_hash64(app);
         stop_when_due(app);
     }
@@ -209,8 +209,8 @@ void crn_app_input(crn_app *app, const uint8_t *payload, size_t length)
     crn_wire_input input;
     CRN_REJECT_IF(app, CRN_WIRE_TYPE_input, !crn_wire_decode_input(payload, length, &input),
                   CRN_REJECT_MALFORMED, length, CRN_WIRE_BYTES_input);
-    CRN_REJECT_IF(app, CRN_WIRE_TYPE_input, input.encoders.hands_count != app->tool_count,
-                  CRN_REJECT_TOOL_COUNT, input.encoders.hands_count, app->tool_count);
+    CRN_REJECT_IF(app, CRN_WIRE_TYPE_input, input.encoders.hands_count != app->setup.tool_count,
+                  CRN_REJECT_TOOL_COUNT, input.encoders.hands_count, app->setup.tool_count);
     CRN_REJECT_IF(app, CRN_WIRE_TYPE_input,
                   input.encoders.rhythm_action != 0 || input.encoders.rhythm_value != 0,
                   CRN_REJECT_RHYTHM_RANGE, input.encoders.rhythm_action, input.encoders.rhythm_value);
@@ -218,8 +218,8 @@ void crn_app_input(crn_app *app, const uint8_t *payload, size_t length)
                   input.encoders.scaffold_lesion, input.encoders.scaffold_last);
     CRN_REJECT_IF(app, CRN_WIRE_TYPE_input, input.encoders.strut_number != 0, CRN_REJECT_STRUT_RANGE,
                   input.encoders.strut_number, input.encoders.strut_inside_um);
-    app->mailbox = encoders_from_wire(&input.encoders);
-    app->has_mailbox = true;
+    app->session.mailbox = encoders_from_wire(&input.encoders);
+    app->session.has_mailbox = true;
 }
 
 /* An `input` may be repeated or dropped, a request to heart and breath may not: it waits for its tick. */
@@ -234,9 +234,9 @@ void crn_app_rhythm(crn_app *app, const uint8_t *payload, size_t length)
     const crn_rhythm_order order = {wire.action, wire.value};
     CRN_REJECT_IF(app, type, order.action == CRN_RHYTHM_KEEP || !crn_rhythm_order_is_valid(&order),
                   CRN_REJECT_RHYTHM_RANGE, order.action, order.value);
-    CRN_REJECT_IF(app, type, app->order_count == CRN_APP_RHYTHM_QUEUE, CRN_REJECT_RHYTHM_FULL, order.action,
-                  order.value);
-    app->orders[app->order_count++] = (crn_app_wish){.rhythm = order};
+    CRN_REJECT_IF(app, type, app->session.order_count == CRN_APP_RHYTHM_QUEUE, CRN_REJECT_RHYTHM_FULL,
+                  order.action, order.value);
+    app->session.orders[app->session.order_count++] = (crn_app_wish){.rhythm = order};
     crn_app_send_status(app, type);
 }
 
@@ -252,9 +252,9 @@ void crn_app_scaffold(crn_app *app, const uint8_t *payload, size_t length)
     crn_app_wish order = {.rhythm = {0, 0}};
     CRN_REJECT_IF(app, type, wire.lesion == 0 || !scaffold_from_wire(app, &wire, &order.scaffold),
                   CRN_REJECT_SCAFFOLD_RANGE, wire.lesion, wire.last);
-    CRN_REJECT_IF(app, type, app->order_count == CRN_APP_RHYTHM_QUEUE, CRN_REJECT_RHYTHM_FULL, wire.lesion,
-                  wire.last);
-    app->orders[app->order_count++] = order;
+    CRN_REJECT_IF(app, type, app->session.order_count == CRN_APP_RHYTHM_QUEUE, CRN_REJECT_RHYTHM_FULL,
+                  wire.lesion, wire.last);
+    app->session.orders[app->session.order_count++] = order;
     crn_app_send_status(app, type);
 }
 
@@ -269,18 +269,20 @@ void crn_app_strut(crn_app *app, const uint8_t *payload, size_t length)
     const crn_app_wish order = {.strut = strut_from_wire(&wire)};
     CRN_REJECT_IF(app, type, wire.number == 0 || !crn_strut_order_is_valid(&order.strut),
                   CRN_REJECT_STRUT_RANGE, wire.number, wire.inside_um);
-    CRN_REJECT_IF(app, type, app->order_count == CRN_APP_RHYTHM_QUEUE, CRN_REJECT_RHYTHM_FULL, wire.number,
-                  wire.inside_um);
-    app->orders[app->order_count++] = order;
+    CRN_REJECT_IF(app, type, app->session.order_count == CRN_APP_RHYTHM_QUEUE, CRN_REJECT_RHYTHM_FULL,
+                  wire.number, wire.inside_um);
+    app->session.orders[app->session.order_count++] = order;
     crn_app_send_status(app, type);
 }
 
 /* The order of this tick of FREE_RUN. */
 static crn_app_wish next_order(crn_app *app)
 {
-    const crn_app_wish none = {.rhythm = {0, 0}}, order = app->order_count > 0 ? app->orders[0] : none;
-    for (uint32_t i = 1; i < app->order_count; i++) app->orders[i - 1] = app->orders[i];
-    if (app->order_count > 0) app->order_count--;
+    const crn_app_wish none = {.rhythm = {0, 0}},
+                       order = app->session.order_count > 0 ? app->session.orders[0] : none;
+    for (uint32_t i = 1; i < app->session.order_count; i++)
+        app->session.orders[i - 1] = app->session.orders[i];
+    if (app->session.order_count > 0) app->session.order_count--;
     return order;
 }
 
@@ -294,16 +296,16 @@ static crn_app_encoders encoders_from_rig(const crn_port_inputs *rig)
 
 static void count_silence(crn_app *app)
 {
-    if (app->silent_ticks >= CRN_APP_HOST_SILENT_ticks + CRN_APP_FADE_ticks) return;
-    if (++app->silent_ticks != CRN_APP_HOST_SILENT_ticks) return;
+    if (app->link.silent_ticks >= CRN_APP_HOST_SILENT_ticks + CRN_APP_FADE_ticks) return;
+    if (++app->link.silent_ticks != CRN_APP_HOST_SILENT_ticks) return;
     crn_app_fault(app, CRN_FAULT_CODE_HOST_SILENT, CRN_APP_HOST_SILENT_ticks, 0);
     crn_app_notice(app, CRN_WIRE_EVENT_HOST, 1, 0, 0);
 }
 
 static uint16_t fade_milli(const crn_app *app)
 {
-    if (app->silent_ticks < CRN_APP_HOST_SILENT_ticks) return 1000;
-    uint32_t left = CRN_APP_HOST_SILENT_ticks + CRN_APP_FADE_ticks - app->silent_ticks;
+    if (app->link.silent_ticks < CRN_APP_HOST_SILENT_ticks) return 1000;
+    uint32_t left = CRN_APP_HOST_SILENT_ticks + CRN_APP_FADE_ticks - app->link.silent_ticks;
     return (uint16_t)(left * 1000 / CRN_APP_FADE_ticks);
 }
 
@@ -331,11 +333,11 @@ static void note_live(crn_app *app, const crn_app_encoders *encoders, const crn_
         live->input.strut_inside_um = (uint16_t)order->strut.inside_um;
         live->input.strut_thickness_um = (uint16_t)order->strut.thickness_um;
     }
-    live->input.inflator_raw = app->inflator_raw;
-    live->input.hands_count = (uint16_t)app->tool_count;
-    live->force_measured_mN_count = (uint16_t)app->tool_count;
-    for (uint32_t k = 0; k < app->tool_count; k++) {
-        const crn_port_hand *last = &app->hands[k].last;
+    live->input.inflator_raw = app->session.inflator_raw;
+    live->input.hands_count = (uint16_t)app->setup.tool_count;
+    live->force_measured_mN_count = (uint16_t)app->setup.tool_count;
+    for (uint32_t k = 0; k < app->setup.tool_count; k++) {
+        const crn_port_hand *last = &app->session.hands[k].last;
         live->input.hands[k] = (crn_wire_hand){last->translation_counts, last->rotation_counts};
         live->force_measured_mN[k] = crn_app_force_measured(app, k);
     }
@@ -344,16 +346,16 @@ static void note_live(crn_app *app, const crn_app_encoders *encoders, const crn_
         live->input.syringe_counts = encoders->syringe_counts;
     }
     if (encoders != NULL) live->flags |= CRN_WIRE_LIVE_HANDS;
-    if (app->is_driving) live->flags |= CRN_WIRE_LIVE_POWERED;
-    if (app->was_late) live->flags |= CRN_WIRE_LIVE_LATE;
+    if (app->safety.is_driving) live->flags |= CRN_WIRE_LIVE_POWERED;
+    if (app->clock.was_late) live->flags |= CRN_WIRE_LIVE_LATE;
 }
 
 static void free_run_tick(crn_app *app)
 {
     crn_output output;
     count_silence(app);
-    crn_app_encoders encoders = app->has_rig ? encoders_from_rig(&app->rig) : app->mailbox;
-    const crn_app_encoders *told = app->has_rig || app->has_mailbox ? &encoders : NULL;
+    crn_app_encoders encoders = app->edge.has_rig ? encoders_from_rig(&app->edge.rig) : app->session.mailbox;
+    const crn_app_encoders *told = app->edge.has_rig || app->session.has_mailbox ? &encoders : NULL;
     if (told != NULL) note_buttons(app, told->buttons);
     const crn_app_wish order = next_order(app);
     if (!tick(app, told, &order, &output)) return;
@@ -364,11 +366,11 @@ static void free_run_tick(crn_app *app)
 
 void crn_app_timer(crn_app *app)
 {
-    app->answers = 0;
+    app->link.answers = 0;
     const bool was_running = app->state == CRN_WIRE_STATE_RUNNING; /* before anything may end it */
     crn_app_clock_begin(app);
-    app->has_rig = app->port->inputs(app->port->context, &app->rig);
-    if (!app->has_rig) app->rig = (crn_port_inputs){.supply_good = false};
+    app->edge.has_rig = app->port->inputs(app->port->context, &app->edge.rig);
+    if (!app->edge.has_rig) app->edge.rig = (crn_port_inputs){.supply_good = false};
     crn_app_safety_check(app);
     bool is_ticking = app->mode == CRN_WIRE_MODE_FREE_RUN && app->state == CRN_WIRE_STATE_RUNNING;
     if (is_ticking) free_run_tick(app);

@@ -12,10 +12,10 @@ void crn_app_scene_begin(crn_app *app, const uint8_t *payload, size_t length)
     CRN_REJECT_IF(app, type, app->state != CRN_WIRE_STATE_READY, CRN_REJECT_WRONG_STATE, app->state, 0);
     CRN_REJECT_IF(app, type, begin.scene_bytes > app->port->scene_slot_bytes, CRN_REJECT_SCENE_SIZE,
                   begin.scene_bytes, app->port->scene_slot_bytes);
-    crn_upload *upload = &app->scene_upload;
+    crn_upload *upload = &app->setup.scene_upload;
     bool is_same =
         upload->open && upload->expected_bytes == begin.scene_bytes && upload->crc32 == begin.crc32;
-    if (begin.scene_bytes == 0) app->has_scene = false;
+    if (begin.scene_bytes == 0) app->setup.has_scene = false;
     if (!is_same) *upload = (crn_upload){begin.scene_bytes, 0, begin.crc32, begin.scene_bytes > 0};
     crn_app_send_status(app, type);
 }
@@ -25,8 +25,8 @@ void crn_app_scene_begin(crn_app *app, const uint8_t *payload, size_t length)
 void crn_app_scene_chunk(crn_app *app, const uint8_t *payload, size_t length)
 {
     const uint16_t type = CRN_WIRE_TYPE_scene_chunk;
-    crn_wire_scene_chunk *chunk = &app->request.scene_chunk;
-    crn_upload *upload = &app->scene_upload;
+    crn_wire_scene_chunk *chunk = &app->buffers.request.scene_chunk;
+    crn_upload *upload = &app->setup.scene_upload;
     CRN_REJECT_IF(app, type, !crn_wire_decode_scene_chunk(payload, length, chunk), CRN_REJECT_MALFORMED,
                   length, CRN_WIRE_BYTES_scene_chunk);
     CRN_REJECT_IF(app, type, app->state != CRN_WIRE_STATE_READY, CRN_REJECT_WRONG_STATE, app->state, 0);
@@ -34,7 +34,7 @@ void crn_app_scene_chunk(crn_app *app, const uint8_t *payload, size_t length)
                   !upload->open || chunk->offset != upload->received_bytes ||
                       chunk->data_count > upload->expected_bytes - upload->received_bytes,
                   CRN_REJECT_SCENE_ORDER, upload->received_bytes, chunk->offset);
-    uint8_t *staged = app->port->scene_slots[1 - app->scene_slot];
+    uint8_t *staged = app->port->scene_slots[1 - app->setup.scene_slot];
     for (uint16_t i = 0; i < chunk->data_count; i++) staged[upload->received_bytes++] = chunk->data[i];
 }
 
@@ -46,22 +46,22 @@ void crn_app_scene_end(crn_app *app, const uint8_t *payload, size_t length)
     CRN_REJECT_IF(app, type, !crn_wire_decode_scene_end(payload, length, &end), CRN_REJECT_MALFORMED, length,
                   CRN_WIRE_BYTES_scene_end);
     CRN_REJECT_IF(app, type, app->state != CRN_WIRE_STATE_READY, CRN_REJECT_WRONG_STATE, app->state, 0);
-    crn_upload upload = app->scene_upload;
-    app->scene_upload.open = false;
+    crn_upload upload = app->setup.scene_upload;
+    app->setup.scene_upload.open = false;
     CRN_REJECT_IF(app, type,
                   !upload.open || upload.received_bytes != upload.expected_bytes ||
                       end.scene_bytes != upload.expected_bytes,
                   CRN_REJECT_SCENE_ORDER, upload.received_bytes, upload.expected_bytes);
-    const uint8_t *staged = app->port->scene_slots[1 - app->scene_slot];
+    const uint8_t *staged = app->port->scene_slots[1 - app->setup.scene_slot];
     uint32_t crc = crn_wire_crc32(0, staged, upload.received_bytes);
     CRN_REJECT_IF(app, type, crc != upload.crc32, CRN_REJECT_SCENE_CRC, crc, upload.crc32);
-    uint32_t status =
-        crn_app_lumen_open(staged, upload.received_bytes, &app->lumen, &app->motion, app->lesions);
+    uint32_t status = crn_app_lumen_open(staged, upload.received_bytes, &app->setup.lumen, &app->setup.motion,
+                                         app->setup.lesions);
     CRN_REJECT_IF(app, type, status != 0, CRN_REJECT_SCENE_INVALID, status, 0);
-    app->scene_slot = (uint8_t)(1 - app->scene_slot);
-    app->has_scene = true;
-    app->scene_bytes = upload.expected_bytes;
-    app->scene_crc32 = crc;
+    app->setup.scene_slot = (uint8_t)(1 - app->setup.scene_slot);
+    app->setup.has_scene = true;
+    app->setup.scene_bytes = upload.expected_bytes;
+    app->setup.scene_crc32 = crc;
     crn_app_send_status(app, type);
 }
 
@@ -132,12 +132,12 @@ static const crn_entry neutral_entry = {{{0, 0, 0}}, {{0, CRN_ONE_Q30, 0}}};
 void crn_app_tools(crn_app *app, const uint8_t *payload, size_t length)
 {
     const uint16_t type = CRN_WIRE_TYPE_tools;
-    crn_wire_tools *wire = &app->request.tools;
+    crn_wire_tools *wire = &app->buffers.request.tools;
     CRN_REJECT_IF(app, type, !crn_wire_decode_tools(payload, length, wire), CRN_REJECT_MALFORMED, length,
                   CRN_WIRE_BYTES_tools);
     CRN_REJECT_IF(app, type, app->state != CRN_WIRE_STATE_READY, CRN_REJECT_WRONG_STATE, app->state, 0);
     CRN_REJECT_IF(app, type, wire->tools_count == 0, CRN_REJECT_TOOL_COUNT, 0, CRN_TOOL_MAX);
-    crn_instrument *candidates = app->reply.tools;
+    crn_instrument *candidates = app->buffers.reply.tools;
     for (uint16_t k = 0; k < wire->tools_count; k++) tool_from_wire(&wire->tools[k], &candidates[k]);
     crn_build_place place = {0, 0};
     crn_build_status status =
@@ -146,10 +146,11 @@ void crn_app_tools(crn_app *app, const uint8_t *payload, size_t length)
         crn_app_reject_build(app, type, status, &place);
         return;
     }
-    for (uint16_t k = 0; k < wire->tools_count; k++) app->tools[k] = candidates[k];
-    app->tool_count = wire->tools_count;
-    app->tools_crc32 = crn_wire_crc32(0, payload, length);
-    if (app->inserted_count != app->tool_count) app->has_entry = false; /* its lengths were for other tools */
+    for (uint16_t k = 0; k < wire->tools_count; k++) app->setup.tools[k] = candidates[k];
+    app->setup.tool_count = wire->tools_count;
+    app->setup.tools_crc32 = crn_wire_crc32(0, payload, length);
+    if (app->setup.inserted_count != app->setup.tool_count)
+        app->setup.has_entry = false; /* its lengths were for other tools */
     crn_app_send_status(app, type);
 }
 
@@ -160,24 +161,24 @@ void crn_app_entry(crn_app *app, const uint8_t *payload, size_t length)
     CRN_REJECT_IF(app, type, !crn_wire_decode_entry(payload, length, &wire), CRN_REJECT_MALFORMED, length,
                   CRN_WIRE_BYTES_entry);
     CRN_REJECT_IF(app, type, app->state != CRN_WIRE_STATE_READY, CRN_REJECT_WRONG_STATE, app->state, 0);
-    CRN_REJECT_IF(app, type, app->tool_count == 0, CRN_REJECT_SET_UP_MISSING, 0, 0);
-    CRN_REJECT_IF(app, type, wire.inserted_um_count != app->tool_count, CRN_REJECT_TOOL_COUNT,
-                  wire.inserted_um_count, app->tool_count);
+    CRN_REJECT_IF(app, type, app->setup.tool_count == 0, CRN_REJECT_SET_UP_MISSING, 0, 0);
+    CRN_REJECT_IF(app, type, wire.inserted_um_count != app->setup.tool_count, CRN_REJECT_TOOL_COUNT,
+                  wire.inserted_um_count, app->setup.tool_count);
     const crn_entry candidate = {
         crn_vec3_make(wire.position_x_m_q30, wire.position_y_m_q30, wire.position_z_m_q30),
         crn_vec3_make(wire.direction_x_q30, wire.direction_y_q30, wire.direction_z_q30),
     };
     crn_build_place place = {0, 0};
     crn_build_status status =
-        crn_model_build(&app->model, app->tools, app->tool_count, NULL, &candidate, &place);
+        crn_model_build(&app->model, app->setup.tools, app->setup.tool_count, NULL, &candidate, &place);
     if (status != CRN_BUILD_OK) {
         crn_app_reject_build(app, type, status, &place);
         return;
     }
-    app->entry = candidate;
-    for (uint16_t k = 0; k < wire.inserted_um_count; k++) app->inserted_um[k] = wire.inserted_um[k];
-    app->inserted_count = wire.inserted_um_count;
-    app->has_entry = true;
-    app->entry_crc32 = crn_wire_crc32(0, payload, length);
+    app->setup.entry = candidate;
+    for (uint16_t k = 0; k < wire.inserted_um_count; k++) app->setup.inserted_um[k] = wire.inserted_um[k];
+    app->setup.inserted_count = wire.inserted_um_count;
+    app->setup.has_entry = true;
+    app->setup.entry_crc32 = crn_wire_crc32(0, payload, length);
     crn_app_send_status(app, type);
 }

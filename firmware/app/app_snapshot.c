@@ -41,46 +41,46 @@ static void save_coupling(crn_wire_writer *writer, const crn_app_spring springs[
 
 static void save(crn_app *app)
 {
-    crn_wire_writer writer = crn_wire_writer_make(app->snapshot, CRN_APP_SNAPSHOT_HEAD_BYTES);
+    crn_wire_writer writer = crn_wire_writer_make(app->buffers.snapshot, CRN_APP_SNAPSHOT_HEAD_BYTES);
     crn_wire_write(&writer, SNAPSHOT_VERSION, 4);
     crn_wire_write(&writer, crn_state_tick(&app->core), 4);
-    crn_wire_write(&writer, app->tool_count, 4);
+    crn_wire_write(&writer, app->setup.tool_count, 4);
     for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
-        save_tool(&writer, &app->hands[k], &app->motors[k]);
-        save_coupling(&writer, app->springs[k], &app->energies[k]);
+        save_tool(&writer, &app->session.hands[k], &app->haptics.motors[k]);
+        save_coupling(&writer, app->haptics.springs[k], &app->haptics.energies[k]);
     }
     CRN_REQUIRE(app, !writer.overflowed && writer.length == CRN_APP_SNAPSHOT_HEAD_BYTES, writer.length);
     CRN_REQUIRE(app, crn_state_bytes() == sizeof(crn_state_words), crn_state_bytes());
-    crn_state_save(&app->core, app->snapshot + CRN_APP_SNAPSHOT_HEAD_BYTES);
+    crn_state_save(&app->core, app->buffers.snapshot + CRN_APP_SNAPSHOT_HEAD_BYTES);
 }
 
 static void send_chunk(crn_app *app, uint32_t offset)
 {
-    crn_wire_snapshot_chunk *chunk = &app->reply.snapshot_chunk;
+    crn_wire_snapshot_chunk *chunk = &app->buffers.reply.snapshot_chunk;
     uint32_t left = CRN_APP_SNAPSHOT_BYTES - offset;
     uint32_t count = left < CRN_WIRE_MAX_snapshot_chunk_data ? left : CRN_WIRE_MAX_snapshot_chunk_data;
     chunk->offset = offset;
     chunk->data_count = (uint16_t)count;
-    for (uint32_t i = 0; i < count; i++) chunk->data[i] = app->snapshot[offset + i];
-    crn_wire_writer writer = crn_wire_writer_make(app->payload, sizeof app->payload);
+    for (uint32_t i = 0; i < count; i++) chunk->data[i] = app->buffers.snapshot[offset + i];
+    crn_wire_writer writer = crn_wire_writer_make(app->buffers.payload, sizeof app->buffers.payload);
     crn_wire_put_snapshot_chunk(&writer, chunk);
     crn_app_send(app, CRN_WIRE_TYPE_snapshot_chunk, writer.length);
 }
 
 void crn_app_snapshot_send(crn_app *app)
 {
-    app->snapshot_upload.open = false; /* the buffer is shared with an upload in progress */
+    app->session.snapshot_upload.open = false; /* the buffer is shared with an upload in progress */
     save(app);
     const crn_wire_snapshot_begin begin = {crn_state_tick(&app->core), CRN_APP_SNAPSHOT_BYTES,
-                                           crn_wire_crc32(0, app->snapshot, CRN_APP_SNAPSHOT_BYTES)};
-    crn_wire_writer writer = crn_wire_writer_make(app->payload, sizeof app->payload);
+                                           crn_wire_crc32(0, app->buffers.snapshot, CRN_APP_SNAPSHOT_BYTES)};
+    crn_wire_writer writer = crn_wire_writer_make(app->buffers.payload, sizeof app->buffers.payload);
     crn_wire_put_snapshot_begin(&writer, &begin);
     crn_app_send(app, CRN_WIRE_TYPE_snapshot_begin, writer.length);
     for (uint32_t offset = 0; offset < CRN_APP_SNAPSHOT_BYTES; offset += CRN_WIRE_MAX_snapshot_chunk_data) {
         send_chunk(app, offset);
     }
     const crn_wire_snapshot_end end = {CRN_APP_SNAPSHOT_BYTES};
-    writer = crn_wire_writer_make(app->payload, sizeof app->payload);
+    writer = crn_wire_writer_make(app->buffers.payload, sizeof app->buffers.payload);
     crn_wire_put_snapshot_end(&writer, &end);
     crn_app_send(app, CRN_WIRE_TYPE_snapshot_end, writer.length);
 }
@@ -100,22 +100,23 @@ void crn_app_snapshot_begin(crn_app *app, const uint8_t *payload, size_t length)
     CRN_REJECT_IF(app, type, !may_restore(app), CRN_REJECT_WRONG_STATE, app->state, app->mode);
     CRN_REJECT_IF(app, type, begin.snapshot_bytes != CRN_APP_SNAPSHOT_BYTES, CRN_REJECT_SNAPSHOT_INVALID,
                   begin.snapshot_bytes, CRN_APP_SNAPSHOT_BYTES);
-    app->snapshot_upload = (crn_upload){begin.snapshot_bytes, 0, begin.crc32, true};
+    app->session.snapshot_upload = (crn_upload){begin.snapshot_bytes, 0, begin.crc32, true};
     crn_app_send_status(app, type);
 }
 
 void crn_app_snapshot_chunk(crn_app *app, const uint8_t *payload, size_t length)
 {
     const uint16_t type = CRN_WIRE_TYPE_snapshot_chunk;
-    crn_wire_snapshot_chunk *chunk = &app->request.snapshot_chunk;
-    crn_upload *upload = &app->snapshot_upload;
+    crn_wire_snapshot_chunk *chunk = &app->buffers.request.snapshot_chunk;
+    crn_upload *upload = &app->session.snapshot_upload;
     CRN_REJECT_IF(app, type, !crn_wire_decode_snapshot_chunk(payload, length, chunk), CRN_REJECT_MALFORMED,
                   length, CRN_WIRE_BYTES_snapshot_chunk);
     CRN_REJECT_IF(app, type,
                   !upload->open || chunk->offset != upload->received_bytes ||
                       chunk->data_count > upload->expected_bytes - upload->received_bytes,
                   CRN_REJECT_SNAPSHOT_ORDER, upload->received_bytes, chunk->offset);
-    for (uint16_t i = 0; i < chunk->data_count; i++) app->snapshot[upload->received_bytes++] = chunk->data[i];
+    for (uint16_t i = 0; i < chunk->data_count; i++)
+        app->buffers.snapshot[upload->received_bytes++] = chunk->data[i];
 }
 
 /* Two's complement of 64 bits without implementation-defined conversion. */
@@ -188,12 +189,12 @@ static bool read_energy(crn_wire_reader *reader, crn_app_energy *energy)
 
 static bool read_head(const crn_app *app, snapshot_head *head)
 {
-    crn_wire_reader reader = crn_wire_reader_make(app->snapshot, CRN_APP_SNAPSHOT_HEAD_BYTES);
+    crn_wire_reader reader = crn_wire_reader_make(app->buffers.snapshot, CRN_APP_SNAPSHOT_HEAD_BYTES);
     bool ok = crn_wire_read(&reader, 4) == SNAPSHOT_VERSION;
     head->tick = (uint32_t)crn_wire_read(&reader, 4);
-    ok = ok && crn_wire_read(&reader, 4) == app->tool_count;
+    ok = ok && crn_wire_read(&reader, 4) == app->setup.tool_count;
     for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
-        const crn_app_track *track = &app->tracks[k];
+        const crn_app_track *track = &app->setup.tracks[k];
         ok = read_tool(&reader, track, &head->hands[k], &head->motors[k]) && ok;
         for (int i = 0; i < 2; i++) ok = read_spring(&reader, &track->axes[i], &head->springs[k][i]) && ok;
         ok = read_energy(&reader, &head->energies[k]) && ok;
@@ -208,26 +209,26 @@ void crn_app_snapshot_end(crn_app *app, const uint8_t *payload, size_t length)
     CRN_REJECT_IF(app, type, !crn_wire_decode_snapshot_end(payload, length, &end), CRN_REJECT_MALFORMED,
                   length, CRN_WIRE_BYTES_snapshot_end);
     CRN_REJECT_IF(app, type, !may_restore(app), CRN_REJECT_WRONG_STATE, app->state, app->mode);
-    crn_upload upload = app->snapshot_upload;
-    app->snapshot_upload.open = false;
+    crn_upload upload = app->session.snapshot_upload;
+    app->session.snapshot_upload.open = false;
     CRN_REJECT_IF(app, type, !upload.open || upload.received_bytes != upload.expected_bytes,
                   CRN_REJECT_SNAPSHOT_ORDER, upload.received_bytes, upload.expected_bytes);
-    CRN_REJECT_IF(app, type, crn_wire_crc32(0, app->snapshot, CRN_APP_SNAPSHOT_BYTES) != upload.crc32,
+    CRN_REJECT_IF(app, type, crn_wire_crc32(0, app->buffers.snapshot, CRN_APP_SNAPSHOT_BYTES) != upload.crc32,
                   CRN_REJECT_SNAPSHOT_INVALID, upload.received_bytes, upload.expected_bytes);
     snapshot_head head;
-    const uint8_t *words = app->snapshot + CRN_APP_SNAPSHOT_HEAD_BYTES;
+    const uint8_t *words = app->buffers.snapshot + CRN_APP_SNAPSHOT_HEAD_BYTES;
     crn_wire_reader core_tick = crn_wire_reader_make(words, 4); /* the state's first word */
     CRN_REJECT_IF(app, type,
                   !read_head(app, &head) || crn_wire_read(&core_tick, 4) != head.tick ||
                       !crn_state_restore(&app->model, &app->core, words),
                   CRN_REJECT_SNAPSHOT_INVALID, upload.received_bytes, upload.expected_bytes);
     for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
-        app->hands[k] = head.hands[k];
-        app->motors[k] = head.motors[k];
-        app->springs[k][0] = head.springs[k][0];
-        app->springs[k][1] = head.springs[k][1];
-        app->energies[k] = head.energies[k];
+        app->session.hands[k] = head.hands[k];
+        app->haptics.motors[k] = head.motors[k];
+        app->haptics.springs[k][0] = head.springs[k][0];
+        app->haptics.springs[k][1] = head.springs[k][1];
+        app->haptics.energies[k] = head.energies[k];
     }
-    app->core_faults_seen = app->core.words.fault_bits;
+    app->faults.core_bits_seen = app->core.words.fault_bits;
     crn_app_send_status(app, type);
 }

@@ -33,14 +33,14 @@ crn_wire_live_tick *crn_app_stream_next(crn_app *app)
 static bool send_ticks(crn_app *app)
 {
     crn_app_queue *queue = &app->queue;
-    crn_wire_live *live = &app->reply.live;
+    crn_wire_live *live = &app->buffers.reply.live;
     uint32_t count = queue->count < CRN_APP_LIVE_BATCH_ticks ? queue->count : CRN_APP_LIVE_BATCH_ticks;
     if (count == 0 || !has_room(app, CRN_WIRE_BYTES_live)) return false;
     live->ticks_lost = queue->ticks_lost;
     live->ticks_count = (uint16_t)count;
     for (uint32_t i = 0; i < count; i++)
         live->ticks[i] = queue->ticks[(queue->first + i) % CRN_APP_LIVE_QUEUE_ticks];
-    crn_wire_writer writer = crn_wire_writer_make(app->payload, sizeof app->payload);
+    crn_wire_writer writer = crn_wire_writer_make(app->buffers.payload, sizeof app->buffers.payload);
     bool is_encoded = crn_wire_put_live(&writer, live);
     CRN_REQUIRE(app, is_encoded, count);
     if (!crn_app_offer(app, CRN_WIRE_TYPE_live, writer.length)) return false;
@@ -71,7 +71,7 @@ static bool send_notice(crn_app *app)
 {
     crn_app_queue *queue = &app->queue;
     if (queue->event_count == 0 || !has_room(app, CRN_WIRE_BYTES_notice)) return false;
-    crn_wire_writer writer = crn_wire_writer_make(app->payload, sizeof app->payload);
+    crn_wire_writer writer = crn_wire_writer_make(app->buffers.payload, sizeof app->buffers.payload);
     bool is_encoded = crn_wire_put_notice(&writer, &queue->events[queue->event_first]);
     CRN_REQUIRE(app, is_encoded, queue->event_count);
     if (!crn_app_offer(app, CRN_WIRE_TYPE_notice, writer.length)) return false;
@@ -113,7 +113,7 @@ void crn_app_stream_hash64(crn_app *app)
 void crn_app_stream_flush(crn_app *app)
 {
     bool is_last = app->state != CRN_WIRE_STATE_RUNNING || app->mode != CRN_WIRE_MODE_FREE_RUN;
-    app->answers = 0;
+    app->link.answers = 0;
     for (int i = 0; i < FRAMES_PER_EDGE; i++) {
         if (app->queue.count < CRN_APP_LIVE_BATCH_ticks && !is_last) break;
         if (!send_ticks(app)) break;

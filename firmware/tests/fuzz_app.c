@@ -98,7 +98,7 @@ static void outputs(void *context, const crn_port_outputs *out)
 {
     (void)context;
     promise(!out->enable || (app.state == CRN_WIRE_STATE_RUNNING && app.mode == CRN_WIRE_MODE_FREE_RUN &&
-                             rig.is_attached && app.is_greeted));
+                             rig.is_attached && app.link.is_greeted));
     promise(out->enable || out->drive == rig.last_drive);
     promise(out->lamp <= CRN_PORT_LAMP_FAULT);
     for (int k = 0; k < CRN_PORT_TOOL_MAX; k++) {
@@ -108,8 +108,8 @@ static void outputs(void *context, const crn_port_outputs *out)
                     CRN_APP_FORCE_SLEW_mN_per_tick);
         check_motor(motor->torque_uN_m, rig.last[k].torque_uN_m, CRN_APP_TORQUE_LIMIT_uN_m,
                     CRN_APP_TORQUE_SLEW_uN_m_per_tick);
-        promise(size_of(motor->axial_mN) <= app.tracks[k].force_limit_mN &&
-                size_of(motor->torque_uN_m) <= app.tracks[k].torque_limit_uN_m);
+        promise(size_of(motor->axial_mN) <= app.setup.tracks[k].force_limit_mN &&
+                size_of(motor->torque_uN_m) <= app.setup.tracks[k].torque_limit_uN_m);
         rig.last[k] = *motor;
     }
     rig.last_drive = out->drive;
@@ -143,7 +143,7 @@ static void millisecond(void)
 static void send(uint16_t type, const uint8_t *payload, size_t length)
 {
     static uint8_t frame[CRN_WIRE_FRAME_MAX];
-    const crn_wire_header header = {(uint16_t)(app.sequence_in + 1), 0, type};
+    const crn_wire_header header = {(uint16_t)(app.link.sequence_in + 1), 0, type};
     crn_app_receive(&app, frame, crn_wire_frame_encode(&header, payload, length, frame, sizeof frame));
 }
 
@@ -164,7 +164,7 @@ static void power(void)
     rig.inputs = (crn_port_inputs){.supply_good = true, .stage_on = true};
     millisecond();
     command(CRN_WIRE_ACTION_ARM_MOTORS, 0);
-    command(CRN_WIRE_ACTION_CONFIRM, app.arm_code);
+    command(CRN_WIRE_ACTION_CONFIRM, app.permission.code);
     command(CRN_WIRE_ACTION_START, 0);
 }
 
@@ -232,7 +232,7 @@ static void take_snapshot(uint8_t *snapshot)
     const uint8_t what = CRN_WIRE_GET_SNAPSHOT;
     heard_begin = heard_end = 0;
     send(CRN_WIRE_TYPE_get, &what, 1);
-    memcpy(snapshot, app.snapshot, CRN_APP_SNAPSHOT_BYTES);
+    memcpy(snapshot, app.buffers.snapshot, CRN_APP_SNAPSHOT_BYTES);
 }
 
 static void build_devices(void)
@@ -248,14 +248,14 @@ static void build_devices(void)
         if (i == 4) power(); /* one coupled tool, with power, and a hand that pushes */
         for (int ms = 0; i == 4 && ms < 20; ms++) {
             rig.inputs.hands[0].translation_counts += 200;
-            rig.inputs.tracks[0].force_raw = app.motors[0].axial_mN;
+            rig.inputs.tracks[0].force_raw = app.haptics.motors[0].axial_mN;
             millisecond();
         }
         if (i == 6) command(CRN_WIRE_ACTION_STOP, 0);
         devices[i] = app;
         if (i > 3) take_snapshot(snapshots[i - 4]);
     }
-    promise(devices[4].is_driving && devices[4].motors[0].axial_mN > 500);
+    promise(devices[4].safety.is_driving && devices[4].haptics.motors[0].axial_mN > 500);
     listener = NULL;
 }
 
@@ -264,12 +264,12 @@ static void choose_device(uint8_t which)
     const crn_app *device = &devices[which % DEVICES];
     forget();
     app = *device;
-    rig.last_drive = app.drive_level;
-    for (int k = 0; k < CRN_PORT_TOOL_MAX && app.is_driving; k++)
-        rig.last[k] = (crn_port_motor){app.motors[k].axial_mN, app.motors[k].torque_uN_m};
-    rig.is_attached = app.has_rig;
-    rig.inputs = app.rig;
-    rig.now_us = app.edge_us;
+    rig.last_drive = app.safety.drive_level;
+    for (int k = 0; k < CRN_PORT_TOOL_MAX && app.safety.is_driving; k++)
+        rig.last[k] = (crn_port_motor){app.haptics.motors[k].axial_mN, app.haptics.motors[k].torque_uN_m};
+    rig.is_attached = app.edge.has_rig;
+    rig.inputs = app.edge.rig;
+    rig.now_us = app.clock.edge_us;
 }
 
 /* --- operations --- */
@@ -311,12 +311,12 @@ static void step(input *in, uint8_t count)
     static crn_wire_step message;
     static uint8_t payload[CRN_WIRE_BYTES_step];
     int32_t per_tick[CRN_WIRE_TOOL_MAX];
-    for (uint32_t k = 0; k < app.tool_count; k++) per_tick[k] = take_signed(in, 64);
+    for (uint32_t k = 0; k < app.setup.tool_count; k++) per_tick[k] = take_signed(in, 64);
     message =
         (crn_wire_step){.tick = app.core.words.tick, .want_nodes = count & 0x80, .inputs_count = count % 6};
     for (uint16_t i = 0; i < message.inputs_count; i++) {
-        message.inputs[i].hands_count = (uint16_t)app.tool_count;
-        for (uint32_t k = 0; k < app.tool_count; k++)
+        message.inputs[i].hands_count = (uint16_t)app.setup.tool_count;
+        for (uint32_t k = 0; k < app.setup.tool_count; k++)
             message.inputs[i].hands[k].translation_counts = (i + 1) * per_tick[k];
     }
     crn_wire_writer writer = crn_wire_writer_make(payload, sizeof payload);
@@ -328,14 +328,15 @@ static void step(input *in, uint8_t count)
 static void restore_damaged(input *in, uint8_t count)
 {
     command(CRN_WIRE_ACTION_STOP, 0);
-    if (app.state != CRN_WIRE_STATE_ARMED || app.tool_count == 0) return;
-    memcpy(app.snapshot, snapshots[app.tool_count - 1], sizeof app.snapshot);
+    if (app.state != CRN_WIRE_STATE_ARMED || app.setup.tool_count == 0) return;
+    memcpy(app.buffers.snapshot, snapshots[app.setup.tool_count - 1], sizeof app.buffers.snapshot);
     for (uint8_t i = 0; i < count % 4; i++) {
         const uint8_t mask = take(in);
-        app.snapshot[take16(in) % CRN_APP_SNAPSHOT_BYTES] ^= mask;
+        app.buffers.snapshot[take16(in) % CRN_APP_SNAPSHOT_BYTES] ^= mask;
     }
     const uint32_t bytes = CRN_APP_SNAPSHOT_BYTES;
-    app.snapshot_upload = (crn_upload){bytes, bytes, crn_wire_crc32(0, app.snapshot, bytes), true};
+    app.session.snapshot_upload =
+        (crn_upload){bytes, bytes, crn_wire_crc32(0, app.buffers.snapshot, bytes), true};
     const uint8_t end[] = {bytes & 0xff, bytes >> 8 & 0xff, bytes >> 16 & 0xff, 0};
     send(CRN_WIRE_TYPE_snapshot_end, end, sizeof end);
     command(CRN_WIRE_ACTION_START, 0);
@@ -403,12 +404,13 @@ static void operate(input *in)
 static void check_books(void)
 {
     promise(app.state <= CRN_WIRE_STATE_FAULT && app.mode <= CRN_WIRE_MODE_FREE_RUN);
-    promise(app.tool_count <= CRN_TOOL_MAX && app.fault_count <= CRN_APP_FAULT_MAX);
+    promise(app.setup.tool_count <= CRN_TOOL_MAX && app.faults.count <= CRN_APP_FAULT_MAX);
     promise(app.queue.count <= CRN_APP_LIVE_QUEUE_ticks && app.queue.event_count <= CRN_APP_EVENT_QUEUE);
-    promise(app.scene_upload.received_bytes <= app.scene_upload.expected_bytes);
-    promise(app.snapshot_upload.received_bytes <= app.snapshot_upload.expected_bytes);
-    promise(!app.is_driving || app.state == CRN_WIRE_STATE_RUNNING);
-    for (uint16_t i = 0; i < app.fault_count; i++) promise(app.faults[i].code != CRN_FAULT_CODE_INTERNAL);
+    promise(app.setup.scene_upload.received_bytes <= app.setup.scene_upload.expected_bytes);
+    promise(app.session.snapshot_upload.received_bytes <= app.session.snapshot_upload.expected_bytes);
+    promise(!app.safety.is_driving || app.state == CRN_WIRE_STATE_RUNNING);
+    for (uint16_t i = 0; i < app.faults.count; i++)
+        promise(app.faults.entries[i].code != CRN_FAULT_CODE_INTERNAL);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t count)

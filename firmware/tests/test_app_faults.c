@@ -494,15 +494,15 @@ static void an_error_of_our_own_takes_the_power_at_once(void **state)
     crn_app_init(&app, &port);
     assert_false(outputs.enable);
     app.state = CRN_WIRE_STATE_RUNNING;
-    app.is_driving = true;
+    app.safety.is_driving = true;
     crn_app_outputs_write(&app);
     assert_true(outputs.enable);
     crn_app_internal_error(&app, 123, -5);
     assert_false(outputs.enable);
     assert_int_equal(outputs.lamp, CRN_PORT_LAMP_FAULT);
     assert_int_equal(app.state, CRN_WIRE_STATE_FAULT);
-    assert_int_equal(app.faults[0].code, CRN_FAULT_CODE_INTERNAL);
-    assert_int_equal(app.faults[0].value1, 123);
+    assert_int_equal(app.faults.entries[0].code, CRN_FAULT_CODE_INTERNAL);
+    assert_int_equal(app.faults.entries[0].value1, 123);
 }
 
 static void every_fault_of_the_core_is_logged_once(void **state)
@@ -522,9 +522,9 @@ static void every_fault_of_the_core_is_logged_once(void **state)
         bits |= faults[i].bit;
         crn_app_log_core_faults(&app, bits);
         crn_app_log_core_faults(&app, bits);
-        assert_int_equal(app.fault_count, i + 1);
-        assert_int_equal(app.faults[i].code, faults[i].code);
-        assert_int_equal(app.faults[i].count, 1);
+        assert_int_equal(app.faults.count, i + 1);
+        assert_int_equal(app.faults.entries[i].code, faults[i].code);
+        assert_int_equal(app.faults.entries[i].count, 1);
     }
     assert_int_equal(app.state, CRN_WIRE_STATE_INIT);
 }

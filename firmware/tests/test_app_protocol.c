@@ -474,7 +474,7 @@ static void orders_without_a_frame_take_power_away_and_do_nothing_else(void **st
     assert_false(crn_app_order(&alone, CRN_WIRE_ACTION_RESET)); /* nobody said HELLO */
     crn_app_configure(&alone, &rig);
     assert_int_equal(alone.state, CRN_WIRE_STATE_INIT);
-    assert_int_equal(alone.tracks[0].wire.coupling_N_per_m, 0);
+    assert_int_equal(alone.setup.tracks[0].wire.coupling_N_per_m, 0);
     assert_int_equal(frames_sent, 2); /* both refused */
     hear_hello(1);
     alone.state = CRN_WIRE_STATE_RUNNING;
@@ -483,20 +483,20 @@ static void orders_without_a_frame_take_power_away_and_do_nothing_else(void **st
         assert_false(crn_app_order(&alone, (uint8_t)action));
     }
     assert_int_equal(frames_sent, 3);
-    alone.silent_ticks = 7;
+    alone.link.silent_ticks = 7;
     assert_true(crn_app_order(&alone, CRN_WIRE_ACTION_STOP));
     assert_int_equal(alone.state, CRN_WIRE_STATE_ARMED);
-    assert_int_equal(alone.silent_ticks, 0); /* the host lives */
+    assert_int_equal(alone.link.silent_ticks, 0); /* the host lives */
     hear(2, CRN_WIRE_TYPE_get, sizeof get, get);
     assert_true(crn_app_order(&alone, CRN_WIRE_ACTION_RESET));
     assert_int_equal(alone.state, CRN_WIRE_STATE_READY);
     crn_app_configure(&alone, &rig);
-    assert_int_equal(alone.tracks[0].wire.coupling_N_per_m, rig.tracks[0].coupling_N_per_m);
+    assert_int_equal(alone.setup.tracks[0].wire.coupling_N_per_m, rig.tracks[0].coupling_N_per_m);
     hear(3, CRN_WIRE_TYPE_get, sizeof get, get);
     assert_int_equal(frames_sent, 8);
-    assert_int_equal(alone.sequence_gaps, 0);
+    assert_int_equal(alone.link.sequence_gaps, 0);
     for (int bad = CRN_WIRE_BAD_COBS; bad < CRN_WIRE_EVENT_COUNT; bad++)
-        assert_int_equal(alone.decoder.event_counts[bad], 0);
+        assert_int_equal(alone.link.decoder.event_counts[bad], 0);
 }
 
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)

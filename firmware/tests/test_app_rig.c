@@ -199,16 +199,16 @@ static void less_lag_than_was_built_needs_the_local_unlock(void **state)
     static crn_app app; /* the sim's own rig has no lag */
     crn_app_init(&app, &quiet_port);
     app.state = CRN_WIRE_STATE_READY;
-    app.has_rig = true;
-    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) app.tracks[k] = track;
+    app.edge.has_rig = true;
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) app.setup.tracks[k] = track;
     for (size_t i = 0; i < sizeof asks / sizeof asks[0]; i++) {
         const crn_wire_rig rig = {.tracks_count = 1, .tracks = {asked}};
         crn_wire_rig changed = rig;
         changed.tracks[0].actuator_lag_us = asks[i].value;
-        app.rig.local_unlock = asks[i].is_unlocked;
-        const uint32_t before = app.tracks[0].wire.actuator_lag_us;
+        app.edge.rig.local_unlock = asks[i].is_unlocked;
+        const uint32_t before = app.setup.tracks[0].wire.actuator_lag_us;
         crn_app_rig_take(&app, &changed);
-        assert_int_equal(app.tracks[0].wire.actuator_lag_us, asks[i].is_taken ? asks[i].value : before);
+        assert_int_equal(app.setup.tracks[0].wire.actuator_lag_us, asks[i].is_taken ? asks[i].value : before);
     }
 }
 
@@ -295,16 +295,16 @@ static void settings_without_frames_obey_the_same_table(void **state)
     static crn_app app;
     crn_app_init(&app, &quiet_port);
     app.state = CRN_WIRE_STATE_READY;
-    app.is_greeted = true;
-    app.has_rig = true;
+    app.link.is_greeted = true;
+    app.edge.has_rig = true;
     crn_wire_rig rig = {.tracks_count = 1, .tracks = {soft_track()}};
     rig.tracks[0].damping_nN_m_s_per_rad = 0;
     rig.tracks[0].force_gain_milli = 1001;
     crn_app_configure(&app, &rig);
-    assert_int_equal(app.tracks[0].wire.force_gain_milli, 1000);
-    app.rig.local_unlock = true;
+    assert_int_equal(app.setup.tracks[0].wire.force_gain_milli, 1000);
+    app.edge.rig.local_unlock = true;
     crn_app_configure(&app, &rig);
-    assert_int_equal(app.tracks[0].wire.force_gain_milli, 1001);
+    assert_int_equal(app.setup.tracks[0].wire.force_gain_milli, 1001);
 }
 
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)

@@ -121,13 +121,13 @@ static void check(const situation *s, const haptic_hand *hand, const char *grip)
     double cycle_back_N = hold(s->way_m / 2, 400, &back_N);
     print_message("# %-24s %-5s  cycle %.3f / %.3f N, held %.2f / %.2f N, largest %.2f N, energy %.1f mJ\n",
                   s->name, grip, cycle_forth_N, cycle_back_N, forth_N, back_N, largest_N,
-                  rig.app.energies[0].taken_pJ * 1e-9);
+                  rig.app.haptics.energies[0].taken_pJ * 1e-9);
     if (rig.app.state != CRN_WIRE_STATE_RUNNING) {
-        fail_msg("%s, %s: %s", s->name, grip, crn_wire_fault_name(rig.app.fault_code));
+        fail_msg("%s, %s: %s", s->name, grip, crn_wire_fault_name(rig.app.faults.stopped_by));
     }
     assert_true(fmax(cycle_forth_N, cycle_back_N) <= 0.05);
     assert_true(largest_N >= s->force_N);
-    assert_int_equal(rig.app.passivity_ticks, 0);
+    assert_int_equal(rig.app.haptics.passivity_ticks, 0);
     reference_tube_free(tube);
 }
 
@@ -185,7 +185,7 @@ static void twice_the_allowed_stiffness_shakes_and_ends_safe(void **state)
     assert_true(haptic_begin(&rig, &tube->lumen, &wire, s->inserted_um, &track, &loose));
     go(0, s->way_m, &largest_N);
     hold(s->way_m, 200, &mean_N);
-    print_message("# shaking ended by %s\n", crn_wire_fault_name(rig.app.fault_code));
+    print_message("# shaking ended by %s\n", crn_wire_fault_name(rig.app.faults.stopped_by));
     assert_int_equal(rig.app.state, CRN_WIRE_STATE_FAULT);
     assert_false(rig.outputs.enable);
     assert_int_equal(rig.outputs.motors[0].axial_mN, 0);
@@ -216,7 +216,7 @@ static void a_hand_that_lets_go_leaves_a_rig_at_rest(void **state)
     print_message("# released at %.2f N: back by %.1f mm at up to %.2f m/s, then %.4f m/s\n", mean_N,
                   (begin_m - rig.carriage_m) * 1e3, fastest_m_s, end_m_s);
     if (rig.app.state != CRN_WIRE_STATE_RUNNING)
-        fail_msg("ended by %s", crn_wire_fault_name(rig.app.fault_code));
+        fail_msg("ended by %s", crn_wire_fault_name(rig.app.faults.stopped_by));
     assert_true(fastest_m_s < 0.25 && end_m_s < 0.001);
     reference_tube_free(tube);
 }

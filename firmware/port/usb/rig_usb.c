@@ -35,11 +35,11 @@ static int16_t clamp16(int32_t value)
 static uint8_t lines(const crn_app *app)
 {
     unsigned bits = 0;
-    if (app->rig.emergency_stop) bits |= CRN_WIRE_LINE_STOP;
-    if (app->rig.supply_good) bits |= CRN_WIRE_LINE_SUPPLY;
-    if (app->rig.stage_on) bits |= CRN_WIRE_LINE_STAGE;
-    if (app->rig.local_unlock) bits |= CRN_WIRE_LINE_UNLOCK;
-    if (app->is_driving) bits |= LINE_DRIVEN;
+    if (app->edge.rig.emergency_stop) bits |= CRN_WIRE_LINE_STOP;
+    if (app->edge.rig.supply_good) bits |= CRN_WIRE_LINE_SUPPLY;
+    if (app->edge.rig.stage_on) bits |= CRN_WIRE_LINE_STAGE;
+    if (app->edge.rig.local_unlock) bits |= CRN_WIRE_LINE_UNLOCK;
+    if (app->safety.is_driving) bits |= LINE_DRIVEN;
     return (uint8_t)bits;
 }
 
@@ -50,22 +50,24 @@ void crn_rig_usb_timer(crn_rig_usb *rig)
         .tick = app->state >= CRN_WIRE_STATE_ARMED ? app->core.words.tick : 0,
         .state = app->state,
         .mode = app->mode,
-        .fault_code = app->fault_code,
+        .fault_code = app->faults.stopped_by,
         .command_number = rig->command_number,
         .command_result = rig->command_result,
-        .buttons = (uint8_t)(app->has_rig ? app->rig.buttons : app->mailbox.buttons),
+        .buttons = (uint8_t)(app->edge.has_rig ? app->edge.rig.buttons : app->session.mailbox.buttons),
         .lines = lines(app),
-        .fault_count = (uint8_t)(app->fault_count > UINT8_MAX ? UINT8_MAX : app->fault_count),
-        .syringe_counts = app->has_rig ? app->rig.syringe_counts : app->mailbox.syringe_counts,
-        .inflator_raw = app->has_rig ? app->rig.inflator_raw : app->mailbox.inflator_raw,
+        .fault_count = (uint8_t)(app->faults.count > UINT8_MAX ? UINT8_MAX : app->faults.count),
+        .syringe_counts =
+            app->edge.has_rig ? app->edge.rig.syringe_counts : app->session.mailbox.syringe_counts,
+        .inflator_raw = app->edge.has_rig ? app->edge.rig.inflator_raw : app->session.mailbox.inflator_raw,
     };
     for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
-        const crn_port_hand *hand = app->has_rig ? &app->rig.hands[k] : &app->mailbox.hands[k];
+        const crn_port_hand *hand =
+            app->edge.has_rig ? &app->edge.rig.hands[k] : &app->session.mailbox.hands[k];
         state.tracks[k] = (crn_hid_track){
             .translation_counts = hand->translation_counts,
             .rotation_counts = hand->rotation_counts,
-            .motor_axial_mN = clamp16(app->motors[k].axial_mN),
-            .motor_torque_uN_m = clamp16(app->motors[k].torque_uN_m),
+            .motor_axial_mN = clamp16(app->haptics.motors[k].axial_mN),
+            .motor_torque_uN_m = clamp16(app->haptics.motors[k].torque_uN_m),
             .sensor_axial_mN = clamp16(crn_app_force_measured(app, k)),
         };
     }
@@ -110,7 +112,7 @@ static void calibration(void *context, crn_hid_calibration *report)
 {
     const crn_app *app = ((const crn_rig_usb *)context)->app;
     for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
-        const crn_wire_track *wire = &app->tracks[k].wire;
+        const crn_wire_track *wire = &app->setup.tracks[k].wire;
         report->tracks[k] = (crn_hid_track_calibration){
             wire->translation_pm_per_count, wire->rotation_counts_per_turn, wire->force_gain_milli};
     }
@@ -120,7 +122,7 @@ static void limits(void *context, crn_hid_limits *report)
 {
     const crn_app *app = ((const crn_rig_usb *)context)->app;
     for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
-        const crn_wire_track *wire = &app->tracks[k].wire;
+        const crn_wire_track *wire = &app->setup.tracks[k].wire;
         report->tracks[k] = (crn_hid_track_limits){wire->force_limit_mN, wire->torque_limit_uN_m};
     }
 }
@@ -128,7 +130,7 @@ static void limits(void *context, crn_hid_limits *report)
 static crn_wire_rig present(const crn_app *app)
 {
     crn_wire_rig wire = {.tracks_count = CRN_TOOL_MAX};
-    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) wire.tracks[k] = app->tracks[k].wire;
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) wire.tracks[k] = app->setup.tracks[k].wire;
     return wire;
 }
 
@@ -150,7 +152,7 @@ static bool set_calibration(void *context, const crn_hid_calibration *report)
     }
     set(rig, &wire);
     for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
-        const crn_wire_track *now = &rig->app->tracks[k].wire;
+        const crn_wire_track *now = &rig->app->setup.tracks[k].wire;
         is_taken = is_taken && now->translation_pm_per_count == wire.tracks[k].translation_pm_per_count &&
                    now->rotation_counts_per_turn == wire.tracks[k].rotation_counts_per_turn &&
                    now->force_gain_milli == wire.tracks[k].force_gain_milli;
@@ -169,7 +171,7 @@ static bool set_limits(void *context, const crn_hid_limits *report)
     }
     set(rig, &wire);
     for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
-        const crn_wire_track *now = &rig->app->tracks[k].wire;
+        const crn_wire_track *now = &rig->app->setup.tracks[k].wire;
         is_taken = is_taken && now->force_limit_mN == wire.tracks[k].force_limit_mN &&
                    now->torque_limit_uN_m == wire.tracks[k].torque_limit_uN_m;
     }

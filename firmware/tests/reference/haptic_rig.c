@@ -82,8 +82,8 @@ static void set_up(haptic_rig *rig, const crn_lumen *lumen, const crn_wire_instr
     SAY(rig, tools, &tools);
     SAY(rig, entry, &entry);
     if (lumen != NULL) { /* the state in which validation leaves a scene */
-        rig->app.lumen = *lumen;
-        rig->app.has_scene = true;
+        rig->app.setup.lumen = *lumen;
+        rig->app.setup.has_scene = true;
     }
 }
 
@@ -155,6 +155,6 @@ void haptic_tick(haptic_rig *rig, double wanted_m)
     rig->time_us += 1000;
     rig->inputs.hands[0].translation_counts = (int32_t)floor(rig->carriage_m * 1e6 + noise(rig));
     rig->inputs.tracks[0].force_raw = (int32_t)lround(rig->hand_N * 1e3 + 10 * noise(rig));
-    if (rig->time_us % 8000 == 0 && rig->app.is_greeted) SAY(rig, get, &get);
+    if (rig->time_us % 8000 == 0 && rig->app.link.is_greeted) SAY(rig, get, &get);
     crn_app_timer(&rig->app);
 }
