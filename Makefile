@@ -33,14 +33,14 @@ CXXFLAGS := -std=c++20 $(SAME) $(DEBUG) $(WARN) $(CXXWARN) -I. -isystem /usr/inc
 LDFLAGS  := -pthread $(SANFLAGS)
 
 # --- libraries: one per folder, lowest layer last (link order) -------------------------------------------------
-LIBS       := tools/lab/ct/volume tools/lab/figures tools/lab/case hil_tests/soak hil_tests/campaign hil_tests/cases hil_tests/l1 hil_tests/l0 hil_tests/plant tools/lab/vcsim3 host/app host/command host/report host/picture host/session host/script host/rig host/patient host/room host/dicom host/xray/gl host/xray/style host/xray host/xray/paths host/stent host/effects host/link host/model host/base tools/anatomy tools/centreline/fit tools/bake tools/centreline tools/mesh/files tools/mesh tools/lab/validate hil_tests/usb firmware/port/usb firmware/port/sim firmware/app \
+LIBS       := tools/lab/ct/volume tools/lab/figures tools/lab/case hil_tests/soak hil_tests/campaign hil_tests/cases hil_tests/l1 hil_tests/l0 hil_tests/plant tools/lab/vcsim3 host/app host/command host/report host/picture host/session host/script host/rig host/patient host/room host/dicom host/xray/gl host/xray/style host/xray host/xray/paths host/stent host/effects host/link host/model host/base tools/anatomy tools/centreline/fit tools/bake tools/centreline tools/mesh/files tools/mesh tools/lab/validate hil_tests/usb firmware/port/usb firmware/port/sim firmware/app firmware/app/haptics firmware/app/safety \
               firmware/port/mailbox firmware/app/usb firmware/core shared/scene shared/wire
 lib_file    = $(BUILD)/lib/lib$(subst /,_,$(1)).a
 lib_sources = $(filter-out %/main.cpp,$(wildcard $(1)/*.c $(1)/*.cpp))
 objects     = $(patsubst %,$(BUILD)/obj/%.o,$(1))
 
 # What each program and test folder links, in link order.
-FIRMWARE_LIBS := firmware/port/sim firmware/app firmware/core shared/scene shared/wire
+FIRMWARE_LIBS := firmware/port/sim firmware/app firmware/app/haptics firmware/app/safety firmware/core shared/scene shared/wire
 DEVICE_LIBS   := hil_tests/usb firmware/port/usb firmware/port/mailbox firmware/app/usb $(FIRMWARE_LIBS)
 HOST_LIBS     := host/app host/command host/report host/picture host/session host/script host/rig host/patient host/room host/dicom host/xray/gl host/xray/style host/xray host/xray/paths host/stent host/effects host/link host/model host/base $(FIRMWARE_LIBS)
 BAKE_LIBS     := tools/bake tools/centreline tools/mesh/files tools/mesh host/model host/base firmware/core shared/scene shared/wire
@@ -340,7 +340,7 @@ budget: packages-build packages-matrix packages-budget ## count the Cortex-M7's 
 # --- the device's image: docs/hil.md ---------------------------------------------------------------------------------
 IMAGE         := $(BUILD)/firmware/cournand-mps2_an500.elf
 IMAGE_FOLDER  := firmware/port/mps2_an500/device
-IMAGE_SOURCES := $(wildcard firmware/core/*.c firmware/app/*.c firmware/app/usb/*.c firmware/port/mailbox/*.c firmware/port/usb/*.c shared/wire/*.c shared/scene/*.c \
+IMAGE_SOURCES := $(wildcard firmware/core/*.c firmware/app/*.c firmware/app/haptics/*.c firmware/app/safety/*.c firmware/app/usb/*.c firmware/port/mailbox/*.c firmware/port/usb/*.c shared/wire/*.c shared/scene/*.c \
                  $(IMAGE_FOLDER)/*.c) firmware/port/mps2_an500/memory.c
 # What only hosts need of the shared libraries is left out by the linker.
 IMAGE_FLAGS   := -isystem firmware/port/libc -ffunction-sections -fdata-sections
@@ -402,7 +402,7 @@ hil-rig: packages-build packages-run packages-usb ## the cases that need no plan
 RT1062_IMAGE   := $(BUILD)/firmware/cournand-imxrt1062.elf
 RT1062_FOLDER  := firmware/port/imxrt1062
 RT1062_OBJECTS := $(BUILD)/firmware/imxrt1062
-RT1062_SOURCES := $(wildcard firmware/core/*.c firmware/app/*.c firmware/app/usb/*.c firmware/port/usb/*.c shared/wire/*.c shared/scene/*.c \
+RT1062_SOURCES := $(wildcard firmware/core/*.c firmware/app/*.c firmware/app/haptics/*.c firmware/app/safety/*.c firmware/app/usb/*.c firmware/port/usb/*.c shared/wire/*.c shared/scene/*.c \
                   $(RT1062_FOLDER)/*.c) firmware/port/mps2_an500/memory.c
 $(RT1062_OBJECTS)/firmware/core/%.c.o: IMAGE_OPT := $(CORE_OPT) -fno-schedule-insns -fno-tree-pre
 $(RT1062_OBJECTS)/firmware/app/usb/%.c.o: IMAGE_OPT := -O2 $(USB_ID_FLAGS)

@@ -25,23 +25,24 @@ void crn_app_init(crn_app *app, const crn_port *port)
     app->state = CRN_WIRE_STATE_INIT;
     app->mode = CRN_WIRE_MODE_LOCKSTEP;
     crn_wire_decoder_init(&app->link.decoder);
-    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) crn_app_track_default(&app->setup.tracks[k], port);
-    crn_app_hands_reset(app);
-    crn_app_coupling_reset(app);
+    for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
+        crn_app_track_default(&app->setup.tracks[k], port);
+        crn_app_track_apply(app, k);
+    }
+    crn_hands_reset(&app->hands);
+    crn_haptics_reset(&app->haptics);
     crn_app_motors_off(app);
 }
 
 static void host_spoke(crn_app *app)
 {
-    if (app->link.silent_ticks >= CRN_APP_HOST_SILENT_ticks)
-        crn_app_notice(app, CRN_WIRE_EVENT_HOST, 0, 0, 0);
-    app->link.silent_ticks = 0;
+    if (crn_watchdog_feed(&app->watchdog)) crn_app_notice(app, CRN_WIRE_EVENT_HOST, 0, 0, 0);
 }
 
-/* A host is there that leads motors with power: its silence has not ended the forces yet. */
+/* Does a host lead motors with power? Its silence has not ended the forces yet. */
 static bool is_led(const crn_app *app)
 {
-    return app->safety.is_driving && app->link.silent_ticks < CRN_APP_HOST_SILENT_ticks + CRN_APP_FADE_ticks;
+    return app->safety.is_driving && crn_watchdog_left_ticks(&app->watchdog) > 0;
 }
 
 /* A program that begins its own conversation in the middle of that would end the other's with its next word,
@@ -55,11 +56,10 @@ static void hello(crn_app *app, const uint8_t *payload, size_t length)
     const bool is_understood =
         hello.protocol_major == CRN_WIRE_PROTOCOL_MAJOR && hello.schema_hash == crn_wire_schema_hash();
     CRN_REJECT_IF(app, CRN_WIRE_TYPE_hello, is_understood && is_led(app), CRN_REJECT_BUSY,
-                  app->link.silent_ticks, 0);
+                  app->watchdog.silent_ticks, 0);
     app->link.is_greeted = is_understood;
     if (is_understood) host_spoke(app);
-    app->permission.code = 0; /* what another conversation was allowed is not for this one */
-    app->permission.is_given = false;
+    crn_permission_spend(&app->permission); /* what another conversation was allowed is not for this one */
     if (app->link.is_greeted && app->state == CRN_WIRE_STATE_INIT)
         crn_app_set_state(app, CRN_WIRE_STATE_READY);
     if (!app->link.is_greeted && app->state == CRN_WIRE_STATE_RUNNING) {

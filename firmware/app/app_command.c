@@ -53,9 +53,9 @@ static void arm(crn_app *app)
     int32_t depth_m_q30 = crn_state_depth(&app->model, &app->core);
     CRN_REJECT_IF(app, type, depth_m_q30 > START_DEPTH_MAX_M_Q30, CRN_REJECT_START_IN_WALL,
                   (uint32_t)(((uint64_t)(uint32_t)depth_m_q30 * 1000000u) >> 30), longest_um(app));
-    crn_app_hands_reset(app);
-    crn_app_coupling_reset(app);
-    crn_app_motors_reset(app);
+    crn_hands_reset(&app->hands);
+    crn_haptics_reset(&app->haptics);
+    crn_haptics_rest(&app->haptics);
     crn_app_motors_off(app);
     crn_app_stream_clear(app);
     app->faults.core_bits_seen = 0;
@@ -66,28 +66,6 @@ static void arm(crn_app *app)
 }
 
 /* --- ARM_MOTORS and CONFIRM --- */
-
-/* Has the rig a track that could be driven? */
-static uint32_t driven_tracks(const crn_app *app)
-{
-    uint32_t count = 0;
-    for (uint32_t k = 0; k < app->setup.tool_count; k++) {
-        const crn_app_axis *axes = app->setup.tracks[k].axes;
-        if (axes[CRN_APP_ALONG].stiffness > 0 || axes[CRN_APP_ABOUT].stiffness > 0) count++;
-    }
-    return count;
-}
-
-/* A code that no frame holds by chance: of the clock and a counter, mixed (a permutation of 32 bits), never
- * 0. */
-static uint32_t next_code(crn_app *app)
-{
-    uint32_t code = app->port->now_us(app->port->context) ^ (++app->permission.code_count * 0x9e3779b9u);
-    code = (code ^ (code >> 16)) * 0x7feb352du;
-    code = (code ^ (code >> 15)) * 0x846ca68bu;
-    code ^= code >> 16;
-    return code == 0 ? 1 : code;
-}
 
 static bool may_arm_motors(crn_app *app)
 {
@@ -100,7 +78,7 @@ static bool may_arm_motors(crn_app *app)
         crn_app_reject(app, type, CRN_REJECT_WRONG_STATE, app->state, 0);
         return false;
     }
-    if (!app->edge.has_rig || driven_tracks(app) == 0) {
+    if (!app->edge.has_rig || crn_app_driven_tracks(app) == 0) {
         crn_app_reject(app, type, CRN_REJECT_NO_RIG, app->edge.has_rig, app->setup.tool_count);
         return false;
     }
@@ -111,25 +89,19 @@ static bool may_arm_motors(crn_app *app)
 
 static void arm_motors(crn_app *app)
 {
-    app->permission.is_given = false;
-    app->permission.code = 0;
+    crn_permission_spend(&app->permission);
     if (!may_arm_motors(app)) return;
-    app->permission.code = next_code(app);
-    app->permission.age_ticks = 0;
+    crn_permission_offer(&app->permission, app->port->now_us(app->port->context));
     crn_app_send_status(app, CRN_WIRE_TYPE_command);
 }
 
-/* Any answer spends the code, the wrong one too. */
 static void confirm(crn_app *app, uint32_t code)
 {
-    uint32_t wanted = app->permission.code;
-    app->permission.code = 0;
-    app->permission.is_given = false;
-    CRN_REJECT_IF(app, CRN_WIRE_TYPE_command, wanted == 0 || code != wanted, CRN_REJECT_CODE_WRONG,
-                  app->permission.age_ticks, code);
+    const bool is_right = crn_permission_answer(&app->permission, code);
+    CRN_REJECT_IF(app, CRN_WIRE_TYPE_command, !is_right, CRN_REJECT_CODE_WRONG, app->permission.age_ticks,
+                  code);
     if (!may_arm_motors(app)) return;
-    app->permission.is_given = true;
-    app->permission.age_ticks = 0;
+    crn_permission_give(&app->permission);
     crn_app_send_status(app, CRN_WIRE_TYPE_command);
 }
 
@@ -138,8 +110,8 @@ static void confirm(crn_app *app, uint32_t code)
 /* Where the hands are at the next reading is their new reference, without force. */
 static void forget_hands(crn_app *app)
 {
-    crn_app_hands_take_reference(app);
-    crn_app_coupling_reset(app);
+    crn_hands_take_reference(&app->hands);
+    crn_haptics_reset(&app->haptics);
 }
 
 /* In FREE_RUN nobody listened to the hands before START, so it begins with a new reference and the motors at
@@ -148,13 +120,13 @@ static void forget_hands(crn_app *app)
  * replays bit for bit. */
 static void begin_listening(crn_app *app)
 {
-    app->link.silent_ticks = 0;
+    app->watchdog.silent_ticks = 0;
     app->session.order_count = 0;
     app->session.inflator_raw = 0;
     app->session.has_stop = false;
     if (app->mode != CRN_WIRE_MODE_FREE_RUN) return;
     forget_hands(app);
-    crn_app_motors_reset(app);
+    crn_haptics_rest(&app->haptics);
     app->session.has_mailbox = false;
 }
 
@@ -162,15 +134,12 @@ static void start(crn_app *app)
 {
     const uint16_t type = CRN_WIRE_TYPE_command;
     CRN_REJECT_IF(app, type, app->state != CRN_WIRE_STATE_ARMED, CRN_REJECT_WRONG_STATE, app->state, 0);
-    bool powers = app->mode == CRN_WIRE_MODE_FREE_RUN && app->edge.has_rig && driven_tracks(app) > 0;
+    bool powers = app->mode == CRN_WIRE_MODE_FREE_RUN && app->edge.has_rig && crn_app_driven_tracks(app) > 0;
     CRN_REJECT_IF(app, type, powers && !app->permission.is_given, CRN_REJECT_NOT_CONFIRMED, 0, 0);
     if (powers && !may_arm_motors(app)) return;
     crn_app_motors_off(app); /* spends the permission */
     begin_listening(app);
-    if (powers) {
-        crn_app_safety_begin(app);
-        app->safety.is_driving = true;
-    }
+    if (powers) crn_app_motors_on(app);
     crn_app_set_state(app, CRN_WIRE_STATE_RUNNING);
     crn_app_send_status(app, type);
 }
@@ -182,8 +151,8 @@ void crn_app_stop(crn_app *app)
     crn_app_motors_off(app);
     crn_app_set_state(app, CRN_WIRE_STATE_ARMED);
     if (app->mode != CRN_WIRE_MODE_FREE_RUN) return;
-    crn_app_hands_take_reference(app);
-    crn_app_motors_reset(app);
+    crn_hands_take_reference(&app->hands);
+    crn_haptics_rest(&app->haptics);
 }
 
 /* A STOP for a tick to come is remembered; it is carried out by crn_app_tick. */
@@ -215,7 +184,7 @@ static void set_mode(crn_app *app, uint8_t mode)
     crn_app_motors_off(app);
     if (mode != app->mode) forget_hands(app);
     app->mode = mode;
-    crn_app_motors_reset(app);
+    crn_haptics_rest(&app->haptics);
     crn_app_send_status(app, CRN_WIRE_TYPE_command);
 }
 

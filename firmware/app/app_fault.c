@@ -44,6 +44,15 @@ void crn_app_fault(crn_app *app, crn_fault_code code, int32_t value1, int32_t va
     crn_app_notice(app, CRN_WIRE_EVENT_FAULT, (uint16_t)code, value1, value2);
 }
 
+/* What a part found, in its order. */
+void crn_app_report(crn_app *app, const crn_findings *findings)
+{
+    for (uint32_t i = 0; i < findings->count; i++) {
+        const crn_finding *finding = &findings->list[i];
+        crn_app_fault(app, finding->code, finding->value1, finding->value2);
+    }
+}
+
 void crn_app_internal_error(crn_app *app, int line, int32_t value)
 {
     crn_app_fault(app, CRN_FAULT_CODE_INTERNAL, line, value);

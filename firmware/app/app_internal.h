@@ -1,5 +1,4 @@
-/* What the files of the app share. Top to bottom: wire -> requests -> session -> hand, coupling, force,
- * safety, stream, faults. */
+/* What the files of the app share. Top to bottom: wire -> requests -> session -> parts, stream, faults. */
 #ifndef CRN_APP_INTERNAL_H
 #define CRN_APP_INTERNAL_H
 
@@ -19,21 +18,6 @@
             return;                                                                                          \
         }                                                                                                    \
     } while (0)
-
-/* value / divisor towards zero, for divisors of at most 65 535 and |value| < 2^63. A 32-bit processor divides
- * 64 bits only by a helper of hundreds of instructions; this is three divisions of 32 bits, digits of 16 bits
- * from the top: a rest is below the divisor, so that rest and next digit fit 32 bits and their quotient
- * fits 16. */
-static inline int64_t crn_app_quotient(int64_t value, uint32_t divisor)
-{
-    const uint64_t size = value < 0 ? 0u - (uint64_t)value : (uint64_t)value;
-    const uint32_t high = (uint32_t)(size >> 32);
-    const uint32_t middle = (high % divisor) << 16 | (uint32_t)(size >> 16 & 0xffff);
-    const uint32_t low = (middle % divisor) << 16 | (uint32_t)(size & 0xffff);
-    const uint64_t quotient =
-        (uint64_t)(high / divisor) << 32 | (uint64_t)(middle / divisor) << 16 | low / divisor;
-    return value < 0 ? -(int64_t)quotient : (int64_t)quotient;
-}
 
 /* app_reply.c: what goes out */
 void crn_app_send(crn_app *app, uint16_t type, size_t payload_bytes);
@@ -98,43 +82,25 @@ void crn_app_snapshot_begin(crn_app *app, const uint8_t *payload, size_t length)
 void crn_app_snapshot_chunk(crn_app *app, const uint8_t *payload, size_t length);
 void crn_app_snapshot_end(crn_app *app, const uint8_t *payload, size_t length);
 
-/* app_hand.c: encoder counts -> hand positions */
-void crn_app_hands_reset(crn_app *app);
-void crn_app_hands_take_reference(crn_app *app); /* the next reading is where the hands are, not a motion */
+/* app_parts.c: hands, haptics, safety, clock, watchdog: their inputs and findings */
+void crn_app_track_apply(crn_app *app, uint32_t track); /* a new configuration, to the parts */
+uint32_t crn_app_driven_tracks(const crn_app *app);     /* how many tracks of the tools could be driven */
 bool crn_app_hands_update(crn_app *app, const crn_app_encoders *now);
-void crn_app_hands_input(const crn_app *app, crn_input *input);
-
-/* app_coupling.c: between hands and tools */
-void crn_app_axis_set(crn_app_axis *axis, int which, const crn_wire_track *wire);
-void crn_app_coupling_before(crn_app *app, crn_input *input);
-void crn_app_coupling_after(crn_app *app, const crn_output *output);
-void crn_app_coupling_reset(crn_app *app);
-
-/* app_force.c: gain -> passivity -> slew limit -> force limit -> fade, and the outputs */
-void crn_app_motors_update(crn_app *app, const crn_input *hands, const crn_output *output);
-bool crn_app_gives_energy(const crn_app_energy *energy);
-void crn_app_motors_reset(crn_app *app);
-void crn_app_motors_off(crn_app *app);
-void crn_app_outputs_write(crn_app *app);
-
-/* app_safety.c: what can hurt a finger */
+void crn_app_haptics_before(crn_app *app, crn_haptics_input *felt, crn_input *input);
+void crn_app_haptics_after(crn_app *app, crn_haptics_input *felt, const crn_output *output);
 void crn_app_safety_check(crn_app *app);
 crn_fault_code crn_app_safety_ready(const crn_app *app);
-void crn_app_safety_begin(crn_app *app);
+void crn_app_motors_on(crn_app *app);     /* power, which needs a rig */
+void crn_app_motors_off(crn_app *app);    /* no power, now */
+void crn_app_outputs_write(crn_app *app); /* once per edge */
 void crn_app_clock_begin(crn_app *app);
 void crn_app_clock_end(crn_app *app);
-
-/* app_carriage.c: what a motor may do to a carriage that nobody holds */
-int32_t crn_app_carriage_moved(const crn_app *app, uint32_t track);
-int32_t crn_app_carriage_bound(crn_app *app, uint32_t track, int32_t asked_mN);
-crn_fault_code crn_app_carriage_check(crn_app *app, uint32_t track, int32_t *value);
-
-/* app_cycle.c: cycles that a motor keeps up in a hand */
-bool crn_app_cycle_lasts(crn_app *app, uint32_t track, int32_t moved_counts);
+void crn_app_silence_count(crn_app *app);
 
 /* app_fault.c */
 void crn_app_fault_log(crn_app *app, crn_fault_code code, int32_t value1, int32_t value2);
 void crn_app_fault(crn_app *app, crn_fault_code code, int32_t value1, int32_t value2);
+void crn_app_report(crn_app *app, const crn_findings *findings);
 void crn_app_internal_error(crn_app *app, int line, int32_t value);
 
 #endif

@@ -194,18 +194,6 @@ static bool track_set(crn_app_track *track, const crn_wire_track *asked, track_r
         track->scale_pm_per_count = wire.translation_pm_per_count;
         track->scale_counts_per_turn = wire.rotation_counts_per_turn;
     }
-    /* 2^46 m / 10^12 = 2^34 / 5^12 per picometre; 5e8 x 2^34 < 2^63. */
-    track->translation_m_q46_per_count =
-        crn_divide_u64(((uint64_t)wire.translation_pm_per_count << 34) + 122070312u, 244140625u);
-    track->rotation_turn48_per_count = crn_divide_u64(((uint64_t)1 << 48) + wire.rotation_counts_per_turn / 2,
-                                                      wire.rotation_counts_per_turn);
-    track->translation_jump_counts =
-        (uint32_t)crn_divide_u64((uint64_t)CRN_APP_JUMP_um * 1000000u, wire.translation_pm_per_count);
-    track->rotation_jump_counts = wire.rotation_counts_per_turn / 4;
-    track->force_limit_mN = (int32_t)wire.force_limit_mN;
-    track->torque_limit_uN_m = (int32_t)wire.torque_limit_uN_m;
-    crn_app_axis_set(&track->axes[CRN_APP_ALONG], CRN_APP_ALONG, &wire);
-    crn_app_axis_set(&track->axes[CRN_APP_ABOUT], CRN_APP_ABOUT, &wire);
     return true;
 }
 
@@ -247,7 +235,10 @@ void crn_app_rig_take(crn_app *app, const crn_wire_rig *wire)
         bool ok = track_set(&candidates[k], &wire->tracks[k], rights, &field);
         CRN_REJECT_IF(app, type, !ok, CRN_REJECT_RIG_RANGE, k, field);
     }
-    for (uint16_t k = 0; k < wire->tracks_count; k++) app->setup.tracks[k] = candidates[k];
+    for (uint16_t k = 0; k < wire->tracks_count; k++) {
+        app->setup.tracks[k] = candidates[k];
+        crn_app_track_apply(app, k);
+    }
     crn_app_send_status(app, type);
 }
 

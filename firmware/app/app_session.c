@@ -79,19 +79,17 @@ static int32_t kPa_of(int32_t inflator_raw)
 static bool tick(crn_app *app, const crn_app_encoders *encoders, const crn_app_wish *order,
                  crn_output *output)
 {
-    crn_input hands, input;
+    crn_haptics_input felt;
+    crn_input input = {0};
     if (encoders != NULL && !crn_app_hands_update(app, encoders)) return false;
-    crn_app_hands_input(app, &hands);
     if (encoders != NULL) app->session.inflator_raw = encoders->inflator_raw;
-    hands.inflator_Pa = kPa_of(app->session.inflator_raw) * 1000;
-    hands.rhythm = order->rhythm;
-    hands.scaffold = order->scaffold;
-    hands.strut = order->strut;
-    input = hands;
-    crn_app_coupling_before(app, &input);
+    input.inflator_Pa = kPa_of(app->session.inflator_raw) * 1000;
+    input.rhythm = order->rhythm;
+    input.scaffold = order->scaffold;
+    input.strut = order->strut;
+    crn_app_haptics_before(app, &felt, &input);
     crn_step(&app->model, &app->core, &input, output);
-    crn_app_coupling_after(app, output);
-    crn_app_motors_update(app, &hands, output);
+    crn_app_haptics_after(app, &felt, output);
     crn_app_log_core_faults(app, output->fault_bits);
     return true;
 }
@@ -294,19 +292,9 @@ static crn_app_encoders encoders_from_rig(const crn_port_inputs *rig)
     return encoders;
 }
 
-static void count_silence(crn_app *app)
-{
-    if (app->link.silent_ticks >= CRN_APP_HOST_SILENT_ticks + CRN_APP_FADE_ticks) return;
-    if (++app->link.silent_ticks != CRN_APP_HOST_SILENT_ticks) return;
-    crn_app_fault(app, CRN_FAULT_CODE_HOST_SILENT, CRN_APP_HOST_SILENT_ticks, 0);
-    crn_app_notice(app, CRN_WIRE_EVENT_HOST, 1, 0, 0);
-}
-
 static uint16_t fade_milli(const crn_app *app)
 {
-    if (app->link.silent_ticks < CRN_APP_HOST_SILENT_ticks) return 1000;
-    uint32_t left = CRN_APP_HOST_SILENT_ticks + CRN_APP_FADE_ticks - app->link.silent_ticks;
-    return (uint16_t)(left * 1000 / CRN_APP_FADE_ticks);
+    return (uint16_t)(crn_watchdog_left_ticks(&app->watchdog) * 1000 / CRN_APP_FADE_ticks);
 }
 
 /* What the host needs to replay this tick in LOCKSTEP, and to see what the rig did. */
@@ -337,7 +325,7 @@ static void note_live(crn_app *app, const crn_app_encoders *encoders, const crn_
     live->input.hands_count = (uint16_t)app->setup.tool_count;
     live->force_measured_mN_count = (uint16_t)app->setup.tool_count;
     for (uint32_t k = 0; k < app->setup.tool_count; k++) {
-        const crn_port_hand *last = &app->session.hands[k].last;
+        const crn_port_hand *last = &app->hands.counts[k].last;
         live->input.hands[k] = (crn_wire_hand){last->translation_counts, last->rotation_counts};
         live->force_measured_mN[k] = crn_app_force_measured(app, k);
     }
@@ -353,7 +341,7 @@ static void note_live(crn_app *app, const crn_app_encoders *encoders, const crn_
 static void free_run_tick(crn_app *app)
 {
     crn_output output;
-    count_silence(app);
+    crn_app_silence_count(app);
     crn_app_encoders encoders = app->edge.has_rig ? encoders_from_rig(&app->edge.rig) : app->session.mailbox;
     const crn_app_encoders *told = app->edge.has_rig || app->session.has_mailbox ? &encoders : NULL;
     if (told != NULL) note_buttons(app, told->buttons);

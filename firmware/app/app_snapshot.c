@@ -11,7 +11,7 @@
 enum { SNAPSHOT_VERSION = 3 };
 
 /* --- to bytes --- */
-static void save_tool(crn_wire_writer *writer, const crn_app_hand *hand, const crn_port_motor *motor)
+static void save_tool(crn_wire_writer *writer, const crn_hand_counts *hand, const crn_port_motor *motor)
 {
     crn_wire_write(writer, hand->is_known, 4);
     crn_wire_write(writer, (uint32_t)hand->last.translation_counts, 4);
@@ -22,8 +22,8 @@ static void save_tool(crn_wire_writer *writer, const crn_app_hand *hand, const c
     crn_wire_write(writer, (uint32_t)motor->torque_uN_m, 4);
 }
 
-static void save_coupling(crn_wire_writer *writer, const crn_app_spring springs[2],
-                          const crn_app_energy *energy)
+static void save_coupling(crn_wire_writer *writer, const crn_haptics_spring springs[2],
+                          const crn_haptics_energy *energy)
 {
     for (int i = 0; i < 2; i++) {
         crn_wire_write(writer, springs[i].is_set, 4);
@@ -46,7 +46,7 @@ static void save(crn_app *app)
     crn_wire_write(&writer, crn_state_tick(&app->core), 4);
     crn_wire_write(&writer, app->setup.tool_count, 4);
     for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
-        save_tool(&writer, &app->session.hands[k], &app->haptics.motors[k]);
+        save_tool(&writer, &app->hands.counts[k], &app->haptics.motors[k]);
         save_coupling(&writer, app->haptics.springs[k], &app->haptics.energies[k]);
     }
     CRN_REQUIRE(app, !writer.overflowed && writer.length == CRN_APP_SNAPSHOT_HEAD_BYTES, writer.length);
@@ -133,10 +133,10 @@ static int32_t read_i32(crn_wire_reader *reader)
 /* The head of a snapshot. */
 typedef struct snapshot_head {
     uint32_t tick;
-    crn_app_hand hands[CRN_TOOL_MAX];
+    crn_hand_counts hands[CRN_TOOL_MAX];
     crn_port_motor motors[CRN_TOOL_MAX];
-    crn_app_spring springs[CRN_TOOL_MAX][2];
-    crn_app_energy energies[CRN_TOOL_MAX];
+    crn_haptics_spring springs[CRN_TOOL_MAX][2];
+    crn_haptics_energy energies[CRN_TOOL_MAX];
 } snapshot_head;
 
 static bool is_within(int64_t value, int64_t limit)
@@ -145,7 +145,7 @@ static bool is_within(int64_t value, int64_t limit)
 }
 
 /* Sums are bounded so that no later sum of plausible readings can overflow. */
-static bool read_tool(crn_wire_reader *reader, const crn_app_track *track, crn_app_hand *hand,
+static bool read_tool(crn_wire_reader *reader, const crn_haptics_track *track, crn_hand_counts *hand,
                       crn_port_motor *motor)
 {
     const int64_t sum_max = (int64_t)1 << 60;
@@ -164,10 +164,10 @@ static bool read_tool(crn_wire_reader *reader, const crn_app_track *track, crn_a
 
 /* Leads are held to what an axis allows, estimates to its largest: no product of a later tick can overflow.
  */
-static bool read_spring(crn_wire_reader *reader, const crn_app_axis *axis, crn_app_spring *spring)
+static bool read_spring(crn_wire_reader *reader, const crn_haptics_axis *axis, crn_haptics_spring *spring)
 {
     uint32_t is_set = (uint32_t)crn_wire_read(reader, 4);
-    *spring = (crn_app_spring){.is_set = is_set == 1};
+    *spring = (crn_haptics_spring){.is_set = is_set == 1};
     spring->reference = read_i32(reader);
     spring->lead = read_i32(reader);
     spring->force = read_i32(reader);
@@ -176,7 +176,7 @@ static bool read_spring(crn_wire_reader *reader, const crn_app_axis *axis, crn_a
            spring->estimate <= axis->estimate_max;
 }
 
-static bool read_energy(crn_wire_reader *reader, crn_app_energy *energy)
+static bool read_energy(crn_wire_reader *reader, crn_haptics_energy *energy)
 {
     uint32_t is_set = (uint32_t)crn_wire_read(reader, 4);
     energy->is_set = is_set == 1;
@@ -194,7 +194,7 @@ static bool read_head(const crn_app *app, snapshot_head *head)
     head->tick = (uint32_t)crn_wire_read(&reader, 4);
     ok = ok && crn_wire_read(&reader, 4) == app->setup.tool_count;
     for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
-        const crn_app_track *track = &app->setup.tracks[k];
+        const crn_haptics_track *track = &app->haptics.tracks[k];
         ok = read_tool(&reader, track, &head->hands[k], &head->motors[k]) && ok;
         for (int i = 0; i < 2; i++) ok = read_spring(&reader, &track->axes[i], &head->springs[k][i]) && ok;
         ok = read_energy(&reader, &head->energies[k]) && ok;
@@ -223,7 +223,7 @@ void crn_app_snapshot_end(crn_app *app, const uint8_t *payload, size_t length)
                       !crn_state_restore(&app->model, &app->core, words),
                   CRN_REJECT_SNAPSHOT_INVALID, upload.received_bytes, upload.expected_bytes);
     for (uint32_t k = 0; k < CRN_TOOL_MAX; k++) {
-        app->session.hands[k] = head.hands[k];
+        app->hands.counts[k] = head.hands[k];
         app->haptics.motors[k] = head.motors[k];
         app->haptics.springs[k][0] = head.springs[k][0];
         app->haptics.springs[k][1] = head.springs[k][1];

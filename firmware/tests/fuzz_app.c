@@ -108,8 +108,8 @@ static void outputs(void *context, const crn_port_outputs *out)
                     CRN_APP_FORCE_SLEW_mN_per_tick);
         check_motor(motor->torque_uN_m, rig.last[k].torque_uN_m, CRN_APP_TORQUE_LIMIT_uN_m,
                     CRN_APP_TORQUE_SLEW_uN_m_per_tick);
-        promise(size_of(motor->axial_mN) <= app.setup.tracks[k].force_limit_mN &&
-                size_of(motor->torque_uN_m) <= app.setup.tracks[k].torque_limit_uN_m);
+        promise(size_of(motor->axial_mN) <= app.haptics.tracks[k].force_limit_mN &&
+                size_of(motor->torque_uN_m) <= app.haptics.tracks[k].torque_limit_uN_m);
         rig.last[k] = *motor;
     }
     rig.last_drive = out->drive;

@@ -11,7 +11,8 @@
 
 #include <cmocka.h>
 
-#include "firmware/app/app_internal.h"
+#include "firmware/app/safety/arithmetic.h"
+#include "firmware/app/safety/limits.h"
 #include "firmware/tests/reference/bench_fixture.h"
 
 static client *const host = &b.host;
@@ -235,7 +236,7 @@ static void energy_that_a_track_gives_for_100_ms_takes_the_power(void **state)
 
 static void expect_quotient(int64_t value, uint32_t divisor)
 {
-    int64_t got = crn_app_quotient(value, divisor), expected = value / (int64_t)divisor;
+    int64_t got = crn_quotient(value, divisor), expected = value / (int64_t)divisor;
     if (got != expected)
         fail_msg("%lld / %u = %lld, expected %lld", (long long)value, (unsigned)divisor, (long long)got,
                  (long long)expected);

@@ -483,10 +483,10 @@ static void orders_without_a_frame_take_power_away_and_do_nothing_else(void **st
         assert_false(crn_app_order(&alone, (uint8_t)action));
     }
     assert_int_equal(frames_sent, 3);
-    alone.link.silent_ticks = 7;
+    alone.watchdog.silent_ticks = 7;
     assert_true(crn_app_order(&alone, CRN_WIRE_ACTION_STOP));
     assert_int_equal(alone.state, CRN_WIRE_STATE_ARMED);
-    assert_int_equal(alone.link.silent_ticks, 0); /* the host lives */
+    assert_int_equal(alone.watchdog.silent_ticks, 0); /* the host lives */
     hear(2, CRN_WIRE_TYPE_get, sizeof get, get);
     assert_true(crn_app_order(&alone, CRN_WIRE_ACTION_RESET));
     assert_int_equal(alone.state, CRN_WIRE_STATE_READY);

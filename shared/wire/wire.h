@@ -12,6 +12,7 @@
 #ifndef CRN_WIRE_H
 #define CRN_WIRE_H
 
+#include "shared/wire/fault_code.h"
 #include "shared/wire/wire_bytes.h"
 
 #ifdef __cplusplus
@@ -74,13 +75,7 @@ enum {
     bool crn_wire_decode_##name(const uint8_t *payload, size_t length, crn_wire_##name *value);
 #include "shared/wire/wire_messages.def"
 
-/* Codes of faults and refusals. */
-#define FAULT(NAME, code, effect, safe_ms, test, text, detection, remedy) CRN_FAULT_CODE_##NAME = code,
-typedef enum crn_fault_code {
-    CRN_FAULT_CODE_NONE = 0,
-#include "shared/wire/wire_faults.def"
-} crn_fault_code;
-
+/* Codes of refusals; those of faults are in fault_code.h. */
 #define REJECT(NAME, code, text, remedy) CRN_REJECT_##NAME = code,
 typedef enum crn_reject_code {
     CRN_REJECT_NONE = 0,

@@ -37,7 +37,21 @@ HOST_TESTS = [
 ]
 ALLOWED = {
     "firmware/core": [],
-    "firmware/app": ["firmware/core", "shared", "firmware/port/port.h"],
+    "firmware/app": [
+        "firmware/app/haptics",
+        "firmware/app/safety",
+        "firmware/core",
+        "shared",
+        "firmware/port/port.h",
+    ],
+    # What can hurt a finger sees samples, numbers and its own memory: neither the app, nor the wire, nor the core.
+    "firmware/app/safety": ["firmware/port/port.h", "shared/wire/fault_code.h"],
+    "firmware/app/haptics": [
+        "firmware/app/safety/arithmetic.h",
+        "firmware/app/safety/finding.h",
+        "firmware/app/safety/limits.h",
+        "firmware/core/fixed.h",  # arithmetic
+    ],
     # The USB stack knows the controller's contract and the wire, not the app: glue in a port joins the two.
     "firmware/app/usb": ["firmware/port/udc.h", "shared/wire"],
     "firmware/port": [],  # port.h and udc.h, the hardware contracts that the app asks for and every port gives
@@ -307,6 +321,8 @@ FREESTANDING = {"stdint.h", "stddef.h", "stdbool.h", "limits.h"}
 SYSTEM = {
     "firmware/core": FREESTANDING,
     "firmware/app": FREESTANDING | {"string.h"},
+    "firmware/app/safety": FREESTANDING,
+    "firmware/app/haptics": FREESTANDING,
     "firmware/app/usb": FREESTANDING,
     "firmware/port/usb": FREESTANDING,
     "firmware/port/mailbox": FREESTANDING,
@@ -403,6 +419,18 @@ def self_test(report):
     report.catches(
         "an include of the core's private header by a tool is caught",
         sample("tools/bake/x.cpp", '#include "firmware/core/core_state.h"'),
+    )
+    report.catches(
+        "an include of the app by the safety part is caught",
+        sample("firmware/app/safety/x.c", '#include "firmware/app/app.h"'),
+    )
+    report.catches(
+        "an include of the wire by the safety part is caught",
+        sample("firmware/app/safety/x.c", '#include "shared/wire/wire.h"'),
+    )
+    report.catches(
+        "an include of the core by the haptics is caught",
+        sample("firmware/app/haptics/x.c", '#include "firmware/core/core.h"'),
     )
     report.catches(
         "an include of one shared library by the other is caught",

@@ -1,0 +1,50 @@
+/* From encoder counts to the positions of the hands, one per tool. Counts are absolute and may wrap, so
+ * changes are summed in 64 bits. The position is scaled from the sum and never summed itself, so that
+ * rounding does not drift. */
+#ifndef CRN_HANDS_H
+#define CRN_HANDS_H
+
+#include "firmware/app/safety/finding.h"
+
+/* The scales of one track's encoders. */
+typedef struct crn_hand_track {
+    uint64_t translation_m_q46_per_count;
+    uint64_t rotation_turn48_per_count; /* one turn = 2^48 */
+    uint32_t translation_jump_counts;   /* largest believable change in one tick */
+    uint32_t rotation_jump_counts;
+    bool is_translation_reversed, is_rotation_reversed;
+} crn_hand_track;
+
+/* One hand's encoder counts; part of the snapshot. */
+typedef struct crn_hand_counts {
+    bool is_known; /* false until the first reading, which only sets the zero */
+    crn_port_hand last;
+    int64_t translation_counts; /* since the start */
+    int64_t rotation_counts;
+} crn_hand_counts;
+
+typedef struct crn_hands {
+    crn_hand_track tracks[CRN_PORT_TOOL_MAX];
+    crn_hand_counts counts[CRN_PORT_TOOL_MAX];
+} crn_hands;
+
+/* Where a hand is, or where the core is to take it to be. */
+typedef struct crn_hand_position {
+    int32_t feed_m_q30; /* along the line, + into the patient */
+    uint32_t turn32;    /* about it, one turn = 2^32 */
+} crn_hand_position;
+
+/* All hands are at zero, and the next reading is a reference. */
+void crn_hands_reset(crn_hands *hands);
+
+/* The next reading is where the hands are, not a motion. */
+void crn_hands_take_reference(crn_hands *hands);
+
+/* Take a reading of every tool. One unbelievable jump is a finding, and then all hands stay where they were:
+ * false. */
+bool crn_hands_update(crn_hands *hands, uint32_t tool_count, const crn_port_hand now[CRN_PORT_TOOL_MAX],
+                      crn_findings *findings);
+
+crn_hand_position crn_hands_position(const crn_hands *hands, uint32_t track);
+
+#endif

@@ -1,0 +1,109 @@
+/* The haptics: a virtual coupling between hands and tools, and the forces that the motors are asked for
+ * (docs/haptics.md). These files know positions, forces and their own memory; they know neither the app, nor
+ * the wire, nor the rod. Everything here is decided by encoder counts and the core's own results, so it is
+ * bit-reproducible, and it is part of the snapshot.
+ *
+ *   hands, tools before the tick -> crn_haptics_before -> what the core takes for the hands
+ *   hands, tools after the tick  -> crn_haptics_after  -> motors (asked for), findings
+ *
+ * crn_safety_drive decides how much of it the motors are given. */
+#ifndef CRN_HAPTICS_H
+#define CRN_HAPTICS_H
+
+#include "firmware/app/haptics/hands.h"
+#include "firmware/app/safety/finding.h"
+#include "firmware/app/safety/limits.h"
+
+/* Spring, damper and friction of one axis as a rig's owner states them: along the line in N/m, mN s/m and mN,
+ * about it in uN m/rad, nN m s/rad and uN m. */
+typedef struct crn_haptics_coupling {
+    uint32_t stiffness, damping, seal;
+} crn_haptics_coupling;
+
+/* The same in the axis' own units: travel in Q30 m and force in Q22 N, or travel in 2^-32 turn and torque in
+ * Q24 N m. Force per travel is stiffness / 2^shift. */
+typedef struct crn_haptics_axis {
+    int64_t stiffness; /* 0: no coupling */
+    int64_t damping;   /* the same format, per travel of one tick */
+    int64_t estimate_max;
+    int64_t lead_max; /* travel at the force limit: beyond it the hand slips */
+    int32_t seal;     /* friction of sheath and valve */
+    int32_t force_max;
+    int32_t step_max;   /* travel of the tool in one tick */
+    int32_t sense_step; /* shorter travel says nothing about stiffness */
+    uint32_t shift;
+    uint32_t relax_shift; /* the stiffness shown is forgotten within 2^this of travel */
+} crn_haptics_axis;
+
+typedef struct crn_haptics_track {
+    crn_haptics_axis axes[2]; /* CRN_APP_ALONG and CRN_APP_ABOUT the line */
+    uint32_t gain_milli;
+    int32_t force_limit_mN, force_slew_mN_per_tick;
+    int32_t torque_limit_uN_m, torque_slew_uN_m_per_tick;
+} crn_haptics_track;
+
+/* State of one axis of the coupling; part of the snapshot. */
+typedef struct crn_haptics_spring {
+    bool is_set;       /* false: the first tick takes hand and tool as they are */
+    int32_t reference; /* hand less tool without force; modulo 2^32 */
+    int32_t lead;      /* travel of the hand beyond the tool after the last tick */
+    int32_t lead_before;
+    int32_t force;    /* of the tool on the hand, last tick */
+    int32_t position; /* of the tool at the last tick's end; modulo 2^32 */
+    int64_t estimate; /* stiffness that the tool has shown */
+    int32_t output;   /* the force that the coupling asks the motor for */
+} crn_haptics_spring;
+
+/* Energy between motor and hand; part of the snapshot. */
+typedef struct crn_haptics_energy {
+    int64_t taken_pJ;   /* put in by the hand less given back, at most what may be stored */
+    int32_t hand_m_q30; /* where the hand was */
+    uint32_t hand_turn32;
+    uint32_t scale_q16; /* share of the force, 65 536 while passive */
+    bool is_set;
+} crn_haptics_energy;
+
+/* One tool as its hand feels it. */
+typedef struct crn_haptics_tool {
+    int32_t inserted_m_q30, hand_offset_m_q30;
+    uint32_t base_turn32;
+    int32_t axial_N_q22, torque_N_m_q24; /* on the hand; of the last tick */
+} crn_haptics_tool;
+
+typedef struct crn_haptics_input {
+    uint32_t tool_count;
+    bool is_fading;           /* the host is silent */
+    uint32_t fade_left_ticks; /* until no force is left */
+    crn_hand_position hands[CRN_PORT_TOOL_MAX];
+    crn_haptics_tool tools[CRN_PORT_TOOL_MAX];
+} crn_haptics_input;
+
+typedef struct crn_haptics {
+    crn_haptics_track tracks[CRN_PORT_TOOL_MAX];
+    crn_haptics_spring springs[CRN_PORT_TOOL_MAX][2];
+    crn_haptics_energy energies[CRN_PORT_TOOL_MAX];
+    crn_port_motor motors[CRN_PORT_TOOL_MAX]; /* asked for; in LOCKSTEP only reported */
+    int32_t fade_from[CRN_PORT_TOOL_MAX][2];  /* forces when the host fell silent */
+    uint32_t passivity_ticks;
+} crn_haptics;
+
+/* The constants of one axis; `which` is CRN_APP_ALONG or CRN_APP_ABOUT. */
+void crn_haptics_axis_set(crn_haptics_axis *axis, int which, const crn_haptics_coupling *coupling);
+
+/* The next tick takes hands and tools as they are: no lead, no force. */
+void crn_haptics_reset(crn_haptics *haptics);
+
+/* The forces asked for begin at zero again. */
+void crn_haptics_rest(crn_haptics *haptics);
+
+/* Before the core's tick: `followed` starts as the hands' positions, and a coupling replaces them. */
+void crn_haptics_before(crn_haptics *haptics, const crn_haptics_input *input,
+                        crn_hand_position followed[CRN_PORT_TOOL_MAX]);
+
+/* After the core's tick: the coupling's forces, then gain, passivity, slew limit, force limit and fade. */
+void crn_haptics_after(crn_haptics *haptics, const crn_haptics_input *input, crn_findings *findings);
+
+/* The first half of crn_haptics_after: what the coupling feels of the tools (coupling.c). */
+void crn_haptics_settle(crn_haptics *haptics, const crn_haptics_input *input);
+
+#endif

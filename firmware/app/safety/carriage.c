@@ -1,0 +1,165 @@
+/* A carriage that nobody holds (docs/haptics.md, "A carriage that nobody holds"): its motor's force ends, and
+ * the motor makes it no faster than a hand would. This runs once per edge on this edge's sample, behind
+ * everything that decides the requested force. The requested force therefore depends on encoder counts and
+ * the core alone, and a session replays. */
+#include "firmware/app/safety/carriage.h"
+#include "firmware/app/safety/arithmetic.h"
+
+enum {
+    LOOSE_mN = 40, /* allowed on a carriage without a hand: below the 50 mN of a cycle that a hand may feel */
+    LOOSE_GRACE_ticks =
+        12, /* a hand that meets a wall needs as much: the force that brakes it is not held yet */
+    LOOSE_FADE_ticks = 20,
+    /* A carriage that moves along its motor's force gets all of the requested force up to the first speed,
+     * and only what the hand holds from the second one on. A tick and a motor's lag later it has 0.25 m/s. */
+    DRIVEN_FULL_um_s = 30000,
+    DRIVEN_NONE_um_s = 100000,
+    /* These are the two speeds of a carriage that moves against its motor's force, if its encoder is right.
+     */
+    BRAKED_FULL_um_s = 80000,
+    BRAKED_NONE_um_s = 180000,
+    SPEED_MAX_um_s = 250000,
+    SPEED_GAINED_um_s = 150000,
+    SPEED_MOST_um_s = 10000000,
+    IMPULSE_uN_s = 2500, /* gives 0.15 m/s to 17 g */
+    TOUCH_mN = 100,      /* inertia and friction of a handle */
+    FAST_ticks = 2,
+    PASSIVITY_ticks = 100,
+};
+
+static const int64_t given_max_pJ = CRN_APP_GIVEN_MAX_mJ * (int64_t)1000000000;
+
+int32_t crn_carriage_moved(const crn_safety *safety, const crn_port_inputs *rig, uint32_t k)
+{
+    const uint32_t now = (uint32_t)rig->hands[k].translation_counts,
+                   last = (uint32_t)safety->watches[k].last.translation_counts;
+    return crn_i32_from_u32(safety->tracks[k].is_reversed ? last - now : now - last);
+}
+
+/* The smallest speed that explains the counts, whatever lies between two of them: over one tick, or over
+ * eight where counts are coarse. Format: counts x pm / 1000 per ms = um/s. Overflow: 8 x twice 5 mm in pm is
+ * below 2^37; the result is held to 10 m/s. */
+static int32_t speed_um_s(const crn_safety *safety, uint32_t k)
+{
+    const crn_safety_watch *watch = &safety->watches[k];
+    const int64_t pm = safety->tracks[k].translation_pm_per_count;
+    int64_t sum = 0, fastest = 0;
+    for (uint32_t i = 0; i < CRN_APP_ASKED_ticks; i++) sum += watch->moved[i];
+    const int64_t travels[2] = {watch->moved[safety->asked_at], sum};
+    for (uint32_t i = 0; i < 2; i++) {
+        const int64_t sure = (travels[i] < 0 ? -travels[i] : travels[i]) - 1;
+        const int64_t size =
+            sure <= 0 ? 0 : crn_quotient(sure * pm, i == 0 ? 1000 : 1000 * CRN_APP_ASKED_ticks);
+        if (size > (fastest < 0 ? -fastest : fastest)) fastest = travels[i] < 0 ? -size : size;
+    }
+    return crn_limited(fastest, -SPEED_MOST_um_s, SPEED_MOST_um_s);
+}
+
+/* --- how much --- */
+
+enum { SHARE_ONE = 4096 };
+
+/* Share of the force that nobody holds: all of it up to `full`, nothing from `none` on. */
+static int32_t share_of(int32_t value, int32_t full, int32_t none)
+{
+    if (value <= full) return SHARE_ONE;
+    return value >= none ? 0 : (none - value) / 16 * SHARE_ONE / ((none - full) / 16);
+}
+
+/* The share by the speed that the carriage will have when the force acts, if it gains as much in this tick as
+ * in the last one. */
+static int32_t speed_share(const crn_safety *safety, uint32_t k, int32_t asked_mN)
+{
+    const crn_safety_watch *watch = &safety->watches[k];
+    const uint32_t before = (safety->asked_at + CRN_APP_ASKED_ticks - 1) % CRN_APP_ASKED_ticks;
+    const int32_t speed = speed_um_s(safety, k);
+    const int64_t gained = (int64_t)watch->moved[safety->asked_at] - watch->moved[before];
+    const int64_t gained_um_s = crn_quotient(gained * safety->tracks[k].translation_pm_per_count, 1000);
+    const bool is_faster = (gained_um_s > 0) == (speed > 0);
+    const int32_t size = crn_size_of(speed + (is_faster ? (int32_t)gained_um_s : 0)); /* both below 2^25 */
+    const bool is_braked = (speed > 0) == (asked_mN > 0) && speed != 0; /* + pushes out, + moves in */
+    return is_braked ? share_of(size, BRAKED_FULL_um_s, BRAKED_NONE_um_s)
+                     : share_of(size, DRIVEN_FULL_um_s, DRIVEN_NONE_um_s);
+}
+
+/* The force sensor feels a hand that holds, and it may be wrong by a quarter. A track without a sensor tells
+ * nothing about the hand, and only the speed counts. */
+int32_t crn_carriage_bound_mN(crn_safety *safety, const crn_port_inputs *rig, uint32_t k, int32_t asked_mN)
+{
+    crn_safety_watch *watch = &safety->watches[k];
+    const int32_t measured = crn_safety_force_mN(safety, rig, k), most = 2 * CRN_APP_FORCE_LIMIT_mN;
+    const int32_t by_speed = speed_share(safety, k, asked_mN), size = crn_size_of(asked_mN);
+    const int32_t held = crn_limited(asked_mN < 0 ? -measured : measured, 0, most);
+    const int32_t sure = LOOSE_mN + held + held / 3;
+    const bool has_sensor = rig->tracks[k].force_sensor == CRN_PORT_SENSOR_OK;
+    if (has_sensor && size > sure) {
+        if (watch->loose_ticks < LOOSE_GRACE_ticks + LOOSE_FADE_ticks) watch->loose_ticks++;
+    } else if (held > LOOSE_mN) {
+        watch->loose_ticks = watch->loose_ticks > 2 ? watch->loose_ticks - 2 : 0;
+    }
+    if (size <= sure) return size;
+    const int32_t by_time = share_of((int32_t)watch->loose_ticks * 1000, LOOSE_GRACE_ticks * 1000,
+                                     (LOOSE_GRACE_ticks + LOOSE_FADE_ticks) * 1000);
+    return sure + (size - sure) * (by_speed < by_time ? by_speed : by_time) / SHARE_ONE;
+}
+
+/* --- what stops --- */
+
+/* A hand may throw a carriage, which is then fast without a motor. A hand may also move it as fast as it
+ * likes, and then the sensor feels the hand. What remains is a carriage that gained its speed while nobody
+ * touched it and a motor pushed. */
+static bool is_driven_fast(crn_safety *safety, const crn_port_inputs *rig, uint32_t k)
+{
+    crn_safety_watch *watch = &safety->watches[k];
+    const int32_t speed = crn_size_of(speed_um_s(safety, k));
+    const bool is_touched = crn_size_of(crn_safety_force_mN(safety, rig, k)) >= TOUCH_mN ||
+                            rig->tracks[k].force_sensor != CRN_PORT_SENSOR_OK;
+    if (is_touched) {
+        watch->untouched_ticks = watch->fast_ticks = 0;
+        watch->speed_begin_um_s = speed;
+        watch->impulse_uN_s = 0;
+        return false;
+    }
+    if (watch->untouched_ticks < UINT32_MAX) watch->untouched_ticks++;
+    if (speed < watch->speed_begin_um_s) {
+        watch->speed_begin_um_s = speed;
+        watch->impulse_uN_s = 0;
+    }
+    watch->impulse_uN_s += crn_size_of(safety->driven[k].axial_mN);
+    const bool is_fast = speed > SPEED_MAX_um_s && speed - watch->speed_begin_um_s >= SPEED_GAINED_um_s &&
+                         watch->impulse_uN_s >= IMPULSE_uN_s;
+    watch->fast_ticks = is_fast ? watch->fast_ticks + 1 : 0;
+    return watch->fast_ticks >= FAST_ticks;
+}
+
+static bool cycle_lasts(crn_safety *safety, const crn_port_inputs *rig, uint32_t k, int32_t moved)
+{
+    const crn_carriage_edge edge = {
+        .moved_counts = moved,
+        .driven_mN = safety->driven[k].axial_mN,
+        .measured_mN = crn_safety_force_mN(safety, rig, k),
+        .pm_per_count = safety->tracks[k].translation_pm_per_count,
+        .is_felt = rig->tracks[k].force_sensor == CRN_PORT_SENSOR_OK,
+    };
+    return crn_cycle_lasts(&safety->watches[k].cycle, &edge);
+}
+
+crn_fault_code crn_carriage_check(crn_safety *safety, const crn_safety_input *input, uint32_t k,
+                                  int32_t *value)
+{
+    crn_safety_watch *watch = &safety->watches[k];
+    /* More than twice a jump is no motion, and sums of what is left fit. */
+    const int32_t most = 2 * (int32_t)safety->tracks[k].jump_counts;
+    const int32_t moved = crn_limited(crn_carriage_moved(safety, input->rig, k), -most, most);
+    watch->moved[safety->asked_at] = moved;
+    if (is_driven_fast(safety, input->rig, k)) {
+        *value = crn_size_of(speed_um_s(safety, k)) / 1000;
+        return CRN_FAULT_CODE_CARRIAGE_FAST;
+    }
+    *value = (int32_t)crn_quotient(input->energy_pJ[k], 1000) / 1000;
+    const bool gives_energy = input->energy_pJ[k] < -given_max_pJ;
+    watch->passivity_ticks = gives_energy ? watch->passivity_ticks + 1 : 0;
+    const bool lasts = watch->passivity_ticks >= PASSIVITY_ticks;
+    return cycle_lasts(safety, input->rig, k, moved) || lasts ? CRN_FAULT_CODE_PASSIVITY_LASTS
+                                                              : CRN_FAULT_CODE_NONE;
+}

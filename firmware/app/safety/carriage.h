@@ -1,0 +1,29 @@
+/* What a motor may do to its carriage: a carriage that nobody holds, and cycles that a motor sustains. */
+#ifndef CRN_CARRIAGE_H
+#define CRN_CARRIAGE_H
+
+#include "firmware/app/safety/safety.h"
+
+/* Counts since the last edge, + into the patient. */
+int32_t crn_carriage_moved(const crn_safety *safety, const crn_port_inputs *rig, uint32_t track);
+
+/* The largest force that the track may be given now. */
+int32_t crn_carriage_bound_mN(crn_safety *safety, const crn_port_inputs *rig, uint32_t track,
+                              int32_t asked_mN);
+
+/* Of a track that is driven, in this edge's sample. *value belongs to the fault, if there is one. */
+crn_fault_code crn_carriage_check(crn_safety *safety, const crn_safety_input *input, uint32_t track,
+                                  int32_t *value);
+
+/* What one edge tells about the carriage. */
+typedef struct crn_carriage_edge {
+    int32_t moved_counts;
+    int32_t driven_mN, measured_mN;
+    uint32_t pm_per_count;
+    bool is_felt; /* the force sensor is in order */
+} crn_carriage_edge;
+
+/* True while the motor has sustained a cycle for too long. */
+bool crn_cycle_lasts(crn_safety_cycle *cycle, const crn_carriage_edge *edge);
+
+#endif

@@ -1,0 +1,102 @@
+/* The power of the motors, and whatever can hurt a finger. These files know one sample of the rig, a few
+ * plain numbers and their own memory; they know neither the app, nor the wire, nor the core.
+ *
+ *   sample, tool count, energies -> crn_safety_check -> findings
+ *   forces that the haptics ask for -> crn_safety_drive -> what the port writes
+ *
+ * A finding that stops is answered by the app, in one place (app_fault.c), with crn_safety_off. */
+#ifndef CRN_SAFETY_H
+#define CRN_SAFETY_H
+
+#include "firmware/app/safety/finding.h"
+#include "firmware/app/safety/limits.h"
+
+/* One track as the checks see it. */
+typedef struct crn_safety_track {
+    uint32_t translation_pm_per_count;
+    uint32_t jump_counts; /* largest believable change of the translation in one tick */
+    int32_t force_zero_counts;
+    uint32_t force_uN_per_count;
+    int32_t force_limit_mN;
+    int32_t force_slew_mN_per_tick;
+    bool is_reversed;                      /* the encoder counts up when the carriage moves outwards */
+    bool is_driven_along, is_driven_about; /* through a coupling; the motor of an axis without one rests */
+} crn_safety_track;
+
+/* What the parts of the app tell the checks about this edge. */
+typedef struct crn_safety_input {
+    const crn_port_inputs *rig; /* this edge's sample; NULL: no rig */
+    uint32_t tool_count;
+    bool is_stopped;                      /* the app is in state FAULT */
+    int64_t energy_pJ[CRN_PORT_TOOL_MAX]; /* put in by the hand less given back (haptics) */
+} crn_safety_input;
+
+/* From one turn of a carriage to the next. */
+typedef struct crn_safety_swing {
+    uint32_t ticks;
+    int32_t low_mN, high_mN;    /* range of the motor's force */
+    int64_t travel_nm, hand_pJ; /* + into the patient; work of the hand */
+    int64_t hand_mN_ms;         /* sum of the hand's force */
+} crn_safety_swing;
+
+/* A carriage that oscillates. */
+typedef struct crn_safety_cycle {
+    crn_safety_swing now, last;
+    int64_t at_nm, far_nm; /* since the last turn: present and farthest position */
+    int32_t direction;     /* 0: not known yet */
+    uint32_t driven_ticks; /* duration of the swings that the motor sustained */
+} crn_safety_cycle;
+
+/* What the checks of one track remember, only while a rig is attached. */
+typedef struct crn_safety_watch {
+    int32_t asked_mN[CRN_APP_ASKED_ticks]; /* ring of the forces given to the motor */
+    uint32_t over_ticks, current_ticks, mismatch_ticks;
+    uint32_t unbalance_ticks; /* of a force on the carriage that neither hand nor motor explains */
+    int32_t unbalance_mN, speed_counts;
+    int64_t moved_counts, speed_nm, travel_nm; /* what was measured, and what the force must have caused */
+    bool is_still;
+    bool had_force_sensor;
+    crn_port_hand last;
+    int32_t
+        moved[CRN_APP_ASKED_ticks]; /* ring of the carriage's travel per tick, counts + into the patient */
+    uint32_t loose_ticks; /* with a force that no hand holds, less those with one that a hand holds */
+    uint32_t untouched_ticks, fast_ticks, passivity_ticks;
+    int32_t speed_begin_um_s; /* when the hand released it */
+    int64_t impulse_uN_s;     /* of the motor since then */
+    crn_safety_cycle cycle;
+} crn_safety_watch;
+
+typedef struct crn_safety {
+    crn_safety_track tracks[CRN_PORT_TOOL_MAX];
+    bool is_driving;  /* the motors have power */
+    bool drive_level; /* of the drive line, flipped once per edge while power is wanted */
+    bool stage_was_on;
+    bool stage_is_reported;                   /* STAGE_STUCK is in the log */
+    uint32_t drive_ticks, idle_ticks;         /* since power was requested, or since it no longer is */
+    uint32_t asked_at;                        /* place in the rings of the watches */
+    crn_port_motor driven[CRN_PORT_TOOL_MAX]; /* given to the port at the last edge; 0 without power */
+    crn_safety_watch watches[CRN_PORT_TOOL_MAX];
+} crn_safety;
+
+/* What a track's force sensor measures in this sample; 0 without a sample or without a sensor in order. */
+int32_t crn_safety_force_mN(const crn_safety *safety, const crn_port_inputs *rig, uint32_t track);
+
+/* Every edge, with this edge's sample: lines, sensors, forces, carriages. It reports one finding at most. */
+void crn_safety_check(crn_safety *safety, const crn_safety_input *input, crn_findings *findings);
+
+/* May the motors be armed? The first reason against it, or CRN_FAULT_CODE_NONE. */
+crn_fault_code crn_safety_ready(const crn_safety *safety, const crn_safety_input *input);
+
+/* The power comes on. `input` has a sample; whatever was remembered is about an earlier time. */
+void crn_safety_on(crn_safety *safety, const crn_safety_input *input);
+
+/* The power goes off at once: no force, and no flip of the drive line. The lamp is left to the caller. */
+void crn_safety_off(crn_safety *safety, crn_port_outputs *outputs);
+
+/* Once per edge: from what the haptics ask for to what the motors are given. While the motors have power the
+ * drive line flips, which keeps the power stage on for another CRN_PORT_DRIVE_HOLD_ms. The lamp is left to
+ * the caller. */
+void crn_safety_drive(crn_safety *safety, const crn_safety_input *input,
+                      const crn_port_motor asked[CRN_PORT_TOOL_MAX], crn_port_outputs *outputs);
+
+#endif

@@ -1,0 +1,24 @@
+/* Does the host still lead the motors? While FREE_RUN runs, every tick counts as silence until the next valid
+ * frame. After CRN_APP_HOST_SILENT_ticks the forces fade within CRN_APP_FADE_ticks. */
+#ifndef CRN_WATCHDOG_H
+#define CRN_WATCHDOG_H
+
+#include "firmware/app/safety/finding.h"
+
+typedef struct crn_watchdog {
+    uint32_t silent_ticks; /* since the host's last valid frame; no longer counted when the fade has ended */
+} crn_watchdog;
+
+/* A valid frame came. True: it ends a silence that had made the forces fade. */
+bool crn_watchdog_feed(crn_watchdog *watchdog);
+
+/* One tick of FREE_RUN begins. The tick in which the host becomes silent is a finding. */
+void crn_watchdog_tick(crn_watchdog *watchdog, crn_findings *findings);
+
+/* The host is silent, and the forces fade or have faded. */
+bool crn_watchdog_is_fading(const crn_watchdog *watchdog);
+
+/* Ticks until no force is left: CRN_APP_FADE_ticks while the host is heard. */
+uint32_t crn_watchdog_left_ticks(const crn_watchdog *watchdog);
+
+#endif
