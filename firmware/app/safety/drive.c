@@ -30,11 +30,12 @@ static crn_port_motor driven(crn_safety *safety, const crn_safety_input *input, 
 {
     const crn_safety_track *track = &safety->tracks[k];
     if (!safety->is_driving || input->rig == NULL || k >= input->tool_count) return (crn_port_motor){0, 0};
-    const int32_t asked_mN = track->is_driven_along ? asked->axial_mN : 0;
+    const int32_t limit_mN = track->is_driven_along ? track->force_limit_mN : 0;
+    const int32_t asked_mN = crn_limited(asked->axial_mN, -limit_mN, limit_mN);
     const int32_t bound_mN = crn_carriage_bound_mN(safety, input->rig, k, asked_mN);
     return (crn_port_motor){crn_approach(safety->driven[k].axial_mN,
                                          crn_limited(asked_mN, -bound_mN, bound_mN),
-                                         track->force_slew_mN_per_tick, track->force_limit_mN),
+                                         track->force_slew_mN_per_tick, limit_mN),
                             track->is_driven_about ? asked->torque_uN_m : 0};
 }
 
