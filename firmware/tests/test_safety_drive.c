@@ -126,6 +126,21 @@ static void a_force_that_nobody_holds_ends_within_32_ms_at_a_hands_speed(void **
     }
 }
 
+/* The carriage stands still, so that its speed does not count: 12 edges of grace, and 20 in which the force
+ * fades. */
+static void a_force_that_nobody_holds_ends_in_time_without_any_motion(void **state)
+{
+    (void)state;
+    safety_bench_drive(&bench);
+    assert_int_equal(safety_bench_hold(&bench, 800, 100), 0);
+    bench.rig.tracks[0].force_raw = 0;
+    for (int ms = 1; ms <= 60; ms++) {
+        assert_int_equal(safety_bench_edge(&bench), CRN_FAULT_CODE_NONE);
+        const int32_t left = ms <= 12 ? 20 : ms < 32 ? 32 - ms : 0;
+        assert_in_range(given(), 40 + 760 * left / 20 - 2, 40 + 760 * left / 20);
+    }
+}
+
 /* The sensor may be wrong by a quarter, so a third more than measured counts as held. */
 static void a_force_that_a_hand_holds_stays(void **state)
 {
@@ -255,6 +270,7 @@ int main(void)
         cmocka_unit_test(the_drive_line_flips_once_per_edge_with_power_and_stands_without),
         cmocka_unit_test(power_begins_without_a_memory_of_earlier_faults),
         cmocka_unit_test(a_force_that_nobody_holds_ends_within_32_ms_at_a_hands_speed),
+        cmocka_unit_test(a_force_that_nobody_holds_ends_in_time_without_any_motion),
         cmocka_unit_test(a_force_that_a_hand_holds_stays),
         cmocka_unit_test(a_carriage_that_its_motor_made_fast_stops),
         cmocka_unit_test(a_carriage_that_a_hand_throws_goes_on),

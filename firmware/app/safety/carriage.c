@@ -7,8 +7,7 @@
 
 enum {
     LOOSE_mN = 40, /* allowed on a carriage without a hand: below the 50 mN of a cycle that a hand may feel */
-    LOOSE_GRACE_ticks =
-        12, /* a hand that meets a wall needs as much: the force that brakes it is not held yet */
+    LOOSE_GRACE_ticks = 12, /* a hand meets a wall with as much: the force that brakes it is not held yet */
     LOOSE_FADE_ticks = 20,
     /* A carriage that moves along its motor's force gets all of the requested force up to the first speed,
      * and only what the hand holds from the second one on. A tick and a motor's lag later it has 0.25 m/s. */
