@@ -1,4 +1,4 @@
-/* Power-up and dispatch: bytes -> frames -> handlers. */
+/* Power-up and dispatch: this file turns bytes into frames, and gives each frame to its handler. */
 #include "firmware/app/app.h"
 #include "firmware/app/app_internal.h"
 
@@ -45,9 +45,9 @@ static bool is_led(const crn_app *app)
     return app->safety.is_driving && crn_watchdog_left_ticks(&app->watchdog) > 0;
 }
 
-/* A program that begins its own conversation in the middle of that would end the other's with its next word,
- * RESET: it is refused, which is no sign of life of the one that leads. A host that speaks another language
- * may not command anything, even in the middle of a session. */
+/* A second program may say HELLO while another one leads motors with power. Its next message, RESET, would
+ * end that conversation. So its HELLO is refused, and it does not count as a sign of life of the program that
+ * leads. A host that speaks another language may not command anything, even in the middle of a session. */
 static void hello(crn_app *app, const uint8_t *payload, size_t length)
 {
     crn_wire_hello hello;
@@ -59,11 +59,11 @@ static void hello(crn_app *app, const uint8_t *payload, size_t length)
                   app->watchdog.silent_ticks, 0);
     app->link.is_greeted = is_understood;
     if (is_understood) host_spoke(app);
-    crn_permission_spend(&app->permission); /* what another conversation was allowed is not for this one */
+    crn_permission_spend(&app->permission); /* a permission of another conversation is not for this one */
     if (app->link.is_greeted && app->state == CRN_WIRE_STATE_INIT)
         crn_app_set_state(app, CRN_WIRE_STATE_READY);
     if (!app->link.is_greeted && app->state == CRN_WIRE_STATE_RUNNING) {
-        crn_app_stop(app); /* nobody is left who could stop the motors */
+        crn_app_stop(app); /* no other host could stop the motors */
     }
     crn_app_send_hello_reply(app, app->link.is_greeted);
 }

@@ -40,14 +40,14 @@ typedef struct crn_upload {
     bool open;
 } crn_upload;
 
-/* What the hands did, from the rig's sensors or from the host. */
+/* The hands' encoders, from the rig's sensors or from the host. */
 typedef struct crn_app_encoders {
     crn_port_hand hands[CRN_TOOL_MAX];
     uint32_t buttons;
     int32_t syringe_counts, inflator_raw;
 } crn_app_encoders;
 
-/* How one track is configured. What follows from it is in the parts: hands, haptics and safety. */
+/* How one track is configured. The parts (hands, haptics and safety) hold what follows from it. */
 typedef struct crn_app_track {
     crn_wire_track wire;         /* in force, as read back */
     crn_wire_track built;        /* as the rig's builder stated it */
@@ -56,7 +56,7 @@ typedef struct crn_app_track {
     uint32_t scale_counts_per_turn;
 } crn_app_track;
 
-/* Messages that wait for room on the way to the host. */
+/* Messages that wait for room in the pipe to the host. */
 typedef struct crn_app_queue {
     uint32_t first, count; /* ring of live ticks */
     uint32_t ticks_lost;
@@ -103,7 +103,7 @@ typedef struct crn_app_setup {
     crn_instrument tools[CRN_TOOL_MAX]; /* from the innermost */
 } crn_app_setup;
 
-/* What one session remembers beside the core and the haptics. */
+/* What one session remembers besides the core, the hands and the haptics. */
 typedef struct crn_app_session {
     bool has_stop;
     uint32_t stop_tick; /* tick of a STOP that is still to come */
@@ -130,8 +130,8 @@ typedef struct crn_app_faults {
     crn_wire_fault_entry entries[CRN_APP_FAULT_MAX];
 } crn_app_faults;
 
-/* Messages being read and written; nothing in here outlives the handling of a request or an edge, but for
- * `ticks` and `snapshot`. */
+/* Messages being read and written. Only `ticks` and `snapshot` outlive the handling of a request or an edge.
+ */
 typedef struct crn_app_buffers {
     union {
         crn_wire_scene_chunk scene_chunk;
@@ -183,20 +183,20 @@ void crn_app_init(crn_app *app, const crn_port *port);
 /* Bytes from the host, in pieces of any size. Replies leave through port->transmit before it returns. */
 void crn_app_receive(crn_app *app, const uint8_t *bytes, size_t count);
 
-/* The host's word by another way than frames (HID), judged as if it had come in one; whatever of a frame has
- * come stays. What the app answers goes out as a frame that answers nothing. */
+/* A host may also speak without frames, by HID. Its word is judged as if it had come in a frame, and a frame
+ * that is half received stays as it is. The app's answer goes out as a frame that answers no request. */
 
-/* STOP or RESET, nothing else. True: not RUNNING, READY after it. */
+/* Only STOP and RESET are accepted. True: the state is no longer RUNNING, or READY after RESET. */
 bool crn_app_order(crn_app *app, uint8_t action);
 
-/* `rig`, the configuration of the first tracks; app->setup.tracks shows what was taken. */
+/* The message `rig` configures the first tracks; app->setup.tracks then shows what was accepted. */
 void crn_app_configure(crn_app *app, const crn_wire_rig *rig);
 
-/* What a track's force sensor says in this edge's sample, mN; 0 without a sensor that is well. */
+/* What a track's force sensor measures in this edge's sample, in mN; 0 without a sensor in order. */
 int32_t crn_app_force_measured(const crn_app *app, uint32_t track);
 
-/* One millisecond has passed: samples the rig, checks it, does a tick in FREE_RUN and RUNNING, writes the
- * outputs. */
+/* One millisecond has passed. This samples the rig, checks it, does a tick in FREE_RUN and RUNNING, and
+ * writes the outputs. */
 void crn_app_timer(crn_app *app);
 
 #endif

@@ -1,8 +1,8 @@
-/* States and modes: ARM, START, STOP, RESET, LOCKSTEP, FREE_RUN, and the two steps that let START power the
- * motors. */
+/* States and modes: ARM, START, STOP, RESET, LOCKSTEP and FREE_RUN, and the two steps that let START power
+ * the motors. */
 #include "firmware/app/app_internal.h"
 
-enum { START_DEPTH_MAX_M_Q30 = 322123 /* 0.3 mm: the wall pushes that back without a jolt */ };
+enum { START_DEPTH_MAX_M_Q30 = 322123 /* 0.3 mm: the wall pushes such a tool back without a jolt */ };
 
 void crn_app_set_state(crn_app *app, uint8_t state)
 {
@@ -13,7 +13,7 @@ void crn_app_set_state(crn_app *app, uint8_t state)
 
 /* --- ARM: constants and rest state from what was set up --- */
 
-/* No tool may begin with more outside than it has. False: refused. */
+/* No tool may begin with a longer part inserted than it has. False: it was refused. */
 static bool lengths_fit(crn_app *app)
 {
     for (uint32_t k = 0; k < app->setup.tool_count; k++) {
@@ -107,16 +107,16 @@ static void confirm(crn_app *app, uint32_t code)
 
 /* --- START, STOP, RESET, modes --- */
 
-/* Where the hands are at the next reading is their new reference, without force. */
+/* The positions of the hands at the next reading are their new reference, without force. */
 static void forget_hands(crn_app *app)
 {
     crn_hands_take_reference(&app->hands);
     crn_haptics_reset(&app->haptics);
 }
 
-/* In FREE_RUN nobody listened to the hands before START, so it begins with a new reference and the motors at
- * nothing. In LOCKSTEP a session stopped goes on exactly where it was. A change of mode takes a new reference
- * too, so that a snapshot of ARMED is what START begins with: with it a session of FREE_RUN that was resumed
+/* Before START, FREE_RUN does not read the hands, so it begins with a new reference and the motors at zero.
+ * In LOCKSTEP a stopped session continues exactly where it was. A change of mode takes a new reference, too,
+ * so that a snapshot of ARMED is what START begins with. With such a snapshot a resumed session of FREE_RUN
  * replays bit for bit. */
 static void begin_listening(crn_app *app)
 {
@@ -144,7 +144,7 @@ static void start(crn_app *app)
     crn_app_send_status(app, type);
 }
 
-/* Without a word to the host: it is told by whoever calls. */
+/* This sends nothing to the host; the caller reports the STOP. */
 void crn_app_stop(crn_app *app)
 {
     app->session.has_stop = false;
@@ -155,7 +155,7 @@ void crn_app_stop(crn_app *app)
     crn_haptics_rest(&app->haptics);
 }
 
-/* A STOP for a tick to come is remembered; it is carried out by crn_app_tick. */
+/* A STOP for a later tick is remembered; stop_when_due carries it out. */
 static void stop(crn_app *app, uint32_t tick)
 {
     CRN_REJECT_IF(app, CRN_WIRE_TYPE_command, app->state != CRN_WIRE_STATE_RUNNING, CRN_REJECT_WRONG_STATE,

@@ -1,4 +1,4 @@
-/* The fault log and the way into state FAULT. */
+/* The fault log, and the one place that enters the state FAULT. */
 #include "firmware/app/app_internal.h"
 
 static bool fault_stops(crn_fault_code code)
@@ -14,7 +14,7 @@ static bool fault_stops(crn_fault_code code)
     return false;
 }
 
-/* One line per code: when it was first, when last, how often, and the last values. */
+/* Each code has one line: its first and last tick, its count, and its last values. */
 void crn_app_fault_log(crn_app *app, crn_fault_code code, int32_t value1, int32_t value2)
 {
     uint16_t i = 0;
@@ -31,7 +31,8 @@ void crn_app_fault_log(crn_app *app, crn_fault_code code, int32_t value1, int32_
     app->faults.entries[i].value2 = value2;
 }
 
-/* The first fault that stops is the cause that `status` tells; what follows from it is only in the log. */
+/* The first fault that stops is the cause that `status` reports; faults that follow from it are only in the
+ * log. */
 void crn_app_fault(crn_app *app, crn_fault_code code, int32_t value1, int32_t value2)
 {
     crn_app_fault_log(app, code, value1, value2);
@@ -44,7 +45,7 @@ void crn_app_fault(crn_app *app, crn_fault_code code, int32_t value1, int32_t va
     crn_app_notice(app, CRN_WIRE_EVENT_FAULT, (uint16_t)code, value1, value2);
 }
 
-/* What a part found, in its order. */
+/* Reports what a part found, in the part's order. */
 void crn_app_report(crn_app *app, const crn_findings *findings)
 {
     for (uint32_t i = 0; i < findings->count; i++) {

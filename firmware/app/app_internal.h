@@ -1,16 +1,18 @@
-/* What the files of the app share. Top to bottom: wire -> requests -> session -> parts, stream, faults. */
+/* What the files of the app share. From top to bottom they are: wire, requests, session, parts, stream,
+ * faults. */
 #ifndef CRN_APP_INTERNAL_H
 #define CRN_APP_INTERNAL_H
 
 #include "firmware/app/app.h"
 
-/* Our own error: log it, motors off, state FAULT. Stays on in release. */
+/* Our own error is logged, the motors go off, and the state becomes FAULT. The check stays in release builds.
+ */
 #define CRN_REQUIRE(app, condition, value)                                                                   \
     do {                                                                                                     \
         if (!(condition)) crn_app_internal_error(app, __LINE__, (int32_t)(value));                           \
     } while (0)
 
-/* The other side's error: refuse with a typed code, change nothing, leave the handler. */
+/* The other side's error is refused with a typed code, changes nothing, and leaves the handler. */
 #define CRN_REJECT_IF(app, type, condition, code, detail1, detail2)                                          \
     do {                                                                                                     \
         if (condition) {                                                                                     \
@@ -43,8 +45,9 @@ void crn_app_tools(crn_app *app, const uint8_t *payload, size_t length);
 void crn_app_entry(crn_app *app, const uint8_t *payload, size_t length);
 void crn_app_reject_build(crn_app *app, uint16_t type, crn_build_status status, const crn_build_place *place);
 
-/* app_lumen.c: scene bytes -> the core's view of them; `lumen` then points to `motion` when it moves, and to
- * `lesions` when some give way. 0, or the scene status that says what is wrong: all are as they were. */
+/* app_lumen.c: scene bytes -> the core's view of them. `lumen` then points to `motion` if the vessel moves,
+ * and to `lesions` if some can yield. It returns 0, or the scene status that names the error; then all
+ * outputs are unchanged. */
 uint32_t crn_app_lumen_open(const uint8_t *bytes, uint32_t byte_count, crn_lumen *lumen, crn_motion *motion,
                             crn_lesion lesions[CRN_LESION_MAX]);
 
@@ -67,7 +70,7 @@ void crn_app_scaffold(crn_app *app, const uint8_t *payload, size_t length);
 void crn_app_strut(crn_app *app, const uint8_t *payload, size_t length);
 void crn_app_log_core_faults(crn_app *app, uint32_t bits);
 
-/* app_stream.c: what goes out by itself, with back-pressure */
+/* app_stream.c: what the device sends unasked, with back-pressure */
 void crn_app_stream(crn_app *app, const uint8_t *payload, size_t length);
 crn_wire_live_tick *crn_app_stream_next(crn_app *app);
 void crn_app_stream_tick(crn_app *app);

@@ -1,10 +1,11 @@
-/* What goes out: every reply is encoded into app->buffers.payload, framed and handed to the port. */
+/* Replies: each one is encoded into app->buffers.payload, framed, and given to the port. */
 #include "firmware/app/app_internal.h"
 
 void crn_app_send(crn_app *app, uint16_t type, size_t payload_bytes)
 {
     app->link.sequence_out++;
-    if (app->link.sequence_out == 0) app->link.sequence_out = 1; /* 0 means "nobody asked" in `answers` */
+    if (app->link.sequence_out == 0)
+        app->link.sequence_out = 1; /* in `answers`, 0 means that no request is answered */
     crn_wire_header header = {app->link.sequence_out, app->link.answers, type};
     size_t bytes = crn_wire_frame_encode(&header, app->buffers.payload, payload_bytes, app->buffers.frame,
                                          sizeof app->buffers.frame);
@@ -13,7 +14,7 @@ void crn_app_send(crn_app *app, uint16_t type, size_t payload_bytes)
         app->link.transmit_dropped++;
 }
 
-/* As crn_app_send, but what found no way out may be offered again: the number of the frame is not used up. */
+/* As crn_app_send, but a message that found no room may be offered again: its frame number is not used up. */
 bool crn_app_offer(crn_app *app, uint16_t type, size_t payload_bytes)
 {
     uint16_t before = app->link.sequence_out;
@@ -25,7 +26,7 @@ bool crn_app_offer(crn_app *app, uint16_t type, size_t payload_bytes)
     return false;
 }
 
-/* Encode `value` as message `name` and send it. */
+/* Encodes `value` as message `name` and sends it. */
 #define SEND(app, name, value)                                                                               \
     do {                                                                                                     \
         crn_wire_writer writer = crn_wire_writer_make((app)->buffers.payload, sizeof(app)->buffers.payload); \
@@ -87,7 +88,6 @@ void crn_app_send_hello_reply(crn_app *app, bool accepted)
     SEND(app, hello_reply, &reply);
 }
 
-/* Nodes beyond the inserter and the first one inside it: what a picture shows. */
 /* Balloon and lesions, for pictures. */
 static void put_treatment(const crn_app *app, crn_wire_nodes *nodes)
 {
@@ -104,6 +104,7 @@ static void put_treatment(const crn_app *app, crn_wire_nodes *nodes)
     nodes->lesions_open_q15_count = (uint16_t)count;
 }
 
+/* A picture shows the nodes beyond the introducer and the first one inside it. */
 void crn_app_send_nodes(crn_app *app)
 {
     crn_wire_nodes *nodes = &app->buffers.reply.nodes;
@@ -166,7 +167,7 @@ void crn_app_send_fault_log(crn_app *app)
     SEND(app, fault_log, log);
 }
 
-/* The ticks gathered so far; starts a new batch. */
+/* Sends the ticks gathered so far and starts a new batch. */
 void crn_app_send_ticks(crn_app *app)
 {
     SEND(app, ticks, &app->buffers.ticks);

@@ -1,5 +1,5 @@
-/* Configuration of the tracks: checked as a whole, read back as it is in force. Limits go down from the host,
- * and up only while the local unlock is closed. */
+/* Configuration of the tracks. A request is checked as a whole, and what is in force can be read back. A host
+ * may lower limits, and may raise them only while the local unlock is closed. */
 #include "firmware/app/app_internal.h"
 
 enum {
@@ -25,9 +25,9 @@ static bool in_range(uint32_t value, uint32_t low, uint32_t high)
     return value >= low && value <= high;
 }
 
-/* What the hand feels of a coupling is multiplied by the gain where that is above one, and by a scale that
- * says more of a count than is known. In 1/1000, rounded up. Overflow: wraps for values that are out of their
- * ranges and refused anyway; else below 2^41. */
+/* A gain above one multiplies what the hand feels of a coupling. So does a scale that claims more travel per
+ * count than is known. The product is in 1/1000, rounded up. Overflow: it wraps for values that are out of
+ * their ranges and refused anyway; else it is below 2^41. */
 static uint64_t loop_milli(const crn_wire_track *wire, uint32_t said, uint32_t known)
 {
     const uint64_t gain_milli =
@@ -36,10 +36,10 @@ static uint64_t loop_milli(const crn_wire_track *wire, uint32_t said, uint32_t k
     return crn_divide_u64(gain_milli * said + known - 1, known);
 }
 
-/* b > G (K (T / 2 + t) + B): what a sampled spring and damper may be on a rig with damping b whose force
- * comes t late and is multiplied by G (docs/haptics.md). Format: K in N/m, b and B in 1/1000 N s/m, G in
- * 1/1000; both sides in 1e-9 N s/m. Overflow: G below 2^32 (4 000 x 5 x 10^5, the range of scales), 10^5 x
- * 2^32 x 20 500 and 10^6 x 2^32 below 2^63. Without a coupling nothing is asked. */
+/* b > G (K (T / 2 + t) + B) limits a sampled spring and damper on a rig with damping b whose force comes t
+ * late and is multiplied by G (docs/haptics.md). Format: K in N/m, b and B in 1/1000 N s/m, G in 1/1000; both
+ * sides in 1e-9 N s/m. Overflow: G below 2^32 (4 000 x 5 x 10^5, the range of scales), 10^5 x 2^32 x 20 500
+ * and 10^6 x 2^32 below 2^63. A track without a coupling has no such limit. */
 static bool is_passive(uint32_t stiffness, uint32_t damping, uint32_t damping_rig, uint32_t lag_us,
                        uint64_t factor_milli)
 {
@@ -72,12 +72,12 @@ static const crn_wire_track first = {
 
 /* --- who may state what --- */
 
-/* What a host may state of a track that nobody at the rig has confirmed, measured against what the rig's
- * builder stated. */
+/* A rule says what a host may state about a track without somebody at the rig who confirms it. It compares
+ * with what the rig's builder stated. */
 typedef enum step_rule {
-    STEP_SCALE, /* a quarter up or down: what sensors differ among themselves */
-    STEP_UP_TO, /* anything up to it: less is the safe side */
-    STEP_FROM,  /* anything from it on: more is the safe side */
+    STEP_SCALE, /* a quarter up or down, as sensors differ among themselves */
+    STEP_UP_TO, /* anything up to the builder's value: less is safer */
+    STEP_FROM,  /* anything from the builder's value on: more is safer */
     STEP_NONE,  /* only that */
 } step_rule;
 
@@ -101,12 +101,12 @@ static bool is_coupled(const crn_wire_track *wire)
     return wire->coupling_N_per_m > 0 || wire->coupling_uN_m_per_rad > 0;
 }
 
-/* The one table of it. A sensor's scale that is too small makes every force and every speed look small, and
- * then no check sees a large one; one that is too large, a gain, a damping that is not there or a lag that is
- * hidden makes the coupling stiffer than the rig can render; an encoder that is said to count the other way
- * turns a spring into a push. A track without a coupling is never driven: of it a host may say what it likes
- * but for the force sensor, which is looked at in every state. What was vouched for may be said again. False:
- * *field names the offender. */
+/* The one table of these rules. A scale of the sensor that is too small makes every force and every speed
+ * look small, and then no check sees a large one. A scale that is too large, a gain, a damping that does not
+ * exist or a hidden lag makes the coupling stiffer than the rig can render. An encoder that is said to count
+ * in the other direction turns a spring into a push. A track without a coupling is never driven, so a host
+ * may state anything about it but the force sensor's scale, because that sensor is checked in every state. A
+ * value that was vouched for may be stated again. False: *field names the offender. */
 static bool steps_are_free(const crn_wire_track *asked, const crn_app_track *present, uint32_t *field)
 {
     const crn_wire_track *vouched = &present->vouched, *built = &present->built;
@@ -136,7 +136,7 @@ static bool steps_are_free(const crn_wire_track *asked, const crn_app_track *pre
     return true;
 }
 
-/* What a host may change of a track beyond what it may always. */
+/* What a host may change in a track beyond what it may always change. */
 typedef struct track_rights {
     bool raises_limits, states_all;
 } track_rights;
@@ -147,8 +147,8 @@ static bool track_is_good(const crn_wire_track *wire, const crn_app_track *prese
 {
     const crn_wire_track *limits =
         rights.raises_limits ? &first : &present->wire; /* the largest allowed now */
-    /* What somebody at the rig says of a count is believed; otherwise a count may be less than what is said.
-     */
+    /* The word of somebody at the rig about a count is believed. Otherwise a count may be less than what is
+     * stated. */
     const uint64_t along_milli = loop_milli(wire, rights.states_all ? 0 : wire->translation_pm_per_count,
                                             present->scale_pm_per_count),
                    about_milli = loop_milli(wire, rights.states_all ? 0 : present->scale_counts_per_turn,
@@ -182,7 +182,7 @@ static bool track_is_good(const crn_wire_track *wire, const crn_app_track *prese
     return rights.states_all || steps_are_free(wire, present, field);
 }
 
-/* Check everything, then take it over. False: *field names the offender. */
+/* Checks everything before it accepts anything. False: *field names the offender. */
 static bool track_set(crn_app_track *track, const crn_wire_track *asked, track_rights rights, uint32_t *field)
 {
     crn_wire_track wire = *asked;
@@ -202,7 +202,7 @@ static uint32_t stated(uint32_t built, uint32_t otherwise)
     return built != 0 ? built : otherwise;
 }
 
-/* At power-up a track is what its builder said, without a damping that somebody could count on. */
+/* At power-up a track is as its builder stated it, but without a damping that somebody could rely on. */
 void crn_app_track_default(crn_app_track *track, const crn_port *port)
 {
     uint32_t field;
@@ -219,7 +219,7 @@ void crn_app_track_default(crn_app_track *track, const crn_port *port)
     (void)track_set(track, &wire, (track_rights){true, true}, &field);
 }
 
-/* Checked as a whole before a single track changes. */
+/* The request is checked as a whole before a single track changes. */
 void crn_app_rig_take(crn_app *app, const crn_wire_rig *wire)
 {
     const uint16_t type = CRN_WIRE_TYPE_rig;

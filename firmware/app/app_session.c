@@ -1,9 +1,9 @@
-/* Ticks. One tick: encoders -> hands -> coupling -> crn_step -> forces -> what the host is told. */
+/* Ticks. One tick is: encoders -> hands -> coupling -> crn_step -> forces -> results for the host. */
 #include "firmware/app/app_internal.h"
 
 /* --- one tick --- */
 
-/* The core's sticky bits that are new go to the fault log. */
+/* The core's new sticky bits go to the fault log. */
 void crn_app_log_core_faults(crn_app *app, uint32_t bits)
 {
     static const struct {
@@ -75,7 +75,8 @@ static int32_t kPa_of(int32_t inflator_raw)
     return inflator_raw < 0 ? 0 : (inflator_raw > most ? most : inflator_raw);
 }
 
-/* `encoders` NULL: nobody says where the hands are, they rest. False: FAULT, no tick was done. */
+/* `encoders` NULL: nobody reports where the hands are, and they rest. False: the state is FAULT, and no tick
+ * was done. */
 static bool tick(crn_app *app, const crn_app_encoders *encoders, const crn_app_wish *order,
                  crn_output *output)
 {
@@ -163,8 +164,8 @@ static uint16_t order_from_wire(const crn_app *app, const crn_wire_encoders *wir
 
 /* --- LOCKSTEP --- */
 
-/* Replies: hash64 on the way, nodes when wanted, ticks last. After a fault or a STOP `ticks` is shorter than
- * asked. */
+/* The replies are hash64 while the ticks run, nodes if they were requested, and ticks last. After a fault or
+ * a STOP `ticks` is shorter than requested. */
 void crn_app_step(crn_app *app, const uint8_t *payload, size_t length)
 {
     const uint16_t type = CRN_WIRE_TYPE_step;
@@ -297,7 +298,7 @@ static uint16_t fade_milli(const crn_app *app)
     return (uint16_t)(crn_watchdog_left_ticks(&app->watchdog) * 1000 / CRN_APP_FADE_ticks);
 }
 
-/* What the host needs to replay this tick in LOCKSTEP, and to see what the rig did. */
+/* What the host needs to replay this tick in LOCKSTEP and to see what the rig did. */
 static void note_live(crn_app *app, const crn_app_encoders *encoders, const crn_app_wish *order,
                       const crn_output *output)
 {

@@ -69,7 +69,7 @@ static void send_chunk(crn_app *app, uint32_t offset)
 
 void crn_app_snapshot_send(crn_app *app)
 {
-    app->session.snapshot_upload.open = false; /* the buffer is shared with an upload in progress */
+    app->session.snapshot_upload.open = false; /* an upload in progress uses the same buffer */
     save(app);
     const crn_wire_snapshot_begin begin = {crn_state_tick(&app->core), CRN_APP_SNAPSHOT_BYTES,
                                            crn_wire_crc32(0, app->buffers.snapshot, CRN_APP_SNAPSHOT_BYTES)};
@@ -119,7 +119,7 @@ void crn_app_snapshot_chunk(crn_app *app, const uint8_t *payload, size_t length)
         app->buffers.snapshot[upload->received_bytes++] = chunk->data[i];
 }
 
-/* Two's complement of 64 bits without implementation-defined conversion. */
+/* Two's complement of 64 bits without a conversion that C leaves to the implementation. */
 static int64_t i64_from_u64(uint64_t value)
 {
     return value <= (uint64_t)INT64_MAX ? (int64_t)value : -(int64_t)(UINT64_MAX - value) - 1;
@@ -162,8 +162,8 @@ static bool read_tool(crn_wire_reader *reader, const crn_haptics_track *track, c
            is_within(motor->torque_uN_m, track->torque_limit_uN_m);
 }
 
-/* Leads are held to what an axis allows, estimates to its largest: no product of a later tick can overflow.
- */
+/* Leads are held to what an axis allows, and estimates to their largest value, so that no product of a later
+ * tick can overflow. */
 static bool read_spring(crn_wire_reader *reader, const crn_haptics_axis *axis, crn_haptics_spring *spring)
 {
     uint32_t is_set = (uint32_t)crn_wire_read(reader, 4);

@@ -1,10 +1,10 @@
-/* What the device says without being asked, as far as there is room on the way to the host: ticks of FREE_RUN
- * first, then notices, then pictures. Ticks and notices wait in queues; a picture that found no room is
- * replaced by a newer one. */
+/* What the device sends unasked, as far as there is room in the pipe to the host: first ticks of FREE_RUN,
+ * then notices, then pictures. Ticks and notices wait in queues; a newer picture replaces one that found no
+ * room. */
 #include "firmware/app/app_internal.h"
 
 enum {
-    FRAMES_PER_EDGE = 2, /* so that a host that comes back does not make a tick late */
+    FRAMES_PER_EDGE = 2, /* so that a host that returns does not make a tick late */
     OVERHEAD_BYTES = CRN_WIRE_FRAME_MAX - CRN_WIRE_PAYLOAD_MAX,
 };
 
@@ -15,7 +15,7 @@ static bool has_room(const crn_app *app, size_t payload_bytes)
 
 /* --- ticks --- */
 
-/* The next place in the queue; a full one loses its oldest tick. */
+/* Returns the next place in the queue; a full queue loses its oldest tick. */
 crn_wire_live_tick *crn_app_stream_next(crn_app *app)
 {
     crn_app_queue *queue = &app->queue;
@@ -82,7 +82,7 @@ static bool send_notice(crn_app *app)
 
 /* --- pictures --- */
 
-/* After a tick of FREE_RUN. A picture still waiting is dropped for the one that is due now. */
+/* Runs after a tick of FREE_RUN. A picture that still waits is dropped for the one that is due now. */
 void crn_app_stream_tick(crn_app *app)
 {
     crn_app_queue *queue = &app->queue;
@@ -92,7 +92,7 @@ void crn_app_stream_tick(crn_app *app)
     queue->is_picture_due = true;
 }
 
-/* It leaves room for the next ticks, and shows the state as it is when it leaves. */
+/* A picture leaves room for the next ticks, and shows the state at the moment when it is sent. */
 static void send_picture(crn_app *app)
 {
     if (!app->queue.is_picture_due || app->state != CRN_WIRE_STATE_RUNNING) return;
@@ -108,8 +108,8 @@ void crn_app_stream_hash64(crn_app *app)
 
 /* --- the stream --- */
 
-/* Once per edge, after the outputs are written. A batch waits until it is full or no further tick is coming.
- */
+/* Runs once per edge, after the outputs are written. A batch waits until it is full or no further tick will
+ * come. */
 void crn_app_stream_flush(crn_app *app)
 {
     bool is_last = app->state != CRN_WIRE_STATE_RUNNING || app->mode != CRN_WIRE_MODE_FREE_RUN;
@@ -124,7 +124,7 @@ void crn_app_stream_flush(crn_app *app)
     send_picture(app);
 }
 
-/* A new session: what an old one left is of no use. */
+/* A new session has no use for what the old one left. */
 void crn_app_stream_clear(crn_app *app)
 {
     crn_app_queue *queue = &app->queue;

@@ -22,8 +22,8 @@
 #include "shared/wire/hid.h"
 #include "shared/wire/wire_frame.h"
 
-/* pid.codes' number for tests; a rig that leaves the laboratory needs one of its own (make USB_ID=1209:0001).
- */
+/* this is pid.codes' number for tests; a rig that leaves the laboratory needs a number of its own (make
+ * USB_ID=1209:0001) */
 #ifndef CRN_USB_VENDOR_ID
 #define CRN_USB_VENDOR_ID 0x1209
 #endif
@@ -32,7 +32,7 @@
 #endif
 
 enum {
-    CRN_USB_CONTROL_BYTES = 256,    /* longest control transfer; the longest descriptor has 178 */
+    CRN_USB_CONTROL_BYTES = 256,    /* longest control transfer; the longest descriptor has 178 bytes */
     CRN_USB_STREAM_PACKET = 512,    /* of the bulk pair at high speed */
     CRN_USB_STREAM_BURST = 1 << 14, /* longest IN transfer given to the controller at once */
     CRN_USB_SERIAL_MAX = 32,        /* characters */
@@ -53,7 +53,7 @@ typedef enum crn_usb_link {
     CRN_USB_SUSPENDED,    /* it was configured, and the bus sleeps */
 } crn_usb_link;
 
-/* What the glue gives; every callback runs inside crn_usb_poll. */
+/* Callbacks of the glue in a port; each one runs inside crn_usb_poll. */
 typedef struct crn_usb_app {
     void *context;
     void (*receive)(void *context, const uint8_t *bytes, size_t count); /* of the stream; may transmit */
@@ -63,7 +63,7 @@ typedef struct crn_usb_app {
     void (*capabilities)(void *context, crn_hid_capabilities *capabilities);
     void (*calibration)(void *context, crn_hid_calibration *calibration);
     void (*limits)(void *context, crn_hid_limits *limits);
-    /* False: refused, nothing changed; the host sees STALL. */
+    /* False: the report was refused and changed nothing; the host sees STALL. */
     bool (*set_calibration)(void *context, const crn_hid_calibration *calibration);
     bool (*set_limits)(void *context, const crn_hid_limits *limits);
 } crn_usb_app;
@@ -71,10 +71,10 @@ typedef struct crn_usb_app {
 typedef struct crn_usb_config {
     const crn_udc *udc;
     const crn_usb_app *app;
-    const char *serial; /* ASCII, 1 .. CRN_USB_SERIAL_MAX characters; what tells two rigs apart */
+    const char *serial; /* ASCII, 1 .. CRN_USB_SERIAL_MAX characters; it distinguishes two rigs */
     uint8_t *queue;     /* frames on their way to the host */
     uint32_t queue_bytes;
-    uint32_t reply_bytes; /* room that a request must find: all the frames that may answer one. At least
+    uint32_t reply_bytes; /* room that a request must find, for all frames that may answer it. At least
                              CRN_WIRE_FRAME_MAX, at most half of the queue */
 } crn_usb_config;
 
@@ -96,24 +96,24 @@ typedef struct crn_usb {
     crn_usb_config config;
 
     /* the bus */
-    bool is_connected; /* wished; off while off_ms counts down */
+    bool is_connected; /* requested by the port; the device is off the bus while off_ms counts down */
     bool is_suspended;
     uint8_t speed; /* crn_udc_speed */
     uint8_t address;
     uint8_t configuration; /* 0 or 1 */
     uint8_t link;          /* last told to the app */
     uint32_t off_ms;       /* 0: not counting */
-    uint16_t off_packets;  /* of the stream to the device until it goes off the bus; 0: stays */
+    uint16_t off_packets;  /* packets of the stream to the device until it goes off the bus; 0: it stays */
     uint16_t off_value_ms; /* and then for so long */
     bool is_halted[CRN_USB_PIPE_COUNT];
     bool is_armed[CRN_USB_PIPE_COUNT];
 
     /* control transfers */
     uint8_t stage;             /* of the transfer under way */
-    uint8_t after_status;      /* what to do when its status stage is over */
+    uint8_t after_status;      /* what to do after the status stage */
     uint16_t after_value;      /* with which value */
     uint16_t after_index;      /* and index */
-    bool ends_empty;           /* an empty packet is still to follow the data */
+    bool ends_empty;           /* an empty packet must still follow the data */
     crn_usb_setup setup;       /* its request */
     uint32_t requests_refused; /* answered with STALL */
     uint8_t hid_idle;
@@ -121,14 +121,14 @@ typedef struct crn_usb {
     /* HID */
     crn_hid_state state;
     uint32_t report_first, report_count; /* ring of reports that wait */
-    uint32_t reports_dropped;            /* the host was later than the queue is long */
-    uint32_t reports_refused;            /* came on the interrupt pipe and were none */
+    uint32_t reports_dropped;            /* reports lost because the host was later than the queue is long */
+    uint32_t reports_refused;            /* packets on the interrupt pipe that were no reports */
 
     /* the stream: the queue is a ring */
     uint32_t queue_begin, queue_count;
     uint32_t sending;              /* bytes of the ring given to the controller */
     bool ends_full;                /* the last packet sent was full */
-    uint32_t held_begin, held_end; /* received bytes that the app has not got yet */
+    uint32_t held_begin, held_end; /* received bytes that the app has not taken yet */
     uint32_t frames_refused;
 
     _Alignas(32) uint8_t control[CRN_USB_CONTROL_BYTES];
@@ -139,24 +139,26 @@ typedef struct crn_usb {
 } crn_usb;
 
 /* `config` is copied; what it points to must outlive the stack. False: the queue or the room for replies is
- * too short, or the serial is empty, too long or not printable ASCII. */
+ * too short, or the serial number is empty, too long or not printable ASCII. */
 bool crn_usb_init(crn_usb *usb, const crn_usb_config *config);
 
-/* Show the device to the host, or take it off the bus: as if the cable were pulled. */
+/* Shows the device to the host, or takes it off the bus as if the cable were pulled. */
 void crn_usb_connect(crn_usb *usb, bool connected);
 
-/* Bounded work: at most CRN_USB_EVENTS_PER_POLL events and one frame for the app. True: there may be more to
- * do. */
+/* Does bounded work: at most CRN_USB_EVENTS_PER_POLL events and one frame for the app. True: there may be
+ * more to do. */
 bool crn_usb_poll(crn_usb *usb);
 
-/* One millisecond has passed. `state` becomes a state report behind those that wait; when the queue is full
- * the oldest one is left out. Nothing waits while no host has configured the device, or the bus sleeps. */
+/* One millisecond has passed. `state` becomes a state report behind those that wait. When the queue is full,
+ * the oldest report is dropped. No report waits while no host has configured the device, or while the bus
+ * sleeps. */
 void crn_usb_timer(crn_usb *usb, const crn_hid_state *state);
 
-/* Queue a whole frame for the host. False: not configured, or no room; nothing was queued. */
+/* Queues a whole frame for the host. False: the device is not configured, or there is no room; nothing was
+ * queued. */
 bool crn_usb_transmit(crn_usb *usb, const uint8_t *frame, size_t frame_bytes);
 
-/* Bytes that the queue still takes: for who wants to leave out a picture rather than be refused. */
+/* Returns how many bytes the queue still takes. A caller can thus drop a picture instead of being refused. */
 uint32_t crn_usb_queue_room(const crn_usb *usb);
 
 #endif

@@ -30,14 +30,14 @@ static void begin_status_in(crn_usb *usb)
     arm(usb, CRN_UDC_IN, usb->control, 0);
 }
 
-/* At most what the host asked for. An empty packet ends data that is shorter than that and fills its last
- * packet. */
+/* Sends at most as much as the host requested. An empty packet ends data that is shorter than that and fills
+ * its last packet. */
 static void begin_data_in(crn_usb *usb, const crn_usb_setup *setup, uint32_t count)
 {
     if (count > setup->length) count = setup->length;
     usb->stage = DATA_IN;
     usb->ends_empty = count != 0 && count < setup->length && count % CRN_UDC_CONTROL_PACKET_BYTES == 0;
-    arm(usb, 0, usb->control, 0); /* the status stage, whenever the host comes to it */
+    arm(usb, 0, usb->control, 0); /* the status stage, whenever the host starts it */
     arm(usb, CRN_UDC_IN, usb->control, count);
 }
 
@@ -93,7 +93,7 @@ void crn_usb_control_setup(crn_usb *usb, const uint8_t bytes[CRN_UDC_SETUP_BYTES
     crn_usb_control_reset(usb);
     const crn_usb_setup setup = usb->setup = parse(bytes);
     const bool to_host = (setup.type & CRN_USB_TYPE_IN) != 0;
-    if (!to_host && setup.length != 0) { /* data first, judged when it is complete */
+    if (!to_host && setup.length != 0) { /* the data comes first and is judged when it is complete */
         if (setup.length > sizeof usb->control || !crn_usb_hid_takes(usb, &setup)) {
             refuse(usb);
             return;

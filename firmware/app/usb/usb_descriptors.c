@@ -1,4 +1,4 @@
-/* Every descriptor, written from usb_table.def when it is asked for. */
+/* Every descriptor is written from usb_table.def when a host requests it. */
 #include "firmware/app/usb/usb_internal.h"
 
 const crn_usb_endpoint crn_usb_endpoints[CRN_USB_PIPE_COUNT] = {
@@ -32,13 +32,13 @@ static const uint8_t interface_strings[CRN_USB_INTERFACE_COUNT] = {
 };
 
 enum {
-    USB_BCD = 0x0210, /* 2.1: the first that has a BOS descriptor */
+    USB_BCD = 0x0210, /* 2.1: the first version with a BOS descriptor */
     DEVICE_BCD = 0x0100,
     HID_BCD = 0x0111,
     CLASS_HID = 3,
     SELF_POWERED = 0xc0,
     POWER_2mA = 50,
-    LANGUAGE = 0x0409,          /* English, United States: what every host asks for */
+    LANGUAGE = 0x0409,          /* English, United States, which every host requests */
     MS_OS_WINDOWS = 0x06030000, /* 8.1, the first that reads the set */
     MS_OS_BYTES = 178,
 };
@@ -60,7 +60,7 @@ static void put_device(crn_wire_writer *reply)
     crn_wire_write(reply, 18, 1);
     crn_wire_write(reply, CRN_USB_DESCRIPTOR_DEVICE, 1);
     crn_wire_write(reply, USB_BCD, 2);
-    crn_wire_write(reply, 0, 3); /* class, subclass and protocol stand at the interfaces */
+    crn_wire_write(reply, 0, 3); /* class, subclass and protocol belong to the interfaces */
     crn_wire_write(reply, CRN_UDC_CONTROL_PACKET_BYTES, 1);
     crn_wire_write(reply, CRN_USB_VENDOR_ID, 2);
     crn_wire_write(reply, CRN_USB_PRODUCT_ID, 2);
@@ -156,7 +156,8 @@ static bool put_string(const crn_usb *usb, const crn_usb_setup *setup, crn_wire_
  * ---------------- */
 static void put_bos(crn_wire_writer *reply)
 {
-    /* D8DD60DF-4589-4CC7-9CD2-659D9E648A9F, as its bytes travel: says that the set below exists. */
+    /* D8DD60DF-4589-4CC7-9CD2-659D9E648A9F, in the order of its bytes on the bus. It announces the set below.
+     */
     static const uint8_t platform[16] = {0xdf, 0x60, 0xdd, 0xd8, 0x89, 0x45, 0xc7, 0x4c,
                                          0x9c, 0xd2, 0x65, 0x9d, 0x9e, 0x64, 0x8a, 0x9f};
     crn_wire_write(reply, 5, 1);
@@ -199,7 +200,7 @@ bool crn_usb_ms_os_set(crn_wire_writer *reply)
     put_bytes(reply, compatible, sizeof compatible);
 
     crn_wire_write(reply, 132, 2);
-    crn_wire_write(reply, 4, 2); /* registry property: what a program finds the interface by */
+    crn_wire_write(reply, 4, 2); /* registry property: a program finds the interface by it */
     crn_wire_write(reply, 7, 2); /* of type REG_MULTI_SZ */
     crn_wire_write(reply, 42, 2);
     put_text(reply, "DeviceInterfaceGUIDs");

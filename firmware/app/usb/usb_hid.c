@@ -56,7 +56,8 @@ static bool get_report(const crn_usb *usb, const crn_usb_setup *setup, crn_wire_
     }
 }
 
-/* Idle rates are kept and answered and change nothing: every report differs by its tick. */
+/* Idle rates are kept and answered, but change nothing, because every report differs from the last one by its
+ * tick. */
 bool crn_usb_hid_request(crn_usb *usb, const crn_usb_setup *setup, crn_wire_writer *reply)
 {
     const bool to_host = (setup->type & CRN_USB_TYPE_IN) != 0;
@@ -71,7 +72,7 @@ bool crn_usb_hid_request(crn_usb *usb, const crn_usb_setup *setup, crn_wire_writ
     return true;
 }
 
-/* What waited for another host, or before a halt, is old. */
+/* Reports that waited for another host, or before a halt, are out of date. */
 void crn_usb_hid_begin(crn_usb *usb)
 {
     usb->report_first = usb->report_count = 0;
@@ -147,8 +148,8 @@ bool crn_usb_hid_data(crn_usb *usb, const crn_usb_setup *setup, const uint8_t *b
     }
 }
 
-/* A report that is none is counted and changes nothing: the number in the state report stays, so the host's
- * program sees it. A halted pipe would cost the rig its next command. */
+/* An invalid report is counted and changes nothing. The command number in the state report stays, so the
+ * host's program sees it. A halted pipe would cost the rig its next command. */
 void crn_usb_hid_received(crn_usb *usb, uint32_t bytes)
 {
     if (!take_command(usb, usb->report_out, bytes)) usb->reports_refused++;

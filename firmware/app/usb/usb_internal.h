@@ -1,5 +1,5 @@
-/* What the files of the stack share. Top to bottom: events -> control transfers -> standard and class
- * requests -> descriptors; events -> reports, stream. */
+/* What the files of the stack share. From top to bottom they are: events, control transfers, standard and
+ * class requests, descriptors; and events, reports, stream. */
 #ifndef CRN_USB_INTERNAL_H
 #define CRN_USB_INTERNAL_H
 
@@ -64,7 +64,7 @@ typedef struct crn_usb_endpoint { /* one row of usb_table.def */
 /* usb_descriptors.c */
 extern const crn_usb_endpoint crn_usb_endpoints[CRN_USB_PIPE_COUNT];
 extern const uint8_t crn_usb_interface_classes[CRN_USB_INTERFACE_COUNT];
-/* The descriptor that `setup` asks for, whole. False: there is none. */
+/* Writes the whole descriptor that `setup` requests. False: there is none. */
 bool crn_usb_descriptor(const crn_usb *usb, const crn_usb_setup *setup, crn_wire_writer *reply);
 bool crn_usb_ms_os_set(crn_wire_writer *reply);
 
@@ -101,7 +101,8 @@ bool crn_usb_stream_deliver(crn_usb *usb); /* one frame, or less; true: there is
 
 /* usb.c */
 void crn_usb_configure(crn_usb *usb, uint8_t configuration);
-void crn_usb_pipe_open(crn_usb *usb, crn_usb_pipe pipe); /* afresh: DATA0, not halted, nothing armed */
+void crn_usb_pipe_open(crn_usb *usb,
+                       crn_usb_pipe pipe); /* starts the endpoint anew: DATA0, not halted, nothing armed */
 void crn_usb_pipe_halt(crn_usb *usb, crn_usb_pipe pipe);
 void crn_usb_pipe_arm(crn_usb *usb, crn_usb_pipe pipe, uint8_t *bytes, uint32_t count);
 bool crn_usb_pipe_is_free(const crn_usb *usb, crn_usb_pipe pipe); /* open, not halted, nothing armed */

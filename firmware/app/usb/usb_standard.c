@@ -1,9 +1,9 @@
-/* Standard requests (USB 2.0, 9.4). What the standard leaves open is refused. */
+/* Standard requests (USB 2.0, 9.4). Requests that the standard leaves open are refused. */
 #include "firmware/app/usb/usb_internal.h"
 
 enum { SELF_POWERED = 1, HALTED = 1 };
 
-/* The pipe of an endpoint address, or CRN_USB_PIPE_COUNT. */
+/* Returns the pipe of an endpoint address, or CRN_USB_PIPE_COUNT. */
 static crn_usb_pipe pipe_of(uint16_t address)
 {
     int pipe = 0;
@@ -63,7 +63,7 @@ static bool halt(crn_usb *usb, const crn_usb_setup *setup, bool set)
     return true;
 }
 
-/* Selector in the high byte of wIndex; high speed only (USB 2.0, 9.4.9). */
+/* The selector is in the high byte of wIndex; it exists at high speed only (USB 2.0, 9.4.9). */
 static bool test_mode(crn_usb *usb, const crn_usb_setup *setup)
 {
     const uint16_t selector = setup->index >> 8;
@@ -104,7 +104,7 @@ static bool set_configuration(crn_usb *usb, const crn_usb_setup *setup)
     return true;
 }
 
-/* There is one setting, 0; choosing it begins the interface's endpoints afresh. */
+/* There is one setting, 0. Choosing it starts the interface's endpoints anew. */
 static bool set_interface(crn_usb *usb, const crn_usb_setup *setup)
 {
     if (!interface_exists(usb, setup->index) || setup->value != 0 || setup->length != 0) return false;

@@ -10,8 +10,9 @@ static void queue_byte(crn_usb *usb, uint8_t byte)
     usb->queue_count++;
 }
 
-/* A stream starts afresh: what was cut ends with a zero, what waited for another conversation is dropped. The
- * zero for the app is held like a byte from the host, and the first packet is awaited behind it. */
+/* A stream starts anew: a frame that was cut ends with a zero, and messages that waited for another
+ * conversation are dropped. The zero for the app is kept like a byte from the host, and the first packet is
+ * awaited behind it. */
 void crn_usb_stream_begin(crn_usb *usb, bool to_host)
 {
     if (to_host) {
@@ -41,8 +42,8 @@ bool crn_usb_transmit(crn_usb *usb, const uint8_t *frame, size_t frame_bytes)
     return true;
 }
 
-/* As much as lies in one piece; a piece that ends at the ring's end may end with a short packet, which means
- * nothing. */
+/* Sends as much as lies in one piece. A piece that ends at the ring's end may end with a short packet, which
+ * means nothing. */
 void crn_usb_stream_send(crn_usb *usb)
 {
     if (!crn_usb_pipe_is_free(usb, CRN_USB_STREAM_IN)) return;
@@ -72,8 +73,8 @@ void crn_usb_stream_received(crn_usb *usb, uint32_t bytes)
     usb->held_end = bytes < sizeof usb->stream_out ? bytes : (uint32_t)sizeof usb->stream_out;
 }
 
-/* Up to the end of the next frame, so that one request meets room for its reply; then await the next packet.
- */
+/* Takes bytes up to the end of the next frame, so that one request meets room for its reply, and then awaits
+ * the next packet. */
 bool crn_usb_stream_deliver(crn_usb *usb)
 {
     if (usb->configuration == 0 || usb->is_halted[CRN_USB_STREAM_OUT]) return false;
