@@ -200,27 +200,27 @@ static void settings_by_hid_obey_the_rules_of_the_wire(void **state)
     client_hello(&host, crn_wire_schema_hash());
     assert_int_equal(client_receive(&host), CRN_WIRE_TYPE_hello_reply);
     assert_int_equal(set_limit(5000), USB_OK);
-    assert_int_equal(device.app.tracks[1].force_limit_mN, 5000);
+    assert_int_equal(device.app.setup.tracks[1].wire.force_limit_mN, 5000);
     assert_int_equal(set_limit(5001), USB_STALLED);
-    assert_int_equal(device.app.tracks[1].force_limit_mN, 5000);
+    assert_int_equal(device.app.setup.tracks[1].wire.force_limit_mN, 5000);
     assert_int_equal(hid(0xa1, 1, value, 64), USB_OK);
     assert_true(crn_hid_decode_calibration(bytes + 1, count - 1, &calibration));
     calibration.tracks[2].translation_pm_per_count = 2500000;
     crn_wire_writer writer = crn_wire_writer_make(bytes + 1, sizeof bytes - 1);
     crn_hid_put_calibration(&writer, &calibration);
     assert_int_equal(hid(0x21, 9, value, 1 + CRN_HID_BYTES_calibration), USB_OK);
-    assert_int_equal(device.app.tracks[2].wire.translation_pm_per_count, 2500000);
+    assert_int_equal(device.app.setup.tracks[2].wire.translation_pm_per_count, 2500000);
     calibration.tracks[2].rotation_counts_per_turn = 3; /* out of range */
     writer = crn_wire_writer_make(bytes + 1, sizeof bytes - 1);
     crn_hid_put_calibration(&writer, &calibration);
     assert_int_equal(hid(0x21, 9, value, 1 + CRN_HID_BYTES_calibration), USB_STALLED);
-    assert_int_equal(device.app.tracks[2].wire.rotation_counts_per_turn, 65536);
+    assert_int_equal(device.app.setup.tracks[2].wire.rotation_counts_per_turn, 65536);
     while (client_receive(&host) != 0) {
     }
     assert_true(client_start_session(&host));
     assert_int_equal(set_limit(4000), USB_STALLED); /* RUNNING */
-    assert_int_equal(device.app.tracks[1].force_limit_mN, 5000);
-    assert_int_equal(device.app.sequence_gaps, 0);
+    assert_int_equal(device.app.setup.tracks[1].wire.force_limit_mN, 5000);
+    assert_int_equal(device.app.link.sequence_gaps, 0);
 }
 
 static usb_result set_gain(uint32_t gain_milli)
@@ -250,9 +250,9 @@ static void a_gain_that_is_not_passive_is_refused_by_hid(void **state)
     client_rig(&host, &track, 1);
     assert_true(client_expect_status(&host, &status));
     assert_int_equal(set_gain(2000), USB_STALLED);
-    assert_int_equal(device.app.tracks[0].wire.force_gain_milli, 1000);
+    assert_int_equal(device.app.setup.tracks[0].wire.force_gain_milli, 1000);
     assert_int_equal(set_gain(500), USB_OK);
-    assert_int_equal(device.app.tracks[0].wire.force_gain_milli, 500);
+    assert_int_equal(device.app.setup.tracks[0].wire.force_gain_milli, 500);
 }
 
 /* The state report of a FREE_RUN session follows tick by tick. */
