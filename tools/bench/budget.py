@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
-"""What a tick costs on the Cortex-M7: instructions, stack and bytes, held against firmware/bench/budget.tsv (docs/bench.md).
+"""What a tick costs on the Cortex-M7: instructions, stack and bytes, held against firmware/bench/budget.tsv
+(docs/bench.md).
 
   budget.py --build build [--accept] [--profile CASE]
 
 Instructions are counted in QEMU with -icount shift=0, one nanosecond each; the stack is the longest path through the
-compiler's call graph; sizes are those of the objects. Ends with 1 when a row is more than 3 % over the tracked one, when a
-row is missing there, or when the image calls a soft-float or divide helper or a heap. --accept writes the tracked file.
---profile prints where the instructions of two ticks of a case go, function by function, and measures nothing else.
+compiler's call graph; sizes are those of the objects. Ends with 1 when a row is more than 3 % over the tracked one,
+when a row is missing there, or when the image calls a soft-float or divide helper or a heap. --accept writes the
+tracked file. --profile prints where the instructions of two ticks of a case go, function by function, and measures
+nothing else.
 """
 
 import argparse
@@ -157,7 +159,7 @@ def profile(build, number, folder):
         print("%9.0f  %s" % (count / min(ticks, 2), name))
 
 
-# --- stack ------------------------------------------------------------------------------------------------------------
+# --- stack -----------------------------------------------------------------------------------------------------------
 def call_graph(folder):
     """(bytes of each function, callees of each function) from the compiler's .ci files."""
     frame, calls, plain = {}, collections.defaultdict(set), {}
@@ -209,7 +211,7 @@ def stack(build):
         print("stack of %s: %s" % (root, " > ".join(path)), file=sys.stderr)
 
 
-# --- bytes and symbols ------------------------------------------------------------------------------------------------
+# --- bytes and symbols -----------------------------------------------------------------------------------------------
 def sizes(build):
     objects = glob.glob(os.path.join(build, "m7", "obj", "firmware", "core", "*.o"))
     lines = run(["arm-none-eabi-size"] + objects).splitlines()[1:]
@@ -259,7 +261,7 @@ def is_forbidden(name):
     return bool(FORBIDDEN.match(name)) and not ALLOWED_HELPERS.match(name) and not MEMORY.match(name)
 
 
-# --- static estimate ----------------------------------------------------------------------------------------------------
+# --- static estimate -------------------------------------------------------------------------------------------------
 INSTRUCTION = re.compile(r"^\s*([0-9a-f]+):\s+(\S.*)$")
 
 
@@ -316,7 +318,7 @@ def print_estimates(build):
         print("  %-28s %4d instructions, %6.1f cycles" % (name, instructions_in_loop, cycles))
 
 
-# --- tracked file -------------------------------------------------------------------------------------------------------
+# --- tracked file ----------------------------------------------------------------------------------------------------
 def read_budget():
     path = os.path.join(ROOT, BUDGET)
     if not os.path.exists(path):

@@ -4,8 +4,9 @@
   coverage.py --build build/coverage --profiles build/coverage/profiles --programs FILE...
 
 The programs were compiled by clang with `-fprofile-instr-generate -fcoverage-mapping` and ran with
-LLVM_PROFILE_FILE=build/coverage/profiles/%p-%m.profraw. Lines of tests, of generated files below the build folder and of other people's
-headers are not counted. The figures go to out/coverage.tsv, as `name<TAB>value<TAB>unit<TAB>context`.
+LLVM_PROFILE_FILE=build/coverage/profiles/%p-%m.profraw. Lines of tests, of generated files below the build folder and
+of other people's headers are not counted. The figures go to out/coverage.tsv, as
+`name<TAB>value<TAB>unit<TAB>context`.
 """
 
 import argparse

@@ -6,7 +6,8 @@
 A NAME is a source path without its extension; its program is BUILD/test/NAME (BUILD/san/test/NAME for --sanitized,
 BUILD/fuzz/test/NAME for --fuzz). Every program and script prints TAP: a plan `1..N` and a line per test. A program
 that is missing, crashes, runs past its time or breaks its plan counts as one failed test, whatever else it said.
-Lines that begin with `#- ` are figures, shown below their program's line. The last line is `N passed, N failed, N skipped`; the exit code is 1 when something failed or nothing ran.
+Lines that begin with `#- ` are figures, shown below their program's line. The last line is `N passed, N failed, N
+skipped`; the exit code is 1 when something failed or nothing ran.
 """
 
 import argparse

@@ -7,15 +7,18 @@
   commands.py --only docs/rig.md one page
   commands.py --tsv FILE         write the figures into FILE, one `name<TAB>value<TAB>unit<TAB>context` a line
 
-A command is a line of an indented or fenced block that begins as one: `make`, a program of build/bin, a script of this repository or a tool from
-Debian. `\\` at its end continues it. In a block with `$`, only lines that begin with it are commands; the others show what is printed.
+A command is a line of an indented or fenced block that begins as one: `make`, a program of build/bin, a script of
+this repository or a tool from Debian. `\\` at its end continues it. In a block with `$`, only lines that begin with
+it are commands; the others show what is printed.
 
-A line above the block says what a machine cannot know; without one, a command is of class `short`, or `make` when it begins so:
+A line above the block says what a machine cannot know; without one, a command is of class `short`, or `make` when it
+begins so:
 
   <!-- command: CLASS[; exit N][; only TEXT][; with A=B C=D][; adding WORDS] -->
 
-`only`: of the block's lines, those that contain TEXT; several such lines may stand above one block. `exit`: the exit code to expect.
-`with`: names that stand for the reader's own are replaced before it runs. `adding`: words that are added to the command, such as a smaller picture.
+`only`: of the block's lines, those that contain TEXT; several such lines may stand above one block. `exit`: the exit
+code to expect. `with`: names that stand for the reader's own are replaced before it runs. `adding`: words that are
+added to the command, such as a smaller picture.
 """
 
 import argparse
@@ -31,147 +34,13 @@ import sys
 import tempfile
 import time
 
+from command_blocks import CLASSES, MarkError, commands
+
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 
-# Class -> (in which runs a command of it is executed, why not in the others)
-CLASSES = {
-    "short": (("short", "all"), ""),
-    "make": ((), "it builds or measures for minutes to hours, and is dry run: make -n"),
-    "lab": (("all",), "it takes minutes"),
-    "display": (("all",), "it opens a window, which is closed again after seconds"),
-    "anatomy": (("all",), "it needs the anatomy beside the repository, ../shared/anatomy"),
-    "installed": ((), "it needs a program that no section of tools/packages.txt installs"),
-    "hardware": ((), "it needs a rig on USB"),
-    "machines": ((), "it needs several machines, or sixteen cores"),
-    "hours": ((), "it runs for hours"),
-    "guest": ((), "it starts a guest with a kernel of its own; make hil-guest runs it"),
-    "debugger": ((), "it waits for a debugger, or for the image that one is to look at"),
-    "template": ((), "its names stand for the reader's own files"),
-    "output": ((), "it is what a program prints, and no command"),
-}
-MARK = re.compile(r"^<!-- command: (.+?) -->$")
-MARK_PARTS = re.compile(r"^(?P<kind>\w+)(?P<rest>(?:; (?:exit|only|with|adding) [^;]+)*)$")
-STARTS = re.compile(
-    r"(?:sudo |until |(?:[A-Z][A-Z_0-9]*=\S* ))*"
-    r"(?:make|cmake|ctest|ninja|git|cd|apt|apt-get|pip|pip3|python3?|pkg-config|mpirun|gdb-multiarch|gdb|tshark|wireshark|ffmpeg|"
-    r"docker|podman|debootstrap|udevadm|lsusb|cournand|bake|anatomy|centreline|"
-    r"(?:\./|build/|tools/|hil_tests/|host/|firmware/|\.ci/)[\w./-]+)(?:\s|$)"
-)
-SHELLS = ("", "sh", "bash", "console", "shell", "text")
-FENCE = re.compile(r"^ {0,3}(```+|~~~+) *(\w*)")
 INLINE_MAKE = re.compile(r"`make ((?:[A-Z_0-9]+=\S+ )*)([a-z][a-z0-9-]*)[^`]*`")
-SECONDS_SHORT, SECONDS_LONG, SECONDS_WINDOW = 120, 7200, 8
-
-Command = collections.namedtuple("Command", "page line text kind exit words_with words_added")
-
-
-class MarkError(Exception):
-    """A marker that nobody can follow."""
-
-
-# --- extraction --------------------------------------------------------------------------------------------------------
-
-
-def blocks(lines):
-    """(first line counted from 1, its lines) of every indented block and of every fenced one that may hold commands."""
-    at, before = 0, ""
-    while at < len(lines):
-        fence = FENCE.match(lines[at])
-        begin = at
-        if fence:
-            at += 1
-            while at < len(lines) and not lines[at].strip().startswith(fence.group(1)):
-                at += 1
-            if fence.group(2) in SHELLS:
-                yield begin + 2, lines[begin + 1 : at]
-            at += 1
-        elif lines[at].startswith("    ") and (not before.strip() or before.startswith(("#", "<!--"))):
-            while at < len(lines) and (
-                lines[at].startswith("    ") or (not lines[at].strip() and is_indented(lines, at + 1))
-            ):
-                at += 1
-            yield begin + 1, [line[4:] for line in lines[begin:at]]
-        else:
-            at += 1
-        before = lines[at - 1]
-
-
-def is_indented(lines, at):
-    return at < len(lines) and lines[at].startswith("    ")
-
-
-def marks_above(page, lines, first):
-    """The markers directly above a block, and above its fence."""
-    at = first - 2
-    if at >= 0 and FENCE.match(lines[at]):
-        at -= 1
-    found = []
-    while at >= 0 and (lines[at].startswith("<!--") or not lines[at].strip()):
-        mark = MARK.match(lines[at])
-        if mark:
-            found.append(read_mark(page, at + 1, mark.group(1)))
-        at -= 1
-    return found[::-1]
-
-
-def read_mark(page, line, text):
-    """{kind, exit, only, with, adding}."""
-    parts = MARK_PARTS.match(text)
-    if not parts or parts.group("kind") not in CLASSES:
-        raise MarkError(
-            "%s:%d: '%s' is no marker: <!-- command: CLASS[; exit N][; only TEXT][; with A=B][; adding WORDS] -->, CLASS one of %s"
-            % (page, line, text, " ".join(sorted(CLASSES)))
-        )
-    mark = {"kind": parts.group("kind"), "line": line, "used": False}
-    for part in parts.group("rest").split("; ")[1:]:
-        key, value = part.split(" ", 1)
-        mark[key] = value
-    return mark
-
-
-def commands_of_block(first, lines):
-    """(line, text) of every command, its continuation lines joined."""
-    prompted = any(line.startswith("$ ") for line in lines)
-    at = 0
-    while at < len(lines):
-        line, begin = lines[at], at
-        at += 1
-        if prompted:
-            if not line.startswith("$ "):
-                continue
-            line = line[2:]
-        if not (prompted or STARTS.match(line)):
-            continue
-        while line.endswith("\\") and at < len(lines):
-            line = line[:-1].rstrip() + " " + lines[at].strip()
-            at += 1
-        yield first + begin, line.rstrip()
-
-
-def classified(page, line, text, marks):
-    fitting = [mark for mark in marks if mark.get("only", "") in text]
-    mark = next((mark for mark in fitting if "only" in mark), fitting[0] if fitting else {})
-    mark["used"] = True
-    kind = mark.get("kind") or ("make" if text.split()[0] == "make" else "short")
-    pairs = [pair.split("=", 1) for pair in mark.get("with", "").split()]
-    return Command(page, line, text, kind, int(mark.get("exit", 0)), pairs, mark.get("adding", ""))
-
-
-def commands(page, text):
-    """Every command of a page; what shows output only is left out. Raises MarkError."""
-    lines = text.split("\n")
-    found, seen = [], set()
-    for first, block in blocks(lines):
-        marks = marks_above(page, lines, first)
-        seen.update(mark["line"] for mark in marks)
-        found += [classified(page, line, words, marks) for line, words in commands_of_block(first, block)]
-        for mark in marks:
-            if not mark["used"]:
-                raise MarkError("%s:%d: this marker fits no command of the block below it" % (page, mark["line"]))
-    for number, line in enumerate(lines, 1):
-        if MARK.match(line) and number not in seen:
-            raise MarkError("%s:%d: no block with commands is below this marker" % (page, number))
-    return [one for one in found if one.kind != "output"]
+SLOW = ("lab", "anatomy")
+SECONDS_SHORT, SECONDS_LONG, SECONDS_WINDOW = 300, 7200, 8
 
 
 def pages():
@@ -180,7 +49,7 @@ def pages():
     )
 
 
-# --- what a command names ------------------------------------------------------------------------------------------------
+# --- what a command names --------------------------------------------------------------------------------------------
 
 
 def option_faults(words, known):
@@ -328,11 +197,12 @@ def clean_environment():
     return dict(kept, PACKAGES="skip")
 
 
-# --- running -------------------------------------------------------------------------------------------------------------
+# --- running ---------------------------------------------------------------------------------------------------------
 
 
 class Scratch:
-    """A folder that looks like the repository: its files by links, build/ with the programs, an out/ with the demo's scene."""
+    """A folder that looks like the repository: its files by links, build/ with the programs, an out/ with the demo's
+    scene."""
 
     def __init__(self, build, stock):
         self.top = tempfile.mkdtemp(prefix="cournand_commands_")
@@ -412,24 +282,37 @@ def prepared(command):
     return text
 
 
-def execute(command, scratch):
+class Display:
+    """A virtual display, started when the first window wants one."""
+
+    def __init__(self):
+        self.server = self.name = None
+
+    def environment(self):
+        if not self.server:
+            words = ["Xvfb", "-displayfd", "1", "-screen", "0", "1280x1024x24", "-nolisten", "tcp", "-noreset"]
+            self.server = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+            self.name = ":" + self.server.stdout.readline().strip()
+        return {"DISPLAY": self.name}
+
+    def close(self):
+        if self.server:
+            self.server.terminate()
+            self.server.wait()
+
+
+def execute(command, scratch, display):
     """What is wrong with how it ended; empty when nothing is."""
-    text = prepared(command)
     is_window = command.kind == "display"
-    words = ["bash", "-uo", "pipefail", "-c", ("exec " if is_window else "") + text]
+    words = ["bash", "-uo", "pipefail", "-c", ("exec " if is_window else "") + prepared(command)]
+    environment = scratch.environment()
     if is_window:
-        words = ["xvfb-run", "-a", "-s", "-screen 0 1280x1024x24", "timeout", "-s", "INT", str(SECONDS_WINDOW)] + words
-    limit_s = SECONDS_SHORT if command.kind == "short" else SECONDS_LONG
+        environment.update(display.environment())
+        words = ["timeout", "-s", "INT", str(SECONDS_WINDOW)] + words
+    limit_s = SECONDS_LONG if command.kind in SLOW else SECONDS_SHORT
     with open(os.path.join(scratch.folder, "tmp", "said"), "w+", encoding="utf-8", errors="replace") as said:
-        process = subprocess.Popen(
-            words,
-            cwd=scratch.folder,
-            env=scratch.environment(),
-            stdin=subprocess.DEVNULL,
-            stdout=said,
-            stderr=said,
-            start_new_session=True,
-        )
+        files = {"stdin": subprocess.DEVNULL, "stdout": said, "stderr": said}
+        process = subprocess.Popen(words, cwd=scratch.folder, env=environment, start_new_session=True, **files)
         try:
             code = process.wait(timeout=limit_s)
         except subprocess.TimeoutExpired:
@@ -437,9 +320,9 @@ def execute(command, scratch):
             process.wait()
             code = "more than %d s" % limit_s
         said.seek(0)
-        text_said = said.read()
-    wanted = (124,) if is_window else (command.exit,)  # 124: it was still there when its time was over
-    return [] if code in wanted else ["ended with %s, expected %s" % (code, wanted[0])] + text_said.splitlines()[-8:]
+        lines = said.read().splitlines()[-8:]
+    wanted = 124 if is_window else command.exit  # 124: it was still there when its time was over
+    return [] if code == wanted else ["ended with %s, expected %s" % (code, wanted)] + lines
 
 
 def missing_for(command):
@@ -457,6 +340,7 @@ class Run:
         self.number = self.failed = self.executed = 0
         self.by_kind = collections.Counter()
         self.looker = Looker(build)
+        self.display = Display()
         self.dry = {}
 
     def result(self, name, faults, skip=""):
@@ -489,7 +373,7 @@ class Run:
             if not missing:
                 begin = time.monotonic()
                 self.executed += 1
-                faults = execute(command, scratch)
+                faults = execute(command, scratch, self.display)
                 return self.result("%s (%.0f s)" % (name, time.monotonic() - begin), faults)
             return self.result(name, [], missing)
         return self.result("%s (looked at: %s)" % (name, CLASSES[command.kind][1]), self.looker.faults(command))
@@ -523,6 +407,7 @@ def run_all(found, texts, options):
             make_stock(options.build, stock)
         for page in texts:
             run.page([one for one in found if one.page == page], stock)
+    run.display.close()
     print("1..%d" % run.number)
     lines = ["\t".join(str(field) for field in one) for one in run.figures(len(found))]
     print("".join("#- %s\n" % line for line in lines), end="")

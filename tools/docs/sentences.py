@@ -3,8 +3,8 @@
 
   sentences.py --seed 7 --count 60
 
-Prints `NUMBER<TAB>FILE<TAB>SENTENCE`, one line each: the same for the same seed and the same tree. Whoever reads them marks every sentence that
-needs a second reading (docs/testing.md, "Plain English").
+Prints `NUMBER<TAB>FILE<TAB>SENTENCE`, one line each: the same for the same seed and the same tree. Whoever reads them
+marks every sentence that needs a second reading (docs/testing.md, "Plain English").
 """
 
 import argparse

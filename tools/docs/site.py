@@ -5,7 +5,8 @@
   site.py --build BUILD   another build folder
   site.py --check         only look for pages that load something from another host
 
-The versions are those of tools/docs/requirements.txt. The first run needs the network (PyPI, about 12 MB); later ones do not.
+The versions are those of tools/docs/requirements.txt. The first run needs the network (PyPI, about 12 MB); later ones
+do not.
 """
 
 import argparse

@@ -1,7 +1,8 @@
 """Hooks of mkdocs: what the repository's own view of Markdown shows, the site shows too.
 
-Links out of docs/ (to code, to NOTICE) become the path as code, since the site has no such pages. Python-Markdown starts a list, a table or an
-indented block only behind an empty line; we write them directly below a paragraph or a heading, so the empty line is put in here.
+Links out of docs/ (to code, to NOTICE) become the path as code, since the site has no such pages. Python-Markdown
+starts a list, a table or an indented block only behind an empty line; we write them directly below a paragraph or a
+heading, so the empty line is put in here.
 """
 
 import re

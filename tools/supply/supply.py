@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
-"""What the programs are made of besides this repository: the libraries that they are linked with, those that these load in turn, headers
-that become part of them, and what they open when it is asked for. Found in the programs themselves (readelf, ldd) and in the sources'
-#include lines, named by the Debian package that each file comes from; licences by licences.tsv beside this file.
+"""What the programs are made of besides this repository: the libraries that they are linked with, those that these
+load in turn, headers that become part of them, and what they open when it is asked for. Found in the programs
+themselves (readelf, ldd) and in the sources' #include lines, named by the Debian package that each file comes from;
+licences by licences.tsv beside this file.
 
   supply.py notice --build build            compare NOTICE with what is found; exit code 1 where they differ
   supply.py notice --build build --write    renew NOTICE between its two marks
-  supply.py sbom --build build -o out/cournand.spdx.json    the same as an SPDX 2.3 document, versions and hashes included
+  supply.py sbom --build build -o out/cournand.spdx.json    the same as an SPDX 2.3 document, versions and hashes
+  included
 
 No network is used."""
 

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Claims about `make bars` (docs/bars.md): no bar vanishes, what is over its bar is red, a time never is. Prints TAP."""
+"""Claims about `make bars` (docs/bars.md): no bar vanishes, what is over its bar is red, a time never is. Prints
+TAP."""
 
 import glob
 import os

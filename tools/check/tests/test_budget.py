@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""The rules of tools/bench/budget.py catch what they are for: a row over the budget, a helper in the image, recursion and
-calls by address in the call graph; and its last scene still has a tick that is solved twice. `make budget` measures; this
-does not. Prints TAP."""
+"""The rules of tools/bench/budget.py catch what they are for: a row over the budget, a helper in the image, recursion
+and calls by address in the call graph; and its last scene still has a tick that is solved twice. `make budget`
+measures; this does not. Prints TAP."""
 
 import os
 import subprocess

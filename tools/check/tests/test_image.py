@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""The device's images as `make test` built them: no soft-float, no divide helper, no heap, RAM and stack within their limits. The
-same rules as `make firmware`, which also prints the figures. BUILD is the folder with the build. Prints TAP."""
+"""The device's images as `make test` built them: no soft-float, no divide helper, no heap, RAM and stack within their
+limits. The same rules as `make firmware`, which also prints the figures. BUILD is the folder with the build. Prints
+TAP."""
 
 import contextlib
 import io

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The docs site: every page is in the navigation once, versions are pinned, hooks do what they say. `make docs` builds it. Prints TAP."""
+"""The docs site: every page is in the navigation once, versions are pinned, hooks do what they say. `make docs`
+builds it. Prints TAP."""
 
 import collections
 import importlib.util

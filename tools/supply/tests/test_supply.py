@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""NOTICE names everything that the programs are made of, and the SBOM is a whole SPDX 2.3 document of it. Shown on the programs that are built, by the
-loader's own answer (ldd) and by dpkg, with rules of the SPDX specification written down here; and on programs and tables made wrong on purpose.
-Prints TAP."""
+"""NOTICE names everything that the programs are made of, and the SBOM is a whole SPDX 2.3 document of it. Shown on
+the programs that are built, by the loader's own answer (ldd) and by dpkg, with rules of the SPDX specification
+written down here; and on programs and tables made wrong on purpose. Prints TAP."""
 
 import collections
 import json
