@@ -11,16 +11,13 @@ CLASSES = {
     "lab": (("all",), "it takes minutes"),
     "display": (("all",), "it opens a window, which is closed again after seconds"),
     "anatomy": (("all",), "it needs the anatomy beside the repository, ../shared/anatomy"),
-    "installed": ((), "it needs a program that no section of tools/packages.txt installs"),
     "hardware": ((), "it needs a rig on USB"),
-    "machines": ((), "it needs several machines, or sixteen cores"),
-    "hours": ((), "it runs for hours"),
     "guest": ((), "it starts a guest with a kernel of its own; make hil-guest runs it"),
     "debugger": ((), "it waits for a debugger, or for the image that one is to look at"),
     "template": ((), "its names stand for the reader's own files"),
     "output": ((), "it is what a program prints, and no command"),
 }
-MARK = re.compile(r"^<!-- command: (.+?) -->$")
+MARK = re.compile(r"^<!-- command: ((?:(?!-->).)+?) -->$", re.MULTILINE | re.DOTALL)
 MARK_PARTS = re.compile(r"^(?P<kind>\w+)(?P<rest>(?:; (?:exit|only|with|adding) [^;]+)*)$")
 STARTS = re.compile(
     r"(?:sudo |until |(?:[A-Z][A-Z_0-9]*=\S* ))*"
@@ -51,7 +48,7 @@ def blocks(lines):
             if fence.group(2) in SHELLS:
                 yield begin + 2, lines[begin + 1 : at]
             at += 1
-        elif lines[at].startswith("    ") and (not before.strip() or before.startswith(("#", "<!--"))):
+        elif lines[at].startswith("    ") and (not before.strip() or before.startswith("#") or before.endswith("-->")):
             while at < len(lines) and (
                 lines[at].startswith("    ") or (not lines[at].strip() and is_indented(lines, at + 1))
             ):
@@ -66,16 +63,25 @@ def is_indented(lines, at):
     return at < len(lines) and lines[at].startswith("    ")
 
 
-def marks_above(page, lines, first):
+def marks_of(page, text):
+    """Last line of every marker, counted from 1 -> what it says."""
+    found = {}
+    for match in MARK.finditer(text):
+        first = text.count("\n", 0, match.start()) + 1
+        found[text.count("\n", 0, match.end()) + 1] = read_mark(page, first, " ".join(match.group(1).split()))
+    return found
+
+
+def marks_above(lines, first, marks):
     """The markers directly above a block, and above its fence."""
-    at = first - 2
-    if at >= 0 and FENCE.match(lines[at]):
+    at = first - 1  # the line above, counted from 1
+    if at >= 1 and FENCE.match(lines[at - 1]):
         at -= 1
     found = []
-    while at >= 0 and (lines[at].startswith("<!--") or not lines[at].strip()):
-        mark = MARK.match(lines[at])
-        if mark:
-            found.append(read_mark(page, at + 1, mark.group(1)))
+    while at >= 1 and (at in marks or not lines[at - 1].strip()):
+        if at in marks:
+            found.append(marks[at])
+            at = marks[at]["line"]
         at -= 1
     return found[::-1]
 
@@ -115,26 +121,25 @@ def commands_of_block(first, lines):
 
 
 def classified(page, line, text, marks):
-    fitting = [mark for mark in marks if mark.get("only", "") in text]
-    mark = next((mark for mark in fitting if "only" in mark), fitting[0] if fitting else {})
+    """The command with its class: the first marker that names it counts, else the first for the whole block."""
+    is_make = text.split()[0] == "make"
+    named = [mark for mark in marks if "only" in mark and mark["only"] in text]
+    whole = [mark for mark in marks if "only" not in mark]
+    mark = (named + ([] if is_make else whole) or [{}])[0]
     mark["used"] = True
-    kind = mark.get("kind") or ("make" if text.split()[0] == "make" else "short")
+    kind = mark.get("kind") or ("make" if is_make else "short")
     pairs = [pair.split("=", 1) for pair in mark.get("with", "").split()]
     return Command(page, line, text, kind, int(mark.get("exit", 0)), pairs, mark.get("adding", ""))
 
 
 def commands(page, text):
     """Every command of a page; what shows output only is left out. Raises MarkError."""
-    lines = text.split("\n")
-    found, seen = [], set()
+    lines, marks = text.split("\n"), marks_of(page, text)
+    found = []
     for first, block in blocks(lines):
-        marks = marks_above(page, lines, first)
-        seen.update(mark["line"] for mark in marks)
-        found += [classified(page, line, words, marks) for line, words in commands_of_block(first, block)]
-        for mark in marks:
-            if not mark["used"]:
-                raise MarkError("%s:%d: this marker fits no command of the block below it" % (page, mark["line"]))
-    for number, line in enumerate(lines, 1):
-        if MARK.match(line) and number not in seen:
-            raise MarkError("%s:%d: no block with commands is below this marker" % (page, number))
+        above = marks_above(lines, first, marks)
+        found += [classified(page, line, words, above) for line, words in commands_of_block(first, block)]
+    for mark in marks.values():
+        if not mark["used"]:
+            raise MarkError("%s:%d: this marker fits no command of a block right below it" % (page, mark["line"]))
     return [one for one in found if one.kind != "output"]

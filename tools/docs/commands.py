@@ -38,7 +38,8 @@ from command_blocks import CLASSES, MarkError, commands
 
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 
-INLINE_MAKE = re.compile(r"`make ((?:[A-Z_0-9]+=\S+ )*)([a-z][a-z0-9-]*)[^`]*`")
+SPAN = re.compile(r"```.*?```|`([^`]+)`", re.DOTALL)
+MAKE = re.compile(r"make (?:[A-Z_0-9]+=\S+ )*([a-z][a-z0-9-]*)(?=\s|$)")
 SLOW = ("lab", "anatomy")
 SECONDS_SHORT, SECONDS_LONG, SECONDS_WINDOW = 300, 7200, 8
 
@@ -118,7 +119,16 @@ class Looker:
         self.sources = None
 
     def faults(self, command):
-        words = shlex.split(command.text.replace("|", " "), comments=True)
+        found, words = [], []
+        for word in shlex.split(command.text, comments=True) + ["&&"]:
+            if word in ("&&", "||", "|", ";", "&"):
+                found += self.faults_of(words)
+                words = []
+            else:
+                words.append(word)
+        return found
+
+    def faults_of(self, words):
         at = program_of(words)
         if at is None:
             return []
@@ -179,13 +189,14 @@ def make_targets():
 
 def inline_faults(page, text, targets):
     """`make TARGET` in a sentence, where there is no such target."""
-    for match in INLINE_MAKE.finditer(text):
-        if match.group(2) not in targets:
-            yield "%s:%d: `make %s`, which is no target" % (
-                page,
-                text.count("\n", 0, match.start()) + 1,
-                match.group(2),
-            )
+    for span in SPAN.finditer(text):
+        make = MAKE.match(span.group(1) or "")
+        if make and make.group(1) not in targets:
+            yield "%s:%d: `make %s`, which is no target" % (page, line_of(text, span), make.group(1))
+
+
+def line_of(text, match):
+    return text.count("\n", 0, match.start()) + 1
 
 
 def clean_environment():
@@ -217,8 +228,9 @@ class Scratch:
         for name in sorted(os.listdir(os.path.join(ROOT, build))):
             if name not in ("anatomy", "obj"):
                 self.link(os.path.join(ROOT, build, name), "build/" + name)
-        for name in sorted(os.listdir(stock)):
-            self.link(os.path.join(stock, name), "out/" + name)
+        shutil.copytree(stock.out, os.path.join(self.folder, "out"), dirs_exist_ok=True)
+        if os.path.isdir(stock.anatomy):
+            shutil.copytree(stock.anatomy, os.path.join(self.folder, "build", "anatomy"))
         beside = os.path.join(ROOT, "..", "shared")
         if os.path.isdir(beside):
             os.symlink(os.path.realpath(beside), os.path.join(self.top, "shared"))
@@ -240,27 +252,18 @@ class Scratch:
         shutil.rmtree(self.top, ignore_errors=True)
 
 
-def make_stock(build, folder):
-    """What the pages take for granted: the demo's scene and recording. Without bodies, which no short command draws."""
-    scene, recording = os.path.join(folder, "aorta.scene"), os.path.join(folder, "demo.rec")
-    bin_ = os.path.join(ROOT, build, "bin")
-    for name in ("aorta.scene", "aorta.bodies"):
-        made = os.path.join(ROOT, "out", name)
-        if os.path.exists(made):
-            shutil.copy(made, folder)
-    steps = []
-    if not os.path.exists(scene):
-        made = os.path.join(folder, "aorta")
-        steps.append(["anatomy", "aorta", "--no-bodies", "--quiet", "-o", made])
-        steps.append(["bake", os.path.join(made, "scene.toml"), "--points", "1000", "--poses", "0", "-o", scene])
-    wire = "shared/examples/instruments/j_wire.toml"
-    session = "shared/examples/sessions/demo.session"
-    steps.append(
-        ["cournand", "run", "--quiet", "--scene", scene, "--tool", wire, "--session", session, "--record", recording]
-    )
-    for words in steps:
+class Stock:
+    """What the pages take for granted, made once for all of them: out/ and build/anatomy as `make run` leaves them, and for the long run
+    an artery with a lesion. Without bodies (bones, organs), which cost minutes and change no command."""
+
+    def __init__(self, build, folder):
+        self.build, self.folder = build, folder
+        self.out, self.anatomy = os.path.join(folder, "out"), os.path.join(folder, "anatomy")
+        os.makedirs(self.out)
+
+    def call(self, program, *words):
         done = subprocess.run(
-            [os.path.join(bin_, words[0])] + words[1:],
+            [os.path.join(ROOT, self.build, "bin", program)] + list(words),
             cwd=ROOT,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
@@ -269,14 +272,43 @@ def make_stock(build, folder):
             check=False,
         )
         if done.returncode != 0:
-            raise RuntimeError("'%s' ended with %d: %s" % (" ".join(words), done.returncode, done.stdout[-600:]))
+            text = " ".join([program] + list(words))
+            raise RuntimeError("'%s' ended with %d: %s" % (text, done.returncode, done.stdout[-600:]))
+
+    def scene(self, anatomy, name, lesion=None):
+        """Anatomy and scene of that name; returns the scene's path."""
+        made, scene = os.path.join(self.anatomy, anatomy), os.path.join(self.out, name + ".scene")
+        self.call("anatomy", anatomy, "--no-bodies", "--quiet", "-o", made)
+        text = os.path.join(made, "scene.toml")
+        if lesion:
+            with open(text, "a", encoding="utf-8") as file, open(os.path.join(ROOT, lesion), encoding="utf-8") as more:
+                file.write(more.read())
+        self.call("bake", text, "--points", "1000", "--poses", "0", "-o", scene)
+        return scene
+
+    def record(self, scene, session, tools, name, *words):
+        tools = [word for tool in tools for word in ("--tool", "shared/examples/instruments/%s.toml" % tool)]
+        session = "shared/examples/sessions/%s.session" % session
+        recording = os.path.join(self.out, name + ".rec")
+        self.call(
+            "cournand", "run", "--quiet", "--scene", scene, *tools, "--session", session, "--record", recording, *words
+        )
+
+    def make_short(self):
+        self.record(self.scene("aorta", "aorta"), "demo", ["j_wire"], "demo")
+
+    def make_long(self):
+        scene = self.scene("heart", "lad_pci", "shared/examples/lesions/lad_middle.toml")
+        tools = ["coronary_014", "balloon_3x20", "guide_jl3_6f"]
+        stent = "shared/examples/stents/coronary_3_0x18.toml"
+        self.record(scene, "pci_lad_short", tools, "pci", "--stent", stent)
 
 
 def prepared(command):
     """The command as it is executed."""
     text = re.sub(r"^sudo ", "", command.text)
     for name, value in command.words_with:
-        text = re.sub(r"(?<![\w./-])%s(?![\w/-])" % re.escape(name), value, text)
+        text = re.sub(r"(?<![\w./-])%s(?![\w-])" % re.escape(name), value, text)
     if command.words_added:
         text = re.sub(r"(\s+#.*)?$", " " + command.words_added, text, count=1)
     return text
@@ -352,6 +384,8 @@ class Run:
         sys.stdout.flush()
 
     def page(self, found, stock):
+        if not found:
+            return
         scratch = Scratch(self.build, stock)
         try:
             for command in found:
@@ -402,9 +436,13 @@ def run_all(found, texts, options):
         "every `make TARGET` in a sentence is a target",
         [f for page, text in texts.items() for f in inline_faults(page, text, targets)],
     )
-    with tempfile.TemporaryDirectory(prefix="cournand_stock_") as stock:
-        if any(run.how in CLASSES[one.kind][0] for one in found):
-            make_stock(options.build, stock)
+    with tempfile.TemporaryDirectory(prefix="cournand_stock_") as folder:
+        stock = Stock(options.build, folder)
+        wanted = " ".join(prepared(one) for one in found if run.how in CLASSES[one.kind][0])
+        if re.search(r"out/(aorta|demo)|build/anatomy/aorta", wanted):
+            stock.make_short()
+        if re.search(r"out/(lad_pci|pci)\.", wanted):
+            stock.make_long()
         for page in texts:
             run.page([one for one in found if one.page == page], stock)
     run.display.close()

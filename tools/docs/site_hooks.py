@@ -26,14 +26,14 @@ def paths_as_code(text):
 def kind_of(line):
     if not line.strip():
         return "empty"
+    if line.startswith("#") or line.endswith("-->"):
+        return "alone"
     if line.startswith("    "):
         return "indented"
     if ITEM.match(line):
         return "item"
     if line.startswith("|"):
         return "table"
-    if line.startswith("#") or line.startswith("<!--"):
-        return "alone"
     return "text"
 
 
