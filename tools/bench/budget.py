@@ -41,7 +41,8 @@ QEMU = [
 ROOTS = ("crn_step", "crn_state_restore", "crn_model_build")
 MEMORY = re.compile(r"^(__aeabi_)?mem(cpy|set|move|cmp|clr)(4|8)?$")
 FORBIDDEN = re.compile(
-    r"^(__aeabi_([dfil]|u?[il]div|ul|uldiv).*|__.*(div|mod)[sdt]i\d|__(add|sub|mul|div|fix|float|cmp|eq|lt|gt)\w*[sd]f\w*|"
+    r"^(__aeabi_([dfil]|u?[il]div|ul|uldiv).*|__.*(div|mod)[sdt]i\d|"
+    r"__(add|sub|mul|div|fix|float|cmp|eq|lt|gt)\w*[sd]f\w*|"
     r"malloc|calloc|realloc|free|_sbrk)$"
 )
 ALLOWED_HELPERS = re.compile(r"^__aeabi_l(lsl|lsr|asr|mul)$")  # 64-bit shifts and products: a few instructions, no loop
@@ -304,8 +305,8 @@ def estimate(body):
 
 def print_estimates(build):
     print(
-        "\nstatic estimate by llvm-mca (cortex-m7), NOT measured: cycles per pass through the longest loop of a function, in order "
-        "of\naddress, without cache misses and branches"
+        "\nstatic estimate by llvm-mca (cortex-m7), NOT measured: cycles per pass through the longest loop of "
+        "a function, in order of\naddress, without cache misses and branches"
     )
     rows = []
     for path in sorted(glob.glob(os.path.join(build, "m7", "obj", "firmware", "core", "*.o"))):

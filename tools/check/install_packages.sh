@@ -67,7 +67,8 @@ refuse() { # refuse WHY
     {
         echo "$1 Either of these installs them:"
         echo "  YES=1 make${goals:+ $goals}"
-        echo "  ${sudo[*]:+sudo }apt-get update && ${sudo[*]:+sudo }apt-get install --no-install-recommends ${missing[*]}"
+        as="${sudo[*]:+sudo }"
+        echo "  ${as}apt-get update && ${as}apt-get install --no-install-recommends ${missing[*]}"
         echo "PACKAGES=skip goes on without them."
     } >&2
     exit 1

@@ -80,7 +80,8 @@ def fetch(folder):
 # --- the generated Rust source: modules with constants and a RegisterBlock each --------------------------------------
 MODULE = re.compile(r"^(\s*)pub mod (\w+) \{$")
 MEMBER = re.compile(
-    r"^\s*(?:pub )?(\w+): (?:crate::\w+Register<u(8|16|32)>|\[u8; (\w+)\]|\[crate::\w+Register<u(8|16|32)>; (\d+)usize\]|"
+    r"^\s*(?:pub )?(\w+): (?:crate::\w+Register<u(8|16|32)>|\[u8; (\w+)\]|"
+    r"\[crate::\w+Register<u(8|16|32)>; (\d+)usize\]|"
     r"\[(\w+)::RegisterBlock; (\d+)usize\]|(\w+)::RegisterBlock),$"
 )
 VALUE = re.compile(r"pub const (\w+): u(?:8|16|32) = (.+?)(?: << offset)?;")

@@ -21,7 +21,8 @@ MARK = re.compile(r"^<!-- command: ((?:(?!-->).)+?) -->$", re.MULTILINE | re.DOT
 MARK_PARTS = re.compile(r"^(?P<kind>\w+)(?P<rest>(?:; (?:exit|only|with|adding) [^;]+)*)$")
 STARTS = re.compile(
     r"(?:sudo |until |(?:[A-Z][A-Z_0-9]*=\S* ))*"
-    r"(?:make|cmake|ctest|ninja|git|cd|apt|apt-get|pip|pip3|python3?|pkg-config|mpirun|gdb-multiarch|gdb|tshark|wireshark|ffmpeg|"
+    r"(?:make|cmake|ctest|ninja|git|cd|apt|apt-get|pip|pip3|python3?|pkg-config|mpirun|"
+    r"gdb-multiarch|gdb|tshark|wireshark|ffmpeg|"
     r"docker|podman|debootstrap|udevadm|lsusb|cournand|bake|anatomy|centreline|"
     r"(?:\./|build/|tools/|hil_tests/|host/|firmware/|\.ci/)[\w./-]+)(?:\s|$)"
 )
@@ -91,8 +92,8 @@ def read_mark(page, line, text):
     parts = MARK_PARTS.match(text)
     if not parts or parts.group("kind") not in CLASSES:
         raise MarkError(
-            "%s:%d: '%s' is no marker: <!-- command: CLASS[; exit N][; only TEXT][; with A=B][; adding WORDS] -->, CLASS one of %s"
-            % (page, line, text, " ".join(sorted(CLASSES)))
+            "%s:%d: '%s' is no marker: <!-- command: CLASS[; exit N][; only TEXT][; with A=B][; adding WORDS] -->,"
+            " CLASS one of %s" % (page, line, text, " ".join(sorted(CLASSES)))
         )
     mark = {"kind": parts.group("kind"), "line": line, "used": False}
     for part in parts.group("rest").split("; ")[1:]:

@@ -253,8 +253,9 @@ class Scratch:
 
 
 class Stock:
-    """What the pages take for granted, made once for all of them: out/ and build/anatomy as `make run` leaves them, and for the long run
-    an artery with a lesion. Without bodies (bones, organs), which cost minutes and change no command."""
+    """What the pages take for granted, made once for all of them: out/ and build/anatomy as `make run` leaves them,
+    and for the long run an artery with a lesion. Without bodies (bones, organs), which cost minutes and change no
+    command."""
 
     def __init__(self, build, folder):
         self.build, self.folder = build, folder

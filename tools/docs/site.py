@@ -24,7 +24,8 @@ SITE = "out/site"
 # What a browser fetches by itself; a link that somebody clicks is none.
 LOADED = re.compile(
     r"""<(?:script|img|iframe|source)\b[^>]*?\bsrc\s*=\s*["']?((?:https?:)?//[^"'\s>]+)"""
-    r"""|<link\b(?=[^>]*\brel\s*=\s*["']?(?:stylesheet|preconnect|preload|icon))[^>]*?\bhref\s*=\s*["']?((?:https?:)?//[^"'\s>]+)"""
+    r"""|<link\b(?=[^>]*\brel\s*=\s*["']?(?:stylesheet|preconnect|preload|icon))"""
+    r"""[^>]*?\bhref\s*=\s*["']?((?:https?:)?//[^"'\s>]+)"""
     r"""|(?:url\(|@import\s+)["']?((?:https?:)?//[^"')\s]+)""",
     re.IGNORECASE,
 )
@@ -59,9 +60,9 @@ def install(folder):
     words = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps", "-r", REQUIREMENTS]
     if subprocess.run([python_of(folder)] + words, cwd=ROOT, check=False).returncode != 0:
         raise SiteError(
-            "PyPI could not be reached, or a version is gone. Remedy: run this once with a network; or, from a machine that has one,"
-            " `pip download -r %s -d wheels`, bring the folder here, and run PIP_NO_INDEX=1 PIP_FIND_LINKS=wheels tools/docs/site.py."
-            " Without the site, docs/ is readable as it is." % REQUIREMENTS
+            "PyPI could not be reached, or a version is gone. Remedy: run this once with a network. Or run"
+            " `pip download -r %s -d wheels` on a machine that has one, bring the folder here, and run PIP_NO_INDEX=1"
+            " PIP_FIND_LINKS=wheels tools/docs/site.py. Without the site, docs/ is readable as it is." % REQUIREMENTS
         )
     with open(stamp, "w", encoding="ascii") as file:
         file.write(requirements_hash())

@@ -22,13 +22,15 @@ result $? "info --opengl names driver and version of both libraries"
 # A block of tissue with a bone and a straight vessel in it.
 python3 - "$work" <<'PY'
 import itertools, sys
-FACES = ((0, 2, 1), (1, 2, 3), (4, 5, 6), (5, 7, 6), (0, 1, 4), (1, 5, 4), (2, 6, 3), (3, 6, 7), (0, 4, 2), (2, 4, 6), (1, 3, 5), (3, 7, 5))
+FACES = ((0, 2, 1), (1, 2, 3), (4, 5, 6), (5, 7, 6), (0, 1, 4), (1, 5, 4),
+         (2, 6, 3), (3, 6, 7), (0, 4, 2), (2, 4, 6), (1, 3, 5), (3, 7, 5))
 def box(name, low, high):
     corners = [(x, y, z) for z, y, x in itertools.product(*zip(low[::-1], high[::-1]))]
     with open("%s/%s.stl" % (sys.argv[1], name), "w") as out:
         out.write("solid box\n")
         for face in FACES:
-            out.write("facet normal 0 0 0\nouter loop\n%sendloop\nendfacet\n" % "".join("vertex %g %g %g\n" % corners[i] for i in face))
+            loop = "".join("vertex %g %g %g\n" % corners[i] for i in face)
+            out.write("facet normal 0 0 0\nouter loop\n%sendloop\nendfacet\n" % loop)
         out.write("endsolid box\n")
 box("lumen", (-5, -60, -5), (5, 60, 5))
 box("trunk", (-70, -90, -60), (70, 90, 60))
@@ -36,7 +38,8 @@ box("bone", (20, -40, -20), (40, 50, 20))
 with open(sys.argv[1] + "/scene.toml", "w") as out:
     out.write('[scene]\nname = "block"\n[lumen]\nmesh = "lumen.stl"\nunit = "mm"\n[entry]\nposition_mm = [0, -50, 0]\n'
               'direction = [0, 1, 0]\n')
-    for name, material, inside in (("trunk", "soft_tissue", ""), ("bone", "bone_cortical", "trunk"), ("vessel", "blood", "trunk")):
+    bodies = (("trunk", "soft_tissue", ""), ("bone", "bone_cortical", "trunk"), ("vessel", "blood", "trunk"))
+    for name, material, inside in bodies:
         mesh = 'mesh = "lumen"' if name == "vessel" else 'mesh = "%s.stl"\nunit = "mm"' % name
         out.write('[[body]]\nname = "%s"\n%s\nmaterial = "%s"\ninside = "%s"\n' % (name, mesh, material, inside))
 PY

@@ -96,7 +96,8 @@ width = []
 for n in names:  # of the lumen's vertices in the throat, across
     x = [v[0] for v in objects[n + "_lumen"] if abs(v[1] - 60) < 0.25]
     width.append(max(x) - min(x))
-    assert len(objects[n + "_lumen"]) == len(objects[names[0] + "_lumen"]) and faces[n + "_lumen"] == faces[names[0] + "_lumen"]
+    assert len(objects[n + "_lumen"]) == len(objects[names[0] + "_lumen"])
+    assert faces[n + "_lumen"] == faces[names[0] + "_lumen"]
     assert len(objects[n + "_plaque_calcium"]) > 500 and all(32 < v[1] < 88 for v in objects[n + "_lumen"])
 print(width)
 for got, wanted in zip(width, (1.2, 3.0, 2.46)):

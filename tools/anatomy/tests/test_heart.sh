@@ -37,7 +37,8 @@ refuses "a place of another heart is refused by name" 2 "mm off where a heart li
 mkdir "$work/small"
 awk -v folder="$work/small" \
     'BEGIN { for (i = 0; i < 24; i++) { name = sprintf("%s/f_%02d.obj", folder, i); h = 10 + sin(i * 3.14159265 / 12)
-    printf "o one\nv 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 %.4f\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\no two\nv 0 0 20\nv 5 0 20\nv 5 5 20\nv 0 5 %.4f\nf -4//1 -3//1 -2//1 -1//1\n", h, 10 + h > name
+    printf "o one\nv 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 %.4f\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n", h > name
+    printf "o two\nv 0 0 20\nv 5 0 20\nv 5 5 20\nv 0 5 %.4f\nf -4//1 -3//1 -2//1 -1//1\n", 10 + h > name
     close(name) } }'
 "$tool" check "$work/small" >"$work/said" 2>&1 && grep -q "^one  *4 vertices  *4 triangles" "$work/said" &&
     grep -q "^two  *4 vertices  *2 triangles" "$work/said"

@@ -18,7 +18,8 @@ with open(sys.argv[1], "w") as file:
     v = lambda i, j: 32 * i + j % 32 + 1
     for i in range(60):
         for j in range(32):
-            file.write("f %d %d %d\nf %d %d %d\n" % (v(i, j), v(i + 1, j), v(i + 1, j + 1), v(i, j), v(i + 1, j + 1), v(i, j + 1)))
+            corners = (v(i, j), v(i + 1, j), v(i + 1, j + 1), v(i, j), v(i + 1, j + 1), v(i, j + 1))
+            file.write("f %d %d %d\nf %d %d %d\n" % corners)
 PY
 cat >"$work/points.toml" <<'EOF2'
 format = 1
@@ -75,7 +76,8 @@ for i in 0 1 2; do awk -v up="$i" '/^v/ {$4 += up} {print}' "$tube" >"$work/fram
 result $? "carry takes the spheres along, frame by frame"
 
 [ -x "$build/bin/bake" ] || make -s PACKAGES=skip "$build/bin/bake" >&2
-printf '[scene]\nname = "t"\n[lumen]\ncentrelines = ["tree.csv"]\n[entry]\nposition_mm = [0, 9, 0]\ndirection = [0, 1, 0]\n' >"$work/scene.toml"
+printf '%s\n' '[scene]' 'name = "t"' '[lumen]' 'centrelines = ["tree.csv"]' '[entry]' 'position_mm = [0, 9, 0]' \
+    'direction = [0, 1, 0]' >"$work/scene.toml"
 "$build/bin/bake" "$work/scene.toml" -o "$work/t.scene" --poses 0 --points 100 >"$log" 2>&1 &&
     grep -q "^vessels *1 branch" "$log"
 result $? "bake makes a lumen and its tree of vessels from what was fitted"

@@ -20,7 +20,10 @@ import image_report  # noqa: E402
 BUILD = os.path.join(tree.ROOT, os.environ.get("BUILD", "build"))
 FOLDER = os.path.join(BUILD, "firmware")
 PORTS = {"mps2_an500": "obj", "imxrt1062": "imxrt1062"}  # to the folder of its objects
-DIVIDES = "long long f(long long a, long long b) { return a / b; }\nvoid _start(void) { volatile long long x = 9; x = f(x, x); }\n"
+DIVIDES = (
+    "long long f(long long a, long long b) { return a / b; }\n"
+    "void _start(void) { volatile long long x = 9; x = f(x, x); }\n"
+)
 
 
 def linked_sample(text):

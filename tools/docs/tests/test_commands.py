@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Commands in the documents: they are found, markers are obeyed, and those that take seconds run (tools/docs/commands.py; `make test-lab`
-runs the rest). Prints TAP."""
+"""Commands in the documents: they are found, markers are obeyed, and those that take seconds run
+(tools/docs/commands.py; `make test-lab` runs the rest). Prints TAP."""
 
 import os
 import re

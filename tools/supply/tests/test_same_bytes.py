@@ -31,7 +31,8 @@ TARGETS = [
 COMPARED = re.compile(r"\.(o|a|elf|hex)$|/bin/[a-z]+$")
 # Folders that these targets are made of.
 COPIED = re.compile(
-    r"^(Makefile$|shared/(wire|scene|mailbox)/|firmware/|host/(base|model)/|shared/version.h$|tools/docs/|tools/.*\.mk$|hil_tests/(usb|library)/|hil_tests/.*\.mk$)"
+    r"^(Makefile$|shared/(wire|scene|mailbox)/|firmware/|host/(base|model)/|shared/version.h$|tools/docs/|tools/.*\.mk$|"
+    r"hil_tests/(usb|library)/|hil_tests/.*\.mk$)"
 )
 
 
@@ -114,8 +115,8 @@ def check_programs(report):
     report.check(
         "no program names the folder that it was built in (%d programs)" % len(names),
         [
-            "%s names %s: it has an object that was compiled by an older Makefile, or one of its rules lacks $(SAME); make clean tells which"
-            % (n, tree.ROOT)
+            "%s names %s: it has an object that was compiled by an older Makefile, or one of its rules lacks $(SAME);"
+            " make clean tells which" % (n, tree.ROOT)
             for n in names
             if holds(os.path.join(folder, n), tree.ROOT.encode())
         ],

@@ -16,14 +16,16 @@ with open(folder + "/tube.csv", "w", encoding="utf-8") as out:
         angle = i * 0.05
         out.write("0,tube,,,%d,%.3f,%.3f,0,4,0,0\n" % (i, 40 * math.sin(angle), 40 * (1 - math.cos(angle))))
 END
-printf '[scene]\nname = "tube"\n[lumen]\ncentrelines = ["tube.csv"]\n[entry]\nposition_mm = [6, 0.5, 0]\ndirection = [0.98, 0.2, 0]\n' >"$work/scene.toml"
+printf '%s\n' '[scene]' 'name = "tube"' '[lumen]' 'centrelines = ["tube.csv"]' '[entry]' 'position_mm = [6, 0.5, 0]' \
+    'direction = [0.98, 0.2, 0]' >"$work/scene.toml"
 "$BUILD/bin/bake" "$work/scene.toml" -o "$work/tube.scene" --points 500 --poses 0 >"$work/said" 2>&1
 report "the tube is baked" $?
 make_case() { # make_case FOLDER
     mkdir -p "$1"
     {
-        printf 'format = 1\nname = "tube"\ninstrument = "%s/shared/examples/instruments/bentson.toml"\nscene = "%s/tube.scene"\n' "$PWD" "$work"
-        printf 'mouth_mm = [6, 0.5, 0]\ndirection = [0.979796, 0.2, 0]\nfriction_kinetic = 0.1\nfriction_static = 0.12\nspeed_mm_per_s = 100\n'
+        printf 'format = 1\nname = "tube"\ninstrument = "%s/shared/examples/instruments/bentson.toml"\n' "$PWD"
+        printf 'scene = "%s/tube.scene"\nmouth_mm = [6, 0.5, 0]\ndirection = [0.979796, 0.2, 0]\n' "$work"
+        printf 'friction_kinetic = 0.1\nfriction_static = 0.12\nspeed_mm_per_s = 100\n'
         for i in 1 2 3; do
             printf '[[depth]]\nname = "depth %d"\ninserted_mm = %d\nturn_deg = 0\ncentreline = "depth_%d.csv"\n' $i $((i * 10 + 5)) $i
         done

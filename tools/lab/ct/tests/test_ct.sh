@@ -46,11 +46,12 @@ for i, length in enumerate((16, 24)):
 END
 write_case() { # write_case FOLDER KEYS writes a case with these lines in its first table
     {
-        printf '# a person wrote this\nformat = 1\nname = "tube"\ninstrument = "%s/shared/examples/instruments/amplatz_super_stiff.toml"\n' "$PWD"
+        printf '# a person wrote this\nformat = 1\nname = "tube"\n'
+        printf 'instrument = "%s/shared/examples/instruments/amplatz_super_stiff.toml"\n' "$PWD"
         printf 'friction_kinetic = 0.1\nfriction_static = 0.1\nspeed_mm_per_s = 20\n%b' "$2"
         for i in 1 2; do
-            printf '[[depth]]\nname = "depth %d"\ninserted_mm = %d\nturn_deg = 0\nscan = "scan_%d.nrrd"\ncentreline = "depth_%d.csv"\n' \
-                $i $((8 + 8 * i)) $i $i
+            printf '[[depth]]\nname = "depth %d"\ninserted_mm = %d\nturn_deg = 0\n' $i $((8 + 8 * i))
+            printf 'scan = "scan_%d.nrrd"\ncentreline = "depth_%d.csv"\n' $i $i
         done
     } >"$1/case.toml"
 }

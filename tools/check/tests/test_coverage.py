@@ -6,10 +6,12 @@ import subprocess
 import sys
 import tempfile
 
-import tree
+sys.path.insert(0, os.path.join(os.path.dirname(__file__), ".."))
+import tree  # noqa: E402
 
 SOURCES = {
-    "core/sum.c": "int sum(int a, int b)\n{\n    return a + b;\n}\nint never(int a)\n{\n    a += 1;\n    return a;\n}\n",
+    "core/sum.c": "int sum(int a, int b)\n{\n    return a + b;\n}\n"
+    "int never(int a)\n{\n    a += 1;\n    return a;\n}\n",
     "app/one.c": "int sum(int a, int b);\nint main(void)\n{\n    return sum(1, -1);\n}\n",
     "app/tests/test_two.c": "int never(int a);\nint main(void)\n{\n    return never(-1);\n}\n",
 }
