@@ -89,7 +89,8 @@ def callers(path, text):
     """A list of callers, or of what a file may include, that somebody would have to keep true by hand."""
     for number, line in enumerate(text.splitlines(), 1):
         if CALLERS.search(line):
-            yield "%s:%d: lists its callers or includes: leave that to a search, and to docs/architecture.md" % (path, number)
+            yield "%s:%d: lists its callers or includes: leave that to a search, or to docs/architecture.md" % (
+                path, number)
 
 
 def unfinished(path, text):
