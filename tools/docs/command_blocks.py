@@ -14,6 +14,7 @@ CLASSES = {
     "hardware": ((), "it needs a rig on USB"),
     "guest": ((), "it starts a guest with a kernel of its own; make hil-guest runs it"),
     "debugger": ((), "it waits for a debugger, or for the image that one is to look at"),
+    "hours": ((), "it runs for hours"),
     "template": ((), "its names stand for the reader's own files"),
     "output": ((), "it is what a program prints, and no command"),
 }
