@@ -18,7 +18,8 @@ import sys
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 WORDS_MIN = 6  # shorter ones are labels
 ENDS = re.compile(r"(?<=[a-z0-9)`%\"'”])[.!?](?=\s+[A-Z`\"(]|\s*$)")
-# A comment of whole lines; one behind code, with what continues it far to the right; a docstring, but no other long string.
+# A comment of whole lines; one behind code, with what continues it far to the right; a docstring, but no other long
+# string.
 COMMENT = re.compile(
     r"^[ \t]*//[^\n]*(?:\n[ \t]*//[^\n]*)*|(?<!:)//[^\n]*(?:\n[ \t]{20,}//[^\n]*)*"
     r"|/\*.*?\*/|^[ \t]*\"\"\".*?\"\"\"",

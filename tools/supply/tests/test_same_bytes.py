@@ -31,8 +31,8 @@ TARGETS = [
 COMPARED = re.compile(r"\.(o|a|elf|hex)$|/bin/[a-z]+$")
 # Folders that these targets are made of.
 COPIED = re.compile(
-    r"^(Makefile$|shared/(wire|scene|mailbox)/|firmware/|host/(base|model)/|shared/version.h$|tools/docs/|tools/.*\.mk$|"
-    r"hil_tests/(usb|library)/|hil_tests/.*\.mk$)"
+    r"^(Makefile$|shared/(wire|scene|mailbox)/|firmware/|host/(base|model)/|shared/version.h$|tools/docs/|"
+    r"tools/.*\.mk$|hil_tests/(usb|library)/|hil_tests/.*\.mk$)"
 )
 
 
