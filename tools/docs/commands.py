@@ -64,7 +64,7 @@ def option_faults(words, known):
 def program_of(words):
     """Where our own program is in the command; None when there is none."""
     for at, word in enumerate(words):
-        if re.match(r"(build/|tools/|hil_tests/)[\w./-]+$", word) or (
+        if re.match(r"((build/bin|tools|hil_tests)/)[\w./-]+$", word) or (
             at == 0 and word in ("cournand", "bake", "anatomy", "centreline")
         ):
             return at
