@@ -302,7 +302,7 @@ class Stock:
         scene = self.scene("heart", "lad_pci", "shared/examples/lesions/lad_middle.toml")
         tools = ["coronary_014", "balloon_3x20", "guide_jl3_6f"]
         stent = "shared/examples/stents/coronary_3_0x18.toml"
-        self.record(scene, "pci_lad_short", tools, "pci", "--stent", stent)
+        self.record(scene, "pci_lad", tools, "pci", "--stent", stent)
 
 
 def prepared(command):
