@@ -16,7 +16,8 @@ nm -D "$program" | grep -E ' (gl[A-Z]|egl[A-Z]|OSMesa)' >"$work/log"
 result $? "no function of OpenGL, EGL or OSMesa is among the program's symbols"
 
 "$program" info --opengl >"$work/log" 2>&1
-[ $? = 0 ] && grep -q "opengl-osmesa.*OpenGL [34].*libOSMesa" "$work/log" && grep -q "opengl-egl.*OpenGL [34].*libEGL" "$work/log"
+[ $? = 0 ] && grep -q "opengl-osmesa.*OpenGL [34].*libOSMesa" "$work/log" &&
+    grep -q "opengl-egl.*OpenGL [34].*libEGL" "$work/log"
 result $? "info --opengl names driver and version of both libraries"
 
 # A block of tissue with a bone and a straight vessel in it.
@@ -45,12 +46,14 @@ with open(sys.argv[1] + "/scene.toml", "w") as out:
 PY
 "$build/bin/bake" "$work/scene.toml" -o "$work/block.scene" >"$work/log" 2>&1
 result $? "a scene with nested bodies is baked"
-printf 'begin inserted 20 mm\nfluoro on\nfield 20 cm\nc-arm LAO 25 CRA 10\nadvance 30 mm at 60 mm/s\nwait 0.3 s\n' >"$work/short.session"
+printf 'begin inserted 20 mm\nfluoro on\nfield 20 cm\nc-arm LAO 25 CRA 10\nadvance 30 mm at 60 mm/s\nwait 0.3 s\n' \
+    >"$work/short.session"
 
 # Prints the largest difference of two pictures, in grey values.
 worst() {
     ffmpeg -v error -i "$1" -i "$2" -filter_complex \
-        "[0][1]blend=all_mode=difference,format=gray,signalstats,metadata=print:key=lavfi.signalstats.YMAX:file=-" -f null - |
+        "[0][1]blend=all_mode=difference,format=gray,signalstats,metadata=print:key=lavfi.signalstats.YMAX:file=-" \
+        -f null - |
         sed -n 's/.*YMAX=//p'
 }
 for back_end in raster opengl-osmesa opengl-egl; do
@@ -73,12 +76,14 @@ result $? "the session itself does not depend on who draws"
 export XDG_STATE_HOME="$work/kept"
 for back_end in raster opengl; do
     "$program" view --scene "$work/block.scene" --tool "$wire" --inserted 40 --fluoro --frames 20 --no-help-panel \
-        --xray $back_end --screenshot "$work/window_$back_end.png" >"$work/window_$back_end.log" 2>&1 || echo failed >>"$work/window_failed"
+        --xray $back_end --screenshot "$work/window_$back_end.png" >"$work/window_$back_end.log" 2>&1 ||
+        echo failed >>"$work/window_failed"
 done
 cat "$work"/window_*.log >"$work/log"
 difference="$(worst "$work/window_raster.png" "$work/window_opengl.png")"
 echo "largest difference: $difference of 255" >>"$work/log"
-[ ! -e "$work/window_failed" ] && [ -n "$difference" ] && [ "$difference" -le 3 ] && grep -q "GLFW" "$work/window_opengl.log"
+[ ! -e "$work/window_failed" ] && [ -n "$difference" ] && [ "$difference" -le 3 ] &&
+    grep -q "GLFW" "$work/window_opengl.log"
 result $? "in the window its own context draws, and the screen shows the same"
 
 "$program" run --tool "$wire" --session "$work/short.session" --xray vulkan >"$work/log" 2>&1
