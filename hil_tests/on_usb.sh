@@ -31,7 +31,8 @@ bus() {
         ASAN_OPTIONS=detect_leaks=0 $before env LD_PRELOAD=libumockdev-preload.so.0 "$hil/mock_bus" "$@"
     else
         # shellcheck disable=SC2086
-        $before hil_tests/l3/run_guest.py --bridge "$hil/bridge" --kernel "$hil/kernel" --seconds "${LIMIT:-180}" --out "$folder" $channel "$@"
+        $before hil_tests/l3/run_guest.py --bridge "$hil/bridge" --kernel "$hil/kernel" --seconds "${LIMIT:-180}" \
+            --out "$folder" $channel "$@"
     fi
 }
 in_rig() { before="$URGENT $build/bin/hil_rig $1 --"; }
@@ -52,7 +53,8 @@ aorta)
     ;;
 free_run)
     in_rig --live
-    bus --mailbox '{mailbox}' -- env BUILD="$build" hil_tests/library/free_run.sh "${SECONDS_LED:-60}" "$place" || exit 1
+    bus --mailbox '{mailbox}' -- env BUILD="$build" hil_tests/library/free_run.sh "${SECONDS_LED:-60}" "$place" ||
+        exit 1
     if "$build/bin/cournand" replay "$folder/free_run.rec" --verify >"$folder/replay.log"; then
         echo "ok 5 - the_recording_replays_bit_for_bit"
         sed -n 's/^verified: /#- replayed: /p' "$folder/replay.log"
@@ -75,7 +77,8 @@ two)
     ;;
 unplug)
     in_rig --live
-    bus --mailbox '{mailbox}' -- env BUILD="$build" HIL="$hil" AORTA_HASH="$AORTA_HASH" hil_tests/library/unplug.sh "$place"
+    bus --mailbox '{mailbox}' -- env BUILD="$build" HIL="$hil" AORTA_HASH="$AORTA_HASH" hil_tests/library/unplug.sh \
+        "$place"
     ;;
 rig)
     in_rig "--live --serial RIG-0001"

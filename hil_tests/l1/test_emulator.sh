@@ -31,7 +31,8 @@ echo "advance 25 mm at 40 mm/s" >"$folder/a.session"
 run="run --quiet --instrument shared/examples/instruments/j_wire.toml --session $folder/a.session"
 hash=$("$build/bin/cournand" $run | sed -n 's/^final hash *//p')
 
-expect a_session_on_the_image_has_the_hash_of_the_sim 0 "final hash *${hash:-none}" "$build/bin/cournand" $run --device emulator
+expect a_session_on_the_image_has_the_hash_of_the_sim 0 "final hash *${hash:-none}" "$build/bin/cournand" $run \
+    --device emulator
 expect the_image_passes_its_selftest 0 ' 0 failed' "$build/bin/cournand" rig selftest --device emulator
 expect an_image_that_is_missing_has_a_remedy 1 "$folder/none.elf does not exist. Remedy: make firmware" \
     env CRN_IMAGE="$folder/none.elf" "$build/bin/cournand" $run --device emulator

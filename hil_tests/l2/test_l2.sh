@@ -33,7 +33,8 @@ one() {
     program="$3"
     shift 3
     count=$((count + 1))
-    if run_on_bus env ASAN_OPTIONS=detect_leaks=0 LD_PRELOAD="$preload" timeout 60 "$folder/mock_bus" "$device" -- "$program" "$@"; then
+    if run_on_bus env ASAN_OPTIONS=detect_leaks=0 LD_PRELOAD="$preload" timeout 60 "$folder/mock_bus" "$device" \
+        -- "$program" "$@"; then
         echo "ok $count - ${name}_on_a_mocked_bus"
         echo "$output" | grep '^# link'
     else

@@ -16,7 +16,8 @@ expect() {
     text="$2"
     shift 2
     count=$((count + 1))
-    if ASAN_OPTIONS=detect_leaks=0 LD_PRELOAD="$preload" timeout 60 "$build/hil/mock_bus" --app -- "$build/bin/cournand" "$@" \
+    if ASAN_OPTIONS=detect_leaks=0 LD_PRELOAD="$preload" timeout 60 "$build/hil/mock_bus" --app \
+        -- "$build/bin/cournand" "$@" \
         >"$folder/output" 2>&1 && grep -q -e "$text" "$folder/output"; then
         echo "ok $count - $name"
         grep -e 'reports in' -e 'wall clock' "$folder/output" | sed 's/^/# /'
@@ -42,8 +43,10 @@ expect a_session_has_the_hash_of_the_sim "final hash *${hash:-none}" run --quiet
 # The image on an emulated Cortex-M7, with the rig around it, replaces the app in a process.
 plain="${build%/san}"
 count=$((count + 1))
-if "$plain/bin/hil_rig" --live -- env ASAN_OPTIONS=detect_leaks=0 LD_PRELOAD="$preload" timeout 60 "$build/hil/mock_bus" --mailbox '{mailbox}' -- \
-    "$build/bin/cournand" run --quiet --device usb --instrument $wire --session "$folder/a.session" >"$folder/output" 2>&1 &&
+if "$plain/bin/hil_rig" --live -- env ASAN_OPTIONS=detect_leaks=0 LD_PRELOAD="$preload" timeout 60 \
+    "$build/hil/mock_bus" --mailbox '{mailbox}' -- \
+    "$build/bin/cournand" run --quiet --device usb --instrument $wire --session "$folder/a.session" \
+    >"$folder/output" 2>&1 &&
     grep -q -e "final hash *${hash:-none}" "$folder/output"; then
     echo "ok $count - a_session_on_the_image_has_the_hash_of_the_sim"
 else

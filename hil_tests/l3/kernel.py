@@ -27,7 +27,9 @@ INIT = """#!/bin/sh
 /bin/busybox mount -t proc proc /proc
 /bin/busybox mount -t sysfs sys /sys
 /bin/busybox mount -t devtmpfs dev /dev
-for module in $(/bin/busybox cat /modules/order); do /bin/busybox insmod /modules/$module || echo "guest: no $module"; done
+for module in $(/bin/busybox cat /modules/order); do
+    /bin/busybox insmod /modules/$module || echo "guest: no $module"
+done
 /bin/busybox mount -t 9p -o trans=virtio,version=9p2000.L,ro,msize=262144 host /host || echo "guest: no file tree"
 for place in proc sys dev; do /bin/busybox mount -o bind /$place /host/$place; done
 /bin/busybox mount -t 9p -o trans=virtio,version=9p2000.L,msize=262144 out /host/mnt || echo "guest: nowhere to write"

@@ -3,7 +3,8 @@
 # a mocked one (L2), one in the guest (L3), or a real one. Prints TAP. $AORTA_HASH is the required final hash; without
 # it, the host alone computes it.
 build="${BUILD:-build}"
-session="--scene ${AORTA_SCENE:-out/aorta.scene} --tool shared/examples/instruments/j_wire.toml --session shared/examples/sessions/demo.session"
+session="--scene ${AORTA_SCENE:-out/aorta.scene} --tool shared/examples/instruments/j_wire.toml
+    --session shared/examples/sessions/demo.session"
 final='s/^final hash *//p'
 
 hash="${AORTA_HASH:-$("$build/bin/cournand" run --quiet $session | sed -n "$final")}"

@@ -23,7 +23,8 @@ verdict $? the_rig_takes_the_couplings_of_the_plant
 urgent=""
 chrt -f 10 true 2>/dev/null && urgent="chrt -f 10"
 $urgent "$build/bin/cournand" rig monitor --device "$device" --seconds "$seconds" >"$folder/monitor.log" 2>&1 &
-"$build/bin/cournand" run --quiet --device "$device" --scene "${AORTA_SCENE:-out/aorta.scene}" --tool shared/examples/instruments/j_wire.toml \
+"$build/bin/cournand" run --quiet --device "$device" --scene "${AORTA_SCENE:-out/aorta.scene}" \
+    --tool shared/examples/instruments/j_wire.toml \
     --free-run "$seconds" --motors --yes --fps 60 --record "$folder/free_run.rec" >"$folder/run.log" 2>&1
 verdict $? the_session_reaches_its_end
 wait
@@ -38,7 +39,8 @@ verdict $? no_tick_of_the_stream_is_lost
 came=$(sed -n 's/^\([0-9]*\) reports in.*/\1/p' "$folder/monitor.log")
 lost=$(sed -n 's/^.* s, \([0-9]*\) ticks lost.*/\1/p' "$folder/monitor.log")
 skip=""
-if [ -z "$STRICT" ] && [ "${lost:-1}" != 0 ] && [ "$((came + lost))" -gt 0 ] && [ "$((came + lost))" -lt $((seconds * 990)) ]; then
+if [ -z "$STRICT" ] && [ "${lost:-1}" != 0 ] && [ "$((came + lost))" -gt 0 ] &&
+    [ "$((came + lost))" -lt $((seconds * 990)) ]; then
     skip=" # SKIP this machine made $((came + lost)) ms of the rig in $seconds s"
     echo "#- NOT JUDGED: HID, since$skip" | sed 's/ # SKIP//'
     lost=0

@@ -18,7 +18,8 @@ echo "$list" | grep -q "^$1 " && echo "$list" | grep -q "^$2 "
 verdict $? both_rigs_are_listed_by_their_serial_numbers
 "$build/bin/cournand" rig info --device usb 2>&1 | grep -q 'several rigs are there'
 verdict $? a_rig_without_a_name_is_refused_when_there_are_two
-one() { "$build/bin/cournand" run --quiet --device "$1" --tool shared/examples/instruments/j_wire.toml --session hil_tests/library/short.session 2>&1; }
+one() { "$build/bin/cournand" run --quiet --device "$1" --tool shared/examples/instruments/j_wire.toml \
+    --session hil_tests/library/short.session 2>&1; }
 wanted=$(one sim | sed -n 's/^final hash *//p')
 first=$(one "usb:$1" & one "usb:$2" >&2; wait) 2>/dev/null
 [ -n "$wanted" ] && [ "$(echo "$first" | sed -n 's/^final hash *//p')" = "$wanted" ]

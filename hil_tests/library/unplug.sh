@@ -5,7 +5,8 @@
 build="${BUILD:-build}"
 hil="${HIL:-$build/hil}"
 folder="$1"
-session="--scene ${AORTA_SCENE:-out/aorta.scene} --tool shared/examples/instruments/j_wire.toml --session shared/examples/sessions/demo.session"
+session="--scene ${AORTA_SCENE:-out/aorta.scene} --tool shared/examples/instruments/j_wire.toml
+    --session shared/examples/sessions/demo.session"
 hash="${AORTA_HASH:-$("$build/bin/cournand" run --quiet $session | sed -n 's/^final hash *//p')}"
 # shellcheck disable=SC2086 # words on purpose
 "$build/bin/cournand" run --quiet --device usb --record "$folder/unplug.rec" $session >"$folder/unplug.log" 2>&1 &
@@ -26,7 +27,8 @@ wait $program
 status=$?
 grep -e '^final' -e '^device' -e '^cournand' "$folder/unplug.log" | sed 's/^/# /'
 sed -n 's/^device  */#- /p' "$folder/unplug.log"
-if [ $status = 0 ] && [ -n "$hash" ] && grep -q "^final hash *$hash" "$folder/unplug.log" && grep -q 'came back [1-9]' "$folder/unplug.log"; then
+if [ $status = 0 ] && [ -n "$hash" ] && grep -q "^final hash *$hash" "$folder/unplug.log" &&
+    grep -q 'came back [1-9]' "$folder/unplug.log"; then
     echo "ok 1 - a_session_goes_on_bit_for_bit_after_the_cable_was_pulled"
 else
     sed 's/^/# /' "$folder/unplug.log"

@@ -42,7 +42,8 @@ first=$(rows "$work/parts/seed_3.tsv" | wc -l)
 [ -s "$work/parts/soak.tsv" ] && [ "$first" -ge 4 ]
 result $? "Ctrl-C ends it with a summary of what was done"
 "$soak" "${scene[@]}" "${short[@]}" "${free[@]}" --sessions 24 --folder "$work/parts" >>"$log" 2>&1
-diff <(rows "$work/whole/seed_3.tsv" | sed "s#$work/whole#F#") <(rows "$work/parts/seed_3.tsv" | sed "s#$work/parts#F#") >>"$log"
+diff <(rows "$work/whole/seed_3.tsv" | sed "s#$work/whole#F#") <(rows "$work/parts/seed_3.tsv" |
+    sed "s#$work/parts#F#") >>"$log"
 result $? "and the same command goes on to the same rows (after $first)"
 
 # A complete session, run by the program itself.

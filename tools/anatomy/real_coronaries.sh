@@ -19,7 +19,8 @@ artery()
     shift 5
     for part; do set -- "$@" --part "VH_M_$part"; shift; done
     echo "Making $folder/real_$side.csv"
-    "$program" auto "$atlas" --unit m "$@" --inlet "$x" "$y" "$z" --shortest-mm 8 -o "$work/thin.csv" > "$work/log" 2>&1 ||
+    "$program" auto "$atlas" --unit m "$@" --inlet "$x" "$y" "$z" --shortest-mm 8 -o "$work/thin.csv" \
+        > "$work/log" 2>&1 ||
         { cat "$work/log" >&2; exit 1; }
     "$program" convert "$work/thin.csv" --as-is --radii-times "$widening" -o "$work/wide.csv" > "$work/log" 2>&1 ||
         { cat "$work/log" >&2; exit 1; }

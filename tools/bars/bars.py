@@ -3,11 +3,11 @@
 
   bars.py --build build [--only TEXT] [--scene FILE] [--tap]
 
-Reads tools/bars/bars.tsv. What is counted (instructions, sizes, hashes, physics) is measured here and fails when it is over its bar;
-what another command measures is read from the file that the command writes and is "not measured here" without it; a time is printed
-with its ratio to the bar and never fails. Writes out/bars.tsv. The last lines are `bars.held<TAB>N` and `bars.red<TAB>N`; ends with 1
-when a bar is red or could not be measured. --tap prints one line of TAP per bar instead, without times and without what other commands
-measure.
+Reads tools/bars/bars.tsv. What is counted (instructions, sizes, hashes, physics) is measured here and fails when it
+is over its bar; what another command measures is read from the file that the command writes and is "not measured
+here" without it; a time is printed with its ratio to the bar and never fails. Writes out/bars.tsv. The last lines are
+`bars.held<TAB>N` and `bars.red<TAB>N`; ends with 1 when a bar is red or could not be measured. --tap prints one line
+of TAP per bar instead, without times and without what other commands measure.
 """
 
 import argparse
@@ -146,7 +146,8 @@ def counted_values(counts):
 
 
 def aorta_ticks(options, what):
-    """The second column of the table that `hil --counts` or `hil --overruns` writes: one value per tick of the aorta session."""
+    """The second column of the table that `hil --counts` or `hil --overruns` writes: one value per tick of the aorta
+    session."""
     if not os.path.exists(os.path.join(ROOT, options.scene)):
         raise CannotMeasure("%s does not exist: `make %s` makes it" % (options.scene, SCENE))
     with tempfile.TemporaryDirectory() as folder:
@@ -182,7 +183,8 @@ def from_overruns(options, _):
 
 
 def from_file(path, wanted):
-    """Rows `name value ...` separated by tabs; out/bench.tsv has the context in its fourth column. None without the file."""
+    """Rows `name value ...` separated by tabs; out/bench.tsv has the context in its fourth column. None without the
+    file."""
     if not os.path.exists(os.path.join(ROOT, path)):
         return None
     values = {}

@@ -3,9 +3,9 @@
 
   flakes.py --build build [--rounds 30] [--load 4] [--jobs 2] [--tests TEXT]
 
-The tests are those of tools/bars/flakes.txt, run as `make test` runs them. Writes out/flakes.tsv after every round, so that an
-interrupted run keeps what it has; what a failed test said is kept in out/flakes. The last line is `flakes.failed<TAB>N`, the number of
-failed runs; ends with 1 when there is one.
+The tests are those of tools/bars/flakes.txt, run as `make test` runs them. Writes out/flakes.tsv after every round,
+so that an interrupted run keeps what it has; what a failed test said is kept in out/flakes. The last line is
+`flakes.failed<TAB>N`, the number of failed runs; ends with 1 when there is one.
 """
 
 import argparse

@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
-"""What a tick costs on the Cortex-M7: instructions, stack and bytes, held against firmware/bench/budget.tsv (docs/bench.md).
+"""What a tick costs on the Cortex-M7: instructions, stack and bytes, held against firmware/bench/budget.tsv
+(docs/bench.md).
 
   budget.py --build build [--accept] [--profile CASE]
 
 Instructions are counted in QEMU with -icount shift=0, one nanosecond each; the stack is the longest path through the
-compiler's call graph; sizes are those of the objects. Ends with 1 when a row is more than 3 % over the tracked one, when a
-row is missing there, or when the image calls a soft-float or divide helper or a heap. --accept writes the tracked file.
---profile prints where the instructions of two ticks of a case go, function by function, and measures nothing else.
+compiler's call graph; sizes are those of the objects. Ends with 1 when a row is more than 3 % over the tracked one,
+when a row is missing there, or when the image calls a soft-float or divide helper or a heap. --accept writes the
+tracked file. --profile prints where the instructions of two ticks of a case go, function by function, and measures
+nothing else.
 """
 
 import argparse
@@ -39,7 +41,8 @@ QEMU = [
 ROOTS = ("crn_step", "crn_state_restore", "crn_model_build")
 MEMORY = re.compile(r"^(__aeabi_)?mem(cpy|set|move|cmp|clr)(4|8)?$")
 FORBIDDEN = re.compile(
-    r"^(__aeabi_([dfil]|u?[il]div|ul|uldiv).*|__.*(div|mod)[sdt]i\d|__(add|sub|mul|div|fix|float|cmp|eq|lt|gt)\w*[sd]f\w*|"
+    r"^(__aeabi_([dfil]|u?[il]div|ul|uldiv).*|__.*(div|mod)[sdt]i\d|"
+    r"__(add|sub|mul|div|fix|float|cmp|eq|lt|gt)\w*[sd]f\w*|"
     r"malloc|calloc|realloc|free|_sbrk)$"
 )
 ALLOWED_HELPERS = re.compile(r"^__aeabi_l(lsl|lsr|asr|mul)$")  # 64-bit shifts and products: a few instructions, no loop
@@ -157,7 +160,7 @@ def profile(build, number, folder):
         print("%9.0f  %s" % (count / min(ticks, 2), name))
 
 
-# --- objects: where the preset m7 has what it made of a target ----------------------------------------------------------
+# --- objects: where the preset m7 has what it made of a target ---------------------------------------------------
 def target_folder(build, target):
     return os.path.join(build, "m7", "firmware", "images", "CMakeFiles", target + ".dir")
 
@@ -171,7 +174,7 @@ def image_objects(build, port):
     return [target_folder(build, "image_" + part) for part in ("core", "device", "memory", port)]
 
 
-# --- stack ------------------------------------------------------------------------------------------------------------
+# --- stack -----------------------------------------------------------------------------------------------------------
 def call_graph(folders):
     """(bytes of each function, callees of each function) from the compiler's .ci files."""
     frame, calls, plain = {}, collections.defaultdict(set), {}
@@ -224,7 +227,7 @@ def stack(build):
         print("stack of %s: %s" % (root, " > ".join(path)), file=sys.stderr)
 
 
-# --- bytes and symbols ------------------------------------------------------------------------------------------------
+# --- bytes and symbols -----------------------------------------------------------------------------------------------
 def sizes(build):
     objects = glob.glob(os.path.join(budget_objects(build), "firmware", "core", "*.o"))
     lines = run(["arm-none-eabi-size"] + objects).splitlines()[1:]
@@ -274,7 +277,7 @@ def is_forbidden(name):
     return bool(FORBIDDEN.match(name)) and not ALLOWED_HELPERS.match(name) and not MEMORY.match(name)
 
 
-# --- static estimate ----------------------------------------------------------------------------------------------------
+# --- static estimate -------------------------------------------------------------------------------------------------
 INSTRUCTION = re.compile(r"^\s*([0-9a-f]+):\s+(\S.*)$")
 
 
@@ -317,8 +320,8 @@ def estimate(body):
 
 def print_estimates(build):
     print(
-        "\nstatic estimate by llvm-mca (cortex-m7), NOT measured: cycles per pass through the longest loop of a function, in order "
-        "of\naddress, without cache misses and branches"
+        "\nstatic estimate by llvm-mca (cortex-m7), NOT measured: cycles per pass through the longest loop of "
+        "a function, in order of\naddress, without cache misses and branches"
     )
     rows = []
     for path in sorted(glob.glob(os.path.join(budget_objects(build), "firmware", "core", "*.o"))):
@@ -331,7 +334,7 @@ def print_estimates(build):
         print("  %-28s %4d instructions, %6.1f cycles" % (name, instructions_in_loop, cycles))
 
 
-# --- tracked file -------------------------------------------------------------------------------------------------------
+# --- tracked file ----------------------------------------------------------------------------------------------------
 def read_budget():
     path = os.path.join(ROOT, BUDGET)
     if not os.path.exists(path):

@@ -3,9 +3,9 @@
 
   image_report.py --build build --port mps2_an500
 
-The stack is the longest path through the compiler's call graph from main(), plus one exception with its handler. Calls by
-address are the port's functions, which are named here. Ends with 1 when RAM or stack are over their limits, or when a
-forbidden name is in the image.
+The stack is the longest path through the compiler's call graph from main(), plus one exception with its handler.
+Calls by address are the port's functions, which are named here. Ends with 1 when RAM or stack are over their limits,
+or when a forbidden name is in the image.
 """
 
 import argparse
@@ -16,8 +16,8 @@ import budget
 
 RAM_MAX_BYTES = 512 * 1024  # without scenes
 STACK_MAX_BYTES = 16 * 1024
-# The functions in each port's tables (its main.c, and its USB controller). The USB stack calls the app by address, from its
-# polling: that whole depth is added once, whichever of the two the deepest path goes through.
+# The functions in each port's tables (its main.c, and its USB controller). The USB stack calls the app by address,
+# from its polling: that whole depth is added once, whichever of the two the deepest path goes through.
 BY_ADDRESS = {
     "mps2_an500": ("transmit", "transmit_room", "rig_inputs_read", "rig_outputs_write", "now_us"),
     "imxrt1062": (

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Every address, offset, field, pad and width in firmware/port/imxrt1062 is what the machine-readable description of the chip
-says: the crate imxrt-ral, fetched by cargo into build/registers (register_description.py). Prints TAP.
+"""Every address, offset, field, pad and width in firmware/port/imxrt1062 is what the machine-readable description of
+the chip says: the crate imxrt-ral, fetched by cargo into build/registers (register_description.py). Prints TAP.
 
-When all agree, the digests of the port's files are written to firmware/port/imxrt1062/registers.checked, which `make test` compares
-(test_registers.py): a test needs no network, and no file changes without this check. What the crate does not describe is listed
-in docs/porting.md, "What no script has checked"."""
+When all agree, the digests of the port's files are written to firmware/port/imxrt1062/registers.checked, which `make
+test` compares (test_registers.py): a test needs no network, and no file changes without this check. What the crate
+does not describe is listed in docs/porting.md, "What no script has checked"."""
 
 import os
 import re

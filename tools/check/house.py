@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""How the house is built: circles of rooms, long functions and files, crowded folders, who leans on the program, the largest struct.
+"""How the house is built: circles of rooms, long functions and files, crowded folders, who leans on the program, the
+largest struct.
 
   house.py [--write FILE]
 
-Prints `name<TAB>value<TAB>unit<TAB>context` lines, and what stands behind every value that is not 0 as comments. --write appends the lines
-to FILE (out/bench.tsv) in place of older ones of the same names. Ends with 0.
+Prints `name<TAB>value<TAB>unit<TAB>context` lines, and what stands behind every value that is not 0 as comments.
+--write appends the lines to FILE (out/bench.tsv) in place of older ones of the same names. Ends with 0.
 """
 
 import argparse

@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # Installs the Debian packages of the named sections of tools/packages.txt that are missing.
 # usage: install_packages.sh SECTION...
-# Debian with root or sudo: says which packages and how much they are, asks on the terminal, installs. YES=1, or CI=true as build
-# machines set it, is the answer where nobody sits. Without a terminal and without either nothing is installed, and it says what
-# to type. Elsewhere than on Debian it prints the list. Whatever is not installed ends with exit code 1.
+# Debian with root or sudo: says which packages and how much they are, asks on the terminal, installs. YES=1, or
+# CI=true as build machines set it, is the answer where nobody sits. Without a terminal and without either nothing is
+# installed, and it says what to type. Elsewhere than on Debian it prints the list. Whatever is not installed ends
+# with exit code 1.
 set -euo pipefail
 here="$(cd "$(dirname "$0")/.." && pwd)"
 list="$here/packages.txt"
@@ -23,8 +24,8 @@ if ! command -v dpkg-query >/dev/null; then
     exit 1
 fi
 
-# One installer at a time: `make -j` may start this twice. What is locked is the list itself, opened for reading: a lock file of our
-# own in a folder that others write to could be a link of theirs to any file of ours.
+# One installer at a time: `make -j` may start this twice. What is locked is the list itself, opened for reading: a
+# lock file of our own in a folder that others write to could be a link of theirs to any file of ours.
 exec 9<"$list"
 if command -v flock >/dev/null; then flock 9; fi
 
@@ -40,9 +41,9 @@ if [ "$(id -u)" = 0 ]; then sudo=(); elif command -v sudo >/dev/null; then sudo=
     exit 1
 fi
 
-# What apt would do, in its own words: "Need to get 12.3 MB of archives." and "After this operation, 45.6 MB of additional disk
-# space will be used." --print-uris changes nothing (--assume-no installs whatever it would not ask about), and no right is needed.
-# Empty where the package lists are missing or too old.
+# What apt would do, in its own words: "Need to get 12.3 MB of archives." and "After this operation, 45.6 MB of
+# additional disk space will be used." --print-uris changes nothing (--assume-no installs whatever it would not ask
+# about), and no right is needed. Empty where the package lists are missing or too old.
 sizes() {
     LC_ALL=C apt-get install -o Debug::NoLocking=1 --print-uris "${install_options[@]}" "${missing[@]}" 2>/dev/null |
         grep -E '^(Need to get |After this operation, |[0-9]+ upgraded, )' || true
@@ -66,7 +67,8 @@ refuse() { # refuse WHY
     {
         echo "$1 Either of these installs them:"
         echo "  YES=1 make${goals:+ $goals}"
-        echo "  ${sudo[*]:+sudo }apt-get update && ${sudo[*]:+sudo }apt-get install --no-install-recommends ${missing[*]}"
+        as="${sudo[*]:+sudo }"
+        echo "  ${as}apt-get update && ${as}apt-get install --no-install-recommends ${missing[*]}"
         echo "PACKAGES=skip goes on without them."
     } >&2
     exit 1
@@ -92,6 +94,7 @@ is_agreed || agreed=$?
 "${sudo[@]}" apt-get update -qq >"$log" 2>&1 || give_up
 [ -n "$amount" ] || sizes | sed 's/^/  /'
 echo "Installing"
-"${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq "${install_options[@]}" "${missing[@]}" >>"$log" 2>&1 ||
+"${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq "${install_options[@]}" "${missing[@]}" \
+    >>"$log" 2>&1 ||
     give_up
 rm -f "$log"

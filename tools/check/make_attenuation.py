@@ -6,9 +6,10 @@ usage: tools/check/make_attenuation.py > host/xray/attenuation.cpp     (needs De
 test_attenuation.py compares the file with what this writes.
 
 Mass attenuation is xraylib's CS_Total, mass energy absorption its CS_Energy (Schoonjans et al., Spectrochim. Acta B 66
-(2011) 776; cross-sections of EPDL97 and of NIST's XCOM). Mixtures named in a string are NIST's compounds of xraylib; densities
-are ICRU 44's (tissues), of the substances (metals), or nominal (products), see MATERIALS. Tube spectra, filters and the
-choice of energies for pictures are not made here but in host/xray/spectrum.cpp and host/xray/beam_table.cpp.
+(2011) 776; cross-sections of EPDL97 and of NIST's XCOM). Mixtures named in a string are NIST's compounds of xraylib;
+densities are ICRU 44's (tissues), of the substances (metals), or nominal (products), see MATERIALS. Tube spectra,
+filters and the choice of energies for pictures are not made here but in host/xray/spectrum.cpp and
+host/xray/beam_table.cpp.
 """
 
 import ctypes
@@ -60,8 +61,8 @@ class Mixture(ctypes.Structure):
 
 
 class Xraylib:
-    """The functions of the C library that are used here; energies in keV, cross-sections in cm2/g. Every one takes a place
-    for an error as its last argument, and gives 0 with none when it is null."""
+    """The functions of the C library that are used here; energies in keV, cross-sections in cm2/g. Every one takes a
+    place for an error as its last argument, and gives 0 with none when it is null."""
 
     K_SHELL = 0
 
@@ -112,7 +113,8 @@ def linear_per_cm(composition, density):
 
 
 def edge_keV(composition):
-    """The highest K edge between iodine's and the end of the table, 0 when there is none: what cannot be interpolated."""
+    """The highest K edge between iodine's and the end of the table, 0 when there is none: what cannot be
+    interpolated."""
     edges = [xrl.edge_energy(z, xrl.K_SHELL) for part in parts_of(composition) for z in xrl.elements_of(part)]
     return max([e for e in edges if 34.0 < e < ENERGIES_keV[-1]], default=0.0)
 

@@ -4,10 +4,10 @@
   matrix.py [--short] [--jobs 2] [--only TEXT] [--break VARIANT:TICK:PART:NODE]
 
 Builds tools/check/core_hash.c with the core for each variant, runs it (natively, in QEMU, or on an emulated Cortex-M7
-board), prints a table and writes out/matrix.tsv. Where a variant differs from the first, it looks up the first tick, the
-first part of that tick (feed, stretch, twist, contact, force, solve, angle, friction, motion) and the first node that
-differ. --short runs one variant per machine and writes no table. --break flips one bit in one variant, to show the search.
-Exit code: 0 one hash, 1 otherwise, 2 usage.
+board), prints a table and writes out/matrix.tsv. Where a variant differs from the first, it looks up the first tick,
+the first part of that tick (feed, stretch, twist, contact, force, solve, angle, friction, motion) and the first node
+that differ. --short runs one variant per machine and writes no table. --break flips one bit in one variant, to show
+the search. Exit code: 0 one hash, 1 otherwise, 2 usage.
 """
 
 import argparse
@@ -176,7 +176,8 @@ def first_difference(expected, got):
 
 
 def locate(reference, variant):
-    """Where the variant parts from the reference: 'scene tube, tick 12, twist, node 3: 0000000a instead of 0000000b'."""
+    """Where the variant parts from the reference: 'scene tube, tick 12, twist, node 3: 0000000a instead of
+    0000000b'."""
     expected, got = (ask(v, ["trace"]).splitlines() for v in (reference, variant))
     index = first_difference(expected, got)
     if index is None or not expected[index].startswith("trace ") or not got[index].startswith("trace "):

@@ -1,4 +1,5 @@
-"""The i.MX RT1062's registers as the crate imxrt-ral describes them: fetched by cargo, read as data, kept under build/ only."""
+"""The i.MX RT1062's registers as the crate imxrt-ral describes them: fetched by cargo, read as data, kept under
+build/ only."""
 
 import os
 import re
@@ -17,7 +18,8 @@ path = "lib.rs"
 %s = "=%s"
 """ % (CRATE, VERSION)
 TIME_LIMIT_S = 180
-# Debian 12's cargo (1.65) reads the registry's index from a git repository unless told so; later ones read it from the registry.
+# Debian 12's cargo (1.65) reads the registry's index from a git repository unless told so; later ones read it from
+# the registry.
 SPARSE_SINCE = (1, 68)
 SPARSE = [
     "--config",
@@ -75,10 +77,11 @@ def fetch(folder):
     return source
 
 
-# --- the generated Rust source: modules with constants and a RegisterBlock each -----------------------------------------
+# --- the generated Rust source: modules with constants and a RegisterBlock each --------------------------------------
 MODULE = re.compile(r"^(\s*)pub mod (\w+) \{$")
 MEMBER = re.compile(
-    r"^\s*(?:pub )?(\w+): (?:crate::\w+Register<u(8|16|32)>|\[u8; (\w+)\]|\[crate::\w+Register<u(8|16|32)>; (\d+)usize\]|"
+    r"^\s*(?:pub )?(\w+): (?:crate::\w+Register<u(8|16|32)>|\[u8; (\w+)\]|"
+    r"\[crate::\w+Register<u(8|16|32)>; (\d+)usize\]|"
     r"\[(\w+)::RegisterBlock; (\d+)usize\]|(\w+)::RegisterBlock),$"
 )
 VALUE = re.compile(r"pub const (\w+): u(?:8|16|32) = (.+?)(?: << offset)?;")

@@ -1,4 +1,5 @@
-"""Which files of the board's port were held against the chip's description, by their digests (check_registers.py writes it)."""
+"""Which files of the board's port were held against the chip's description, by their digests (check_registers.py
+writes it)."""
 
 import hashlib
 import os

@@ -4,11 +4,12 @@
   run_fuzz.py --build build/san --seconds 60 --jobs 2 NAME...      so long each
   run_fuzz.py --build build/san --executions 5000000 NAME...       so many inputs each, however long it takes
   run_fuzz.py --build build/san --coverage NAME...                 what the committed corpus reaches
-  run_fuzz.py --build build/san --keep NAME...                     what was learnt, minimised, becomes the committed corpus
+  run_fuzz.py --build build/san --keep NAME...                     what was learnt, minimised, becomes the committed
+  corpus
 
-BUILD/test/NAME is the fuzz program, BUILD/test/NAME_seeds DIRECTORY writes its valid inputs, NAME.corpus has those that a longer
-run found: one input per line, in base64. What the fuzzer learns is kept in BUILD/corpus/NAME; an input that crashes is kept
-under out/fuzz and the command to reproduce it is printed.
+BUILD/test/NAME is the fuzz program, BUILD/test/NAME_seeds DIRECTORY writes its valid inputs, NAME.corpus has those
+that a longer run found: one input per line, in base64. What the fuzzer learns is kept in BUILD/corpus/NAME; an input
+that crashes is kept under out/fuzz and the command to reproduce it is printed.
 """
 
 import argparse
@@ -51,9 +52,11 @@ def write_corpus(name, corpus):
 
 
 def keep_corpus(build, name):
-    """Inputs that together reach every edge that BUILD/corpus/NAME reaches, short ones first, become NAME.corpus. (ok, text)
+    """Inputs that together reach every edge that BUILD/corpus/NAME reaches, short ones first, become NAME.corpus.
+    (ok, text)
 
-    libFuzzer's merge notes in its control file which edges an input is the first to reach: those that are first to any stay."""
+    libFuzzer's merge notes in its control file which edges an input is the first to reach: those that are first to
+    any stay."""
     program, learnt = os.path.join(build, "test", name), os.path.join(build, "corpus", name)
     inputs = []
     with tempfile.TemporaryDirectory() as folder:
@@ -83,7 +86,8 @@ def keep_corpus(build, name):
 
 
 def show_coverage(build, name):
-    """Lines of the code under test that seeds and NAME.corpus run, by folder. The program is built for counting. (ok, text)"""
+    """Lines of the code under test that seeds and NAME.corpus run, by folder. The program is built for counting. (ok,
+    text)"""
     program = os.path.join(build, "test", name)
     with tempfile.TemporaryDirectory() as folder:
         corpus, counts = os.path.join(folder, "corpus"), os.path.join(folder, "counts")

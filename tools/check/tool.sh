@@ -1,5 +1,6 @@
-# Sourced by the shell tests of the tools, at the repository's root, with the programs' names in $programs: they are built, $tool is
-# the first, $here the test's folder, $work a folder that goes away at the end. `report` prints a line of TAP.
+# Sourced by the shell tests of the tools, at the repository's root, with the programs' names in $programs: they are
+# built, $tool is the first, $here the test's folder, $work a folder that goes away at the end. `report` prints a line
+# of TAP.
 BUILD=${BUILD:-build}
 here=$(dirname "$0")
 tool=$BUILD/bin/${programs%% *}

@@ -1,10 +1,11 @@
--- The part of the Wireshark dissector that is the same for every version of the wire: frames, CRC and trees. `make dissector`
--- puts the tables `records` and `messages` of shared/wire/wire_messages.def, `faults` and `rejects` above it.
+-- The part of the Wireshark dissector that is the same for every version of the wire: frames, CRC and trees. `make
+-- dissector` puts the tables `records` and `messages` of shared/wire/wire_messages.def, `faults` and `rejects` above
+-- it.
 --
 --   wireshark -X lua_script:out/cournand.lua capture.pcapng
 --
--- It is asked for bulk transfers of the vendor interface (class 0xff), and for captures of the kind USER0, whose packets hold
--- the pipe's bytes. A frame may span packets; each direction of each device is put together by itself.
+-- It is asked for bulk transfers of the vendor interface (class 0xff), and for captures of the kind USER0, whose
+-- packets hold the pipe's bytes. A frame may span packets; each direction of each device is put together by itself.
 
 local bits = bit32 or bit
 local proto = Proto("cournand", "Cournand")
@@ -190,8 +191,8 @@ function proto.dissector(tvb, pinfo, tree)
     return tvb:len()
 end
 
--- A pipe is ours from its first frame whose CRC-32 is right: a capture that began after the device was plugged in knows neither its
--- numbers nor the class of its interfaces, and other devices use the class "vendor" too.
+-- A pipe is ours from its first frame whose CRC-32 is right: a capture that began after the device was plugged in
+-- knows neither its numbers nor the class of its interfaces, and other devices use the class "vendor" too.
 local function holds_a_frame(bytes)
     for stuffed in bytes:gmatch("[^%z]+%z") do
         local body = unstuff(stuffed:sub(1, -2))

@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
-"""Make the pictures of README and docs from sessions, and stamp each with the core's version and the command that made it.
+"""Make the pictures of README and docs from sessions, and stamp each with the core's version and the command that
+made it.
 
   pictures.py --write [NAME ...]   make those (all without a name) and put their stamps in
   pictures.py --check              exit 1 when a picture has no stamp, or an old one
   pictures.py --show FILE ...      print stamps
 
-tools/docs/pictures.toml says for each picture how it is made. The stamp is a JPEG comment or a PNG text chunk, one `key: value` per line:
-core (version at that time), command, inputs (hash over the entry, sessions, tools and lesions that it names) and shows (the branch in which the tip
-ended, as the session's report says). A picture of a session is old when core or inputs differ from today's, any other one when inputs do. One that is
-`kept` from an older core is shown with a caption that says which.
+tools/docs/pictures.toml says for each picture how it is made. The stamp is a JPEG comment or a PNG text chunk, one
+`key: value` per line: core (version at that time), command, inputs (hash over the entry, sessions, tools and lesions
+that it names) and shows (the branch in which the tip ended, as the session's report says). A picture of a session is
+old when core or inputs differ from today's, any other one when inputs do. One that is `kept` from an older core is
+shown with a caption that says which.
 """
 
 import argparse
@@ -42,7 +44,7 @@ def core_version(header="firmware/core/core.h"):
         return re.search(r"CRN_CORE_VERSION = (\d+)", file.read()).group(1)
 
 
-# --- stamps -------------------------------------------------------------------------------------------------------------
+# --- stamps ----------------------------------------------------------------------------------------------------------
 
 
 def stamp_text(fields):
@@ -105,7 +107,7 @@ def put_stamp(path, fields):
         file.write(data[:place] + piece + data[place:])
 
 
-# --- what a picture is made from -----------------------------------------------------------------------------------------
+# --- what a picture is made from -------------------------------------------------------------------------------------
 
 
 def film_of(manifest, picture):
@@ -210,7 +212,7 @@ def documents():
     return ["README.md"] + [os.path.join("docs", name) for name in sorted(os.listdir("docs")) if name.endswith(".md")]
 
 
-# --- making --------------------------------------------------------------------------------------------------------------
+# --- making ----------------------------------------------------------------------------------------------------------
 
 
 def run(words, what):
@@ -295,7 +297,8 @@ class Maker:
 
 
 def seconds_of(wanted, report):
-    """A moment of a film: seconds; `end`; `expect N`: when the session's Nth expectation was judged; `run N at S`: into an X-ray run."""
+    """A moment of a film: seconds; `end`; `expect N`: when the session's Nth expectation was judged; `run N at S`:
+    into an X-ray run."""
     if not isinstance(wanted, str):
         return wanted
     words = wanted.split()

@@ -4,9 +4,9 @@
   printed.py --write     run every command and put its lines into the documents
   printed.py --check     exit 1 when a document shows other lines
 
-A block is marked by a line `<!-- printed by: COMMAND -->`; the indented lines below it are the command with `$`, then lines of what it prints on
-standard output. A line `...` stands for lines that are left out up to the next line that is shown, or up to the end. COMMAND runs in the root folder; `cournand` in
-it is build/bin/cournand.
+A block is marked by a line `<!-- printed by: COMMAND -->`; the indented lines below it are the command with `$`, then
+lines of what it prints on standard output. A line `...` stands for lines that are left out up to the next line that
+is shown, or up to the end. COMMAND runs in the root folder; `cournand` in it is build/bin/cournand.
 """
 
 import argparse

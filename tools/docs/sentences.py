@@ -2,9 +2,10 @@
 """A seeded sample of the project's sentences, for a reader who has never seen them: README, documents and comments.
 
   sentences.py --seed 7 --count 60
+  sentences.py --seed 7 --count 20 --file docs/ --file host/xray    only files whose path begins so
 
-Prints `NUMBER<TAB>FILE<TAB>SENTENCE`, one line each: the same for the same seed and the same tree. Whoever reads them marks every sentence that
-needs a second reading (docs/testing.md, "Plain English").
+Prints `NUMBER<TAB>FILE<TAB>SENTENCE`, one line each: the same for the same seed and the same tree. Whoever reads them
+marks every sentence that needs a second reading (docs/testing.md, "Plain English").
 """
 
 import argparse
@@ -17,7 +18,15 @@ import sys
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 WORDS_MIN = 6  # shorter ones are labels
 ENDS = re.compile(r"(?<=[a-z0-9)`%\"'”])[.!?](?=\s+[A-Z`\"(]|\s*$)")
-COMMENT = re.compile(r"//[^\n]*(?:\n[ \t]*//[^\n]*)*|/\*.*?\*/|\"\"\".*?\"\"\"", re.S)
+# A comment of whole lines; one behind code, with what continues it far to the right; a docstring, but no other long
+# string.
+COMMENT = re.compile(
+    r"^[ \t]*//[^\n]*(?:\n[ \t]*//[^\n]*)*|(?<!:)//[^\n]*(?:\n[ \t]{20,}//[^\n]*)*"
+    r"|/\*.*?\*/|^[ \t]*\"\"\".*?\"\"\"",
+    re.S | re.M,
+)
+GENERATED = re.compile(r"<!-- (?:begin|table of).*?<!-- end.*?-->", re.S)
+NOTATION = re.compile(r"Format: |[{\[]")  # number formats and JSON are read as tables are
 
 
 def files(*patterns):
@@ -33,12 +42,12 @@ def split(text):
     for end in ENDS.finditer(text):
         found.append(" ".join(text[begin : end.end()].split()))
         begin = end.end()
-    return [one for one in found if len(one.split()) >= WORDS_MIN]
+    return [one for one in found if len(one.split()) >= WORDS_MIN and not NOTATION.match(one)]
 
 
 def of_document(text):
     """Paragraphs and list items: no code, no tables, no headings, no pictures."""
-    text = re.sub(r"```.*?```|<!--.*?-->", "\n\n", text, flags=re.S)
+    text = re.sub(r"```.*?```|<!--.*?-->", "\n\n", GENERATED.sub("\n\n", text), flags=re.S)
     text = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", text)
     for paragraph in re.split(r"\n\s*\n|\n(?=- |\d+\. )", text):
         lines = [line for line in paragraph.split("\n") if not re.match(r"    |\||#|!", line)]
@@ -53,10 +62,12 @@ def of_source(text):
             yield from split(paragraph)
 
 
-def sentences():
-    """(file, sentence) of the whole tree, in order."""
+def sentences(prefixes=("",)):
+    """(file, sentence) of the files whose path begins with one of these, in order; without any, of the whole tree."""
     found = []
     for path in files("*.md") + files("*.c", "*.h", "*.cpp", "*.hpp", "*.py"):
+        if not path.startswith(tuple(prefixes)):
+            continue
         with open(os.path.join(ROOT, path), encoding="utf-8") as file:
             text = file.read()
         found += [(path, one) for one in (of_document(text) if path.endswith(".md") else of_source(text))]
@@ -67,8 +78,9 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--count", type=int, default=60)
+    parser.add_argument("--file", action="append", metavar="PREFIX", help="only files whose path begins so; repeatable")
     options = parser.parse_args()
-    found = sentences()
+    found = sentences(options.file or ("",))
     if not 1 <= options.count <= len(found):
         print("sentences: --count is 1 to %d" % len(found), file=sys.stderr)
         return 2

@@ -1,4 +1,5 @@
-"""Debian packages: which one a file comes from, its source, version and copyright file. Used by supply.py and its tests."""
+"""Debian packages: which one a file comes from, its source, version and copyright file. Used by supply.py and its
+tests."""
 
 import collections
 import functools
@@ -20,7 +21,8 @@ def ask(*command):
 
 
 def names_of(path):
-    """/lib is a link to /usr/lib, and the package may know either name; and a library's name is mostly a link to its file."""
+    """/lib is a link to /usr/lib, and the package may know either name; and a library's name is mostly a link to its
+    file."""
     real = os.path.realpath(path)
     return (path, real, re.sub("^/usr", "", real), "/usr" + path)
 

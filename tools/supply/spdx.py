@@ -1,5 +1,5 @@
-"""An SPDX 2.3 document (JSON, ISO/IEC 5962's successor) of what supply.py found. The same tree on the same machine gives the same bytes: time is that of
-the commit, and the document's name space is its own hash. Used by supply.py."""
+"""An SPDX 2.3 document (JSON, ISO/IEC 5962's successor) of what supply.py found. The same tree on the same machine
+gives the same bytes: time is that of the commit, and the document's name space is its own hash. Used by supply.py."""
 
 import datetime
 import hashlib

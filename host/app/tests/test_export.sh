@@ -35,7 +35,8 @@ result $? "dicom-check finds no error in them and ends with 0"
 result $? "the replay of its recording gives the same bytes"
 
 "$program" replay a.rec --dicom named --size 64 --dicom-values linear --patient-name 'Phantom^Aorta' --patient-id P1 \
-    --study-date 20260131 >said 2>&1 && "$program" dicom-check named >>said 2>&1 && grep -q 'Phantom^Aorta' named/run_01_fluoro.dcm
+    --study-date 20260131 >said 2>&1 && "$program" dicom-check named >>said 2>&1 &&
+    grep -q 'Phantom^Aorta' named/run_01_fluoro.dcm
 result $? "with a patient's name, number and date, and linear values, there is no error either"
 
 # Compares the values of a 16-bit PNG, read by its specification (filters of section 9), with those of the
@@ -98,7 +99,8 @@ result $? "the mask and its shift are those chosen while the run was looked at"
 
 head -c 5000 a/run_01_fluoro.dcm >cut.dcm
 "$program" dicom-check --warnings cut.dcm a/run_02_fluoro.dcm >said 2>&1
-[ $? = 1 ] && grep -q "Error - Dicom dataset read failed" said && grep -q "Warning - " said && grep -q "run_02_fluoro.dcm: XAImage, 0 errors" said
+[ $? = 1 ] && grep -q "Error - Dicom dataset read failed" said && grep -q "Warning - " said &&
+    grep -q "run_02_fluoro.dcm: XAImage, 0 errors" said
 result $? "dicom-check ends with 1 for a damaged file, says why, and goes on to the next"
 
 echo "no image" >text.dcm

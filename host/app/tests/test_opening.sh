@@ -29,7 +29,8 @@ wait 0.2 s
 SESSION
 
 "$BUILD/bin/bake" "$work/scene.toml" -o "$work/a.scene" --points 1000 --poses 0 >"$work/said" 2>&1 &&
-    "$tool" run --scene "$work/a.scene" $line --session "$work/open.session" --record "$work/a.rec" --json "$work/a.json" \
+    "$tool" run --scene "$work/a.scene" $line --session "$work/open.session" --record "$work/a.rec" \
+    --json "$work/a.json" \
         --png "$work/a.png" --score "$work/a.html" --size 64 >"$work/said" 2>&1 &&
     python3 - "$work/a.json" >"$work/said" 2>&1 <<'PY'
 import json, sys
@@ -67,17 +68,20 @@ report "its recording is scored as the session was, with the same report" $?
 report "a report of a part of a recording is wrong usage" $?
 
 printf 'begin inserted 20 mm\ninflate to 2 bar\n' >"$work/none.session"
-"$tool" run --scene "$work/a.scene" --tool shared/examples/instruments/coronary_014.toml --session "$work/none.session" >"$work/said" 2>&1
+"$tool" run --scene "$work/a.scene" --tool shared/examples/instruments/coronary_014.toml \
+    --session "$work/none.session" >"$work/said" 2>&1
 [ $? = 1 ] && grep -q "none.session:2: NO BALLOON" "$work/said"
 report "an inflation without a balloon is refused with its line before the session" $?
 
-printf 'begin wire inserted 20 mm\nbegin catheter inserted 10 mm\ninject 2 ml at 3 ml/s through catheter\nwait 1 s\n' >"$work/tight.session"
+printf 'begin wire inserted 20 mm\nbegin catheter inserted 10 mm\ninject 2 ml at 3 ml/s through catheter\nwait 1 s\n' \
+    >"$work/tight.session"
 "$tool" run --scene "$work/a.scene" $line --session "$work/tight.session" >"$work/said" 2>&1
 [ $? = 1 ] && grep -q "tight.session:3: 3 ml/s THROUGH .* NEEDS [78][0-9]* psi" "$work/said"
 report "an injection that a lumen does not pass is refused with the pressure that it would need" $?
 
 "$tool" surface "$work/a.rec" --stages -o "$work/a.obj" --png "$work/walls.png" >"$work/stages" 2>&1 &&
-    grep -q '^positioned .* s$' "$work/stages" && grep -q '^inflated .* s$' "$work/stages" && grep -q '^released .* s$' "$work/stages" &&
+    grep -q '^positioned .* s$' "$work/stages" && grep -q '^inflated .* s$' "$work/stages" &&
+    grep -q '^released .* s$' "$work/stages" &&
     python3 - "$work/a.obj" >"$work/said" 2>&1 <<'PY'
 import sys
 objects, faces = {}, {}
@@ -96,7 +100,8 @@ width = []
 for n in names:  # of the lumen's vertices in the throat, across
     x = [v[0] for v in objects[n + "_lumen"] if abs(v[1] - 60) < 0.25]
     width.append(max(x) - min(x))
-    assert len(objects[n + "_lumen"]) == len(objects[names[0] + "_lumen"]) and faces[n + "_lumen"] == faces[names[0] + "_lumen"]
+    assert len(objects[n + "_lumen"]) == len(objects[names[0] + "_lumen"])
+    assert faces[n + "_lumen"] == faces[names[0] + "_lumen"]
     assert len(objects[n + "_plaque_calcium"]) > 500 and all(32 < v[1] < 88 for v in objects[n + "_lumen"])
 print(width)
 for got, wanted in zip(width, (1.2, 3.0, 2.46)):
@@ -108,9 +113,11 @@ head -c 24 "$work/walls.png" | od -A n -t u1 | tr -s ' \n' ' ' | grep -q ' 0 0 5
 [ $? = 0 ] && [ $result = 0 ]
 report "its polygons go from stenosed to the balloon's width and stay healthier" $?
 
-refuses "a moment behind the end is refused" 1 "is not between its begin and its end" surface "$work/a.rec" --at 1000 -o "$work/b.obj"
+refuses "a moment behind the end is refused" 1 "is not between its begin and its end" surface "$work/a.rec" --at 1000 \
+    -o "$work/b.obj"
 refuses "no moment is a usage error" 2 "name moments with --at, or --stages" surface "$work/a.rec" -o "$work/b.obj"
-refuses "a lesion that is not there is refused" 1 "but plaque" surface "$work/a.rec" --at 0 --lesion lad -o "$work/b.obj"
+refuses "a lesion that is not there is refused" 1 "but plaque" surface "$work/a.rec" --at 0 --lesion lad \
+    -o "$work/b.obj"
 refuses "a surface over its own recording is a usage error" 2 "a.rec" surface "$work/a.rec" --at 0 -o "$work/a.rec"
 [ ! -e "$work/b.obj" ]
 report "what is refused has written nothing" $?

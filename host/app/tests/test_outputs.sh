@@ -36,7 +36,8 @@ wait 33 ms
 SESSION
 
 "$BUILD/bin/bake" "$work/scene.toml" -o "$work/a.scene" --points 1000 --poses 0 >"$work/said" 2>&1 &&
-    "$tool" run --scene "$work/a.scene" $line --session "$work/all.session" --json "$work/alone.json" >"$work/said" 2>&1 &&
+    "$tool" run --scene "$work/a.scene" $line --session "$work/all.session" --json "$work/alone.json" \
+    >"$work/said" 2>&1 &&
     python3 - "$work/alone.json" >>"$work/said" 2>&1 <<'PY'
 import json, sys
 report = json.load(open(sys.argv[1]))
@@ -58,7 +59,8 @@ for outputs in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15; do
     [ $((outputs & 2)) = 0 ] || asked="$asked --mp4 $work/o.mp4"
     [ $((outputs & 4)) = 0 ] || asked="$asked --score $work/o.html --record $work/o.rec"
     [ $((outputs & 8)) = 0 ] || asked="$asked --dicom $work/dicom$outputs"
-    "$tool" run --scene "$work/a.scene" $line --session "$work/all.session" $asked --json "$work/o.json" >"$work/said" 2>&1 &&
+    "$tool" run --scene "$work/a.scene" $line --session "$work/all.session" $asked --json "$work/o.json" \
+        >"$work/said" 2>&1 &&
         cmp "$work/alone.json" "$work/o.json" >>"$work/said" 2>&1 || { different="$asked" && break; }
 done
 [ -z "$different" ] || echo "with $different" >>"$work/said"
@@ -89,13 +91,15 @@ odd="$line --stent shared/examples/stents/coronary_3_0x18.toml --session $work/o
 import json, sys
 report = json.load(open(sys.argv[1]))
 print(report["contrast"], report["room"]["runs"])
-assert 0.85 < report["contrast"]["injected_ml"] < 0.95  # 213 ms and 100 ms at 3 ml/s, less the part that waits for a look
+# 213 ms and 100 ms at 3 ml/s, less the part that waits for a look
+assert 0.85 < report["contrast"]["injected_ml"] < 0.95
 assert report["room"]["runs"] == [{"number": 1, "kind": "cine", "frames": 12}]
 PY
 report "an injection ends when it is stopped, and a run whose pedal is still down is told of" $?
 
 different=""
-for asked in "--png $work/o.png --fps 1" "--png $work/o.png --fps 49" "--mp4 $work/o.mp4 --fps 60" "--png16 $work/o16.png --style vcsim3 --fps 17"; do
+for asked in "--png $work/o.png --fps 1" "--png $work/o.png --fps 49" "--mp4 $work/o.mp4 --fps 60" \
+    "--png16 $work/o16.png --style vcsim3 --fps 17"; do
     "$tool" run --scene "$work/a.scene" $odd --size 64 $asked --json "$work/o.json" >"$work/said" 2>&1
     cmp "$work/odd.json" "$work/o.json" >>"$work/said" 2>&1 || { different="$asked" && break; }
 done
@@ -120,7 +124,8 @@ done
 [ -z "$different" ]
 report "its replay says the same, with pictures and without" $?
 
-"$tool" run --scene "$work/a.scene" $line --session "$work/all.session" --timing "$work/t.json" --quiet >"$work/said" 2>&1 &&
+"$tool" run --scene "$work/a.scene" $line --session "$work/all.session" --timing "$work/t.json" --quiet \
+    >"$work/said" 2>&1 &&
     grep -q '"wall_clock_s"' "$work/t.json" && ! grep -q wall_clock "$work/alone.json"
 report "what the machine took stands in a file of its own" $?
 

@@ -32,11 +32,13 @@ result $? "it stays within 0.7 mm of wall, 0.04 % of length and 6 N of hand, and
 grep -q '"range": null' "$work/balloon.json"
 result $? "the report says that it stayed in range"
 
-sed -e 's/^name = .*/name = "Hook"/' -e '/^shape = \[/,/^\]/c shape = [{ name = "hook", radius_mm = 3, angle_deg = 270, source = "@look" }]' \
+sed -e 's/^name = .*/name = "Hook"/' \
+    -e '/^shape = \[/,/^\]/c shape = [{ name = "hook", radius_mm = 3, angle_deg = 270, source = "@look" }]' \
     -e 's/bend_stiffness_N_m2 = .*/bend_stiffness_N_m2 = { value = 2e-3, source = "@look" }/' -e '/^steps = /d' \
     $tools/coronary_014.toml >"$work/hook.toml"
 printf 'begin inserted 6 mm\nadvance 60 mm at 60 mm/s\n' >"$work/hook.session"
-"$program" run --quiet --scene out/aorta.scene --tool "$work/hook.toml" --session "$work/hook.session" --record "$work/hook.rec" \
+"$program" run --quiet --scene out/aorta.scene --tool "$work/hook.toml" --session "$work/hook.session" \
+    --record "$work/hook.rec" \
     --json "$work/hook.json" >"$log" 2>&1
 code=$?
 said=$(grep 'physics left its range at 00:0' "$log")

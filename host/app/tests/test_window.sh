@@ -12,7 +12,8 @@ env -u DISPLAY -u WAYLAND_DISPLAY "$program" view --instrument "$wire" >"$work/n
 result $? "without a display it says so and ends with 1"
 
 "$program" view --instrument "$wire" --fluoro --frames 20 --screenshot "$work/a.png" \
-    --record "$work/a.rec" --dicom "$work/runs" --size 128 >"$work/log" 2>&1 && [ "$(head -c 4 "$work/a.png" | tail -c 3)" = PNG ]
+    --record "$work/a.rec" --dicom "$work/runs" --size 128 >"$work/log" 2>&1 &&
+    [ "$(head -c 4 "$work/a.png" | tail -c 3)" = PNG ]
 result $? "20 screens give a screenshot and exit code 0"
 
 "$program" replay "$work/a.rec" --verify >"$work/log" 2>&1
@@ -38,9 +39,12 @@ result $? "the same screens again are the same pixels, and the help panel shows"
 result $? "a session that the rig leads is shown, recorded and replays bit for bit"
 
 # A session without a named recording is kept nevertheless, and prints its summary at its end.
-XDG_STATE_HOME="$work/state" "$program" view --instrument "$wire" --fluoro --frames 40 --json "$work/view.json" --size 128 >"$work/view" 2>&1 &&
-    "$program" replay "$work"/state/cournand/*.rec --verify --json "$work/again.json" --png "$work/again.png" --size 128 >"$work/log" 2>&1 &&
-    grep -q "^final hash" "$work/view" && grep -q "^dose " "$work/view" && grep -q "^written .*state/cournand" "$work/view" &&
+XDG_STATE_HOME="$work/state" "$program" view --instrument "$wire" --fluoro --frames 40 --json "$work/view.json" \
+    --size 128 >"$work/view" 2>&1 &&
+    "$program" replay "$work"/state/cournand/*.rec --verify --json "$work/again.json" --png "$work/again.png" \
+    --size 128 >"$work/log" 2>&1 &&
+    grep -q "^final hash" "$work/view" && grep -q "^dose " "$work/view" &&
+    grep -q "^written .*state/cournand" "$work/view" &&
     python3 - "$work/view.json" "$work/again.json" >>"$work/log" 2>&1 <<'PY'
 import json, sys
 view, again = (json.load(open(path)) for path in sys.argv[1:])
@@ -49,7 +53,8 @@ for key in ("ticks", "hash", "penetration_max_mm", "room", "tip"):
     assert view[key] == again[key], (key, view[key], again[key])
 PY
 result $? "a session by hand is recorded without being asked, and reported as its replay is"
-XDG_STATE_HOME="$work/nowhere" "$program" view --instrument "$wire" --frames 5 --no-record --size 128 >"$work/log" 2>&1 && [ ! -e "$work/nowhere" ]
+XDG_STATE_HOME="$work/nowhere" "$program" view --instrument "$wire" --frames 5 --no-record --size 128 \
+    >"$work/log" 2>&1 && [ ! -e "$work/nowhere" ]
 result $? "unless --no-record says otherwise"
 
 # The keys of a person: push for a second or less, turn the C-arm, end.
@@ -92,7 +97,8 @@ timeout 300 bash "$work/gone.sh"
 [ $? = 1 ] && grep -q "ended by a fault: the emulator ended" "$work/gone"
 result $? "a device that goes away is told, and the exit code is 1"
 "$program" replay "$work/gone.rec" --verify >"$work/log" 2>&1
-[ $? = 1 ] && grep -q "^verified: [1-9][0-9]* ticks" "$work/log" && grep -q "the recording was cut off there" "$work/log"
+[ $? = 1 ] && grep -q "^verified: [1-9][0-9]* ticks" "$work/log" &&
+    grep -q "the recording was cut off there" "$work/log"
 result $? "what was recorded until then replays bit for bit, and is said to be cut off"
 
 # With two tools: the catheter is selected and pushed for a second or more, then the wire and the catheter

@@ -26,16 +26,22 @@ places=$(python3 "$here/check_beat.py" make "$work/heart" "$work/other.obj" "$to
     grep -q "1.20 times as large" "$work/said" && [ -s "$work/borrowed_inhaled.ply" ] &&
     python3 "$here/check_beat.py" compare "$work/heart" "$work/borrowed" >>"$work/said" 2>&1
 report "another heart, larger and turned, borrows the same beat" $?
-refuses "places on one line are refused" 2 "one line" beat "$work/other.obj" --left 0 0 0 --right 10 0 0 --apex 90 0 0 -o "$work/no"
-refuses "a heart in the wrong unit is refused with its size" 2 "0.10 times as large" beat "$work/other.obj" --left 2 15 1 --right 0 13 3.5 --apex 7.8 6.9 4.8 -o "$work/no"
-refuses "a place of another heart is refused by name" 2 "mm off where a heart like the shipped one has it" beat "$work/other.obj" --left 20 150 14 --right 90 150 14 --apex 78 69 48 -o "$work/no"
+refuses "places on one line are refused" 2 "one line" beat "$work/other.obj" --left 0 0 0 --right 10 0 0 \
+    --apex 90 0 0 -o "$work/no"
+refuses "a heart in the wrong unit is refused with its size" 2 "0.10 times as large" beat "$work/other.obj" \
+    --left 2 15 1 --right 0 13 3.5 --apex 7.8 6.9 4.8 -o "$work/no"
+refuses "a place of another heart is refused by name" 2 "mm off where a heart like the shipped one has it" beat \
+    "$work/other.obj" --left 20 150 14 --right 90 150 14 --apex 78 69 48 -o "$work/no"
 
 # A tetrahedron that grows and shrinks, and two objects, one of which has a face of four corners.
 mkdir "$work/small"
-awk -v folder="$work/small" 'BEGIN { for (i = 0; i < 24; i++) { name = sprintf("%s/f_%02d.obj", folder, i); h = 10 + sin(i * 3.14159265 / 12)
-    printf "o one\nv 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 %.4f\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\no two\nv 0 0 20\nv 5 0 20\nv 5 5 20\nv 0 5 %.4f\nf -4//1 -3//1 -2//1 -1//1\n", h, 10 + h > name
+awk -v folder="$work/small" \
+    'BEGIN { for (i = 0; i < 24; i++) { name = sprintf("%s/f_%02d.obj", folder, i); h = 10 + sin(i * 3.14159265 / 12)
+    printf "o one\nv 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 %.4f\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n", h > name
+    printf "o two\nv 0 0 20\nv 5 0 20\nv 5 5 20\nv 0 5 %.4f\nf -4//1 -3//1 -2//1 -1//1\n", 10 + h > name
     close(name) } }'
-"$tool" check "$work/small" >"$work/said" 2>&1 && grep -q "^one  *4 vertices  *4 triangles" "$work/said" && grep -q "^two  *4 vertices  *2 triangles" "$work/said"
+"$tool" check "$work/small" >"$work/said" 2>&1 && grep -q "^one  *4 vertices  *4 triangles" "$work/said" &&
+    grep -q "^two  *4 vertices  *2 triangles" "$work/said"
 report "objects, negative corners and faces of four corners are read" $?
 bad; rm "$work/bad/f_07.obj"
 is_bad "a missing frame is named by the count" "holds 23 .obj files"

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Claims about `make bars` (docs/bars.md): no bar vanishes, what is over its bar is red, a time never is. Prints TAP."""
+"""Claims about `make bars` (docs/bars.md): no bar vanishes, what is over its bar is red, a time never is. Prints
+TAP."""
 
 import glob
 import os
@@ -70,7 +71,11 @@ def files_of_other_commands_are_read_by_name_and_context():
 
 def a_figure_beyond_its_tolerance_is_counted():
     head = "name\tformula\tsource\tunit\treference\tvalue\terror\ttolerance\terror_unit\tverdict\n"
-    rows = "euler.a\tf\ts\tN\t1\t1\t-1.5\t3\t%\tpass\neuler.b\tf\ts\tN\t1\t2\t4\t3\t%\tFAIL\nlag.c\tf\ts\tdeg\t-\t2\t-\t-\tdeg\treported\n"
+    rows = (
+        "euler.a\tf\ts\tN\t1\t1\t-1.5\t3\t%\tpass\n"
+        "euler.b\tf\ts\tN\t1\t2\t4\t3\t%\tFAIL\n"
+        "lag.c\tf\ts\tdeg\t-\t2\t-\t-\tdeg\treported\n"
+    )
     values = bars.validation_values(head + rows)
     return (
         values["validation.figures_beyond_their_tolerance"] == 1

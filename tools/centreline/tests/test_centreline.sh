@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# The program: what it writes, what it refuses and how, and the editor under a virtual display: clicks, undo, save, resume, Ctrl-C.
+# The program: what it writes, what it refuses and how, and the editor under a virtual display: clicks, undo, save,
+# resume, Ctrl-C.
 set -u
 . "$(dirname "$0")/../../../host/app/tests/program.sh"
 . host/app/tests/display.sh
@@ -16,7 +17,8 @@ with open(sys.argv[1], "w") as file:
     v = lambda i, j: 32 * i + j % 32 + 1
     for i in range(60):
         for j in range(32):
-            file.write("f %d %d %d\nf %d %d %d\n" % (v(i, j), v(i + 1, j), v(i + 1, j + 1), v(i, j), v(i + 1, j + 1), v(i, j + 1)))
+            corners = (v(i, j), v(i + 1, j), v(i + 1, j + 1), v(i, j), v(i + 1, j + 1), v(i, j + 1))
+            file.write("f %d %d %d\nf %d %d %d\n" % corners)
 PY
 cat >"$work/points.toml" <<'EOF2'
 format = 1
@@ -33,26 +35,32 @@ tube="$work/tube.obj" points="$work/points.toml"
 
 "$program" --help >"$log" 2>&1 && grep -q "centreline edit coronaries.obj" "$log" && grep -q "Exit codes" "$log"
 result $? "--help shows examples and exit codes"
-"$program" fit "$tube" --points "$points" -o "$work/tree.csv" >"$log" 2>&1 && grep -q "^0	tube	-1" "$log" && [ -s "$work/tree.csv" ]
+"$program" fit "$tube" --points "$points" -o "$work/tree.csv" >"$log" 2>&1 && grep -q "^0	tube	-1" "$log" &&
+    [ -s "$work/tree.csv" ]
 result $? "fit writes a tree and prints its branches"
-"$program" auto "$tube" -o "$work/auto.vtp" --points "$work/found.toml" --inlet 0 0 0 >"$log" 2>&1 && grep -q 'kind = "start"' "$work/found.toml"
+"$program" auto "$tube" -o "$work/auto.vtp" --points "$work/found.toml" --inlet 0 0 0 >"$log" 2>&1 &&
+    grep -q 'kind = "start"' "$work/found.toml"
 result $? "auto writes a tree and the points that it found"
-"$program" convert "$work/tree.csv" -o "$work/a.vtp" >"$log" 2>&1 && "$program" convert "$work/a.vtp" -o "$work/b.obj" >>"$log" 2>&1 &&
-    "$program" convert "$work/b.obj" -o "$work/c.mrk.json" >>"$log" 2>&1 && "$program" convert "$work/c.mrk.json" -o "$work/d.csv" >>"$log" 2>&1 &&
+"$program" convert "$work/tree.csv" -o "$work/a.vtp" >"$log" 2>&1 &&
+    "$program" convert "$work/a.vtp" -o "$work/b.obj" >>"$log" 2>&1 &&
+    "$program" convert "$work/b.obj" -o "$work/c.mrk.json" >>"$log" 2>&1 &&
+    "$program" convert "$work/c.mrk.json" -o "$work/d.csv" >>"$log" 2>&1 &&
     diff <(cut -d, -f6-9 "$work/tree.csv" | tail -n +3) <(cut -d, -f6-9 "$work/d.csv" | tail -n +3) >>"$log"
 result $? "convert by way of every format keeps every sphere"
 "$program" convert "$work/tree.csv" --radii-times 1.5 --axes +y,-x,+z -o "$work/wide.csv" >"$log" 2>&1 &&
     paste -d, <(tail -n +3 "$work/tree.csv") <(tail -n +3 "$work/wide.csv") |
     awk -F, '{r = $20 - 1.5 * $9; x = $17 - $7; y = $18 + $6; if (r * r + x * x + y * y > 1e-8) bad = 1} END {exit bad}'
 result $? "convert widens and turns as it is told"
-refuse_axes() { "$program" convert "$work/tree.csv" --axes "$1" -o "$work/no.csv" >"$log" 2>&1; [ $? = 2 ] && [ ! -e "$work/no.csv" ]; }
+refuse_axes() { "$program" convert "$work/tree.csv" --axes "$1" -o "$work/no.csv" >"$log" 2>&1; [ $? = 2 ] &&
+    [ ! -e "$work/no.csv" ]; }
 refuse_axes +x,+y && refuse_axes +x,+x,+z && refuse_axes -x,+y,+z && refuse_axes +x,+y,+w
 result $? "axes that are too few, twice the same, mirrored or unknown are wrong usage"
 grep -v radius_mm "$work/b.obj" >"$work/bare.obj"
 "$program" convert "$work/bare.obj" --radii-from "$tube" -o "$work/measured.csv" >"$log" 2>&1 &&
     awk -F, 'NR > 2 && ($9 < 1.9 || $9 > 2.01) {bad = 1} END {exit bad}' "$work/measured.csv"
 result $? "convert measures radii in a mesh"
-"$program" show "$work/tree.csv" --mesh "$tube" -o "$work/show.png" --size 300 >"$log" 2>&1 && [ "$(head -c 4 "$work/show.png" | tail -c 3)" = PNG ]
+"$program" show "$work/tree.csv" --mesh "$tube" -o "$work/show.png" --size 300 >"$log" 2>&1 &&
+    [ "$(head -c 4 "$work/show.png" | tail -c 3)" = PNG ]
 result $? "show writes a picture"
 "$program" show --wireframe --mesh "$tube" -o "$work/wires.png" --size 300 >"$log" 2>&1 && [ -s "$work/wires.png" ]
 result $? "show draws a mesh as wires without a tree"
@@ -60,13 +68,16 @@ result $? "show draws a mesh as wires without a tree"
 result $? "without both it says what is missing"
 mkdir "$work/frames"
 for i in 0 1 2; do awk -v up="$i" '/^v/ {$4 += up} {print}' "$tube" >"$work/frames/f$i.obj"; done
-"$program" carry "$work/tree.csv" "$work/frames" -o "$work/beat" >"$log" 2>&1 && [ "$(ls "$work/beat")" = "$(printf 'tree_0.csv\ntree_1.csv\ntree_2.csv')" ] &&
+"$program" carry "$work/tree.csv" "$work/frames" -o "$work/beat" >"$log" 2>&1 &&
+    [ "$(ls "$work/beat")" = "$(printf 'tree_0.csv\ntree_1.csv\ntree_2.csv')" ] &&
     paste -d, <(tail -n +3 "$work/beat/tree_0.csv") <(tail -n +3 "$work/beat/tree_2.csv") |
         awk -F, '{off = $19 - $8 - 2; if (off < 0) off = -off; if (off > 0.1) bad = 1} END {exit bad}'
 result $? "carry takes the spheres along, frame by frame"
 
-printf '[scene]\nname = "t"\n[lumen]\ncentrelines = ["tree.csv"]\n[entry]\nposition_mm = [0, 9, 0]\ndirection = [0, 1, 0]\n' >"$work/scene.toml"
-"$build/bin/bake" "$work/scene.toml" -o "$work/t.scene" --poses 0 --points 100 >"$log" 2>&1 && grep -q "^vessels *1 branch" "$log"
+printf '%s\n' '[scene]' 'name = "t"' '[lumen]' 'centrelines = ["tree.csv"]' '[entry]' 'position_mm = [0, 9, 0]' \
+    'direction = [0, 1, 0]' >"$work/scene.toml"
+"$build/bin/bake" "$work/scene.toml" -o "$work/t.scene" --poses 0 --points 100 >"$log" 2>&1 &&
+    grep -q "^vessels *1 branch" "$log"
 result $? "bake makes a lumen and its tree of vessels from what was fitted"
 
 refuse() { # name, exit code, pattern, arguments ...
@@ -86,11 +97,14 @@ echo 'format = 1
 [[point]]
 kind = "begin"
 position_mm = [0, 0, 0]' >"$work/bad.toml"
-refuse "a point of unknown kind is refused with its line" 1 "bad.toml:2: kind is 'begin'" fit "$tube" --points "$work/bad.toml" -o "$work/no.csv"
+refuse "a point of unknown kind is refused with its line" 1 "bad.toml:2: kind is 'begin'" fit "$tube" \
+    --points "$work/bad.toml" -o "$work/no.csv"
 sed 's/\[0, 29, 0.3\]/[0, 29]/' "$points" >"$work/bad.toml"
-refuse "a position of two numbers is refused with its line" 1 "bad.toml:9: position_mm" fit "$tube" --points "$work/bad.toml" -o "$work/no.csv"
+refuse "a position of two numbers is refused with its line" 1 "bad.toml:9: position_mm" fit "$tube" \
+    --points "$work/bad.toml" -o "$work/no.csv"
 sed 's/29, 0.3/290, 0.3/' "$points" >"$work/bad.toml"
-refuse "a point outside the vessel is refused by name" 1 "end point 'tube' at \(0.0, 290.0, 0.3\) mm" fit "$tube" --points "$work/bad.toml" -o "$work/no.csv"
+refuse "a point outside the vessel is refused by name" 1 "end point 'tube' at \(0.0, 290.0, 0.3\) mm" fit "$tube" \
+    --points "$work/bad.toml" -o "$work/no.csv"
 env -u DISPLAY -u WAYLAND_DISPLAY "$program" edit "$tube" --project "$work/none.toml" >"$log" 2>&1
 [ $? = 1 ] && grep -q "no display" "$log"
 result $? "without a display the editor says so"
@@ -120,7 +134,8 @@ wait "$editor"
 EOF2
 export program tube work
 timeout 60 bash "$work/person.sh"
-[ $? = 0 ] && [ "$(grep -c kind "$work/p.toml")" = 2 ] && grep -q 'kind = "start"' "$work/p.toml" && grep -q 'kind = "end"' "$work/p.toml"
+[ $? = 0 ] && [ "$(grep -c kind "$work/p.toml")" = 2 ] && grep -q 'kind = "start"' "$work/p.toml" &&
+    grep -q 'kind = "end"' "$work/p.toml"
 result $? "clicks set points, undo and redo, and the project is saved at the end"
 [ -s "$work/edited.csv" ] && awk -F, 'NR > 3 && ($6 * $6 + $8 * $8 > 0.04) {bad = 1} END {exit bad}' "$work/edited.csv"
 result $? "F fits a tree in the middle of the vessel, and it is written"

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""The rules of tools/bench/budget.py catch what they are for: a row over the budget, a helper in the image, recursion and
-calls by address in the call graph; and its last scene still has a tick that is solved twice. `make budget` measures; this
-does not. Prints TAP."""
+"""The rules of tools/bench/budget.py catch what they are for: a row over the budget, a helper in the image, recursion
+and calls by address in the call graph; and its last scene still has a tick that is solved twice. `make budget`
+measures; this does not. Prints TAP."""
 
 import os
 import subprocess
@@ -15,7 +15,8 @@ sys.path.insert(0, os.path.join(tree.ROOT, "tools", "bench"))
 import budget  # noqa: E402
 
 GRAPHS = {
-    "recursion": "int down(int a); int down(int a) { return a ? down(a - 1) + a : 0; }\nint crn_step(int a) { return down(a); }\n",
+    "recursion": "int down(int a); int down(int a) { return a ? down(a - 1) + a : 0; }\n"
+    "int crn_step(int a) { return down(a); }\n",
     "a call by address": "int crn_step(int (*f)(int)) { return f(1) + 1; }\n",
     "a stack that grows": "void use(char *); void use(char *a) { *a = 1; }\n"
     "int crn_step(int n) { char a[n]; use(a); return a[0]; }\n",

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # The core computes the same bits whatever compiles it: tools/check/core_hash.c built six ways prints the same hashes.
-# Prints TAP. Other machines: test_matrix.py and `make matrix`. The whole host program: compare_compilers.sh (make compilers).
+# Prints TAP. Other machines: test_matrix.py and `make matrix`. The whole host program: compare_compilers.sh (make
+# compilers).
 set -uo pipefail
 cd "$(dirname "$0")/../../.." || exit 1
 folder="$(mktemp -d)"
@@ -20,7 +21,8 @@ report() { # report STATUS NAME [FILE]
 build() { # build NAME COMPILER FLAGS...
     local name="$1"
     shift
-    "$@" -std=c11 -I. firmware/core/*.c tools/check/core_{hash,scenes}.c tools/check/console_stdio.c -o "$folder/$name" \
+    "$@" -std=c11 -I. firmware/core/*.c tools/check/core_{hash,scenes}.c tools/check/console_stdio.c \
+        -o "$folder/$name" \
         >"$folder/log" 2>&1
 }
 

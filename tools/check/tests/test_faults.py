@@ -34,7 +34,8 @@ def missing_tests(faults, tests):
 
 
 def slow_faults(faults):
-    """The bars: 5 ms for over-force and sensor faults, 50 ms for a silent host; a broken power stage can only be told."""
+    """The bars: 5 ms for over-force and sensor faults, 50 ms for a silent host; a broken power stage can only be
+    told."""
     for name, _, effect, safe_ms, _ in faults:
         limit = {"stop": 5, "fade": 50, "log": 0}[effect]
         if safe_ms > limit and name != "STAGE_STUCK":

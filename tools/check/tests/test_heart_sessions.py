@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The shipped sessions of the beating heart: each reaches the end that it states, and with its turns left out it does not. Medium flows without pictures.
+"""The shipped sessions of the beating heart: each reaches the end that it states, and with its turns left out it does
+not. Medium flows without pictures.
 
 The scene is that of `make coronary`, without what is only seen; that of the angioplasty has its lesion too.
 """

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The rooms of the house stand in no circle, and nothing in it has outgrown its limit (docs/architecture.md). Prints TAP."""
+"""The rooms of the house stand in no circle, and nothing in it has outgrown its limit (docs/architecture.md). Prints
+TAP."""
 
 import os
 import sys

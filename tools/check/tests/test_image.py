@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""The device's images as `make test` built them: no soft-float, no divide helper, no heap, RAM and stack within their limits. The
-same rules as `make firmware`, which also prints the figures. BUILD is the folder with the build. Prints TAP."""
+"""The device's images as `make test` built them: no soft-float, no divide helper, no heap, RAM and stack within their
+limits. The same rules as `make firmware`, which also prints the figures. BUILD is the folder with the build. Prints
+TAP."""
 
 import contextlib
 import io
@@ -19,7 +20,10 @@ import image_report  # noqa: E402
 BUILD = os.path.join(tree.ROOT, os.environ.get("BUILD", "build"))
 FOLDER = os.path.join(BUILD, "firmware")
 PORTS = ("mps2_an500", "imxrt1062")
-DIVIDES = "long long f(long long a, long long b) { return a / b; }\nvoid _start(void) { volatile long long x = 9; x = f(x, x); }\n"
+DIVIDES = (
+    "long long f(long long a, long long b) { return a / b; }\n"
+    "void _start(void) { volatile long long x = 9; x = f(x, x); }\n"
+)
 
 
 def linked_sample(text):

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# tools/check/install_packages.sh says what is wrong, asks, and installs nothing it was not asked for. Shown with a copy in a
-# temporary folder whose list names packages that are installed or do not exist, and with an apt-get that only writes down what it is
-# asked for. Prints TAP.
+# tools/check/install_packages.sh says what is wrong, asks, and installs nothing it was not asked for. Shown with a
+# copy in a temporary folder whose list names packages that are installed or do not exist, and with an apt-get that
+# only writes down what it is asked for. Prints TAP.
 set -uo pipefail
 cd "$(dirname "$0")/../../.." || exit 1
 folder="$(mktemp -d)"
@@ -72,13 +72,16 @@ is_asked() { # is_asked NAME WHAT: what apt-get was asked for since the last tim
 }
 root() { env -u YES -u CI PATH="$folder/bin" "$@"; }
 # The same with a terminal, on which ANSWER is typed.
-terminal() { local answer="$1"; shift; printf '%s\n' "$answer" | timeout 20 script -qefc "env -u YES -u CI PATH=$folder/bin $*" /dev/null; }
+terminal() { local answer="$1"; shift; printf '%s\n' "$answer" |
+    timeout 20 script -qefc "env -u YES -u CI PATH=$folder/bin $*" /dev/null; }
 install_both=$'update\ninstall no-such-package-cournand'
 
-expect 1 "no terminal to ask on" "without a terminal nothing is installed, and it says so" root "$install" gone </dev/null
+expect 1 "no terminal to ask on" "without a terminal nothing is installed, and it says so" root "$install" gone \
+    </dev/null
 is_asked "not even the lists are fetched" ""
 expect 1 "YES=1 make test" "it says what to type instead" root MAKE_GOALS=test "$install" gone </dev/null
-expect 1 "apt-get install --no-install-recommends no-such-package-cournand" "and which command would do it" root "$install" gone </dev/null
+expect 1 "apt-get install --no-install-recommends no-such-package-cournand" "and which command would do it" root \
+    "$install" gone </dev/null
 asked >/dev/null
 expect 0 "45.6 MB of additional disk space" "YES=1 installs and says how much" root YES=1 "$install" gone </dev/null
 is_asked "YES=1 has it installed" "$install_both"
@@ -91,17 +94,20 @@ expect 1 "Nothing was installed." "n on the terminal ends it" terminal n "$insta
 is_asked "and nothing was installed" ""
 expect 0 "12.3 MB" "the question comes after the names and the amount" terminal y "$install" gone
 count=$((count + 1))
-if [[ "$output" == *no-such-package-cournand*"45.6 MB"*"[Y/n]"* ]]; then echo "ok $count - names, amount, question, in this order"; else
+if [[ "$output" == *no-such-package-cournand*"45.6 MB"*"[Y/n]"* ]]; then echo \
+    "ok $count - names, amount, question, in this order"; else
     failed=1
     echo "not ok $count - names, amount, question, in this order"
     sed 's/^/# /' <<<"$output"
 fi
 asked >/dev/null
 touch "$folder/no-lists"
-expect 0 "not known here before the package lists" "without package lists it says that the amount is not known yet" root YES=1 "$install" gone
+expect 0 "not known here before the package lists" "without package lists it says that the amount is not known yet" \
+    root YES=1 "$install" gone
 expect_after="$output"
 count=$((count + 1))
-if [[ "$expect_after" == *"before the package lists"*"Need to get 12.3 MB"*Installing* ]]; then echo "ok $count - and says it once they are there"; else
+if [[ "$expect_after" == *"before the package lists"*"Need to get 12.3 MB"*Installing* ]]; then echo \
+    "ok $count - and says it once they are there"; else
     failed=1
     echo "not ok $count - and says it once they are there"
     sed 's/^/# /' <<<"$expect_after"
@@ -126,7 +132,8 @@ if [ -z "$(find "$folder/tmp" -type f)" ]; then echo "ok $count - no lock and no
 fi
 
 # The two commands of the README ask once, for all their sections; continuous integration says yes.
-goal() { env -u YES -u CI -u MAKEFLAGS -u MAKELEVEL make -n -C "$PWD" PACKAGES=install "$1" 2>/dev/null | grep -c 'install_packages.sh'; }
+goal() { env -u YES -u CI -u MAKEFLAGS -u MAKELEVEL make -n -C "$PWD" PACKAGES=install "$1" 2>/dev/null |
+    grep -c 'install_packages.sh'; }
 for target in run test; do
     count=$((count + 1))
     questions="$(goal $target)"

@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
-"""Every shipped session that runs in the aorta, and those without a scene: each reaches the end that it states, and with its turns left out it does not.
+"""Every shipped session that runs in the aorta, and those without a scene: each reaches the end that it states, and
+with its turns left out it does not.
 
-Anatomy and scene are made as `make run` makes them, but for what is only seen: the scene is the same to the byte. The renal angioplasty has a scene of its own, with its lesion. The sessions of the heart are run by
+Anatomy and scene are made as `make run` makes them, but for what is only seen: the scene is the same to the byte. The
+renal angioplasty has a scene of its own, with its lesion. The sessions of the heart are run by
 test_heart_sessions.py, the short angioplasties by hil_tests/test_pci.cpp.
 """
 

@@ -14,6 +14,20 @@ import tree  # noqa: E402
 
 FUNCTION_LINES_MAX = 70
 FILE_LINES_MAX = 600
+LINE_LETTERS_MAX = 120
+# Files whose lines may be longer, and why. So may a row of a Markdown table, which cannot continue on another line.
+LONG_LINES = {
+    ".tsv": "a row is a line",
+    ".csv": "a row is a line",
+    ".json": "written by programs",
+    ".golden": "written by a program",
+    ".checked": "written by a program",
+    ".corpus": "an input of a fuzzer in base64 is a line",
+    ".toml": "a value with its source is one string",
+    ".session": "a statement is a line, and pictures are stamped with the bytes of their session",
+    ".jpg": "no text",
+    ".png": "no text",
+}
 DEVICE = ("firmware/core/", "firmware/app/", "shared/wire/", "shared/scene/")
 
 # Word -> what to use instead. Device code is fixed-point, without heap and without libc.
@@ -68,7 +82,8 @@ def earlier_name(path, text):
 def long_functions(path, text):
     for name, first, last, _ in functions_of(path, text):
         if last - first + 1 > FUNCTION_LINES_MAX:
-            yield "%s:%d: %s has %d lines, at most %d: split it" % (path, first, name, last - first + 1, FUNCTION_LINES_MAX)
+            yield "%s:%d: %s has %d lines, at most %d: split it" % (path, first, name, last - first + 1,
+                FUNCTION_LINES_MAX)
 
 
 def functions_of(path, text):
@@ -84,23 +99,32 @@ def long_file(path, text):
         yield "%s: %d lines, at most %d: one file tells one story" % (path, lines, FILE_LINES_MAX)
 
 
+def long_lines(path, text):
+    for number, line in enumerate(text.splitlines(), 1):
+        if len(line) > LINE_LETTERS_MAX and not (path.endswith(".md") and line.startswith("|")):
+            yield "%s:%d: %d letters, at most %d: wrap it" % (path, number, len(line), LINE_LETTERS_MAX)
+
+
 def callers(path, text):
     """A list of callers, or of what a file may include, that somebody would have to keep true by hand."""
     for number, line in enumerate(text.splitlines(), 1):
         if CALLERS.search(line):
-            yield "%s:%d: lists its callers or includes: leave that to a search, and to the table of docs/architecture.md" % (path, number)
+            yield "%s:%d: lists its callers or includes: leave that to a search, or to docs/architecture.md" % (
+                path, number)
 
 
 def unfinished(path, text):
     for match in UNFINISHED.finditer(text):
-        yield "%s:%d: '%s' marks unfinished work: finish it or open an issue" % (path, tree.line_of(text, match.start()),
+        yield "%s:%d: '%s' marks unfinished work: finish it or open an issue" % (path,
+            tree.line_of(text, match.start()),
                                                                              match.group(1))
 
 
 def banned_words(path, text):
     code = tree.code_only(text)
     # Bodies of macros are code too, so preprocessor lines are read apart (not #include, #error).
-    defines = re.sub(r"^[ \t]*#[ \t]*(?:include|error|warning)[^\n]*", tree.blank_all, tree.TOKENS.sub(tree.blank, text),
+    defines = re.sub(r"^[ \t]*#[ \t]*(?:include|error|warning)[^\n]*", tree.blank_all,
+                     tree.TOKENS.sub(tree.blank, text),
                      flags=re.M)
     for word, instead in BANNED.items():
         lines = {tree.line_of(t, m.start()) for t in (code, defines) for m in re.finditer(r"\b%s\b" % word, t)}
@@ -108,7 +132,8 @@ def banned_words(path, text):
             yield "%s:%d: '%s' is banned on the device: use %s" % (path, line, word, instead)
 
 
-CONSTANT = r"(?:\(+\s*(?:u?int\d+_t|unsigned|int|size_t)\s*\))?\s*\(*\s*(?:\d\w*|[A-Z][A-Z0-9_]*(?:_[a-z]\w*)?\b|sizeof\b)"
+CAST = r"(?:\(+\s*(?:u?int\d+_t|unsigned|int|size_t)\s*\))?"
+CONSTANT = CAST + r"\s*\(*\s*(?:\d\w*|[A-Z][A-Z0-9_]*(?:_[a-z]\w*)?\b|sizeof\b)"
 
 
 def variable_division(path, text):
@@ -227,7 +252,12 @@ def self_test_code(report):
     report.catches("a long Python function is caught", long_functions("a.py", "def f():\n" + "    g()\n" * 80))
     report.catches("a long file is caught", long_file("a.c", "\n" * (FILE_LINES_MAX + 1)))
     report.accepts("a file of exactly the limit is accepted", long_file("a.c", "\n" * FILE_LINES_MAX))
-    report.catches("the earlier name of the project is caught in a line", earlier_name("a.c", "int s" "eld_step(void);"))
+    report.catches("a long line is caught", long_lines("a.md", "a" * (LINE_LETTERS_MAX + 1)))
+    report.accepts("one of exactly the limit is accepted", long_lines("a.md", "a" * LINE_LETTERS_MAX + "\n"))
+    report.accepts("so is a long row of a table", long_lines("a.md", "|" + " a |" * 60))
+    report.catches("but only in a document", long_lines("a.py", "|" + " a |" * 60))
+    report.catches("the earlier name of the project is caught in a line",
+                   earlier_name("a.c", "int s" "eld_step(void);"))
     report.catches("and in a path", earlier_name("60-S" "eldinger.rules", ""))
     report.accepts("what happens rarely may be said in either way", earlier_name("a.c", "/* seldom */"))
     report.catches("a list of callers is caught", callers("a.c", "/* Sums. Called" " by: b.c. */"))
@@ -238,9 +268,12 @@ def self_test_code(report):
     report.catches("a banned word in a macro is caught", banned_words("a.c", "#define SIZE(x) ((float)(x))\n"))
     report.accepts("banned words in comments, strings, includes and longer names are accepted",
                    banned_words("a.c", '#include <float.h>\n/* free */ int set_free_count(void) { return "sin"[0]; }'))
-    report.catches("division by a variable is caught", variable_division("a.c", "int f(int a, int b) { return a / b; }"))
-    report.catches("remainder by a variable is caught", variable_division("a.c", "int f(int a, int b) { return a %= (b); }"))
-    report.accepts("division by a constant is accepted", variable_division("a.c", "int a = b / 8 + c % CRN_MAX / (int)sizeof(d);"))
+    report.catches("division by a variable is caught",
+                   variable_division("a.c", "int f(int a, int b) { return a / b; }"))
+    report.catches("remainder by a variable is caught",
+                   variable_division("a.c", "int f(int a, int b) { return a %= (b); }"))
+    report.accepts("division by a constant is accepted",
+                   variable_division("a.c", "int a = b / 8 + c % CRN_MAX / (int)sizeof(d);"))
     report.catches("direct recursion is caught", recursion({"a.c": "int f(int a) { return f(a - 1); }"}))
     report.catches("recursion through another file is caught",
                    recursion({"a.c": "int f(int a)\n{ return g(a); }", "b.c": "int g(int a)\n{ return f(a); }"}))
@@ -258,8 +291,10 @@ def self_test_documents(report):
         return False
 
     report.catches("a broken link is caught", broken_links("docs/a.md", "[a](b.md)", nothing, str))
-    report.catches("a broken anchor is caught", broken_links("docs/a.md", "# B\n[a](#c)", lambda f: True, lambda f: "# B\n"))
-    report.catches("a path that does not exist is caught", broken_links("docs/a.md", "see `host/x/y.cpp`", nothing, str))
+    report.catches("a broken anchor is caught", broken_links("docs/a.md", "# B\n[a](#c)", lambda f: True,
+        lambda f: "# B\n"))
+    report.catches("a path that does not exist is caught",
+                   broken_links("docs/a.md", "see `host/x/y.cpp`", nothing, str))
     report.accepts("a good anchor and a web address are accepted",
                    broken_links("docs/a.md", "[a](#b-c) [d](https://e.org)", lambda f: True, lambda f: "## B `c`\n"))
     report.catches("a package twice in a section is caught", package_faults("[run]\na1\na1\n", ""))
@@ -291,11 +326,14 @@ def check_tree(report):
     report.check("there is device code to check", [] if device else ["no file below " + ", ".join(DEVICE)])
     report.check("no function is longer than %d lines" % FUNCTION_LINES_MAX,
                  findings_of(long_functions, [p for p in written if p.endswith(tree.C_SUFFIXES + (".py",))]))
+    report.check("no line is longer than %d letters" % LINE_LETTERS_MAX,
+                 findings_of(long_lines, [p for p in tree.files("") if not p.endswith(tuple(LONG_LINES))]))
     report.check("no file is longer than %d lines" % FILE_LINES_MAX, findings_of(long_file, written))
     report.check("nothing has the earlier name of the project",
                  findings_of(earlier_name, [p for p in tree.files("") if not p.endswith(PACKED)]))
     report.check("no file lists its callers, or what it may include", findings_of(callers, written))
-    report.check("nothing is marked as unfinished", findings_of(unfinished, written + tree.files(".md", ".toml", ".txt")))
+    report.check("nothing is marked as unfinished",
+                 findings_of(unfinished, written + tree.files(".md", ".toml", ".txt")))
     report.check("the device uses no floating point, heap, libm, printf or goto", findings_of(banned_words, device))
     report.check("the core divides by constants only",
                  findings_of(variable_division, [p for p in device if p.startswith("firmware/core/")]))

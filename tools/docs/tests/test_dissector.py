@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""The Wireshark dissector reads what the wire is: frames made here by another hand (COBS, CRC-32, layout as in docs/wire.md) go
-into a capture, and tshark must name their values, put split frames together and object to damaged ones. Prints TAP."""
+"""The Wireshark dissector reads what the wire is: frames made here by another hand (COBS, CRC-32, layout as in
+docs/wire.md) go into a capture, and tshark must name their values, put split frames together and object to damaged
+ones. Prints TAP."""
 
 import os
 import struct
@@ -35,7 +36,8 @@ def frame(sequence, kind, payload, flip=0):
 
 
 def on_bus(data, device):
-    """What Linux's usbmon tells of a bulk transfer to endpoint 2 (Documentation/usb/usbmon.rst, struct mon_bin_hdr of 64 bytes)."""
+    """What Linux's usbmon tells of a bulk transfer to endpoint 2 (Documentation/usb/usbmon.rst, struct mon_bin_hdr of
+    64 bytes)."""
     header = struct.pack(
         "<QBBBBHBBqiiII8siiII",
         1,
@@ -124,7 +126,8 @@ CLAIMS = [
 ]
 
 
-# A capture that began after the device was plugged in: its class is not in it. Another device of the class "vendor" is not ours.
+# A capture that began after the device was plugged in: its class is not in it. Another device of the class "vendor"
+# is not ours.
 def packets_of_bus():
     ours = packets_of_test()
     return [

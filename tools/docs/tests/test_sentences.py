@@ -17,13 +17,23 @@ and turns by 3.5 degrees there.
     code --is no sentence that anybody reads
 
 | a table | is none either, whatever it says in it. |
+
+<!-- begin messages -->
+What a program writes into this page is no sentence of ours.
+<!-- end messages -->
 - An item of a list is a sentence like any other one.
 """
 SOURCE = """// The tube is long enough for every wire that ships. See there.
 //
 //   tube = make_tube();   this line shows how it is called, and is left out.
 int a; /* It counts every tick that was late by more than 1 ms. */
+int b; // the number of late ticks since the last start of the program
+       // A comment below a label is a comment of its own here.
+// Format: 64 bit -> 64 bit, and this line is no sentence.
 """
+SCRIPT = '''"""A docstring is read as any other comment is read."""
+TEXT = """Text that a program prints is no comment of ours."""
+'''
 
 
 def run(*words):
@@ -58,15 +68,25 @@ def main():
         == [
             "The tube is long enough for every wire that ships.",
             "It counts every tick that was late by more than 1 ms.",
+            "A comment below a label is a comment of its own here.",
         ]
         else found,
     )
+    found = list(sentences.of_source(SCRIPT))
+    report.check("and docstrings", [] if found == ["A docstring is read as any other comment is read."] else found)
     one, again, other = run("--seed", "3"), run("--seed", "3"), run("--seed", "4")
     report.check(
         "a seed gives sixty sentences, the same every time",
         []
         if one.returncode == 0 and one.stdout == again.stdout != other.stdout and one.stdout.count("\n") == 60
         else [one.stderr],
+    )
+    part = run("--seed", "3", "--count", "5", "--file", "docs/rod", "--file", "host/xray/").stdout.splitlines()
+    report.check(
+        "--file takes only paths that begin so",
+        []
+        if len(part) == 5 and all(line.split("\t")[1].startswith(("docs/rod", "host/xray/")) for line in part)
+        else part,
     )
     report.check(
         "more than there are is wrong usage", [] if run("--count", "1000000").returncode == 2 else ["accepted"]

@@ -22,7 +22,8 @@ number=0
 for moment in "$positioned" "$inflated" "$released"; do
     number=$((number + 1))
     after=$(awk -v a="$moment" -v b="$begin" 'BEGIN { printf "%.3f", a - b }')
-    ffmpeg -v error -y -ss "$after" -i "$work/film.mp4" -frames:v 1 -vf "crop=$crop,scale=480:480" "$work/xray$number.png"
+    ffmpeg -v error -y -ss "$after" -i "$work/film.mp4" -frames:v 1 -vf "crop=$crop,scale=480:480" \
+        "$work/xray$number.png"
 done
 ffmpeg -v error -y -i "$work/xray1.png" -i "$work/xray2.png" -i "$work/xray3.png" -i "$work/walls.png" \
     -filter_complex "[0][1][2]hstack=3[a];[a][3]vstack" "$figure"

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The rod of docs/bench.md ("Peers") in PyElastica: a Cosserat rod, explicit in time, so its step follows from shear waves
-across the rod's radius.
+"""The rod of docs/bench.md ("Peers") in PyElastica: a Cosserat rod, explicit in time, so its step follows from shear
+waves across the rod's radius.
 
   peer_elastica.py free WARM_STEPS TIMED_STEPS [STEP_us]
 

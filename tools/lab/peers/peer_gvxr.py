@@ -1,4 +1,5 @@
-"""The pictures of tools/lab/peers/peer_xray.cpp by gVirtualXray. Called by run_xray_peers.py with the python of its environment.
+"""The pictures of tools/lab/peers/peer_xray.cpp by gVirtualXray. Called by run_xray_peers.py with the python of its
+environment.
 
   peer_gvxr.py FOLDER ROUNDS
 
@@ -14,7 +15,8 @@ import time
 import numpy
 from gvxrPython3 import gvxr
 
-# (element numbers, mass shares, density g/cm3): the compounds of tools/check/make_attenuation.py, as NIST's tables have them.
+# (element numbers, mass shares, density g/cm3): the compounds of tools/check/make_attenuation.py, as NIST's tables
+# have them.
 MATERIALS = {
     "soft_tissue": (
         (1, 6, 7, 8, 11, 12, 15, 16, 17, 19, 20, 26, 30),

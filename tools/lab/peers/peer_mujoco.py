@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The rod of docs/bench.md ("Peers") in MuJoCo: a 1D flex, which is a discrete elastic rod with one twist angle per edge.
+"""The rod of docs/bench.md ("Peers") in MuJoCo: a 1D flex, which is a discrete elastic rod with one twist angle per
+edge.
 
   peer_mujoco.py free|tube SETTLE_TICKS TIMED_TICKS
 
@@ -45,7 +46,8 @@ def make_model(in_tube):
     text = """<mujoco>
   <option timestep="%g" integrator="discrete" solver="Newton" gravity="0 0 -9.81"/>
   <worldbody>%s
-    <flexcomp name="rod" type="grid" dim="1" count="%d 1 1" spacing="%.12g 1 1" pos="%.12g 0 0" radius="%g" mass="%.12g">
+    <flexcomp name="rod" type="grid" dim="1" count="%d 1 1" spacing="%.12g 1 1"
+        pos="%.12g 0 0" radius="%g" mass="%.12g">
       <pin id="0 1"/><edge equality="true" %s/>
       <elasticity young="%g" poisson="%g"/><contact selfcollide="none" %s/>
     </flexcomp>

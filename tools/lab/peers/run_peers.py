@@ -5,8 +5,8 @@
 
 Every code is a child process on the same core that prints one line of key=value pairs; the codes alternate, so that a
 slow minute of the machine meets all of them. Ours and MuJoCo are timed per 1 ms step at rest, PyElastica per simulated
-millisecond. The peers are installed into a virtual environment of their own (tools/lab/peers/peers.txt). Ends with 1 when
-a code cannot be measured, when a peer is more accurate than ours, or when a bar is missed.
+millisecond. The peers are installed into a virtual environment of their own (tools/lab/peers/peers.txt). Ends with 1
+when a code cannot be measured, when a peer is more accurate than ours, or when a bar is missed.
 """
 
 import argparse
@@ -76,8 +76,8 @@ def run(command):
 
 
 def fetch(environment, imports, announcement, packages, refusal):
-    """The python of a virtual environment that can do `imports`; makes it from the list `packages` when it is not there. `refusal`
-    says what that takes."""
+    """The python of a virtual environment that can do `imports`; makes it from the list `packages` when it is not
+    there. `refusal` says what that takes."""
     python = os.path.join(environment, "bin", "python")
     probe = [python, "-c", "import " + imports]
     if (

@@ -4,10 +4,11 @@
   run_xray_peers.py --ours build/bench/peer_xray --bodies out/aorta.bodies [--environment build/xray_peers] [--size 512]
                     [--rounds 5] [--output out/bench_xray_peers.tsv]
 
-Prints the mean relative difference over the pixels inside the patient that let more than 1e-4 through, and how many times
-longer the peer takes for a picture; ours is the whole picture with scatter, noise and display. Ratios are by the clock and by the
-processor time of all threads; the second is judged, since other work on the machine does not change it. The peer is installed
-into a virtual environment of its own (tools/lab/peers/xray_peers.txt). Ends with 1 when a bar is missed or nothing could be measured.
+Prints the mean relative difference over the pixels inside the patient that let more than 1e-4 through, and how many
+times longer the peer takes for a picture; ours is the whole picture with scatter, noise and display. Ratios are by
+the clock and by the processor time of all threads; the second is judged, since other work on the machine does not
+change it. The peer is installed into a virtual environment of its own (tools/lab/peers/xray_peers.txt). Ends with 1
+when a bar is missed or nothing could be measured.
 """
 
 import argparse

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""NOTICE names everything that the programs are made of, and the SBOM is a whole SPDX 2.3 document of it. Shown on the programs that are built, by the
-loader's own answer (ldd) and by dpkg, with rules of the SPDX specification written down here; and on programs and tables made wrong on purpose.
-Prints TAP."""
+"""NOTICE names everything that the programs are made of, and the SBOM is a whole SPDX 2.3 document of it. Shown on
+the programs that are built, by the loader's own answer (ldd) and by dpkg, with rules of the SPDX specification
+written down here; and on programs and tables made wrong on purpose. Prints TAP."""
 
 import collections
 import json
@@ -23,8 +23,9 @@ BUILD = os.environ.get("BUILD", "build")
 ID = re.compile(r"^SPDXRef-[A-Za-z0-9.-]+$")
 # Identifiers of the SPDX licence list that are used here, and operators between them.
 LICENCE_IDS = set(
-    """Apache-2.0 BSD-2-Clause BSD-3-Clause BSL-1.0 GPL-2.0-only GPL-3.0-only GPL-3.0-or-later ICU LGPL-2.1-or-later LGPL-3.0-or-later MIT
-    MPL-2.0 Zlib bzip2-1.0.6 libpng-2.0 LicenseRef-public-domain GCC-exception-3.1 OR AND WITH""".split()
+    """Apache-2.0 BSD-2-Clause BSD-3-Clause BSL-1.0 GPL-2.0-only GPL-3.0-only GPL-3.0-or-later ICU LGPL-2.1-or-later
+    LGPL-3.0-or-later MIT MPL-2.0 Zlib bzip2-1.0.6 libpng-2.0 LicenseRef-public-domain GCC-exception-3.1
+    OR AND WITH""".split()
 )
 
 

@@ -11,7 +11,8 @@ status=0
 expect() {
     count=$((count + 1))
     if make -s install-udev DESTDIR="$folder" USB_ID="$2" >/dev/null 2>&1 &&
-        [ "$(grep -c "idVendor}==\"$3\".*idProduct}==\"$4\"" "$rule")" = 2 ]; then
+        sed -e ':more' -e '/\\$/N' -e 's/\\\n *//' -e 't more' "$rule" >"$folder/joined" && # as udev joins lines
+        [ "$(grep -c "idVendor}==\"$3\".*idProduct}==\"$4\".*TAG+=\"uaccess\"" "$folder/joined")" = 2 ]; then
         echo "ok $count - $1"
     else
         status=1

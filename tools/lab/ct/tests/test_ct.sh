@@ -46,16 +46,18 @@ for i, length in enumerate((16, 24)):
 END
 write_case() { # write_case FOLDER KEYS writes a case with these lines in its first table
     {
-        printf '# a person wrote this\nformat = 1\nname = "tube"\ninstrument = "%s/shared/examples/instruments/amplatz_super_stiff.toml"\n' "$PWD"
+        printf '# a person wrote this\nformat = 1\nname = "tube"\n'
+        printf 'instrument = "%s/shared/examples/instruments/amplatz_super_stiff.toml"\n' "$PWD"
         printf 'friction_kinetic = 0.1\nfriction_static = 0.1\nspeed_mm_per_s = 20\n%b' "$2"
         for i in 1 2; do
-            printf '[[depth]]\nname = "depth %d"\ninserted_mm = %d\nturn_deg = 0\nscan = "scan_%d.nrrd"\ncentreline = "depth_%d.csv"\n' \
-                $i $((8 + 8 * i)) $i $i
+            printf '[[depth]]\nname = "depth %d"\ninserted_mm = %d\nturn_deg = 0\n' $i $((8 + 8 * i))
+            printf 'scan = "scan_%d.nrrd"\ncentreline = "depth_%d.csv"\n' $i $i
         done
     } >"$1/case.toml"
 }
 write_case "$work/case" 'scene = "none.scene"\nsurface = "../tube.obj"\nmouth_mm = [0, -22, 0]\ndirection = [0, 1, 0]\n'
-"$tool" simulate "$work/case" --views 160 >"$work/said" 2>&1 && [ -s "$work/case/scan_1.nrrd" ] && [ -s "$work/case/scan_2.nrrd" ]
+"$tool" simulate "$work/case" --views 160 >"$work/said" 2>&1 && [ -s "$work/case/scan_1.nrrd" ] &&
+    [ -s "$work/case/scan_2.nrrd" ]
 report "two depths are scanned" $?
 "$tool" segment "$work/case" >"$work/said" 2>&1 && "$tool" check "$work/case" >>"$work/said" 2>&1 &&
     [ "$(grep -c ': good' "$work/said")" = 6 ]
@@ -71,11 +73,13 @@ write_case "$work/scans" ''
 cp "$work/scans/case.toml" "$work/alone.toml"
 "$tool" segment "$work/scans" >"$work/said" 2>&1 && [ -s "$work/scans/segmentation/lumen.scene" ]
 report "a case of scans alone is segmented, and its lumen baked" $?
-sed -n 's/^mouth_mm = \[\(.*\)\]/\1/p' "$work/scans/case.toml" | awk -F, '{ exit !(($1 ^ 2 + ($2 + 22) ^ 2 + $3 ^ 2) < 1) }'
+sed -n 's/^mouth_mm = \[\(.*\)\]/\1/p' "$work/scans/case.toml" |
+    awk -F, '{ exit !(($1 ^ 2 + ($2 + 22) ^ 2 + $3 ^ 2) < 1) }'
 report "the mouth is found within a millimetre" $?
 grep -q "a person wrote this" "$work/scans/case.toml"
 report "the rest of case.toml is as it was" $?
-"$BUILD/bin/calibrate" "$work/scans" --evaluate alpha=0.05 -o "$work/fit" >"$work/said" 2>&1 && [ -s "$work/fit/depth_2.csv" ]
+"$BUILD/bin/calibrate" "$work/scans" --evaluate alpha=0.05 -o "$work/fit" >"$work/said" 2>&1 &&
+    [ -s "$work/fit/depth_2.csv" ]
 report "calibrate inserts the instrument into the segmented lumen" $?
 
 # An error is named with its remedy, and the case is not changed by it.
@@ -87,7 +91,8 @@ open(sys.argv[1], "wb").write(data.replace(sys.argv[2].encode(), sys.argv[3].enc
 }
 spoiled() { # spoiled NAME WORDS: segmenting the folder `bad` ends with 1 and these words, and leaves its case unchanged
     refuses "$1" 1 "$2" segment "$work/bad"
-    cmp -s "$work/before.toml" "$work/bad/case.toml" && ! find "$work/bad" -name '*.scene' -o -name '*.part*' | grep -q .
+    cmp -s "$work/before.toml" "$work/bad/case.toml" && ! find "$work/bad" -name '*.scene' -o -name '*.part*' |
+        grep -q .
     report "$1, and its case stays as it was" $?
 }
 fresh() { # makes the folder `bad`: the case of scans alone, for the test to spoil
@@ -128,9 +133,11 @@ spoiled "a missing scan is named" "scan_2.nrrd: is not there"
 printf 'x_mm,y_mm,z_mm\n-4,-60,0\n-4,60,0\n' >"$work/left.csv"
 printf 'x_mm,y_mm,z_mm\n4,-60,0\n4,60,0\n' >"$work/right.csv"
 scan() { "$tool" scan "$work/tube.obj" "$@" --views 120 --slice-mm 2 --box -11 -12 -11 11 14 11 >"$work/said" 2>&1; }
-scan -o "$work/none.nrrd" && scan "$work/left.csv" "$work/right.csv" -o "$work/two.nrrd" && scan "$work/left.csv" -o "$work/series"
+scan -o "$work/none.nrrd" && scan "$work/left.csv" "$work/right.csv" -o "$work/two.nrrd" &&
+    scan "$work/left.csv" -o "$work/series"
 report "scans of nothing, of two wires, and a DICOM series" $?
-refuses "a scan without an instrument is refused" 1 "none.nrrd: no instrument in the scan" segment "$work/none.nrrd" -o "$work/out"
+refuses "a scan without an instrument is refused" 1 "none.nrrd: no instrument in the scan" segment "$work/none.nrrd" \
+    -o "$work/out"
 refuses "two instruments are refused" 1 "two.nrrd: two instruments.*--seed" segment "$work/two.nrrd" -o "$work/out"
 [ ! -e "$work/out/centreline.csv" ] && [ ! -e "$work/out/index.html" ]
 report "neither leaves a centreline" $?

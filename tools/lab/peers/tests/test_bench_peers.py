@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""tools/lab/peers/run_peers.py compares what its programs print and says what is wrong. Shown with small programs in place of
-ours and of the peers', and with a package index that cannot be reached. Prints TAP."""
+"""tools/lab/peers/run_peers.py compares what its programs print and says what is wrong. Shown with small programs in
+place of ours and of the peers', and with a package index that cannot be reached. Prints TAP."""
 
 import os
 import subprocess

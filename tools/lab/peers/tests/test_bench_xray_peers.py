@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""tools/lab/peers/run_xray_peers.py compares pictures and times and says what is wrong. Shown with small programs in place of ours
-and of the peer's, and with a package index that cannot be reached. Prints TAP."""
+"""tools/lab/peers/run_xray_peers.py compares pictures and times and says what is wrong. Shown with small programs in
+place of ours and of the peer's, and with a package index that cannot be reached. Prints TAP."""
 
 import os
 import struct

@@ -21,7 +21,8 @@ rows=$(sed -n '/begin: written by/,/<!-- end/p' docs/validation.md | grep -c '^|
 report "docs/validation.md has no line for a case that is gone" $?
 
 "$tool" --only three_point --quick -o "$work/out" >"$work/said" 2>&1
-head -1 "$work/out/validation.tsv" | grep -qx "$(printf 'name\tformula\tsource\tunit\treference\tvalue\terror\ttolerance\terror_unit\tverdict')" &&
+head -1 "$work/out/validation.tsv" | grep \
+    -qx "$(printf 'name\tformula\tsource\tunit\treference\tvalue\terror\ttolerance\terror_unit\tverdict')" &&
     awk -F'\t' 'NF != 10 || $1 !~ /^three_point\./ && NR > 1 {exit 1}' "$work/out/validation.tsv" &&
     grep -q '<svg' "$work/out/validation.html"
 report "one case alone writes its table and its page" $?

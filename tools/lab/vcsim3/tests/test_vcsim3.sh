@@ -55,7 +55,8 @@ done
 [ "$(wc -l <"$work/presets.tsv")" = 10 ] && grep -q '^amplatz' "$work/presets.tsv"
 report "nine presets are listed" $?
 
-"$tool" run local5 --scene "$work/phantom.scene" --elements 128 --element-mm 3 --speed-mm-s 100 >"$work/run.tsv" 2>"$work/said" &&
+"$tool" run local5 --scene "$work/phantom.scene" --elements 128 --element-mm 3 --speed-mm-s 100 >"$work/run.tsv" \
+    2>"$work/said" &&
     [ "$(tail -1 "$work/run.tsv")" = "$(grep '^5 Local' "$work/one/figure_5_11.tsv")" ]
 report "run gives the line of the figure" $?
 
@@ -74,7 +75,8 @@ refuses "too many elements are a usage error" 2 "elements" figures --elements 40
 refuses "a missing scene fails and says how to make it" 1 "make thesis" run local5 --scene "$work/nowhere.scene"
 head -c 5000 "$work/phantom.scene" >"$work/cut.scene"
 refuses "a damaged scene fails and is named" 1 "cut.scene: is no usable scene" run direct --scene "$work/cut.scene"
-refuses "states that are not there fail and are named" 1 "local5.state" steps local5 --states "$work" --scene "$work/phantom.scene"
+refuses "states that are not there fail and are named" 1 "local5.state" steps local5 --states "$work" \
+    --scene "$work/phantom.scene"
 cp "$work/one/states/local5.state" "$work/local5.state"
 refuses "a state of another rod is refused" 1 "does not fit" steps local5 --states "$work" --scene "$work/phantom.scene"
 refuses "help shows examples" 0 "Examples" --help

@@ -1,0 +1,124 @@
+#!/usr/bin/env python3
+"""Build the docs site from docs/ and mkdocs.yml into out/site.
+
+  site.py                 install mkdocs-material into build/site/venv if it is not there, and build; broken links fail
+  site.py --build BUILD   another build folder
+  site.py --check         only look for pages that load something from another host
+
+The versions are those of tools/docs/requirements.txt. The first run needs the network (PyPI, about 12 MB); later ones
+do not.
+"""
+
+import argparse
+import hashlib
+import os
+import re
+import shutil
+import subprocess
+import sys
+import venv
+
+ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
+REQUIREMENTS = "tools/docs/requirements.txt"
+SITE = "out/site"
+# What a browser fetches by itself; a link that somebody clicks is none.
+LOADED = re.compile(
+    r"""<(?:script|img|iframe|source)\b[^>]*?\bsrc\s*=\s*["']?((?:https?:)?//[^"'\s>]+)"""
+    r"""|<link\b(?=[^>]*\brel\s*=\s*["']?(?:stylesheet|preconnect|preload|icon))"""
+    r"""[^>]*?\bhref\s*=\s*["']?((?:https?:)?//[^"'\s>]+)"""
+    r"""|(?:url\(|@import\s+)["']?((?:https?:)?//[^"')\s]+)""",
+    re.IGNORECASE,
+)
+
+
+class SiteError(Exception):
+    """What is wrong, and what to do."""
+
+
+def requirements_hash():
+    with open(os.path.join(ROOT, REQUIREMENTS), "rb") as file:
+        return hashlib.sha256(file.read()).hexdigest()
+
+
+def python_of(folder):
+    return os.path.join(folder, "bin", "python")
+
+
+def install(folder):
+    """A virtual environment with the pinned packages; nothing is done when it is there already."""
+    stamp = os.path.join(folder, "requirements.sha256")
+    if os.path.exists(stamp) and os.path.exists(python_of(folder)):
+        with open(stamp, encoding="ascii") as file:
+            if file.read() == requirements_hash():
+                return
+    print("Installing mkdocs-material from PyPI into %s (pinned by %s)" % (os.path.relpath(folder, ROOT), REQUIREMENTS))
+    shutil.rmtree(folder, ignore_errors=True)
+    try:
+        venv.create(folder, with_pip=True)
+    except (OSError, subprocess.CalledProcessError) as error:
+        raise SiteError("no virtual environment: %s. Remedy: sudo apt-get install python3-venv" % error) from error
+    words = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps", "-r", REQUIREMENTS]
+    if subprocess.run([python_of(folder)] + words, cwd=ROOT, check=False).returncode != 0:
+        raise SiteError(
+            "PyPI could not be reached, or a version is gone. Remedy: run this once with a network. Or run"
+            " `pip download -r %s -d wheels` on a machine that has one, bring the folder here, and run PIP_NO_INDEX=1"
+            " PIP_FIND_LINKS=wheels tools/docs/site.py. Without the site, docs/ is readable as it is." % REQUIREMENTS
+        )
+    with open(stamp, "w", encoding="ascii") as file:
+        file.write(requirements_hash())
+
+
+def build(folder):
+    environment = dict(os.environ, NO_MKDOCS_2_WARNING="1", PYTHONDONTWRITEBYTECODE="1")
+    words = [python_of(folder), "-m", "mkdocs", "build", "--strict", "--quiet", "--clean"]
+    if subprocess.run(words, cwd=ROOT, env=environment, check=False).returncode != 0:
+        raise SiteError(
+            "a page or a link is wrong, see above; what is right: every page of docs/ is in mkdocs.yml once"
+        )
+
+
+def from_other_hosts(text):
+    """Addresses that a page makes a browser fetch from elsewhere."""
+    return [next(filter(None, found)) for found in LOADED.findall(text)]
+
+
+def check(site):
+    found = []
+    for folder, _, names in os.walk(site):
+        for name in sorted(names):
+            if name.endswith((".html", ".css")):
+                path = os.path.join(folder, name)
+                with open(path, encoding="utf-8") as file:
+                    text = file.read()
+                found += ["%s loads %s" % (os.path.relpath(path, site), address) for address in from_other_hosts(text)]
+                if 'class="mermaid"' in text:  # mkdocs-material fetches the program that draws these
+                    found.append(
+                        "%s has a mermaid diagram, whose program comes from another host" % os.path.relpath(path, site)
+                    )
+    if found:
+        raise SiteError("pages load from other hosts:\n" + "\n".join(found))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--build", default=os.environ.get("BUILD", "build"), help="build folder (default: build)")
+    parser.add_argument("--check", action="store_true", help="only check out/site")
+    options = parser.parse_args()
+    site = os.path.join(ROOT, SITE)
+    try:
+        if not options.check:
+            folder = os.path.join(ROOT, options.build, "site", "venv")
+            install(folder)
+            build(folder)
+        elif not os.path.isdir(site):
+            raise SiteError("no %s yet. Remedy: make docs" % SITE)
+        check(site)
+    except SiteError as error:
+        print("site: %s" % error, file=sys.stderr)
+        return 1
+    print("Written: %s/index.html; with search: python3 -m http.server -d %s" % (SITE, SITE))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

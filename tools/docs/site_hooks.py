@@ -1,0 +1,76 @@
+"""Hooks of mkdocs: what the repository's own view of Markdown shows, the site shows too.
+
+Links out of docs/ (to code, to NOTICE) become the path as code, since the site has no such pages. Python-Markdown
+starts a list, a table or an indented block only behind an empty line; we write them directly below a paragraph or a
+heading, so the empty line is put in here.
+"""
+
+import re
+
+OUTSIDE = re.compile(r"(?<!!)\[([^\]]*)\]\((?:\.\./)+([^)#\s]+)[^)]*\)")
+ITEM = re.compile(r"(?:[-*] |\d+\. )")
+FENCE = re.compile(r"\s*(```|~~~)")
+
+
+def paths_as_code(text):
+    """A link to a file outside docs/ as that file's path."""
+
+    def path(match):
+        words, target = match.group(1), match.group(2)
+        same = words.strip("`").rstrip("/") in (target, target.rstrip("/").rsplit("/", 1)[-1])
+        return "`%s`" % target if same else "%s (`%s`)" % (words, target)
+
+    return OUTSIDE.sub(path, text)
+
+
+def kind_of(line):
+    if not line.strip():
+        return "empty"
+    if line.startswith("#") or line.endswith("-->"):
+        return "alone"
+    if line.startswith("    "):
+        return "indented"
+    if ITEM.match(line):
+        return "item"
+    if line.startswith("|"):
+        return "table"
+    return "text"
+
+
+def needs_gap(before, now, in_list):
+    """Whether an empty line belongs between lines of these kinds."""
+    if now == "empty" or before in ("empty", now):
+        return False
+    if now == "item":
+        return not in_list
+    if now == "indented":
+        return before == "alone"
+    return now == "table" or before == "table" or before == "alone"
+
+
+def with_gaps(text):
+    kept, before, in_list, in_fence = [], "empty", False, False
+    for line in text.split("\n"):
+        if FENCE.match(line):
+            if not in_fence and before != "empty" and not line.startswith(" "):
+                kept.append("")
+            in_fence = not in_fence
+            kept.append(line)
+            before = "alone"
+            continue
+        if in_fence:
+            kept.append(line)
+            continue
+        now = kind_of(line)
+        if needs_gap(before, now, in_list):
+            kept.append("")
+        in_list = now == "item" or (
+            in_list and now not in ("alone", "table") and not (before == "empty" and now == "text")
+        )
+        kept.append(line)
+        before = now
+    return "\n".join(kept)
+
+
+def on_page_markdown(markdown, page, config, files):
+    return with_gaps(paths_as_code(markdown))
