@@ -1,5 +1,6 @@
-# Cournand's front door: `make help` lists the targets. CMake and Ninja build (CMakeLists.txt, CMakePresets.json, one list a room);
-# tools/make has what is left for makers of evidence. Everything is built below $(BUILD); results go to out/.
+# Cournand's front door: `make help` lists the targets. CMake and Ninja build (CMakeLists.txt, CMakePresets.json, one
+# list a room); tools/make has what is left for makers of evidence. Everything is built below $(BUILD); results go to
+# out/.
 #   PACKAGES=skip   do not look for missing Debian packages        YES=1   install missing ones without a question
 #   JOBS=4          compilers and tests at once                    V=1     show whole commands
 BUILD    ?= build
@@ -23,13 +24,15 @@ packages-%:
 
 ##@ For everyone
 help: ## this list
-	@awk -F':.*## ' '/^##@ /{printf "\n%s\n",substr($$0,5)} /^[a-z0-9%-]+:.*## /{printf "  make %-16s %s\n",$$1,$$2}' $(MAKEFILE_LIST)
+	@awk -F':.*## ' '/^##@ /{printf "\n%s\n",substr($$0,5)} \
+	    /^[a-z0-9%-]+:.*## /{printf "  make %-20s %s\n",$$1,$$2}' $(MAKEFILE_LIST)
 
 run: packages-build+run ## build, run the demo into out/, and open the window where there is a display
 	$(call build,release,run,cournand)
 	$(again) $(DEMO_OUT)
 	@echo "Written: $(DEMO_OUT)"
-	@if [ -n "$$DISPLAY" ]; then $(BUILD)/bin/cournand view --scene $(SCENE) --instrument $(WIRE) --record out/view.rec || \
+	@if [ -n "$$DISPLAY" ]; then \
+	    $(BUILD)/bin/cournand view --scene $(SCENE) --instrument $(WIRE) --record out/view.rec || \
 	    echo "The demo is complete; only the window did not open."; \
 	else echo "No display, so no window: 'make window' opens it where there is one."; fi
 
@@ -38,10 +41,12 @@ window: packages-build+run ## push and turn a guidewire by keyboard (needs a dis
 	$(again) $(SCENE)
 	@$(BUILD)/bin/cournand view --scene $(SCENE) --instrument $(WIRE) --record out/view.rec
 
-test: packages-build+tools+test+matrix+usb+bench ## test the product: every program, sanitizers, a short fuzz run, machines, levels L0 and L1
+test: ## test the product: every program, sanitizers, a short fuzz run, machines, levels L0 and L1
+test: packages-build+tools+test+matrix+usb+bench
 	@JOBS=$(JOBS) tools/check/run_tests.sh product
 
-install: packages-build+tools ## install programs, libraries, headers, pkg-config and CMake files (PREFIX=/usr/local, DESTDIR=)
+install: ## install programs, libraries, headers, pkg-config and CMake files (PREFIX=, DESTDIR=)
+install: packages-build+tools
 	$(call build,release,run$(comma)tools,cournand bake anatomy centreline)
 	@cmake --install $(BUILD) --prefix $(or $(PREFIX),/usr/local)
 

@@ -4,8 +4,8 @@
  *
  *          accepted HELLO        ARM             START
  *   INIT ----------------> READY ----> ARMED ----------> RUNNING
- *                            ^          | ^ <---- STOP ------+      in FREE_RUN with a rig START powers the motors, and is
- *                            |          v |                  |      refused unless ARM_MOTORS was answered by CONFIRM
+ *                            ^          | ^ <---- STOP ------+      with a rig in FREE_RUN, START powers the motors;
+ *                            |          v |                  |      CONFIRM must have answered ARM_MOTORS
  *                            +-- RESET --+----- FAULT <------+      every stopping fault: motors off, latched
  */
 #ifndef CRN_APP_H

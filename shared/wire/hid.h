@@ -4,8 +4,8 @@
  *   CRN_HID_ID_<name>       the report's id
  *   CRN_HID_BYTES_<name>    its size without the id
  *   crn_hid_put_<name>      append to a writer, without the id; false when it does not fit
- *   crn_hid_decode_<name>   read the bytes behind the id; false when some are missing. More are allowed and ignored: some
- *                            hosts pad a report to the longest of its kind
+ *   crn_hid_decode_<name>   read the bytes behind the id; false when some are missing. More are allowed and
+ *                           ignored: some hosts pad a report to the longest of its kind
  *
  * C11 and C++20.
  */

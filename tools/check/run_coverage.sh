@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Lines that the product's tests run, by clang's source-based coverage: out/coverage.tsv. BUILD and JOBS as in the Makefile.
+# Lines that the product's tests run, by clang's source-based coverage: out/coverage.tsv. BUILD and JOBS as in the
+# Makefile.
 set -uo pipefail
 cd "$(dirname "$0")/../.."
 build=${BUILD:-build}/coverage
@@ -10,6 +11,7 @@ rm -rf "$build/profiles"
 mkdir -p "$build/profiles" "$build/firmware"
 cp "${BUILD:-build}"/firmware/*.elf "$build/firmware/"
 # A failed test is named, and what it ran is counted all the same.
-LLVM_PROFILE_FILE="$PWD/$build/profiles/%p-%m.profraw" tools/check/run_tests.py --build "$build" --jobs "$JOBS" --label product
+LLVM_PROFILE_FILE="$PWD/$build/profiles/%p-%m.profraw" \
+    tools/check/run_tests.py --build "$build" --jobs "$JOBS" --label product
 tools/check/coverage.py --build "$build" --profiles "$build/profiles" \
     --programs $(find "$build/test" "$build/bin" -type f -perm -u+x)

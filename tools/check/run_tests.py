@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
-"""Run every test program and script of a label, and print one line of totals. Called by run_tests.sh after the build.
+"""Run every test program and script of a label, and print one line of totals. Called by run_tests.sh after the
+build.
 
   run_tests.py --build build --jobs 2 --label product|lab
 
-What there is comes from CTest: the tests of BUILD with the label, and with the label `product` those of BUILD/san too, which are
-the same under sanitizers and the fuzz targets. Every program and script prints TAP: a plan `1..N` and a line per test. A program
-that is missing, crashes, runs past its time or breaks its plan counts as one failed test, whatever else it said.
-Lines that begin with `#- ` are figures, shown below their program's line. After the failures come the seconds of each
-program, slowest first. The last line is `N passed, N failed, N skipped`; the exit code is 1 when something failed or
-nothing ran.
+What there is comes from CTest: the tests of BUILD with the label, and with the label `product` those of BUILD/san
+too, which are the same under sanitizers and the fuzz targets. Every program and script prints TAP: a plan `1..N`
+and a line per test. A program that is missing, crashes, runs past its time or breaks its plan counts as one failed
+test, whatever else it said. Lines that begin with `#- ` are figures, shown below their program's line. After the
+failures come the seconds of each program, slowest first. The last line is `N passed, N failed, N skipped`; the exit
+code is 1 when something failed or nothing ran.
 """
 
 import argparse

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Builds what tests need and runs them: run_tests.sh product|lab|build. What does not build is reported as failed, with everything
-# else run all the same. BUILD and JOBS as in the Makefile. `build` only builds what product's tests need.
+# Builds what tests need and runs them: run_tests.sh product|lab|build. What does not build is reported as failed,
+# with everything else run all the same. BUILD and JOBS as in the Makefile. `build` only builds what product's tests
+# need.
 set -uo pipefail
 cd "$(dirname "$0")/../.."
 what=$1

@@ -5,7 +5,11 @@ BUILD=${BUILD:-build}
 here=$(dirname "$0")
 tool=$BUILD/bin/${programs%% *}
 for program in $programs; do
-    [ -x "$BUILD/bin/$program" ] || { echo "1..1"; echo "not ok 1 - $BUILD/bin/$program is not built (ninja -C $BUILD $program)"; exit 1; }
+    [ -x "$BUILD/bin/$program" ] || {
+        echo "1..1"
+        echo "not ok 1 - $BUILD/bin/$program is not built (ninja -C $BUILD $program)"
+        exit 1
+    }
 done
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

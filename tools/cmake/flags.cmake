@@ -8,7 +8,7 @@ set(CRN_DEBUG "-g1" CACHE STRING "debug information: -g1 lines only, -g for a de
 set(CRN_SANITIZE "" CACHE STRING "sanitizers, such as address,undefined")
 set(CRN_SANITIZE_GCC "" CACHE STRING "the same by gcc, which has no fuzzers: for the readers of scans")
 set(CRN_QUICK ON CACHE BOOL "compile what runs once without optimising")
-set(CRN_USB_ID "1209:0001" CACHE STRING "the number that a rig shows on the bus, vendor:product in hexadecimal (docs/usb.md)")
+set(CRN_USB_ID "1209:0001" CACHE STRING "number of a rig on the bus, vendor:product in hexadecimal (docs/usb.md)")
 set(CRN_PARTS "run;tools;tests;lab" CACHE STRING "what is built: run, tools, tests, lab")
 
 set(CMAKE_C_STANDARD 11)
@@ -24,8 +24,8 @@ if(CRN_CCACHE AND NOT CMAKE_C_COMPILER_LAUNCHER)
     set(CMAKE_CXX_COMPILER_LAUNCHER ${CRN_CCACHE})
 endif()
 
-# What most files of C++ begin with is read once. A precompiled header fits one set of flags, so there is one for each level.
-# A compiler cache keeps nothing that used one.
+# What most files of C++ begin with is read once. A precompiled header fits one set of flags, so there is one for each
+# level. A compiler cache keeps nothing that used one.
 if(NOT DEFINED CRN_PREFIX_HEADERS)
     if(CMAKE_CXX_COMPILER_LAUNCHER)
         set(prefix OFF)
@@ -45,8 +45,8 @@ target_compile_options(crn_common INTERFACE
 target_include_directories(crn_common SYSTEM INTERFACE /usr/include/eigen3)
 target_link_options(crn_common INTERFACE -pthread)
 if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
-    # gcc 12 sees overlapping copies in std::string's operator+ at -O3 that are not there (its bug 105329). In a precompiled header
-    # it forgets that such finds lie in its own library; clang hears them.
+    # gcc 12 sees overlapping copies in std::string's operator+ at -O3 that are not there (its bug 105329). In a
+    # precompiled header it forgets that such finds lie in its own library; clang hears them.
     target_compile_options(crn_common INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-restrict>)
     if(CRN_PREFIX_HEADERS)
         target_compile_options(crn_common INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-array-bounds>
@@ -59,11 +59,13 @@ if(CRN_LLD AND NOT CMAKE_CROSSCOMPILING)
 endif()
 if(CRN_SANITIZE)
     # Whole objects for fuzzers too: their hooks cost tests little.
-    target_compile_options(crn_common INTERFACE -fsanitize=fuzzer-no-link,${CRN_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+    target_compile_options(crn_common INTERFACE -fsanitize=fuzzer-no-link,${CRN_SANITIZE}
+        -fno-sanitize-recover=all -fno-omit-frame-pointer)
     target_link_options(crn_common INTERFACE -fsanitize=${CRN_SANITIZE})
 endif()
 if(CRN_SANITIZE_GCC)
-    target_compile_options(crn_common INTERFACE -fsanitize=${CRN_SANITIZE_GCC} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+    target_compile_options(crn_common INTERFACE -fsanitize=${CRN_SANITIZE_GCC} -fno-sanitize-recover=all
+        -fno-omit-frame-pointer)
     target_link_options(crn_common INTERFACE -fsanitize=${CRN_SANITIZE_GCC})
 endif()
 string(REPLACE ":" ";" crn_usb_id ${CRN_USB_ID})
@@ -92,8 +94,9 @@ function(crn_prefix_header target level)
         file(WRITE ${PROJECT_BINARY_DIR}/${owner}.cpp "")
         add_library(${owner} OBJECT ${PROJECT_BINARY_DIR}/${owner}.cpp)
         crn_flags(${owner} "${level}")
-        target_precompile_headers(${owner} PRIVATE <Eigen/Core> <Eigen/Geometry> <algorithm> <array> <cmath> <cstdint> <cstdio>
-            <filesystem> <fstream> <functional> <map> <memory> <optional> <set> <span> <sstream> <string> <thread> <vector>)
+        target_precompile_headers(${owner} PRIVATE <Eigen/Core> <Eigen/Geometry> <algorithm> <array> <cmath>
+            <cstdint> <cstdio> <filesystem> <fstream> <functional> <map> <memory> <optional> <set> <span> <sstream>
+            <string> <thread> <vector>)
     endif()
     target_precompile_headers(${target} REUSE_FROM ${owner})
 endfunction()

@@ -1,5 +1,5 @@
-# What `cmake --install` (make install) puts below PREFIX: programs, libraries with their headers, scenes and instruments, and for
-# other projects a pkg-config file and a CMake package each for the core and for the host:
+# What `cmake --install` (make install) puts below PREFIX: programs, libraries with their headers, scenes and
+# instruments, and for other projects a pkg-config file and a CMake package each for the core and for the host:
 #
 #   find_package(cournand CONFIG REQUIRED)            pkg-config --cflags --libs cournand-core
 #   target_link_libraries(mine cournand::core)        pkg-config --cflags --libs --static cournand-host
@@ -15,8 +15,9 @@ set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/cournand)
 
 # The core: freestanding, for a rig's firmware or a host of one's own. The host: everything that `cournand` is made of.
 set(CRN_CORE_ROOMS firmware/core)
-set(CRN_HOST_ROOMS shared/wire shared/scene firmware/app/safety firmware/app/haptics firmware/app firmware/port/sim host/base host/model host/link host/effects host/stent
-    host/xray/paths host/xray host/xray/style host/xray/gl host/room host/dicom host/patient host/rig host/script host/session
+set(CRN_HOST_ROOMS shared/wire shared/scene firmware/app/safety firmware/app/haptics firmware/app firmware/port/sim
+    host/base host/model host/link host/effects host/stent host/xray/paths host/xray
+    host/xray/style host/xray/gl host/room host/dicom host/patient host/rig host/script host/session
     host/picture host/report)
 
 # Archives as they are linked: each before what it uses.
@@ -25,7 +26,8 @@ function(crn_install_archives rooms name)
     foreach(room ${rooms})
         crn_target_of(target ${room})
         install(TARGETS ${target} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/cournand COMPONENT ${name})
-        file(GLOB headers ${PROJECT_SOURCE_DIR}/${room}/*.h ${PROJECT_SOURCE_DIR}/${room}/*.hpp ${PROJECT_SOURCE_DIR}/${room}/*.def)
+        file(GLOB headers ${PROJECT_SOURCE_DIR}/${room}/*.h ${PROJECT_SOURCE_DIR}/${room}/*.hpp
+            ${PROJECT_SOURCE_DIR}/${room}/*.def)
         install(FILES ${headers} DESTINATION ${include_folder}/${room} COMPONENT ${name})
         string(REPLACE "/" "_" archive ${room})
         list(PREPEND archives ${archive})
@@ -36,7 +38,8 @@ endfunction()
 crn_install_archives("${CRN_CORE_ROOMS}" core)
 crn_install_archives("${CRN_HOST_ROOMS}" host)
 install(FILES shared/version.h DESTINATION ${include_folder}/shared)
-install(FILES firmware/port/port.h firmware/port/port_built.h firmware/port/udc.h DESTINATION ${include_folder}/firmware/port)
+install(FILES firmware/port/port.h firmware/port/port_built.h firmware/port/udc.h
+    DESTINATION ${include_folder}/firmware/port)
 install(FILES firmware/port/mps2_an500/rig_page.h DESTINATION ${include_folder}/firmware/port/mps2_an500)
 install(DIRECTORY shared/examples/instruments shared/examples/sessions shared/examples/stents shared/examples/lesions
     shared/examples/scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/cournand/examples)

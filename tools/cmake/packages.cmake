@@ -1,5 +1,6 @@
-# What a room may name in PACKAGES: a target crn_package_NAME each, found when a room first asks for it, so that nothing is looked
-# for that is not built. A package that is missing ends the configuration and says which Debian package has it.
+# What a room may name in PACKAGES: a target crn_package_NAME each, found when a room first asks for it, so that
+# nothing is looked for that is not built. A package that is missing ends the configuration and says which Debian
+# package has it.
 include_guard()
 
 # NAME -> Debian package, libraries, a header that must be there, and include folders below /usr/include.
@@ -22,7 +23,12 @@ set(CRN_PACKAGE_dl "libc6-dev|dl|dlfcn.h|")
 set(CRN_PACKAGE_math "libc6-dev|m|math.h|")
 set(CRN_PACKAGE_umockdev "libumockdev-dev|umockdev;gobject-2.0;glib-2.0|umockdev.h|umockdev-1.0;glib-2.0")
 set(CRN_PACKAGE_mpi "libopenmpi-dev|mpi|mpi.h|")
-set(CRN_PACKAGE_itk "libinsighttoolkit5-dev|ITKIOGDCM-5.2;ITKIONIFTI-5.2;ITKIONRRD-5.2;ITKIOMeta-5.2;ITKIOImageBase-5.2;ITKSmoothing-5.2;ITKCommon-5.2;itkvnl_algo-5.2;itkvnl-5.2;itksys-5.2|itkImage.h|ITK-5.2")
+set(CRN_ITK "")
+foreach(part IOGDCM IONIFTI IONRRD IOMeta IOImageBase Smoothing Common)
+    list(APPEND CRN_ITK ITK${part}-5.2)
+endforeach()
+set(CRN_PACKAGE_itk
+    "libinsighttoolkit5-dev|${CRN_ITK};itkvnl_algo-5.2;itkvnl-5.2;itksys-5.2|itkImage.h|ITK-5.2")
 
 function(crn_package name)
     if(TARGET crn_package_${name})
@@ -57,12 +63,12 @@ function(crn_package name)
     endif()
     find_path(CRN_HEADER_${name} ${header} PATHS ${include_folders})
     if(NOT CRN_HEADER_${name})
-        message(FATAL_ERROR "${header} is missing: install ${debian} (make run and make test do, from tools/packages.txt)")
+        message(FATAL_ERROR "${header} is missing: install ${debian} (`make` does, from tools/packages.txt)")
     endif()
     foreach(library ${libraries})
         find_library(CRN_LIBRARY_${library} ${library})
         if(NOT CRN_LIBRARY_${library})
-            message(FATAL_ERROR "lib${library} is missing: install ${debian} (make run and make test do, from tools/packages.txt)")
+            message(FATAL_ERROR "lib${library} is missing: install ${debian} (`make` does, from tools/packages.txt)")
         endif()
         target_link_libraries(crn_package_${name} INTERFACE ${library})
     endforeach()

@@ -3,9 +3,9 @@
 #   crn_room(SOURCES a.cpp b.cpp USES host/base shared/wire PACKAGES png TESTS tests/test_a.cpp)
 #   crn_program(cournand SOURCES main.cpp USES host/command)
 #
-# TOGETHER compiles so many sources as one: where each reads the same heavy headers, and no two have a name of their own alike.
-# USES names other rooms by their folder, PACKAGES those of packages.cmake. An include path is always relative to the root.
-# test_layers.py holds what a room may include; the linker holds that USES is complete.
+# TOGETHER compiles so many sources as one: where each reads the same heavy headers, and no two have a name of their
+# own alike. USES names other rooms by their folder, PACKAGES those of packages.cmake. An include path is always
+# relative to the root. test_layers.py holds what a room may include; the linker holds that USES is complete.
 include_guard()
 
 # The folder of the list that is read, relative to the root: "host/model".
@@ -61,7 +61,8 @@ function(crn_room)
     crn_target_of(target ${folder})
     string(REPLACE "/" "_" archive ${folder})
     add_library(${target} STATIC ${ROOM_SOURCES})
-    set_target_properties(${target} PROPERTIES OUTPUT_NAME ${archive} ARCHIVE_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib)
+    set_target_properties(${target} PROPERTIES OUTPUT_NAME ${archive}
+        ARCHIVE_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib)
     crn_flags(${target} "${ROOM_LEVEL}")
     crn_uses(${target} PUBLIC ${ROOM_USES})
     crn_packages(${target} PUBLIC ${ROOM_PACKAGES})
@@ -111,7 +112,8 @@ function(crn_tests)
         add_executable(${target} ${source} ${TEST_EXTRA})
         cmake_path(GET place FILENAME file)
         cmake_path(GET place PARENT_PATH below)
-        set_target_properties(${target} PROPERTIES OUTPUT_NAME ${file} RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/test/${folder}/${below})
+        set_target_properties(${target} PROPERTIES OUTPUT_NAME ${file}
+            RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/test/${folder}/${below})
         crn_flags(${target} "")
         crn_quick(${CRN_TEST_OPT} ${source})
         crn_uses(${target} PRIVATE ${TEST_USES})
@@ -186,6 +188,7 @@ function(crn_fuzz source)
         crn_packages(${target}${kind} PRIVATE ${FUZZ_PACKAGES})
         add_dependencies(crn_fuzzers ${target}${kind})
     endforeach()
-    add_test(NAME fuzz/${name} COMMAND $<TARGET_FILE:${target}> -max_total_time=5 WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
+    add_test(NAME fuzz/${name} COMMAND $<TARGET_FILE:${target}> -max_total_time=5
+        WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
     set_tests_properties(fuzz/${name} PROPERTIES LABELS "product;fuzz")
 endfunction()

@@ -1,6 +1,7 @@
 # What developers of the product run.
 ##@ For developers
-.PHONY: all scene coverage bench format fuzz fuzz-coverage fuzz-corpus compilers matrix budget budget-docs docs-tables docs-pictures gallery dissector sbom
+.PHONY: all scene coverage bench format fuzz fuzz-coverage fuzz-corpus compilers matrix budget
+.PHONY: budget-docs docs-tables docs-pictures gallery dissector sbom
 .PHONY: notice programs-list bars flakes
 N     ?= 30
 LOAD  ?= 4
@@ -8,7 +9,8 @@ LOAD  ?= 4
 all: packages-build+run+tools ## build every program of the product into build/bin
 	$(call build,release,run$(comma)tools,all)
 
-scene: packages-build+tools ## make the anatomy and bake the scene that ships anew, and compare (ACCEPT=1: ship it)
+scene: ## make the anatomy and bake the scene that ships anew, and compare (ACCEPT=1: ship it)
+scene: packages-build+tools
 	$(call build,release,run$(comma)tools,anatomy bake)
 	$(again) $(ANATOMY)
 	@tools/scenes/shipped.py make $(SHIPPED) --anatomy $(ANATOMY) --bake $(BUILD)/bin/bake $(if $(ACCEPT),--accept)
@@ -16,11 +18,13 @@ scene: packages-build+tools ## make the anatomy and bake the scene that ships an
 coverage: packages-build+tools+test+matrix+usb+bench ## lines that the product's tests run: out/coverage.tsv
 	@JOBS=$(JOBS) tools/check/run_coverage.sh
 
-fuzz: packages-build+test ## look for crashing inputs, SECONDS=60 per target (LONG=1: 5 million inputs per target)
+fuzz: ## look for crashing inputs, SECONDS=60 per target (LONG=1: 5 million inputs per target)
+fuzz: packages-build+test
 	$(call build,sanitize,run$(comma)tests,crn_fuzzers)
 	@tools/check/run_fuzz.py --build $(BUILD)/san --jobs $(JOBS) --seconds $(SECONDS) $(if $(LONG),--executions 5000000)
 
-fuzz-coverage: packages-build+test ## the lines that the committed corpora of the fuzz targets run: docs/testing.md
+fuzz-coverage: ## the lines that the committed corpora of the fuzz targets run: docs/testing.md
+fuzz-coverage: packages-build+test
 	$(call build,fuzz-coverage,run$(comma)tests,crn_fuzzers)
 	@tools/check/run_fuzz.py --build $(BUILD)/fuzz-coverage --jobs 1 --coverage
 
@@ -28,7 +32,8 @@ fuzz-corpus: packages-build+test ## what fuzzing has learnt, minimised, becomes 
 	$(call build,sanitize,run$(comma)tests,crn_fuzzers)
 	@tools/check/run_fuzz.py --build $(BUILD)/san --jobs $(JOBS) --keep
 
-compilers: packages-build+run+test ## replay out/demo.rec by gcc -O0, gcc -O3 and clang -O2 and compare the hashes
+compilers: ## replay out/demo.rec by gcc -O0, gcc -O3 and clang -O2 and compare the hashes
+compilers: packages-build+run+test
 	$(call build,release,run,cournand)
 	$(again) $(DEMO_OUT)
 	@JOBS=$(JOBS) tools/check/compare_compilers.sh
@@ -36,13 +41,15 @@ compilers: packages-build+run+test ## replay out/demo.rec by gcc -O0, gcc -O3 an
 matrix: packages-build+test+matrix ## one hash on five machines, gcc and clang, -O0/2/3: docs/determinism.md
 	@tools/check/matrix.py --jobs $(JOBS)
 
-bench: packages-build+run+tools+bench+matrix ## measure; writes out/bench.tsv and prints it (CASES=text: only names with it)
+bench: ## measure; writes out/bench.tsv and prints it (CASES=text: only names with it)
+bench: packages-build+run+tools+bench+matrix
 	$(call build,release,run$(comma)tools,$(TOOLS) crn_benches)
 	$(call build,m7,run,budget_image)
 	$(again) $(SCENE) $(HEART) $(DEMO_OUT)
 	@tools/bench/run_bench.py --build $(BUILD) $(if $(QUICK),--quick) --cases '$(CASES)'
 
-budget: packages-build+matrix+budget ## count the Cortex-M7's instructions, stack and bytes; fails at +3 % (ACCEPT=1: new budget)
+budget: ## count the Cortex-M7's instructions, stack and bytes; fails at +3 % (ACCEPT=1: new budget)
+budget: packages-build+matrix+budget
 	$(call build,release,run$(comma)tools,budget_make)
 	$(call build,m7,run,budget_image)
 	@tools/bench/budget.py --build $(BUILD) $(if $(ACCEPT),--accept)
@@ -50,23 +57,27 @@ budget: packages-build+matrix+budget ## count the Cortex-M7's instructions, stac
 budget-docs: ## write the column "now" of docs/bench.md from firmware/bench/budget.tsv
 	@tools/bench/budget_docs.py --write
 
-bars: packages-build+tools+lab+matrix+budget+bench ## every bar that an issue set, as one table: out/bars.tsv (docs/bars.md)
+bars: ## every bar that an issue set, as one table: out/bars.tsv (docs/bars.md)
+bars: packages-build+tools+lab+matrix+budget+bench
 	$(call build,release,run$(comma)tools$(comma)tests$(comma)lab,budget_make bench_lumen validate hil)
 	$(call build,m7,run,all)
 	$(again) $(SCENE)
 	@tools/bars/bars.py --build $(BUILD) --jobs $(JOBS)
 
-flakes: packages-build+tools+test+usb+hil ## repeat the tests that know time, beside LOAD=4 busy processes: make flakes N=30 TESTS=text
+flakes: ## repeat the tests that know time, beside LOAD=4 busy processes: make flakes N=30 TESTS=text
+flakes: packages-build+tools+test+usb+hil
 	@JOBS=$(JOBS) tools/check/run_tests.sh build
 	@tools/bars/flakes.py --build $(BUILD) --rounds $(N) --load $(LOAD) --jobs $(JOBS) --tests '$(TESTS)'
 
-docs-tables: packages-build ## write the generated tables of docs/wire.md, usb.md, faults.md and instruments.md, and its picture
+docs-tables: ## write the generated tables of docs/wire.md, usb.md, faults.md and instruments.md, and its picture
+docs-tables: packages-build
 	$(call build,release,run$(comma)tools,docs cournand)
 	@$(BUILD)/bin/docs --write
 	@tools/docs/printed.py --write --build $(BUILD)
 	@$(BUILD)/bin/cournand instruments --table docs/instruments.md --png docs/images/instruments.png > /dev/null
 
-docs-pictures: packages-build+run+tools ## make the pictures of README and docs anew, each with its stamp (NAMES=..., minutes)
+docs-pictures: ## make the pictures of README and docs anew, each with its stamp (NAMES=..., minutes)
+docs-pictures: packages-build+run+tools
 	$(call build,release,run$(comma)tools,$(TOOLS))
 	$(again) $(SCENE) $(HEART)
 	@tools/docs/pictures.py --write $(NAMES)
@@ -92,7 +103,7 @@ gallery: packages-build+run ## renew the pictures of docs/gallery.md
 	@$(BUILD)/bin/cournand run --scene $(SCENE) $(RENAL_TOOLS) --session shared/examples/sessions/renal.session \
 	    --quiet --mp4 out/gallery/renal.mp4 > out/gallery/renal.log
 	@ffmpeg -v error -y $(foreach s,$(RENAL_SECONDS),-ss $(s) -i out/gallery/renal.mp4) -filter_complex \
-	    '[0:v]trim=end_frame=1[a];[1:v]trim=end_frame=1[b];[2:v]trim=end_frame=1[c];[3:v]trim=end_frame=1[d];[a][b][c][d]hstack=4' \
+	    "$$(printf '[%d:v]trim=end_frame=1[p%d];' 0 0 1 1 2 2 3 3)[p0][p1][p2][p3]hstack=4" \
 	    -frames:v 1 -q:v 4 docs/images/renal_dsa.jpg && echo "docs/images/renal_dsa.jpg"
 
 dissector: packages-build ## write out/cournand.lua, which lets Wireshark read the wire (docs/wire.md)
@@ -103,11 +114,13 @@ dissector: packages-build ## write out/cournand.lua, which lets Wireshark read t
 
 EVERY_PROGRAM = $(TOOLS) docs vcsim3 validate reference_rod ct calibrate
 SUPPLY = tools/supply/supply.py --build $(BUILD) --programs "$(EVERY_PROGRAM)"
-sbom: packages-build+tools+lab ## list everything that the programs are made of, as SPDX: out/cournand.spdx.json
+sbom: ## list everything that the programs are made of, as SPDX: out/cournand.spdx.json
+sbom: packages-build+tools+lab
 	$(call build,release,run$(comma)tools$(comma)lab,$(EVERY_PROGRAM))
 	@$(SUPPLY) sbom -o out/cournand.spdx.json
 
-notice: packages-build+tools+lab+test+matrix ## renew the list of libraries in NOTICE from what the programs are linked with
+notice: ## renew the list of libraries in NOTICE from what the programs are linked with
+notice: packages-build+tools+lab+test+matrix
 	$(call build,release,run$(comma)tools$(comma)lab,$(EVERY_PROGRAM))
 	@$(SUPPLY) notice --write
 

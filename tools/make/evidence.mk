@@ -6,14 +6,17 @@ LAB = run$(comma)tools$(comma)lab
 lab: packages-build+run+tools+lab ## build every program of tools/lab
 	$(call build,release,$(LAB),all)
 
-test-lab: packages-build+run+tools+lab+test+matrix+usb+bench ## test the evidence: the thesis, calibration, CT, peers, bars, malformed files
+test-lab: ## test the evidence: the thesis, calibration, CT, peers, bars, malformed files
+test-lab: packages-build+run+tools+lab+test+matrix+usb+bench
 	@JOBS=$(JOBS) tools/check/run_tests.sh lab
 
-validate: packages-build+tools+lab ## compare the rod with closed forms; writes out/validation.html and .tsv, renews docs/validation.md
+validate: ## compare the rod with closed forms; writes out/validation.html and .tsv, renews docs/validation.md
+validate: packages-build+tools+lab
 	$(call build,release,$(LAB),validate)
 	@$(BUILD)/bin/validate --jobs $(JOBS) --docs docs/validation.md
 
-validate-centreline: packages-build+tools+test ## recover the stEVE_bench curves from their surface (needs ../shared/anatomy)
+validate-centreline: ## recover the stEVE_bench curves from their surface (needs ../shared/anatomy)
+validate-centreline: packages-build+tools+test
 	$(call build,release,run$(comma)tools$(comma)tests,test_tools_centreline_tests_test_steve)
 	@CRN_WHOLE=1 $(BUILD)/test/tools/centreline/tests/test_steve
 
@@ -49,37 +52,46 @@ LESION_FIGURE := out/thesis/figure_5_10.png
 $(LESION_FIGURE): out/pci_lad.rec tools/lab/figures/figure_5_10.sh $(BUILD)/bin/cournand
 	@mkdir -p $(@D) && tools/lab/figures/figure_5_10.sh $< $@ $(BUILD)
 
-thesis: packages-build+run+tools+lab+bench ## Figures 5.6 to 5.14 of the thesis, by its own rod and by ours: out/thesis/index.html (minutes)
+thesis: ## Figures 5.6 to 5.14 of the thesis, by its own rod and by ours: out/thesis/index.html (minutes)
+thesis: packages-build+run+tools+lab+bench
 	$(call build,release,$(LAB),$(TOOLS) vcsim3)
 	$(again) $(WIRES_FIGURE) $(SCREEN_FIGURE) $(MEDIUM_FIGURE) $(LESION_FIGURE) $(PHANTOM_SCENE) $(LINE_FIGURE)
 	@$(BUILD)/bin/vcsim3 figures --scene $(PHANTOM_SCENE) -o out/thesis --threads $(JOBS) --instructions
 
-# From instrument files to their calibration, without a scan of anybody's: truth by the reference rod, virtual scans, segmentation, fits.
+# From instrument files to their calibration, without a scan of anybody's: truth by the reference rod, virtual scans,
+# segmentation, fits.
 INSTRUMENT  ?= amplatz_super_stiff
 INSTRUMENTS ?=
 PRESET      ?= full
 METHODS     ?= cmaes
 FITS        ?= shape force corde
 TABLE51_OUT ?= out/table51$(if $(filter-out full,$(PRESET)),_$(PRESET))
-table51: packages-build+tools+lab ## Table 5.1 of the thesis, nine instruments fitted: out/table51 (a night; PRESET=quick: an hour, fast: a minute)
+table51: ## Table 5.1 of the thesis: out/table51 (a night; PRESET=quick: an hour, fast: a minute)
+table51: packages-build+tools+lab
 	$(call build,release,$(LAB),anatomy bake reference_rod ct calibrate)
 	$(again) $(ACCESS)
-	@python3 tools/lab/calibrate/table51.py --build $(BUILD) --scene $(ACCESS) --surface $(ACCESS:.scene=.ply) --preset $(PRESET) \
-	    -o $(TABLE51_OUT) --methods $(METHODS) --fits $(FITS) $(if $(INSTRUMENTS),--instruments $(INSTRUMENTS))
+	@python3 tools/lab/calibrate/table51.py --build $(BUILD) --scene $(ACCESS) --surface $(ACCESS:.scene=.ply) \
+	    --preset $(PRESET) -o $(TABLE51_OUT) --methods $(METHODS) --fits $(FITS) \
+	    $(if $(INSTRUMENTS),--instruments $(INSTRUMENTS))
 
-calibrate: ## virtual scans of INSTRUMENT=amplatz_super_stiff in a silicone phantom, segmented and fitted: its row of make table51
+calibrate: ## virtual scans of INSTRUMENT=amplatz_super_stiff, segmented and fitted: its row of make table51
 	@$(MAKE) --no-print-directory table51 INSTRUMENTS=$(INSTRUMENT) FITS="shape force"
 
-bench-peers: packages-build+tools+lab+peers ## the same rod by other simulators (fetched into build/peers) and by ours: out/bench_peers.tsv
+bench-peers: ## the same rod by other simulators (fetched into build/peers) and by ours: out/bench_peers.tsv
+bench-peers: packages-build+tools+lab+peers
 	$(call build,release,$(LAB),peer_rod)
 	@tools/lab/peers/run_peers.py --environment $(BUILD)/peers --ours $(BUILD)/bench/peer_rod
 
-bench-xray-peers: packages-build+tools+lab+xraypeers ## our transmission pictures and gVirtualXray's: out/bench_xray_peers.tsv
+bench-xray-peers: ## our transmission pictures and gVirtualXray's: out/bench_xray_peers.tsv
+bench-xray-peers: packages-build+tools+lab+xraypeers
 	$(call build,release,$(LAB),peer_xray)
 	$(again) $(SCENE:.scene=.bodies)
-	@tools/lab/peers/run_xray_peers.py --environment $(BUILD)/xray_peers --ours $(BUILD)/bench/peer_xray --bodies $(SCENE:.scene=.bodies)
+	@tools/lab/peers/run_xray_peers.py --environment $(BUILD)/xray_peers --ours $(BUILD)/bench/peer_xray \
+	    --bodies $(SCENE:.scene=.bodies)
 
 IMPORTED_FILES ?= 3600
-importers: packages-build+tools+lab+test ## malformed meshes, TOML, scans and centrelines to the readers under sanitizers: out/importers.tsv
+importers: ## malformed meshes, TOML, scans and centrelines to the readers under sanitizers: out/importers.tsv
+importers: packages-build+tools+lab+test
 	$(call build,sanitize-gcc,$(LAB),importers)
-	@tools/importers/importers.py --program $(BUILD)/sanitize-gcc/bin/importers --files $(IMPORTED_FILES) -o out/importers.tsv
+	@tools/importers/importers.py --program $(BUILD)/sanitize-gcc/bin/importers --files $(IMPORTED_FILES) \
+	    -o out/importers.tsv

@@ -1,10 +1,12 @@
 # Firmware, rigs, and the levels of emulation: docs/hil.md, docs/porting.md, docs/rig.md.
 ##@ For rig builders
-.PHONY: firmware firmware-board registers install-udev hil hil-full hil-faults hil-loop hil-emulator hil-machines hil-mock hil-guest hil-rig
+.PHONY: firmware firmware-board registers install-udev hil hil-full hil-faults hil-loop hil-emulator
+.PHONY: hil-machines hil-mock hil-guest hil-rig
 .PHONY: hil-passivity hil-lies soak
 IMAGE_ARGS   = -DCRN_USB_ID=$(USB_ID)
 
-firmware: packages-build+matrix ## build the images for the emulated Cortex-M7 and a real board, and check them: build/firmware
+firmware: ## build the images for the emulated Cortex-M7 and a real board, and check them: build/firmware
+firmware: packages-build+matrix
 	@JOBS=$(JOBS) CMAKE_ARGS="$(IMAGE_ARGS)" tools/build.sh m7 run cournand-mps2_an500 cournand-imxrt1062
 	@tools/bench/image_report.py --build $(BUILD)
 	@tools/bench/image_report.py --build $(BUILD) --port imxrt1062
@@ -13,7 +15,8 @@ firmware-board: packages-build+matrix ## the image for a real board alone (i.MX 
 	@JOBS=$(JOBS) CMAKE_ARGS="$(IMAGE_ARGS)" tools/build.sh m7 run cournand-imxrt1062
 	@tools/bench/image_report.py --build $(BUILD) --port imxrt1062
 
-registers: packages-registers ## hold the board's registers against the crate imxrt-ral (fetched from crates.io)
+registers: ## hold the board's registers against the crate imxrt-ral (fetched from crates.io)
+registers: packages-registers
 	@tools/check/check_registers.py
 
 UDEV_RULES := $(DESTDIR)/etc/udev/rules.d/60-cournand.rules
@@ -21,7 +24,8 @@ install-udev: ## let users of this machine open a rig on USB (as root, or DESTDI
 	@mkdir -p $(dir $(UDEV_RULES))
 	@sed 's/=="1209"/=="$(word 1,$(subst :, ,$(USB_ID)))"/; s/=="0001"/=="$(word 2,$(subst :, ,$(USB_ID)))"/' \
 	    tools/udev/60-cournand.rules > $(UDEV_RULES)
-	@if [ -z "$(DESTDIR)" ]; then udevadm control --reload && udevadm trigger --subsystem-match=usb --subsystem-match=hidraw; fi
+	@if [ -z "$(DESTDIR)" ]; then udevadm control --reload && \
+	    udevadm trigger --subsystem-match=usb --subsystem-match=hidraw; fi
 	@echo "Written: $(UDEV_RULES). Plug the rig out and in."
 
 HIL          := $(BUILD)/bin/hil
@@ -34,8 +38,10 @@ HIL_SPREAD ?= 40
 ON_USB   := BUILD=$(BUILD) HIL=$(BUILD)/hil SECONDS_LED=$(HIL_LED) hil_tests/on_usb.sh
 hil_also  = --also "$(1) $(3) $(ON_USB) $(1) $(2)"
 hil_usb   = $(call hil_also,$(1),checks,libusb_and_hidapi) $(call hil_also,$(1),app,the_whole_app) \
-            $(call hil_also,$(1),cases,the_same_cases_on_the_image) $(call hil_also,$(1),aorta,aorta_session_by_cournand) \
-            $(call hil_also,$(1),free_run,a_session_that_the_rig_leads) $(call hil_also,$(1),unplug,unplugged_in_a_session) \
+            $(call hil_also,$(1),cases,the_same_cases_on_the_image) \
+            $(call hil_also,$(1),aorta,aorta_session_by_cournand) \
+            $(call hil_also,$(1),free_run,a_session_that_the_rig_leads) \
+            $(call hil_also,$(1),unplug,unplugged_in_a_session) \
             $(call hil_also,$(1),two,two_rigs_by_serial_number)
 HIL_PACKAGES := packages-build+run+tools+test+hil+usb+matrix
 define hil_build
@@ -52,7 +58,7 @@ hil: $(HIL_PACKAGES) ## every level of emulation with every case, and the aorta 
 	    --also "L4 one_hash_on_five_machines tools/check/matrix.py --short --jobs $(JOBS)" \
 	    --also "L4 the_app_and_its_wire hil_tests/l4/wire_everywhere.sh"
 
-hil-full: ## make hil with FREE_RUN for a minute everywhere, cases in full at L2 and L3, 520 faults on the image, all under sanitizers
+hil-full: ## make hil with a minute of FREE_RUN, all cases at L2 and L3, 520 faults, all of them sanitized
 	@SHORT="--pause 1" LIMIT=600 STRICT=1 $(MAKE) --no-print-directory hil HIL_LED=60 HIL_FREE=60000 HIL_SPREAD=520
 	$(again) hil-faults
 
@@ -73,24 +79,30 @@ hil-guest: ## level L3: the device behind a real Linux: Debian's kernel in QEMU,
 hil-machines: packages-build+matrix ## level L4: one hash on five machines, and the app with its wire there
 	@tools/check/matrix.py --short --jobs $(JOBS) && hil_tests/l4/wire_everywhere.sh
 
-hil-rig: packages-build+run+tools+test+usb ## the cases that need no plant on a rig of metal: make hil-rig SERIAL=...
+hil-rig: ## the cases that need no plant on a rig of metal: make hil-rig SERIAL=...
+hil-rig: packages-build+run+tools+test+usb
 	$(call build,release,run$(comma)tools$(comma)tests,hil)
 	$(again) $(SCENE)
 	@$(HIL) --level rig --serial "$(SERIAL)" --scene $(SCENE)
 
 # The grid of gain, coupling, damping, lag and hand (docs/haptics.md, "The grid"); make test does a spread of it.
-hil-passivity: packages-build+tools+test+usb ## every combination of gain, coupling, stated damping and lag at an end wall
+hil-passivity: ## every combination of gain, coupling, stated damping and lag at an end wall
+hil-passivity: packages-build+tools+test+usb
 	$(call build,release,run$(comma)tools$(comma)tests,hil_campaign)
 	@$(HIL_CAMPAIGN) --passivity 1 --tsv out/hil_passivity.tsv
 
-hil-lies: packages-build+run+tools+test+usb ## a device sends every command more than 200 false replies each: out/hil_lies.tsv (some minutes)
+hil-lies: ## a device sends every command more than 200 false replies each: out/hil_lies.tsv (some minutes)
+hil-lies: packages-build+run+tools+test+usb
 	$(call build,release,run$(comma)tools$(comma)tests,hil_lies)
 	@$(BUILD)/bin/hil_lies
 
-# HOURS=h of this call, or until SESSIONS and TICKS are reached; SEED= other sessions. A later call with the same seed goes on.
+# HOURS=h of this call, or until SESSIONS and TICKS are reached; SEED= other sessions. A later call with the same seed
+# goes on.
 SOAK_SCENES := $(SCENE) $(HEART) $(PHANTOM_SCENE) out/lad_pci.scene out/renal_pci.scene
-soak: packages-build+run+tools+test+usb ## random sessions over all scenes and instruments, held against bars: HOURS=1 SEED=1 (docs/soak.md)
+soak: ## random sessions over all scenes and instruments, held against bars: HOURS=1 SEED=1 (docs/soak.md)
+soak: packages-build+run+tools+test+usb
 	$(call build,release,run$(comma)tools$(comma)tests,$(TOOLS) soak)
 	$(again) $(SOAK_SCENES)
 	@$(BUILD)/bin/soak --jobs $(JOBS) $(if $(SEED),--seed $(SEED)) $(if $(HOURS),--hours $(HOURS)) \
-	    $(if $(SESSIONS),--sessions $(SESSIONS)) $(if $(TICKS),--ticks $(TICKS)) $(foreach scene,$(SOAK_SCENES),--scene $(scene))
+	    $(if $(SESSIONS),--sessions $(SESSIONS)) $(if $(TICKS),--ticks $(TICKS)) \
+	    $(foreach scene,$(SOAK_SCENES),--scene $(scene))

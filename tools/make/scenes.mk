@@ -47,7 +47,8 @@ REAL_ATLAS := $(REAL_DATA)/hra/VH_M_Blood_Vasculature_Heart.glb
 REAL_LINES := $(foreach side,left right,$(dir $(ANATOMY))real_$(side).csv)
 $(REAL_LINES) &: $(ANATOMY) tools/anatomy/real_coronaries.sh $(BUILD)/bin/centreline
 	@tools/anatomy/real_coronaries.sh $(BUILD)/bin/centreline $(REAL_ATLAS) $(dir $(ANATOMY))
-# The heart's places in the atlas: where its left and right artery leave the aorta, and the farthest of its left ventricle.
+# The heart's places in the atlas: where its left and right artery leave the aorta, and the farthest of its left
+# ventricle.
 REAL_BEAT  := $(dir $(ANATOMY))real_beat/lumen/lumen_00.ply
 $(REAL_BEAT): shared/examples/real_coronaries_lumen.toml shared/examples/centrelines/real_aorta.csv $(REAL_LINES) \
     $(BUILD)/bin/bake $(BUILD)/bin/anatomy
@@ -73,20 +74,24 @@ out/$(1).scene out/$(1).bodies &: $(2) shared/examples/lesions/$(3).toml $(BUILD
 endef
 $(eval $(call diseased,lad_pci,$(HEART_TEXT),lad_middle))
 $(eval $(call diseased,renal_pci,$(ANATOMY),renal_ostium))
-# angioplasty(session, scene, wire balloon guide, stent): film, last picture, figures, score, DICOM runs and recording of a session.
+# angioplasty(session, scene, wire balloon guide, stent): film, last picture, figures, score, DICOM runs and recording
+# of a session.
 PCI_TOOLS = $(foreach tool,$(1),--tool shared/examples/instruments/$(tool).toml)
 define angioplasty
-out/$(1).mp4 out/$(1).png out/$(1).json out/$(1).html out/$(1).rec &: out/$(2).scene shared/examples/sessions/$(1).session \
+out/$(1).mp4 out/$(1).png out/$(1).json out/$(1).html out/$(1).rec &: out/$(2).scene \
+    shared/examples/sessions/$(1).session \
     $(foreach tool,$(3),shared/examples/instruments/$(tool).toml) shared/examples/stents/$(4).toml $(BUILD)/bin/cournand
 	@echo "Running shared/examples/sessions/$(1).session"
 	@rm -rf out/$(1)_dicom
-	@$(BUILD)/bin/cournand run --scene out/$(2).scene $(call PCI_TOOLS,$(3)) --session shared/examples/sessions/$(1).session \
+	@$(BUILD)/bin/cournand run --scene out/$(2).scene $(call PCI_TOOLS,$(3)) \
+	    --session shared/examples/sessions/$(1).session \
 	    --stent shared/examples/stents/$(4).toml --record out/$(1).rec --json out/$(1).json --score out/$(1).html \
 	    --png out/$(1).png --mp4 out/$(1).mp4 --dicom out/$(1)_dicom
 endef
 $(eval $(call angioplasty,pci_lad,lad_pci,coronary_014 balloon_3x20 guide_jl3_6f,coronary_3_0x18))
 $(eval $(call angioplasty,pci_renal,renal_pci,terumo_stiff_angled balloon_6x20 guide_jr4_6f,renal_6_0x18))
-PCI_OUT := $(foreach name,pci_lad pci_renal,out/$(name).mp4 out/$(name).png out/$(name).json out/$(name).html out/$(name).rec)
+PCI_OUT := $(foreach name,pci_lad pci_renal,\
+    out/$(name).mp4 out/$(name).png out/$(name).json out/$(name).html out/$(name).rec)
 
 # --- phantoms: docs/thesis.md, docs/calibrate.md ---
 PHANTOM_TEXT  := $(BUILD)/anatomy/phantom/scene.toml
@@ -108,16 +113,20 @@ $(ACCESS) $(ACCESS:.scene=.ply) &: $(BUILD)/bin/anatomy $(BUILD)/bin/bake
 ##@ For trainees: procedures on film (minutes)
 .PHONY: coronary coronary-real demo-pci
 TOOLS = cournand bake anatomy centreline
-coronary: packages-build+run+tools ## guides take the left and the right coronary artery: out/coronary.mp4, out/coronary_right.mp4
+coronary: ## guides take the left and the right coronary artery: out/coronary.mp4, out/coronary_right.mp4
+coronary: packages-build+run+tools
 	$(call build,release,run$(comma)tools,$(TOOLS))
 	$(again) $(CORONARY_OUT)
 	@echo "Written: $(CORONARY_OUT)"
 
-coronary-real: packages-build+run+tools ## the same in an artery of the Human Reference Atlas (needs ../shared/anatomy)
+coronary-real: ## the same in an artery of the Human Reference Atlas (needs ../shared/anatomy)
+coronary-real: packages-build+run+tools
 	@if [ ! -e $(REAL_ATLAS) ]; then echo "Skipped: $(REAL_ATLAS) is not there (docs/contrast.md)"; else \
-	    JOBS=$(JOBS) tools/build.sh release run,tools $(TOOLS) && $(MAKE) --no-print-directory PACKAGES=skip out/coronary_real.mp4; fi
+	    JOBS=$(JOBS) tools/build.sh release run,tools $(TOOLS) && \
+	    $(MAKE) --no-print-directory PACKAGES=skip out/coronary_real.mp4; fi
 
-demo-pci: packages-build+run+tools ## two angioplasties, LAD and left renal artery: film, DICOM, figures and score in out/
+demo-pci: ## two angioplasties, LAD and left renal artery: film, DICOM, figures and score in out/
+demo-pci: packages-build+run+tools
 	$(call build,release,run$(comma)tools,$(TOOLS))
 	$(again) $(PCI_OUT)
 	@echo "Written: $(PCI_OUT) out/pci_lad_dicom out/pci_renal_dicom"

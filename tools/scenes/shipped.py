@@ -2,10 +2,12 @@
 """Scenes that ship with the project, compressed: unpacked by `make run`, made anew and compared by `make scene`.
 
   shipped.py unpack shared/examples/scenes/aorta.tar.xz -o out
-  shipped.py make shared/examples/scenes/aorta.tar.xz --anatomy build/anatomy/aorta/scene.toml --bake build/bin/bake [--accept]
+  shipped.py make shared/examples/scenes/aorta.tar.xz --anatomy build/anatomy/aorta/scene.toml \\
+      --bake build/bin/bake [--accept]
 
-`make` bakes the anatomy into a temporary folder and compares every file with the one that ships, byte for byte; with --accept the
-new files ship. An archive is the same bytes for the same files. Ends with 1 when a file differs or cannot be read.
+`make` bakes the anatomy into a temporary folder and compares every file with the one that ships, byte for byte;
+with --accept the new files ship. An archive is the same bytes for the same files. Ends with 1 when a file differs
+or cannot be read.
 """
 
 import argparse

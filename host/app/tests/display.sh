@@ -29,9 +29,11 @@ ticks_pass() {
         done
     done
 }
-# A tool that talks to the display gets an answer within seconds, or it asks again: a server that is busy must not end the test.
+# A tool that talks to the display gets an answer within seconds, or it asks again: a server that is busy must not end
+# the test.
 keys() { timeout 10 xdotool "$@" >/dev/null 2>&1 || timeout 10 xdotool "$@"; }
-# The window has the keyboard: it is on the screen, and the server says that keys go to it. Before that, keys go nowhere.
+# The window has the keyboard: it is on the screen, and the server says that keys go to it. Before that, keys go
+# nowhere.
 focus() {
     local id
     for _ in $(seq 600); do # 30 s
@@ -48,7 +50,8 @@ stuck() {
     for status in /proc/[0-9]*/status; do
         grep -zq "DISPLAY=$DISPLAY" "${status%/status}/environ" 2>/dev/null || continue
         echo "$(tr '\0' ' ' <"${status%/status}/cmdline" | cut -c1-60): $(sed -n 's/^State:\t//p' "$status")," \
-            "$(cat "${status%/status}/wchan" 2>/dev/null), call $(cut -d' ' -f1 "${status%/status}/syscall" 2>/dev/null)"
+            "$(cat "${status%/status}/wchan" 2>/dev/null)," \
+            "call $(cut -d' ' -f1 "${status%/status}/syscall" 2>/dev/null)"
     done
 }
 export -f recorded ticks_pass keys focus stuck

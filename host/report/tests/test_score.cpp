@@ -24,12 +24,13 @@ Json good_report()
       "room": {"fluoroscopy_min": 3.0, "total": {"kap_Gy_cm2": 12.0}},
       "contrast": {"injected_ml": 30.0},
       "contact": {"impulse_N_s": 100.0, "force_max_N": 2.0, "time_s": [0.16, 0.32], "force_N": [1.0, 2.0]},
-      "lesions": [{"name": "lad_1", "branch": "LAD", "stenosis_diameter_pct": 75.0, "minimum_diameter_mm": 0.7, "ffr": 0.4,
-                   "after": {"stenosis_diameter_pct": 8.0, "minimum_diameter_mm": 2.7, "ffr": 0.93}}],
+      "lesions": [{"name": "lad_1", "branch": "LAD", "stenosis_diameter_pct": 75.0, "minimum_diameter_mm": 0.7,
+                   "ffr": 0.4, "after": {"stenosis_diameter_pct": 8.0, "minimum_diameter_mm": 2.7, "ffr": 0.93}}],
       "balloon": {"burst_s": null, "curves": {"time_s": [1.0, 1.04, 1.08], "pressure_bar": [0.0, 4.0, 8.0],
-                  "diameter_max_mm": [1.0, 2.9, 3.0], "diameter_min_mm": [1.0, 2.0, 2.9], "wall_force_N": [0.0, 5.0, 9.0]}},
-      "stents": [{"name": "3.0 x 18", "branch": "LAD", "stage": "deployed", "is_lost": false, "opened_s": 1.0, "released_s": 2.0,
-                  "apposed_pct": 99.0, "overstretch_pct": 4.0, "inside_diameter_min_mm": 2.8, "length_now_mm": 17.8,
+                  "diameter_max_mm": [1.0, 2.9, 3.0], "diameter_min_mm": [1.0, 2.0, 2.9],
+                  "wall_force_N": [0.0, 5.0, 9.0]}},
+      "stents": [{"name": "3.0 x 18", "branch": "LAD", "stage": "deployed", "is_lost": false,
+                  "opened_s": 1.0, "released_s": 2.0, "apposed_pct": 99.0, "overstretch_pct": 4.0, "inside_diameter_min_mm": 2.8, "length_now_mm": 17.8,
                   "lesions": [{"name": "lad_1", "missed_before_mm": 0.0, "missed_behind_mm": 0.0}]}]})");
 }
 

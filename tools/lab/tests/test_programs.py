@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The programs of the evidence: each says its version, and an output that cannot be written is refused before the work. Prints TAP."""
+"""The programs of the evidence: each says its version, and an output that cannot be written is refused before the
+work. Prints TAP."""
 
 import os
 import shutil

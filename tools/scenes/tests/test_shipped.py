@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """The scene that ships is the one that the tools make; a broken archive leaves nothing behind. Prints TAP.
 
-The scene is made without its bodies and with few checks, which do not change its bytes; `make scene` compares the bodies too.
+The scene is made without its bodies and with few checks, which do not change its bytes; `make scene` compares the
+bodies too.
 """
 
 import os

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Two builds in two folders give the same bytes, and no program knows the folder that it was built in. Shown by building a set of targets of every kind
-(objects of C and of C++ with debug information, archives, a linked program, a firmware image and its hex file) in two copies of the tree whose paths have
-different lengths; and, of everything that is built here, by looking for this folder's name in the programs. Prints TAP.
+"""Two builds in two folders give the same bytes, and no program knows the folder that it was built in. Shown by
+building a set of targets of every kind (objects of C and of C++ with debug information, archives, a linked
+program, a firmware image and its hex file) in two copies of the tree whose paths have different lengths; and, of
+everything that is built here, by looking for this folder's name in the programs. Prints TAP.
 
-Precompiled headers are left out of the copies, since they take a minute to make (what they do to the bytes is covered by the second part alone),
-and the core is compiled with -O1, which is quicker."""
+Precompiled headers are left out of the copies, since they take a minute to make (what they do to the bytes is
+covered by the second part alone), and the core is compiled with -O1, which is quicker."""
 
 import json
 import os
@@ -18,7 +19,8 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import tree  # noqa: E402
 
 BUILD = os.environ.get("BUILD", "build")
-# Preset, parts and targets of every kind: archives, objects of C and of C++, a linked program, a firmware image and its hex file.
+# Preset, parts and targets of every kind: archives, objects of C and of C++, a linked program, a firmware image and
+# its hex file.
 BUILDS = (
     ("release", "run,tools", ("crn_shared_scene", "crn_firmware_port_sim", "crn_host_base", "docs")),
     ("m7", "run", ("cournand-imxrt1062",)),
