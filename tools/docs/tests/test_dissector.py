@@ -107,7 +107,7 @@ def packets_of_test():
 CLAIMS = [
     ("the_schema_hash_of_a_hello_is_read", 0, "cournand.hello.schema_hash", "81985529216486895"),
     ("a_hand_s_counts_are_signed", 1, "cournand.hand.translation_counts", "-5"),
-    ("the_syringe_s_counts_are_read", 1, "cournand.encoders.syringe_counts", "-2"),
+    ("the_syringe_s_counts_are_read", 1, "cournand.tick_input.syringe_counts", "-2"),
     ("a_step_s_tick_is_read", 1, "cournand.step.tick", "41"),
     ("two_frames_in_one_packet_are_both_read", 2, "_ws.col.Info", "reject, notice"),
     ("a_refusal_has_its_text", 2, "cournand.reject", "WRONG_STATE: not possible in this state (detail: state)"),
