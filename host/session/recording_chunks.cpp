@@ -53,6 +53,7 @@ void ChunkReader::fail(RecordingFault fault, const std::string &text) const
 
 void ChunkReader::read_head(const ChunkRules &rules)
 {
+    position_ = 8; // behind the version
     if (!next(rules, 0)) fail(RecordingFault::truncated, "ends within its header");
     if (kind_ != HEAD) fail(RecordingFault::damaged, "does not begin with a header");
 }

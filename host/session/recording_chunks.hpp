@@ -52,7 +52,7 @@ class ChunkReader
   private:
     std::span<const std::uint8_t> bytes_;
     const std::string &name_;
-    std::size_t position_ = 8;
+    std::size_t position_ = 0;
     std::uint32_t kind_ = 0;
     crn_wire_reader payload_{};
 };
