@@ -80,7 +80,7 @@ class Watch : public crn::SteadySink
   public:
     explicit Watch(const crn::VesselTree &tree) : SteadySink(10), tree_(tree) {}
 
-    void tick(const crn_wire_encoders &, const crn_wire_tick_state &state) override
+    void tick(const crn_wire_tick_input &, const crn_wire_tick_state &state) override
     {
         pressure_kPa = state.balloon_kPa;
         burst = burst || state.balloon_bits != 0;

@@ -157,14 +157,8 @@ static void dispatch(crn_app *app, uint16_t type, const uint8_t *payload, size_t
     case CRN_WIRE_TYPE_input:
         crn_app_input(app, payload, length);
         break;
-    case CRN_WIRE_TYPE_scaffold:
-        crn_app_scaffold(app, payload, length);
-        break;
-    case CRN_WIRE_TYPE_strut:
-        crn_app_strut(app, payload, length);
-        break;
-    case CRN_WIRE_TYPE_rhythm:
-        crn_app_rhythm(app, payload, length);
+    case CRN_WIRE_TYPE_orders:
+        crn_app_orders(app, payload, length);
         break;
     case CRN_WIRE_TYPE_get:
         get(app, payload, length);

@@ -24,7 +24,12 @@ enum {
     CRN_APP_LIVE_BATCH_ticks = 16, /* one `live` frame per 16 ms */
     CRN_APP_LIVE_QUEUE_ticks = 256,
     CRN_APP_EVENT_QUEUE = 32,
-    CRN_APP_RHYTHM_QUEUE = 8, /* what is asked of heart and breath in FREE_RUN, one per tick */
+    /* It holds all ticks of the queue with three tools, and a hundred orders with them. */
+    CRN_APP_LIVE_QUEUE_BYTES =
+        CRN_APP_LIVE_QUEUE_ticks *
+            ((int)CRN_WIRE_BYTES_live_tick - (int)CRN_WIRE_MAX_order_list_items * (int)CRN_WIRE_BYTES_order) +
+        100 * (int)CRN_WIRE_BYTES_order,
+    CRN_APP_ORDER_QUEUE = 8, /* FREE_RUN: ticks to come whose orders have arrived */
     CRN_APP_HASH64_EVERY_ticks = 100,
     CRN_APP_FAULT_MAX = 32,
     CRN_APP_SNAPSHOT_TOOL_BYTES = 108,
@@ -56,9 +61,11 @@ typedef struct crn_app_track {
     uint32_t scale_counts_per_turn;
 } crn_app_track;
 
-/* Messages that wait for room in the pipe to the host. */
+/* Messages that wait for room in the pipe to the host. Ticks wait as the bytes that they have in a `live`, so
+ * that a tick without orders takes no room for them. */
 typedef struct crn_app_queue {
     uint32_t first, count; /* ring of live ticks */
+    uint32_t begin, used;  /* ring of their bytes */
     uint32_t ticks_lost;
     uint32_t event_first, event_count, event_number, events_lost;
     uint16_t nodes_every_ticks;
@@ -66,15 +73,22 @@ typedef struct crn_app_queue {
     bool wants_events, is_picture_due;
     uint32_t pictures_dropped;
     crn_wire_notice events[CRN_APP_EVENT_QUEUE];
-    crn_wire_live_tick ticks[CRN_APP_LIVE_QUEUE_ticks];
+    uint16_t tick_bytes[CRN_APP_LIVE_QUEUE_ticks];
+    uint8_t ticks[CRN_APP_LIVE_QUEUE_BYTES];
 } crn_app_queue;
 
-/* What a tick is asked for besides the hands. */
-typedef struct crn_app_wish {
+/* What a tick is asked for besides the hands: checked, and as the core takes it. */
+typedef struct crn_app_order_set {
     crn_rhythm_order rhythm;
     crn_scaffold scaffold;
     crn_strut_order strut;
-} crn_app_wish;
+} crn_app_order_set;
+
+/* The same for a tick of FREE_RUN, whose `live` also shows the orders to the host. */
+typedef struct crn_app_tick_orders {
+    crn_wire_order_list wire;
+    crn_app_order_set core;
+} crn_app_tick_orders;
 
 /* The conversation with the host. */
 typedef struct crn_app_link {
@@ -110,8 +124,8 @@ typedef struct crn_app_session {
     uint32_t buttons;   /* of the last tick */
     bool has_mailbox;   /* the host has sent an `input` since START */
     crn_app_encoders mailbox;
-    crn_app_wish orders[CRN_APP_RHYTHM_QUEUE]; /* FREE_RUN: of the ticks to come */
-    uint32_t order_count;
+    crn_app_tick_orders orders[CRN_APP_ORDER_QUEUE]; /* FREE_RUN: ring, of the ticks to come */
+    uint32_t order_first, order_count;
     int32_t inflator_raw; /* of the last tick; the pressure stays while nobody reports one */
     crn_upload snapshot_upload;
 } crn_app_session;
@@ -145,8 +159,8 @@ typedef struct crn_app_buffers {
         crn_wire_contacts contacts;
         crn_wire_fault_log fault_log;
         crn_wire_snapshot_chunk snapshot_chunk;
-        crn_wire_live live;
-        crn_instrument tools[CRN_TOOL_MAX]; /* being checked, before anything is answered */
+        crn_instrument tools[CRN_TOOL_MAX];                 /* being checked, before anything is answered */
+        crn_app_order_set orders[CRN_WIRE_MAX_step_inputs]; /* of a step's inputs, until its ticks are done */
     } reply;
     crn_wire_ticks ticks; /* filled tick by tick while other replies go out */
     uint8_t payload[CRN_WIRE_PAYLOAD_MAX];

@@ -65,14 +65,20 @@ void crn_app_set_state(crn_app *app, uint8_t state);
 /* app_session.c: ticks */
 void crn_app_step(crn_app *app, const uint8_t *payload, size_t length);
 void crn_app_input(crn_app *app, const uint8_t *payload, size_t length);
-void crn_app_rhythm(crn_app *app, const uint8_t *payload, size_t length);
-void crn_app_scaffold(crn_app *app, const uint8_t *payload, size_t length);
-void crn_app_strut(crn_app *app, const uint8_t *payload, size_t length);
 void crn_app_log_core_faults(crn_app *app, uint32_t bits);
+
+/* app_orders.c: what a tick is asked for besides the hands */
+void crn_app_orders(crn_app *app, const uint8_t *payload, size_t length);
+/* Checks the orders of one tick and converts them for the core. Returns a refusal code, and in `place` the
+ * place in the list of the order at fault. */
+uint16_t crn_app_orders_take(const crn_app *app, const crn_wire_order_list *list, crn_app_order_set *taken,
+                             uint32_t *place);
+/* Returns the orders of this tick of FREE_RUN; they are valid until the next message. */
+const crn_app_tick_orders *crn_app_orders_next(crn_app *app);
 
 /* app_stream.c: what the device sends unasked, with back-pressure */
 void crn_app_stream(crn_app *app, const uint8_t *payload, size_t length);
-crn_wire_live_tick *crn_app_stream_next(crn_app *app);
+void crn_app_stream_live(crn_app *app, const crn_wire_live_tick *live);
 void crn_app_stream_tick(crn_app *app);
 void crn_app_stream_hash64(crn_app *app);
 void crn_app_stream_flush(crn_app *app);

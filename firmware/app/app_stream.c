@@ -6,6 +6,7 @@
 enum {
     FRAMES_PER_EDGE = 2, /* so that a host that returns does not make a tick late */
     OVERHEAD_BYTES = CRN_WIRE_FRAME_MAX - CRN_WIRE_PAYLOAD_MAX,
+    LIVE_HEAD_BYTES = (int)CRN_WIRE_BYTES_live - (int)CRN_WIRE_MAX_live_ticks * (int)CRN_WIRE_BYTES_live_tick,
 };
 
 static bool has_room(const crn_app *app, size_t payload_bytes)
@@ -15,37 +16,78 @@ static bool has_room(const crn_app *app, size_t payload_bytes)
 
 /* --- ticks --- */
 
-/* Returns the next place in the queue; a full queue loses its oldest tick. */
-crn_wire_live_tick *crn_app_stream_next(crn_app *app)
+/* Appends bytes to the ring, in at most two pieces. */
+static void push_bytes(crn_app_queue *queue, const uint8_t *bytes, uint32_t count)
 {
-    crn_app_queue *queue = &app->queue;
-    if (queue->count == CRN_APP_LIVE_QUEUE_ticks) {
-        crn_app_fault(app, CRN_FAULT_CODE_TICKS_LOST, (int32_t)queue->ticks[queue->first].state.tick, 0);
-        queue->first = (queue->first + 1) % CRN_APP_LIVE_QUEUE_ticks;
-        queue->count--;
-        queue->ticks_lost++;
-    }
-    uint32_t place = (queue->first + queue->count) % CRN_APP_LIVE_QUEUE_ticks;
-    queue->count++;
-    return &queue->ticks[place];
+    const uint32_t end = (queue->begin + queue->used) % CRN_APP_LIVE_QUEUE_BYTES;
+    const uint32_t whole = CRN_APP_LIVE_QUEUE_BYTES - end, first = count < whole ? count : whole;
+    for (uint32_t i = 0; i < first; i++) queue->ticks[end + i] = bytes[i];
+    for (uint32_t i = first; i < count; i++) queue->ticks[i - first] = bytes[i];
+    queue->used += count;
 }
 
+/* Copies the oldest bytes, which stay in the ring. */
+static void peek_bytes(const crn_app_queue *queue, uint8_t *bytes, uint32_t count)
+{
+    const uint32_t whole = CRN_APP_LIVE_QUEUE_BYTES - queue->begin, first = count < whole ? count : whole;
+    for (uint32_t i = 0; i < first; i++) bytes[i] = queue->ticks[queue->begin + i];
+    for (uint32_t i = first; i < count; i++) bytes[i] = queue->ticks[i - first];
+}
+
+static uint32_t bytes_of(const crn_app_queue *queue, uint32_t ticks)
+{
+    uint32_t bytes = 0;
+    for (uint32_t i = 0; i < ticks; i++)
+        bytes += queue->tick_bytes[(queue->first + i) % CRN_APP_LIVE_QUEUE_ticks];
+    return bytes;
+}
+
+static void forget_ticks(crn_app_queue *queue, uint32_t ticks, uint32_t bytes)
+{
+    queue->first = (queue->first + ticks) % CRN_APP_LIVE_QUEUE_ticks;
+    queue->count -= ticks;
+    queue->begin = (queue->begin + bytes) % CRN_APP_LIVE_QUEUE_BYTES;
+    queue->used -= bytes;
+}
+
+static void lose_oldest(crn_app *app)
+{
+    crn_app_queue *queue = &app->queue;
+    uint8_t number[4]; /* the first field of a tick */
+    peek_bytes(queue, number, sizeof number);
+    crn_wire_reader reader = crn_wire_reader_make(number, sizeof number);
+    forget_ticks(queue, 1, bytes_of(queue, 1));
+    queue->ticks_lost++;
+    crn_app_fault(app, CRN_FAULT_CODE_TICKS_LOST, (int32_t)crn_wire_read(&reader, 4), 0);
+}
+
+/* Puts a tick into the queue; a full queue loses its oldest ticks. */
+void crn_app_stream_live(crn_app *app, const crn_wire_live_tick *live)
+{
+    crn_app_queue *queue = &app->queue;
+    crn_wire_writer writer = crn_wire_writer_make(app->buffers.payload, sizeof app->buffers.payload);
+    bool is_encoded = crn_wire_put_live_tick(&writer, live);
+    CRN_REQUIRE(app, is_encoded, writer.length);
+    const uint32_t bytes = (uint32_t)writer.length;
+    while (queue->count == CRN_APP_LIVE_QUEUE_ticks || CRN_APP_LIVE_QUEUE_BYTES - queue->used < bytes)
+        lose_oldest(app);
+    queue->tick_bytes[(queue->first + queue->count++) % CRN_APP_LIVE_QUEUE_ticks] = (uint16_t)bytes;
+    push_bytes(queue, app->buffers.payload, bytes);
+}
+
+/* Sends a `live` of ticks that are encoded already. */
 static bool send_ticks(crn_app *app)
 {
     crn_app_queue *queue = &app->queue;
-    crn_wire_live *live = &app->buffers.reply.live;
-    uint32_t count = queue->count < CRN_APP_LIVE_BATCH_ticks ? queue->count : CRN_APP_LIVE_BATCH_ticks;
-    if (count == 0 || !has_room(app, CRN_WIRE_BYTES_live)) return false;
-    live->ticks_lost = queue->ticks_lost;
-    live->ticks_count = (uint16_t)count;
-    for (uint32_t i = 0; i < count; i++)
-        live->ticks[i] = queue->ticks[(queue->first + i) % CRN_APP_LIVE_QUEUE_ticks];
-    crn_wire_writer writer = crn_wire_writer_make(app->buffers.payload, sizeof app->buffers.payload);
-    bool is_encoded = crn_wire_put_live(&writer, live);
-    CRN_REQUIRE(app, is_encoded, count);
-    if (!crn_app_offer(app, CRN_WIRE_TYPE_live, writer.length)) return false;
-    queue->first = (queue->first + count) % CRN_APP_LIVE_QUEUE_ticks;
-    queue->count -= count;
+    const uint32_t count = queue->count < CRN_APP_LIVE_BATCH_ticks ? queue->count : CRN_APP_LIVE_BATCH_ticks;
+    const uint32_t bytes = bytes_of(queue, count);
+    if (count == 0 || !has_room(app, LIVE_HEAD_BYTES + bytes)) return false;
+    crn_wire_writer writer = crn_wire_writer_make(app->buffers.payload, LIVE_HEAD_BYTES);
+    crn_wire_write(&writer, queue->ticks_lost, 4);
+    crn_wire_write(&writer, count, 2);
+    peek_bytes(queue, app->buffers.payload + LIVE_HEAD_BYTES, bytes);
+    if (!crn_app_offer(app, CRN_WIRE_TYPE_live, LIVE_HEAD_BYTES + bytes)) return false;
+    forget_ticks(queue, count, bytes);
     return true;
 }
 
@@ -128,7 +170,7 @@ void crn_app_stream_flush(crn_app *app)
 void crn_app_stream_clear(crn_app *app)
 {
     crn_app_queue *queue = &app->queue;
-    queue->count = queue->ticks_lost = 0;
+    queue->count = queue->used = queue->ticks_lost = 0;
     queue->is_picture_due = false;
     queue->nodes_due_in = queue->nodes_every_ticks;
 }

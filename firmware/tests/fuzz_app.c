@@ -534,12 +534,12 @@ size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)
         SEED(0x82, 4, 0x81, 23, 0x81, 23, 0x30, 1, 1, 0x81, 9, 0x89, 3, 0x89, 4, 0x86, 0);
     case 12: /* work that takes too long, and a processor that was halted */
         SEED(0x82, 4, 0x8a, 21, 0x81, 3, 0x8a, 120, 0x81, 2, COMMAND(RESET));
-    case 13: /* strut rings in FREE_RUN: two joined, an invalid one, one removed; then back into LOCKSTEP with
-                a snapshot */
-        SEED(0x82, 4, 0x29, 18, 1, 1, 0, 0, 0, 0, 32, 78, 0, 0, 0, 0, 0, 0, 220, 5, 80, 0, 0x29, 18, 2, 0, 0,
-             0, 0, 0, 240, 85, 0, 0, 0, 0, 0, 0, 220, 5, 80, 0, 0x81, 4, 0x29, 18, 65, 0, 0, 0, 0, 0, 0, 0, 0,
-             0, 0, 0, 0, 0, 1, 0, 80, 0, 0x29, 18, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0x81,
-             4, 0x30, 1, 5);
+    case 13: /* orders in FREE_RUN: strut rings, two joined, the first with a heart rate, an invalid one,
+                one removed; then back into LOCKSTEP with a snapshot */
+        SEED(0x82, 4, 0x27, 24, 2, 3, 1, 1, 0, 0, 0, 0, 32, 78, 0, 0, 0, 0, 0, 0, 220, 5, 80, 0, 1, 1, 90, 0,
+             0x27, 20, 1, 3, 2, 0, 0, 0, 0, 0, 240, 85, 0, 0, 0, 0, 0, 0, 220, 5, 80, 0, 0x81, 4, 0x27, 20, 1,
+             3, 65, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 80, 0, 0x27, 20, 1, 3, 1, 0, 0, 0, 0, 0, 0,
+             0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0x81, 4, 0x30, 1, 5);
     default:
         if (index < 19) return tools_seed((uint16_t)(index - 13), bytes);
         return index < 22 ? rig_seed((uint16_t)(index - 18), bytes) : 0;

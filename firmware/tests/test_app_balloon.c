@@ -41,7 +41,7 @@ static void step_at(uint32_t tick, int32_t inflator_raw)
 {
     static crn_wire_step step;
     step = (crn_wire_step){.tick = tick, .inputs_count = 1};
-    step.inputs[0] = (crn_wire_encoders){.hands_count = 1, .inflator_raw = inflator_raw};
+    step.inputs[0] = (crn_wire_tick_input){.hands_count = 1, .inflator_raw = inflator_raw};
     send_step(&step);
     assert_true(client_expect_ticks(&b.host, &ticks));
 }
@@ -92,14 +92,8 @@ static void ask_for_strut(crn_wire_step *step, const crn_wire_strut *strut)
 {
     *step = (crn_wire_step){.tick = 0, .inputs_count = 2};
     for (int k = 0; k < 2; k++) step->inputs[k].hands_count = 1;
-    crn_wire_encoders *input = &step->inputs[1];
-    input->strut_number = strut->number;
-    input->strut_joined = strut->joined;
-    input->strut_x_um = strut->x_um;
-    input->strut_y_um = strut->y_um;
-    input->strut_z_um = strut->z_um;
-    input->strut_inside_um = strut->inside_um;
-    input->strut_thickness_um = strut->thickness_um;
+    step->inputs[1].orders.items_count = 1;
+    step->inputs[1].orders.items[0] = crn_wire_order_of_strut(*strut);
     send_step(step);
 }
 
@@ -107,26 +101,23 @@ static void a_stent_where_no_lesion_is_is_refused_whole(void **state)
 {
     (void)state;
     start_lockstep();
-    static const struct {
-        uint8_t lesion, first, last;
-        uint16_t open;
-    } bad[] = {{1, 0, 0, 1}, {0, 0, 0, 1}, {0, 1, 0, 0}, {255, 0, 255, 65535}};
+    static const crn_wire_scaffold bad[] = {{1, 0, 0, 1}, {0, 0, 0, 1}, {0, 1, 0, 0}, {255, 0, 255, 65535}};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         static crn_wire_step step;
         step = (crn_wire_step){.tick = 0, .inputs_count = 2};
         for (int k = 0; k < 2; k++) step.inputs[k].hands_count = 1;
-        step.inputs[1].scaffold_lesion = bad[i].lesion;
-        step.inputs[1].scaffold_first = bad[i].first;
-        step.inputs[1].scaffold_last = bad[i].last;
-        step.inputs[1].scaffold_open_q15 = bad[i].open;
+        step.inputs[1].orders.items_count = 1;
+        step.inputs[1].orders.items[0] = crn_wire_order_of_scaffold(bad[i]);
         send_step(&step);
         assert_true(client_expect_reject(&b.host, &reject));
-        assert_int_equal(reject.code, CRN_REJECT_SCAFFOLD_RANGE);
+        assert_int_equal(reject.code, CRN_REJECT_ORDER_RANGE);
+        assert_int_equal(reject.detail1, CRN_WIRE_KIND_scaffold);
+        assert_int_equal(reject.detail2, 256);
         assert_int_equal(bench_status(&b).tick, 0);
     }
 }
 
-/* A ring of struts needs no scene. An invalid ring is refused, with number and radius, before any tick is
+/* A ring of struts needs no scene. An invalid ring is refused, with its kind and place, before any tick is
  * done. */
 static void struts_that_are_none_are_refused_whole(void **state)
 {
@@ -139,9 +130,9 @@ static void struts_that_are_none_are_refused_whole(void **state)
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         ask_for_strut(&step, &bad[i]);
         assert_true(client_expect_reject(&b.host, &reject));
-        assert_int_equal(reject.code, CRN_REJECT_STRUT_RANGE);
-        assert_int_equal(reject.detail1, bad[i].number);
-        assert_int_equal(reject.detail2, bad[i].inside_um);
+        assert_int_equal(reject.code, CRN_REJECT_ORDER_RANGE);
+        assert_int_equal(reject.detail1, CRN_WIRE_KIND_strut);
+        assert_int_equal(reject.detail2, 256);
         assert_int_equal(bench_status(&b).tick, 0);
     }
     ask_for_strut(&step, &(crn_wire_strut){64, 0, 0, -1900000, 0, 1500, 80});
@@ -151,11 +142,9 @@ static void struts_that_are_none_are_refused_whole(void **state)
 
 static void place_ring(uint8_t number, uint16_t inside_um)
 {
-    static uint8_t payload[CRN_WIRE_BYTES_strut];
-    const crn_wire_strut strut = {number, number < 3, 0, 20000 + 2000 * number, 0, inside_um, 80};
-    crn_wire_writer writer = crn_wire_writer_make(payload, sizeof payload);
-    assert_true(crn_wire_put_strut(&writer, &strut));
-    client_send(&b.host, CRN_WIRE_TYPE_strut, payload, writer.length);
+    const crn_wire_order order = crn_wire_order_of_strut(
+        (crn_wire_strut){number, number < 3, 0, 20000 + 2000 * number, 0, inside_um, 80});
+    client_orders(&b.host, &order, 1);
 }
 
 static void place_rings(int ms)
@@ -174,11 +163,11 @@ static void struts_of_free_run_replay_in_lockstep_bit_for_bit(void **state)
     start_free_run();
     const uint32_t count = record(place_rings);
     uint32_t rings = 0;
-    for (uint32_t i = 0; i < count; i++) rings += session[i].input.strut_number != 0;
+    for (uint32_t i = 0; i < count; i++) rings += session[i].input.orders.items_count;
     assert_int_equal(rings, 4);
     place_ring(64, 199);
     assert_true(client_expect_reject(&b.host, &reject));
-    assert_int_equal(reject.code, CRN_REJECT_STRUT_RANGE);
+    assert_int_equal(reject.code, CRN_REJECT_ORDER_RANGE);
     replays(count);
 }
 

@@ -36,7 +36,7 @@ static const crn_wire_tool_state *step_to(int32_t translation, int32_t rotation)
     uint8_t payload[64];
     static crn_wire_step step;
     step = (crn_wire_step){.tick = tick_now++, .inputs_count = 1};
-    step.inputs[0] = (crn_wire_encoders){.hands_count = 1, .hands = {{translation, rotation}}};
+    step.inputs[0] = (crn_wire_tick_input){.hands_count = 1, .hands = {{translation, rotation}}};
     crn_wire_writer writer = crn_wire_writer_make(payload, sizeof payload);
     assert_true(crn_wire_put_step(&writer, &step));
     client_send(host, CRN_WIRE_TYPE_step, payload, writer.length);

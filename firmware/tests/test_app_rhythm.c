@@ -16,11 +16,8 @@ static crn_wire_reject reject;
 
 static void ask(uint8_t action, uint16_t value)
 {
-    const crn_wire_rhythm order = {action, value};
-    uint8_t payload[CRN_WIRE_BYTES_rhythm];
-    crn_wire_writer writer = crn_wire_writer_make(payload, sizeof payload);
-    assert_true(crn_wire_put_rhythm(&writer, &order));
-    client_send(&b.host, CRN_WIRE_TYPE_rhythm, payload, writer.length);
+    const crn_wire_order order = crn_wire_order_of_rhythm((crn_wire_rhythm){action, value});
+    client_orders(&b.host, &order, 1);
 }
 
 /* One tick in LOCKSTEP with an order; its result is in `ticks`. */
@@ -28,7 +25,9 @@ static void step_asking(uint32_t tick, uint8_t action, uint16_t value)
 {
     static crn_wire_step step;
     step = (crn_wire_step){.tick = tick, .inputs_count = 1};
-    step.inputs[0] = (crn_wire_encoders){.hands_count = 1, .rhythm_action = action, .rhythm_value = value};
+    step.inputs[0] = (crn_wire_tick_input){.hands_count = 1};
+    step.inputs[0].orders.items_count = action != 0;
+    step.inputs[0].orders.items[0] = crn_wire_order_of_rhythm((crn_wire_rhythm){action, value});
     send_step(&step);
 }
 
@@ -59,13 +58,13 @@ static void a_batch_with_one_bad_request_is_refused_whole(void **state)
         static crn_wire_step step;
         step = (crn_wire_step){.tick = 0, .inputs_count = 20};
         for (int k = 0; k < 20; k++) step.inputs[k].hands_count = 1;
-        step.inputs[12].rhythm_action = bad[i].action;
-        step.inputs[12].rhythm_value = bad[i].value;
+        step.inputs[12].orders.items_count = 1;
+        step.inputs[12].orders.items[0] = crn_wire_order_of_rhythm(bad[i]);
         send_step(&step);
         assert_true(client_expect_reject(&b.host, &reject));
-        assert_int_equal(reject.code, CRN_REJECT_RHYTHM_RANGE);
-        assert_int_equal(reject.detail1, bad[i].action);
-        assert_int_equal(reject.detail2, bad[i].value);
+        assert_int_equal(reject.code, CRN_REJECT_ORDER_RANGE);
+        assert_int_equal(reject.detail1, CRN_WIRE_KIND_rhythm);
+        assert_int_equal(reject.detail2, 256 * 12);
         assert_int_equal(bench_status(&b).tick, 0);
     }
 }
@@ -88,15 +87,15 @@ static void a_request_in_the_wrong_mode_state_or_range_is_refused(void **state)
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         ask(bad[i].action, bad[i].value);
         assert_true(client_expect_reject(&b.host, &reject));
-        assert_int_equal(reject.code, CRN_REJECT_RHYTHM_RANGE);
+        assert_int_equal(reject.code, CRN_REJECT_ORDER_RANGE);
     }
-    for (int i = 0; i < CRN_APP_RHYTHM_QUEUE; i++) {
+    for (int i = 0; i < CRN_APP_ORDER_QUEUE; i++) {
         ask(CRN_WIRE_RHYTHM_HEART_RATE, (uint16_t)(80 + i));
         assert_true(client_expect_status(&b.host, &status));
     }
     ask(CRN_WIRE_RHYTHM_HEART_RATE, 90);
     assert_true(client_expect_reject(&b.host, &reject));
-    assert_int_equal(reject.code, CRN_REJECT_RHYTHM_FULL);
+    assert_int_equal(reject.code, CRN_REJECT_ORDER_FULL);
 }
 
 static void ask_now_and_then(int ms)
@@ -117,7 +116,7 @@ static void requests_of_free_run_replay_in_lockstep_bit_for_bit(void **state)
     uint32_t asked = 0, last = 0;
     assert_true(count > 350);
     for (uint32_t i = 0; i < count; i++) {
-        if (session[i].input.rhythm_action == 0) continue;
+        if (session[i].input.orders.items_count == 0) continue;
         if (++asked == 2) assert_int_equal(i, last + 1);
         last = i;
     }

@@ -88,7 +88,7 @@ class Host
         }
         while (link_->tick() < lockstep_ticks) {
             const std::uint32_t tick = link_->tick();
-            const crn_wire_encoders input = sample_input(tick);
+            const crn_wire_tick_input input = sample_input(tick);
             meet(tick);
             const crn_wire_tick_state state = link_->step({&input, 1}, false).front();
             check(state.tick == tick + 1, "tick %u came as %u", unsigned{tick + 1}, unsigned{state.tick});

@@ -60,7 +60,7 @@ AortaRun run_aorta(crn::Transport &pipe, const AortaFiles &files, std::uint32_t 
     crn::SessionPlayer player(session, 1, &vessels->map());
     const std::uint32_t batch = instructions ? 1 : crn::SessionPlayer::observe_every_ticks;
     const Clock::time_point begin = Clock::now();
-    std::vector<crn_wire_encoders> inputs;
+    std::vector<crn_wire_tick_input> inputs;
     double inserted_m = 0.0;
     while (!player.is_done() && link.tick() < ticks_max && !crn::is_interrupted()) {
         inputs.clear();

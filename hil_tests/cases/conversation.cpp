@@ -89,10 +89,10 @@ void set_up(crn::Link &link)
     link.set_rig(plant_rig());
 }
 
-crn_wire_encoders sample_input(std::uint32_t tick)
+crn_wire_tick_input sample_input(std::uint32_t tick)
 {
     const auto t = static_cast<std::int32_t>(tick);
-    crn_wire_encoders input{};
+    crn_wire_tick_input input{};
     input.hands_count = 1;
     input.hands[0].translation_counts = t < 300 ? 200 * t : 60000 - 50 * (t - 300);
     input.hands[0].rotation_counts = 40 * t;
@@ -106,7 +106,7 @@ Ending lockstep_session(crn::Link &link, std::uint32_t ticks, std::uint32_t batc
     link.use_lockstep();
     link.arm();
     link.start();
-    std::vector<crn_wire_encoders> inputs;
+    std::vector<crn_wire_tick_input> inputs;
     while (link.tick() < ticks) {
         inputs.clear();
         for (std::uint32_t i = 0; i < batch && link.tick() + i < ticks; i++)

@@ -30,7 +30,7 @@ crn_wire_rig plant_rig();
 void set_up(crn::Link &link);
 
 // The input of tick `i` of the sample session: in, turned, back out.
-crn_wire_encoders sample_input(std::uint32_t tick);
+crn_wire_tick_input sample_input(std::uint32_t tick);
 
 // `ticks` ticks in LOCKSTEP in batches, from ARM on; `between` runs after every batch.
 Ending lockstep_session(crn::Link &link, std::uint32_t ticks, std::uint32_t batch,

@@ -89,7 +89,7 @@ void pedals_syringe_and_inflator_reach_the_host(Level &level, const CaseOptions 
         plant.inflator_raw = 2000 * ++changes;
         keep_running(link, 16);
         check(!link.live_ticks().empty(), "no tick within 16 ms");
-        const crn_wire_encoders &input = link.live_ticks().back().input;
+        const crn_wire_tick_input &input = link.live_ticks().back().input;
         check(input.buttons == pressed, "pedals %u, not %u", unsigned{input.buttons}, unsigned{pressed});
         check(input.syringe_counts == plant.syringe_counts, "syringe %d, not %d", int{input.syringe_counts},
               int{plant.syringe_counts});

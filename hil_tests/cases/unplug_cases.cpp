@@ -136,7 +136,7 @@ class Traveller
 
     Ending finish(std::uint32_t ticks)
     {
-        std::vector<crn_wire_encoders> inputs;
+        std::vector<crn_wire_tick_input> inputs;
         while (link_->tick() < ticks) {
             if (link_->tick() >= ticks / 2) pull(1);
             inputs.clear();

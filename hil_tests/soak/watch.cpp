@@ -39,7 +39,7 @@ void Watch::hold(const char *bar, double value, double most, const char *unit, s
     throw Enough{bar, std::string(bar) + sentence(" of %.4g %s, at most %.4g %s", value, most, unit), tick};
 }
 
-void Watch::tick(const crn_wire_encoders &, const crn_wire_tick_state &state)
+void Watch::tick(const crn_wire_tick_input &, const crn_wire_tick_state &state)
 {
     seen_tick_ = state.tick;
     worst_.ticks = state.tick;

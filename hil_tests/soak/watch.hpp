@@ -22,7 +22,7 @@ class Watch final : public crn::FrameSink
     Watch(const TrialSettings &settings, const crn::PatientContrast &contrast,
           std::function<crn_wire_fault_log()> log);
 
-    void tick(const crn_wire_encoders &input, const crn_wire_tick_state &state) override;
+    void tick(const crn_wire_tick_input &input, const crn_wire_tick_state &state) override;
     std::uint32_t next_tick() const override;
     void frame(const crn::SessionFrame &frame) override;
 

@@ -143,7 +143,7 @@ class Window
             keys_.lead(session_->hands());
             session_->inflate(keys_.inflation_kPa_per_s());
             for (const RoomCommand &command : keys_.take_commands()) session_->command(command);
-            for (const RhythmOrder &order : keys_.take_orders()) session_->order(order);
+            for (const crn_wire_order &order : keys_.take_orders()) session_->order(order);
             session_->advance(pace.ticks_due());
             tell_fault();
             annotate();

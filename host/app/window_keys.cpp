@@ -271,7 +271,7 @@ void WindowKeys::take_switch(int key)
 void WindowKeys::take_rhythm(int key)
 {
     const auto order = [&](std::uint8_t action, int value) {
-        orders_.push_back({action, static_cast<std::uint16_t>(value)});
+        orders_.push_back(crn_wire_order_of_rhythm({action, static_cast<std::uint16_t>(value)}));
     };
     switch (key) {
     case GLFW_KEY_4:

@@ -3,7 +3,7 @@
 #include "host/picture/screen.hpp"
 #include "host/room/room_screen.hpp"
 #include "host/script/hand_motion.hpp"
-#include "host/script/rhythm_order.hpp"
+#include "host/script/rhythm.hpp"
 #include <span>
 #include <string>
 #include <utility>
@@ -34,7 +34,7 @@ class WindowKeys
     // Returns the commands for the room since the last call, pedals included.
     std::vector<RoomCommand> take_commands();
     // What heart and breath are asked for.
-    std::vector<RhythmOrder> take_orders() { return std::exchange(orders_, {}); }
+    std::vector<crn_wire_order> take_orders() { return std::exchange(orders_, {}); }
     bool shows_help() const { return shows_help_; }
     bool wants_end() const { return wants_end_; }
     bool take_reset(); // true once after the key R
@@ -60,7 +60,7 @@ class WindowKeys
     std::size_t tool_count_, chosen_tool_ = 0;
     bool moves_all_ = false;
     std::vector<RoomCommand> commands_;
-    std::vector<RhythmOrder> orders_;
+    std::vector<crn_wire_order> orders_;
     int heart_rate_per_min_ = 70; // as at the core's start
     bool is_asystole_ = false, holds_breath_ = false;
     bool shows_help_, is_control_down_ = false, is_shift_down_ = false;

@@ -76,11 +76,11 @@ void LiveSession::command(const RoomCommand &command)
     pass((choice_.free_run ? led_tick_ : device_.link().tick()) + 1, command);
 }
 
-void LiveSession::order(const RhythmOrder &order)
+void LiveSession::order(const crn_wire_order &order)
 {
-    if (!choice_.free_run) return rhythm_.add(order);
+    if (!choice_.free_run) return orders_.add(order);
     try {
-        if (fault_.empty()) device_.ask([&](Link &link) { link.ask_rhythm(order.action, order.value); });
+        if (fault_.empty()) device_.ask([&](Link &link) { link.give_orders({1, {order}}); });
     } catch (const LinkError &error) {
         fault_ = error.what();
     }
@@ -138,7 +138,7 @@ void LiveSession::batch(std::uint32_t count)
     Link &link = device_.link();
     inputs_.clear();
     for (std::uint32_t i = 0; i < count; ++i) {
-        crn_wire_encoders input{};
+        crn_wire_tick_input input{};
         input.hands_count = static_cast<std::uint16_t>(hands_.size());
         input.buttons = buttons_;
         for (std::size_t k = 0; k < hands_.size(); ++k) {
@@ -148,8 +148,9 @@ void LiveSession::batch(std::uint32_t count)
         inflator_milli_kPa_ =
             std::clamp(inflator_milli_kPa_ + inflation_kPa_per_s_, 0, inflator_max_kPa * 1000);
         input.inflator_raw = inflator_milli_kPa_ / 1000;
-        rhythm_.put_next(input);
-        inputs_.push_back(with_order(grip_.hold(input), *patient_));
+        orders_.move_into(input.orders);
+        patient_->give_orders(input.orders);
+        inputs_.push_back(grip_.hold(input));
     }
     const bool is_picture_due = link.tick() + count == pictures_.next_tick();
     const auto states = device_.step(inputs_, is_picture_due);
@@ -179,7 +180,7 @@ void LiveSession::advance_rig(std::uint32_t ticks)
         recorder_->hash(hash->tick, hash->hash);
     }
     if (device_.link().nodes().tick != shown) picture();
-    send_order(device_.link(), *patient_);
+    send_orders(device_.link(), *patient_);
     if (figures_.range.is_left()) stop_out_of_range();
 }
 
@@ -234,7 +235,7 @@ void LiveSession::record_state()
 
 void LiveSession::picture()
 {
-    const crn_wire_encoders input = inputs_.empty() ? crn_wire_encoders{} : inputs_.back();
+    const crn_wire_tick_input input = inputs_.empty() ? crn_wire_tick_input{} : inputs_.back();
     frame_ = session_frame(device_, state_, input);
     const Presence presence(choice_.free_run && device_.has_its_own_clock() ? &device_.link() : nullptr);
     patient_->look(frame_.wire);
@@ -252,7 +253,7 @@ void LiveSession::finish()
             link.read_nodes();
             faults_ = link.read_fault_log();
         });
-        frame_ = session_frame(device_, state_, inputs_.empty() ? crn_wire_encoders{} : inputs_.back());
+        frame_ = session_frame(device_, state_, inputs_.empty() ? crn_wire_tick_input{} : inputs_.back());
     } catch (const LinkError &) {
         if (fault_.empty()) throw; // after a fault the recording ends where the device disappeared
     }

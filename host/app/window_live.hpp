@@ -2,10 +2,10 @@
 // reset makes a new one. A device in FREE_RUN sets its own pace: its encoders are the hands; the pedals of a
 // rig work in addition to the keys.
 #pragma once
+#include "host/model/order_queue.hpp"
 #include "host/picture/session_pictures.hpp"
 #include "host/rig/pedals.hpp"
 #include "host/script/hand_motion.hpp"
-#include "host/script/rhythm_order.hpp"
 #include "host/session/device.hpp"
 #include "host/session/hand_grip.hpp"
 #include "host/session/range_watch.hpp"
@@ -34,7 +34,7 @@ class LiveSession final : private FreeRunSink
     void inflate(std::int32_t kPa_per_s);
     void choose_tool(std::size_t tool, bool all); // marked in the display
     void command(const RoomCommand &command);     // in force from the next tick on; recorded
-    void order(const RhythmOrder &order);         // for heart and breath, in the next tick
+    void order(const crn_wire_order &order);      // for the next tick
     // Advances by `ticks` ticks; pictures are made when they are due. Returns false when the device stopped;
     // fault() gives the reason.
     bool advance(std::uint32_t ticks);
@@ -81,11 +81,11 @@ class LiveSession final : private FreeRunSink
     const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
     RigPedals rig_pedals_;
     RigSyringe rig_syringe_;
-    RhythmOrders rhythm_;
+    OrderQueue orders_;
     const bool has_balloon_;
     std::int32_t inflation_kPa_per_s_ = 0, inflator_milli_kPa_ = 0; // 1/1000 kPa
     std::uint32_t buttons_ = 0; // pedals pressed by key, as a rig would send them
-    std::vector<crn_wire_encoders> inputs_;
+    std::vector<crn_wire_tick_input> inputs_;
     crn_wire_tick_state state_{};
     SessionFrame frame_;
     std::uint32_t hash_tick_ = 0;

@@ -179,8 +179,17 @@ void add_replay(CLI::App &app, ReplayOptions &options)
     command->add_option("--score", options.score,
                         "Write what the angioplasty is worth, as one HTML page (docs/score.md)");
     add_pictures(*command, options.pictures);
+    CLI::Option *upgrade =
+        command->add_flag("--upgrade", options.upgrades,
+                          "Play nothing: convert a recording of an older version, and write it with -o");
+    CLI::Option *output = command->add_option("-o,--output", options.upgraded, "The converted recording");
+    upgrade->needs(output);
+    output->needs(upgrade);
+    for (const char *other : {"--verify", "--json", "--score", "--png", "--mp4"})
+        upgrade->excludes(command->get_option(other));
     command->footer("Examples:\n  cournand replay out/demo.rec --verify\n  cournand replay out/demo.rec "
                     "--speed slow --from 12.5\n"
+                    "  cournand replay --upgrade old.rec -o new.rec\n"
                     "  cournand replay out/demo.rec --dicom out/demo_dicom --size 1024");
 }
 

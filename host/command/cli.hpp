@@ -29,6 +29,8 @@ struct RunOptions {
 struct ReplayOptions {
     std::string recording, scene, speed = "fast", json, score;
     bool verify = false;
+    bool upgrades = false; // nothing is played: an older recording is written in this version as `upgraded`
+    std::string upgraded;
     double from_s = 0.0;
     PictureSettings pictures;
 };

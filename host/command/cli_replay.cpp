@@ -6,6 +6,7 @@
 #include "host/patient/patient.hpp"
 #include "host/picture/session_pictures.hpp"
 #include "host/report/session_summary.hpp"
+#include "host/session/recording_upgrade.hpp"
 #include "host/session/replay.hpp"
 #include <algorithm>
 #include <cstdio>
@@ -96,10 +97,22 @@ int print_result(const Recording &recording, const ReplayOptions &options, const
     return exit_of_range(result.figures.range);
 }
 
+int upgrade(const ReplayOptions &options)
+{
+    check_outputs({{"the recording", options.recording}}, {{"--output", options.upgraded}});
+    const Recording recording = upgrade_recording(options.recording, options.upgraded);
+    say(stdout, "Written: %s, %zu ticks; cournand replay %s --verify shows that it ends with the same hash\n",
+        options.upgraded.c_str(), recording.ticks.size(), options.upgraded.c_str());
+    if (!recording.is_complete)
+        std::printf("the recording was cut off; it is whole up to tick %zu\n", recording.ticks.size());
+    return 0;
+}
+
 } // namespace
 
 int command_replay(const ReplayOptions &options)
 {
+    if (options.upgrades) return upgrade(options);
     check_outputs({{"the recording", options.recording},
                    {"--scene", options.scene},
                    {"--bodies", options.pictures.bodies_path}},

@@ -228,7 +228,7 @@ void Link::set_stream(const crn_wire_stream &stream)
 
 // --- ticks ---
 
-std::span<const crn_wire_tick_state> Link::step(std::span<const crn_wire_encoders> inputs, bool want_nodes)
+std::span<const crn_wire_tick_state> Link::step(std::span<const crn_wire_tick_input> inputs, bool want_nodes)
 {
     if (inputs.empty() || inputs.size() > steps_max) {
         throw LinkError(format("a step takes 1 .. %zu inputs, not %zu", steps_max, inputs.size()));
@@ -254,29 +254,17 @@ std::span<const crn_wire_tick_state> Link::step(std::span<const crn_wire_encoder
     return {ticks_.states, ticks_.states_count};
 }
 
-void Link::send_input(const crn_wire_encoders &encoders)
+void Link::send_input(const crn_wire_tick_input &input)
 {
-    const crn_wire_input message = {encoders};
+    const crn_wire_input message = {input};
     send_message(CRN_WIRE_TYPE_input, message, crn_wire_put_input);
-    last_input_ = encoders;
+    last_input_ = input;
 }
 
-void Link::ask_rhythm(std::uint8_t action, std::uint16_t value)
+void Link::give_orders(const crn_wire_order_list &orders)
 {
-    const crn_wire_rhythm order = {action, value};
-    send_message(CRN_WIRE_TYPE_rhythm, order, crn_wire_put_rhythm);
-    receive_answer(CRN_WIRE_TYPE_status);
-}
-
-void Link::hold_open(const crn_wire_scaffold &scaffold)
-{
-    send_message(CRN_WIRE_TYPE_scaffold, scaffold, crn_wire_put_scaffold);
-    receive_answer(CRN_WIRE_TYPE_status);
-}
-
-void Link::place_strut(const crn_wire_strut &strut)
-{
-    send_message(CRN_WIRE_TYPE_strut, strut, crn_wire_put_strut);
+    const crn_wire_orders message = {orders};
+    send_message(CRN_WIRE_TYPE_orders, message, crn_wire_put_orders);
     receive_answer(CRN_WIRE_TYPE_status);
 }
 

@@ -72,23 +72,19 @@ class Link
 
     // LOCKSTEP: advances one tick per input. The result is valid until the next call. A fault makes it
     // shorter; it throws after taking over the finished ticks (tick() gives the last one).
-    std::span<const crn_wire_tick_state> step(std::span<const crn_wire_encoders> inputs, bool want_nodes);
+    std::span<const crn_wire_tick_state> step(std::span<const crn_wire_tick_input> inputs, bool want_nodes);
     std::uint32_t tick() const { return tick_; }
 
     // FREE_RUN: sends the newest input, lets time pass and takes what the device sends meanwhile. While time
     // passes the host sends a heartbeat with the last input at least every heartbeat_ms: after 30 ms of
     // silence the device fades the forces.
     static constexpr std::uint32_t heartbeat_ms = 10;
-    void send_input(const crn_wire_encoders &encoders);
-    void say_present(); // one heartbeat; nothing is received
+    void send_input(const crn_wire_tick_input &input); // without orders
+    void say_present();                                // one heartbeat; nothing is received
     std::vector<crn_wire_tick_state> free_run(std::uint32_t milliseconds);
-    // FREE_RUN: the next tick asks this of heart and breath (CRN_WIRE_RHYTHM_*); in LOCKSTEP the input itself
-    // does.
-    void ask_rhythm(std::uint8_t action, std::uint16_t value);
-    // FREE_RUN: stations of a lesion are held open from the next tick on (docs/lesions.md); `lesion` is 1 and
-    // its number. Throws LinkError.
-    void hold_open(const crn_wire_scaffold &scaffold);
-    void place_strut(const crn_wire_strut &strut); // FREE_RUN: a ring of a stent's struts, as well
+    // FREE_RUN: the next tick without orders carries these out; in LOCKSTEP they are in its input. The list
+    // has at least one. Throws LinkError.
+    void give_orders(const crn_wire_order_list &orders);
     // Return the same ticks with their inputs, sensors and flags, also after an exception; and the events
     // since the last call.
     const std::vector<crn_wire_live_tick> &live_ticks() const { return live_ticks_; }
@@ -154,7 +150,7 @@ class Link
     std::vector<crn_wire_notice> notices_;
     crn_wire_live live_{};
     std::uint32_t ticks_missing_ = 0;
-    std::optional<crn_wire_encoders> last_input_;
+    std::optional<crn_wire_tick_input> last_input_;
     bool has_spoken_ = false; // since the last heartbeat was due
     crn_wire_rig rig_{};
     crn_wire_set_up set_up_{};

@@ -61,7 +61,7 @@ void Patient::carry_out(std::uint32_t tick, const RoomCommand &command)
     if (!refused.empty()) notice_ = {refused, tick};
 }
 
-void Patient::tick(const crn_wire_encoders &input, const crn_wire_tick_state &state)
+void Patient::tick(const crn_wire_tick_input &input, const crn_wire_tick_state &state)
 {
     monitor_.tick(state);
     const std::size_t refusals = contrast_.refusals().size();
@@ -125,14 +125,9 @@ std::span<const MovedBody> Patient::bodies_at(const WireFrame &wire)
     return moved_;
 }
 
-std::optional<crn_wire_scaffold> Patient::hold_order()
+void Patient::give_orders(crn_wire_order_list &orders)
 {
-    return stents_ ? stents_->order() : std::optional<crn_wire_scaffold>();
-}
-
-std::optional<crn_wire_strut> Patient::strut_order()
-{
-    return stents_ ? stents_->strut_order() : std::optional<crn_wire_strut>();
+    if (stents_) stents_->give_orders(orders);
 }
 
 std::vector<Refusal> Patient::refusals() const

@@ -5,8 +5,9 @@
 // requested.
 //
 //   patient.command(tick, {RoomAction::inject, {...}});        in force from that tick on
-//   inputs carry patient.hold_order() and patient.strut_order(); every tick that was done goes to
-//   patient.tick() no later than patient.next_look(): patient.look(shape of the line at that tick)
+//   patient.give_orders(input.orders);                        for every tick before it is done
+//   patient.tick(input, state);                               for every tick that was done
+//   patient.look(shape of the line at that tick);             no later than patient.next_look()
 //
 // Everything follows from the commands, from what went into the core and came out of it, and from the line's
 // shape at ticks of the patient's own.
@@ -50,7 +51,7 @@ class Patient
     // or stents()->refusals(), and said by notice(). Throws std::runtime_error for what no room can do.
     void command(std::uint32_t tick, const RoomCommand &command);
     // Every tick in order, with what went in and what came out.
-    void tick(const crn_wire_encoders &input, const crn_wire_tick_state &state);
+    void tick(const crn_wire_tick_input &input, const crn_wire_tick_state &state);
     // The next tick at which look() is needed; UINT32_MAX: none.
     std::uint32_t next_look() const;
     // Advances to the frame's tick. A rig in FREE_RUN sends its shapes at its own times: pulses between two
@@ -64,8 +65,7 @@ class Patient
 
     // --- what the core has to be told in the next tick; asked for before each. In a replay nobody asks: it
     // is in the recording. ---
-    std::optional<crn_wire_scaffold> hold_order();
-    std::optional<crn_wire_strut> strut_order();
+    void give_orders(crn_wire_order_list &orders);
 
     // --- state ---
     const Room &room() const { return room_; } // and the room's events at the last look

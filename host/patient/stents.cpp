@@ -186,17 +186,27 @@ void PatientStents::load(std::uint32_t tick)
     next_look_ = std::min(next_look_, due);
 }
 
-void PatientStents::tick(const crn_wire_encoders &input, const crn_wire_tick_state &state)
+void PatientStents::tick(const crn_wire_tick_input &input, const crn_wire_tick_state &state)
 {
     if (tool_ && *tool_ < state.tools_count) inserted_m_ = units::metres(state.tools[*tool_].inserted_m_q30);
-    if (input.strut_number >= 1 && input.strut_number <= struts_max)
-        known_struts_[input.strut_number - 1u] = {
-            input.strut_number, input.strut_joined,    input.strut_x_um,        input.strut_y_um,
-            input.strut_z_um,   input.strut_inside_um, input.strut_thickness_um};
-    if (input.scaffold_lesion == 0 || input.scaffold_lesion > known_256_.size()) return;
-    std::vector<std::uint32_t> &known = known_256_[input.scaffold_lesion - 1u];
-    for (std::size_t k = input.scaffold_first; k <= input.scaffold_last && k < known.size(); ++k)
-        known[k] = std::max<std::uint32_t>(known[k], input.scaffold_open_q15 / q15_per_256);
+    for (const crn_wire_order &order : orders_of(input)) {
+        if (order.kind == CRN_WIRE_KIND_strut) note(order.strut);
+        if (order.kind == CRN_WIRE_KIND_scaffold) note(order.scaffold);
+    }
+}
+
+// What the core has been told.
+void PatientStents::note(const crn_wire_strut &ring)
+{
+    if (ring.number >= 1 && ring.number <= struts_max) known_struts_[ring.number - 1u] = ring;
+}
+
+void PatientStents::note(const crn_wire_scaffold &hold)
+{
+    if (hold.lesion == 0 || hold.lesion > known_256_.size()) return;
+    std::vector<std::uint32_t> &known = known_256_[hold.lesion - 1u];
+    for (std::size_t k = hold.first; k <= hold.last && k < known.size(); ++k)
+        known[k] = std::max<std::uint32_t>(known[k], hold.open_q15 / q15_per_256);
 }
 
 // --- walls ---
@@ -284,6 +294,7 @@ void PatientStents::advance(const WireFrame &wire)
     if (last.is_on_balloon()) give_room(pose, stories_.back().vessel);
     stents_.step(walls(), pose.points.empty() ? nullptr : &pose);
     note_stages(wire.tick);
+    orders_.clear();
     ask_for_holds(wire);
     ask_for_struts(wire);
     seen_ = wire;
@@ -305,7 +316,6 @@ void PatientStents::note_stages(std::uint32_t tick)
 void PatientStents::ask_for_holds(const WireFrame &wire)
 {
     const std::vector<std::vector<double>> opened = opened_lists(wire, stations_);
-    orders_.clear();
     for (std::size_t lesion = 0; lesion < stations_.size() && lesion < vessels_.lesions.size(); ++lesion) {
         const auto vessel = std::find_if(walls_.begin(), walls_.end(), [&](const Vessel &one) {
             return one.branch == vessels_.lesions[lesion].branch;
@@ -319,9 +329,10 @@ void PatientStents::ask_for_holds(const WireFrame &wire)
                 const bool is_new = k <= hold.last && known_256_[lesion][k] < hold.open_256;
                 if (is_new && !first) first = k;
                 if (is_new || !first) continue;
-                orders_.push_back({static_cast<std::uint8_t>(lesion + 1), static_cast<std::uint8_t>(*first),
-                                   static_cast<std::uint8_t>(k - 1),
-                                   static_cast<std::uint16_t>(hold.open_256 * q15_per_256)});
+                orders_.add(crn_wire_order_of_scaffold(
+                    {static_cast<std::uint8_t>(lesion + 1), static_cast<std::uint8_t>(*first),
+                     static_cast<std::uint8_t>(k - 1),
+                     static_cast<std::uint16_t>(hold.open_256 * q15_per_256)}));
                 first.reset();
             }
         }
@@ -331,7 +342,6 @@ void PatientStents::ask_for_holds(const WireFrame &wire)
 // Every stent of the shelf has numbers of its own. A ring that is not there any more is taken away.
 void PatientStents::ask_for_struts(const WireFrame &wire)
 {
-    strut_orders_.clear();
     const std::size_t share = struts_max / std::max<std::size_t>(shelf_.size(), 1);
     const auto to_reference = [&](const Vector3d &place_mm) -> Vector3d {
         return motion_ ? Vector3d(motion_->pull(place_mm * 1e-3, moment_of(wire)) * 1e3) : place_mm;
@@ -344,25 +354,9 @@ void PatientStents::ask_for_struts(const WireFrame &wire)
             ring.number = number;
             if (k < circles.size())
                 ring = ring_of(circles[k], number, k + 1 < circles.size(), stents_[i].design());
-            if (has_changed(known_struts_[number - 1u], ring)) strut_orders_.push_back(ring);
+            if (has_changed(known_struts_[number - 1u], ring)) orders_.add(crn_wire_order_of_strut(ring));
         }
     }
-}
-
-std::optional<crn_wire_strut> PatientStents::strut_order()
-{
-    if (strut_orders_.empty()) return {};
-    const crn_wire_strut order = strut_orders_.front();
-    strut_orders_.pop_front();
-    return order;
-}
-
-std::optional<crn_wire_scaffold> PatientStents::order()
-{
-    if (orders_.empty()) return {};
-    const crn_wire_scaffold order = orders_.front();
-    orders_.pop_front();
-    return order;
 }
 
 // --- what is seen and said ---

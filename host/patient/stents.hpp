@@ -1,15 +1,16 @@
 // Stents in a session: mounted on the balloon, opened by it, deployed, held by the wall; what the core has to
 // know of them, and what the X-ray sees. Everything follows from the commands and from the line's shape at
 // ticks of its own, multiples of look_every_ticks, whatever pictures were asked for. What the core is told
-// goes through order(), becomes part of a tick's input and is recorded; a replay feeds the core with what was
-// recorded, and computes stents again for pictures and reports.
+// goes through give_orders(), becomes part of a tick's input and is recorded; a replay feeds the core with
+// what was recorded, and computes stents again for pictures and reports.
 //
 //   PatientStents stents(shelf, bodies.vessels, motion, stations, tools);
 //   stents.command(tick, {RoomAction::load_stent, {}});       the next one of the shelf onto the balloon
-//   stents.advance(...) at stents.next_tick(); stents.order() for every input after that
+//   stents.advance(...) at stents.next_tick(); stents.give_orders(...) for every input after that
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/model/lesion_opening.hpp"
+#include "host/model/order_queue.hpp"
 #include "host/model/wire_frame.hpp"
 #include "host/room/command.hpp"
 #include "host/stent/circles.hpp"
@@ -18,7 +19,6 @@
 #include "host/xray/paths/moved.hpp"
 #include "shared/wire/wire.h"
 #include <array>
-#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
@@ -67,15 +67,14 @@ class PatientStents
 
     // Only load_stent has an effect here. A command that cannot be carried out is kept in refusals().
     void command(std::uint32_t tick, const RoomCommand &command);
-    void tick(const crn_wire_encoders &input, const crn_wire_tick_state &state);
+    void tick(const crn_wire_tick_input &input, const crn_wire_tick_state &state);
     std::uint32_t next_tick() const
     {
         return next_look_;
     } // tick of the next look; UINT32_MAX: none is needed
     void advance(const WireFrame &wire);
     // What the core has to be told in the next tick.
-    std::optional<crn_wire_scaffold> order();
-    std::optional<crn_wire_strut> strut_order();
+    void give_orders(crn_wire_order_list &orders) { orders_.move_into(orders); }
 
     // Returns the struts' places at this frame, which may lie between two looks. Nothing else changes.
     std::vector<SweptCurve> curves_at(const WireFrame &wire);
@@ -108,6 +107,8 @@ class PatientStents
     void give_room(BalloonPose &pose, std::optional<std::size_t> vessel) const;
     void move_walls(const WireFrame &wire);
     std::vector<const StentWall *> walls() const;
+    void note(const crn_wire_strut &ring);
+    void note(const crn_wire_scaffold &hold);
     void note_stages(std::uint32_t tick);
     void ask_for_holds(const WireFrame &wire);
     void ask_for_struts(const WireFrame &wire);
@@ -124,12 +125,11 @@ class PatientStents
     std::vector<Vessel> walls_;
     std::size_t loaded_ = 0;
     std::uint32_t next_look_ = UINT32_MAX;
-    double inserted_m_ = 0.0;                           // inserted length of the balloon's tool
-    WireFrame seen_;                                    // the last look, without its nodes
-    std::vector<std::vector<std::uint32_t>> known_256_; // what the core was told, per lesion and station
-    std::deque<crn_wire_scaffold> orders_;
+    double inserted_m_ = 0.0;                               // inserted length of the balloon's tool
+    WireFrame seen_;                                        // the last look, without its nodes
+    std::vector<std::vector<std::uint32_t>> known_256_;     // what the core was told, per lesion and station
     std::array<crn_wire_strut, struts_max> known_struts_{}; // rings that the core has; inside_um 0: none
-    std::deque<crn_wire_strut> strut_orders_;
+    OrderQueue orders_;
     std::vector<std::string> refusals_;
 };
 

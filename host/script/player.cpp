@@ -95,7 +95,7 @@ void SessionPlayer::enter_statement()
     for (; !is_done(); statement_++) {
         const Statement &statement = session_.statements[statement_];
         for (const RoomCommand &command : statement.room) ask(command);
-        if (statement.rhythm) rhythm_.add(*statement.rhythm);
+        if (statement.order) orders_.add(*statement.order);
         tick_in_statement_ = 0;
         active_.clear();
         inflating_ = {inflator_kPa_, 0, 0};
@@ -131,7 +131,7 @@ void SessionPlayer::finish_statement()
     enter_statement();
 }
 
-crn_wire_encoders SessionPlayer::next()
+crn_wire_tick_input SessionPlayer::next()
 {
     tick_in_statement_++;
     for (const Active &active : active_) {
@@ -155,7 +155,7 @@ crn_wire_encoders SessionPlayer::next()
         inflator_kPa_ =
             static_cast<std::int32_t>(inflating_.begin_kPa + inflating_.way_kPa * done / inflating_.ticks);
     }
-    crn_wire_encoders input{};
+    crn_wire_tick_input input{};
     input.hands_count = static_cast<std::uint16_t>(tool_count_);
     for (std::size_t k = 0; k < tool_count_; k++) {
         const auto counts = [&](int axis) {
@@ -165,7 +165,7 @@ crn_wire_encoders SessionPlayer::next()
     }
     input.buttons = buttons_;
     input.inflator_raw = inflator_kPa_;
-    rhythm_.put_next(input);
+    orders_.move_into(input.orders);
     if (!is_done()) finish_statement();
     return input;
 }

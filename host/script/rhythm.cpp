@@ -23,18 +23,26 @@ std::uint16_t on_or_off(LineParser &line)
     return line.choice("switch", {"on", "off"}) == "on" ? 1 : 0;
 }
 
-RhythmOrder parse_heart(LineParser &line)
+crn_wire_rhythm parse_heart(LineParser &line)
 {
     if (line.choice("word", {"rate", "variability"}) == "rate")
         return {CRN_WIRE_RHYTHM_HEART_RATE, whole(line, "heart rate", per_minute, 40, 160, "40 to 160 /min")};
     return {CRN_WIRE_RHYTHM_VARIABILITY, whole(line, "variability", percent, 0, 100, "0 to 10 %")};
 }
 
-RhythmOrder parse_breath(LineParser &line)
+crn_wire_rhythm parse_breath(LineParser &line)
 {
     if (line.choice("word", {"rate", "hold"}) == "rate")
         return {CRN_WIRE_RHYTHM_BREATH_RATE, whole(line, "breath rate", per_minute, 10, 20, "10 to 20 /min")};
     return {CRN_WIRE_RHYTHM_BREATH_HOLD, on_or_off(line)};
+}
+
+crn_wire_rhythm parse_premature(LineParser &line)
+{
+    line.expect("beat");
+    if (!line.accept("at")) return {CRN_WIRE_RHYTHM_PREMATURE, premature_usual_milli};
+    return {CRN_WIRE_RHYTHM_PREMATURE,
+            whole(line, "coupling", percent, 400, 900, "40 to 90 % of the interval")};
 }
 
 } // namespace
@@ -45,15 +53,12 @@ const std::vector<std::string> &rhythm_verbs()
     return verbs;
 }
 
-RhythmOrder parse_rhythm(LineParser &line, const std::string &verb)
+crn_wire_order parse_rhythm(LineParser &line, const std::string &verb)
 {
-    if (verb == "heart") return parse_heart(line);
-    if (verb == "breath") return parse_breath(line);
-    if (verb == "asystole") return {CRN_WIRE_RHYTHM_ASYSTOLE, on_or_off(line)};
-    line.expect("beat");
-    if (!line.accept("at")) return {CRN_WIRE_RHYTHM_PREMATURE, premature_usual_milli};
-    return {CRN_WIRE_RHYTHM_PREMATURE,
-            whole(line, "coupling", percent, 400, 900, "40 to 90 % of the interval")};
+    if (verb == "heart") return crn_wire_order_of_rhythm(parse_heart(line));
+    if (verb == "breath") return crn_wire_order_of_rhythm(parse_breath(line));
+    if (verb == "premature") return crn_wire_order_of_rhythm(parse_premature(line));
+    return crn_wire_order_of_rhythm({CRN_WIRE_RHYTHM_ASYSTOLE, on_or_off(line)});
 }
 
 } // namespace crn

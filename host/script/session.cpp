@@ -123,7 +123,7 @@ class SessionParser
         } else if (verb == "inflate" || verb == "deflate") {
             statement.inflation = inflation(line, verb == "inflate");
         } else if (std::find(rhythm_verbs().begin(), rhythm_verbs().end(), verb) != rhythm_verbs().end()) {
-            statement.rhythm = parse_rhythm(line, verb);
+            statement.order = parse_rhythm(line, verb);
         } else {
             statement.room = room_.parse(line, verb);
         }

@@ -7,10 +7,10 @@
 //
 // Errors give file, line and column and suggest a spelling.
 #pragma once
+#include "host/model/order_queue.hpp"
 #include "host/room/command.hpp"
 #include "host/script/expect.hpp"
 #include "host/script/hand_motion.hpp"
-#include "host/script/rhythm_order.hpp"
 #include "host/script/steer.hpp"
 #include "shared/wire/wire.h"
 #include <optional>
@@ -47,7 +47,7 @@ struct Statement {
     std::vector<HandMove> moves;
     std::uint32_t wait_ticks = 0;
     std::vector<RoomCommand> room;
-    std::optional<RhythmOrder> rhythm;
+    std::optional<crn_wire_order> order;
     std::optional<Inflation> inflation;
     std::optional<Steering> steering;
     std::optional<Expectation> expectation;
@@ -76,7 +76,7 @@ class SessionPlayer
     // the scene; nullptr: none is known.
     SessionPlayer(const Session &session, std::size_t tool_count, const VesselMap *vessels = nullptr);
     bool is_done() const { return statement_ == session_.statements.size(); }
-    crn_wire_encoders next(); // input of the next tick
+    crn_wire_tick_input next(); // input of the next tick
     // Takes the state after each tick that is a multiple of observe_every_ticks. Tips and witness are needed
     // only when wants_tips() returns true.
     void observe(const SessionView &view);
@@ -130,7 +130,7 @@ class SessionPlayer
     std::int64_t position_counts_[session_tools_max][2] = {}; // translation, rotation
     void ask(const RoomCommand &command);
     std::vector<RoomCommand> commands_;
-    RhythmOrders rhythm_;
+    OrderQueue orders_;
     std::int32_t inflator_kPa_ = 0;
     struct {
         std::int64_t begin_kPa = 0, way_kPa = 0, ticks = 0;

@@ -56,7 +56,7 @@ class Device
     // snapshot is restored. The inputs since then are repeated and their results compared with the former
     // ones, and the session continues bit for bit. Throws LinkError when the device does not come back or
     // differs.
-    std::span<const crn_wire_tick_state> step(std::span<const crn_wire_encoders> inputs, bool want_nodes);
+    std::span<const crn_wire_tick_state> step(std::span<const crn_wire_tick_input> inputs, bool want_nodes);
     // Makes any other request of the link with the same protection.
     void ask(const std::function<void(Link &)> &request);
     // The contents of a recording besides the ticks. For a rig they are first compared with this machine's
@@ -112,9 +112,9 @@ class Device
     crn_wire_hello_reply identity_{};
     bool has_started_ = false;
 
-    std::vector<std::uint8_t> snapshot_;    // empty: from the session's first tick
-    std::vector<crn_wire_encoders> inputs_; // steps since the snapshot
-    std::vector<Hash> hashes_;              // their results
+    std::vector<std::uint8_t> snapshot_;      // empty: from the session's first tick
+    std::vector<crn_wire_tick_input> inputs_; // steps since the snapshot
+    std::vector<Hash> hashes_;                // their results
     std::uint32_t resumes_ = 0, resumes_here_ = 0, resumes_from_tick_ = 0;
     std::unique_ptr<Witness> witness_; // for a device that is not in this process
     std::optional<Hash64> hash_;       // the last one that was compared
@@ -133,7 +133,8 @@ inline constexpr std::uint32_t inserted_default_um = 20000;
 
 // Returns the moment after a batch of steps, from the link's last nodes, the last tick's result and the input
 // that led to it. Before the first tick `state` is empty: there are no forces yet.
-SessionFrame session_frame(Device &device, const crn_wire_tick_state &state, const crn_wire_encoders &input);
+SessionFrame session_frame(Device &device, const crn_wire_tick_state &state,
+                           const crn_wire_tick_input &input);
 
 // The largest values of one tool.
 struct ToolFigures {

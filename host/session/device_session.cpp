@@ -228,7 +228,8 @@ void Device::ask(const std::function<void(Link &)> &request)
     }
 }
 
-std::span<const crn_wire_tick_state> Device::step(std::span<const crn_wire_encoders> inputs, bool want_nodes)
+std::span<const crn_wire_tick_state> Device::step(std::span<const crn_wire_tick_input> inputs,
+                                                  bool want_nodes)
 {
     std::span<const crn_wire_tick_state> states;
     ask([&](Link &link) {

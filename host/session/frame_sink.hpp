@@ -28,7 +28,7 @@ class FrameSink
   public:
     virtual ~FrameSink() = default;
     // Takes every tick in order, with its input and its result; before the frame of that tick.
-    virtual void tick(const crn_wire_encoders &, const crn_wire_tick_state &) {}
+    virtual void tick(const crn_wire_tick_input &, const crn_wire_tick_state &) {}
     // Returns the next tick at which frame() is wanted, given everything received so far.
     virtual std::uint32_t next_tick() const = 0;
     virtual void frame(const SessionFrame &frame) = 0;

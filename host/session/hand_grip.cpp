@@ -41,7 +41,7 @@ std::int32_t less(std::int32_t counts, std::int64_t slip)
 
 } // namespace
 
-crn_wire_encoders HandGrip::hold(crn_wire_encoders wanted) const
+crn_wire_tick_input HandGrip::hold(crn_wire_tick_input wanted) const
 {
     for (std::size_t k = 0; k < std::min<std::size_t>(wanted.hands_count, hands_.size()); k++) {
         wanted.hands[k].translation_counts =

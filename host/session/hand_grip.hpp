@@ -28,7 +28,7 @@ class HandGrip
     static constexpr std::size_t tools_max = 3;
 
     // Returns the counts for the device from those of the wanted hands.
-    crn_wire_encoders hold(crn_wire_encoders wanted) const;
+    crn_wire_tick_input hold(crn_wire_tick_input wanted) const;
     // If true, the next ticks must be stepped one by one, and each result given to feel() before the next
     // input is made.
     bool is_tense() const { return is_tense_; }

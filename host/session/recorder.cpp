@@ -1,6 +1,6 @@
 #include "host/base/pending_file.hpp"
+#include "host/session/recording_chunks.hpp"
 #include "host/session/recording_format.hpp"
-#include "shared/wire/wire_frame.h"
 #include <cerrno>
 #include <unistd.h>
 
@@ -138,13 +138,7 @@ void Recorder::give_name()
 
 void Recorder::chunk(std::uint32_t kind, std::span<const std::uint8_t> payload)
 {
-    std::vector<std::uint8_t> bytes(chunk_head_bytes + payload.size() + chunk_tail_bytes);
-    crn_wire_writer writer = crn_wire_writer_make(bytes.data(), bytes.size());
-    crn_wire_write(&writer, kind, 4);
-    crn_wire_write(&writer, payload.size(), 4);
-    std::copy(payload.begin(), payload.end(), bytes.begin() + chunk_head_bytes);
-    writer.length += payload.size();
-    crn_wire_write(&writer, crn_wire_crc32(0, bytes.data(), writer.length), 4);
+    const std::vector<std::uint8_t> bytes = sealed_chunk(kind, payload);
     if (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size() ||
         std::fflush(file_.get()) != 0) {
         const OutputError error(path_, errno);
@@ -156,12 +150,12 @@ void Recorder::chunk(std::uint32_t kind, std::span<const std::uint8_t> payload)
 void Recorder::flush_ticks()
 {
     if (pending_.empty()) return;
-    std::vector<std::uint8_t> bytes(8 + pending_.size() * tick_bytes(CRN_WIRE_TOOL_MAX));
+    std::vector<std::uint8_t> bytes(8 + pending_.size() * tick_bytes_max(CRN_WIRE_TOOL_MAX));
     crn_wire_writer writer = crn_wire_writer_make(bytes.data(), bytes.size());
     crn_wire_write(&writer, tick_ - pending_.size(), 4);
     crn_wire_write(&writer, pending_.size(), 4);
     for (const RecordedTick &tick : pending_) {
-        crn_wire_put_encoders(&writer, &tick.input);
+        crn_wire_put_tick_input(&writer, &tick.input);
         crn_wire_write(&writer, tick.hash_lane[0], 4);
         crn_wire_write(&writer, tick.hash_lane[1], 4);
     }
@@ -170,7 +164,7 @@ void Recorder::flush_ticks()
     chunk(TICKS, bytes);
 }
 
-void Recorder::tick(const crn_wire_encoders &input, const crn_wire_tick_state &state)
+void Recorder::tick(const crn_wire_tick_input &input, const crn_wire_tick_state &state)
 {
     pending_.push_back({input, {state.hash_lane0, state.hash_lane1}});
     tick_++;
@@ -208,12 +202,7 @@ void Recorder::state(std::uint32_t kind, std::uint32_t tick, std::span<const std
 
 void Recorder::command(std::uint32_t tick, const RoomCommand &command)
 {
-    std::uint8_t bytes[command_bytes];
-    crn_wire_writer writer = crn_wire_writer_make(bytes, sizeof bytes);
-    crn_wire_write(&writer, tick, 4);
-    crn_wire_write(&writer, static_cast<std::uint16_t>(command.action), 2);
-    for (std::int32_t value : command.values) crn_wire_write(&writer, static_cast<std::uint32_t>(value), 4);
-    chunk(ROOM, bytes);
+    chunk(ROOM, command_payload(tick, command));
 }
 
 void Recorder::finish(std::uint32_t tick, std::uint64_t final_hash)

@@ -1,9 +1,7 @@
 #include "host/base/text.hpp"
+#include "host/session/recording_chunks.hpp"
 #include "host/session/recording_format.hpp"
-#include "shared/wire/wire_frame.h"
 #include <algorithm>
-#include <array>
-#include <optional>
 
 namespace crn
 {
@@ -19,65 +17,38 @@ constexpr std::uint32_t ticks_max = 1u << 26; // 18 hours
 class Reader
 {
   public:
-    Reader(std::span<const std::uint8_t> bytes, const std::string &name) : bytes_(bytes), name_(name) {}
+    Reader(std::span<const std::uint8_t> bytes, const std::string &name)
+        : name_(name), mark_(version_of(bytes)), chunks_(bytes, name), payload_(chunks_.payload())
+    {
+    }
 
     Recording read()
     {
-        check_magic();
-        if (!next_chunk()) fail(RecordingFault::truncated, "ends within its header");
-        if (kind_ != HEAD) fail(RecordingFault::damaged, "does not begin with a header");
+        check_version();
+        chunks_.read_head(present_rules);
         read_head();
-        while (!recording_.is_complete && next_chunk()) read_chunk();
-        if (recording_.is_complete && position_ != bytes_.size()) {
+        while (!recording_.is_complete && chunks_.next(present_rules, recording_.header.tools.size()))
+            read_chunk();
+        if (recording_.is_complete && !chunks_.is_at_end())
             fail(RecordingFault::damaged, "has bytes behind its end");
-        }
         return std::move(recording_);
     }
 
   private:
-    [[noreturn]] void fail(RecordingFault fault, const std::string &text) const
-    {
-        throw RecordingError(fault, name_ + ": " + text + " (at byte " + std::to_string(position_) + ")");
-    }
+    [[noreturn]] void fail(RecordingFault fault, const std::string &text) const { chunks_.fail(fault, text); }
 
-    void check_magic()
+    void check_version()
     {
-        if (bytes_.size() < 8 || (!std::equal(magic, magic + 7, bytes_.begin()) &&
-                                  !std::equal(earlier_magic, earlier_magic + 7, bytes_.begin()))) {
-            fail(RecordingFault::not_a_recording, "is not a Cournand recording");
-        }
-        const auto version = static_cast<char>(bytes_[7]);
-        if (version < oldest_version || version > magic[7]) {
-            fail(RecordingFault::newer_version, std::string("is a recording of version '") + version +
-                                                    "', this program reads '" + oldest_version + "' to '" +
-                                                    magic[7] +
-                                                    "'; use the program that wrote it or a newer one");
-        }
-        position_ = 8;
-    }
-
-    // False at the end, or where the file was cut off. Damage is another matter: it throws.
-    bool next_chunk()
-    {
-        const std::size_t left = bytes_.size() - position_;
-        if (left < chunk_head_bytes + chunk_tail_bytes) return false;
-        crn_wire_reader head = crn_wire_reader_make(bytes_.data() + position_, left);
-        kind_ = static_cast<std::uint32_t>(crn_wire_read(&head, 4));
-        const std::size_t count = crn_wire_read(&head, 4);
-        if (kind_ < HEAD || kind_ > BALLOON)
-            fail(RecordingFault::damaged, "is damaged: unknown chunk kind " + std::to_string(kind_));
-        if (!is_size_of(kind_, count, recording_.header.tools.size()))
-            fail(RecordingFault::damaged, "is damaged: a chunk of kind " + std::to_string(kind_) +
-                                              " cannot have " + std::to_string(count) + " bytes");
-        if (count > left - chunk_head_bytes - chunk_tail_bytes) return false;
-        const std::size_t covered = chunk_head_bytes + count;
-        crn_wire_reader tail = crn_wire_reader_make(bytes_.data() + position_ + covered, chunk_tail_bytes);
-        if (crn_wire_crc32(0, bytes_.data() + position_, covered) != crn_wire_read(&tail, 4)) {
-            fail(RecordingFault::damaged, "is damaged: the checksum of a chunk does not match");
-        }
-        payload_ = crn_wire_reader_make(bytes_.data() + position_ + chunk_head_bytes, count);
-        position_ += covered + chunk_tail_bytes;
-        return true;
+        if (!mark_.is_recording) fail(RecordingFault::not_a_recording, "is not a Cournand recording");
+        if (mark_.is_older)
+            fail(RecordingFault::older_version,
+                 std::string("is a recording of version '") + mark_.version + "', this program reads '" +
+                     magic[7] + "'; convert it: cournand replay --upgrade " + name_ + " -o NEW.rec");
+        if (!mark_.is_present)
+            fail(RecordingFault::newer_version,
+                 std::string("is a recording of version '") + mark_.version + "', this program reads '" +
+                     magic[7] + "' and converts '" + oldest_version + "' to '" +
+                     static_cast<char>(magic[7] - 1) + "'; use the program that wrote it or a newer one");
     }
 
     void read_head()
@@ -128,19 +99,13 @@ class Reader
         return tool;
     }
 
-    void check_used_up(const char *what) const
-    {
-        if (payload_.failed || payload_.position != payload_.length) {
-            fail(RecordingFault::inconsistent,
-                 std::string("is inconsistent: a ") + what + " chunk does not have its form");
-        }
-    }
-
-    std::uint32_t read_tick() { return static_cast<std::uint32_t>(crn_wire_read(&payload_, 4)); }
+    void check_used_up(const char *what) const { chunks_.check_used_up(what); }
+    std::uint32_t read_tick() { return chunks_.read_u32(); }
+    std::int32_t read_i32() { return chunks_.read_i32(); }
 
     void read_chunk()
     {
-        switch (kind_) {
+        switch (chunks_.kind()) {
         case TICKS:
             read_ticks();
             break;
@@ -155,9 +120,6 @@ class Reader
             break;
         case RESUMED:
             read_snapshot(recording_.resumes);
-            break;
-        case VIEW:
-            read_view();
             break;
         case ROOM:
             read_command();
@@ -183,14 +145,15 @@ class Reader
     {
         const std::uint32_t first = read_tick();
         const std::uint32_t count = read_tick();
+        const std::size_t tools = recording_.header.tools.size(), bytes = payload_.length - payload_.position;
         if (first != recording_.ticks.size() || count > ticks_max - first ||
-            payload_.length - payload_.position != count * tick_bytes(recording_.header.tools.size())) {
+            bytes < count * tick_bytes_min(tools) || bytes > count * tick_bytes_max(tools)) {
             fail(RecordingFault::inconsistent, "is inconsistent: ticks are missing or doubled");
         }
         for (std::uint32_t i = 0; i < count; i++) {
             RecordedTick tick;
-            crn_wire_get_encoders(&payload_, &tick.input);
-            if (tick.input.hands_count != recording_.header.tools.size())
+            if (!crn_wire_get_tick_input(&payload_, &tick.input)) break;
+            if (tick.input.hands_count != tools)
                 fail(RecordingFault::inconsistent, "is inconsistent: another number of hands than tools");
             tick.hash_lane[0] = static_cast<std::uint32_t>(crn_wire_read(&payload_, 4));
             tick.hash_lane[1] = static_cast<std::uint32_t>(crn_wire_read(&payload_, 4));
@@ -206,34 +169,6 @@ class Reader
             fail(RecordingFault::inconsistent, "is inconsistent: a snapshot is out of place");
         const std::uint8_t *begin = payload_.bytes + payload_.position;
         snapshots.push_back({tick, {begin, payload_.bytes + payload_.length}});
-    }
-
-    std::int32_t read_i32()
-    {
-        return crn_wire_i32_from_u32(static_cast<std::uint32_t>(crn_wire_read(&payload_, 4)));
-    }
-
-    // Version 2: the whole view at once. Only what differs from the view before becomes a command.
-    void read_view()
-    {
-        const std::uint32_t tick = read_tick();
-        std::array<std::int32_t, 8> view{};
-        view[0] = crn_wire_read(&payload_, 1) != 0;
-        view[1] = crn_wire_read(&payload_, 1) != 0;
-        for (std::size_t i = 2; i < view.size(); i++) view[i] = read_i32();
-        check_used_up("view");
-        const auto is_new = [&](std::size_t from, std::size_t to) {
-            return !last_view_ ||
-                   !std::equal(view.begin() + from, view.begin() + to, last_view_->begin() + from);
-        };
-        if (is_new(2, 4)) take_command(tick, {RoomAction::angles, {view[2], view[3], 0}});
-        if (is_new(7, 8)) take_command(tick, {RoomAction::field, {view[7], 0, 0}});
-        if (is_new(1, 2) || is_new(4, 7)) {
-            take_command(tick, {RoomAction::table, {view[4], view[5], view[6]}});
-            take_command(tick, {RoomAction::follow, {view[1], 0, 0}});
-        }
-        if (is_new(0, 1)) take_command(tick, {RoomAction::fluoro_pedal, {view[0], 0, 0}});
-        last_view_ = view;
     }
 
     void read_command()
@@ -324,12 +259,10 @@ class Reader
         recording_.is_complete = true;
     }
 
-    std::span<const std::uint8_t> bytes_;
     const std::string &name_;
-    std::size_t position_ = 0;
-    std::uint32_t kind_ = 0;
-    crn_wire_reader payload_{};
-    std::optional<std::array<std::int32_t, 8>> last_view_; // fluoro, follow, angles, table, field
+    const VersionMark mark_;
+    ChunkReader chunks_;
+    crn_wire_reader &payload_;
     Recording recording_;
 };
 
@@ -367,15 +300,18 @@ Recording parse_recording(std::span<const std::uint8_t> bytes, const std::string
     return Reader(bytes, name).read();
 }
 
-Recording read_recording(const std::string &path)
+std::vector<std::uint8_t> read_recording_bytes(const std::string &path)
 {
-    std::vector<unsigned char> bytes;
     try {
-        bytes = read_binary_file(path);
+        return read_binary_file(path);
     } catch (const FileError &error) {
         throw RecordingError(RecordingFault::unreadable, error.what());
     }
-    return parse_recording(bytes, path);
+}
+
+Recording read_recording(const std::string &path)
+{
+    return parse_recording(read_recording_bytes(path), path);
 }
 
 } // namespace crn

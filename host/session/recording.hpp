@@ -1,11 +1,11 @@
 // Recordings: everything that decides a session, tick by tick (docs/session.md gives every byte).
 //
-//   file   = "CRN-REC3" | chunk ...
+//   file   = "CRN-REC4" | chunk ...
 //   chunk  = kind u32 | bytes u32 | payload | CRC-32 u32 over kind, bytes and payload
 //   order  = HEAD, SIDE_HOLES, BALLOON and STENT, then TICKS, HASH, SNAPSHOT, RESUMED and ROOM as they happen, END when the session was closed properly
 //
 // A recorder writes chunk by chunk, so that a recording cut off by a crash is readable up to its last whole
-// chunk. A reader refuses what is not a recording, is of a newer version, or is damaged in the middle.
+// chunk. A reader refuses what is not a recording, is of another version, or is damaged in the middle.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/room/command.hpp"
@@ -36,7 +36,7 @@ struct RecordingHeader {
 };
 
 struct RecordedTick {
-    crn_wire_encoders input{};
+    crn_wire_tick_input input{};
     std::uint32_t hash_lane[2] = {0, 0};
 };
 
@@ -69,7 +69,15 @@ struct Recording {
     std::uint32_t ticks_to_resume(std::uint32_t tick) const;           // until the next one, UINT32_MAX: none
 };
 
-enum class RecordingFault { unreadable, not_a_recording, newer_version, truncated, damaged, inconsistent };
+enum class RecordingFault {
+    unreadable,
+    not_a_recording,
+    older_version, // recording_upgrade.hpp converts it
+    newer_version, // or of a wire schema that this program does not know
+    truncated,
+    damaged,
+    inconsistent
+};
 
 class RecordingError : public std::runtime_error
 {
@@ -80,7 +88,8 @@ class RecordingError : public std::runtime_error
     RecordingFault fault;
 };
 
-Recording read_recording(const std::string &path); // throws RecordingError
+std::vector<std::uint8_t> read_recording_bytes(const std::string &path); // throws RecordingError
+Recording read_recording(const std::string &path);                       // throws RecordingError
 Recording parse_recording(std::span<const std::uint8_t> bytes,
                           const std::string &name); // throws RecordingError
 
@@ -96,7 +105,7 @@ class Recorder
     Recorder(const std::string &path, const RecordingHeader &header);
     ~Recorder(); // closes as a cut-off recording unless finish() was called
 
-    void tick(const crn_wire_encoders &input, const crn_wire_tick_state &state);
+    void tick(const crn_wire_tick_input &input, const crn_wire_tick_state &state);
     void hash(std::uint32_t tick, std::uint64_t hash);
     void snapshot(std::uint32_t tick, std::span<const std::uint8_t> bytes);
     void resumed(std::uint32_t tick, std::span<const std::uint8_t> bytes);

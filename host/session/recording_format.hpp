@@ -7,10 +7,9 @@
 namespace crn::recording_format
 {
 
-// The digit is the version. Version 2 had VIEW instead of ROOM and is still read.
-inline constexpr char magic[9] = "CRN-REC3";
-// Recordings from before the project was renamed begin like this and differ in nothing else.
-inline constexpr char earlier_magic[9] = "\x53\x45\x4c\x44REC3";
+// The digit is the version. Versions 2 and 3 had the fields of all orders in every tick, and version 2 had
+// VIEW instead of ROOM: recording_upgrade.hpp converts them.
+inline constexpr char magic[9] = "CRN-REC4";
 inline constexpr char oldest_version = '2';
 
 enum Kind : std::uint32_t {
@@ -35,11 +34,25 @@ inline constexpr std::size_t stent_bytes_max = 1024;
 inline constexpr std::size_t recorded_stents_max = 64;
 inline constexpr double side_holes_end_max_m = 2.0, side_hole_diameter_max_m = 0.01;
 inline constexpr std::size_t head_bytes_max = 1 << 17;
-// Of one tick: the record `encoders` with that many hands, and two hash lanes.
-constexpr std::size_t tick_bytes(std::size_t tool_count)
+// Of one tick: the record `tick_input` with that many hands, and two hash lanes; with all the orders that a
+// tick may have, and without any.
+constexpr std::size_t tick_bytes_max(std::size_t tool_count)
 {
-    return CRN_WIRE_BYTES_encoders - (CRN_WIRE_TOOL_MAX - tool_count) * CRN_WIRE_BYTES_hand + 8;
+    return CRN_WIRE_BYTES_tick_input - (CRN_WIRE_TOOL_MAX - tool_count) * CRN_WIRE_BYTES_hand + 8;
 }
+constexpr std::size_t tick_bytes_min(std::size_t tool_count)
+{
+    return tick_bytes_max(tool_count) -
+           static_cast<std::size_t>(CRN_WIRE_MAX_order_list_items) * CRN_WIRE_BYTES_order;
+}
+// The same of protocol 4: hands, buttons, syringe, inflator, the fields of every kind of order, and the
+// lanes.
+constexpr std::size_t old_tick_bytes(std::size_t tool_count)
+{
+    return 2 + tool_count * 8 + 3 * 4 + 26 + 8;
+}
+inline constexpr std::uint64_t schema_of_protocol_4 = 0xfe912b8c91b717bb; // its last one
+inline constexpr std::size_t view_bytes = 4 + 2 + 6 * 4;                  // of version 2
 inline constexpr std::size_t command_bytes = 4 + 2 + 3 * 4;
 inline constexpr std::size_t side_holes_bytes = 1 + 8 + 8 + 4 + 8;
 inline constexpr std::size_t balloon_markers_max = 8;
@@ -48,8 +61,7 @@ constexpr std::size_t balloon_bytes(std::size_t markers)
     return 1 + 3 * 8 + 1 + markers * 8;
 }
 inline constexpr double balloon_max_kPa = 1e4, balloon_profile_max_m = 0.05, balloon_marker_max_m = 2.0;
-inline constexpr std::size_t hash_bytes = 4 + 8;         // HASH and END
-inline constexpr std::size_t view_bytes = 4 + 2 + 6 * 4; // of version 2
+inline constexpr std::size_t hash_bytes = 4 + 8; // HASH and END
 inline constexpr std::size_t state_bytes_max = 4 + (1 << 20);
 
 // Can a chunk of this kind have so many bytes? A length that is none is damage, and no sign of a file that
@@ -60,13 +72,10 @@ constexpr bool is_size_of(std::uint32_t kind, std::size_t bytes, std::size_t too
     case HEAD:
         return bytes <= head_bytes_max;
     case TICKS:
-        return bytes >= 8 && (bytes - 8) % tick_bytes(tool_count) == 0 &&
-               (bytes - 8) / tick_bytes(tool_count) <= Recorder::ticks_per_chunk;
+        return bytes >= 8 && bytes <= 8 + Recorder::ticks_per_chunk * tick_bytes_max(tool_count);
     case SNAPSHOT:
     case RESUMED:
         return bytes > 4 && bytes <= state_bytes_max;
-    case VIEW:
-        return bytes == view_bytes;
     case ROOM:
         return bytes == command_bytes;
     case SIDE_HOLES:
@@ -96,6 +105,16 @@ inline std::string get_text(crn_wire_reader &reader)
         text.push_back(static_cast<char>(static_cast<unsigned char>(crn_wire_read(&reader, 1))));
     }
     return text;
+}
+
+inline std::vector<std::uint8_t> command_payload(std::uint32_t tick, const RoomCommand &command)
+{
+    std::vector<std::uint8_t> bytes(command_bytes);
+    crn_wire_writer writer = crn_wire_writer_make(bytes.data(), bytes.size());
+    crn_wire_write(&writer, tick, 4);
+    crn_wire_write(&writer, static_cast<std::uint16_t>(command.action), 2);
+    for (std::int32_t value : command.values) crn_wire_write(&writer, static_cast<std::uint32_t>(value), 4);
+    return bytes;
 }
 
 inline void put_double(crn_wire_writer &writer, double value)

@@ -198,7 +198,7 @@ class Replayer
         const bool is_wanted = sink_ && tick >= sink_->next_tick();
         if (is_first) link_.read_nodes();
         const SessionFrame frame =
-            session_frame(device_, state_, inputs_.empty() ? crn_wire_encoders{} : inputs_.back());
+            session_frame(device_, state_, inputs_.empty() ? crn_wire_tick_input{} : inputs_.back());
         if (patient_) patient_->look(frame.wire);
         if (is_wanted) sink_->frame(frame);
     }
@@ -251,7 +251,7 @@ class Replayer
     FrameSink *sink_;
     const ReplaySettings &settings_;
     ReplayResult result_;
-    std::vector<crn_wire_encoders> inputs_;
+    std::vector<crn_wire_tick_input> inputs_;
     crn_wire_tick_state state_{};
     Clock::time_point begin_;
     std::uint32_t begin_tick_ = 0, hash_tick_ = 0;

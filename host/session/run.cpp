@@ -14,31 +14,6 @@ namespace
 
 using Clock = std::chrono::steady_clock;
 
-} // namespace
-
-crn_wire_encoders with_order(crn_wire_encoders input, Patient &patient)
-{
-    if (const std::optional<crn_wire_scaffold> order = patient.hold_order()) {
-        input.scaffold_lesion = order->lesion;
-        input.scaffold_first = order->first;
-        input.scaffold_last = order->last;
-        input.scaffold_open_q15 = order->open_q15;
-    }
-    if (const std::optional<crn_wire_strut> strut = patient.strut_order()) {
-        input.strut_number = strut->number;
-        input.strut_joined = strut->joined;
-        input.strut_x_um = strut->x_um;
-        input.strut_y_um = strut->y_um;
-        input.strut_z_um = strut->z_um;
-        input.strut_inside_um = strut->inside_um;
-        input.strut_thickness_um = strut->thickness_um;
-    }
-    return input;
-}
-
-namespace
-{
-
 class Runner
 {
   public:
@@ -106,7 +81,8 @@ class Runner
         const std::uint32_t count = batch_size();
         inputs_.clear();
         while (inputs_.size() < count && !player_.is_done()) {
-            inputs_.push_back(with_order(grip_.hold(player_.next()), patient_));
+            inputs_.push_back(grip_.hold(player_.next()));
+            patient_.give_orders(inputs_.back().orders);
             if (pass_commands(begin + static_cast<std::uint32_t>(inputs_.size()))) break;
         }
         const bool is_stop = begin + inputs_.size() == next_stop();
@@ -185,7 +161,7 @@ class Runner
         const bool is_wanted = sink_ && sink_->next_tick() == tick;
         if (tick == 0) device_.ask([](Link &link) { link.read_nodes(); });
         const SessionFrame frame =
-            session_frame(device_, state_, inputs_.empty() ? crn_wire_encoders{} : inputs_.back());
+            session_frame(device_, state_, inputs_.empty() ? crn_wire_tick_input{} : inputs_.back());
         patient_.look(frame.wire);
         if (!is_wanted) return;
         sink_->frame(frame);
@@ -216,7 +192,7 @@ class Runner
     SessionFigures figures_;
     ContactFigures contacts_;
     crn_wire_tick_state state_{};
-    std::vector<crn_wire_encoders> inputs_;
+    std::vector<crn_wire_tick_input> inputs_;
     std::uint32_t progress_tick_ = 0;
     std::uint32_t hash_tick_ = 0;
 };

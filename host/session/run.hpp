@@ -37,11 +37,9 @@ struct RunResult {
     crn_wire_fault_log faults{};
 };
 
-// The input of a tick with what the patient wants the core to know, if anything.
-crn_wire_encoders with_order(crn_wire_encoders input, Patient &patient);
-// The same in FREE_RUN: one message a round, because a device keeps few. What it does not take up is asked
-// for again at the next look.
-void send_order(Link &link, Patient &patient);
+// FREE_RUN: what the patient wants the core to know, one tick's orders a round, because a device keeps few.
+// What it does not take up is asked for again at the next look.
+void send_orders(Link &link, Patient &patient);
 
 // `recorder` and `sink` may be nullptr. Throws LinkError, RecordingError.
 RunResult run_session(Device &device, Patient &patient, const Session &session, Recorder *recorder,

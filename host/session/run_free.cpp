@@ -11,13 +11,13 @@
 namespace crn
 {
 
-void send_order(Link &link, Patient &patient)
+void send_orders(Link &link, Patient &patient)
 {
+    crn_wire_order_list orders{};
+    patient.give_orders(orders);
+    if (orders.items_count == 0) return;
     try {
-        if (const auto order = patient.hold_order())
-            link.hold_open(*order);
-        else if (const auto strut = patient.strut_order())
-            link.place_strut(*strut);
+        link.give_orders(orders);
     } catch (const DeviceLost &) {
         // The next round finds the device gone as well, and waits for it.
     }
@@ -48,7 +48,7 @@ class FreeRunner final : private FreeRunSink
                 device_.run_free(round_ms, *this);
                 record_hash();
                 picture_when_it_came();
-                tell_core();
+                send_orders(device_.link(), patient_);
                 show_progress();
             }
             result_.was_interrupted =
@@ -135,9 +135,6 @@ class FreeRunner final : private FreeRunSink
         if (sink_) sink_->frame(frame);
     }
 
-    // One at a time: a device keeps few. What it does not take up is asked for again at the next look.
-    void tell_core() { send_order(device_.link(), patient_); }
-
     void show_progress()
     {
         if (!settings_.shows_progress || figures_.ticks - shown_tick_ < 1000) return;
@@ -164,7 +161,7 @@ class FreeRunner final : private FreeRunSink
     RunResult result_;
     SessionFigures figures_;
     crn_wire_tick_state state_{};
-    crn_wire_encoders input_{};
+    crn_wire_tick_input input_{};
     std::uint32_t hash_tick_ = 0, picture_tick_ = 0, shown_tick_ = 0;
 };
 

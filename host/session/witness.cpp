@@ -77,7 +77,7 @@ void Witness::keep_hash()
     if (hashes_.size() > hashes_kept) hashes_.pop_front();
 }
 
-void Witness::step(std::span<const crn_wire_encoders> inputs, std::span<const crn_wire_tick_state> states,
+void Witness::step(std::span<const crn_wire_tick_input> inputs, std::span<const crn_wire_tick_state> states,
                    const crn_wire_nodes *nodes)
 {
     const auto ours = link_.step(inputs, nodes != nullptr);
@@ -94,7 +94,7 @@ void Witness::step(std::span<const crn_wire_encoders> inputs, std::span<const cr
     if (told != own) differ("shape", link_.tick(), place_of_difference(told, own), "its own");
 }
 
-void Witness::tick(const crn_wire_encoders &input, const crn_wire_tick_state &state)
+void Witness::tick(const crn_wire_tick_input &input, const crn_wire_tick_state &state)
 {
     const crn_wire_tick_state ours = link_.step({&input, 1}, false).front();
     if (ours.tick != state.tick)

@@ -24,10 +24,10 @@ class Witness
     // Each throws LinkError with tick, both values and the remedy when the rig reports something else. In
     // LOCKSTEP whole results are compared, and the line's shape where it was requested (`nodes`, else
     // nullptr).
-    void step(std::span<const crn_wire_encoders> inputs, std::span<const crn_wire_tick_state> states,
+    void step(std::span<const crn_wire_tick_input> inputs, std::span<const crn_wire_tick_state> states,
               const crn_wire_nodes *nodes);
     // In FREE_RUN the hashes are compared; forces of motors are the rig's own.
-    void tick(const crn_wire_encoders &input, const crn_wire_tick_state &state);
+    void tick(const crn_wire_tick_input &input, const crn_wire_tick_state &state);
     // Compares the hash of the present tick, or of one of the last hundreds.
     void hash(const Hash64 &told);
     // Compares the snapshot of the present tick, from which the session may continue. In LOCKSTEP every byte

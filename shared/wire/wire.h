@@ -2,9 +2,11 @@
  *
  *   crn_wire_<name>                the struct of a record or message
  *   CRN_WIRE_TYPE_<name>           its number on the wire
+ *   CRN_WIRE_KIND_<name>           the kind of a record that is an option of a choice
+ *   crn_wire_<choice>_of_<name>    a choice that holds this record
  *   CRN_WIRE_BYTES_<name>          its largest payload
- *   crn_wire_put_<name>            append to a writer; false when it does not fit or a count exceeds its array
- *   crn_wire_get_<name>            read from a reader; false when bytes are missing or a count exceeds its array
+ *   crn_wire_put_<name>            append to a writer; false when it does not fit, a count exceeds its array or a kind is unknown
+ *   crn_wire_get_<name>            read from a reader; false when bytes are missing, a count exceeds its array or a kind is unknown
  *   crn_wire_decode_<name>         read a whole payload; false unless it fits to the byte
  *
  * C11 and C++20.
@@ -21,7 +23,7 @@ extern "C" {
 
 /* clang-format off */
 enum {
-    CRN_WIRE_PROTOCOL_MAJOR = 4, /* changes when old and new cannot talk */
+    CRN_WIRE_PROTOCOL_MAJOR = 5, /* changes when old and new cannot talk */
     CRN_WIRE_PROTOCOL_MINOR = 0,
 };
 
@@ -39,12 +41,22 @@ enum {
     CRN_WIRE_BYTES_i32 = 4,
 };
 
+/* Kinds, needed by the choices. */
+#define OPTION(choice, record, kind, text) CRN_WIRE_KIND_##record = kind,
+enum {
+#include "shared/wire/wire_messages.def"
+};
+
 /* The structs. */
 #define RECORD(name, text) typedef struct crn_wire_##name {
 #define MESSAGE(name, type, direction, text) typedef struct crn_wire_##name {
 #define FIELD(owner, type, name, unit, text) crn_wire_##type name;
 #define ARRAY(owner, type, name, max, unit, text) uint16_t name##_count; crn_wire_##type name[max];
+#define LIST(owner, type, name, max, unit, text) ARRAY(owner, type, name, max, unit, text)
 #define END(owner) } crn_wire_##owner;
+#define CHOICE(name, text) typedef struct crn_wire_##name { uint8_t kind; union {
+#define OPTION(choice, record, kind, text) crn_wire_##record record;
+#define CHOICE_END(choice) }; } crn_wire_##choice;
 #include "shared/wire/wire_messages.def"
 
 /* Largest sizes in bytes. */
@@ -52,11 +64,17 @@ enum {
 #define MESSAGE(name, type, direction, text) enum { CRN_WIRE_BYTES_##name = 0
 #define FIELD(owner, type, name, unit, text) + (int)CRN_WIRE_BYTES_##type
 #define ARRAY(owner, type, name, max, unit, text) + 2 + (max) * (int)CRN_WIRE_BYTES_##type
+#define LIST(owner, type, name, max, unit, text) + 1 + (max) * (int)CRN_WIRE_BYTES_##type
 #define END(owner) };
+#define CHOICE(name, text) typedef union crn_wire_longest_##name {
+#define OPTION(choice, record, kind, text) uint8_t record[CRN_WIRE_BYTES_##record];
+#define CHOICE_END(choice) } crn_wire_longest_##choice; \
+    enum { CRN_WIRE_BYTES_##choice = 1 + (int)sizeof(crn_wire_longest_##choice) };
 #include "shared/wire/wire_messages.def"
 
 /* Largest counts of arrays. */
 #define ARRAY(owner, type, name, max, unit, text) enum { CRN_WIRE_MAX_##owner##_##name = max };
+#define LIST(owner, type, name, max, unit, text) ARRAY(owner, type, name, max, unit, text)
 #include "shared/wire/wire_messages.def"
 
 /* Numbers of messages. */
@@ -65,7 +83,19 @@ enum {
 #include "shared/wire/wire_messages.def"
 };
 
+/* Choices that hold a record. */
+#define OPTION(choice, record, number, text) \
+    static inline crn_wire_##choice crn_wire_##choice##_of_##record(crn_wire_##record value) \
+    { \
+        crn_wire_##choice made; \
+        made.kind = number; \
+        made.record = value; \
+        return made; \
+    }
+#include "shared/wire/wire_messages.def"
+
 /* Codecs. */
+#define CHOICE(name, text) RECORD(name, text)
 #define RECORD(name, text) \
     bool crn_wire_put_##name(crn_wire_writer *writer, const crn_wire_##name *value); \
     bool crn_wire_get_##name(crn_wire_reader *reader, crn_wire_##name *value);

@@ -30,44 +30,74 @@ static bool crn_wire_get_i32(crn_wire_reader *reader, int32_t *value)
     return !reader->failed;
 }
 
-/* --- counts --- */
-static uint16_t put_count(crn_wire_writer *writer, uint16_t count, uint16_t max)
+/* --- counts and kinds --- */
+static uint16_t put_count(crn_wire_writer *writer, uint16_t count, uint16_t max, unsigned bytes)
 {
     if (count > max) {
         writer->overflowed = true;
         return 0;
     }
-    crn_wire_write(writer, count, 2);
+    crn_wire_write(writer, count, bytes);
     return count;
 }
 
-static uint16_t get_count(crn_wire_reader *reader, uint16_t max)
+static uint16_t get_count(crn_wire_reader *reader, uint16_t max, unsigned bytes)
 {
-    uint16_t count = (uint16_t)crn_wire_read(reader, 2);
+    uint16_t count = (uint16_t)crn_wire_read(reader, bytes);
     if (count > max) reader->failed = true;
     return reader->failed ? 0 : count;
 }
 
-/* --- records and messages --- */
+static bool put_unknown_kind(crn_wire_writer *writer)
+{
+    writer->overflowed = true;
+    return false;
+}
+
+static bool get_unknown_kind(crn_wire_reader *reader)
+{
+    reader->failed = true;
+    return false;
+}
+
+/* --- records, choices and messages --- */
 /* clang-format off */
 #define RECORD(name, text) \
     bool crn_wire_put_##name(crn_wire_writer *writer, const crn_wire_##name *value) {
 #define MESSAGE(name, type, direction, text) RECORD(name, text)
 #define FIELD(owner, type, name, unit, text) crn_wire_put_##type(writer, &value->name);
-#define ARRAY(owner, type, name, max, unit, text) \
-    for (uint16_t i = 0, count = put_count(writer, value->name##_count, max); i < count; i++) \
+#define PUT_ALL(type, name, max, bytes) \
+    for (uint16_t i = 0, count = put_count(writer, value->name##_count, max, bytes); i < count; i++) \
         crn_wire_put_##type(writer, &value->name[i]);
+#define ARRAY(owner, type, name, max, unit, text) PUT_ALL(type, name, max, 2)
+#define LIST(owner, type, name, max, unit, text) PUT_ALL(type, name, max, 1)
 #define END(owner) return !writer->overflowed; }
+#define CHOICE(name, text) \
+    bool crn_wire_put_##name(crn_wire_writer *writer, const crn_wire_##name *value) { \
+        crn_wire_put_u8(writer, &value->kind); \
+        switch (value->kind) {
+#define OPTION(choice, record, number, text) \
+        case number: return crn_wire_put_##record(writer, &value->record);
+#define CHOICE_END(choice) default: return put_unknown_kind(writer); } }
 #include "shared/wire/wire_messages.def"
 
 #define RECORD(name, text) \
     bool crn_wire_get_##name(crn_wire_reader *reader, crn_wire_##name *value) {
 #define MESSAGE(name, type, direction, text) RECORD(name, text)
 #define FIELD(owner, type, name, unit, text) crn_wire_get_##type(reader, &value->name);
-#define ARRAY(owner, type, name, max, unit, text) \
-    value->name##_count = get_count(reader, max); \
+#define GET_ALL(type, name, max, bytes) \
+    value->name##_count = get_count(reader, max, bytes); \
     for (uint16_t i = 0; i < value->name##_count; i++) crn_wire_get_##type(reader, &value->name[i]);
+#define ARRAY(owner, type, name, max, unit, text) GET_ALL(type, name, max, 2)
+#define LIST(owner, type, name, max, unit, text) GET_ALL(type, name, max, 1)
 #define END(owner) return !reader->failed; }
+#define CHOICE(name, text) \
+    bool crn_wire_get_##name(crn_wire_reader *reader, crn_wire_##name *value) { \
+        crn_wire_get_u8(reader, &value->kind); \
+        switch (value->kind) {
+#define OPTION(choice, record, number, text) \
+        case number: return crn_wire_get_##record(reader, &value->record);
+#define CHOICE_END(choice) default: return get_unknown_kind(reader); } }
 #include "shared/wire/wire_messages.def"
 
 #define MESSAGE(name, type, direction, text) \

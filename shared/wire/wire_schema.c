@@ -8,7 +8,7 @@
  * messages have changed. */
 uint64_t crn_wire_schema_hash(void)
 {
-    return 0xfe912b8c91b717bbu;
+    return 0x6cc533673f6eff5cu;
 }
 
 const char *crn_wire_message_name(uint16_t type)

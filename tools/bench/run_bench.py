@@ -120,27 +120,23 @@ def program_cases(program):
         yield name, unit, context, lambda number=number, mode=mode: measure(program, number, mode)
 
 
-def realtime_factor(options, picture_arguments):
-    """Simulated seconds per second of the demo session, from what cournand says of its own time."""
+def demo_command(options):
+    """The demo session without its outputs."""
     for path in (options.scene, options.instrument, options.session):
         if not os.path.exists(path):
             raise CannotMeasure("%s does not exist: `make run` makes what is missing" % path)
+    program = os.path.join(options.build, "bin", "cournand")
+    inputs = ["--scene", options.scene, "--instrument", options.instrument, "--session", options.session]
+    return [program, "run"] + inputs + ["--quiet"]
+
+
+def realtime_factor(options, picture_arguments):
+    """Simulated seconds per second of the demo session, from what cournand says of its own time."""
     with tempfile.TemporaryDirectory() as folder:
         timing = os.path.join(folder, "timing.json")
         run(
-            [
-                os.path.join(options.build, "bin", "cournand"),
-                "run",
-                "--scene",
-                options.scene,
-                "--instrument",
-                options.instrument,
-                "--session",
-                options.session,
-                "--quiet",
-                "--timing",
-                timing,
-            ]
+            demo_command(options)
+            + ["--timing", timing]
             + [argument.replace("FOLDER", folder) for argument in picture_arguments]
         )
         with open(timing, encoding="utf-8") as file:
@@ -151,6 +147,22 @@ def session_cases(options):
     pictures = ["--mp4", os.path.join("FOLDER", "film.mp4"), "--size", "512", "--fps", "15"]
     for context, arguments in (("pictures=none", []), ("pictures=512", pictures)):
         yield SESSION, "1", context, lambda arguments=arguments: realtime_factor(options, arguments)
+
+
+def bytes_per_tick(options):
+    """Bytes of the demo's recording for each of its ticks."""
+    with tempfile.TemporaryDirectory() as folder:
+        recording = os.path.join(folder, "demo.rec")
+        run(demo_command(options) + ["--record", recording])
+        size = os.path.getsize(recording)
+        ticks = re.search(r"(\d+) ticks", run([os.path.join(options.build, "bin", "cournand"), "info", recording]))
+        if ticks is None:
+            raise CannotMeasure("cournand info does not say how many ticks a recording has")
+        return size / int(ticks.group(1))
+
+
+def wire_cases(options):
+    yield "wire.bytes_per_tick", "byte", "recording=demo", lambda: bytes_per_tick(options)
 
 
 def make_calibration(options, folder):
@@ -257,7 +269,7 @@ def print_table(rows):
 
 
 # Minutes each under callgrind or by simulated minutes: what --quick leaves out.
-SLOW = ("hands.", "rod.coronary_penetration_mm", "xray.", "stent.", "contrast.", "calibrate.", SESSION)
+SLOW = ("hands.", "wire.", "rod.coronary_penetration_mm", "xray.", "stent.", "contrast.", "calibrate.", SESSION)
 
 
 def is_slow(name, context):
@@ -299,7 +311,7 @@ def main():
     )
     parser.add_argument("--session", default="shared/examples/sessions/demo.session", help="(default: %(default)s)")
     parser.add_argument(
-        "--only-programs", action="store_true", help="leave out %s and the Cortex-M7's budget" % SESSION
+        "--only-programs", action="store_true", help="leave out what needs the session, and the Cortex-M7's budget"
     )
     parser.add_argument("programs", nargs="*", metavar="PROGRAM", help="(default: every BUILD/bench/bench_*)")
     options = parser.parse_args()
@@ -312,6 +324,7 @@ def main():
         print("run_bench: %s" % problem, file=sys.stderr)
         return 1
     if not options.only_programs:
+        cases += wire_cases(options)
         cases += session_cases(options)
         cases += calibration_cases(options)
     cases.sort(key=lambda case: is_slow(case[0], case[2]))

@@ -17,9 +17,11 @@ std::string quoted(const char *text)
     return result + "\"";
 }
 
-std::string field(const char *name, const char *type, const char *unit, int max)
+// `count_bytes`: of the count in front of a list; 0: a single value.
+std::string field(const char *name, const char *type, const char *unit, int max, int count_bytes)
 {
-    const std::string limit = max > 0 ? ", max = " + std::to_string(max) : "";
+    const std::string limit =
+        max > 0 ? ", max = " + std::to_string(max) + ", count_bytes = " + std::to_string(count_bytes) : "";
     return "    { name = " + quoted(name) + ", type = " + quoted(type) + ", unit = " + quoted(unit) + limit +
            " },\n";
 }
@@ -34,14 +36,18 @@ std::string dissector_tables()
     std::snprintf(hash, sizeof hash, ", schema hash %016llx\n",
                   static_cast<unsigned long long>(crn_wire_schema_hash()));
     out += hash;
-    out += "local records, messages, faults, rejects = {}, {}, {}, {}\n";
+    out += "local records, choices, messages, faults, rejects = {}, {}, {}, {}, {}\n";
 #define RECORD(name, text) out += "records." #name " = { fields = {\n";
 #define MESSAGE(name, number, direction, text)                                                               \
     out += "messages[" #number "] = { name = " + quoted(#name) + ", from = " + quoted(direction) +           \
            ", fields = {\n";
-#define FIELD(owner, type, name, unit, text) out += field(#name, #type, unit, 0);
-#define ARRAY(owner, type, name, max, unit, text) out += field(#name, #type, unit, max);
+#define FIELD(owner, type, name, unit, text) out += field(#name, #type, unit, 0, 0);
+#define ARRAY(owner, type, name, max, unit, text) out += field(#name, #type, unit, max, 2);
+#define LIST(owner, type, name, max, unit, text) out += field(#name, #type, unit, max, 1);
 #define END(owner) out += "} }\n";
+#define CHOICE(name, text) out += "choices." #name " = {\n";
+#define OPTION(choice, record, kind, text) out += "    [" #kind "] = " + quoted(#record) + ",\n";
+#define CHOICE_END(choice) out += "}\n";
 #include "shared/wire/wire_messages.def"
 #define FAULT(NAME, code, effect, safe_ms, test, text, detection, remedy)                                    \
     out += "faults[" #code "] = " + quoted(#NAME ": " text) + "\n";

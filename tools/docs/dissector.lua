@@ -1,6 +1,6 @@
 -- The part of the Wireshark dissector that is the same for every version of the wire: frames, CRC and trees. `make
--- dissector` puts the tables `records` and `messages` of shared/wire/wire_messages.def, `faults` and `rejects` above
--- it.
+-- dissector` puts the tables `records`, `choices` and `messages` of shared/wire/wire_messages.def, `faults` and
+-- `rejects` above it.
 --
 --   wireshark -X lua_script:out/cournand.lua capture.pcapng
 --
@@ -21,7 +21,8 @@ local function add_fields(owner, list)
         local abbreviation = "cournand." .. owner .. "." .. field.name
         local title = field.name .. (field.unit ~= "" and field.unit ~= "1" and " [" .. field.unit .. "]" or "")
         if field.max then
-            fields[abbreviation .. "_count"] = ProtoField.uint16(abbreviation .. "_count", field.name .. " count")
+            local make = field.count_bytes == 1 and ProtoField.uint8 or ProtoField.uint16
+            fields[abbreviation .. "_count"] = make(abbreviation .. "_count", field.name .. " count")
         end
         if makers[field.type] then fields[abbreviation] = makers[field.type](abbreviation, title) end
     end
@@ -32,6 +33,10 @@ for name, record in pairs(records) do add_fields(name, record.fields) end
 for number, message in pairs(messages) do
     type_names[number] = message.name
     add_fields(message.name, message.fields)
+end
+
+for name, options in pairs(choices) do
+    fields["cournand." .. name .. ".kind"] = ProtoField.uint8("cournand." .. name .. ".kind", "kind", base.DEC, options)
 end
 
 fields.sequence = ProtoField.uint16("cournand.sequence", "sequence")
@@ -87,18 +92,25 @@ local function add_value(tree, owner, field, tvb, place)
         tree:add_le(fields["cournand." .. owner .. "." .. field.name], tvb(place, sizes[field.type]))
         return place + sizes[field.type]
     end
-    local branch = tree:add(tvb(place), field.name)
-    return add_values(branch, field.type, records[field.type].fields, tvb, place)
+    local branch, record = tree:add(tvb(place), field.name), field.type
+    if choices[record] then
+        if place >= tvb:len() then return nil end
+        branch:add(fields["cournand." .. record .. ".kind"], tvb(place, 1))
+        record = choices[record][tvb(place, 1):uint()]
+        if not record then return nil end
+        place = place + 1
+    end
+    return add_values(branch, record, records[record].fields, tvb, place)
 end
 
 function add_values(tree, owner, list, tvb, place)
     for _, field in ipairs(list) do
         local count = 1
         if field.max then
-            if place + 2 > tvb:len() then return nil end
-            count = tvb(place, 2):le_uint()
-            tree:add_le(fields["cournand." .. owner .. "." .. field.name .. "_count"], tvb(place, 2))
-            place = place + 2
+            if place + field.count_bytes > tvb:len() then return nil end
+            count = tvb(place, field.count_bytes):le_uint()
+            tree:add_le(fields["cournand." .. owner .. "." .. field.name .. "_count"], tvb(place, field.count_bytes))
+            place = place + field.count_bytes
             if count > field.max then return nil end
         end
         if field.max and field.type == "u8" then -- bytes: the first and their number say enough

@@ -48,7 +48,15 @@ std::string message_tables()
 #define FIELD(owner, type, name, unit, text) out += row({"`" #name "`", #type, unit, bar_safe(text)});
 #define ARRAY(owner, type, name, max, unit, text)                                                            \
     out += row({"`" #name "`", "u16 count, then count × " #type ", at most " #max, unit, bar_safe(text)});
+#define LIST(owner, type, name, max, unit, text)                                                             \
+    out += row({"`" #name "`", "u8 count, then count × " #type ", at most " #max, unit, bar_safe(text)});
 #define END(owner) out += "\n";
+#define CHOICE(name, text)                                                                                   \
+    out += "### Choice `" #name "` (at most " + std::to_string(CRN_WIRE_BYTES_##name) +                      \
+           " bytes)\n" text ".\nA u8, the kind, then the record that has it.\n\n" +                          \
+           "| kind | record | meaning |\n|---|---|---|\n";
+#define OPTION(choice, record, kind, text) out += row({#kind, "`" #record "`", bar_safe(text)});
+#define CHOICE_END(choice) out += "\n";
 #include "shared/wire/wire_messages.def"
     return out;
 }

@@ -200,11 +200,18 @@ void client_step(client *c, uint32_t tick, uint16_t count, int32_t translation_b
 
 void client_input(client *c, const int32_t *translation, const int32_t *rotation)
 {
-    crn_wire_input input = {.encoders.hands_count = c->tool_count};
+    crn_wire_input input = {.input.hands_count = c->tool_count};
     for (uint16_t k = 0; k < c->tool_count; k++) {
-        input.encoders.hands[k] = (crn_wire_hand){translation[k], rotation[k]};
+        input.input.hands[k] = (crn_wire_hand){translation[k], rotation[k]};
     }
     SEND(c, input, &input);
+}
+
+void client_orders(client *c, const crn_wire_order *orders, uint16_t count)
+{
+    crn_wire_orders message = {.orders = {.items_count = count}};
+    for (uint16_t i = 0; i < count; i++) message.orders.items[i] = orders[i];
+    SEND(c, orders, &message);
 }
 
 bool client_read_snapshot(client *c)

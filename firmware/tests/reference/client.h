@@ -61,6 +61,7 @@ void client_step(client *c, uint32_t tick, uint16_t count, int32_t translation_b
 void client_step_each(client *c, uint32_t tick, uint16_t count, const int32_t *begin,
                       const int32_t *per_tick);
 void client_input(client *c, const int32_t *translation, const int32_t *rotation);
+void client_orders(client *c, const crn_wire_order *orders, uint16_t count);
 
 /* Reads a whole snapshot from the device into c->snapshot, and writes it back to the device, whose last
  * answer is left in the pipe. Returns false when a frame is missing or refused. */

@@ -150,9 +150,9 @@ void contact_forces_are_read_at_any_tick(void **)
 {
     const std::vector<crn::Instrument> tools = three_tools();
     crn::Device device(scene, tools, crn::entry_of(scene, 3, {}), crn::host_rig());
-    crn_wire_encoders rest{};
+    crn_wire_tick_input rest{};
     rest.hands_count = 3;
-    device.link().step(std::vector<crn_wire_encoders>(7, rest), false);
+    device.link().step(std::vector<crn_wire_tick_input>(7, rest), false);
     assert_int_equal(device.link().read_contacts().tick, 7);
     assert_int_equal(device.link().read_contacts().contacts_count, 0);
 }

@@ -146,8 +146,9 @@ void call(crn::Link &link, std::uint8_t which)
 {
     static const std::vector<std::uint8_t> scene(1100, 7), snapshot(1100, 9);
     static const crn_wire_instrument tool{};
-    static const crn_wire_encoders inputs[3] = {};
-    if (which % 21 == 20) return link.ask_rhythm(CRN_WIRE_RHYTHM_HEART_RATE, 80);
+    static const crn_wire_tick_input inputs[3] = {};
+    if (which % 21 == 20)
+        return link.give_orders({1, {crn_wire_order_of_rhythm({CRN_WIRE_RHYTHM_HEART_RATE, 80})}});
     switch (which % 21) {
     case 0:
         promise(link.hello().accepted != 0);

@@ -107,9 +107,9 @@ std::uint64_t play(const crn::DeviceChoice &choice, std::uint32_t &resumes,
     crn::Device device(scene, {wire()}, crn::entry_of(scene, 1, {}), crn::host_rig(), choice);
     for (unsigned tick = 0; tick < session_ticks; tick += batch_ticks) {
         if (before_batch) before_batch(tick);
-        std::vector<crn_wire_encoders> inputs;
+        std::vector<crn_wire_tick_input> inputs;
         for (unsigned i = tick; i < tick + batch_ticks; i++) {
-            crn_wire_encoders input{};
+            crn_wire_tick_input input{};
             input.hands_count = 1;
             input.hands[0] = {static_cast<std::int32_t>(i * 20), static_cast<std::int32_t>(i * 10)};
             inputs.push_back(input);

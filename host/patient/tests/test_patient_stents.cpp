@@ -129,6 +129,28 @@ void other_pictures_do_not_change_it(void **)
     assert_true(often.stents().snapshot() == seen.stents().snapshot());
 }
 
+crn_wire_order_list next_orders(PatientStents &stents)
+{
+    crn_wire_order_list orders{};
+    stents.give_orders(orders);
+    return orders;
+}
+
+// Of the next tick; nothing: it has no such order.
+std::optional<crn_wire_scaffold> next_hold(PatientStents &stents)
+{
+    const crn_wire_order_list orders = next_orders(stents);
+    const crn_wire_order *order = order_of(orders, CRN_WIRE_KIND_scaffold);
+    return order ? std::optional(order->scaffold) : std::nullopt;
+}
+
+std::optional<crn_wire_strut> next_ring(PatientStents &stents)
+{
+    const crn_wire_order_list orders = next_orders(stents);
+    const crn_wire_order *order = order_of(orders, CRN_WIRE_KIND_strut);
+    return order ? std::optional(order->strut) : std::nullopt;
+}
+
 // The whole lesion lies in the stent and is open: what is asked for covers every station, the middle wholly,
 // and nothing once it is known.
 void the_core_is_asked_once_for_what_it_does_not_know(void **)
@@ -138,23 +160,23 @@ void the_core_is_asked_once_for_what_it_does_not_know(void **)
     std::vector<int> asked(stations, 0);
     crn_wire_tick_state state{};
     std::size_t orders = 0;
-    while (const auto order = stents.order()) {
+    for (auto list = next_orders(stents); list.items_count > 0; list = next_orders(stents)) {
+        crn_wire_tick_input input{};
+        input.orders = list;
+        stents.tick(input, state);
+        const crn_wire_order *item = order_of(list, CRN_WIRE_KIND_scaffold);
+        if (!item) continue;
+        const crn_wire_scaffold *order = &item->scaffold;
         assert_true(order->lesion == 1 && order->first <= order->last && order->last < stations);
         assert_true(order->open_q15 >= 1 && order->open_q15 <= 32768 && order->open_q15 % 128 == 0);
         for (std::size_t k = order->first; k <= order->last; ++k) asked[k] = order->open_q15;
-        crn_wire_encoders input{};
-        input.scaffold_lesion = order->lesion;
-        input.scaffold_first = order->first;
-        input.scaffold_last = order->last;
-        input.scaffold_open_q15 = order->open_q15;
-        stents.tick(input, state);
         ++orders;
     }
     assert_true(orders > 0 && asked[stations / 2] > 32768 * 9 / 10);
     for (std::size_t k = 2; k + 2 < stations; ++k) assert_true(asked[k] > 0);
     for (std::uint32_t tick = 840; tick < 1000; tick += 40) {
         stents.advance(line_at(tick, 0.45, 1.0));
-        assert_false(stents.order().has_value());
+        assert_false(next_hold(stents).has_value());
     }
 }
 
@@ -162,17 +184,11 @@ void the_core_is_asked_once_for_what_it_does_not_know(void **)
 std::vector<crn_wire_strut> take_struts(PatientStents &stents)
 {
     std::vector<crn_wire_strut> rings;
-    while (const auto order = stents.strut_order()) {
-        crn_wire_encoders input{};
-        input.strut_number = order->number;
-        input.strut_joined = order->joined;
-        input.strut_x_um = order->x_um;
-        input.strut_y_um = order->y_um;
-        input.strut_z_um = order->z_um;
-        input.strut_inside_um = order->inside_um;
-        input.strut_thickness_um = order->thickness_um;
+    for (auto list = next_orders(stents); list.items_count > 0; list = next_orders(stents)) {
+        crn_wire_tick_input input{};
+        input.orders = list;
         stents.tick(input, {});
-        rings.push_back(*order);
+        if (const crn_wire_order *order = order_of(list, CRN_WIRE_KIND_strut)) rings.push_back(order->strut);
     }
     return rings;
 }
@@ -184,7 +200,7 @@ void struts_are_told_once_the_stent_is_deployed(void **)
     PatientStents stents = session_stents();
     stents.command(0, load);
     for (std::uint32_t tick = 0; tick <= 400; tick += 40) stents.advance(line_at(tick, 1.55, 1.0));
-    assert_false(stents.strut_order().has_value());
+    assert_false(next_ring(stents).has_value());
     for (std::uint32_t tick = 440; tick <= 800; tick += 40) stents.advance(line_at(tick, 0.45, 1.0));
     const std::vector<crn_wire_strut> rings = take_struts(stents);
     const StentFigures figures = stent_figures(stents.stents()[0], nullptr);
@@ -208,7 +224,7 @@ void struts_are_told_once_the_stent_is_deployed(void **)
     assert_true(std::abs(length_mm - figures.length_mm) < 1.5);
     for (std::uint32_t tick = 840; tick < 1000; tick += 40) {
         stents.advance(line_at(tick, 0.45, 1.0));
-        assert_false(stents.strut_order().has_value());
+        assert_false(next_ring(stents).has_value());
     }
 }
 
@@ -223,9 +239,9 @@ void struts_that_are_widened_are_told_again(void **)
     const std::vector<crn_wire_strut> rings = take_struts(stents);
     stents.command(801, load);
     for (std::uint32_t tick = 840; tick <= 1000; tick += 40) stents.advance(line_at(tick, 1.35, 1.0));
-    const auto first = stents.strut_order();
+    const auto first = next_ring(stents);
     stents.advance(line_at(1040, 1.35, 1.0));
-    const auto again = stents.strut_order();
+    const auto again = next_ring(stents);
     assert_true(first && again && first->number == again->number && first->number <= rings.size());
     std::printf("# ring %d from %d to %d um\n", first->number, rings.at(first->number - 1u).inside_um,
                 first->inside_um);
@@ -260,9 +276,9 @@ void what_the_core_did_not_confirm_is_asked_for_again(void **)
 {
     PatientStents stents = session_stents();
     carry_out(stents, 1000);
-    const auto first = stents.order();
+    const auto first = next_hold(stents);
     stents.advance(line_at(840, 0.45, 1.0));
-    const auto again = stents.order();
+    const auto again = next_hold(stents);
     assert_true(first && again && first->first == again->first && first->open_q15 == again->open_q15);
 }
 
@@ -272,10 +288,10 @@ void a_stent_holds_no_more_than_is_open(void **)
     PatientStents stents = session_stents();
     stents.command(0, load);
     for (std::uint32_t tick = 0; tick <= 400; tick += 40) stents.advance(line_at(tick, 1.55, 0.25));
-    const auto order = stents.order();
+    const auto order = next_hold(stents);
     assert_true(order && order->first == 0 && order->last == stations - 1);
     assert_int_equal(order->open_q15, 32768 / 4);
-    assert_false(stents.order().has_value());
+    assert_false(next_hold(stents).has_value());
 }
 
 void another_one_is_loaded_outside_only(void **)

@@ -22,11 +22,11 @@ extern "C" {
 namespace
 {
 
-std::vector<crn_wire_encoders> play(const std::string &text)
+std::vector<crn_wire_tick_input> play(const std::string &text)
 {
     const crn::Session session = crn::parse_session(text, "test");
     crn::SessionPlayer player(session, 1);
-    std::vector<crn_wire_encoders> inputs;
+    std::vector<crn_wire_tick_input> inputs;
     while (!player.is_done() && inputs.size() < 1000000) inputs.push_back(player.next());
     return inputs;
 }
@@ -210,8 +210,8 @@ void heart_and_breath_are_asked_at_their_ticks(void **)
         {131, CRN_WIRE_RHYTHM_BREATH_HOLD, 1}};
     std::vector<std::array<int, 3>> found;
     for (std::size_t i = 0; i < inputs.size(); i++) {
-        if (inputs[i].rhythm_action != 0)
-            found.push_back({static_cast<int>(i), inputs[i].rhythm_action, inputs[i].rhythm_value});
+        for (const crn_wire_order &order : crn::orders_of(inputs[i]))
+            found.push_back({static_cast<int>(i), order.rhythm.action, order.rhythm.value});
     }
     assert_true(found == wanted);
     expect_error("heart rate 170 /min\n", "a.session:1:12: heart rate must be 40 to 160 /min");
@@ -278,11 +278,11 @@ void comments_commas_and_joined_units_are_understood(void **)
 }
 
 // Every hand has its own counts; hands that are not named are at rest.
-std::vector<crn_wire_encoders> play(const std::string &text, std::size_t tool_count)
+std::vector<crn_wire_tick_input> play(const std::string &text, std::size_t tool_count)
 {
     const crn::Session session = crn::parse_session(text, "test");
     crn::SessionPlayer player(session, tool_count);
-    std::vector<crn_wire_encoders> inputs;
+    std::vector<crn_wire_tick_input> inputs;
     while (!player.is_done() && inputs.size() < 1000000) inputs.push_back(player.next());
     return inputs;
 }
@@ -293,7 +293,7 @@ void a_move_names_its_tool_or_moves_the_selected_one(void **)
         play("advance catheter 10 mm\nadvance tool 3 5 mm\nrotate guide 90 deg\nadvance 1 mm\n"
              "select 2\nadvance 2 mm\ntool guide\nwithdraw 1 mm\nselect wire\nrotate -90 deg",
              3);
-    const crn_wire_encoders &end = inputs.back();
+    const crn_wire_tick_input &end = inputs.back();
     assert_int_equal(end.hands_count, 3);
     assert_int_equal(end.hands[0].translation_counts, 1000);
     assert_int_equal(end.hands[0].rotation_counts, -16384);
@@ -333,7 +333,7 @@ void until_looks_at_its_own_tool(void **)
     crn::SessionPlayer player(session, 2);
     double inserted_m[2] = {0.2, 0.02};
     for (std::uint32_t tick = 1; !player.is_done() && tick < 100000; tick++) {
-        const crn_wire_encoders input = player.next();
+        const crn_wire_tick_input input = player.next();
         inserted_m[0] = 0.2 + input.hands[0].translation_counts * 1e-6;
         assert_int_equal(input.hands[1].translation_counts, 0);
         if (tick % crn::SessionPlayer::observe_every_ticks == 0) player.observe(inserted_m);

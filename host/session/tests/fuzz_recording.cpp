@@ -1,7 +1,10 @@
 // Fuzz target: any bytes may be offered as a recording. Each input is tried as it is, and with its checksums
-// and the schema hash made right, so that what stands behind them is reached. What is accepted keeps the
-// promises of recording.hpp, and what is refused has a text.
+// and the schema hash made right, so that what stands behind them is reached: as a recording of this version,
+// and as one of the version before that is to be converted. What is accepted keeps the promises of
+// recording.hpp, and what is refused has a text.
+#include "host/session/recording_chunks.hpp"
 #include "host/session/recording_format.hpp"
+#include "host/session/recording_upgrade.hpp"
 #include "shared/wire/wire_frame.h"
 #include <algorithm>
 #include <cstdlib>
@@ -50,21 +53,33 @@ void offer(const std::vector<std::uint8_t> &bytes)
     }
 }
 
+void convert(const std::vector<std::uint8_t> &bytes)
+{
+    static const std::string name = "fuzz";
+    try {
+        walk(parse_recording(upgraded_recording(bytes, name), name)); // what was converted is readable
+    } catch (const RecordingError &error) {
+        promise(*error.what() != '\0');
+    }
+}
+
 void put(std::uint8_t *place, std::uint64_t value, int bytes)
 {
     for (int i = 0; i < bytes; i++) place[i] = static_cast<std::uint8_t>(value >> (8 * i));
 }
 
-// Checksums of all chunks that are there, and the schema hash of the first.
-void seal(std::vector<std::uint8_t> &bytes)
+// Checksums of all chunks that are there, the version, and the schema hash of the first.
+void seal(std::vector<std::uint8_t> &bytes, char version = magic[7])
 {
     if (bytes.size() < 8) return;
     std::copy_n(magic, 8, bytes.begin());
+    bytes[7] = static_cast<std::uint8_t>(version);
+    const std::uint64_t schema = version == magic[7] ? crn_wire_schema_hash() : schema_of_protocol_4;
     for (std::size_t at = 8; bytes.size() - at >= chunk_head_bytes + chunk_tail_bytes;) {
         std::uint8_t *chunk = bytes.data() + at;
         const std::size_t count = chunk[4] | chunk[5] << 8 | chunk[6] << 16 | std::size_t{chunk[7]} << 24;
         if (count > bytes.size() - at - chunk_head_bytes - chunk_tail_bytes) return;
-        if (at == 8 && count >= 12) put(chunk + chunk_head_bytes + 4, crn_wire_schema_hash(), 8);
+        if (at == 8 && count >= 12) put(chunk + chunk_head_bytes + 4, schema, 8);
         put(chunk + chunk_head_bytes + count, crn_wire_crc32(0, chunk, chunk_head_bytes + count), 4);
         at += chunk_head_bytes + count + chunk_tail_bytes;
     }
@@ -134,11 +149,44 @@ std::vector<std::uint8_t> ticks(unsigned tools, std::uint32_t first, std::uint32
 {
     std::vector<std::uint8_t> bytes = words({first, count});
     for (std::uint32_t i = 0; i < count; i++) {
+        crn_wire_tick_input input{};
+        input.hands_count = static_cast<std::uint16_t>(tools);
+        if (i == 1) input.orders = {1, {crn_wire_order_of_rhythm({CRN_WIRE_RHYTHM_HEART_RATE, 90})}};
+        if (i == 2)
+            input.orders = {2, {crn_wire_order_of_scaffold({1, 0, 2, 30000}), crn_wire_order_of_strut({})}};
         const std::size_t at = bytes.size();
-        bytes.resize(at + tick_bytes(tools));
-        bytes[at] = static_cast<std::uint8_t>(tools);
+        bytes.resize(at + tick_bytes_max(tools));
+        crn_wire_writer writer = crn_wire_writer_make(bytes.data() + at, bytes.size() - at);
+        crn_wire_put_tick_input(&writer, &input);
+        bytes.resize(at + writer.length + 8);
     }
     return bytes;
+}
+
+std::vector<std::uint8_t> old_ticks(unsigned tools, std::uint32_t first, std::uint32_t count)
+{
+    std::vector<std::uint8_t> bytes = words({first, count});
+    for (std::uint32_t i = 0; i < count; i++) {
+        const std::size_t at = bytes.size();
+        bytes.resize(at + old_tick_bytes(tools), static_cast<std::uint8_t>(i));
+        bytes[at] = static_cast<std::uint8_t>(tools);
+        bytes[at + 1] = 0;
+    }
+    return bytes;
+}
+
+// Of version 2: one chunk of everything that only it had.
+std::vector<std::uint8_t> old_file(unsigned tools)
+{
+    Writer file;
+    file.chunk(HEAD, head(tools));
+    file.chunk(TICKS, old_ticks(tools, 0, 3));
+    std::vector<std::uint8_t> view = words({3, 0x01010001, 2, 3, 4, 5, 6, 7});
+    view.resize(view_bytes);
+    file.chunk(VIEW, view);
+    file.chunk(END, words({3, 1, 2}));
+    seal(file.bytes, oldest_version);
+    return file.bytes;
 }
 
 } // namespace
@@ -150,12 +198,16 @@ int LLVMFuzzerTestOneInput(const std::uint8_t *bytes, std::size_t count)
     if (count % 4 == 0) offer(copy);
     seal(copy);
     offer(copy);
+    for (char version = oldest_version; version < magic[7]; version++) {
+        seal(copy, version);
+        convert(copy);
+    }
     return 0;
 }
 
 std::size_t fuzz_seed(unsigned index, std::uint8_t *bytes, std::size_t capacity)
 {
-    if (index >= 6) return 0;
+    if (index >= 9) return 0;
     const unsigned tools = 1 + index % 3;
     Writer file;
     file.chunk(HEAD, head(tools));
@@ -172,6 +224,7 @@ std::size_t fuzz_seed(unsigned index, std::uint8_t *bytes, std::size_t capacity)
     }
     if (index >= 5) file.chunk(END, words({5, 1, 2}));
     seal(file.bytes);
+    if (index >= 6) file.bytes = old_file(tools);
     if (file.bytes.size() > capacity) return 0;
     std::copy(file.bytes.begin(), file.bytes.end(), bytes);
     return file.bytes.size();

@@ -111,7 +111,7 @@ crn_wire_tick_state felt(std::uint32_t tick, double axial_N, double torque_mN_m 
 
 crn_wire_hand told(const HandGrip &grip, std::int32_t translation, std::int32_t rotation = 0)
 {
-    crn_wire_encoders wanted{};
+    crn_wire_tick_input wanted{};
     wanted.hands_count = 1;
     wanted.hands[0] = {translation, rotation};
     return grip.hold(wanted).hands[0];

@@ -164,23 +164,15 @@ static void a_step_is_laid_out_as_documented(void **state)
                                              .hands = {{-2, 5}, {7, -1}},
                                              .buttons = 0x80,
                                              .inflator_raw = 3,
-                                             .rhythm_action = 1,
-                                             .rhythm_value = 150,
-                                             .scaffold_lesion = 1,
-                                             .scaffold_first = 4,
-                                             .scaffold_last = 12,
-                                             .scaffold_open_q15 = 0x7ffe,
-                                             .strut_number = 64,
-                                             .strut_joined = 1,
-                                             .strut_x_um = 1,
-                                             .strut_y_um = -2,
-                                             .strut_z_um = 0x10203,
-                                             .strut_inside_um = 1500,
-                                             .strut_thickness_um = 81}}};
-    const uint8_t expected[] = {4, 3, 2, 1,    1,    1,    0,    2,    0,    0xfe, 0xff, 0xff, 0xff, 5,  0, 0,
-                                0, 7, 0, 0,    0,    0xff, 0xff, 0xff, 0xff, 0x80, 0,    0,    0,    0,  0, 0,
-                                0, 3, 0, 0,    0,    1,    150,  0,    1,    4,    12,   0xfe, 0x7f, 64, 1, 1,
-                                0, 0, 0, 0xfe, 0xff, 0xff, 0xff, 3,    2,    1,    0,    0xdc, 5,    81, 0};
+                                             .orders = {.items_count = 3}}}};
+    crn_wire_order *orders = step.inputs[0].orders.items;
+    orders[0] = crn_wire_order_of_rhythm((crn_wire_rhythm){1, 150});
+    orders[1] = crn_wire_order_of_scaffold((crn_wire_scaffold){1, 4, 12, 0x7ffe});
+    orders[2] = crn_wire_order_of_strut((crn_wire_strut){64, 1, 1, -2, 0x10203, 1500, 81});
+    const uint8_t expected[] = {
+        4,    3,    2,    1,  1, 1, 0, 2, 0, 0xfe, 0xff, 0xff, 0xff, 5, 0, 0, 0, 7,    0, 0,  0, 0xff, 0xff,
+        0xff, 0xff, 0x80, 0,  0, 0, 0, 0, 0, 0,    3,    0,    0,    0, 3, 1, 1, 150,  0, 2,  1, 4,    12,
+        0xfe, 0x7f, 3,    64, 1, 1, 0, 0, 0, 0xfe, 0xff, 0xff, 0xff, 3, 2, 1, 0, 0xdc, 5, 81, 0};
     crn_wire_writer writer = crn_wire_writer_make(payload, sizeof payload);
     assert_true(crn_wire_put_step(&writer, &step));
     assert_int_equal(writer.length, sizeof expected);
@@ -190,6 +182,85 @@ static void a_step_is_laid_out_as_documented(void **state)
     assert_int_equal(back.inputs[0].hands_count, 2);
     assert_int_equal(back.inputs[0].hands[0].translation_counts, -2);
     assert_int_equal(back.inputs[0].hands[1].rotation_counts, -1);
+    assert_int_equal(back.inputs[0].orders.items_count, 3);
+    assert_int_equal(back.inputs[0].orders.items[1].kind, CRN_WIRE_KIND_scaffold);
+    assert_int_equal(back.inputs[0].orders.items[1].scaffold.open_q15, 0x7ffe);
+    assert_int_equal(back.inputs[0].orders.items[2].strut.z_um, 0x10203);
+}
+
+/* One byte, which says that there are none. */
+static void a_tick_without_orders_pays_a_byte_for_them(void **state)
+{
+    (void)state;
+    const crn_wire_tick_input input = {.hands_count = 1};
+    crn_wire_writer writer = crn_wire_writer_make(payload, sizeof payload);
+    assert_true(crn_wire_put_tick_input(&writer, &input));
+    assert_int_equal(writer.length, 2 + CRN_WIRE_BYTES_hand + 3 * 4 + 1);
+    assert_int_equal(payload[writer.length - 1], 0);
+}
+
+/* A list with as many orders as it may hold, of every kind in turn. */
+static size_t put_full_list(uint8_t *to)
+{
+    crn_wire_orders message = {.orders = {.items_count = CRN_WIRE_MAX_order_list_items}};
+    crn_wire_order *items = message.orders.items;
+    items[0] = crn_wire_order_of_strut((crn_wire_strut){1, 1, INT32_MIN, -1, INT32_MAX, 1500, 81});
+    items[1] = crn_wire_order_of_rhythm((crn_wire_rhythm){255, 65535});
+    items[2] = crn_wire_order_of_scaffold((crn_wire_scaffold){1, 2, 3, 4});
+    items[3] = items[0];
+    crn_wire_writer writer = crn_wire_writer_make(to, CRN_WIRE_PAYLOAD_MAX);
+    assert_true(crn_wire_put_orders(&writer, &message));
+    return writer.length;
+}
+
+/* As a hostile host would send them: cut at every byte, one byte too many, a kind that is none, one order too
+ * many. */
+static void lists_of_orders_that_are_damaged_are_refused(void **state)
+{
+    (void)state;
+    crn_wire_orders back;
+    const size_t length = put_full_list(payload);
+    assert_int_equal(length, 1 + 2 * (1 + CRN_WIRE_BYTES_strut) + 1 + CRN_WIRE_BYTES_rhythm + 1 +
+                                 CRN_WIRE_BYTES_scaffold);
+    assert_true(crn_wire_decode_orders(payload, length, &back));
+    assert_int_equal(back.orders.items[0].strut.z_um, INT32_MAX);
+    assert_int_equal(back.orders.items[1].rhythm.value, 65535);
+    for (size_t cut = 0; cut < length; cut++) assert_false(crn_wire_decode_orders(payload, cut, &back));
+    assert_false(crn_wire_decode_orders(payload, length + 1, &back));
+    for (unsigned kind = 0; kind < 256; kind++) {
+        payload[1] = (uint8_t)kind;
+        assert_int_equal(crn_wire_decode_orders(payload, length, &back), kind == CRN_WIRE_KIND_strut);
+    }
+    payload[1] = CRN_WIRE_KIND_strut;
+    payload[0] = CRN_WIRE_MAX_order_list_items + 1;
+    assert_false(crn_wire_decode_orders(payload, length, &back));
+    assert_false(crn_wire_decode_orders(payload, sizeof payload, &back));
+}
+
+static void nobody_can_send_an_order_that_is_none(void **state)
+{
+    (void)state;
+    crn_wire_orders message = {.orders = {.items_count = 1}};
+    for (unsigned kind = 0; kind < 256; kind++) {
+        message.orders.items[0].kind = (uint8_t)kind;
+        crn_wire_writer writer = crn_wire_writer_make(payload, sizeof payload);
+        assert_int_equal(crn_wire_put_orders(&writer, &message), kind >= 1 && kind <= 3);
+    }
+    message.orders.items[0].kind = CRN_WIRE_KIND_rhythm;
+    message.orders.items_count = CRN_WIRE_MAX_order_list_items + 1;
+    crn_wire_writer writer = crn_wire_writer_make(payload, sizeof payload);
+    assert_false(crn_wire_put_orders(&writer, &message));
+}
+
+static void every_kind_of_order_is_used_once_and_one_list_holds_all(void **state)
+{
+    (void)state;
+    static const uint8_t kinds[] = {
+#define OPTION(choice, record, kind, text) kind,
+#include "shared/wire/wire_messages.def"
+    };
+    for (size_t i = 0; i < sizeof kinds; i++) assert_int_equal(kinds[i], i + 1);
+    assert_true(sizeof kinds <= CRN_WIRE_MAX_order_list_items);
 }
 
 static void extreme_values_come_back(void **state)
@@ -271,7 +342,11 @@ static void the_schema_hash_covers_names_types_and_units(void **state)
 #define MESSAGE(name, type, direction, text) "message", #name, #type, direction,
 #define FIELD(owner, type, name, unit, text) "field", #type, #name, unit,
 #define ARRAY(owner, type, name, max, unit, text) "array", #type, #name, #max, unit,
+#define LIST(owner, type, name, max, unit, text) "list", #type, #name, #max, unit,
 #define END(owner) "end",
+#define CHOICE(name, text) "choice", #name,
+#define OPTION(choice, record, kind, text) "option", #record, #kind,
+#define CHOICE_END(choice) "end",
 #include "shared/wire/wire_messages.def"
     };
     for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
@@ -312,6 +387,10 @@ int main(void)
         cmocka_unit_test(damage_is_counted_by_its_cause),
         cmocka_unit_test(idle_zeros_between_frames_are_no_errors),
         cmocka_unit_test(a_step_is_laid_out_as_documented),
+        cmocka_unit_test(a_tick_without_orders_pays_a_byte_for_them),
+        cmocka_unit_test(lists_of_orders_that_are_damaged_are_refused),
+        cmocka_unit_test(nobody_can_send_an_order_that_is_none),
+        cmocka_unit_test(every_kind_of_order_is_used_once_and_one_list_holds_all),
         cmocka_unit_test(extreme_values_come_back),
         cmocka_unit_test(a_payload_of_wrong_length_is_refused),
         cmocka_unit_test(no_message_is_longer_than_the_longest_payload),

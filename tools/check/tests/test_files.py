@@ -147,7 +147,7 @@ def chunks(data):
 
 
 def sealed(parts):
-    out = b"CRN-REC3"
+    out = b"CRN-REC4"
     for kind, payload in parts:
         head = struct.pack("<2I", kind, len(payload))
         out += head + payload + struct.pack("<I", zlib.crc32(head + payload))
@@ -165,6 +165,31 @@ def recordings(bench):
     bench.write("torn.rec", good[:-30])
     bench.bad("nor is one that was torn off in a chunk", ["cournand", "replay", "torn.rec", "--verify"], 1, "cut off")
     bench.good("it is replayed all the same where nobody asks for a proof", ["cournand", "replay", "cut.rec"])
+
+
+def old_recordings(bench):
+    """One of the protocol before: named with its remedy, converted whole or not at all."""
+    with open(os.path.join(bad.tree.ROOT, "host", "session", "tests", "protocol_4.rec"), "rb") as file:
+        old = file.read()
+    bench.write("old.rec", old)
+    upgrade = ["cournand", "replay", "--upgrade"]
+    remedy = r"version '3'.*cournand replay --upgrade old\.rec -o NEW\.rec"
+    for command in ("replay", "info", "surface"):
+        more = ["-o", "old.obj", "--at", "0"] if command == "surface" else []
+        bench.bad(
+            "%s names what converts an old recording" % command, ["cournand", command, "old.rec"] + more, 1, remedy
+        )
+    bench.good("an old recording is converted", upgrade + ["old.rec", "-o", "converted.rec"])
+    bench.good("what was converted is verified", ["cournand", "replay", "converted.rec", "--verify"])
+    bench.bad("it is not converted again", upgrade + ["converted.rec", "-o", "again.rec"], 1, "already", "again.rec")
+    bench.write("damaged.rec", old[:20000] + bytes([old[20000] ^ 1]) + old[20001:])
+    bench.bad(
+        "a damaged old recording is not converted", upgrade + ["damaged.rec", "-o", "no.rec"], 1, "damaged", "no.rec"
+    )
+    bench.bad("nor is one onto itself", upgrade + ["old.rec", "-o", "old.rec"], 2, "overwrite")
+    bench.bad("a conversion needs a name for the new one", upgrade + ["old.rec"], 2, "output")
+    findings = [] if bench.read("old.rec") == old else ["old.rec has changed"]
+    bench.report.check("the old recording stays as it was", findings)
 
 
 # --- text from files -------------------------------------------------------------------------------------------------
@@ -240,6 +265,7 @@ def main():
         read_only(bench)
         pairs(bench)
         recordings(bench)
+        old_recordings(bench)
         hostile_texts(bench)
         bench.report.end()
     finally:

@@ -95,21 +95,25 @@ def dissect(script, path, *fields):
 def packets_of_test():
     hello = frame(1, 0x01, struct.pack("<HHQ", 3, 0, 0x0123456789ABCDEF))
     hand = struct.pack("<ii", -5, 70000)
-    step = frame(
-        2, 0x20, struct.pack("<IBH", 41, 1, 1) + struct.pack("<H", 1) + hand + struct.pack("<IiiBH", 1, -2, 3, 0, 0)
-    )
+    orders = struct.pack("<BBBH", 2, 1, 6, 1) + struct.pack("<BBBiiiHH", 3, 64, 1, 5, -6, 7, 1500, 81)
+    tick = struct.pack("<H", 1) + hand + struct.pack("<Iii", 1, -2, 3) + orders
+    step = frame(2, 0x20, struct.pack("<IBH", 41, 1, 2) + tick + tick)
+    unknown = frame(8, 0x27, struct.pack("<BBBH", 1, 9, 6, 1))
     reject = frame(3, 0x03, struct.pack("<HHII", 0x20, 4, 2, 0))
     notice = frame(4, 0x25, struct.pack("<IIHHii", 9, 1000, 2, 13, 0, 0))
     chunk = frame(5, 0x11, struct.pack("<IH", 4096, 600) + bytes(range(1, 251)) * 2 + bytes(100))
     damaged = frame(6, 0x01, struct.pack("<HHQ", 3, 0, 1), flip=1)
     short = frame(7, 0x20, struct.pack("<IB", 41, 1))
-    return [hello, step, reject + notice, chunk[:300], chunk[300:], damaged, short]
+    return [hello, step, reject + notice, chunk[:300], chunk[300:], damaged, short, unknown]
 
 
 CLAIMS = [
     ("the_schema_hash_of_a_hello_is_read", 0, "cournand.hello.schema_hash", "81985529216486895"),
-    ("a_hand_s_counts_are_signed", 1, "cournand.hand.translation_counts", "-5"),
-    ("the_syringe_s_counts_are_read", 1, "cournand.encoders.syringe_counts", "-2"),
+    ("a_hand_s_counts_are_signed", 1, "cournand.hand.translation_counts", "-5,-5"),
+    ("the_syringe_s_counts_are_read", 1, "cournand.tick_input.syringe_counts", "-2,-2"),
+    ("the_kinds_of_orders_are_read", 1, "cournand.order.kind", "1,3,1,3"),
+    ("an_order_s_fields_are_read", 1, "cournand.strut.y_um", "-6,-6"),
+    ("an_order_of_an_unknown_kind_is_marked", 7, "_ws.expert.message", "payload does not have the message's form"),
     ("a_step_s_tick_is_read", 1, "cournand.step.tick", "41"),
     ("two_frames_in_one_packet_are_both_read", 2, "_ws.col.Info", "reject, notice"),
     ("a_refusal_has_its_text", 2, "cournand.reject", "WRONG_STATE: not possible in this state (detail: state)"),

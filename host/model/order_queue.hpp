@@ -1,0 +1,44 @@
+// Orders to the core that wait for the ticks to come. A tick's list takes one of a kind, as the core does
+// (shared/wire/wire_orders.def); what does not fit waits for the next tick.
+//
+//   OrderQueue orders;
+//   orders.add(crn_wire_order_of_rhythm({CRN_WIRE_RHYTHM_HEART_RATE, 90}));
+//   crn_wire_tick_input input{};
+//   orders.move_into(input.orders);
+#pragma once
+#include "shared/wire/wire.h"
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <span>
+
+namespace crn
+{
+
+// The orders of a tick.
+inline std::span<const crn_wire_order> orders_of(const crn_wire_order_list &list)
+{
+    return {list.items, list.items_count};
+}
+inline std::span<const crn_wire_order> orders_of(const crn_wire_tick_input &input)
+{
+    return orders_of(input.orders);
+}
+
+// The one of this kind (CRN_WIRE_KIND_*) in a list; nullptr: none.
+const crn_wire_order *order_of(const crn_wire_order_list &list, std::uint8_t kind);
+
+class OrderQueue
+{
+  public:
+    void add(const crn_wire_order &order) { waiting_.push_back(order); }
+    void clear() { waiting_.clear(); }
+    bool is_empty() const { return waiting_.empty(); }
+    // The oldest one of each kind that the list has none of.
+    void move_into(crn_wire_order_list &list);
+
+  private:
+    std::deque<crn_wire_order> waiting_;
+};
+
+} // namespace crn

@@ -1,0 +1,233 @@
+#include "host/session/recording_upgrade.hpp"
+#include "host/base/pending_file.hpp"
+#include "host/base/text.hpp"
+#include "host/model/order_queue.hpp"
+#include "host/session/recording_chunks.hpp"
+#include "host/session/recording_format.hpp"
+#include <algorithm>
+#include <array>
+#include <optional>
+
+namespace crn
+{
+
+using namespace recording_format;
+
+namespace
+{
+
+bool is_old_kind(std::uint32_t kind)
+{
+    return kind >= HEAD && kind <= BALLOON;
+}
+
+bool is_old_size(std::uint32_t kind, std::size_t bytes, std::size_t tool_count)
+{
+    if (kind == VIEW) return bytes == view_bytes;
+    if (kind != TICKS) return is_size_of(kind, bytes, tool_count);
+    return bytes >= 8 && (bytes - 8) % old_tick_bytes(tool_count) == 0 &&
+           (bytes - 8) / old_tick_bytes(tool_count) <= Recorder::ticks_per_chunk;
+}
+
+constexpr ChunkRules old_rules = {is_old_kind, is_old_size};
+
+class Upgrade
+{
+  public:
+    Upgrade(std::span<const std::uint8_t> bytes, const std::string &name)
+        : chunks_(bytes, name), mark_(version_of(bytes))
+    {
+    }
+
+    std::vector<std::uint8_t> run()
+    {
+        check_version();
+        bytes_.assign(magic, magic + 8);
+        chunks_.read_head(old_rules);
+        take_head();
+        bool is_complete = false;
+        while (!is_complete && chunks_.next(old_rules, tools_)) {
+            is_complete = chunks_.kind() == END;
+            take_chunk();
+        }
+        if (is_complete && !chunks_.is_at_end())
+            chunks_.fail(RecordingFault::damaged, "has bytes behind its end");
+        return std::move(bytes_);
+    }
+
+  private:
+    void check_version() const
+    {
+        if (!mark_.is_recording) chunks_.fail(RecordingFault::not_a_recording, "is not a Cournand recording");
+        if (mark_.is_present)
+            chunks_.fail(RecordingFault::newer_version,
+                         "has this program's version already: replay it as it is");
+        if (!mark_.is_older)
+            chunks_.fail(RecordingFault::newer_version,
+                         std::string("is a recording of version '") + mark_.version +
+                             "', this program converts '" + oldest_version + "' to '" +
+                             static_cast<char>(magic[7] - 1) + "'; use the program that wrote it");
+    }
+
+    void add(std::uint32_t kind, std::span<const std::uint8_t> payload)
+    {
+        const std::vector<std::uint8_t> chunk = sealed_chunk(kind, payload);
+        bytes_.insert(bytes_.end(), chunk.begin(), chunk.end());
+    }
+
+    // Everything stays but the schema hash.
+    void take_head()
+    {
+        crn_wire_reader &payload = chunks_.payload();
+        crn_wire_read(&payload, 4);
+        const std::size_t place = payload.position;
+        const std::uint64_t schema = crn_wire_read(&payload, 8);
+        if (schema != schema_of_protocol_4) {
+            char text[160];
+            std::snprintf(
+                text, sizeof text,
+                "was written with another wire schema (file %016llx, converted is %016llx); use the "
+                "release that wrote it",
+                static_cast<unsigned long long>(schema),
+                static_cast<unsigned long long>(schema_of_protocol_4));
+            chunks_.fail(RecordingFault::newer_version, text);
+        }
+        crn_wire_read(&payload, 8); // of the scene
+        get_text(payload);
+        get_text(payload);
+        tools_ = crn_wire_read(&payload, 1);
+        if (payload.failed || tools_ < 1 || tools_ > CRN_WIRE_TOOL_MAX)
+            chunks_.fail(RecordingFault::inconsistent,
+                         "is inconsistent: it has " + std::to_string(tools_) + " tools");
+        const auto old = chunks_.payload_bytes();
+        std::vector<std::uint8_t> head(old.begin(), old.end());
+        crn_wire_writer writer = crn_wire_writer_make(head.data() + place, 8);
+        crn_wire_write(&writer, crn_wire_schema_hash(), 8);
+        add(HEAD, head);
+    }
+
+    void take_chunk()
+    {
+        if (chunks_.kind() == TICKS) return take_ticks();
+        if (chunks_.kind() == VIEW) return take_view();
+        add(chunks_.kind(), chunks_.payload_bytes());
+    }
+
+    void take_ticks()
+    {
+        const std::uint32_t first = chunks_.read_u32(), count = chunks_.read_u32();
+        if (chunks_.payload().length != 8 + count * old_tick_bytes(tools_))
+            chunks_.fail(RecordingFault::inconsistent, "is inconsistent: ticks are missing or doubled");
+        std::vector<std::uint8_t> ticks(8 + count * tick_bytes_max(tools_));
+        crn_wire_writer writer = crn_wire_writer_make(ticks.data(), ticks.size());
+        crn_wire_write(&writer, first, 4);
+        crn_wire_write(&writer, count, 4);
+        for (std::uint32_t i = 0; i < count; i++) {
+            const crn_wire_tick_input input = read_input();
+            crn_wire_put_tick_input(&writer, &input);
+            crn_wire_write(&writer, crn_wire_read(&chunks_.payload(), 8), 8); // both lanes
+        }
+        chunks_.check_used_up("ticks");
+        ticks.resize(writer.length);
+        add(TICKS, ticks);
+    }
+
+    std::uint8_t read_u8() { return static_cast<std::uint8_t>(crn_wire_read(&chunks_.payload(), 1)); }
+    std::uint16_t read_u16() { return static_cast<std::uint16_t>(crn_wire_read(&chunks_.payload(), 2)); }
+
+    crn_wire_tick_input read_input()
+    {
+        crn_wire_tick_input input{};
+        input.hands_count = read_u16();
+        if (input.hands_count != tools_)
+            chunks_.fail(RecordingFault::inconsistent, "is inconsistent: another number of hands than tools");
+        for (std::size_t k = 0; k < tools_; k++) {
+            input.hands[k].translation_counts = chunks_.read_i32();
+            input.hands[k].rotation_counts = chunks_.read_i32();
+        }
+        input.buttons = chunks_.read_u32();
+        input.syringe_counts = chunks_.read_i32();
+        input.inflator_raw = chunks_.read_i32();
+        read_orders(input.orders);
+        return input;
+    }
+
+    // Fields of a kind that nobody asked for are all 0.
+    void read_orders(crn_wire_order_list &orders)
+    {
+        const auto take = [&](bool is_there, const crn_wire_order &order) {
+            if (is_there) orders.items[orders.items_count++] = order;
+        };
+        crn_wire_rhythm rhythm{};
+        rhythm.action = read_u8();
+        rhythm.value = read_u16();
+        crn_wire_scaffold scaffold{};
+        scaffold.lesion = read_u8();
+        scaffold.first = read_u8();
+        scaffold.last = read_u8();
+        scaffold.open_q15 = read_u16();
+        crn_wire_strut strut{};
+        strut.number = read_u8();
+        strut.joined = read_u8();
+        strut.x_um = chunks_.read_i32();
+        strut.y_um = chunks_.read_i32();
+        strut.z_um = chunks_.read_i32();
+        strut.inside_um = read_u16();
+        strut.thickness_um = read_u16();
+        take(rhythm.action != 0, crn_wire_order_of_rhythm(rhythm));
+        take(scaffold.lesion != 0, crn_wire_order_of_scaffold(scaffold));
+        take(strut.number != 0, crn_wire_order_of_strut(strut));
+    }
+
+    // Version 2: the whole view at once. Only what differs from the view before becomes a command.
+    void take_view()
+    {
+        const std::uint32_t tick = chunks_.read_u32();
+        std::array<std::int32_t, 8> view{};
+        view[0] = read_u8() != 0;
+        view[1] = read_u8() != 0;
+        for (std::size_t i = 2; i < view.size(); i++) view[i] = chunks_.read_i32();
+        chunks_.check_used_up("view");
+        const auto is_new = [&](std::size_t from, std::size_t to) {
+            return !last_view_ ||
+                   !std::equal(view.begin() + from, view.begin() + to, last_view_->begin() + from);
+        };
+        if (is_new(2, 4)) add_command(tick, {RoomAction::angles, {view[2], view[3], 0}});
+        if (is_new(7, 8)) add_command(tick, {RoomAction::field, {view[7], 0, 0}});
+        if (is_new(1, 2) || is_new(4, 7)) {
+            add_command(tick, {RoomAction::table, {view[4], view[5], view[6]}});
+            add_command(tick, {RoomAction::follow, {view[1], 0, 0}});
+        }
+        if (is_new(0, 1)) add_command(tick, {RoomAction::fluoro_pedal, {view[0], 0, 0}});
+        last_view_ = view;
+    }
+
+    void add_command(std::uint32_t tick, const RoomCommand &command)
+    {
+        add(ROOM, command_payload(tick, command));
+    }
+
+    ChunkReader chunks_;
+    const VersionMark mark_;
+    std::size_t tools_ = 0;
+    std::optional<std::array<std::int32_t, 8>> last_view_; // fluoro, follow, angles, table, field
+    std::vector<std::uint8_t> bytes_;
+};
+
+} // namespace
+
+std::vector<std::uint8_t> upgraded_recording(std::span<const std::uint8_t> bytes, const std::string &name)
+{
+    std::vector<std::uint8_t> converted = Upgrade(bytes, name).run();
+    parse_recording(converted, name); // what was inconsistent stays so, and is refused
+    return converted;
+}
+
+Recording upgrade_recording(const std::string &path, const std::string &new_path)
+{
+    const std::vector<std::uint8_t> bytes = upgraded_recording(read_recording_bytes(path), path);
+    write_whole_file(new_path, {reinterpret_cast<const char *>(bytes.data()), bytes.size()});
+    return parse_recording(bytes, new_path);
+}
+
+} // namespace crn

@@ -1,0 +1,330 @@
+// Claims: a recording of the protocol before is refused by name with the command that converts it; converted,
+// it has the same ticks, commands and hashes and replays bit for bit; a damaged one is refused, and no file
+// is written. protocol_4.rec was written by the program of that time: 700 ticks of a wire, with orders to
+// heart and breath, eight rings of struts, one of which is taken away, and two commands to the room.
+#include <algorithm>
+#include <array>
+#include <csetjmp>
+#include <cstdarg>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <string>
+#include <unistd.h>
+#include <vector>
+
+#include "host/base/pending_file.hpp"
+#include "host/base/text.hpp"
+#include "host/model/order_queue.hpp"
+#include "host/session/recording_upgrade.hpp"
+#include "host/session/replay.hpp"
+#include "shared/wire/wire_frame.h"
+
+// Last, because its macros (fail, ...) would change other headers.
+extern "C" {
+#include <cmocka.h>
+}
+
+namespace
+{
+
+using crn::RecordingFault;
+using Bytes = std::vector<std::uint8_t>;
+
+constexpr std::uint64_t final_hash = 0xa051c11357cd75b6;
+constexpr std::size_t ticks_count = 700, old_tick_bytes = 56;
+constexpr std::uint32_t kind_head = 1, kind_ticks = 2, kind_hash = 3, kind_view = 5, kind_room = 8;
+
+const Bytes &old_bytes()
+{
+    static const Bytes bytes = crn::read_binary_file("host/session/tests/protocol_4.rec");
+    return bytes;
+}
+
+std::uint32_t word(const Bytes &from, std::size_t place)
+{
+    return std::uint32_t{from[place]} | std::uint32_t{from[place + 1]} << 8 |
+           std::uint32_t{from[place + 2]} << 16 | std::uint32_t{from[place + 3]} << 24;
+}
+
+void put_word(Bytes &bytes, std::size_t place, std::uint32_t value)
+{
+    for (unsigned i = 0; i < 4; i++) bytes[place + i] = static_cast<std::uint8_t>(value >> 8 * i);
+}
+
+std::size_t chunk_of(const Bytes &bytes, std::uint32_t kind)
+{
+    std::size_t at = 8;
+    while (word(bytes, at) != kind) at += 12 + word(bytes, at + 4);
+    return at;
+}
+
+// The checksum of a chunk that was changed.
+void seal(Bytes &bytes, std::size_t at)
+{
+    const std::uint32_t covered = 8 + word(bytes, at + 4);
+    put_word(bytes, at + covered, crn_wire_crc32(0, bytes.data() + at, covered));
+}
+
+crn::Recording upgraded(const Bytes &bytes)
+{
+    return crn::parse_recording(crn::upgraded_recording(bytes, "old.rec"), "new.rec");
+}
+
+void expect_refusal(const Bytes &bytes, RecordingFault fault, const char *text)
+{
+    try {
+        crn::upgraded_recording(bytes, "old.rec");
+        fail_msg("converted, instead of: %s", text);
+    } catch (const crn::RecordingError &error) {
+        if (!strstr(error.what(), text)) fail_msg("'%s' does not say '%s'", error.what(), text);
+        assert_int_equal(static_cast<int>(error.fault), static_cast<int>(fault));
+        assert_non_null(strstr(error.what(), "old.rec: "));
+    }
+}
+
+crn::ReplayResult verify(const crn::Recording &recording)
+{
+    const crn::RecordingHeader &header = recording.header;
+    crn::Device device(crn::read_scene(""), header.tools, header.entry, header.rig);
+    assert_int_equal(header.core_version, device.identity().core_version);
+    crn::ReplaySettings settings;
+    settings.verifies = true;
+    return crn::replay_recording(device, recording, nullptr, nullptr, settings);
+}
+
+void opening_an_old_recording_names_the_command_that_converts_it(void **)
+{
+    for (const char *begin : {"CRN-REC3", "CRN-REC2", "\x53\x45\x4c\x44REC3", "\x53\x45\x4c\x44REC2"}) {
+        Bytes bytes = old_bytes();
+        std::copy_n(begin, 8, bytes.begin());
+        try {
+            crn::parse_recording(bytes, "a/old.rec");
+            fail_msg("an old recording was read");
+        } catch (const crn::RecordingError &error) {
+            assert_true(error.fault == RecordingFault::older_version);
+            assert_non_null(strstr(error.what(), "a/old.rec: is a recording of version '"));
+            assert_non_null(strstr(error.what(), "cournand replay --upgrade a/old.rec -o NEW.rec"));
+        }
+    }
+}
+
+void a_converted_recording_replays_bit_for_bit(void **)
+{
+    const crn::Recording recording = upgraded(old_bytes());
+    assert_true(recording.is_complete);
+    assert_int_equal(recording.ticks.size(), ticks_count);
+    assert_true(recording.hashes.back().hash == final_hash);
+    const crn::ReplayResult result = verify(recording);
+    if (result.first_difference_tick) fail_msg("%s", result.difference.c_str());
+    assert_int_equal(result.ticks_compared, ticks_count);
+    assert_true(result.hash == final_hash);
+    assert_int_equal(recording.commands.size(), 2);
+    assert_int_equal(recording.commands[1].tick, 300);
+}
+
+// The ticks of protocol 4 had 26 bytes of fields for orders; one byte, the count, is left of them.
+void what_was_nothing_costs_nothing_any_more(void **)
+{
+    const Bytes bytes = crn::upgraded_recording(old_bytes(), "old.rec");
+    std::size_t orders_bytes = 0;
+    for (const crn::RecordedTick &tick : crn::parse_recording(bytes, "new.rec").ticks)
+        for (const crn_wire_order &order : crn::orders_of(tick.input))
+            orders_bytes += order.kind == CRN_WIRE_KIND_strut ? 19 : 4;
+    assert_int_equal(orders_bytes, 9 * 19 + 2 * 4);
+    assert_int_equal(old_bytes().size() - bytes.size(), ticks_count * (old_tick_bytes - 31) - orders_bytes);
+}
+
+void every_order_is_in_its_tick(void **)
+{
+    const crn::Recording recording = upgraded(old_bytes());
+    for (std::size_t i = 0; i < ticks_count; i++) {
+        const crn_wire_tick_input &input = recording.ticks[i].input;
+        const std::size_t wanted = (i >= 5 && i < 13) + (i == 10) + (i == 450) + (i == 600);
+        assert_int_equal(input.orders.items_count, wanted);
+        assert_int_equal(input.hands[0].translation_counts, 60 * i);
+        assert_int_equal(input.syringe_counts, -static_cast<int>(i));
+        assert_int_equal(input.inflator_raw, std::min<std::size_t>(2 * i, 800));
+    }
+    const crn_wire_order_list &both = recording.ticks[10].input.orders;
+    assert_int_equal(crn::order_of(both, CRN_WIRE_KIND_rhythm)->rhythm.value, 140);
+    const crn_wire_strut &ring = crn::order_of(both, CRN_WIRE_KIND_strut)->strut;
+    assert_true(ring.number == 6 && ring.joined == 1 && ring.y_um == 50000 && ring.z_um == -700);
+    assert_true(ring.inside_um == 900 && ring.thickness_um == 80);
+    const crn_wire_strut &gone = recording.ticks[600].input.orders.items[0].strut;
+    assert_true(gone.number == 3 && gone.inside_um == 0);
+}
+
+// Written into the fields that the protocol before had for it, in tick 7 beside a ring.
+void a_scaffold_becomes_an_order(void **)
+{
+    Bytes bytes = old_bytes();
+    const std::size_t at = chunk_of(bytes, kind_ticks);
+    const std::size_t fields = at + 8 + 8 + 7 * old_tick_bytes + 2 + 8 + 12 + 3;
+    const std::uint8_t scaffold[5] = {2, 4, 12, 0xfe, 0x7f};
+    std::copy_n(scaffold, 5, bytes.begin() + static_cast<std::ptrdiff_t>(fields));
+    seal(bytes, at);
+    const crn::Recording recording = upgraded(bytes);
+    const crn_wire_order_list &orders = recording.ticks[7].input.orders;
+    assert_int_equal(orders.items_count, 2);
+    const crn_wire_scaffold &hold = crn::order_of(orders, CRN_WIRE_KIND_scaffold)->scaffold;
+    assert_true(hold.lesion == 2 && hold.first == 4 && hold.last == 12 && hold.open_q15 == 0x7ffe);
+}
+
+// A chunk of version 2 in place of each command: tick, fluoroscopy, follows, primary, secondary, table,
+// field.
+Bytes with_views()
+{
+    Bytes bytes(old_bytes().begin(), old_bytes().begin() + 8);
+    bytes[7] = '2';
+    const Bytes &now = old_bytes();
+    for (std::size_t at = 8, size; at < now.size(); at += size) {
+        size = 12 + word(now, at + 4);
+        if (word(now, at) != kind_room) {
+            bytes.insert(bytes.end(), now.begin() + static_cast<std::ptrdiff_t>(at),
+                         now.begin() + static_cast<std::ptrdiff_t>(at + size));
+            continue;
+        }
+        const std::uint32_t tick = word(now, at + 8);
+        const std::size_t begin = bytes.size();
+        bytes.resize(begin + 8 + 30 + 4);
+        const std::array<std::uint32_t, 3> head = {kind_view, 30, tick};
+        const std::array<std::uint32_t, 6> view = {tick > 0 ? 20000u : 0u, 0, 1000, 2000, 3000, 320000};
+        for (std::size_t i = 0; i < head.size(); i++) put_word(bytes, begin + 4 * i, head[i]);
+        bytes[begin + 12] = bytes[begin + 13] = 1;
+        for (std::size_t i = 0; i < view.size(); i++) put_word(bytes, begin + 14 + 4 * i, view[i]);
+        seal(bytes, begin);
+    }
+    return bytes;
+}
+
+void views_of_version_2_become_commands(void **)
+{
+    const crn::Recording recording = upgraded(with_views());
+    assert_true(recording.is_complete);
+    // Angles, field, table, follow, pedal; then the angles that changed.
+    assert_int_equal(recording.commands.size(), 6);
+    assert_true(recording.commands[2].command ==
+                (crn::RoomCommand{crn::RoomAction::table, {1000, 2000, 3000}}));
+    assert_true(recording.commands[5].command == (crn::RoomCommand{crn::RoomAction::angles, {20000, 0, 0}}));
+    assert_true(verify(recording).hash == final_hash);
+}
+
+void a_recording_from_before_the_renaming_is_converted(void **)
+{
+    Bytes bytes = old_bytes();
+    const std::uint8_t earlier[4] = {0x53, 0x45, 0x4c, 0x44};
+    std::copy_n(earlier, 4, bytes.begin());
+    assert_true(crn::upgraded_recording(bytes, "old.rec") == crn::upgraded_recording(old_bytes(), "old.rec"));
+}
+
+void what_was_cut_off_stays_cut_off(void **)
+{
+    Bytes bytes = old_bytes();
+    bytes.resize(bytes.size() - 10); // into its end
+    assert_false(upgraded(bytes).is_complete);
+    assert_int_equal(upgraded(bytes).ticks.size(), ticks_count);
+    bytes.resize(bytes.size() - 20); // into its second chunk of ticks
+    assert_int_equal(upgraded(bytes).ticks.size(), 500);
+    bytes.resize(chunk_of(old_bytes(), kind_ticks) + 100);
+    assert_int_equal(upgraded(bytes).ticks.size(), 0);
+}
+
+// One bit at a time, and what has a right checksum and wrong contents.
+void damage_is_refused(void **)
+{
+    Bytes bytes = old_bytes();
+    for (std::size_t byte = 8; byte < bytes.size(); byte += byte < 200 ? 1 : 397) {
+        const auto bit = static_cast<std::uint8_t>(1u << (byte % 8));
+        bytes[byte] ^= bit;
+        try {
+            assert_false(upgraded(bytes).is_complete);
+        } catch (const crn::RecordingError &) {
+        }
+        bytes[byte] ^= bit;
+    }
+    const std::size_t ticks = chunk_of(bytes, kind_ticks), hash = chunk_of(bytes, kind_hash);
+    bytes[hash + 8 + 4] ^= 1;
+    expect_refusal(bytes, RecordingFault::damaged, "the checksum of a chunk does not match");
+    bytes[hash + 8 + 4] ^= 1;
+    bytes.push_back(0);
+    expect_refusal(bytes, RecordingFault::damaged, "has bytes behind its end");
+    bytes.pop_back();
+    put_word(bytes, ticks + 8, 1);
+    seal(bytes, ticks);
+    expect_refusal(bytes, RecordingFault::inconsistent, "ticks are missing or doubled");
+    put_word(bytes, ticks + 8, 0);
+    bytes[ticks + 16] = 2;
+    seal(bytes, ticks);
+    expect_refusal(bytes, RecordingFault::inconsistent, "another number of hands than tools");
+}
+
+void other_versions_and_schemas_are_refused_by_name(void **)
+{
+    Bytes bytes = old_bytes();
+    const std::size_t head = chunk_of(bytes, kind_head);
+    bytes[head + 8 + 4] ^= 1;
+    seal(bytes, head);
+    expect_refusal(bytes, RecordingFault::newer_version,
+                   "was written with another wire schema (file fe912b8c91b717ba");
+    bytes = old_bytes();
+    bytes[7] = '5';
+    expect_refusal(bytes, RecordingFault::newer_version, "is a recording of version '5'");
+    bytes[7] = '1';
+    expect_refusal(bytes, RecordingFault::newer_version, "is a recording of version '1'");
+    bytes[0] = 'X';
+    expect_refusal(bytes, RecordingFault::not_a_recording, "is not a Cournand recording");
+    expect_refusal(crn::upgraded_recording(old_bytes(), "x"), RecordingFault::newer_version,
+                   "has this program's version already");
+    expect_refusal({}, RecordingFault::not_a_recording, "is not a Cournand recording");
+}
+
+// The new file is whole or is not there; the old one stays as it is.
+void a_file_is_converted_whole_or_not_at_all(void **)
+{
+    const std::filesystem::path folder =
+        std::filesystem::temp_directory_path() / ("cournand_upgrade_" + std::to_string(getpid()));
+    std::filesystem::create_directory(folder);
+    const std::string from = folder / "old.rec", to = folder / "new.rec";
+    const auto put = [&](const Bytes &bytes) {
+        crn::write_whole_file(from, {reinterpret_cast<const char *>(bytes.data()), bytes.size()});
+    };
+    Bytes damaged = old_bytes();
+    damaged[damaged.size() / 2] ^= 1;
+    put(damaged);
+    try {
+        crn::upgrade_recording(from, to);
+        fail_msg("a damaged recording was converted");
+    } catch (const crn::RecordingError &error) {
+        assert_non_null(strstr(error.what(), from.c_str()));
+    }
+    assert_int_equal(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
+    put(old_bytes());
+    assert_int_equal(crn::upgrade_recording(from, to).ticks.size(), ticks_count);
+    assert_true(verify(crn::read_recording(to)).hash == final_hash);
+    assert_true(crn::read_binary_file(from) == old_bytes());
+    assert_int_equal(std::distance(std::filesystem::directory_iterator(folder), {}), 2);
+    std::filesystem::remove_all(folder);
+}
+
+} // namespace
+
+int main()
+{
+    const CMUnitTest tests[] = {
+        cmocka_unit_test(opening_an_old_recording_names_the_command_that_converts_it),
+        cmocka_unit_test(a_converted_recording_replays_bit_for_bit),
+        cmocka_unit_test(what_was_nothing_costs_nothing_any_more),
+        cmocka_unit_test(every_order_is_in_its_tick),
+        cmocka_unit_test(a_scaffold_becomes_an_order),
+        cmocka_unit_test(views_of_version_2_become_commands),
+        cmocka_unit_test(a_recording_from_before_the_renaming_is_converted),
+        cmocka_unit_test(what_was_cut_off_stays_cut_off),
+        cmocka_unit_test(damage_is_refused),
+        cmocka_unit_test(other_versions_and_schemas_are_refused_by_name),
+        cmocka_unit_test(a_file_is_converted_whole_or_not_at_all),
+    };
+    return cmocka_run_group_tests(tests, nullptr, nullptr);
+}
