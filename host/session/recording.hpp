@@ -2,7 +2,8 @@
 //
 //   file   = "CRN-REC4" | chunk ...
 //   chunk  = kind u32 | bytes u32 | payload | CRC-32 u32 over kind, bytes and payload
-//   order  = HEAD, SIDE_HOLES, BALLOON and STENT, then TICKS, HASH, SNAPSHOT, RESUMED and ROOM as they happen, END when the session was closed properly
+//   order  = HEAD, SIDE_HOLES, BALLOON and STENT; then TICKS, HASH, SNAPSHOT, RESUMED and ROOM as they happen;
+//            END when the session was closed properly
 //
 // A recorder writes chunk by chunk, so that a recording cut off by a crash is readable up to its last whole
 // chunk. A reader refuses what is not a recording, is of another version, or is damaged in the middle.

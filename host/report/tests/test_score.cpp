@@ -30,7 +30,8 @@ Json good_report()
                   "diameter_max_mm": [1.0, 2.9, 3.0], "diameter_min_mm": [1.0, 2.0, 2.9],
                   "wall_force_N": [0.0, 5.0, 9.0]}},
       "stents": [{"name": "3.0 x 18", "branch": "LAD", "stage": "deployed", "is_lost": false,
-                  "opened_s": 1.0, "released_s": 2.0, "apposed_pct": 99.0, "overstretch_pct": 4.0, "inside_diameter_min_mm": 2.8, "length_now_mm": 17.8,
+                  "opened_s": 1.0, "released_s": 2.0, "apposed_pct": 99.0, "overstretch_pct": 4.0,
+                  "inside_diameter_min_mm": 2.8, "length_now_mm": 17.8,
                   "lesions": [{"name": "lad_1", "missed_before_mm": 0.0, "missed_behind_mm": 0.0}]}]})");
 }
 

@@ -21,6 +21,7 @@ LONG_LINES = {
     ".csv": "a row is a line",
     ".json": "written by programs",
     ".golden": "written by a program",
+    ".rec": "a recording, which is no text",
     ".checked": "written by a program",
     ".corpus": "an input of a fuzzer in base64 is a line",
     ".toml": "a value with its source is one string",
