@@ -14,6 +14,20 @@ import tree  # noqa: E402
 
 FUNCTION_LINES_MAX = 70
 FILE_LINES_MAX = 600
+LINE_LETTERS_MAX = 120
+# Files whose lines may be longer, and why. So may a row of a Markdown table, which cannot continue on another line.
+LONG_LINES = {
+    ".tsv": "a row is a line",
+    ".csv": "a row is a line",
+    ".json": "written by programs",
+    ".golden": "written by a program",
+    ".checked": "written by a program",
+    ".corpus": "an input of a fuzzer in base64 is a line",
+    ".toml": "a value with its source is one string",
+    ".session": "a statement is a line, and pictures are stamped with the bytes of their session",
+    ".jpg": "no text",
+    ".png": "no text",
+}
 DEVICE = ("firmware/core/", "firmware/app/", "shared/wire/", "shared/scene/")
 
 # Word -> what to use instead. Device code is fixed-point, without heap and without libc.
@@ -83,6 +97,12 @@ def long_file(path, text):
     lines = text.count("\n")
     if lines > FILE_LINES_MAX:
         yield "%s: %d lines, at most %d: one file tells one story" % (path, lines, FILE_LINES_MAX)
+
+
+def long_lines(path, text):
+    for number, line in enumerate(text.splitlines(), 1):
+        if len(line) > LINE_LETTERS_MAX and not (path.endswith(".md") and line.startswith("|")):
+            yield "%s:%d: %d letters, at most %d: wrap it" % (path, number, len(line), LINE_LETTERS_MAX)
 
 
 def callers(path, text):
@@ -232,6 +252,10 @@ def self_test_code(report):
     report.catches("a long Python function is caught", long_functions("a.py", "def f():\n" + "    g()\n" * 80))
     report.catches("a long file is caught", long_file("a.c", "\n" * (FILE_LINES_MAX + 1)))
     report.accepts("a file of exactly the limit is accepted", long_file("a.c", "\n" * FILE_LINES_MAX))
+    report.catches("a long line is caught", long_lines("a.md", "a" * (LINE_LETTERS_MAX + 1)))
+    report.accepts("one of exactly the limit is accepted", long_lines("a.md", "a" * LINE_LETTERS_MAX + "\n"))
+    report.accepts("so is a long row of a table", long_lines("a.md", "|" + " a |" * 60))
+    report.catches("but only in a document", long_lines("a.py", "|" + " a |" * 60))
     report.catches("the earlier name of the project is caught in a line",
                    earlier_name("a.c", "int s" "eld_step(void);"))
     report.catches("and in a path", earlier_name("60-S" "eldinger.rules", ""))
@@ -302,6 +326,8 @@ def check_tree(report):
     report.check("there is device code to check", [] if device else ["no file below " + ", ".join(DEVICE)])
     report.check("no function is longer than %d lines" % FUNCTION_LINES_MAX,
                  findings_of(long_functions, [p for p in written if p.endswith(tree.C_SUFFIXES + (".py",))]))
+    report.check("no line is longer than %d letters" % LINE_LETTERS_MAX,
+                 findings_of(long_lines, [p for p in tree.files("") if not p.endswith(tuple(LONG_LINES))]))
     report.check("no file is longer than %d lines" % FILE_LINES_MAX, findings_of(long_file, written))
     report.check("nothing has the earlier name of the project",
                  findings_of(earlier_name, [p for p in tree.files("") if not p.endswith(PACKED)]))
