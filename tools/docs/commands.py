@@ -276,10 +276,10 @@ class Stock:
             text = " ".join([program] + list(words))
             raise RuntimeError("'%s' ended with %d: %s" % (text, done.returncode, done.stdout[-600:]))
 
-    def scene(self, anatomy, name, lesion=None):
+    def scene(self, anatomy, name, lesion=None, bodies=False):
         """Anatomy and scene of that name; returns the scene's path."""
         made, scene = os.path.join(self.anatomy, anatomy), os.path.join(self.out, name + ".scene")
-        self.call("anatomy", anatomy, "--no-bodies", "--quiet", "-o", made)
+        self.call("anatomy", anatomy, *([] if bodies else ["--no-bodies"]), "--quiet", "-o", made)
         text = os.path.join(made, "scene.toml")
         if lesion:
             with open(text, "a", encoding="utf-8") as file, open(os.path.join(ROOT, lesion), encoding="utf-8") as more:
@@ -295,8 +295,8 @@ class Stock:
             "cournand", "run", "--quiet", "--scene", scene, *tools, "--session", session, "--record", recording, *words
         )
 
-    def make_short(self):
-        self.record(self.scene("aorta", "aorta"), "demo", ["j_wire"], "demo")
+    def make_short(self, bodies=False):
+        self.record(self.scene("aorta", "aorta", bodies=bodies), "demo", ["j_wire"], "demo")
 
     def make_long(self):
         scene = self.scene("heart", "lad_pci", "shared/examples/lesions/lad_middle.toml")
@@ -353,7 +353,7 @@ def execute(command, scratch, display):
             process.wait()
             code = "more than %d s" % limit_s
         said.seek(0)
-        lines = said.read().splitlines()[-8:]
+        lines = said.read().splitlines()[-16:]
     wanted = 124 if is_window else command.exit  # 124: it was still there when its time was over
     return [] if code == wanted else ["ended with %s, expected %s" % (code, wanted)] + lines
 
@@ -440,8 +440,8 @@ def run_all(found, texts, options):
     with tempfile.TemporaryDirectory(prefix="cournand_stock_") as folder:
         stock = Stock(options.build, folder)
         wanted = " ".join(prepared(one) for one in found if run.how in CLASSES[one.kind][0])
-        if re.search(r"out/(aorta|demo)|build/anatomy/aorta", wanted):
-            stock.make_short()
+        if re.search(r"out/(aorta|demo)|build/anatomy/aorta|real_patient", wanted):
+            stock.make_short(bodies="real_patient" in wanted)
         if re.search(r"out/(lad_pci|pci)\.", wanted):
             stock.make_long()
         for page in texts:
