@@ -5,8 +5,10 @@
  *   CRN_WIRE_KIND_<name>           the kind of a record that is an option of a choice
  *   crn_wire_<choice>_of_<name>    a choice that holds this record
  *   CRN_WIRE_BYTES_<name>          its largest payload
- *   crn_wire_put_<name>            append to a writer; false when it does not fit, a count exceeds its array or a kind is unknown
- *   crn_wire_get_<name>            read from a reader; false when bytes are missing, a count exceeds its array or a kind is unknown
+ *   crn_wire_put_<name>            append to a writer; false when it does not fit, a count is too large or a kind is
+ *                                  unknown
+ *   crn_wire_get_<name>            read from a reader; false when bytes are missing, a count is too large or a kind
+ *                                  is unknown
  *   crn_wire_decode_<name>         read a whole payload; false unless it fits to the byte
  *
  * C11 and C++20.

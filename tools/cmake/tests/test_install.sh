@@ -41,11 +41,13 @@ int main(int, char **argv)
 C
 cd "$work" || exit 1
 # shellcheck disable=SC2046
-gcc -std=c11 core.c $(pkg-config --cflags --libs cournand-core) -o core >said 2>&1 && ./core >said 2>&1 && grep -q "^core [1-9]" said
+gcc -std=c11 core.c $(pkg-config --cflags --libs cournand-core) -o core >said 2>&1 && ./core >said 2>&1 &&
+    grep -q "^core [1-9]" said
 report $? "a C program finds the core by pkg-config"
 tool="$work/prefix/share/cournand/examples/instruments/j_wire.toml"
 # shellcheck disable=SC2046
-g++ -std=c++20 host.cpp $(pkg-config --cflags --libs cournand-host) -o host >said 2>&1 && ./host "$tool" >said 2>&1 && [ -s said ]
+g++ -std=c++20 host.cpp $(pkg-config --cflags --libs cournand-host) -o host >said 2>&1 &&
+    ./host "$tool" >said 2>&1 && [ -s said ]
 report $? "a C++ program finds the host by pkg-config, and reads an instrument that was installed"
 cat >CMakeLists.txt <<'C'
 cmake_minimum_required(VERSION 3.25)
@@ -57,7 +59,8 @@ target_link_libraries(mine cournand::host)
 add_executable(mine_core core.c)
 target_link_libraries(mine_core cournand::core)
 C
-cmake -S . -B b -DCMAKE_PREFIX_PATH="$work/prefix" >said 2>&1 && cmake --build b >said 2>&1 && b/mine "$tool" >said 2>&1 && b/mine_core >>said
+cmake -S . -B b -DCMAKE_PREFIX_PATH="$work/prefix" >said 2>&1 &&
+    cmake --build b >said 2>&1 && b/mine "$tool" >said 2>&1 && b/mine_core >>said
 report $? "a CMake project finds both by find_package"
 "$work/prefix/bin/cournand" instruments "$tool" >said 2>&1
 report $? "the installed program runs"
