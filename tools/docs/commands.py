@@ -440,7 +440,7 @@ def run_all(found, texts, options):
     with tempfile.TemporaryDirectory(prefix="cournand_stock_") as folder:
         stock = Stock(options.build, folder)
         wanted = " ".join(prepared(one) for one in found if run.how in CLASSES[one.kind][0])
-        if re.search(r"out/(aorta|demo)|build/anatomy/aorta|real_patient", wanted):
+        if re.search(r"out/(aorta|demo)|build/anatomy/aorta|real_patient|hil --aorta", wanted):
             stock.make_short(bodies="real_patient" in wanted)
         if re.search(r"out/(lad_pci|pci)\.", wanted):
             stock.make_long()
