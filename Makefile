@@ -51,7 +51,7 @@ install: packages-build+tools
 	@cmake --install $(BUILD) --prefix $(or $(PREFIX),/usr/local)
 
 docs: ## build the docs as a site with search: out/site/index.html
-	@tools/docs/site.py
+	@tools/docs/site.py --build $(BUILD)
 
 clean: ## remove build/ and out/
 	rm -rf build out
