@@ -16,6 +16,20 @@
 namespace
 {
 
+// A paragraph in lines of at most 120 letters, with an end of line behind each.
+std::string wrapped(const std::string &text)
+{
+    constexpr std::size_t letters_max = 120;
+    std::istringstream words(text);
+    std::string line, result;
+    for (std::string word; words >> word; line += (line.empty() ? "" : " ") + word) {
+        if (line.empty() || line.size() + 1 + word.size() <= letters_max) continue;
+        result += line + "\n";
+        line.clear();
+    }
+    return result + line + "\n";
+}
+
 std::string bar_safe(const char *text)
 {
     std::string result;
@@ -39,12 +53,12 @@ std::string message_tables()
     char number[16];
     const char *const head = "\n| field | type | unit | meaning |\n|---|---|---|---|\n";
 #define RECORD(name, text)                                                                                   \
-    out += "### Record `" #name "` (at most " + std::to_string(CRN_WIRE_BYTES_##name) +                      \
-           " bytes)\n" text ".\n" + head;
+    out += "### Record `" #name "` (at most " + std::to_string(CRN_WIRE_BYTES_##name) + " bytes)\n" +        \
+           wrapped(text ".") + head;
 #define MESSAGE(name, type, direction, text)                                                                 \
     std::snprintf(number, sizeof number, "0x%02x", type);                                                    \
     out += "### " + std::string(number) + " `" #name "` (from " direction ", up to " +                       \
-           std::to_string(CRN_WIRE_BYTES_##name) + " bytes)\n" text ".\n" + head;
+           std::to_string(CRN_WIRE_BYTES_##name) + " bytes)\n" + wrapped(text ".") + head;
 #define FIELD(owner, type, name, unit, text) out += row({"`" #name "`", #type, unit, bar_safe(text)});
 #define ARRAY(owner, type, name, max, unit, text)                                                            \
     out += row({"`" #name "`", "u16 count, then count × " #type ", at most " #max, unit, bar_safe(text)});
@@ -52,8 +66,8 @@ std::string message_tables()
     out += row({"`" #name "`", "u8 count, then count × " #type ", at most " #max, unit, bar_safe(text)});
 #define END(owner) out += "\n";
 #define CHOICE(name, text)                                                                                   \
-    out += "### Choice `" #name "` (at most " + std::to_string(CRN_WIRE_BYTES_##name) +                      \
-           " bytes)\n" text ".\nA u8, the kind, then the record that has it.\n\n" +                          \
+    out += "### Choice `" #name "` (at most " + std::to_string(CRN_WIRE_BYTES_##name) + " bytes)\n" +        \
+           wrapped(text ".") + "A u8, the kind, then the record that has it.\n\n" +                          \
            "| kind | record | meaning |\n|---|---|---|\n";
 #define OPTION(choice, record, kind, text) out += row({#kind, "`" #record "`", bar_safe(text)});
 #define CHOICE_END(choice) out += "\n";
@@ -68,10 +82,11 @@ std::string report_tables()
     std::string out = "Report hash `" + std::string(hash) + "`.\n\n";
     const char *const head = "\n| field | type | unit | meaning |\n|---|---|---|---|\n";
 #define HID_RECORD(name, text)                                                                               \
-    out += "### Record `" #name "` (" + std::to_string(CRN_HID_BYTES_##name) + " bytes)\n" text ".\n" + head;
+    out += "### Record `" #name "` (" + std::to_string(CRN_HID_BYTES_##name) + " bytes)\n" +                 \
+           wrapped(text ".") + head;
 #define HID_REPORT(name, id, kind, text)                                                                     \
     out += "### Report " #id " `" #name "` (" #kind ", " + std::to_string(CRN_HID_BYTES_##name) +            \
-           " bytes behind the id)\n" text ".\n" + head;
+           " bytes behind the id)\n" + wrapped(text ".") + head;
 #define HID_FIELD(owner, type, name, unit, text) out += row({"`" #name "`", #type, unit, bar_safe(text)});
 #define HID_ARRAY(owner, type, name, count, unit, text)                                                      \
     out += row({"`" #name "`", #count " × " #type, unit, bar_safe(text)});
