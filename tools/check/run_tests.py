@@ -182,6 +182,8 @@ def read_times(build):
 def write_times(build, outcomes):
     times = read_times(build)
     times.update({outcome.title: round(outcome.seconds, 1) for outcome in outcomes})
+    if not os.path.isdir(build):
+        return
     with open(os.path.join(build, "test_seconds.json"), "w", encoding="utf-8") as file:
         json.dump(times, file, indent=0, sort_keys=True)
 
@@ -268,10 +270,13 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", default="build", help="build folder (default: build)")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="programs at a time (default: cores)")
+    for group in ("programs", "scripts", "sanitized", "fuzz"):
+        parser.add_argument("--" + group, nargs="*", default=[], help="these, in place of what CTest has")
     parser.add_argument("--label", choices=("product", "lab"), default="product")
     options = parser.parse_args()
     start = time.monotonic()
-    find_tests(options)
+    if not (options.programs or options.scripts or options.sanitized or options.fuzz):
+        find_tests(options)
     outcomes = run_all(slowest_first(make_jobs(options), options.build), max(1, options.jobs))
     write_times(options.build, outcomes)
     print_times(outcomes)

@@ -63,15 +63,6 @@ class Sessions:
 
     def scene(self, anatomy, lesion=None):
         """Path of the shipped anatomy's scene, without its bodies, with one of shared/examples/lesions if named."""
-        if anatomy == "aorta" and not lesion:  # it ships, and test_shipped.py holds that it is the one that is made
-            if not os.path.exists(f"{self.folder}/aorta.scene"):
-                subprocess.run(
-                    ["tools/scenes/shipped.py", "unpack", "shared/examples/scenes/aorta.tar.xz", "-o", self.folder],
-                    stdout=subprocess.DEVNULL,
-                    check=True,
-                )
-                os.remove(f"{self.folder}/aorta.bodies")
-            return f"{self.folder}/aorta.scene"
         made = f"{self.folder}/{anatomy}"
         baked = f"{self.folder}/{lesion or anatomy}.scene"
         code, said = 0, ""

@@ -26,6 +26,7 @@ LONG_LINES = {
     ".corpus": "an input of a fuzzer in base64 is a line",
     ".toml": "a value with its source is one string",
     ".session": "a statement is a line, and pictures are stamped with the bytes of their session",
+    ".xz": "no text",
     ".jpg": "no text",
     ".png": "no text",
 }
@@ -67,7 +68,7 @@ UNFINISHED = re.compile(r"\b(%s)\b" % "|".join(["TO" "DO", "FIX" "ME", "XX" "X",
 
 
 EARLIER_NAME = re.compile("s" "eld(?!om)", re.IGNORECASE)
-PACKED = (".jpg", ".png", ".corpus")  # four letters in a row are chance here
+PACKED = (".jpg", ".png", ".xz", ".rec", ".corpus")  # four letters in a row are chance here
 
 
 # --- rules: each yields findings as file:line: text ----------------------------------------------------------------
