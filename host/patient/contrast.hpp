@@ -76,7 +76,7 @@ class PatientContrast
     std::optional<RunContrast> given(std::uint32_t from, std::uint32_t to) const;
     const ContrastFlow &flow() const { return flow_; }
     double received_mg(std::size_t branch) const { return flow_.received_mg()[branch]; } // iodine
-    const VesselTree &vessels() const { return vessels_; } // in the reference pose, as baked
+    const VesselTree &vessels() const { return vessels_; } // in the reference pose, as in the scene file
     VesselTree opened_vessels() const; // and with lesions as far open as in the last frame
     const ContrastCost &cost() const { return cost_; }
 
