@@ -134,7 +134,7 @@ void crn_app_stream_tick(crn_app *app)
     queue->is_picture_due = true;
 }
 
-/* A picture is sent only if room remains for the next ticks. It shows the state at the moment of sending./
+/* A picture is sent only if room remains for the next ticks. It shows the state at the moment of sending. */
 static void send_picture(crn_app *app)
 {
     if (!app->queue.is_picture_due || app->state != CRN_WIRE_STATE_RUNNING) return;
