@@ -1,5 +1,5 @@
-/* What the files of the app share. From top to bottom they are: wire, requests, session, parts, stream,
- * faults. */
+/* Declarations that the files of the app share. From top to bottom they are: wire, requests, session, parts,
+ * stream, faults. */
 #ifndef CRN_APP_INTERNAL_H
 #define CRN_APP_INTERNAL_H
 

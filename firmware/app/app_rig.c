@@ -105,8 +105,8 @@ static bool is_coupled(const crn_wire_track *wire)
  * look small, and then no check sees a large one. A scale that is too large, a gain, a damping that does not
  * exist or a hidden lag makes the coupling stiffer than the rig can render. An encoder that is said to count
  * in the other direction turns a spring into a push. A track without a coupling is never driven, so a host
- * may state anything about it but the force sensor's scale, because that sensor is checked in every state. A
- * value that was vouched for may be stated again. False: *field names the offender. */
+ * may state anything about it except the force sensor's scale, because that sensor is checked in every state.
+ * A value that was vouched for may be stated again. False: *field names the offender. */
 static bool steps_are_free(const crn_wire_track *asked, const crn_app_track *present, uint32_t *field)
 {
     const crn_wire_track *vouched = &present->vouched, *built = &present->built;
@@ -136,7 +136,7 @@ static bool steps_are_free(const crn_wire_track *asked, const crn_app_track *pre
     return true;
 }
 
-/* What a host may change in a track beyond what it may always change. */
+/* The changes of a track that a host may make beyond those that are always allowed. */
 typedef struct track_rights {
     bool raises_limits, states_all;
 } track_rights;

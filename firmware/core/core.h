@@ -70,7 +70,7 @@ typedef struct crn_instrument {
     crn_balloon balloon;
 } crn_instrument; /* a line takes the finest tip and shaft and the longest fine part of its tools */
 
-/* Where the tools enter: an introducer sheath (inserter) that ends inside the lumen. */
+/* The entry of the tools: an introducer sheath (inserter) that ends inside the lumen. */
 typedef struct crn_entry {
     crn_vec3 position_m_q30; /* centre of the sheath's distal end */
     crn_vec3 direction_q30;  /* unit vector into the vessel */
@@ -133,7 +133,7 @@ typedef struct crn_input {
                             CRN_PRESSURE_MAX_Pa */
 } crn_input;
 
-/* What one tool reports back to its hand. */
+/* The values that one tool reports back to its hand. */
 typedef struct crn_handle {
     int32_t axial_N_q22;    /* force on the hand, + pushes it back out */
     int32_t torque_N_m_q24; /* torque on the hand, + opposes positive rotation */

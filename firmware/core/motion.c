@@ -172,7 +172,7 @@ static inline crn_vec3 exhale(const crn_motion *motion, crn_motion_pose *pose, c
     return rest;
 }
 
-/* Is the point beyond both lattices? As in find(), differences are modulo 2^32. */
+/* Returns whether the point is beyond both lattices. As in find(), differences are modulo 2^32. */
 static inline bool stands_still(crn_motion_pose *pose, const crn_vec3 *p)
 {
     const bool is_beyond = (uint32_t)p->v[0] - (uint32_t)pose->low_m_q30[0] >= pose->size_m_q30[0] ||

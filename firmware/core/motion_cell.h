@@ -103,9 +103,9 @@ static inline int32_t from_q31(int64_t sum)
     return (int32_t)(uint32_t)((uint64_t)sum >> 31);
 }
 
-/* A polynomial at the last point. Format: that of the terms. Overflow: terms of 3 x 5/8, 3 x 5/4 and 5/2 of a
- * spacing of at most 2^28 and powers below 2^31 give less than 8.2 x 2^59; the value lies between those at
- * the corners. */
+/* Evaluates a polynomial at the last point. Format: that of the terms. Overflow: terms of 3 x 5/8, 3 x 5/4
+ * and 5/2 of a spacing of at most 2^28 and powers below 2^31 give less than 8.2 x 2^59; the value lies
+ * between those at the corners. */
 static inline int32_t value_here(const int32_t *terms, const int32_t *powers_q31)
 {
     const int32_t *t = terms, *p = powers_q31;

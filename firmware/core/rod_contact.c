@@ -410,8 +410,8 @@ CRN_RARE static bool or_struts(const crn_model *model, crn_state *state, crn_wor
     return true;
 }
 
-/* Does node i, whose contact was not seen at x*, end deeper than 0.1 mm? If so, the inward displacement is
- * returned too. `reach` is twice the largest component of the deviation, less the 0.1 mm. */
+/* Returns whether node i, whose contact was not seen at x*, ends deeper than 0.1 mm. If so, the inward
+ * displacement is returned too. `reach` is twice the largest component of the deviation, less the 0.1 mm. */
 static inline bool was_missed(const crn_model *model, crn_state *state, uint32_t i, int32_t reach_m_q30,
                               int32_t *inwards_m_q33)
 {

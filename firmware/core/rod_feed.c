@@ -247,8 +247,8 @@ typedef struct fold_shift {
     bool is_passed; /* some node behind belongs to a fold */
 } fold_shift;
 
-/* The slide of a node in a fold or ahead of one. `is_inside` says that the edge behind it slides too and is
- * not part of the rigid tip. */
+/* Computes the slide of a node in a fold or ahead of one. `is_inside` says that the edge behind it slides too
+ * and is not part of the rigid tip. */
 CRN_RARE static void slide_apart(const crn_model *model, const crn_state *state, uint32_t i, bool is_inside,
                                  int32_t square_q28, fold_shift *fold, crn_vec3 *slide_m_q33)
 {

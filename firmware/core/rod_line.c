@@ -339,7 +339,8 @@ static void build_surface(walk *w, uint32_t i, cell c)
     node->mass_kg_q40 = crn_sat32(crn_rshift_round64(mass_kg_per_m_q34 * (c.end - c.begin), 24));
 }
 
-/* Edge i: EA is what the weaker of its two joints can bear in the number format, at most the cap. */
+/* Sets EA of edge i: the value that the weaker of its two joints can bear in the number format, at most the
+ * cap. */
 static void build_edge(walk *w, uint32_t i)
 {
     crn_line_node *node = &w->line->nodes[i];
@@ -362,7 +363,7 @@ static bool is_straight(const crn_span *s)
             s->delta[CRN_CURVE2_PER_M_Q20]) == 0;
 }
 
-/* Is the cell a plain one? The walk moves every tool's span to the cell. */
+/* Returns whether the cell is a plain one. The walk moves every tool's span to the cell. */
 static bool is_plain(walk *w, cell c)
 {
     for (uint32_t k = 0; k < w->model->tool_count; k++) {
@@ -424,7 +425,8 @@ static void build_plain(walk *w, uint32_t i, cell c)
 
 /* --- the whole line ------------------------------------------------------------------------------------- */
 
-/* Is node i like node i-1: same elements, each tool absent or in one flat span over both cells? */
+/* Returns whether node i is like node i-1: same elements, each tool absent or in one flat span over both
+ * cells. */
 static bool repeats(const walk *w, uint32_t i)
 {
     const crn_mesh_node *mesh = &w->model->mesh[i];

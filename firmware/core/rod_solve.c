@@ -179,8 +179,8 @@ static inline void add_wall(const crn_work *work, const crn_vec3 *tangent, crn_s
     add_along(n, work->wall_normal - across, d);
 }
 
-/* What two rows contribute to the third, besides their V and P: the row before contributes T, R + Q + Q^T, kb
- * and r, the one before that contributes kb and r. */
+/* The contributions of two rows to the third, besides their V and P: the row before contributes T, R + Q +
+ * Q^T, kb and r, the one before that contributes kb and r. */
 typedef struct given {
     int_fast32_t t[9];
     crn_sym3 rest;

@@ -331,7 +331,7 @@ static int32_t mouth_handle(const crn_model *model, const crn_state *state, uint
     return -(own.stored_N_q22 / 2);
 }
 
-/* Does a tip lie inside the cell of joint i? */
+/* Returns whether a tip lies inside the cell of joint i. */
 static bool holds_tip(const crn_model *model, const crn_state *state, uint32_t i)
 {
     for (uint32_t m = 0; m < model->tool_count; m++) {

@@ -188,8 +188,8 @@ static crn_vec3 vector_between(const crn_vec3 *a, const crn_vec3 *b, int32_t sha
                          between(a->v[2], b->v[2], share_q30));
 }
 
-/* Is the place within the box of rings i and i + 1, with a margin for the node? Overflow: radii are below
- * 2^25, places below 2^30.93. */
+/* Returns whether the place is within the box of rings i and i + 1, with a margin for the node. Overflow:
+ * radii are below 2^25, places below 2^30.93. */
 static bool is_near(const crn_strut_ring *ring, const crn_vec3 *place, int32_t radius_m_q30)
 {
     const int32_t wider =

@@ -192,7 +192,7 @@ static void twice_the_allowed_stiffness_shakes_and_ends_safe(void **state)
     reference_tube_free(tube);
 }
 
-/* Nobody holds the handle: the remaining force moves the carriage, and it comes to rest. */
+/* No hand holds the handle: the remaining force moves the carriage, and it comes to rest. */
 static void a_hand_that_lets_go_leaves_a_rig_at_rest(void **state)
 {
     (void)state;

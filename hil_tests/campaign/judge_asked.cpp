@@ -105,7 +105,7 @@ class Host
               static_cast<unsigned long long>(undisturbed_.lockstep_hash));
     }
 
-    // What is recorded is what the undisturbed session did, but for what a liar said in the one frame.
+    // The recording equals that of the undisturbed session, except for the false content of the one frame.
     void take(const crn_wire_tick_state &state)
     {
         const std::size_t i = state.tick - 1;

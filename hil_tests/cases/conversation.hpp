@@ -1,5 +1,5 @@
-// What cases say to a device: set-up, sessions in LOCKSTEP and FREE_RUN, and checks with numbers in their
-// texts.
+// The conversations of cases with a device: set-up, sessions in LOCKSTEP and FREE_RUN, and checks with
+// numbers in their texts.
 #pragma once
 #include "hil_tests/cases/cases.hpp"
 #include "host/link/link.hpp"
@@ -15,7 +15,7 @@ namespace hil
 // A straight tube as a scene file: what sessions without anatomy have.
 const std::vector<std::uint8_t> &tube_scene();
 
-// Where a session ended.
+// The point at which a session ended.
 struct Ending {
     std::uint32_t tick = 0;
     std::uint64_t hash = 0;
@@ -36,7 +36,7 @@ crn_wire_tick_input sample_input(std::uint32_t tick);
 Ending lockstep_session(crn::Link &link, std::uint32_t ticks, std::uint32_t batch,
                         const std::function<void(std::uint32_t tick)> &between = {});
 
-// The same without a bench: the host's own device in this process.
+// Does the same without a bench, with the host's own device in this process.
 Ending host_only_session(std::uint32_t ticks, std::uint32_t batch);
 
 // From READY to RUNNING in FREE_RUN with power on the motors.

@@ -82,8 +82,8 @@ class ContrastFlow
     // both.
     std::vector<double> received_mg() const;
 
-    // Everything that the next step depends on besides the vessels' shape, as bytes: open lesions must be
-    // reshaped before restoring. A snapshot of other vessels is refused.
+    // Returns all state on which the next step depends besides the vessels' shape, as bytes: open lesions
+    // must be reshaped before restoring. A snapshot of other vessels is refused.
     std::vector<std::uint8_t> snapshot() const;
     bool restore(std::span<const std::uint8_t> bytes);
 

@@ -250,7 +250,7 @@ void Steerer::look_seating()
     seat_misses_ = is_deeper ? 0 : seat_misses_ + 1;
     seat_best_um_ = std::max(seat_best_um_, way_.inside_um);
     if (seat_misses_ < seat_misses_max) return begin(Stage::seat);
-    // Where a lesion narrows the ostium a guide goes no deeper, and counts as engaged nevertheless.
+    // If a lesion narrows the ostium, a guide goes no deeper and counts as engaged nevertheless.
     if (is_in_goal(what_.depth_um / 2)) return begin(Stage::watch);
     go_back();
     begin(Stage::pull);

@@ -59,7 +59,7 @@ struct StentSurroundings {
     std::span<const StentSleeve> sleeves = {};
 };
 
-// Everything that the next step depends on.
+// All state on which the next step depends.
 struct StentState {
     StentStage stage = StentStage::on_balloon;
     bool was_placed = false;
@@ -102,7 +102,7 @@ class Stent
     double energy_N_mm() const;
 
     const StentState &state() const { return state_; }
-    // Everything that the next step depends on, as bytes. A snapshot of another design is refused.
+    // Returns all state on which the next step depends, as bytes. A snapshot of another design is refused.
     std::vector<std::uint8_t> snapshot() const;
     bool restore(std::span<const std::uint8_t> bytes);
 

@@ -130,7 +130,8 @@ std::vector<Body> heart_patient_bodies(const Fineness &fineness)
     return bodies_with(heart_vessels(), fineness);
 }
 
-/* A silicone wall around the vessels in a tank of water, filled with a fluid like blood. */
+/* Makes a silicone wall around the vessels in a tank of water; the vessels are filled with a fluid like
+ * blood. */
 std::vector<Body> phantom_bodies(const Fineness &fineness)
 {
     constexpr double WALL_MM = 2.0, TANK_MM = 14.0, ERROR_MM = 0.08;

@@ -1,5 +1,5 @@
-/* The coronary arteries of the shipped heart at the end of diastole, right dominant. Their courses run in
- * the grooves between its chambers; they are given by height and angle about the left ventricle's axis
+/* Makes the coronary arteries of the shipped heart at the end of diastole, right dominant. Their courses run
+ * in the grooves between its chambers; they are given by height and angle about the left ventricle's axis
  * (heart_beat.hpp) and projected onto the heart's surface. Names and numbers of branches are the usual
  * ones. The courses are assumed; they come from no angiogram. */
 #include "tools/anatomy/heart_beat.hpp"

@@ -144,7 +144,7 @@ class Part
                  double cortex_mm);
     double distance(const Vec3 &point) const;
     double marrow_distance(const Vec3 &point) const;
-    /* The same part for points inside `box`, correct where the distance is below reach_mm. */
+    /* Returns the same part for points inside `box`, correct where the distance is below reach_mm. */
     Part near(const Box &box, double reach_mm) const;
 
     double blend_mm;

@@ -138,7 +138,7 @@ LocalDistance clear_of_bones(const Solid &solid, const Solid &bones)
     return clear_of(local(solid), bones, CLEAR_MM);
 }
 
-/* Muscle within the heart's outline, and the blood of its four chambers inside. */
+/* Adds muscle within the heart's outline, and the blood of its four chambers inside. */
 void add_heart(std::vector<Body> &bodies, const Solid &bones, const Solid &vessels, double scale)
 {
     constexpr double VESSEL_WALL_MM = 0.6;

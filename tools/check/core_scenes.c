@@ -41,7 +41,7 @@ const core_scene core_scenes[CORE_SCENE_COUNT] = {{"tube", 4000},    {"fine", 15
                                                   {"coaxial", 3000}, {"beating", 3500}, {"balloon", 3000},
                                                   {"stented", 4500}};
 
-/* What a scene's lumen is made in. One at a time: core_scene_start makes it anew. */
+/* The memory of a scene's lumen. Only one exists at a time: core_scene_start makes it anew. */
 static struct {
     crn_lumen lumen;
     uint16_t index[COARSE_COUNT];
@@ -338,7 +338,7 @@ static crn_input every_tool(uint32_t tick, uint32_t variant)
     return input;
 }
 
-/* What is asked of heart and breath, each at its tick. */
+/* Returns the order to heart and breath that is given at this tick. */
 static crn_rhythm_order order_at(uint32_t tick)
 {
     switch (tick) {

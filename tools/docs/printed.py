@@ -75,7 +75,7 @@ def renewed(shown, printed):
 
 
 def examine(path, build):
-    """(document as it should be, what differs)."""
+    """Returns (document as it should be, differences)."""
     with open(path, encoding="utf-8") as file:
         lines = file.read().split("\n")
     differences, pieces, last = [], [], 0

@@ -81,8 +81,8 @@ static int32_t speed_share(const crn_safety *safety, uint32_t k, int32_t asked_m
                      : share_of(size, DRIVEN_FULL_um_s, DRIVEN_NONE_um_s);
 }
 
-/* The force sensor feels a hand that holds, and it may be wrong by a quarter. A track without a sensor tells
- * nothing about the hand, and only the speed counts. */
+/* The force sensor measures the force of a hand that holds the carriage, with an error of up to a quarter. A
+ * track without a sensor tells nothing about the hand, and only the speed counts. */
 int32_t crn_carriage_bound_mN(crn_safety *safety, const crn_port_inputs *rig, uint32_t k, int32_t asked_mN)
 {
     crn_safety_watch *watch = &safety->watches[k];

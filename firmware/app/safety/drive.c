@@ -1,4 +1,4 @@
-/* Power on, power off, and the forces that the motors are given. */
+/* Switches the power on and off, and sets the forces of the motors. */
 #include "firmware/app/safety/arithmetic.h"
 #include "firmware/app/safety/carriage.h"
 #include "firmware/app/safety/safety.h"

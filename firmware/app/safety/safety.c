@@ -1,4 +1,4 @@
-/* The checks of every edge of the timer in this edge's sample of the rig: lines, sensors, forces. Every
+/* Checks this edge's sample of the rig at every edge of the timer: lines, sensors, forces. Every
  * finding is a fault of shared/wire/wire_faults.def, which states its time to safe and its test. */
 #include "firmware/app/safety/safety.h"
 #include "firmware/app/safety/arithmetic.h"
@@ -85,8 +85,8 @@ static void restart_watch(crn_safety_watch *watch, int32_t speed_counts)
 }
 
 /* An unbalanced force must move the heaviest carriage by CARRIAGE_TRAVEL_nm against its friction before this
- * check decides. By then the encoder has stood still, or has gained speed in the opposite direction, or all
- * is well. Format: mN / kg = nm / ms^2; travel in nm. */
+ * check decides. By then the encoder has stood still, or has gained speed in the opposite direction, or there
+ * is no fault. Format: mN / kg = nm / ms^2; travel in nm. */
 static crn_fault_code check_balance(crn_safety *safety, const crn_port_inputs *rig, uint32_t k,
                                     int32_t measured)
 {

@@ -149,9 +149,9 @@ void crn_usb_connect(crn_usb *usb, bool connected);
  * more to do. */
 bool crn_usb_poll(crn_usb *usb);
 
-/* One millisecond has passed. `state` becomes a state report behind those that wait. When the queue is full,
- * the oldest report is dropped. No report waits while no host has configured the device, or while the bus
- * sleeps. */
+/* One millisecond has passed. `state` becomes a state report, queued behind those that wait. When the queue
+ * is full, the oldest report is dropped. No report waits while no host has configured the device, or while
+ * the bus sleeps. */
 void crn_usb_timer(crn_usb *usb, const crn_hid_state *state);
 
 /* Queues a whole frame for the host. False: the device is not configured, or there is no room; nothing was

@@ -33,8 +33,8 @@ double reference_contraction(double phase);
  * along -y. Both fade out at 90 mm from the middle. */
 void reference_beating_sphere(const double *X_m, double phase, double breath, double *x_m);
 
-/* The pieces of a vessel that enters at the origin and runs round that sphere, 40 mm from its middle, and the
- * box in which it moves. */
+/* The pieces of a vessel that enters at the origin and runs round the beating sphere, 40 mm from the sphere's
+ * middle, and the box in which the vessel moves. */
 extern const reference_piece reference_coronary[3];
 extern const double reference_coronary_low_m[3], reference_coronary_high_m[3];
 

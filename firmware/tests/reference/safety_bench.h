@@ -53,7 +53,7 @@ static inline int safety_bench_find(safety_bench *bench, int edges)
     return 0;
 }
 
-/* The same with power, for long enough that the power stage drives. */
+/* Does the same with power, for long enough that the power stage drives. */
 static inline void safety_bench_drive(safety_bench *bench)
 {
     safety_bench_rest(bench);

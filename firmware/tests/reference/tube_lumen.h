@@ -42,9 +42,9 @@ double reference_tube_distance(const reference_tube *tube, const double *point_m
 crn_entry reference_entry(void);
 /* A uniform instrument: EI in N m^2, elements of `element_um`, equal kinetic and static friction. */
 crn_instrument reference_wire(double bend_N_m2, uint32_t length_um, uint32_t element_um, double friction);
-/* The same with a length of 0.9 m and a floppy J of 12 mm, which snaps from wall to wall. */
+/* Makes the same instrument with a length of 0.9 m and a floppy J of 12 mm, which snaps from wall to wall. */
 crn_instrument reference_floppy_j(double bend_N_m2);
-/* Three bends out of one plane, 0.9 m long, r 4 mm: the insertion scene. */
+/* Makes the insertion scene: a tube of 0.9 m and radius 4 mm with three bends out of one plane. */
 reference_tube *reference_three_bends(double radius_m, uint32_t level);
 
 #endif

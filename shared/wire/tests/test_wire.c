@@ -213,8 +213,8 @@ static size_t put_full_list(uint8_t *to)
     return writer.length;
 }
 
-/* As a hostile host would send them: cut at every byte, one byte too many, a kind that is none, one order too
- * many. */
+/* The messages are as a hostile host would send them: cut at every byte, one byte too many, an unknown kind,
+ * one order too many. */
 static void lists_of_orders_that_are_damaged_are_refused(void **state)
 {
     (void)state;

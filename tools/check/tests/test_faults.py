@@ -14,7 +14,7 @@ FAULT = re.compile(r'^FAULT\((\w+), (\d+), "(\w+)", (\d+), "(\w+)"', re.M)
 
 
 def faults_of(text):
-    """(name, code, effect, safe_ms, test) of each fault."""
+    """Returns (name, code, effect, safe_ms, test) of each fault."""
     return [(m[0], int(m[1]), m[2], int(m[3]), m[4]) for m in FAULT.findall(text)]
 
 

@@ -102,7 +102,7 @@ def pairs(bench):
 
 
 def without_partner(data):
-    """The same body file as an older bake wrote it: the last section and its row of the table are gone."""
+    """Makes the body file as an older bake wrote it: without the last section and its row of the table."""
     count = struct.unpack_from("<I", data, 20)[0]
     table = [list(struct.unpack_from("<4I", data, 32 + 16 * i)) for i in range(count)]
     assert table[-1][0] == 19 and table[-1][2] == 8, table
@@ -138,7 +138,7 @@ def full_disk(bench):
 
 # --- recordings ------------------------------------------------------------------------------------------------------
 def chunks(data):
-    """(kind, payload) of a recording: docs/session.md."""
+    """Yields (kind, payload) of a recording: docs/session.md."""
     at = 8
     while at < len(data):
         kind, size = struct.unpack_from("<2I", data, at)

@@ -20,7 +20,7 @@ CORE_PUBLIC = [
     "firmware/core/motion.h",
     "firmware/core/lesion.h",
 ]
-# What the command line of every tool shares.
+# Files that the command lines of all tools share.
 COMMAND_LINE = [
     "host/base/command_values.hpp",
     "host/base/version.hpp",
@@ -44,7 +44,8 @@ ALLOWED = {
         "shared",
         "firmware/port/port.h",
     ],
-    # What can hurt a finger sees samples, numbers and its own memory: neither the app, nor the wire, nor the core.
+    # Code that can hurt a finger uses only samples, numbers and its own memory: neither the app, nor the wire, nor
+    # the core.
     "firmware/app/safety": ["firmware/port/port.h", "shared/wire/fault_code.h"],
     "firmware/app/haptics": [
         "firmware/app/safety/arithmetic.h",

@@ -73,7 +73,7 @@ PACKED = (".jpg", ".png", ".xz", ".rec", ".corpus")  # four letters in a row are
 
 # --- rules: each yields findings as file:line: text ----------------------------------------------------------------
 def earlier_name(path, text):
-    """What the project was called before it was renamed, in a path or in a line."""
+    """Finds the project's former name in a path or in a line."""
     if EARLIER_NAME.search(path):
         yield path + ": has the project's earlier name"
     for number, line in enumerate(text.splitlines(), 1):
@@ -139,7 +139,7 @@ CONSTANT = CAST + r"\s*\(*\s*(?:\d\w*|[A-Z][A-Z0-9_]*(?:_[a-z]\w*)?\b|sizeof\b)"
 
 
 def variable_division(path, text):
-    """Division and remainder by anything but a literal, a named constant (CRN_...) or sizeof."""
+    """Finds division and remainder by anything but a literal, a named constant (CRN_...) or sizeof."""
     code = tree.code_only(text)
     for match in re.finditer(r"[/%]=?(?!=)", code):
         if not re.match(r"\s*" + CONSTANT, code[match.end() :]):

@@ -30,7 +30,7 @@ def version():
 
 
 def answer(name):
-    """What a program says; a sentence where it says nothing."""
+    """Returns a program's output, or a sentence if there is none."""
     try:
         done = subprocess.run(
             [os.path.join(BUILD, name), "--version"],

@@ -36,7 +36,8 @@ def frame(sequence, kind, payload, flip=0):
 
 
 def on_bus(data, device):
-    """What Linux's usbmon tells of a bulk transfer to endpoint 2 (Documentation/usb/usbmon.rst, struct mon_bin_hdr of
+    """Returns Linux's usbmon record of a bulk transfer to endpoint 2 (Documentation/usb/usbmon.rst, struct
+    mon_bin_hdr of
     64 bytes)."""
     header = struct.pack(
         "<QBBBBHBBqiiII8siiII",

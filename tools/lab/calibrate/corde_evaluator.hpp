@@ -15,8 +15,8 @@ namespace crn::calibrate
 CordeSettings corde_settings();
 CordeSettings careful_corde_settings();
 
-// The file's numbers as those of a solid round wire, with a Kp that makes the directors follow waves longer
-// than some millimetres.
+// Converts the file's numbers to those of a solid round wire, with a Kp that makes the directors follow waves
+// longer than some millimetres.
 CordeValues nominal_corde_values(const Instrument &instrument);
 
 class CordeEvaluator final : public Evaluator

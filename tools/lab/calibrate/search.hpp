@@ -43,7 +43,7 @@ struct Trial {
     Verdict verdict;
 };
 
-// Everything on which the next generation depends.
+// All state on which the next generation depends.
 struct SearchState {
     unsigned generation = 0;       // number of completed generations
     std::vector<Trial> trials;     // all trials, in the order in which they were drawn
@@ -66,8 +66,8 @@ using EvaluateShares = std::function<std::vector<Verdict>(const std::vector<std:
 void advance(const SearchSettings &settings, std::size_t parameter_count, const EvaluateShares &evaluate,
              SearchState &state, std::size_t *late = nullptr);
 
-// Whether the whole population is within `stop_spread_mm` of the best. It depends on the state alone, so a
-// search that was stopped and resumed ends at the same generation.
+// Returns whether the whole population is within `stop_spread_mm` of the best. It depends on the state alone,
+// so a search that was stopped and resumed ends at the same generation.
 bool has_converged(const SearchSettings &settings, const SearchState &state);
 
 // The first of the best trials. The state must have at least one.

@@ -22,7 +22,7 @@ constexpr double around_mm = 3;           // margin of air in the picture
 constexpr double photons_least = 2;       // least number of photons that a starved ray counts
 constexpr double electronic_photons = 15; // standard deviation of the read-out
 
-// A separate random number for every ray, whatever the order: splitmix64's finaliser.
+// Returns a separate random number for every ray, whatever the order, by splitmix64's finaliser.
 std::uint64_t mixed(std::uint64_t value)
 {
     value += 0x9e3779b97f4a7c15u;

@@ -60,7 +60,7 @@ struct Weights {
     }
 };
 
-// One row of taps along x: value, slope and second derivative.
+// The result of one row of taps along x: value, slope and second derivative.
 struct Line {
     double value, slope, bend;
 };

@@ -15,7 +15,7 @@ namespace vcsim3
 struct Preset {
     const char *token;      // for command lines
     const char *instrument; // row of Table 5.1
-    // As printed, without the powers of ten in the table's head.
+    // The values are as printed, without the powers of ten in the table's head.
     double young, radius, density, parallel;
     // The same for all modes.
     int substeps;         // steps per millisecond with elements of element_m

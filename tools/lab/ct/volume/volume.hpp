@@ -59,7 +59,7 @@ struct Volume {
     Eigen::Matrix3d scene_per_voxel() const;
     // Interpolates between the nearest eight voxels; outside it returns the value at the border.
     double value(const Eigen::Vector3d &voxel) const;
-    // The same volume with all voxels set to `fill`, for masks and speeds.
+    // Returns the same volume with all voxels set to `fill`, for masks and speeds.
     Volume like(float fill) const;
 };
 
