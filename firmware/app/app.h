@@ -56,8 +56,8 @@ typedef struct crn_app_encoders {
 typedef struct crn_app_track {
     crn_wire_track wire;         /* in force, as read back */
     crn_wire_track built;        /* as the rig's builder stated it */
-    crn_wire_track vouched;      /* last confirmed by somebody at the rig, or by an accepted coupling */
-    uint32_t scale_pm_per_count; /* scales that the builder or somebody at the rig stated */
+    crn_wire_track vouched;      /* last confirmed by a person at the rig, or by an accepted coupling */
+    uint32_t scale_pm_per_count; /* scales that the builder or a person at the rig stated */
     uint32_t scale_counts_per_turn;
 } crn_app_track;
 
@@ -126,7 +126,7 @@ typedef struct crn_app_session {
     crn_app_encoders mailbox;
     crn_app_tick_orders orders[CRN_APP_ORDER_QUEUE]; /* FREE_RUN: ring, of the ticks to come */
     uint32_t order_first, order_count;
-    int32_t inflator_raw; /* of the last tick; the pressure stays while nobody reports one */
+    int32_t inflator_raw; /* of the last tick; the pressure stays while none is reported */
     crn_upload snapshot_upload;
 } crn_app_session;
 

@@ -72,7 +72,7 @@ static const crn_wire_track first = {
 
 /* --- who may state what --- */
 
-/* A rule says what a host may state about a track without somebody at the rig who confirms it. It compares
+/* A rule defines what a host may state about a track without confirmation by a person at the rig. It compares
  * with what the rig's builder stated. */
 typedef enum step_rule {
     STEP_SCALE, /* a quarter up or down, as sensors differ among themselves */
@@ -147,7 +147,7 @@ static bool track_is_good(const crn_wire_track *wire, const crn_app_track *prese
 {
     const crn_wire_track *limits =
         rights.raises_limits ? &first : &present->wire; /* the largest allowed now */
-    /* The word of somebody at the rig about a count is believed. Otherwise a count may be less than what is
+    /* The statement of a person at the rig about a count is accepted. Otherwise a count may be less than
      * stated. */
     const uint64_t along_milli = loop_milli(wire, rights.states_all ? 0 : wire->translation_pm_per_count,
                                             present->scale_pm_per_count),
@@ -202,7 +202,7 @@ static uint32_t stated(uint32_t built, uint32_t otherwise)
     return built != 0 ? built : otherwise;
 }
 
-/* At power-up a track is as its builder stated it, but without a damping that somebody could rely on. */
+/* At power-up a track is as its builder stated it, but without a reliable damping. */
 void crn_app_track_default(crn_app_track *track, const crn_port *port)
 {
     uint32_t field;

@@ -10,7 +10,7 @@ namespace
 
 constexpr int attempts_max = 6;
 
-// A host that records, and that after an error begins with HELLO and goes on where the device stands.
+// A host that records. After an error it begins with HELLO and continues at the device's tick.
 class Host
 {
   public:

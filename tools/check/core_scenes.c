@@ -10,8 +10,8 @@
  * fine: a stiff uniform wire in the same tube made of refined bricks, 4 mm wide, pushed, pulled and turned as
  * fast as the core allows, so that limits act. air: a floppy shaped wire without a lumen, hanging and turned.
  * coaxial: the J wire in two shaped catheters in the tube; every tool leads once, slides and turns against
- * the others. beating: the J wire in the tube, whose middle goes to and fro by 3.6 mm with a heart that is
- * asked for everything once, and breathes. balloon: a wire in a balloon catheter in the fine tube, which its
+ * the others. beating: the J wire in the tube, whose middle goes to and fro by 3.6 mm with a heart that
+ * receives every order once, and breathes. balloon: a wire in a balloon catheter in the fine tube, which its
  * balloon fills and opens at a lesion; pulled while it is up, pushed after it is down, the lesion held open,
  * and burst. stented: the J wire in the beating tube goes to and fro through and beside a stent that lies on
  * nothing, is widened later, and loses half of its rings. */
@@ -313,7 +313,7 @@ bool core_scene_start(uint32_t scene, crn_model *model, crn_state *state)
     return true;
 }
 
-/* Forwards at `step` with a turn on the way, then back at half of it. */
+/* Moves forwards at `step` while turning, then back at half that speed. */
 static crn_input forward_and_back(uint32_t tick, uint32_t forward_ticks, int32_t step_m_q30, uint32_t turn32)
 {
     uint32_t forward = tick < forward_ticks ? tick : forward_ticks;
@@ -388,7 +388,7 @@ static crn_strut_order strut_at(uint32_t tick)
     return (crn_strut_order){.number = 0};
 }
 
-/* 45 mm to and fro, and a turn on the way that no two ways begin alike with. */
+/* Moves 45 mm to and fro while turning; no two strokes begin with the same angle. */
 static crn_input through_struts(uint32_t tick, uint32_t variant)
 {
     const uint32_t phase = tick % 1800, place = phase < 900 ? phase : 1800 - phase;

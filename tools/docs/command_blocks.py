@@ -90,7 +90,7 @@ def marks_above(lines, first, marks):
 
 
 def read_mark(page, line, text):
-    """{kind, exit, only, with, adding}."""
+    """Returns {kind, exit, only, with, adding}."""
     parts = MARK_PARTS.match(text)
     if not parts or parts.group("kind") not in CLASSES:
         raise MarkError(

@@ -28,7 +28,7 @@ class Fault(Exception):
 
 
 def read_archive(path):
-    """name -> bytes"""
+    """Returns name -> bytes."""
     files = {}
     try:
         with tarfile.open(path, "r:xz") as archive:

@@ -218,7 +218,7 @@ crn_fault_code crn_safety_ready(const crn_safety *safety, const crn_safety_input
     for (uint32_t k = 0; k < input->tool_count; k++) {
         const crn_port_track *track = &rig->tracks[k];
         if (encoder_is_lost(track)) return CRN_FAULT_CODE_ENCODER_LOST;
-        /* Without a sensor no force is checked. Only somebody at the rig, who knows that, may allow it. */
+        /* Without a sensor no force is checked. Only a person at the rig, who knows this, may allow it. */
         const bool has_none = track->force_sensor == CRN_PORT_SENSOR_ABSENT;
         if (has_none ? !rig->local_unlock : force_sensor_is_lost(safety, rig, k))
             return CRN_FAULT_CODE_FORCE_SENSOR_LOST;

@@ -16,7 +16,7 @@ BREAKS = [("1203", "feed", "0"), ("2", "solve", "7"), ("3001", "friction", "9")]
 
 
 def matrix(*arguments):
-    """(exit code, table lines, everything printed)"""
+    """Returns (exit code, table lines, all output)."""
     done = subprocess.run(
         [MATRIX] + list(arguments), cwd=tree.ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False
     )

@@ -32,7 +32,7 @@ def examined(text):
 
 
 def named_cores(text):
-    """Versions of the core that a transcript in a document names."""
+    """Returns the versions of the core that a transcript in a document names."""
     return re.findall(r"^    .*\bcore version (\d+)$|^    .*: core (\d+), protocol", text, re.MULTILINE)
 
 

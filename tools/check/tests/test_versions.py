@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Every program says its version, and the changelog has it. Prints TAP."""
+"""Every program prints its version, and the changelog contains it. Prints TAP."""
 
 import os
 import re
