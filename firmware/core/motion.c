@@ -328,8 +328,8 @@ static inline int32_t norm_at_most(const int32_t m[3][3])
     return most;
 }
 
-/* A lower bound of 1 / |I + J|, at most 1. Format: Q28 -> Q30. Overflow: norms are at most 1 + 3 x 5/8
- * (checked), 2.9 in Q28. */
+/* Returns a lower bound of 1 / |I + J|, at most 1. Format: Q28 -> Q30. Overflow: norms are at most 1 + 3 x
+ * 5/8 (checked), 2.9 in Q28. */
 static inline int32_t shrink_of_gradient(const int32_t gradient_q28[3][3])
 {
     const int32_t one = 1 << 28, norm = norm_at_most(gradient_q28);
@@ -394,8 +394,8 @@ int32_t crn_motion_distance(const crn_lumen *lumen, const crn_motion *motion, cr
     return distance_inside(lumen, motion, pose, world_m_q30, shrink_q30, far_m_q30);
 }
 
-/* (I + dw/dx)^T n of a unit normal. Format: Q30 -> Q26. Overflow: at most 1 + 5/8 sqrt(3) in a component,
- * below 8. Error: 2 LSB. */
+/* Returns (I + dw/dx)^T n of a unit normal. Format: Q30 -> Q26. Overflow: at most 1 + 5/8 sqrt(3) in a
+ * component, below 8. Error: 2 LSB. */
 static inline crn_vec3 mapped_normal(const crn_motion_pose *pose, const crn_vec3 *normal_q30)
 {
     const int32_t(*m)[3] = (const int32_t(*)[3])pose->gradient_q28;

@@ -138,8 +138,8 @@ crn_lumen_sample crn_motion_contact_here(const crn_lumen *lumen, const crn_motio
  * world. */
 crn_lumen_sample crn_motion_carry(const crn_motion *motion, crn_motion_pose *pose, crn_lumen_sample sample);
 
-/* Displacement of the wall in this tick at the place of the last contact. Format: Q33 m, limited to
- * CRN_MOTION_WALL_STEP_MAX. */
+/* Returns the displacement of the wall in this tick at the place of the last contact. Format: Q33 m, limited
+ * to CRN_MOTION_WALL_STEP_MAX. */
 crn_vec3 crn_motion_wall_step(const crn_motion *motion, crn_motion_pose *pose);
 
 #endif

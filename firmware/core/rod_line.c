@@ -39,7 +39,7 @@ static int64_t compliance_q32(int32_t length_m_q30, int32_t stiffness_q35)
     return (length_m_q30 * inverse) >> (24 - lead);
 }
 
-/* 2^q / value for value > 0. Overflow: saturates. Error: 2^-29 relative. */
+/* Returns 2^q / value for value > 0. Overflow: saturates. Error: 2^-29 relative. */
 static int32_t inverse_of(int64_t value, unsigned q)
 {
     unsigned lead = crn_clz64((uint64_t)value);
@@ -505,7 +505,7 @@ static void build_node(walk *w, uint32_t i)
     build_entries(w, i, &node->joint);
 }
 
-/* Edge behind node i: a copy of the one in front. */
+/* Makes the edge behind node i a copy of the one in front. */
 static void repeat_edge(crn_line *line, uint32_t i)
 {
     line->nodes[i].spring = line->nodes[i - 1].spring;

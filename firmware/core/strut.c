@@ -160,8 +160,8 @@ static bool is_joined(const crn_strut_state *struts, uint32_t i)
     return true;
 }
 
-/* Direction of the chain at one of its rings, from the ring before to the one behind. Overflow: rings that
- * are joined are less than 2^24 apart. */
+/* Returns the direction of the chain at one of its rings, from the ring before to the one behind. Overflow:
+ * rings that are joined are less than 2^24 apart. */
 static crn_vec3 along_chain(const crn_strut_state *struts, uint32_t i, bool has_before, bool has_behind)
 {
     const crn_strut_ring *ring = &struts->rings[i];
@@ -290,7 +290,8 @@ static crn_lumen_sample beside_edge(const section *at, const crn_vec3 *outwards_
     return sample;
 }
 
-/* Contact beside the struts, inside or outside. Overflow: slope and unit vector are below 1.5 together. */
+/* Returns the contact beside the struts, inside or outside. Overflow: slope and unit vector are below 1.5
+ * together. */
 static crn_lumen_sample beside_struts(const section *at, const crn_vec3 *outwards_q30, int32_t rho_m_q30,
                                       bool is_inside)
 {

@@ -28,7 +28,7 @@ struct AortaRun {
     std::vector<std::uint16_t> tick_solves;
 };
 
-// From HELLO to READY with the session's scene, wire and entry.
+// Takes the device from HELLO to READY with the session's scene, wire and entry.
 void set_up_aorta(crn::Link &link, const AortaFiles &files, const crn::Session &session,
                   const crn_wire_rig &rig);
 

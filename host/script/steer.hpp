@@ -54,7 +54,7 @@ class Steerer
 
     bool is_done() const { return stage_ == Stage::done; }
     bool has_failed() const { return stage_ == Stage::failed; }
-    // The reason, with the place of the tip and a remedy.
+    // Returns the reason, with the place of the tip and a remedy.
     std::string failure() const;
     int tries() const { return tries_; }
     std::int64_t ticks() const { return tick_; }

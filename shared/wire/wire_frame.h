@@ -36,8 +36,8 @@ typedef struct crn_wire_header {
 /* CRC-32 of IEEE 802.3 (reflected 0xEDB88320, start and end inverted). `crc` is 0 or the result so far. */
 uint32_t crn_wire_crc32(uint32_t crc, const uint8_t *bytes, size_t length);
 
-/* One frame from a header and payload. Returns its bytes in `frame` (with the closing zero), or 0 when the
- * payload exceeds CRN_WIRE_PAYLOAD_MAX or the frame its capacity. */
+/* Makes one frame from a header and payload. Returns its bytes in `frame` (with the closing zero), or 0 when
+ * the payload exceeds CRN_WIRE_PAYLOAD_MAX or the frame its capacity. */
 size_t crn_wire_frame_encode(const crn_wire_header *header, const uint8_t *payload, size_t payload_bytes,
                              uint8_t *frame, size_t capacity);
 

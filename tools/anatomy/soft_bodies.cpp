@@ -9,8 +9,8 @@ namespace
 
 constexpr double SOFT_ERROR_MM = 0.3;
 
-/* The voxel of a body with little clearance in its parent. A coarse anatomy keeps it fine, so that the
- * body stays inside. */
+/* Returns the voxel size for a body with little clearance in its parent. A coarse anatomy keeps it fine, so
+ * that the body stays inside. */
 double tight_mm(double voxel_mm, double scale)
 {
     return voxel_mm * std::min(scale, 1.2);
@@ -32,8 +32,8 @@ LocalDistance outline_distance(const Solid &bones)
     };
 }
 
-/* The layer `depth` under the outside of the skin. Where a bone comes near the skin, the layer still
- * covers it. */
+/* Returns the distance to the layer `depth` under the outside of the skin. Where a bone comes near the skin,
+ * the layer still covers it. */
 LocalDistance layer_distance(const Solid &bones, double least_mm, double (*depth_mm)(const Vec3 &))
 {
     return [least_mm, depth_mm, bones, outline = outline_distance(bones)](const Box &box,
@@ -248,8 +248,8 @@ LocalDistance belly_distance(const Solid &bones)
     };
 }
 
-/* An organ: its shape within the belly, clear of the organs before it. `shape` may be larger than the
- * remaining organ. */
+/* Returns the distance to an organ: its shape within the belly, clear of the organs before it. `shape` may be
+ * larger than the remaining organ. */
 LocalDistance organ_distance(const Solid &shape, const LocalDistance &belly, const Solid &before,
                              double inset_mm)
 {

@@ -166,7 +166,7 @@ std::vector<std::int8_t> quantise(std::vector<double> values)
     return coefficients;
 }
 
-// The spline of a brick, in voxels, at the point x (in voxels from the brick's corner).
+// Returns the spline of a brick, in voxels, at the point x (in voxels from the brick's corner).
 double spline(const std::vector<std::int8_t> &c, const Eigen::Vector3d &x)
 {
     double w[3][3];

@@ -122,7 +122,7 @@ static void fill_row(int16_t *row, int32_t reach)
     }
 }
 
-/* Most in the middle of the tube, nothing at the lattice's boundary. */
+/* Makes a motion that is largest in the middle of the tube and zero at the lattice's boundary. */
 static const crn_motion *make_motion(void)
 {
     for (int32_t node = 0; node < NODES_X * NODES_Y * NODES_Z; node++) {
@@ -282,7 +282,7 @@ static crn_instrument make_catheter(uint32_t bend_nN_m2, uint32_t radius_um, int
     return catheter;
 }
 
-/* A balloon of 5 x 20 mm at 8 bar, 8 mm behind the tip. */
+/* Makes a balloon of 5 x 20 mm at 8 bar, 8 mm behind the tip. */
 static crn_instrument make_balloon_catheter(void)
 {
     crn_instrument catheter = make_catheter(50000, 750, 0);

@@ -120,7 +120,7 @@ crn::Instrument catheter()
     return crn::read_instrument("shared/examples/instruments/pigtail_5f.toml");
 }
 
-// One straight vessel along the line.
+// Makes one straight vessel along the line.
 crn::SceneAnatomy vessel()
 {
     crn::VesselBranch branch;

@@ -50,7 +50,8 @@ static void crc32_of_the_digits_is_the_published_value(void **state)
     assert_int_equal(in_two, 0xcbf43926u);
 }
 
-/* The table's every entry, by the definition: one bit after the other through the polynomial 0xedb88320. */
+/* Every entry of the table agrees with the definition: one bit after the other through the polynomial
+ * 0xedb88320. */
 static void crc32_of_every_byte_is_that_of_its_bits(void **state)
 {
     (void)state;

@@ -18,7 +18,8 @@ constexpr double tick_s = 1e-3, radian = std::numbers::pi / 180.0;
 constexpr double point_ratio = 1.5, turn_ratio = 0.9;
 constexpr double outside_mm = 3.0; // a rod deeper in the wall has passed through it
 
-// EI, GJ and rest turn of a joint. Compliances and curvatures add up over the half elements beside its node.
+// Returns EI, GJ and rest turn of a joint. Compliances and curvatures add up over the half elements beside
+// its node.
 JointProperties joint_at(const crn_wire_instrument &table, const CordeValues &values, double arc_mm,
                          double element_mm)
 {

@@ -92,7 +92,7 @@ class Beam
 {
   public:
     Beam(double tube_kV, const std::vector<Material> &materials);
-    // The share of the signal behind these lengths of water and of each material, mm.
+    // Returns the share of the signal behind these lengths of water and of each material, mm.
     double transmission(double water_mm, const float *lengths_mm) const;
     double water_transmission(double water_mm) const;
     // The length of water with the same transmission, as scanners' correction of beam hardening gives it.

@@ -31,7 +31,7 @@ class Path
     Vector3d end() const { return at_; }
     Vector3d end_direction() const { return direction_; }
     double length() const { return length_m_; }
-    // The smallest box around the path.
+    // Returns the smallest box around the path.
     Vector3d low() const { return low_; }
     Vector3d high() const { return high_; }
 

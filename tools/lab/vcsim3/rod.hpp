@@ -61,7 +61,7 @@ struct Rod {
     Vector director(int segment) const { return orientation[segment] * Vector::UnitZ(); }
 };
 
-// The smallest rotation from +z to a direction.
+// Returns the smallest rotation from +z to a direction.
 Quaternion turn_from_z(const Vector &direction);
 
 // The rest strain of a joint whose segment on the hand's side is turned by `turn_rad` (axis times angle,

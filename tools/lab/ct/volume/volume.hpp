@@ -67,7 +67,7 @@ struct Volume {
 // keeps its value.
 void make_right_handed(Volume &volume);
 
-// The box [low, high) of voxels as a separate volume.
+// Returns the box [low, high) of voxels as a separate volume.
 Volume cut_out(const Volume &volume, const std::array<int, 3> &low, const std::array<int, 3> &high);
 
 } // namespace crn::ct
