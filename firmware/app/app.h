@@ -206,8 +206,7 @@ bool crn_app_order(crn_app *app, uint8_t action);
 /* The message `rig` configures the first tracks; app->setup.tracks then shows what was accepted. */
 void crn_app_configure(crn_app *app, const crn_wire_rig *rig);
 
-/* Returns the force that a track's sensor measures in this edge's sample, in mN; 0 without a working sensor.
- * */
+/* Returns the force that a track's sensor measures in this edge's sample, mN; 0 without a working sensor. */
 int32_t crn_app_force_measured(const crn_app *app, uint32_t track);
 
 /* One millisecond has passed. This samples the rig, checks it, does a tick in FREE_RUN and RUNNING, and

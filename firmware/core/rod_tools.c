@@ -56,7 +56,8 @@ static int32_t length_of(const crn_vec3 *a)
     return (int32_t)((top * root) >> (30 + (lead >> 1)));
 }
 
-/* Moments W b of all joints at the configuration of the solution, for the line without rest turning. Format:
+/* Computes the moments W b of all joints at the configuration of the solution, for the line without rest
+ * turning. Format:
  * b in Q29 so that it fits, W Q26 -> Q30 N m, limited. */
 static void bending_moments(crn_state *state)
 {

@@ -1,4 +1,4 @@
-/* From encoder counts to the positions of the hands, one per tool. Counts are absolute and may wrap, so
+/* Converts encoder counts to the positions of the hands, one per tool. Counts are absolute and may wrap, so
  * changes are summed in 64 bits. The position is scaled from the sum and never summed itself, so that
  * rounding does not drift. */
 #ifndef CRN_HANDS_H

@@ -69,7 +69,7 @@ static crn_fault_code check_force(crn_safety *safety, uint32_t k, int32_t measur
 
 /* --- balance of forces on a carriage --- */
 
-/* The force on the carriage that neither motor nor hand explains, + into the patient. */
+/* Returns the force on the carriage that neither motor nor hand explains, + into the patient. */
 static int32_t unbalance(const crn_safety_watch *watch, int32_t measured)
 {
     const asked_range asked = range_asked(watch);
