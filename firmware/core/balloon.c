@@ -239,8 +239,8 @@ static int32_t radius_of(const crn_model *model, const crn_balloon_ball *ball)
     return ball->radius_m_q30 > folded ? ball->radius_m_q30 : folded;
 }
 
-/* The centre before this tick's growth: a wall that holds the ball carries it, otherwise it follows the
- * line. */
+/* Returns the centre before this tick's growth: a wall that holds the ball carries it, otherwise it follows
+ * the line. */
 static crn_vec3 carried(const crn_model *model, crn_state *state, const crn_balloon_ball *ball,
                         const place *at)
 {

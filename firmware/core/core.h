@@ -224,8 +224,8 @@ bool crn_state_contact_force(const crn_model *model, const crn_state *state, uin
  * a lumen. It serves set-up (is the start possible?) and tests; a step reports its own depth in the
  * output. */
 int32_t crn_state_depth(const crn_model *model, const crn_state *state);
-/* The balloon for pictures: the radii of its balls from the distal end; `arc` receives the arc length of that
- * end from the leading tip. Returns the number of balls; 0: no tool has a balloon. */
+/* Gives the balloon for pictures: the radii of its balls from the distal end; `arc` receives the arc length
+ * of that end from the leading tip. Returns the number of balls; 0: no tool has a balloon. */
 uint32_t crn_state_balloon(const crn_model *model, const crn_state *state,
                            int32_t radii_m_q30[CRN_BALLOON_BALL_MAX], int32_t *arc_m_q30,
                            int32_t *spacing_m_q30);

@@ -5,7 +5,7 @@
 #include "firmware/core/motion_cell.h"
 #include "firmware/core/rod.h"
 
-/* The quadratic B-spline's weights at the fraction f between two half keyframes: (1-f)^2/2, the rest,
+/* Returns the quadratic B-spline's weights at the fraction f between two half keyframes: (1-f)^2/2, the rest,
  * f^2/2. */
 crn_motion_moment crn_motion_moment_at(uint32_t heart_phase32, uint32_t breath_phase32)
 {
@@ -141,7 +141,7 @@ static inline uint32_t tetrahedron_at(const int32_t *p_q31)
            (p_q31[1] >= p_q31[4] ? 1u : 0u);
 }
 
-/* The place with the chest at the end of expiration. */
+/* Returns the place with the chest at the end of expiration. */
 static inline crn_vec3 exhale(const crn_motion *motion, crn_motion_pose *pose, const crn_vec3 *world_m_q30)
 {
     crn_motion_field *field = &pose->breath;

@@ -76,7 +76,7 @@ static inline int32_t crn_line_inertia(const crn_model *model, const crn_line_no
 
 /* --- parts of the tick ---------------------------------------------------------------------------------- */
 
-/* The shortest line: three elements beyond the inserter's distal end. */
+/* Returns the shortest line: three elements beyond the inserter's distal end. */
 static inline int32_t crn_least_inserted(const crn_model *model)
 {
     return model->mesh[3].arc_m_q30 + 1024;

@@ -4,7 +4,8 @@
 
 #include "firmware/core/rod.h"
 
-/* An upper bound of the length: half of the sum of the largest magnitude and of all magnitudes. Overflow:
+/* Returns an upper bound of the length: half of the sum of the largest magnitude and of all magnitudes.
+ * Overflow:
  * saturates. */
 static inline int32_t length_at_most(const crn_vec3 *a)
 {

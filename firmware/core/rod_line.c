@@ -74,9 +74,9 @@ static int32_t turn_of(int32_t per_m_q20, int32_t length_m_q30)
     return crn_mul(per_m_q20, length_m_q30, 20);
 }
 
-/* The rest turning for which two unit edges rest at this angle. The edges differ by 2 sin(turn / 2), and the
- * rest turning is applied along the mean of their axes, which is cos(turn / 2) long, so it is 2 tan(turn / 2)
- * = turn (1 + turn^2 / 12 + turn^4 / 120). Error: 0.1 % at 1 rad. */
+/* Returns the rest turning for which two unit edges rest at this angle. The edges differ by 2 sin(turn / 2),
+ * and the rest turning is applied along the mean of their axes, which is cos(turn / 2) long, so it is 2
+ * tan(turn / 2) = turn (1 + turn^2 / 12 + turn^4 / 120). Error: 0.1 % at 1 rad. */
 static int32_t rest_turn_of(int32_t turn_q30)
 {
     int32_t square = crn_mul_q30(turn_q30, turn_q30);

@@ -218,8 +218,8 @@ static crn_vec3 unit_of(const crn_vec3 *way)
     return crn_vec3_normalise(*way, none, NULL);
 }
 
-/* A section between the planes across the chain at two rings. Overflow: within the box a place is less than
- * 2^26 away. */
+/* Returns a section between the planes across the chain at two rings. Overflow: within the box a place is
+ * less than 2^26 away. */
 static section section_between(const crn_strut_ring *ring, const crn_vec3 *first, const crn_vec3 *last,
                                const crn_vec3 *off_a, const crn_vec3 *off_b)
 {

@@ -66,7 +66,7 @@ static crn_wire_instrument wire_of(double bend_N_m2)
     return wire;
 }
 
-/* The stiffest track that the device accepts for this rig. */
+/* Returns the stiffest track that the device accepts for this rig. */
 static crn_wire_track track_of(uint32_t seal_mN)
 {
     return (crn_wire_track){.translation_pm_per_count = 1000000,

@@ -112,7 +112,7 @@ static void edges_that_the_solve_swings_keep_their_length(void **context)
     free(r);
 }
 
-/* A rig whose solve moved every second node aside by this displacement. */
+/* Makes a rig whose solve has moved every second node aside by this displacement. */
 static rig *shaken_rig(double way_m)
 {
     rig *r = folded_rig(0);

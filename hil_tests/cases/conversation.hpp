@@ -29,7 +29,7 @@ crn_wire_rig plant_rig();
 // HELLO, the tube scene, a J wire with 30 mm inserted, the rig as the plant has it; READY.
 void set_up(crn::Link &link);
 
-// The input of tick `i` of the sample session: in, turned, back out.
+// Returns the input of tick `i` of the sample session: in, turned, back out.
 crn_wire_tick_input sample_input(std::uint32_t tick);
 
 // `ticks` ticks in LOCKSTEP in batches, from ARM on; `between` runs after every batch.

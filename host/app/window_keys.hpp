@@ -24,7 +24,7 @@ class WindowKeys
     void
     lead(std::span<LiveHand> hands) const; // the demanded speeds; hands that are not selected come to rest
 
-    // The tool that the hand keys move, counted from the innermost, and whether they move all.
+    // Returns the tool that the hand keys move, counted from the innermost, and whether they move all.
     std::size_t chosen_tool() const { return chosen_tool_; }
     bool moves_all() const { return moves_all_; }
 

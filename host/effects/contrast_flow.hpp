@@ -77,9 +77,9 @@ class ContrastFlow
 
     double held_mg() const; // in the vessels
     const IodineBudget &budget() const { return budget_; }
-    // The medium that entered each branch and did not flow back: injected into it, or carried in from the
-    // vessel upstream or from a branch downstream. Medium that it passes on to its own branches counts for
-    // both.
+    // Returns the medium that entered each branch and did not flow back: injected into it, or carried in from
+    // the vessel upstream or from a branch downstream. Medium that it passes on to its own branches counts
+    // for both.
     std::vector<double> received_mg() const;
 
     // Returns all state on which the next step depends besides the vessels' shape, as bytes: open lesions

@@ -15,7 +15,7 @@
 namespace crn
 {
 
-// The orders of a tick.
+// Returns the orders of a tick.
 inline std::span<const crn_wire_order> orders_of(const crn_wire_order_list &list)
 {
     return {list.items, list.items_count};

@@ -89,7 +89,7 @@ class Stent
     double mount_arc_mm() const { return mount_arc_mm_ + state_.slip_mm; }
     double slip_mm() const { return state_.slip_mm; }
 
-    // The radius that a point keeps when nothing holds it.
+    // Returns the radius that a point keeps when nothing holds it.
     double free_radius_mm(const StentPoint &point) const;
     bool is_opened(int ring) const;
     // Return the middle of a ring, and its direction towards the hub (unit).

@@ -1,4 +1,4 @@
-/* Check and access of BODY sections. */
+/* Checks BODY sections and gives access to them. */
 #include "shared/scene/scene_check.h"
 
 crn_scene_body_view crn_scene_body(const crn_scene *scene, uint32_t index)

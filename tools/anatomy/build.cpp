@@ -43,7 +43,7 @@ struct BoneGroup {
     double voxel_mm, error_mm, grain_mm;
 };
 
-/* The bone of one group, which keeps its gap to the groups before it. */
+/* Returns the bone of one group, which keeps its gap to the groups before it. */
 LocalDistance bone_distance(const Solid &bone, const Solid &before)
 {
     return [=](const Box &box, double reach_mm) -> Distance {

@@ -11,7 +11,7 @@ namespace anatomy
 namespace
 {
 
-/* A periodic course over one beat, given by knots in milliseconds. */
+/* Makes a periodic course over one beat, given by knots in milliseconds. */
 Spline course(const std::vector<std::pair<double, double>> &knots)
 {
     std::vector<double> phase, value;

@@ -18,7 +18,7 @@ double tight_mm(double voxel_mm, double scale)
 
 // --- layers ---
 
-/* The outside of the skin, which covers every bone with some flesh between them. */
+/* Returns the outside of the skin, which covers every bone with some flesh between them. */
 LocalDistance outline_distance(const Solid &bones)
 {
     const Solid outline = skin();
@@ -116,7 +116,7 @@ void add_lungs(std::vector<Body> &bodies, const Solid &bones, const Solid &coron
     }
 }
 
-/* The part of the shape that keeps the distance `clear_mm` from another. */
+/* Returns the part of the shape that keeps the distance `clear_mm` from another. */
 LocalDistance clear_of(const LocalDistance &shape, const Solid &other, double clear_mm)
 {
     return [=](const Box &box, double reach_mm) -> Distance {
@@ -226,7 +226,8 @@ namespace
 
 constexpr double DIAPHRAGM_MM = 4.0, ORGAN_GAP_MM = 1.5;
 
-/* The cavity of the belly's organs, filled with fat: its outline less diaphragm, heart, bones and psoas. */
+/* Returns the cavity of the belly's organs, filled with fat: its outline less diaphragm, heart, bones and
+ * psoas. */
 LocalDistance belly_distance(const Solid &bones)
 {
     const Solid heart = mediastinum(), loins = psoas(), nests = kidney_nests();

@@ -200,7 +200,7 @@ static const crn_lumen *make_lumen(uint32_t scene)
     return &field.lumen;
 }
 
-/* A J wire: floppy curved tip of 15 mm, transition to a shaft at 60 mm. */
+/* Makes a J wire: floppy curved tip of 15 mm, transition to a shaft at 60 mm. */
 static crn_instrument make_j_wire(uint32_t shaft_nN_m2)
 {
     const crn_knot tip = {.arc_um = 0,
@@ -252,7 +252,7 @@ static crn_instrument make_stiff_wire(void)
     return wire;
 }
 
-/* A catheter: a bent end of 30 mm on a straight shaft. */
+/* Makes a catheter: a bent end of 30 mm on a straight shaft. */
 static crn_instrument make_catheter(uint32_t bend_nN_m2, uint32_t radius_um, int32_t curve_per_m_milli)
 {
     const crn_knot tip = {.arc_um = 0,

@@ -189,7 +189,7 @@ static void a_step_is_laid_out_as_documented(void **state)
     assert_int_equal(back.inputs[0].orders.items[2].strut.z_um, 0x10203);
 }
 
-/* One byte, which says that there are none. */
+/* The list costs one byte, which states that it is empty. */
 static void a_tick_without_orders_pays_a_byte_for_them(void **state)
 {
     (void)state;

@@ -16,7 +16,7 @@ constexpr double wall_share = 1.6; // vertices up to this many radii away carry 
 constexpr std::size_t vertices_wanted = 48;
 constexpr double refit_share = 0.3; // largest displacement of a sphere by the fit, in radii
 
-// The vertices around one sphere.
+// Returns the vertices around one sphere.
 std::vector<std::uint32_t> carriers_of(const bake::Mesh &mesh, const Sphere &sphere)
 {
     std::vector<std::pair<double, std::uint32_t>> near;

@@ -24,7 +24,7 @@ struct Way {
 // Adds one branch to the tree and returns its number. Throws Fault when the path is too short for a branch.
 int grow_branch(Tree &tree, const Lumen &lumen, const Way &way, const GrowWish &wish);
 
-// The branch along whose tube the path runs farthest before leaving it; -1 when it touches none.
+// Returns the branch along whose tube the path runs farthest before leaving it; -1 when it touches none.
 int parent_of(const Tree &tree, const std::vector<Eigen::Vector3d> &way_mm);
 
 // Completes an end of a path that was not given: the end moves to the middle of a nearby opening, or stays as

@@ -20,8 +20,8 @@ class Voxels
     double depth_mm(std::size_t voxel) const { return depth_mm_[voxel]; } // distance to the wall, above 0
     // Returns the inside voxel nearest to the point, at most `reach_mm` away; -1: none.
     long nearest(const Eigen::Vector3d &p_mm, double reach_mm) const;
-    // The deepest voxel that steepest ascent reaches from here: the middle of the vessel. The ascent never
-    // runs along the vessel.
+    // Returns the deepest voxel that steepest ascent reaches from here: the middle of the vessel. The ascent
+    // never runs along the vessel.
     std::size_t middle_near(std::size_t voxel) const;
     // Calls use(neighbour, distance_mm) for those of the 26 neighbours to which the path surely stays inside.
     // Two overlapping balls inside the vessel contain the segment between their centres, so the path crosses

@@ -11,7 +11,7 @@
 namespace crn::calibrate
 {
 
-// The default settings, and those without shortcuts: elements half as long, a slow hand, a long rest.
+// Returns the default settings, and those without shortcuts: elements half as long, a slow hand, a long rest.
 CordeSettings corde_settings();
 CordeSettings careful_corde_settings();
 

@@ -19,9 +19,9 @@ std::optional<Method> method_of(const std::string &token);
 
 // The budget of one search, as in the thesis: 50 generations of 50.
 constexpr unsigned trial_budget = 2500;
-// The number of trials per generation that suits a method. It is the thesis' 50, or a third of that for
-// CMA-ES, which learns from every generation and needs few trials for up to five numbers (docs/calibrate.md,
-// "Search").
+// Returns the number of trials per generation that suits a method. It is the thesis' 50, or a third of that
+// for CMA-ES, which learns from every generation and needs few trials for up to five numbers
+// (docs/calibrate.md, "Search").
 unsigned default_population(Method method);
 
 struct SearchSettings {
@@ -70,7 +70,7 @@ void advance(const SearchSettings &settings, std::size_t parameter_count, const 
 // so a search that was stopped and resumed ends at the same generation.
 bool has_converged(const SearchSettings &settings, const SearchState &state);
 
-// The first of the best trials. The state must have at least one.
+// Returns the first of the best trials. The state must have at least one.
 const Trial &best_of(const SearchState &state);
 std::vector<GenerationFigures> curve_of(const SearchState &state, unsigned population);
 

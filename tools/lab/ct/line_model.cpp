@@ -77,8 +77,8 @@ LineModel LineFit::first_model(const std::vector<Vector3d> &line) const
     return model;
 }
 
-// The voxels around a place of the line, by their position across the line and along it. The line itself may
-// bend.
+// Returns the voxels around a place of the line, by their position across the line and along it. The line
+// itself may bend.
 std::vector<LineFit::Sample> LineFit::samples_at(const std::vector<Frame> &frames, std::size_t index,
                                                  double reach, double along) const
 {

@@ -37,7 +37,7 @@ Vector3d before_tip(const std::vector<Vector3d> &line, double arc_mm)
     return line.front();
 }
 
-// The direction of the straight line that fits the places best, pointing forwards.
+// Returns the direction of the straight line that fits the places best, pointing forwards.
 Vector3d direction_of(const std::vector<Vector3d> &places)
 {
     Vector3d middle = Vector3d::Zero();

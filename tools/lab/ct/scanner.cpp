@@ -154,8 +154,8 @@ class Scan
         return std::max(photons_least, mean + sigma * normal_number(settings_.seed, number)) / photons_;
     }
 
-    // The number of photons per ray in air that gives the wanted noise in the lumen's middle, in the middle
-    // slice.
+    // Returns the number of photons per ray in air that gives the wanted noise in the lumen's middle, in the
+    // middle slice.
     double photons_for_noise() const
     {
         std::vector<Edge> edges;

@@ -62,7 +62,8 @@ class LumenField
     std::unique_ptr<Storage> storage_;
 };
 
-// A tube of one radius around a path, with hemispheres at its ends, or closed by a plane across its end.
+// Makes a tube of one radius around a path, with hemispheres at its ends, or closed by a plane across its
+// end.
 LumenField tube_field(const Path &path, double radius_m, unsigned level, bool flat_end = false);
 
 } // namespace crn::validate

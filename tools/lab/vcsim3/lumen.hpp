@@ -43,7 +43,7 @@ class Vessel
     const Vector &direction() const { return direction_; }
     const std::string &name() const { return name_; }
 
-    // The corners of the lattice.
+    // Returns the corners of the lattice.
     Vector low_m() const;
     Vector high_m() const;
 

@@ -41,8 +41,8 @@ const Preset *find_preset(const std::string &token); // nullptr when there is no
 
 RodProperties rod_of(const Preset &preset, int element_count, double element_m);
 
-// The fastest motion that the parallel constraint gives the mass points, 2/l sqrt(Kp / mass per length),
-// times the step. Explicit integration needs less than 2.
+// Returns the fastest motion that the parallel constraint gives the mass points, 2/l sqrt(Kp / mass per
+// length), times the step. Explicit integration needs less than 2.
 double step_ratio(const Preset &preset, double element_m, int substeps);
 
 } // namespace vcsim3

@@ -82,7 +82,7 @@ Energy energy_of(const Rod &rod);
 void integrate_velocities(Rod &rod, double step_s);
 void integrate_positions(Rod &rod, double step_s);
 
-// The present length of the free part divided by its rest length, minus 1: negative when compressed.
+// Returns the present length of the free part divided by its rest length, minus 1: negative when compressed.
 double length_error(const Rod &rod);
 
 // Returns false when a coordinate is not finite, or a node is farther than `reach_m` from the first held node
