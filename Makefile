@@ -1,6 +1,6 @@
-# Cournand's front door: `make help` lists the targets. CMake and Ninja build (CMakeLists.txt, CMakePresets.json, one
-# list a room); tools/make has what is left for makers of evidence. Everything is built below $(BUILD); results go to
-# out/.
+# The main entry to the project: `make help` lists the targets. CMake and Ninja build the programs (CMakeLists.txt,
+# CMakePresets.json, one list per room); tools/make has the other targets. Everything is built below $(BUILD); results
+# go to out/.
 #   PACKAGES=skip   do not look for missing Debian packages        YES=1   install missing ones without a question
 #   JOBS=4          compilers and tests at once                    V=1     show whole commands
 BUILD    ?= build
@@ -13,10 +13,10 @@ MAKEFLAGS += --no-builtin-rules
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 
-# build(preset, parts, targets); again: a second make, for what depends on programs that the first has built
+# build(preset, parts, targets). `again` runs a second make, for targets that need programs which the first one built.
 build = @JOBS=$(JOBS) CMAKE_ARGS="$(CMAKE_ARGS)" tools/build.sh $(1) $(2) $(3)
 again = @$(MAKE) --no-print-directory PACKAGES=skip
-# Several sections at once, packages-build+run, are one question.
+# Several sections in one target, packages-build+run, lead to one question.
 packages-%:
 	@[ "$(PACKAGES)" = skip ] || MAKE_GOALS="$(MAKECMDGOALS)" tools/check/install_packages.sh $(subst +, ,$*)
 
@@ -41,7 +41,7 @@ window: packages-build+run ## push and turn a guidewire by keyboard (needs a dis
 	$(again) $(SCENE)
 	@$(BUILD)/bin/cournand view --scene $(SCENE) --instrument $(WIRE) --record out/view.rec
 
-test: ## test the product: every program, sanitizers, a short fuzz run, machines, levels L0 and L1
+test: ## test the product: all programs, sanitizers, a short fuzz run, machines, levels L0 and L1
 test: packages-build+tools+test+matrix+usb+bench
 	@JOBS=$(JOBS) tools/check/run_tests.sh product
 

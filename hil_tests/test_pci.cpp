@@ -64,7 +64,7 @@ std::string in_folder(const char *name)
     return "'" + (folder / name).string() + "'";
 }
 
-// The place on the line at this arc length behind its leading tip.
+// Returns the place on the line at this arc length behind its leading tip.
 Vector3d place_m(const crn::WireFrame &wire, double arc_m)
 {
     const auto &nodes = wire.nodes;
@@ -246,7 +246,7 @@ void the_snap_of_a_guide_does_not_shake_the_hands(void **)
     }
 }
 
-// The score of the short session with a stent: metrics by name.
+// Returns the score of the short session with a stent: metrics by name.
 nlohmann::json score_of_session(const std::string &session, const std::string &balloon,
                                 const std::string &stent)
 {

@@ -39,7 +39,7 @@ static void host_spoke(crn_app *app)
     if (crn_watchdog_feed(&app->watchdog)) crn_app_notice(app, CRN_WIRE_EVENT_HOST, 0, 0, 0);
 }
 
-/* Does a host lead motors with power? Its silence has not ended the forces yet. */
+/* Returns whether a host leads powered motors: its silence has not ended the forces yet. */
 static bool is_led(const crn_app *app)
 {
     return app->safety.is_driving && crn_watchdog_left_ticks(&app->watchdog) > 0;

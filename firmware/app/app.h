@@ -56,8 +56,8 @@ typedef struct crn_app_encoders {
 typedef struct crn_app_track {
     crn_wire_track wire;         /* in force, as read back */
     crn_wire_track built;        /* as the rig's builder stated it */
-    crn_wire_track vouched;      /* last confirmed by somebody at the rig, or by an accepted coupling */
-    uint32_t scale_pm_per_count; /* scales that the builder or somebody at the rig stated */
+    crn_wire_track vouched;      /* last confirmed by a person at the rig, or by an accepted coupling */
+    uint32_t scale_pm_per_count; /* scales that the builder or a person at the rig stated */
     uint32_t scale_counts_per_turn;
 } crn_app_track;
 
@@ -77,14 +77,14 @@ typedef struct crn_app_queue {
     uint8_t ticks[CRN_APP_LIVE_QUEUE_BYTES];
 } crn_app_queue;
 
-/* What a tick is asked for besides the hands: checked, and as the core takes it. */
+/* The orders of a tick besides the hands, checked and in the form that the core accepts. */
 typedef struct crn_app_order_set {
     crn_rhythm_order rhythm;
     crn_scaffold scaffold;
     crn_strut_order strut;
 } crn_app_order_set;
 
-/* The same for a tick of FREE_RUN, whose `live` also shows the orders to the host. */
+/* The same orders for a tick of FREE_RUN, whose `live` also shows them to the host. */
 typedef struct crn_app_tick_orders {
     crn_wire_order_list wire;
     crn_app_order_set core;
@@ -100,7 +100,7 @@ typedef struct crn_app_link {
     crn_wire_decoder decoder;
 } crn_app_link;
 
-/* What the host has set up before ARM. */
+/* The set-up that the host has sent before ARM. */
 typedef struct crn_app_setup {
     uint32_t tool_count; /* 0: none yet */
     bool has_scene, has_entry;
@@ -117,7 +117,7 @@ typedef struct crn_app_setup {
     crn_instrument tools[CRN_TOOL_MAX]; /* from the innermost */
 } crn_app_setup;
 
-/* What one session remembers besides the core, the hands and the haptics. */
+/* The state of one session besides the core, the hands and the haptics. */
 typedef struct crn_app_session {
     bool has_stop;
     uint32_t stop_tick; /* tick of a STOP that is still to come */
@@ -126,7 +126,7 @@ typedef struct crn_app_session {
     crn_app_encoders mailbox;
     crn_app_tick_orders orders[CRN_APP_ORDER_QUEUE]; /* FREE_RUN: ring, of the ticks to come */
     uint32_t order_first, order_count;
-    int32_t inflator_raw; /* of the last tick; the pressure stays while nobody reports one */
+    int32_t inflator_raw; /* of the last tick; the pressure stays while none is reported */
     crn_upload snapshot_upload;
 } crn_app_session;
 
@@ -206,7 +206,7 @@ bool crn_app_order(crn_app *app, uint8_t action);
 /* The message `rig` configures the first tracks; app->setup.tracks then shows what was accepted. */
 void crn_app_configure(crn_app *app, const crn_wire_rig *rig);
 
-/* What a track's force sensor measures in this edge's sample, in mN; 0 without a sensor in order. */
+/* Returns the force that a track's sensor measures in this edge's sample, mN; 0 without a working sensor. */
 int32_t crn_app_force_measured(const crn_app *app, uint32_t track);
 
 /* One millisecond has passed. This samples the rig, checks it, does a tick in FREE_RUN and RUNNING, and

@@ -1,5 +1,5 @@
-/* What the files of the app share. From top to bottom they are: wire, requests, session, parts, stream,
- * faults. */
+/* Declarations that the files of the app share. From top to bottom they are: wire, requests, session, parts,
+ * stream, faults. */
 #ifndef CRN_APP_INTERNAL_H
 #define CRN_APP_INTERNAL_H
 
@@ -67,7 +67,7 @@ void crn_app_step(crn_app *app, const uint8_t *payload, size_t length);
 void crn_app_input(crn_app *app, const uint8_t *payload, size_t length);
 void crn_app_log_core_faults(crn_app *app, uint32_t bits);
 
-/* app_orders.c: what a tick is asked for besides the hands */
+/* app_orders.c: the orders of a tick besides the hands */
 void crn_app_orders(crn_app *app, const uint8_t *payload, size_t length);
 /* Checks the orders of one tick and converts them for the core. Returns a refusal code, and in `place` the
  * place in the list of the order at fault. */

@@ -1,6 +1,6 @@
-/* Orders: what a tick is asked for besides the hands (shared/wire/wire_orders.def). Every check of every
- * order is in this file. LOCKSTEP has them in a tick's input; in FREE_RUN they come by `orders` and wait for
- * a tick. */
+/* Orders: the instructions to the core in a tick besides the hands (shared/wire/wire_orders.def). This file
+ * contains every check of every order. In LOCKSTEP orders are part of a tick's input; in FREE_RUN they arrive
+ * in the message `orders` and wait for a tick. */
 #include "firmware/app/app_internal.h"
 
 /* --- one order --- */
@@ -49,7 +49,7 @@ uint16_t crn_app_orders_take(const crn_app *app, const crn_wire_order_list *list
     uint32_t kinds = 0;
     *taken = (crn_app_order_set){.rhythm = {0, 0}};
     for (*place = 0; *place < list->items_count; ++*place) {
-        const crn_wire_order *order = &list->items[*place]; /* of a known kind: the codec refuses others */
+        const crn_wire_order *order = &list->items[*place]; /* its kind is known: the codec refuses others */
         if ((kinds >> order->kind & 1u) != 0) return CRN_REJECT_ORDER_TWICE;
         kinds |= 1u << order->kind;
         if (!handlers[order->kind](app, order, taken)) return CRN_REJECT_ORDER_RANGE;
@@ -59,7 +59,7 @@ uint16_t crn_app_orders_take(const crn_app *app, const crn_wire_order_list *list
 
 /* --- FREE_RUN --- */
 
-/* An `input` may be repeated or dropped, orders may not: they wait for a tick of their own. */
+/* An `input` may be repeated or dropped, but orders may not: each list waits for its own tick. */
 void crn_app_orders(crn_app *app, const uint8_t *payload, size_t length)
 {
     const uint16_t type = CRN_WIRE_TYPE_orders;

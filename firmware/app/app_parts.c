@@ -1,7 +1,7 @@
 /* How the app runs the parts that move motors and protect the hand: it gives them their inputs, reports their
  * findings, and writes what they decide to the port. No part reaches into the app or into another part.
  *
- *   encoders -> hands -> haptics -> core -> haptics -> forces asked for -> safety -> the port's outputs
+ *   encoders -> hands -> haptics -> core -> haptics -> requested forces -> safety -> the port's outputs
  *   the rig's sample -> safety -> findings -> crn_app_report (app_fault.c) */
 #include "firmware/app/app_internal.h"
 

@@ -14,7 +14,8 @@ void crn_app_send(crn_app *app, uint16_t type, size_t payload_bytes)
         app->link.transmit_dropped++;
 }
 
-/* As crn_app_send, but a message that found no room may be offered again: its frame number is not used up. */
+/* Sends like crn_app_send, but a message for which there was no room may be offered again, because its frame
+ * number is not used up. */
 bool crn_app_offer(crn_app *app, uint16_t type, size_t payload_bytes)
 {
     uint16_t before = app->link.sequence_out;

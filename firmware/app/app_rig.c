@@ -72,7 +72,7 @@ static const crn_wire_track first = {
 
 /* --- who may state what --- */
 
-/* A rule says what a host may state about a track without somebody at the rig who confirms it. It compares
+/* A rule defines what a host may state about a track without confirmation by a person at the rig. It compares
  * with what the rig's builder stated. */
 typedef enum step_rule {
     STEP_SCALE, /* a quarter up or down, as sensors differ among themselves */
@@ -105,8 +105,8 @@ static bool is_coupled(const crn_wire_track *wire)
  * look small, and then no check sees a large one. A scale that is too large, a gain, a damping that does not
  * exist or a hidden lag makes the coupling stiffer than the rig can render. An encoder that is said to count
  * in the other direction turns a spring into a push. A track without a coupling is never driven, so a host
- * may state anything about it but the force sensor's scale, because that sensor is checked in every state. A
- * value that was vouched for may be stated again. False: *field names the offender. */
+ * may state anything about it except the force sensor's scale, because that sensor is checked in every state.
+ * A value that was vouched for may be stated again. False: *field names the offender. */
 static bool steps_are_free(const crn_wire_track *asked, const crn_app_track *present, uint32_t *field)
 {
     const crn_wire_track *vouched = &present->vouched, *built = &present->built;
@@ -136,7 +136,7 @@ static bool steps_are_free(const crn_wire_track *asked, const crn_app_track *pre
     return true;
 }
 
-/* What a host may change in a track beyond what it may always change. */
+/* The changes of a track that a host may make beyond those that are always allowed. */
 typedef struct track_rights {
     bool raises_limits, states_all;
 } track_rights;
@@ -147,7 +147,7 @@ static bool track_is_good(const crn_wire_track *wire, const crn_app_track *prese
 {
     const crn_wire_track *limits =
         rights.raises_limits ? &first : &present->wire; /* the largest allowed now */
-    /* The word of somebody at the rig about a count is believed. Otherwise a count may be less than what is
+    /* The statement of a person at the rig about a count is accepted. Otherwise a count may be less than
      * stated. */
     const uint64_t along_milli = loop_milli(wire, rights.states_all ? 0 : wire->translation_pm_per_count,
                                             present->scale_pm_per_count),
@@ -202,7 +202,7 @@ static uint32_t stated(uint32_t built, uint32_t otherwise)
     return built != 0 ? built : otherwise;
 }
 
-/* At power-up a track is as its builder stated it, but without a damping that somebody could rely on. */
+/* At power-up a track is as its builder stated it, but without a reliable damping. */
 void crn_app_track_default(crn_app_track *track, const crn_port *port)
 {
     uint32_t field;

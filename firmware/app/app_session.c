@@ -1,9 +1,9 @@
-/* Ticks. One tick is: encoders -> hands -> coupling -> crn_step -> forces -> results for the host. */
+/* One tick is: encoders -> hands -> coupling -> crn_step -> forces -> results for the host. */
 #include "firmware/app/app_internal.h"
 
 /* --- one tick --- */
 
-/* The core's new sticky bits go to the fault log. */
+/* Writes the core's new sticky bits to the fault log. */
 void crn_app_log_core_faults(crn_app *app, uint32_t bits)
 {
     static const struct {
@@ -34,7 +34,7 @@ static crn_wire_tool_state tool_state(const crn_handle *handle, const crn_port_m
     };
 }
 
-/* Rounded. Overflow: impossible, a balloon's radius is below 2^24. */
+/* The result is rounded. It cannot overflow, because a balloon's radius is below 2^24. */
 static uint16_t um_from_q30(int32_t length_m_q30)
 {
     return (uint16_t)(((int64_t)length_m_q30 * 15625 + (1 << 23)) >> 24);
@@ -75,8 +75,8 @@ static int32_t kPa_of(int32_t inflator_raw)
     return inflator_raw < 0 ? 0 : (inflator_raw > most ? most : inflator_raw);
 }
 
-/* `encoders` NULL: nobody reports where the hands are, and they rest. False: the state is FAULT, and no tick
- * was done. */
+/* With `encoders` NULL the positions of the hands are unknown, and the hands are treated as at rest. Returns
+ * false when the state is FAULT and no tick was done. */
 static bool tick(crn_app *app, const crn_app_encoders *encoders, const crn_app_order_set *orders,
                  crn_output *output)
 {
@@ -192,7 +192,7 @@ static uint16_t fade_milli(const crn_app *app)
     return (uint16_t)(crn_watchdog_left_ticks(&app->watchdog) * 1000 / CRN_APP_FADE_ticks);
 }
 
-/* What the host needs to replay this tick in LOCKSTEP and to see what the rig did. */
+/* Stores everything that the host needs to replay this tick in LOCKSTEP and to see what the rig did. */
 static void note_live(crn_app *app, const crn_app_encoders *encoders, const crn_wire_order_list *orders,
                       const crn_output *output)
 {
@@ -236,7 +236,7 @@ static void free_run_tick(crn_app *app)
 void crn_app_timer(crn_app *app)
 {
     app->link.answers = 0;
-    const bool was_running = app->state == CRN_WIRE_STATE_RUNNING; /* before anything may end it */
+    const bool was_running = app->state == CRN_WIRE_STATE_RUNNING; /* before anything may end the run */
     crn_app_clock_begin(app);
     app->edge.has_rig = app->port->inputs(app->port->context, &app->edge.rig);
     if (!app->edge.has_rig) app->edge.rig = (crn_port_inputs){.supply_good = false};

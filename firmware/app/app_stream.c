@@ -1,10 +1,10 @@
-/* What the device sends unasked, as far as there is room in the pipe to the host: first ticks of FREE_RUN,
- * then notices, then pictures. Ticks and notices wait in queues; a newer picture replaces one that found no
- * room. */
+/* Messages that the device sends without a request, while there is room in the pipe to the host: first ticks
+ * of FREE_RUN, then notices, then pictures. Ticks and notices wait in queues; a newer picture replaces one
+ * for which there was no room. */
 #include "firmware/app/app_internal.h"
 
 enum {
-    FRAMES_PER_EDGE = 2, /* so that a host that returns does not make a tick late */
+    FRAMES_PER_EDGE = 2, /* so that a host that reconnects does not delay a tick */
     OVERHEAD_BYTES = CRN_WIRE_FRAME_MAX - CRN_WIRE_PAYLOAD_MAX,
     LIVE_HEAD_BYTES = (int)CRN_WIRE_BYTES_live - (int)CRN_WIRE_MAX_live_ticks * (int)CRN_WIRE_BYTES_live_tick,
 };
@@ -53,7 +53,7 @@ static void forget_ticks(crn_app_queue *queue, uint32_t ticks, uint32_t bytes)
 static void lose_oldest(crn_app *app)
 {
     crn_app_queue *queue = &app->queue;
-    uint8_t number[4]; /* the first field of a tick */
+    uint8_t number[4]; /* the first field of an encoded tick */
     peek_bytes(queue, number, sizeof number);
     crn_wire_reader reader = crn_wire_reader_make(number, sizeof number);
     forget_ticks(queue, 1, bytes_of(queue, 1));
@@ -61,7 +61,7 @@ static void lose_oldest(crn_app *app)
     crn_app_fault(app, CRN_FAULT_CODE_TICKS_LOST, (int32_t)crn_wire_read(&reader, 4), 0);
 }
 
-/* Puts a tick into the queue; a full queue loses its oldest ticks. */
+/* Puts a tick into the queue; a full queue drops its oldest ticks. */
 void crn_app_stream_live(crn_app *app, const crn_wire_live_tick *live)
 {
     crn_app_queue *queue = &app->queue;
@@ -75,7 +75,7 @@ void crn_app_stream_live(crn_app *app, const crn_wire_live_tick *live)
     push_bytes(queue, app->buffers.payload, bytes);
 }
 
-/* Sends a `live` of ticks that are encoded already. */
+/* Sends a `live` message of ticks that are already encoded. */
 static bool send_ticks(crn_app *app)
 {
     crn_app_queue *queue = &app->queue;
@@ -124,7 +124,7 @@ static bool send_notice(crn_app *app)
 
 /* --- pictures --- */
 
-/* Runs after a tick of FREE_RUN. A picture that still waits is dropped for the one that is due now. */
+/* Runs after a tick of FREE_RUN. If a picture still waits, the one that is due now replaces it. */
 void crn_app_stream_tick(crn_app *app)
 {
     crn_app_queue *queue = &app->queue;
@@ -134,7 +134,7 @@ void crn_app_stream_tick(crn_app *app)
     queue->is_picture_due = true;
 }
 
-/* A picture leaves room for the next ticks, and shows the state at the moment when it is sent. */
+/* A picture is sent only if room remains for the next ticks. It shows the state at the moment of sending. */
 static void send_picture(crn_app *app)
 {
     if (!app->queue.is_picture_due || app->state != CRN_WIRE_STATE_RUNNING) return;
@@ -166,7 +166,7 @@ void crn_app_stream_flush(crn_app *app)
     send_picture(app);
 }
 
-/* A new session has no use for what the old one left. */
+/* A new session discards whatever the old one left in the queues. */
 void crn_app_stream_clear(crn_app *app)
 {
     crn_app_queue *queue = &app->queue;

@@ -200,8 +200,8 @@ static void insert(const scene *s)
         bench_fail("the balloon does not fill the vessel");
 }
 
-/* Deepest contact of a coronary wire, mm. With argument 0 it is that of the insertion at rest, with argument
- * 1 that of the following 60 s at 90 /min. */
+/* Returns the deepest contact of a coronary wire, mm. Argument 0 selects the insertion at rest, argument 1
+ * the following 60 s at 90 /min. */
 static double run_coronary(const bench_case *self)
 {
     reference_tube *tube = reference_tube_make(reference_coronary, 3, 0.0015, 1);

@@ -41,7 +41,7 @@ static bool table_is_one(const crn_balloon *balloon, uint32_t folded_radius_um)
            balloon->burst_kPa <= CRN_PRESSURE_MAX_Pa / 1000;
 }
 
-/* Outer radius of a tool at a place between its knots. Set-up only. */
+/* Returns the outer radius of a tool at a place between its knots. Set-up only. */
 static uint32_t radius_at_um(const crn_instrument *tool, uint32_t arc_um)
 {
     uint32_t i = 0;
@@ -131,8 +131,8 @@ void crn_balloon_build(crn_balloon_model *model, const crn_instrument *tools, ui
 
 /* --- the maker's table ---------------------------------------------------------------------------------- */
 
-/* y at x on the line through two points. Overflow: the tables' steps are below 2^23 in either direction;
- * beyond the last point the result is at most a few times that. */
+/* Returns y at x on the line through two points. Overflow: the tables' steps are below 2^23 in either
+ * direction; beyond the last point the result is at most a few times that. */
 static int32_t on_line(int32_t x, int32_t x0, int32_t x1, int32_t y0, int32_t y1)
 {
     return y0 + crn_scale_q30(y1 - y0, crn_quotient(x - x0, x1 - x0, 28)) * 4;
@@ -239,8 +239,8 @@ static int32_t radius_of(const crn_model *model, const crn_balloon_ball *ball)
     return ball->radius_m_q30 > folded ? ball->radius_m_q30 : folded;
 }
 
-/* The centre before this tick's growth: a wall that holds the ball carries it, otherwise it follows the
- * line. */
+/* Returns the centre before this tick's growth: a wall that holds the ball carries it, otherwise it follows
+ * the line. */
 static crn_vec3 carried(const crn_model *model, crn_state *state, const crn_balloon_ball *ball,
                         const place *at)
 {
@@ -264,8 +264,8 @@ static crn_vec3 carried(const crn_model *model, crn_state *state, const crn_ball
     return centre;
 }
 
-/* N = p 2 pi r ds. Format: Pa, Q30 m -> Q22 N. Overflow: r below 2^24 and ds below 2^22, so their product is
- * below 2^26 in Q40; times 2 pi below 2^29, times 2^22 Pa below 2^51. */
+/* Returns N = p 2 pi r ds. Format: Pa, Q30 m -> Q22 N. Overflow: r below 2^24 and ds below 2^22, so their
+ * product is below 2^26 in Q40; times 2 pi below 2^29, times 2^22 Pa below 2^51. */
 static int32_t wall_force(int32_t pressure_Pa, int32_t radius_m_q30, int32_t length_m_q30)
 {
     int64_t area_q40 = ((int64_t)radius_m_q30 * length_m_q30) >> 20;

@@ -70,7 +70,7 @@ typedef struct crn_instrument {
     crn_balloon balloon;
 } crn_instrument; /* a line takes the finest tip and shaft and the longest fine part of its tools */
 
-/* Where the tools enter: an introducer sheath (inserter) that ends inside the lumen. */
+/* The entry of the tools: an introducer sheath (inserter) that ends inside the lumen. */
 typedef struct crn_entry {
     crn_vec3 position_m_q30; /* centre of the sheath's distal end */
     crn_vec3 direction_q30;  /* unit vector into the vessel */
@@ -133,7 +133,7 @@ typedef struct crn_input {
                             CRN_PRESSURE_MAX_Pa */
 } crn_input;
 
-/* What one tool reports back to its hand. */
+/* The values that one tool reports back to its hand. */
 typedef struct crn_handle {
     int32_t axial_N_q22;    /* force on the hand, + pushes it back out */
     int32_t torque_N_m_q24; /* torque on the hand, + opposes positive rotation */
@@ -224,8 +224,8 @@ bool crn_state_contact_force(const crn_model *model, const crn_state *state, uin
  * a lumen. It serves set-up (is the start possible?) and tests; a step reports its own depth in the
  * output. */
 int32_t crn_state_depth(const crn_model *model, const crn_state *state);
-/* The balloon for pictures: the radii of its balls from the distal end; `arc` receives the arc length of that
- * end from the leading tip. Returns the number of balls; 0: no tool has a balloon. */
+/* Gives the balloon for pictures: the radii of its balls from the distal end; `arc` receives the arc length
+ * of that end from the leading tip. Returns the number of balls; 0: no tool has a balloon. */
 uint32_t crn_state_balloon(const crn_model *model, const crn_state *state,
                            int32_t radii_m_q30[CRN_BALLOON_BALL_MAX], int32_t *arc_m_q30,
                            int32_t *spacing_m_q30);

@@ -67,8 +67,8 @@ static void build_cells(crn_model *model)
     }
 }
 
-/* Element lengths: fine at the tip, growing by at most 3:2 to the shaft's length. They never shrink towards
- * the base, which keeps |W| <= 2 in the solve. The line ends at the last whole element. */
+/* Chooses element lengths: fine at the tip, growing by at most 3:2 to the shaft's length. They never shrink
+ * towards the base, which keeps |W| <= 2 in the solve. The line ends at the last whole element. */
 static crn_build_status build_mesh(crn_model *model, const mesh_plan *plan)
 {
     int32_t length = plan->tip;
@@ -205,7 +205,7 @@ static stiffness_range range_at(const crn_model *model, uint32_t node)
     return range;
 }
 
-/* W of a node's cell with uniform EI. Format: Q35 N m^2 x Q18 1/m -> Q26 N m in 64 bits. */
+/* Returns W of a node's cell with uniform EI. Format: Q35 N m^2 x Q18 1/m -> Q26 N m in 64 bits. */
 static int64_t cell_stiffness_q26(const crn_model *model, uint32_t node, int32_t bend_N_m2_q35)
 {
     return ((int64_t)bend_N_m2_q35 * model->mesh[node].inverse_cell_per_m_q18) >> 27;

@@ -1,4 +1,4 @@
-/* What crn_model_build() requires of its input. Private to firmware/core. */
+/* The requirements of crn_model_build() for its input. This header is private to firmware/core. */
 #ifndef CRN_CORE_CHECK_H
 #define CRN_CORE_CHECK_H
 

@@ -45,7 +45,7 @@ static int32_t polynomial_q31(const int32_t *coefficients, int count, int32_t z_
     return value;
 }
 
-/* sin x = x + x z p(z) and cos x = 1 - z/2 + z^2 q(z) with z = x^2, |x| <= pi/4. */
+/* Computes sin x = x + x z p(z) and cos x = 1 - z/2 + z^2 q(z) with z = x^2, |x| <= pi/4. */
 static void sincos_octant(int32_t x_q31, int32_t *sin_q30, int32_t *cos_q30)
 {
     /* -1/3!, 1/5!, -1/7!, 1/9!, -1/11! and 1/4!, -1/6!, 1/8!, -1/10!, 1/12! times 2^31 */

@@ -14,7 +14,7 @@
 
 #define CRN_ONE_Q30 ((int32_t)1 << 30)
 
-/* Arithmetic shift right of a possibly negative value.
+/* Shifts a possibly negative value right, arithmetically.
  * Format: 64 bit -> 64 bit, floor(a / 2^n), 0 <= n <= 63. Overflow: none. Error: exact floor. C11 leaves >>
  * of a negative value to the implementation; the test asserts that the compiler shifts arithmetically. */
 static inline int64_t crn_asr64(int64_t a, unsigned n)
@@ -22,7 +22,7 @@ static inline int64_t crn_asr64(int64_t a, unsigned n)
     return a >> n;
 }
 
-/* The same as crn_asr64 for 32 bits, 0 <= n <= 31. */
+/* Does the same as crn_asr64 for 32 bits, 0 <= n <= 31. */
 static inline int32_t crn_asr32(int32_t a, unsigned n)
 {
     return a >> n;
@@ -53,7 +53,8 @@ static inline int32_t crn_sat32(int64_t a)
 #define CRN_HIGH_WORDS_BY_DSP 0
 #endif
 
-/* Saturating sum and difference (QADD, QSUB). Format: same format in and out. Overflow: saturates. Error:
+/* These return the saturating sum and difference (QADD, QSUB). Format: same format in and out. Overflow:
+ * saturates. Error:
  * exact in range. */
 static inline int32_t crn_add_sat(int32_t a, int32_t b)
 {
@@ -84,8 +85,8 @@ static inline int32_t crn_sub_sat(int32_t a, int32_t b)
 #endif
 }
 
-/* a >> n between -most and most. Format: 64 bit -> 32 bit, floor, `most_high` being the high word of `most`
- * << n, 1 <= n <= 31. Overflow: the value is limited, and a bit of `flag` is set in `*flags`. A 32-bit
+/* Returns a >> n between -most and most. Format: 64 bit -> 32 bit, floor, `most_high` being the high word of
+ * `most` << n, 1 <= n <= 31. Overflow: the value is limited, and a bit of `flag` is set in `*flags`. A 32-bit
  * machine looks at the high word only. */
 static inline int32_t crn_limit64(int64_t a, unsigned n, int32_t most_high, uint32_t flag, uint32_t *flags)
 {
@@ -214,9 +215,9 @@ static inline int32_t crn_round_high64(int64_t a)
     return crn_high64(a) + (int32_t)((uint32_t)a >> 31);
 }
 
-/* Low 32 bits of a >> n for 1 <= n <= 31. Format: 64 bit -> 32 bit, floor. Overflow: bits above are lost; the
- * caller states why there are none. Error: exact floor. A 32-bit machine needs three instructions for it, and
- * nine for the shift. */
+/* Returns the low 32 bits of a >> n for 1 <= n <= 31. Format: 64 bit -> 32 bit, floor. Overflow: bits above
+ * are lost; the caller states why there are none. Error: exact floor. A 32-bit machine needs three
+ * instructions for it, and nine for the shift. */
 static inline int32_t crn_narrow64(int64_t a, unsigned n)
 {
     if (sizeof(void *) > 4) {
@@ -268,9 +269,9 @@ static inline int32_t crn_reciprocal_q30(uint32_t m_q31)
     return better > INT32_MAX ? INT32_MAX : (int32_t)better;
 }
 
-/* Reciprocal square root of a mantissa: table line, then one Newton step y + y (1 - m y y) / 2. No divide.
- * Format: m in [2^30, 2^32) read as Q32 in [0.25, 1) -> Q30 in [1, 2]. The caller normalises: a smaller m
- * reads before the table. Overflow: 1/sqrt(0.25) = 2 does not fit: m = 2^30 gives 2^31 - 1. Error:
+/* Returns the reciprocal square root of a mantissa: table line, then one Newton step y + y (1 - m y y) / 2.
+ * No divide. Format: m in [2^30, 2^32) read as Q32 in [0.25, 1) -> Q30 in [1, 2]. The caller normalises: a
+ * smaller m reads before the table. Overflow: 1/sqrt(0.25) = 2 does not fit: m = 2^30 gives 2^31 - 1. Error:
  * <= 1.5 LSB of Q30 (checked: 1.39 LSB). */
 static inline int32_t crn_rsqrt_q30(uint32_t m_q32)
 {
@@ -284,8 +285,8 @@ static inline int32_t crn_rsqrt_q30(uint32_t m_q32)
     return better > INT32_MAX ? INT32_MAX : (int32_t)better;
 }
 
-/* Square root of a 64-bit integer. Format: Q2n -> Qn, rounded. Overflow: a > (2^31 - 1)^2 saturates at
- * INT32_MAX. Error: <= 1/2 LSB + 2^-29 of the root; a = 0 gives 0. */
+/* Returns the square root of a 64-bit integer. Format: Q2n -> Qn, rounded. Overflow: a > (2^31 - 1)^2
+ * saturates at INT32_MAX. Error: <= 1/2 LSB + 2^-29 of the root; a = 0 gives 0. */
 int32_t crn_sqrt64(uint64_t a);
 
 /* Quotient for set-up code (bit by bit, 64 steps, no divide helper).
@@ -298,7 +299,7 @@ uint64_t crn_divide_u64(uint64_t a, uint64_t b);
  * 1.27 LSB). */
 void crn_sincos_turn32(uint32_t angle_turn32, int32_t *sin_q30, int32_t *cos_q30);
 
-/* Arc sine: polynomial for |a| <= 1/2, beyond it pi/2 - 2 asin(sqrt((1 - |a|)/2)).
+/* Returns the arc sine: a polynomial for |a| <= 1/2, beyond it pi/2 - 2 asin(sqrt((1 - |a|)/2)).
  * Format: Q30 in [-1, 1] (beyond: clamped) -> Q29 radians in [-pi/2, pi/2]. Overflow: impossible.
  * Error: <= 1.5 LSB of Q29, that is 2.8e-9 rad (checked: 1.37 LSB). */
 int32_t crn_asin_q29(int32_t a_q30);

@@ -40,8 +40,8 @@ int32_t crn_lesion_section_distance(const crn_lumen *lumen, const crn_lesion_sec
 bool crn_lesion_wall(const crn_model *model, const crn_state_words *words, crn_motion_pose *pose,
                      const crn_vec3 *world_m_q30, crn_lumen_sample *sample);
 
-/* Position of a place along a lesion. Format: Q30 m from its first station. Returns false beyond the lesion's
- * ends or far from it. */
+/* Computes the position of a place along a lesion. Format: Q30 m from its first station. Returns false beyond
+ * the lesion's ends or far from it. */
 bool crn_lesion_arc(const crn_lesion *lesion, const crn_vec3 *place_m_q30, int32_t *arc_m_q30);
 
 /* One tick: lesions open under the pressure of a balloon's balls on the wall, recoil without it, and keep the

@@ -89,7 +89,8 @@ static inline lumen_weights weights_at(uint32_t x_q20)
     return (lumen_weights){low, (1 << 30) - low - high, high, (int32_t)(v_q20 << 9), (int32_t)(u_q20 << 9)};
 }
 
-/* High words of sums of three products. Format: Qa, weights Qb -> Q(a+b-32). Error: 1 LSB (floor). Overflow:
+/* Returns the high words of sums of three products. Format: Qa, weights Qb -> Q(a+b-32). Error: 1 LSB
+ * (floor). Overflow:
  * the weights of a value sum to one; those of a slope, which have a bit less, to two in magnitude: below 2^31
  * * 2^30. */
 static inline int_fast32_t spline(int_fast32_t a, int_fast32_t b, int_fast32_t c, const lumen_weights *w)

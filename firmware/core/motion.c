@@ -5,7 +5,7 @@
 #include "firmware/core/motion_cell.h"
 #include "firmware/core/rod.h"
 
-/* The quadratic B-spline's weights at the fraction f between two half keyframes: (1-f)^2/2, the rest,
+/* Returns the quadratic B-spline's weights at the fraction f between two half keyframes: (1-f)^2/2, the rest,
  * f^2/2. */
 crn_motion_moment crn_motion_moment_at(uint32_t heart_phase32, uint32_t breath_phase32)
 {
@@ -141,7 +141,7 @@ static inline uint32_t tetrahedron_at(const int32_t *p_q31)
            (p_q31[1] >= p_q31[4] ? 1u : 0u);
 }
 
-/* The place with the chest at the end of expiration. */
+/* Returns the place with the chest at the end of expiration. */
 static inline crn_vec3 exhale(const crn_motion *motion, crn_motion_pose *pose, const crn_vec3 *world_m_q30)
 {
     crn_motion_field *field = &pose->breath;
@@ -172,7 +172,7 @@ static inline crn_vec3 exhale(const crn_motion *motion, crn_motion_pose *pose, c
     return rest;
 }
 
-/* Is the point beyond both lattices? As in find(), differences are modulo 2^32. */
+/* Returns whether the point is beyond both lattices. As in find(), differences are modulo 2^32. */
 static inline bool stands_still(crn_motion_pose *pose, const crn_vec3 *p)
 {
     const bool is_beyond = (uint32_t)p->v[0] - (uint32_t)pose->low_m_q30[0] >= pose->size_m_q30[0] ||
@@ -328,8 +328,8 @@ static inline int32_t norm_at_most(const int32_t m[3][3])
     return most;
 }
 
-/* A lower bound of 1 / |I + J|, at most 1. Format: Q28 -> Q30. Overflow: norms are at most 1 + 3 x 5/8
- * (checked), 2.9 in Q28. */
+/* Returns a lower bound of 1 / |I + J|, at most 1. Format: Q28 -> Q30. Overflow: norms are at most 1 + 3 x
+ * 5/8 (checked), 2.9 in Q28. */
 static inline int32_t shrink_of_gradient(const int32_t gradient_q28[3][3])
 {
     const int32_t one = 1 << 28, norm = norm_at_most(gradient_q28);
@@ -394,8 +394,8 @@ int32_t crn_motion_distance(const crn_lumen *lumen, const crn_motion *motion, cr
     return distance_inside(lumen, motion, pose, world_m_q30, shrink_q30, far_m_q30);
 }
 
-/* (I + dw/dx)^T n of a unit normal. Format: Q30 -> Q26. Overflow: at most 1 + 5/8 sqrt(3) in a component,
- * below 8. Error: 2 LSB. */
+/* Returns (I + dw/dx)^T n of a unit normal. Format: Q30 -> Q26. Overflow: at most 1 + 5/8 sqrt(3) in a
+ * component, below 8. Error: 2 LSB. */
 static inline crn_vec3 mapped_normal(const crn_motion_pose *pose, const crn_vec3 *normal_q30)
 {
     const int32_t(*m)[3] = (const int32_t(*)[3])pose->gradient_q28;

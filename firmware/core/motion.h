@@ -64,7 +64,7 @@ typedef struct crn_motion_cell {
     crn_vec3 corners_m_q34[8];
 } crn_motion_cell;
 
-/* What was derived from one lattice for the last point. */
+/* The values that were derived from one lattice for the last point. */
 typedef struct crn_motion_field {
     uint32_t corner_rows[8]; /* numbers from a cell's low node to its corners */
     crn_motion_cell ways; /* displacements from the corners back to the reference pose; for breath: those of a
@@ -88,7 +88,7 @@ typedef struct crn_motion_pose {
     crn_vec3 inhaled_m_q34;  /* b at the last point */
     int32_t low_m_q30[3];    /* a box around both lattices: nothing moves beyond it */
     uint32_t size_m_q30[3];
-    /* The place that the last point was pulled to, after crn_motion_distance or crn_motion_contact. */
+    /* The place to which the last point was pulled, after crn_motion_distance or crn_motion_contact. */
     crn_vec3 reference_m_q30;
     int32_t gradient_q28[3][3]; /* I + dw_i/dx_j there, once it has_gradient */
     bool has_gradient;
@@ -130,7 +130,7 @@ int32_t crn_motion_distance(const crn_lumen *lumen, const crn_motion *motion, cr
 /* Like crn_lumen_contact for the moved wall: distance phi / |g| (exact at the wall), normal -g / |g|. */
 crn_lumen_sample crn_motion_contact(const crn_lumen *lumen, const crn_motion *motion, crn_motion_pose *pose,
                                     const crn_vec3 *world_m_q30);
-/* The same at the place of the last crn_motion_distance. */
+/* Does the same at the place of the last crn_motion_distance. */
 crn_lumen_sample crn_motion_contact_here(const crn_lumen *lumen, const crn_motion *motion,
                                          crn_motion_pose *pose);
 
@@ -138,8 +138,8 @@ crn_lumen_sample crn_motion_contact_here(const crn_lumen *lumen, const crn_motio
  * world. */
 crn_lumen_sample crn_motion_carry(const crn_motion *motion, crn_motion_pose *pose, crn_lumen_sample sample);
 
-/* Displacement of the wall in this tick at the place of the last contact. Format: Q33 m, limited to
- * CRN_MOTION_WALL_STEP_MAX. */
+/* Returns the displacement of the wall in this tick at the place of the last contact. Format: Q33 m, limited
+ * to CRN_MOTION_WALL_STEP_MAX. */
 crn_vec3 crn_motion_wall_step(const crn_motion *motion, crn_motion_pose *pose);
 
 #endif

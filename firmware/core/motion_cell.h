@@ -69,8 +69,8 @@ static inline void make_terms(crn_motion_field *field)
     }
 }
 
-/* Sum over the taps of a component. Format: Q15 x 2^-19 m -> Q34 m. Overflow: |coefficient| <= 2^14
- * (checked), the weights sum to 2^15: 2^29. */
+/* Returns the sum over the taps of a component. Format: Q15 x 2^-19 m -> Q34 m. Overflow: |coefficient| <=
+ * 2^14 (checked), the weights sum to 2^15: 2^29. */
 static inline int32_t blend(const int16_t *taps, const crn_motion_moment *weights)
 {
     return taps[0] * weights->weights_q15[0] + taps[1] * weights->weights_q15[1] +
@@ -91,7 +91,8 @@ static inline void enter_breathing_cell(const crn_motion *motion, crn_motion_fie
     }
 }
 
-/* A part of a full breath. Format: that of `full`. Error: 1/2 LSB. Overflow: parts are at most 1 = 2^15. */
+/* Returns a part of a full breath. Format: that of `full`. Error: 1/2 LSB. Overflow: parts are at most 1 =
+ * 2^15. */
 static inline int32_t breathed(int32_t full, int32_t part_q15)
 {
     return (int32_t)crn_rshift_round64(crn_product(full, part_q15), FRACTION_BITS);
@@ -103,9 +104,9 @@ static inline int32_t from_q31(int64_t sum)
     return (int32_t)(uint32_t)((uint64_t)sum >> 31);
 }
 
-/* A polynomial at the last point. Format: that of the terms. Overflow: terms of 3 x 5/8, 3 x 5/4 and 5/2 of a
- * spacing of at most 2^28 and powers below 2^31 give less than 8.2 x 2^59; the value lies between those at
- * the corners. */
+/* Evaluates a polynomial at the last point. Format: that of the terms. Overflow: terms of 3 x 5/8, 3 x 5/4
+ * and 5/2 of a spacing of at most 2^28 and powers below 2^31 give less than 8.2 x 2^59; the value lies
+ * between those at the corners. */
 static inline int32_t value_here(const int32_t *terms, const int32_t *powers_q31)
 {
     const int32_t *t = terms, *p = powers_q31;

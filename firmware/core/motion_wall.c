@@ -67,7 +67,7 @@ static inline crn_vec3 change_here(const crn_motion *motion, crn_motion_pose *po
     return change;
 }
 
-/* High words of a cross product. Format: Qa x Qb -> Q(a+b-32). Error: 1 LSB. */
+/* Returns the high words of a cross product. Format: Qa x Qb -> Q(a+b-32). Error: 1 LSB. */
 static inline crn_vec3 cross_high(const crn_vec3 *a, const crn_vec3 *b)
 {
     return crn_vec3_make(crn_mulh_sub(crn_mulh(a->v[1], b->v[2]), a->v[2], b->v[1]),

@@ -23,7 +23,7 @@ static uint32_t mean_interval_ms(const crn_rhythm *rhythm)
     return (uint32_t)crn_divide_u64(MINUTE_ms, rhythm->rate_per_min);
 }
 
-/* xorshift32 (Marsaglia 2003, 13-17-5): -32 768 .. 32 767. */
+/* Returns -32 768 .. 32 767 by xorshift32 (Marsaglia 2003, 13-17-5). */
 static int32_t next_random_q15(crn_rhythm *rhythm)
 {
     uint32_t x = rhythm->random;

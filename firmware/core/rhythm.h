@@ -71,7 +71,7 @@ typedef struct crn_rhythm {
 /* The start: a beat and a breath have just begun. */
 void crn_rhythm_init(crn_rhythm *rhythm);
 
-/* Is this a known action with a value in its range? */
+/* Returns whether this is a known action with a value in its range. */
 bool crn_rhythm_order_is_valid(const crn_rhythm_order *order);
 
 /* Advances by one tick of 1 ms. An invalid order has no effect. */

@@ -9,7 +9,8 @@
  * registers. */
 #define CRN_RARE __attribute__((noinline, cold))
 
-/* num / den for den > 0. Format: same Q in -> Q(q), q <= 30. Overflow: saturates. Error: 2^-29 relative. */
+/* Returns num / den for den > 0. Format: same Q in -> Q(q), q <= 30. Overflow: saturates. Error: 2^-29
+ * relative. */
 static inline int32_t crn_quotient(int32_t num, int32_t den, unsigned q)
 {
     unsigned lead = crn_clz32((uint32_t)den) - 1;
@@ -75,7 +76,7 @@ static inline int32_t crn_line_inertia(const crn_model *model, const crn_line_no
 
 /* --- parts of the tick ---------------------------------------------------------------------------------- */
 
-/* The shortest line: three elements beyond the inserter's distal end. */
+/* Returns the shortest line: three elements beyond the inserter's distal end. */
 static inline int32_t crn_least_inserted(const crn_model *model)
 {
     return model->mesh[3].arc_m_q30 + 1024;
@@ -185,7 +186,7 @@ void crn_tools_turned(const crn_model *model, crn_state *state);
 void crn_tools_handles(const crn_model *model, crn_state *state);
 void crn_tools_slide(const crn_model *model, crn_state *state);
 
-/* Contact sample of the wall at the state's moment, for readers outside a tick. */
+/* Returns the contact sample of the wall at the state's moment, for readers outside a tick. */
 crn_lumen_sample crn_wall_sample(const crn_model *model, const crn_state *state,
                                  const crn_vec3 *position_m_q30);
 
@@ -202,7 +203,7 @@ int32_t crn_contact_share(const crn_model *model, crn_state *state, int32_t larg
 /* Updates the friction bristles after the solve and fills the output's contact fields. */
 void crn_contact_finish(const crn_model *model, crn_state *state, crn_output *output);
 
-/* rod_solve.c: block LDL^T from tip to base and back; solution in scratch, Q33 m. */
+/* rod_solve.c solves by block LDL^T from tip to base and back; the solution is in scratch, Q33 m. */
 void crn_rod_solve(const crn_model *model, crn_state *state);
 /* Force of the line on the two nodes that the inserter holds, along its axis, after the solve; positive
  * pushes out. Q22 N. */

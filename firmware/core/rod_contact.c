@@ -44,7 +44,7 @@ static inline crn_vec3 tangential(const crn_vec3 *a, const crn_vec3 *n)
     return without(a, n, along(a, n));
 }
 
-/* Normal force of a depth: k_c d + k_deep max(0, d - 0.2 mm). Format: Q30 m -> Q22 N; negative
+/* Returns the normal force of a depth: k_c d + k_deep max(0, d - 0.2 mm). Format: Q30 m -> Q22 N; negative
  * depths give the linear part only (it closes the gap in the same solve). Overflow: limited above; below,
  * 5000 N/m times -1 m is -5000 N, held at the same limit, since a contact that far off is none. */
 static inline int32_t normal_force(int32_t depth_m_q30)
@@ -68,7 +68,7 @@ static inline int32_t surface_slide(const crn_state *state, const crn_line_node 
     return under + (int32_t)(more >> 15);
 }
 
-/* Bristle plus the surface's displacement, without the node's deviation and its rotation.
+/* Returns the bristle plus the surface's displacement, without the node's deviation and its rotation.
  * Overflow: impossible. Bristles stay below 2^29.1 (NORMAL_MAX), slides below 2^24. */
 static inline crn_vec3 surface_way(const crn_model *model, const crn_state *state, const crn_node_state *node,
                                    const crn_work *work, const crn_line_node *line)
@@ -80,7 +80,8 @@ static inline crn_vec3 surface_way(const crn_model *model, const crn_state *stat
     return slide != 0 ? without(&way, &node->tangent_q30, slide) : way;
 }
 
-/* Displacement of the surface at node i by the last rotation of the outer tool, along normal x tangent. */
+/* Returns the displacement of the surface at node i by the last rotation of the outer tool, along normal x
+ * tangent. */
 static inline int32_t surface_roll(const crn_node_state *node, const crn_line_node *line)
 {
     return crn_surface_way(line->radius_m_q30, node->spin_q30[line->outer]);
@@ -410,8 +411,8 @@ CRN_RARE static bool or_struts(const crn_model *model, crn_state *state, crn_wor
     return true;
 }
 
-/* Does node i, whose contact was not seen at x*, end deeper than 0.1 mm? If so, the inward displacement is
- * returned too. `reach` is twice the largest component of the deviation, less the 0.1 mm. */
+/* Returns whether node i, whose contact was not seen at x*, ends deeper than 0.1 mm. If so, the inward
+ * displacement is returned too. `reach` is twice the largest component of the deviation, less the 0.1 mm. */
 static inline bool was_missed(const crn_model *model, crn_state *state, uint32_t i, int32_t reach_m_q30,
                               int32_t *inwards_m_q33)
 {

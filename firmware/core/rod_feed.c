@@ -65,9 +65,9 @@ static int32_t limit_feed(const crn_model *model, const crn_state *state, uint32
     return crn_clamp(feed_m_q30, -pull, push < line ? push : line);
 }
 
-/* Feed of one tool in this tick, Q30 m. The hand may lead by four times the largest feed. Beyond that it
- * slips, like a hand on a wire or a wire in the rig's rollers. A tool stalls when it pushes or pulls as hard
- * as a hand can. */
+/* Returns the feed of one tool in this tick, Q30 m. The hand may lead by four times the largest feed. Beyond
+ * that it slips, like a hand on a wire or a wire in the rig's rollers. A tool stalls when it pushes or pulls
+ * as hard as a hand can. */
 static int32_t choose_feed(const crn_model *model, crn_state *state, uint32_t k, int32_t hand_m_q30)
 {
     const int32_t lead_max = 4 * CRN_FEED_MAX_M_Q30;
@@ -247,8 +247,8 @@ typedef struct fold_shift {
     bool is_passed; /* some node behind belongs to a fold */
 } fold_shift;
 
-/* The slide of a node in a fold or ahead of one. `is_inside` says that the edge behind it slides too and is
- * not part of the rigid tip. */
+/* Computes the slide of a node in a fold or ahead of one. `is_inside` says that the edge behind it slides too
+ * and is not part of the rigid tip. */
 CRN_RARE static void slide_apart(const crn_model *model, const crn_state *state, uint32_t i, bool is_inside,
                                  int32_t square_q28, fold_shift *fold, crn_vec3 *slide_m_q33)
 {

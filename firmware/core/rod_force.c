@@ -28,7 +28,7 @@ static inline void add(crn_vec3 *sum, int k, int32_t value)
     sum->v[k] = crn_add_sat(sum->v[k], value);
 }
 
-/* Strain sqrt(1 + 2e) - 1 and inverse length of an edge from e = (|w|^2 - 1) / 2.
+/* Returns the strain sqrt(1 + 2e) - 1 and inverse length of an edge from e = (|w|^2 - 1) / 2.
  * Error: e^4 * 5/8 <= 2.4e-3 at 25 %, 1.5e-4 at 12.5 %; below 1e-9 at 1 %. */
 static int32_t strain_of(int32_t e)
 {
@@ -41,8 +41,8 @@ static int32_t inverse_stretch_of(int32_t e)
     return CRN_ONE_Q30 - e + e2 + (e2 >> 1) - ((crn_scale_q30(e2, e) * 5) >> 1);
 }
 
-/* w of the edge between two positions. Format: positions Q30 m, 1/l Q18 -> Q30 (floor: the same in all
- * directions, so that it bends no joint). Overflow: saturates component by component. */
+/* Returns w of the edge between two positions. Format: positions Q30 m, 1/l Q18 -> Q30 (floor: the same in
+ * all directions, so that it bends no joint). Overflow: saturates component by component. */
 static crn_vec3 relative(int32_t inverse_per_m_q18, const crn_vec3 *from, const crn_vec3 *to)
 {
     crn_vec3 w;
@@ -83,7 +83,7 @@ static int32_t stretch_of(int32_t inverse_per_m_q18, const crn_vec3 *from, const
     return strain_of(e);
 }
 
-/* k_g in Q(a): tension / length, 0 in compression. */
+/* Returns k_g in Q(a): tension / length, 0 in compression. */
 static int32_t geometric_stiffness(int32_t tension_N_q22, int32_t inverse_per_m_q18, unsigned exponent)
 {
     if (tension_N_q22 <= 0) {
@@ -146,8 +146,8 @@ static int32_t inverse_of_one_and(int32_t cosine_q30, int32_t *lack_q30)
     return (CRN_ONE_Q30 >> 1) + (lack >> 2) + (crn_scale_q30(lack, lack) >> 3);
 }
 
-/* F = tau kb / 2 = tau (t x t') / (1 + t.t'). Format: tau Q30 N m -> Q30 N m. Overflow: impossible, the
- * factor is 7/8 at most. */
+/* Returns F = tau kb / 2 = tau (t x t') / (1 + t.t'). Format: tau Q30 N m -> Q30 N m. Overflow: impossible,
+ * the factor is 7/8 at most. */
 static crn_vec3 twist_force(int32_t torque_N_m_q30, const crn_vec3 *before, const crn_vec3 *after)
 {
     int32_t lack = 0;
@@ -227,9 +227,9 @@ crn_vec3 crn_rod_line_turn(const crn_model *model, const crn_state *state, const
     return turn;
 }
 
-/* Bending and twist at the joint of node i (1 .. na). Format: W Q26 x b Q28 -> v Q30 N m; a Q18 x v Q30 ->
- * Q22 N. b loses two bits of the edges' Q30, below the step of a position. Both ends get the same rounded
- * force, so momentum is exactly conserved. */
+/* Adds the forces of bending and twist at the joint of node i (1 .. na). Format: W Q26 x b Q28 -> v Q30 N m;
+ * a Q18 x v Q30 -> Q22 N. b loses two bits of the edges' Q30, below the step of a position. Both ends get the
+ * same rounded force, so momentum is exactly conserved. */
 static void joint_forces(const crn_model *model, crn_state *state, uint32_t i)
 {
     crn_work *here = &state->scratch.nodes[i];

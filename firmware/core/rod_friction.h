@@ -4,7 +4,8 @@
 
 #include "firmware/core/rod.h"
 
-/* An upper bound of the length: half of the sum of the largest magnitude and of all magnitudes. Overflow:
+/* Returns an upper bound of the length: half of the sum of the largest magnitude and of all magnitudes.
+ * Overflow:
  * saturates. */
 static inline int32_t length_at_most(const crn_vec3 *a)
 {
@@ -22,7 +23,8 @@ static inline int32_t friction_of(const crn_node_state *node, const crn_line_nod
     return node->contact == CRN_CONTACT_SLIPS ? line->kinetic_q30 : line->static_q30;
 }
 
-/* Bristle at its limit mu N / k_t. Format: Q22 N -> Q33 m: 2^11 / 2000 = 1 + 25166 / 2^20. Overflow:
+/* Returns the bristle at its limit mu N / k_t. Format: Q22 N -> Q33 m: 2^11 / 2000 = 1 + 25166 / 2^20.
+ * Overflow:
  * impossible, 128 N. */
 static inline int32_t bristle_limit(int32_t limit_N_q22)
 {
@@ -42,7 +44,7 @@ static inline int32_t growing_limit(const crn_node_state *node, int32_t limit_N_
     return most_N_q22 < limit_N_q22 ? (int32_t)most_N_q22 : limit_N_q22;
 }
 
-/* 1 / |a| from |a|^2 > 0 as reciprocal root and shift: 1/|a| = root_q30 2^(half_lead - 62). */
+/* Returns 1 / |a| from |a|^2 > 0 as reciprocal root and shift: 1/|a| = root_q30 2^(half_lead - 62). */
 static inline int32_t inverse_root(int64_t square, unsigned *half_lead)
 {
     unsigned lead = (unsigned)__builtin_clzll((uint64_t)square) & ~1u;

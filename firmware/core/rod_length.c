@@ -19,8 +19,8 @@ static void shift_on(crn_vec3 *shift_m_q33, int32_t way_m_q33, const crn_vec3 *a
     }
 }
 
-/* A displacement: a fraction of an edge's length. Format: Q30 x Q30 m -> Q33 m. Overflow: a length is below
- * 2^25, the part at most 0.4. */
+/* Returns a displacement that is a fraction of an edge's length. Format: Q30 x Q30 m -> Q33 m. Overflow: a
+ * length is below 2^25, the part at most 0.4. */
 static int32_t way_of(int32_t part_q30, int32_t length_m_q30)
 {
     return crn_mulh(part_q30, length_m_q30 * 32);

@@ -39,7 +39,7 @@ static int64_t compliance_q32(int32_t length_m_q30, int32_t stiffness_q35)
     return (length_m_q30 * inverse) >> (24 - lead);
 }
 
-/* 2^q / value for value > 0. Overflow: saturates. Error: 2^-29 relative. */
+/* Returns 2^q / value for value > 0. Overflow: saturates. Error: 2^-29 relative. */
 static int32_t inverse_of(int64_t value, unsigned q)
 {
     unsigned lead = crn_clz64((uint64_t)value);
@@ -74,9 +74,9 @@ static int32_t turn_of(int32_t per_m_q20, int32_t length_m_q30)
     return crn_mul(per_m_q20, length_m_q30, 20);
 }
 
-/* The rest turning for which two unit edges rest at this angle. The edges differ by 2 sin(turn / 2), and the
- * rest turning is applied along the mean of their axes, which is cos(turn / 2) long, so it is 2 tan(turn / 2)
- * = turn (1 + turn^2 / 12 + turn^4 / 120). Error: 0.1 % at 1 rad. */
+/* Returns the rest turning for which two unit edges rest at this angle. The edges differ by 2 sin(turn / 2),
+ * and the rest turning is applied along the mean of their axes, which is cos(turn / 2) long, so it is 2
+ * tan(turn / 2) = turn (1 + turn^2 / 12 + turn^4 / 120). Error: 0.1 % at 1 rad. */
 static int32_t rest_turn_of(int32_t turn_q30)
 {
     int32_t square = crn_mul_q30(turn_q30, turn_q30);
@@ -339,7 +339,8 @@ static void build_surface(walk *w, uint32_t i, cell c)
     node->mass_kg_q40 = crn_sat32(crn_rshift_round64(mass_kg_per_m_q34 * (c.end - c.begin), 24));
 }
 
-/* Edge i: EA is what the weaker of its two joints can bear in the number format, at most the cap. */
+/* Sets EA of edge i: the value that the weaker of its two joints can bear in the number format, at most the
+ * cap. */
 static void build_edge(walk *w, uint32_t i)
 {
     crn_line_node *node = &w->line->nodes[i];
@@ -362,7 +363,7 @@ static bool is_straight(const crn_span *s)
             s->delta[CRN_CURVE2_PER_M_Q20]) == 0;
 }
 
-/* Is the cell a plain one? The walk moves every tool's span to the cell. */
+/* Returns whether the cell is a plain one. The walk moves every tool's span to the cell. */
 static bool is_plain(walk *w, cell c)
 {
     for (uint32_t k = 0; k < w->model->tool_count; k++) {
@@ -424,7 +425,8 @@ static void build_plain(walk *w, uint32_t i, cell c)
 
 /* --- the whole line ------------------------------------------------------------------------------------- */
 
-/* Is node i like node i-1: same elements, each tool absent or in one flat span over both cells? */
+/* Returns whether node i is like node i-1: same elements, each tool absent or in one flat span over both
+ * cells. */
 static bool repeats(const walk *w, uint32_t i)
 {
     const crn_mesh_node *mesh = &w->model->mesh[i];
@@ -503,7 +505,7 @@ static void build_node(walk *w, uint32_t i)
     build_entries(w, i, &node->joint);
 }
 
-/* Edge behind node i: a copy of the one in front. */
+/* Makes the edge behind node i a copy of the one in front. */
 static void repeat_edge(crn_line *line, uint32_t i)
 {
     line->nodes[i].spring = line->nodes[i - 1].spring;

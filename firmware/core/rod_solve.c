@@ -36,7 +36,7 @@ static inline int32_t limit(int64_t value, int32_t most)
     return value > 0 ? most : -most;
 }
 
-/* Leading zeros of a non-zero value. */
+/* Returns the number of leading zeros of a non-zero value. */
 static inline unsigned clz64(uint64_t a)
 {
     return (unsigned)__builtin_clzll(a);
@@ -83,8 +83,8 @@ static inline int32_t row_times(int_fast32_t a, int_fast32_t b, int_fast32_t c, 
     return crn_narrow64((int64_t)a * t[0] + (int64_t)b * t[3] + (int64_t)c * t[6], shift);
 }
 
-/* V = D^-1 T in Q29, column by column. Overflow: 3 * 2^29 * 2^29 in the sum; |W| = |V - I| <= 2 for meshes
- * that grow to the base. */
+/* Computes V = D^-1 T in Q29, column by column. Overflow: 3 * 2^29 * 2^29 in the sum; |W| = |V - I| <= 2 for
+ * meshes that grow to the base. */
 static inline void times(const inverse3 *inverse, const int_fast32_t *t, int32_t *v_q29)
 {
     const int_fast32_t *n = inverse->m;
@@ -124,7 +124,7 @@ static inline void apply(const inverse3 *inverse, const int_fast32_t *r, unsigne
     z->v[2] = row_apply(n[XZ], n[YZ], n[ZZ], r, shift);
 }
 
-/* P = kb D^-1 in Q29. Overflow: |P| <= 1, as kb is the pure bending part of D's smallest eigenvalue. */
+/* Computes P = kb D^-1 in Q29. Overflow: |P| <= 1, as kb is the bending part of D's smallest eigenvalue. */
 static inline void second_neighbour(const inverse3 *inverse, int32_t second, crn_sym3 *p_q29)
 {
     unsigned shift = inverse->exponent - 29;
@@ -147,7 +147,7 @@ static inline void add_along(const crn_vec3 *v_q30, int32_t stiffness, crn_sym3 
     d->m[ZZ] = crn_mulh_add(d->m[ZZ], z, v_q30->v[2]);
 }
 
-/* S of the edge behind node i in Q(a). Format: (4 k) t keeps the fraction that k t in Q(a) would lose.
+/* Adds S of the edge behind node i in Q(a). Format: (4 k) t keeps the fraction that k t in Q(a) would lose.
  * Overflow: |S| <= k_s < 2^29. */
 static inline void add_edge(const crn_state *state, uint32_t i, crn_sym3 *d)
 {
@@ -179,8 +179,8 @@ static inline void add_wall(const crn_work *work, const crn_vec3 *tangent, crn_s
     add_along(n, work->wall_normal - across, d);
 }
 
-/* What two rows contribute to the third, besides their V and P: the row before contributes T, R + Q + Q^T, kb
- * and r, the one before that contributes kb and r. */
+/* The contributions of two rows to the third, besides their V and P: the row before contributes T, R + Q +
+ * Q^T, kb and r, the one before that contributes kb and r. */
 typedef struct given {
     int_fast32_t t[9];
     crn_sym3 rest;
@@ -212,7 +212,7 @@ static inline crn_sym3 load_rest(const crn_model *model, const crn_state *state,
     return rest;
 }
 
-/* One entry of T^T V + kb P. Overflow: 3 * 2^29 * 2^31 + 2^27 * 2^31 < 2^62. */
+/* Returns one entry of T^T V + kb P. Overflow: 3 * 2^29 * 2^31 + 2^27 * 2^31 < 2^62. */
 static inline int32_t taken(const int_fast32_t *t, const int32_t *v_q29, int_fast32_t second, int32_t p_q29)
 {
     int64_t sum = (int64_t)t[0] * v_q29[0] + (int64_t)t[3] * v_q29[3] + (int64_t)t[6] * v_q29[6] +
@@ -234,8 +234,8 @@ static inline void gather_rest(crn_sym3 *rest, const given *from, const int32_t 
     rest->m[ZZ] += r[ZZ] - taken(t + 2, v_q29 + 2, second, p_q29[ZZ]);
 }
 
-/* Q = next I + kb' (I - V'^T). Overflow: kb < 2^27 (a diagonal holds W (a + c)^2 >= 4 kb), so that 8 kb
- * fits. */
+/* Computes Q = next I + kb' (I - V'^T). Overflow: kb < 2^27 (a diagonal holds W (a + c)^2 >= 4 kb), so that 8
+ * kb fits. */
 static inline void gather_upper(int32_t *q, int32_t next, int32_t second, const int32_t *v_q29)
 {
     const int32_t minus_q3 = -8 * second;

@@ -41,8 +41,8 @@ static inline int32_t limited_shift(int64_t a, unsigned n, unsigned log2_most)
     return high < 0 ? -((int32_t)1 << log2_most) : (int32_t)1 << log2_most;
 }
 
-/* Length of a vector, relative error 2^-16. Format: same in and out. Overflow: impossible for components
- * within 2^30. */
+/* Returns the length of a vector, relative error 2^-16. Format: same in and out. Overflow: impossible for
+ * components within 2^30. */
 static int32_t length_of(const crn_vec3 *a)
 {
     uint64_t square = (uint64_t)crn_vec3_dot64(*a, *a);
@@ -56,7 +56,8 @@ static int32_t length_of(const crn_vec3 *a)
     return (int32_t)((top * root) >> (30 + (lead >> 1)));
 }
 
-/* Moments W b of all joints at the configuration of the solution, for the line without rest turning. Format:
+/* Computes the moments W b of all joints at the configuration of the solution, for the line without rest
+ * turning. Format:
  * b in Q29 so that it fits, W Q26 -> Q30 N m, limited. */
 static void bending_moments(crn_state *state)
 {
@@ -80,7 +81,7 @@ static void take_turn(const crn_vec3 *turn_q30, int32_t bend_N_m_q26, crn_vec3 *
     }
 }
 
-/* Rest turning of the tools up to `pair` at joint i. */
+/* Returns the rest turning of the tools up to `pair` at joint i. */
 static crn_vec3 inner_turn(const crn_state *state, const crn_joint *joint, uint32_t pair, uint32_t i)
 {
     crn_vec3 turn = {{0, 0, 0}};
@@ -120,7 +121,8 @@ static uint32_t first_shared(const crn_model *model, const crn_state *state, uin
     return j;
 }
 
-/* Force of the inner tools' bending on a node from the moments of the joints around it. Q22 N. Overflow:
+/* Returns the force of the inner tools' bending on a node from the moments of the joints around it. Q22 N.
+ * Overflow:
  * differences of moments fit 32 bits, 1 / edge is below 2^31. */
 static inline int32_t pressing_force(const crn_vec3 *before, const crn_vec3 *here, const crn_vec3 *after,
                                      int32_t a_per_m_q18, int32_t c_per_m_q18)
@@ -286,8 +288,8 @@ static int32_t straight_handle(const crn_vec3 *moment_N_m_q30, int32_t before_q3
     return crn_mul(crn_sat32(sum), crn_quotient(change_q35, before_q35, 30), 31);
 }
 
-/* Moment at joint i from the joints around it. Moments are continuous, but that of the cell itself lags while
- * a tip slides through it. Q30 N m. */
+/* Returns the moment at joint i from the joints around it. Moments are continuous, but that of the cell
+ * itself lags while a tip slides through it. Q30 N m. */
 static crn_vec3 moment_around(const crn_model *model, const crn_state *state, uint32_t i)
 {
     crn_vec3 ahead, behind, moment;
@@ -331,7 +333,7 @@ static int32_t mouth_handle(const crn_model *model, const crn_state *state, uint
     return -(own.stored_N_q22 / 2);
 }
 
-/* Does a tip lie inside the cell of joint i? */
+/* Returns whether a tip lies inside the cell of joint i. */
 static bool holds_tip(const crn_model *model, const crn_state *state, uint32_t i)
 {
     for (uint32_t m = 0; m < model->tool_count; m++) {

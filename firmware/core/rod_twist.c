@@ -62,9 +62,9 @@ wall_resistance(unsigned exponent, const crn_work *work, int32_t radius_m_q30)
     return (resistance){crn_mulh(lever_N_q28, -work->reach_m_q33) * 2, crn_mulh(lever_N_q28, radius_m_q30)};
 }
 
-/* Friction on tool k at an edge: that between it and its neighbours (with the newest known rotation of the
- * neighbour), and that of the wall. Overflow: stiffnesses of pairs are below 2^15, so a pair's torque is
- * below 2^20. */
+/* Returns the friction on tool k at an edge: that between the tool and its neighbours (with the newest known
+ * rotation of the neighbour), and that of the wall. Overflow: stiffnesses of pairs are below 2^15, so a
+ * pair's torque is below 2^20. */
 static inline __attribute__((always_inline)) resistance
 edge_resistance(unsigned exponent, const crn_node_state *node, const crn_work *work,
                 const crn_line_node *line, uint32_t k, bool outermost)
@@ -114,9 +114,9 @@ static inline __attribute__((always_inline)) int32_t over_pivot(int32_t right, i
     return crn_narrow64(product, shift);
 }
 
-/* Row of edge j of tool k. Pivots and couplings in Q26 N m, right side in Q30 N m, angles in Q30 rad.
- * Overflow: k is below 2^30 (rod_line.c), curvature terms below 2^29 each, friction and the hold below 2^30 +
- * 2^20: the pivot fits 32 bits without a sign. Moments saturate. */
+/* Eliminates the row of edge j of tool k. Pivots and couplings in Q26 N m, right side in Q30 N m, angles in
+ * Q30 rad. Overflow: k is below 2^30 (rod_line.c), curvature terms below 2^29 each, friction and the hold
+ * below 2^30 + 2^20: the pivot fits 32 bits without a sign. Moments saturate. */
 static inline __attribute__((always_inline)) void eliminate_edge(const crn_model *model, crn_state *state,
                                                                  uint32_t k, uint32_t j, bool outermost,
                                                                  twist_carry *carry)
@@ -167,7 +167,7 @@ static void turn_axis(const crn_vec3 *tangent, int32_t angle_q30, crn_vec3 *axis
     crn_frames_orthonormalise(axis1, tangent);
 }
 
-/* Back substitution from the base to tool k's tip. Edges that the tip is about to reach take the frame of its
+/* Substitutes back from the base to tool k's tip. Edges that the tip is about to reach take the frame of its
  * last edge. */
 static inline __attribute__((always_inline)) void substitute(crn_state *state, uint32_t k, uint32_t first)
 {

@@ -160,8 +160,8 @@ static bool is_joined(const crn_strut_state *struts, uint32_t i)
     return true;
 }
 
-/* Direction of the chain at one of its rings, from the ring before to the one behind. Overflow: rings that
- * are joined are less than 2^24 apart. */
+/* Returns the direction of the chain at one of its rings, from the ring before to the one behind. Overflow:
+ * rings that are joined are less than 2^24 apart. */
 static crn_vec3 along_chain(const crn_strut_state *struts, uint32_t i, bool has_before, bool has_behind)
 {
     const crn_strut_ring *ring = &struts->rings[i];
@@ -188,8 +188,8 @@ static crn_vec3 vector_between(const crn_vec3 *a, const crn_vec3 *b, int32_t sha
                          between(a->v[2], b->v[2], share_q30));
 }
 
-/* Is the place within the box of rings i and i + 1, with a margin for the node? Overflow: radii are below
- * 2^25, places below 2^30.93. */
+/* Returns whether the place is within the box of rings i and i + 1, with a margin for the node. Overflow:
+ * radii are below 2^25, places below 2^30.93. */
 static bool is_near(const crn_strut_ring *ring, const crn_vec3 *place, int32_t radius_m_q30)
 {
     const int32_t wider =
@@ -218,8 +218,8 @@ static crn_vec3 unit_of(const crn_vec3 *way)
     return crn_vec3_normalise(*way, none, NULL);
 }
 
-/* A section between the planes across the chain at two rings. Overflow: within the box a place is less than
- * 2^26 away. */
+/* Returns a section between the planes across the chain at two rings. Overflow: within the box a place is
+ * less than 2^26 away. */
 static section section_between(const crn_strut_ring *ring, const crn_vec3 *first, const crn_vec3 *last,
                                const crn_vec3 *off_a, const crn_vec3 *off_b)
 {
@@ -290,7 +290,8 @@ static crn_lumen_sample beside_edge(const section *at, const crn_vec3 *outwards_
     return sample;
 }
 
-/* Contact beside the struts, inside or outside. Overflow: slope and unit vector are below 1.5 together. */
+/* Returns the contact beside the struts, inside or outside. Overflow: slope and unit vector are below 1.5
+ * together. */
 static crn_lumen_sample beside_struts(const section *at, const crn_vec3 *outwards_q30, int32_t rho_m_q30,
                                       bool is_inside)
 {

@@ -31,11 +31,11 @@ void crn_struts_step(crn_state *state);
 bool crn_struts_contact(const crn_strut_state *struts, const crn_vec3 *place_m_q30, int32_t radius_m_q30,
                         crn_lumen_sample *sample);
 
-/* The same at a place in the world, where the vessel may have moved. */
+/* Does the same at a place in the world, where the vessel may have moved. */
 bool crn_struts_wall(const crn_model *model, const crn_state_words *words, crn_motion_pose *pose,
                      const crn_vec3 *world_m_q30, int32_t radius_m_q30, crn_lumen_sample *sample);
 
-/* The same in a tick, right after the wall was sampled there; the tick's box rules most places out. */
+/* Does the same in a tick, right after the wall was sampled there; the tick's box rules most places out. */
 bool crn_struts_here(const crn_model *model, crn_state *state, const crn_vec3 *world_m_q30,
                      int32_t radius_m_q30, crn_lumen_sample *sample);
 

@@ -40,7 +40,7 @@ static void start_free(void)
     bench_drain(&b);
 }
 
-/* What the next ticks show: the number of orders of each, for as many as are asked for. */
+/* Checks that the next `ticks_wanted` ticks have these numbers of orders. */
 static void expect_counts(const uint16_t *counts, uint32_t ticks_wanted)
 {
     static crn_wire_live live;

@@ -471,7 +471,7 @@ static void orders_without_a_frame_take_power_away_and_do_nothing_else(void **st
     const uint8_t get[] = {CRN_WIRE_GET_STATUS};
     const crn_wire_rig rig = {.tracks_count = 1, .tracks = {client_plain_track()}};
     crn_app_init(&alone, &port);
-    assert_false(crn_app_order(&alone, CRN_WIRE_ACTION_RESET)); /* nobody said HELLO */
+    assert_false(crn_app_order(&alone, CRN_WIRE_ACTION_RESET)); /* there was no HELLO */
     crn_app_configure(&alone, &rig);
     assert_int_equal(alone.state, CRN_WIRE_STATE_INIT);
     assert_int_equal(alone.setup.tracks[0].wire.coupling_N_per_m, 0);

@@ -53,8 +53,9 @@ static void push_seal(int32_t um)
     assert_in_range(motor_mN(), um - 100, um + 100);
 }
 
-/* Nobody holds 0.8 N, and friction keeps the carriage at rest. All of the force remains for a moment, then
- * less from tick to tick, until it is less than a hand feels. The force returns when a hand returns. */
+/* No hand holds against 0.8 N, and friction keeps the carriage at rest. All of the force remains for a
+ * moment, then less from tick to tick, until it is less than a hand feels. The force returns when a hand
+ * returns. */
 static void a_force_that_nobody_holds_goes(void **state)
 {
     (void)state;
@@ -71,7 +72,7 @@ static void a_force_that_nobody_holds_goes(void **state)
     assert_in_range(motor_mN(), 700, 900);
 }
 
-/* 0.8 N oscillate in a carriage that nobody holds: after 32 ms no oscillation is felt. */
+/* A force of 0.8 N oscillates in a carriage that no hand holds: after 32 ms the oscillation is gone. */
 static void a_cycle_of_a_carriage_that_nobody_holds_ends(void **state)
 {
     (void)state;
@@ -101,7 +102,7 @@ static void a_carriage_that_runs_along_its_force_loses_it(void **state)
 
 /* --- causes of a stop --- */
 
-/* Nobody touches the carriage. With 1.8 N on its motor it gets 20 to 40 mm/s faster from ms to ms, as if the
+/* No hand touches the carriage. With 1.8 N on its motor it gets 20 to 40 mm/s faster from ms to ms, as if the
  * motor gave more than commanded. */
 static void a_carriage_that_its_motor_drives_too_fast_takes_the_power(void **state)
 {

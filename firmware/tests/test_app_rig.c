@@ -151,7 +151,7 @@ static void ask_each(crn_wire_track *track, uint32_t *value, uint32_t field, con
         ask_each(&track, &track.field, number, asks, sizeof asks / sizeof asks[0]);                          \
     } while (0)
 
-/* A coupling along the line that every damping and gain below supports. */
+/* Makes a coupling along the line that every damping and gain below supports. */
 static crn_wire_track soft_track(void)
 {
     crn_wire_track track = client_plain_track();

@@ -336,8 +336,8 @@ static void what_hands_do_while_stopped_is_no_motion(void **state)
 }
 
 /* The motor holds the weight of an upright wire. When the host falls silent, the force fades to nothing (30
- * ticks of patience, 20 of fading). It stays there though the weight stays, and returns with the next
- * frame. */
+ * ticks of patience, 20 of fading). The force stays at zero although the weight remains, and returns with the
+ * next frame. */
 static void forces_fade_when_the_host_is_silent_and_come_back(void **state)
 {
     (void)state;

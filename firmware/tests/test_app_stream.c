@@ -52,8 +52,8 @@ static void a_slow_host_loses_pictures_and_no_tick(void **state)
     assert_int_equal(status.ticks_lost, 0);
 }
 
-/* Nobody reads for a second, then the host reads: 256 ticks were kept, the gap is reported, and the rest is
- * in order. */
+/* The host does not read for a second, then it reads: 256 ticks were kept, the gap is reported, and the rest
+ * is in order. */
 static void ticks_that_nobody_takes_are_counted_as_lost(void **state)
 {
     (void)state;

@@ -29,7 +29,7 @@ typedef struct rig {
     reference_tube *tube;
 } rig;
 
-/* A balloon catheter of 0.9 mm, balloon 3.0 x 18 mm at 8 bar, 6 mm behind its tip. */
+/* Makes a balloon catheter of 0.9 mm, balloon 3.0 x 18 mm at 8 bar, 6 mm behind its tip. */
 static crn_instrument balloon_catheter(void)
 {
     crn_instrument tool = reference_wire(2e-5, 600000, 4000, friction);
@@ -173,7 +173,7 @@ static void look(const rig *r, uint32_t tools, worst *w)
     w->length_pct = fmax(w->length_pct, 100 * fabs(r->output.strain_max_q30 / Q30));
 }
 
-/* A patient's sheath: neither at the origin nor on a line through it. */
+/* Makes a patient's sheath: neither at the origin nor on a line through it. */
 static crn_entry entry_of_a_patient(void)
 {
     const crn_entry entry = {{{(int32_t)(-0.08 * Q30), (int32_t)(-0.3 * Q30), (int32_t)(0.04 * Q30)}},

@@ -354,7 +354,8 @@ static void settle(void)
     }
 }
 
-/* A whole control transfer without data to the device; returns the bytes of an answer in `packet`. */
+/* Carries out a whole control transfer without data to the device; returns the bytes of an answer in
+ * `packet`. */
 static uint32_t request(uint8_t type, uint8_t number, uint16_t value, uint16_t length)
 {
     const uint8_t setup[8] = {type, number, (uint8_t)value,  (uint8_t)(value >> 8),

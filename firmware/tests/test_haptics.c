@@ -66,7 +66,7 @@ static crn_wire_instrument wire_of(double bend_N_m2)
     return wire;
 }
 
-/* The stiffest track that the device accepts for this rig. */
+/* Returns the stiffest track that the device accepts for this rig. */
 static crn_wire_track track_of(uint32_t seal_mN)
 {
     return (crn_wire_track){.translation_pm_per_count = 1000000,
@@ -192,7 +192,7 @@ static void twice_the_allowed_stiffness_shakes_and_ends_safe(void **state)
     reference_tube_free(tube);
 }
 
-/* Nobody holds the handle: the remaining force moves the carriage, and it comes to rest. */
+/* No hand holds the handle: the remaining force moves the carriage, and it comes to rest. */
 static void a_hand_that_lets_go_leaves_a_rig_at_rest(void **state)
 {
     (void)state;

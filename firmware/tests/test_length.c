@@ -16,8 +16,8 @@
 static const double Q30 = 1073741824.0, Q33 = 8589934592.0;
 enum { FOLD_AT = 5 };
 
-/* A wire in elements of 1 mm in free space. It is straight along +x except for its first five elements, which
- * point `angle_rad` away from it. */
+/* Makes a wire in elements of 1 mm in free space. It is straight along +x except for its first five elements,
+ * which point `angle_rad` away from it. */
 static rig *folded_rig(double angle_rad)
 {
     crn_instrument wire = reference_wire(1e-5, 300000, 1000, 0);
@@ -112,7 +112,7 @@ static void edges_that_the_solve_swings_keep_their_length(void **context)
     free(r);
 }
 
-/* A rig whose solve moved every second node aside by this displacement. */
+/* Makes a rig whose solve has moved every second node aside by this displacement. */
 static rig *shaken_rig(double way_m)
 {
     rig *r = folded_rig(0);

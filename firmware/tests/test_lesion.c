@@ -73,7 +73,7 @@ static void describe(rig *r, double yield_kPa, double recoil)
     };
 }
 
-/* A balloon of 3.2 x 18 mm on a catheter of 0.9 mm, with its middle at the minimal lumen diameter. */
+/* Makes a balloon of 3.2 x 18 mm on a catheter of 0.9 mm, with its middle at the minimal lumen diameter. */
 static crn_instrument balloon_catheter(void)
 {
     crn_instrument tool = reference_wire(2e-5, 600000, 4000, 0.1);

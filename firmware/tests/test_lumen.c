@@ -99,7 +99,7 @@ typedef struct where {
     crn_vec3 position;
 } where;
 
-/* A random point in a brick of the given level of the scene above. */
+/* Returns a random point in a brick of the given level of the scene above. */
 static where random_point(reference_random *random, int level)
 {
     where w = {0, level, {0, 0, 0}, {{0, 0, 0}}};

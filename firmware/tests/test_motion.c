@@ -337,8 +337,8 @@ typedef struct beat_figures {
     uint32_t solved_twice, faults;
 } beat_figures;
 
-/* Four seconds at 90 /min with breath. `miss` is the largest distance of a node of the wire from the moved
- * vessel's axis. */
+/* Runs four seconds at 90 /min with breath. `miss` is the largest distance of a node of the wire from the
+ * moved vessel's axis. */
 static beat_figures beat_on(crn_input *input)
 {
     beat_figures f = {0};

@@ -187,7 +187,7 @@ static void a_force_that_nobody_asked_for_counts_in_every_state_from_its_third_e
     assert_int_equal(bench.found.value1, 2);
 }
 
-/* Asked for are 400 mN, so 400 + 1000 + 400 / 4 mN is the border. */
+/* The requested force is 400 mN, so 400 + 1000 + 400 / 4 mN is the border. */
 static void a_force_larger_than_asked_for_is_a_mismatch_from_its_third_edge(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
 /* Claims about time, shown from the clock's readings alone, without a rod, a scene or the wire: a processor
- * that stands still and ticks that fall behind take the power, a silent host makes the forces fade within 42
- * ms, and the permission to power motors is spent by any answer and expires. */
+ * that stops and ticks that fall behind remove the power, a silent host makes the forces fade within 42 ms,
+ * and the permission to power motors is spent by any answer and expires. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

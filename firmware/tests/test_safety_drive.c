@@ -126,7 +126,7 @@ static void a_force_that_nobody_holds_ends_within_32_ms_at_a_hands_speed(void **
     }
 }
 
-/* The carriage stands still, so that its speed does not count: 12 edges of grace, and 20 in which the force
+/* The carriage does not move, so that its speed does not count: 12 edges of grace, and 20 in which the force
  * fades. */
 static void a_force_that_nobody_holds_ends_in_time_without_any_motion(void **state)
 {

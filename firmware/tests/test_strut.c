@@ -65,7 +65,7 @@ static void run(rig *r, int ticks)
     for (int t = 0; t < ticks; t++) crn_step(&r->model, &r->state, &r->input, &r->output);
 }
 
-/* A straight stent along x with its middle line at this height; one order a tick. */
+/* Makes a straight stent along x with its middle line at this height; one order a tick. */
 static crn_strut_order ring(uint32_t i, int32_t z_um, uint32_t inside_um)
 {
     return (crn_strut_order){i + 1,

@@ -21,8 +21,8 @@ static rig *rig_in_air(const crn_instrument *wire, uint32_t inserted_um)
     return r;
 }
 
-/* A wire of the softest tip with a half circle of this radius at its end; from 80 to 200 mm EI rises to that
- * of the shaft. */
+/* Makes a wire of the softest tip with a half circle of this radius at its end; from 80 to 200 mm EI rises to
+ * that of the shaft. */
 static crn_instrument make_j(double radius_m, double shaft_N_m2)
 {
     crn_instrument wire = reference_wire(2e-6, 600000, 500, 0.1);

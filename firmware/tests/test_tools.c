@@ -92,7 +92,7 @@ static double torque_N_m(const rig *r, int tool)
     return r->output.tools[tool].torque_N_m_q24 / 16777216.0;
 }
 
-/* Largest displacement of a node in the last tick, mm. */
+/* Returns the largest displacement of a node in the last tick, mm. */
 static double largest_step_mm(const rig *r)
 {
     double largest = 0;

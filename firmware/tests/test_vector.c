@@ -25,7 +25,7 @@ static crn_vec3 random_vector(reference_random *random)
     return a;
 }
 
-/* The corners of the number range, one per value of `index` (27 in all). */
+/* Returns one corner of the number range for each value of `index` (27 in all). */
 static crn_vec3 extreme_vector(unsigned index)
 {
     const int32_t ends[3] = {INT32_MIN, 0, INT32_MAX};

@@ -104,7 +104,7 @@ class Catalogue
     std::vector<Fault> faults;
 };
 
-// Frames of a conversation of requests and answers.
+// Adds the frames of a conversation of requests and answers.
 void add_frames(Catalogue &c, Session session, std::uint32_t count)
 {
     for (bool to_host : {false, true}) {

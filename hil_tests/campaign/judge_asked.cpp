@@ -10,7 +10,7 @@ namespace
 
 constexpr int attempts_max = 6;
 
-// A host that records, and that after an error begins with HELLO and goes on where the device stands.
+// A host that records. After an error it begins with HELLO and continues at the device's tick.
 class Host
 {
   public:
@@ -105,7 +105,7 @@ class Host
               static_cast<unsigned long long>(undisturbed_.lockstep_hash));
     }
 
-    // What is recorded is what the undisturbed session did, but for what a liar said in the one frame.
+    // The recording equals that of the undisturbed session, except for the false content of the one frame.
     void take(const crn_wire_tick_state &state)
     {
         const std::size_t i = state.tick - 1;

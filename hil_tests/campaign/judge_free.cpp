@@ -351,8 +351,8 @@ void Loop::judge()
           "the actuator gave %.3f N and %.2f mN m, limits %.3f and %.2f", outcome_.peak_N,
           outcome_.peak_N_m * 1e3, force_limit_N, torque_limit_N_m * 1e3);
     if (is("rig.encoder_reversed") && fault_->value == 0) {
-        // Nobody holds. Allowed are the force that was there, or the force that frees the carriage, and 12 ms
-        // of the slew limit until the fault is judged.
+        // No hand holds the carriage. Allowed are the force that was present, or the force that frees the
+        // carriage, and 12 ms of the slew limit until the fault is judged.
         const double there_N = std::max(harm_N, std::abs(undisturbed_.motor_N[fault_->at - 1]));
         check(outcome_.peak_N <= there_N + reversed_growth_N, "the reversed track rose to %.3f N from %.3f N",
               outcome_.peak_N, there_N);

@@ -28,11 +28,11 @@ struct AortaRun {
     std::vector<std::uint16_t> tick_solves;
 };
 
-// From HELLO to READY with the session's scene, wire and entry.
+// Takes the device from HELLO to READY with the session's scene, wire and entry.
 void set_up_aorta(crn::Link &link, const AortaFiles &files, const crn::Session &session,
                   const crn_wire_rig &rig);
 
-// The vessels whose names the session uses for steering, from the bodies beside the scene.
+// Returns the vessels whose names the session uses for steering, from the bodies beside the scene.
 std::unique_ptr<crn::TipPlaces> vessels_of(const AortaFiles &files);
 // Reads from the device the state on which the session decides when it checks the tip.
 void look_at_aorta(crn::Link &link, const AortaFiles &files, const crn::TipPlaces &vessels,
@@ -43,7 +43,7 @@ void look_at_aorta(crn::Link &link, const AortaFiles &files, const crn::TipPlace
 AortaRun run_aorta(crn::Transport &pipe, const AortaFiles &files, std::uint32_t ticks_max,
                    const std::function<double()> &instructions = {});
 
-// The shaft's element length in um that gives the wire at most this many elements.
+// Returns the shaft's element length in um that gives the wire at most this many elements.
 std::uint32_t shaft_of(const AortaFiles &files, std::uint32_t elements);
 
 // The value that a share `quantile` of the values does not exceed.

@@ -1,5 +1,5 @@
-// What cases say to a device: set-up, sessions in LOCKSTEP and FREE_RUN, and checks with numbers in their
-// texts.
+// The conversations of cases with a device: set-up, sessions in LOCKSTEP and FREE_RUN, and checks with
+// numbers in their texts.
 #pragma once
 #include "hil_tests/cases/cases.hpp"
 #include "host/link/link.hpp"
@@ -15,7 +15,7 @@ namespace hil
 // A straight tube as a scene file: what sessions without anatomy have.
 const std::vector<std::uint8_t> &tube_scene();
 
-// Where a session ended.
+// The point at which a session ended.
 struct Ending {
     std::uint32_t tick = 0;
     std::uint64_t hash = 0;
@@ -29,14 +29,14 @@ crn_wire_rig plant_rig();
 // HELLO, the tube scene, a J wire with 30 mm inserted, the rig as the plant has it; READY.
 void set_up(crn::Link &link);
 
-// The input of tick `i` of the sample session: in, turned, back out.
+// Returns the input of tick `i` of the sample session: in, turned, back out.
 crn_wire_tick_input sample_input(std::uint32_t tick);
 
 // `ticks` ticks in LOCKSTEP in batches, from ARM on; `between` runs after every batch.
 Ending lockstep_session(crn::Link &link, std::uint32_t ticks, std::uint32_t batch,
                         const std::function<void(std::uint32_t tick)> &between = {});
 
-// The same without a bench: the host's own device in this process.
+// Does the same without a bench, with the host's own device in this process.
 Ending host_only_session(std::uint32_t ticks, std::uint32_t batch);
 
 // From READY to RUNNING in FREE_RUN with power on the motors.

@@ -6,10 +6,10 @@
 namespace hil
 {
 
-// 350 mm of a solid wire of 0.89 mm.
+// Makes 350 mm of a solid wire of 0.89 mm.
 crn_wire_instrument haptic_wire(double bend_N_m2);
-// A carriage of 80 g with 1 N s/m and 20 mN of friction and a motor with 0.5 ms of lag, in a hand of the
-// given N/m and N s/m.
+// Makes a carriage of 80 g with 1 N s/m and 20 mN of friction and a motor with 0.5 ms of lag, in a hand of
+// the given N/m and N s/m.
 PlantSettings haptic_plant(double hand_stiffness, double hand_damping);
 
 } // namespace hil

@@ -41,7 +41,7 @@ struct Running {
         }
         return limit_ms + 1;
     }
-    // The cause that the device latched.
+    // Returns the cause that the device latched.
     std::uint16_t fault_code()
     {
         link.free_run(0);

@@ -20,7 +20,7 @@ typedef struct hil_piece {
 size_t hil_scene_of(const hil_piece *pieces, uint32_t count, double radius_m, uint32_t level, uint8_t *file,
                     size_t capacity);
 
-/* The same for a tube of 2 mm radius with one bend. */
+/* Makes the same for a tube of 2 mm radius with one bend. */
 size_t hil_tube_scene(uint8_t *file, size_t capacity);
 
 #ifdef __cplusplus

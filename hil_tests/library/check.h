@@ -23,7 +23,7 @@ int check_end(void);
 
 int64_t check_now_us(void);
 
-/* The serial number in `--serial NUMBER`, or NULL without it; other arguments end the program with 2. */
+/* Returns the serial number in `--serial NUMBER`, or NULL without it; other arguments end the program (2). */
 const char *check_serial(int argc, char **argv);
 
 #endif

@@ -67,9 +67,9 @@ class Liar
 // Changes one field of a message as the lie states; returns false when the lie is not about this message.
 // (liar_fields.cpp)
 bool change_field(const Lie &lie, Frame &frame, const Bytes &last_ticks);
-// The type of message that a lie about a field concerns; 0: no particular type.
+// Returns the type of message that a lie about a field concerns; 0: no particular type.
 std::uint16_t type_of(const Lie &lie);
-// An empty message of that type, for an unsolicited lie.
+// Returns an empty message of that type, for an unsolicited lie.
 Frame empty_message(std::uint16_t type);
 
 } // namespace hil

@@ -85,7 +85,8 @@ class Plant
     Track &track(int k) { return tracks_[static_cast<std::size_t>(k)]; }
     std::uint64_t milliseconds() const { return milliseconds_; }
     bool is_stage_on() const { return is_stage_on_; }
-    // Largest force of any motor within the last millisecond: the reading of a meter at the actuator.
+    // Returns the largest force of any motor within the last millisecond: the reading of a meter at the
+    // actuator.
     double motor_peak_N() const;
     double motor_torque_peak_N_m() const;
 

@@ -53,7 +53,7 @@ struct Catalogue {
     const SoakStent &stent(const std::string &path) const;
 };
 
-// Of each folder it reads every .toml, in the order of names. Throws FileError, std::runtime_error.
+// It reads every .toml of each folder, in the order of names. Throws FileError, std::runtime_error.
 Catalogue read_catalogue(const std::vector<std::string> &scene_paths, const std::string &tool_folder,
                          const std::string &stent_folder);
 

@@ -22,7 +22,7 @@ std::string name_of(const DrawnSession &session);
 std::string script_of(const DrawnSession &session);
 // The command that repeats it, with the script in a file of that name.
 std::string command_of(const DrawnSession &session, const std::string &script_path);
-// The tools without the scene: "j_wire + beacon_5f".
+// Returns the tools without the scene: "j_wire + beacon_5f".
 std::string tools_of(const DrawnSession &session);
 
 } // namespace soak

@@ -110,8 +110,8 @@ void check(Options &options)
         };
 }
 
-// The inputs on which the rows depend: with another program, scene, instrument or bar they start from the
-// beginning.
+// Returns the inputs on which the rows depend: with another program, scene, instrument or bar they start from
+// the beginning.
 std::string key_of(const Options &options, const soak::Catalogue &catalogue)
 {
     std::uint32_t crc = 0;

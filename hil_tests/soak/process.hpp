@@ -17,7 +17,7 @@ struct Process {
 // a text, with 1. It ends with its parent. Throws std::runtime_error.
 Process start_process(const std::function<std::optional<std::string>()> &work);
 
-// The status in the form of waitpid().
+// Returns the status in the form of waitpid().
 int status_of_end(pid_t who);
 
 } // namespace soak

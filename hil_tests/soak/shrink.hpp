@@ -24,7 +24,7 @@ Shrunk shrink(const DrawnSession &session, const Verdict &found,
 // The pieces, for tests. The session without that tool: its statements are left out, and the names of the
 // others move up.
 DrawnSession without_tool(const DrawnSession &session, std::size_t tool);
-// Simpler forms of a statement, the simplest first.
+// Returns the simpler forms of a statement, the simplest first.
 std::vector<std::string> plainer(const std::string &line);
 
 } // namespace soak

@@ -41,7 +41,7 @@ bool has_action(const crn::Session &script, crn::RoomAction action)
     return false;
 }
 
-// Everything that one session needs, made in the same way as by `cournand run`.
+// All parts that one session needs, made in the same way as by `cournand run`.
 struct Stage {
     Stage(const Catalogue &catalogue, const DrawnSession &drawn)
         : scene(catalogue.scene(drawn.scene)), script(crn::parse_session(script_of(drawn), name_of(drawn)))

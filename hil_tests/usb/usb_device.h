@@ -29,8 +29,8 @@ typedef struct usb_device {
  * configuration. */
 bool usb_device_start(usb_device *device, const char *serial);
 
-/* The same, then reset, address and configuration; the zero that begins the stream is read. Returns false
- * when something was refused. */
+/* Does the same, then reset, address and configuration; the zero that begins the stream is read. Returns
+ * false when something was refused. */
 bool usb_device_open(usb_device *device);
 
 /* Runs one millisecond. */

@@ -45,7 +45,7 @@ typedef struct usb_request {
 
 const char *usb_result_name(usb_result result);
 
-/* Is a device at the other end, with its pull-up on? */
+/* Returns whether a device is at the other end, with its pull-up on. */
 bool usb_host_sees_device(const usb_host *host);
 
 /* Changes the bus; a reset clears the address and the toggles. */

@@ -23,8 +23,8 @@ enum { USB_PEER_DEADLINE_s = 5 }; /* of a token */
 
 int64_t usb_peer_now_ns(void);
 
-/* A rig in this process, with ticks by the clock. On command 200 it sends a burst of frames: value1 frames of
- * value2 bytes. */
+/* Opens a rig in this process, whose ticks follow the clock. On command 200 it sends a burst of frames:
+ * value1 frames of value2 bytes. */
 void usb_peer_open_here(usb_peer *peer);
 
 /* The app in this process, with milliseconds by the clock. There can be only one. */

@@ -51,7 +51,7 @@ void usb_rig_settle(usb_rig *rig);
 /* Reset, address 5, configuration 1. */
 usb_result usb_rig_configure(usb_rig *rig, bool high_speed);
 
-/* A control transfer in one line. */
+/* Carries out a control transfer in one line. */
 usb_result usb_rig_control(usb_rig *rig, uint8_t type, uint8_t request, uint16_t value, uint16_t index,
                            uint16_t length, uint8_t *bytes, uint32_t *count);
 

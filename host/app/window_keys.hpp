@@ -24,7 +24,7 @@ class WindowKeys
     void
     lead(std::span<LiveHand> hands) const; // the demanded speeds; hands that are not selected come to rest
 
-    // The tool that the hand keys move, counted from the innermost, and whether they move all.
+    // Returns the tool that the hand keys move, counted from the innermost, and whether they move all.
     std::size_t chosen_tool() const { return chosen_tool_; }
     bool moves_all() const { return moves_all_; }
 
@@ -33,7 +33,7 @@ class WindowKeys
 
     // Returns the commands for the room since the last call, pedals included.
     std::vector<RoomCommand> take_commands();
-    // What heart and breath are asked for.
+    // Returns the orders to heart and breath since the last call.
     std::vector<crn_wire_order> take_orders() { return std::exchange(orders_, {}); }
     bool shows_help() const { return shows_help_; }
     bool wants_end() const { return wants_end_; }

@@ -44,7 +44,8 @@ class LiveSession final : private FreeRunSink
     void annotate(const std::string &notice, const std::vector<std::string> &panel);
     const Image &image() const { return pictures_.image(); }
     void finish(); // closes the recording and writes the runs
-    // After finish(): the same result that a script's session reports at its end. `tips` gives the vessels.
+    // Returns, after finish(), the same result that a script's session reports at its end. `tips` gives the
+    // vessels.
     RunResult result(const TipPlaces &tips) const;
     const SessionPictures &pictures() const { return pictures_; }
     Patient &patient() { return *patient_; }

@@ -11,7 +11,7 @@ namespace crn
 
 [[gnu::format(printf, 1, 0)]] std::string formatted_with(const char *format, va_list values);
 
-// The same with an end of line.
+// Does the same and adds an end of line.
 [[gnu::format(printf, 1, 2)]] std::string formatted_line(const char *format, ...);
 
 // Escapes text for HTML and SVG, in an element or in an attribute between double quotes: &, <, > and " are

@@ -76,7 +76,7 @@ fs::path end_of_links(const std::string &path)
     return failed ? fs::path(path) : target;
 }
 
-// Returns "path.part1234-9f3a60c2d81b": the process number tells the user which program made it, and the rest
+// Returns "path.part1234-9f3a60c2d81b": the process number identifies the program that made it, and the rest
 // cannot be guessed. A name that would become too long is cut at its end.
 std::string pending_name(const fs::path &path)
 {

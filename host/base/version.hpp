@@ -1,4 +1,4 @@
-// What a program prints for --version.
+// Returns the text that a program prints for --version.
 #pragma once
 #include "shared/version.h"
 #include <string>

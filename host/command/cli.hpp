@@ -56,7 +56,7 @@ int command_info(const std::string &path);
 int command_instruments(const InstrumentsOptions &options);
 
 // Returns the tools from the innermost to the outermost: --instrument first, then every --tool. Throws
-// UsageError for none or more than a line can hold, FileError for a bad file.
+// UsageError for no tool or for more tools than a line can hold, and FileError for a bad file.
 std::vector<Instrument> read_tools(const std::string &instrument, const std::vector<std::string> &tools);
 // Returns where the tools enter, with their inserted lengths: none given (the default), one for all, or one
 // each. Throws UsageError for more lengths than tools.

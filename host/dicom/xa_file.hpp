@@ -32,7 +32,7 @@ struct XaStudy {
 inline constexpr std::size_t xa_frames_max = 2000;
 inline constexpr std::size_t xa_bytes_max = std::size_t{1} << 31;
 
-// Called repeatedly with the bytes done and the total; returning false stops the export.
+// The export calls it repeatedly with the bytes done and the total; a return of false stops the export.
 using XaProgress = std::function<bool(std::size_t done, std::size_t total)>;
 
 // Thrown when the progress function stops the export; nothing is left behind.

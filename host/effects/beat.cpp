@@ -20,7 +20,7 @@ double hump(double place)
     return 30.0 * rise * rise;
 }
 
-// Has mean 1 over a beat: `even` all the time and the rest in a hump of `length_s`.
+// Returns the openness, with mean 1 over a beat: `even` all the time and the rest in a hump of `length_s`.
 double openness(double even, bool is_in_hump, double place, double length_s, double beat_s)
 {
     return even + (is_in_hump ? (1.0 - even) * hump(place) * beat_s / length_s : 0.0);

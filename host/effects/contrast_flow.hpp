@@ -77,13 +77,13 @@ class ContrastFlow
 
     double held_mg() const; // in the vessels
     const IodineBudget &budget() const { return budget_; }
-    // The medium that entered each branch and did not flow back: injected into it, or carried in from the
-    // vessel upstream or from a branch downstream. Medium that it passes on to its own branches counts for
-    // both.
+    // Returns the medium that entered each branch and did not flow back: injected into it, or carried in from
+    // the vessel upstream or from a branch downstream. Medium that it passes on to its own branches counts
+    // for both.
     std::vector<double> received_mg() const;
 
-    // Everything that the next step depends on besides the vessels' shape, as bytes: open lesions must be
-    // reshaped before restoring. A snapshot of other vessels is refused.
+    // Returns all state on which the next step depends besides the vessels' shape, as bytes: open lesions
+    // must be reshaped before restoring. A snapshot of other vessels is refused.
     std::vector<std::uint8_t> snapshot() const;
     bool restore(std::span<const std::uint8_t> bytes);
 

@@ -57,8 +57,8 @@ class FlowNetwork
 
     double pressure_mmHg(std::size_t cell) const; // above the veins
 
-    // The flows that determine the stenoses' resistance, ml/s: the only state of the next solution besides
-    // its arguments.
+    // Returns the flows that determine the stenoses' resistance, ml/s: the only state of the next solution
+    // besides its arguments.
     const std::vector<double> &throat_flows_ml_s() const { return throat_flows_; }
     void set_throat_flows(std::span<const double> flows_ml_s); // as many as there are stenoses
 

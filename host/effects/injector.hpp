@@ -15,7 +15,7 @@ class Injector
     // add up. Returns the number that cancel() takes.
     std::uint64_t inject(std::uint32_t tick, std::int32_t volume_ul, std::int32_t rate_ul_s,
                          double iodine_mg_per_ml);
-    // Nothing of the injections ordered so far is given after `tick`.
+    // Ends all injections ordered so far at `tick`.
     void stop(std::uint32_t tick);
     void cancel(std::uint64_t injection); // the rest of it is not given
     bool is_empty() const { return injections_.empty(); }

@@ -33,7 +33,7 @@ void EmulatedTransport::write(std::span<const std::uint8_t> bytes)
     rig_page &page = emulator_.page();
     std::uint32_t head = page.host.to_device_head;
     const auto room = [&] { return RIG_RING_BYTES - (head - rig_read(&page.device.to_device_tail)); };
-    // A frame that fits is announced as a whole, so that the device does not start on half of it.
+    // A frame that fits is announced as a whole, so that the device does not begin to process half of it.
     while (!bytes.empty()) {
         const std::size_t wanted = std::min<std::size_t>(bytes.size(), RIG_RING_BYTES / 2);
         emulator_.wait([&] { return room() >= wanted; }, "room in the device's ring");

@@ -44,7 +44,7 @@ class Emulator
     std::uint8_t *memory() { return memory_; } // RIG_MEMORY_BYTES
     std::string memory_path() const { return folder_ + "/memory"; }
 
-    // Pause and continue, as under a debugger. No instruction runs in between.
+    // These pause and continue, as under a debugger. No instruction runs in between.
     void pause();
     void resume();
 

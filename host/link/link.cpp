@@ -55,8 +55,7 @@ void Link::send(std::uint16_t type, const crn_wire_writer &payload)
 
 // --- handshake and set-up ---
 
-// Returns true when answered. Everything else that comes belongs to a conversation that is over, whole or
-// torn.
+// Returns true when answered. Every other frame, complete or cut, belongs to an earlier conversation.
 bool Link::ask_hello(const crn_wire_hello &hello)
 {
     const std::uint8_t end_of_frame = 0; // ends a frame that an earlier host, or a cut cable, left unfinished
@@ -79,8 +78,8 @@ bool Link::ask_hello(const crn_wire_hello &hello)
     return false;
 }
 
-// Whatever was lost or torn before, both sides start again. The reply itself is lost where it follows half a
-// frame of a device that restarted; then it is requested once more.
+// Both sides start again, whatever was lost or cut before. If the device restarted in the middle of a frame,
+// the reply follows half a frame and is lost; then the host requests it once more.
 crn_wire_hello_reply Link::hello_once()
 {
     const crn_wire_hello hello = {CRN_WIRE_PROTOCOL_MAJOR, CRN_WIRE_PROTOCOL_MINOR, crn_wire_schema_hash()};
@@ -268,8 +267,8 @@ void Link::give_orders(const crn_wire_order_list &orders)
     receive_answer(CRN_WIRE_TYPE_status);
 }
 
-// Reports that the host is there, unless it has sent something since the last call. The answer is filed with
-// the other frames.
+// Sends a heartbeat, unless the host has sent something since the last call. The answer is filed with the
+// other frames.
 void Link::beat()
 {
     const crn_wire_get request = {CRN_WIRE_GET_STATUS};
@@ -291,7 +290,7 @@ void Link::say_present()
     beat();
 }
 
-// Drops the ticks of the last call; ticks that came since, with the answers to other requests, stay.
+// Drops the ticks of the last call. Ticks that arrived since then, with the answers to other requests, stay.
 void Link::drop_given()
 {
     const auto given = static_cast<std::ptrdiff_t>(ticks_given_);

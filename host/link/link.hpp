@@ -53,8 +53,8 @@ class Link
     // `patience` is the total time that the device may keep us waiting (patience.hpp).
     explicit Link(Transport &transport, Patience::Span patience = Patience::budget_default);
 
-    // The device refuses it while another program controls powered motors; it forgets a program that has gone
-    // within 50 ms.
+    // The device refuses it while another program controls powered motors. It forgets a program that has
+    // disconnected within 50 ms.
     crn_wire_hello_reply hello();
     void load_scene(std::span<const std::uint8_t> scene);
     void load_tools(std::span<const crn_wire_instrument> tools);
@@ -64,9 +64,9 @@ class Link
     crn_wire_status arm_motors(); // FREE_RUN with a rig: the next start() powers the motors
     crn_wire_status start();
     crn_wire_status stop();
-    crn_wire_status stop_at(std::uint32_t tick); // once that many ticks are done
+    crn_wire_status stop_at(std::uint32_t tick); // stops once that many ticks are done
     crn_wire_status reset();
-    void set_stream(const crn_wire_stream &stream); // events and pictures that come unasked
+    void set_stream(const crn_wire_stream &stream); // events and pictures without a request
     crn_wire_status use_lockstep();
     crn_wire_status use_free_run();
 
@@ -75,24 +75,24 @@ class Link
     std::span<const crn_wire_tick_state> step(std::span<const crn_wire_tick_input> inputs, bool want_nodes);
     std::uint32_t tick() const { return tick_; }
 
-    // FREE_RUN: sends the newest input, lets time pass and takes what the device sends meanwhile. While time
-    // passes the host sends a heartbeat with the last input at least every heartbeat_ms: after 30 ms of
-    // silence the device fades the forces.
+    // FREE_RUN: sends the newest input, lets time pass and receives what the device sends meanwhile. During
+    // that time the host sends a heartbeat with the last input at least every heartbeat_ms, because the
+    // device fades the forces after 30 ms of silence.
     static constexpr std::uint32_t heartbeat_ms = 10;
     void send_input(const crn_wire_tick_input &input); // without orders
     void say_present();                                // one heartbeat; nothing is received
     std::vector<crn_wire_tick_state> free_run(std::uint32_t milliseconds);
-    // FREE_RUN: the next tick without orders carries these out; in LOCKSTEP they are in its input. The list
-    // has at least one. Throws LinkError.
+    // FREE_RUN: the next tick without orders carries out these; in LOCKSTEP a tick's input contains its
+    // orders. The list has at least one order. Throws LinkError.
     void give_orders(const crn_wire_order_list &orders);
-    // Return the same ticks with their inputs, sensors and flags, also after an exception; and the events
-    // since the last call.
+    // These return the same ticks with their inputs, sensors and flags, also after an exception, and the
+    // events since the last call.
     const std::vector<crn_wire_live_tick> &live_ticks() const { return live_ticks_; }
     std::uint32_t ticks_lost() const { return live_.ticks_lost; }
     std::uint32_t ticks_missing() const
     {
         return ticks_missing_;
-    } // ticks that never came, lost by device or cable
+    } // number of ticks that were lost by the device or the cable
     std::vector<crn_wire_notice> take_notices();
 
     const crn_wire_nodes &nodes() const { return nodes_; } // last received
@@ -123,7 +123,8 @@ class Link
     bool is_late_refusal() const;
     bool ask_hello(const crn_wire_hello &hello);
     crn_wire_hello_reply hello_once();
-    // Receives until this type comes, after `ticks` of work; other frames are filed, refusals throw.
+    // Receives until a frame of this type comes, after `ticks` of work. Other frames are filed, and refusals
+    // throw.
     void receive_answer(std::uint16_t type, std::size_t ticks = 0);
     void file_frame();
     void file_stream();
@@ -143,7 +144,7 @@ class Link
     std::uint16_t sequence_ = 0, asked_from_ = 0; // last frame sent, and the first one of this request
     std::uint32_t tick_ = 0;
     std::optional<std::uint32_t>
-        live_tick_; // last one that came unasked; none: the next batch gives the device's tick
+        live_tick_; // last tick that came without a request; none: the next batch gives the device's tick
     std::vector<crn_wire_tick_state> free_run_states_;
     std::vector<crn_wire_live_tick> live_ticks_;
     std::size_t ticks_given_ = 0; // of both, at the last free_run()

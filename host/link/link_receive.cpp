@@ -1,6 +1,6 @@
-// Frames from the device are found in its bytes and filed by their type, and refusals are thrown. Nothing
-// that a device sends keeps the host here for ever: bytes without a frame, frames without an answer and time
-// are limited.
+// Frames from the device are found in its bytes and filed by their type, and refusals are thrown. No device
+// can keep the host here for ever: the bytes without a frame, the frames without an answer and the time are
+// limited.
 #include "host/base/interrupt.hpp"
 #include "host/link/link.hpp"
 #include "host/link/link_text.hpp"
@@ -35,7 +35,7 @@ void Link::check_patience()
                waits_for_ != 0 ? crn_wire_message_name(waits_for_) : ""));
 }
 
-// A device that sends without end is as bad as a silent one: `frames` counts down from a number that no
+// A device that sends without end is an error like a silent one: `frames` counts down from a number that no
 // correct device sends at once.
 bool Link::receive_one_of(std::uint32_t &frames)
 {
@@ -122,7 +122,7 @@ void Link::file_frame()
     }
 }
 
-// Files a batch of consecutive ticks. A repeated batch is not taken twice, and a missing one is counted.
+// Files a batch of consecutive ticks. A repeated batch is ignored, and a missing one is counted.
 void Link::file_live()
 {
     crn_wire_live live;
@@ -137,7 +137,7 @@ void Link::file_live()
         if (live_tick_) ticks_missing_ += tick - *live_tick_ - 1;
         live_tick_ = tick;
         tick_ = std::max(tick_, tick);
-        if (live_ticks_.size() == live_ticks_max) { // nobody takes them
+        if (live_ticks_.size() == live_ticks_max) { // nothing reads them
             ticks_missing_++;
             continue;
         }
@@ -146,7 +146,7 @@ void Link::file_live()
     }
 }
 
-// Files what a device sends unasked or in several frames.
+// Files what a device sends without a request or in several frames.
 void Link::file_stream()
 {
     const std::uint8_t *payload = decoder_.payload;
@@ -192,8 +192,8 @@ void Link::file_stream()
     }
 }
 
-// Returns whether a refusal concerns an earlier request, whose answer came too late, or an order that did not
-// come in a frame.
+// Returns whether a refusal concerns an earlier request whose answer came too late, or a command that did not
+// arrive in a frame.
 bool Link::is_late_refusal() const
 {
     if (decoder_.header.type != CRN_WIRE_TYPE_reject) return false;

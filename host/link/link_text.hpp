@@ -1,4 +1,4 @@
-// Formats messages with numbers in them.
+// Formats messages that contain numbers.
 #pragma once
 #include <cstdio>
 #include <string>

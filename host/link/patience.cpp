@@ -41,7 +41,7 @@ bool Patience::is_over()
 {
     if (is_interrupted() && !is_short_) {
         is_short_ = true;
-        begin_ = Clock::now(); // the time waited before is not counted
+        begin_ = Clock::now(); // the time that the host waited earlier is not counted
         left_ = std::min(left_, after_interrupt);
     }
     if (is_short_) return since(begin_) >= left_;

@@ -1,8 +1,8 @@
 // Limits how long a device may keep its host waiting, over all waits of a conversation together. A correct
 // device answers within milliseconds. Waiting beyond `free` is taken from the budget, and every quick answer
 // returns a little. So a device ends in the same bounded time if it is silent, sends without answering, or
-// answers each request just before some limit. After Ctrl-C only the time remains that a healthy device needs
-// for a clean end.
+// answers each request just before some limit. After Ctrl-C only as much time remains as a healthy device
+// needs for a clean end.
 #pragma once
 #include <chrono>
 #include <cstdint>
@@ -24,10 +24,11 @@ class Patience
     explicit Patience(Span budget = budget_default) : budget_(budget), left_(budget) {}
 
     void begin(Span more = Span{0}); // a wait begins; `more` is free as well
-    void end();                      // it ended with the expected answer
+    void end();                      // the wait ended with the expected answer
     bool is_over();                  // also after Ctrl-C
     void give_up();                  // the wait ended without an answer: all of it counts
-    Span spent() const; // time beyond the free part since the conversation began, less what was regained
+    Span spent() const; // waiting time beyond the free part since the conversation began, less what quick
+                        // answers returned
 
   private:
     Span since(Clock::time_point begin) const;

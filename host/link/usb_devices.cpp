@@ -92,7 +92,8 @@ Opened open_one(libusb_device *device)
     opened.rig.serial = usb_text(handle, descriptor.iSerialNumber, error);
     if (error != LIBUSB_ERROR_TIMEOUT) opened.rig.product = usb_text(handle, descriptor.iProduct, error);
     if (error != LIBUSB_ERROR_TIMEOUT && error != LIBUSB_ERROR_INTERRUPTED) return opened;
-    // A device that does not answer with its name will not answer other requests; each would wait as long.
+    // A device that does not answer with its name will not answer other requests either, and each would wait
+    // as long.
     opened.error = error;
     opened.rig.trouble = usb_trouble(error, "the rig at " + opened.rig.place);
     return opened;
@@ -205,7 +206,7 @@ UsbHandle usb_open(libusb_context *context, const std::string &serial)
         if (!is_rig(device)) continue;
         Opened opened = open_one(device);
         rigs.push_back(opened.rig);
-        // A rig that may not be opened could be the wanted one, if none of the others is.
+        // If none of the other rigs is the wanted one, it could be a rig that this user may not open.
         if (serial.empty() || opened.rig.serial == serial) found.push_back(std::move(opened));
     }
     if (found.size() == 1 && found[0].error == 0) return std::move(found[0].handle);
@@ -243,7 +244,7 @@ void UsbWatch::wait_ms(std::uint32_t milliseconds)
         std::this_thread::sleep_for(std::chrono::milliseconds(std::min(milliseconds, look_again_ms)));
         return;
     }
-    // Events that came while nobody waited are reported at once. Waits are short, so that Ctrl-C works soon.
+    // Events that came between two waits are reported at once. Waits are short, so that Ctrl-C works soon.
     const std::uint32_t wait = std::min(milliseconds, look_again_ms);
     timeval time{0, static_cast<suseconds_t>(wait * 1000)};
     libusb_handle_events_timeout_completed(context_.get(), &time, &changed_);

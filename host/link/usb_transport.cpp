@@ -172,7 +172,7 @@ void UsbTransport::on_read_done(Slot &slot)
     slot.is_flying = false;
     const int error = error_of(slot.transfer->status);
     if (error != 0 && failure_ == 0) failure_ = error;
-    // Bytes from before the end count too; their space was reserved.
+    // Bytes that arrived before the end count too; their space was reserved.
     const std::size_t count =
         static_cast<std::size_t>(std::clamp<int>(slot.transfer->actual_length, 0, transfer_bytes));
     for (std::size_t i = 0; i < count && ring_count_ < ring_.size(); i++)
@@ -191,7 +191,7 @@ void UsbTransport::on_write_done(Slot &slot)
     changed_.notify_all();
 }
 
-// Only a failing lock could throw here, and the caller is C code: then the program ends (noexcept).
+// Only a failing lock could throw here. The caller is C code, so the program then ends (noexcept).
 void UsbTransport::read_done(libusb_transfer *transfer) noexcept
 {
     Slot &slot = *static_cast<Slot *>(transfer->user_data);
@@ -204,7 +204,7 @@ void UsbTransport::write_done(libusb_transfer *transfer) noexcept
     slot.owner->on_write_done(slot);
 }
 
-// Cancelled transfers come back through the thread; then it ends. The memory of a transfer that never came
+// The thread receives the cancelled transfers and then ends. The memory of a transfer that never came
 // back is not freed, because the system could still write there.
 void UsbTransport::end()
 {
@@ -259,7 +259,7 @@ void UsbTransport::throw_failure() const
     throw LinkError(usb_trouble(failure_, who));
 }
 
-// It waits in slices, because a signal does not wake a condition variable.
+// The caller waits in slices, because a signal does not wake a condition variable.
 bool UsbTransport::wait(std::unique_lock<std::mutex> &hold, std::chrono::milliseconds limit,
                         const std::function<bool()> &is_done)
 {
@@ -289,7 +289,7 @@ void UsbTransport::write(std::span<const std::uint8_t> bytes)
             free = slot == writes_.end() ? nullptr : slot->get();
             return free != nullptr || failure_ != 0;
         };
-        // libusb ends each transfer after write_ms; twice that means that the thread does not run.
+        // libusb ends each transfer after write_ms; if twice that time passes, the thread does not run.
         if (!wait(hold, std::chrono::milliseconds(2 * limits_.write_ms), find))
             failure_ = LIBUSB_ERROR_TIMEOUT;
         if (failure_ != 0) throw_failure();

@@ -2,7 +2,7 @@
 // each way.
 //
 // One thread of its own serves libusb; callers see blocking reads and writes with time limits. Every wait
-// ends: with bytes, at its limit, because the device disappeared (DeviceLost), or after_interrupt_ms after
+// ends: when bytes arrive, at its limit, when the device disappears (DeviceLost), or after_interrupt_ms after
 // Ctrl-C. The destructor cancels all transfers and ends the thread. Thread rules: one caller at a time.
 #pragma once
 #include "host/link/transport.hpp"
@@ -35,7 +35,7 @@ class UsbTransport final : public Transport
     ~UsbTransport() override;
     void write(std::span<const std::uint8_t> bytes) override;
     std::size_t read(std::span<std::uint8_t> bytes) override;
-    // Sleeps; afterwards a read takes the received bytes and does not wait, until the next write.
+    // Sleeps. Afterwards, until the next write, a read returns the received bytes without waiting.
     void pass_time_ms(std::uint32_t milliseconds) override;
     std::string name() const override { return "the rig '" + serial_ + "'"; }
     // Waits until the device has accepted everything that was written.

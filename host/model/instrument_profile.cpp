@@ -16,8 +16,8 @@ namespace
 
 constexpr double same_mm = 1e-3; // boundaries closer than this count as one
 
-// The value at share u of a section: geometric for stiffness (a ground taper spans decades), linear for the
-// rest.
+// Returns the value at share u of a section: geometric for stiffness (a ground taper spans decades), linear
+// for the rest.
 double by_ratio(const Range &range, double u)
 {
     return range.is_constant() ? range.from : range.from * std::pow(range.to / range.from, u);

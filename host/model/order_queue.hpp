@@ -1,5 +1,5 @@
-// Orders to the core that wait for the ticks to come. A tick's list takes one of a kind, as the core does
-// (shared/wire/wire_orders.def); what does not fit waits for the next tick.
+// Orders to the core that wait for the coming ticks. A tick's list accepts one order of each kind, as the
+// core does (shared/wire/wire_orders.def); an order that does not fit waits for the next tick.
 //
 //   OrderQueue orders;
 //   orders.add(crn_wire_order_of_rhythm({CRN_WIRE_RHYTHM_HEART_RATE, 90}));
@@ -15,7 +15,7 @@
 namespace crn
 {
 
-// The orders of a tick.
+// Returns the orders of a tick.
 inline std::span<const crn_wire_order> orders_of(const crn_wire_order_list &list)
 {
     return {list.items, list.items_count};
@@ -25,7 +25,7 @@ inline std::span<const crn_wire_order> orders_of(const crn_wire_tick_input &inpu
     return orders_of(input.orders);
 }
 
-// The one of this kind (CRN_WIRE_KIND_*) in a list; nullptr: none.
+// Returns the order of this kind (CRN_WIRE_KIND_*) in a list, or nullptr if there is none.
 const crn_wire_order *order_of(const crn_wire_order_list &list, std::uint8_t kind);
 
 class OrderQueue
@@ -34,7 +34,7 @@ class OrderQueue
     void add(const crn_wire_order &order) { waiting_.push_back(order); }
     void clear() { waiting_.clear(); }
     bool is_empty() const { return waiting_.empty(); }
-    // The oldest one of each kind that the list has none of.
+    // Moves the oldest order of each kind that the list does not have yet.
     void move_into(crn_wire_order_list &list);
 
   private:

@@ -61,7 +61,8 @@ std::int64_t um(double m)
     return std::llround(m * 1e6);
 }
 
-// The places where the brachiocephalic and the left subclavian artery leave the root, metres along it.
+// The places where the brachiocephalic and the left subclavian artery leave the root, in metres along the
+// root.
 struct Arch {
     double begin_m = 0.0, end_m = 0.0;
 };

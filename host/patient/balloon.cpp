@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 
 constexpr double piece_m = 0.25e-3;  // along the axis: each piece is drawn as a cylinder
 constexpr double cone_slope = 0.5;   // radius lost per length of the ends
-constexpr double unfolded_m = 20e-6; // larger than the folded balloon by this much: it is filled
+constexpr double unfolded_m = 20e-6; // a balloon that is this much larger than when folded counts as filled
 constexpr double seen_behind_m =
     0.03; // distance from the introducer's opening beyond which the balloon counts as outside the patient
 constexpr std::size_t column_points_max = 1000;

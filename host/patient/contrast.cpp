@@ -81,7 +81,7 @@ std::vector<ToolBall> balls_of(const WireFrame &wire)
 
 constexpr double kPa_per_psi = 6.894757;
 constexpr double taken_out_m =
-    1e-3; // a tool that reaches no farther beyond the introducer is outside the lumens too
+    1e-3; // a tool that reaches no farther beyond the introducer also counts as outside the lumens
 
 // Returns why the flow does not pass; empty if it does.
 std::string flow_refusal(const Instrument &tool, std::span<const InnerTool> inside, double flow_ml_s,
@@ -159,7 +159,7 @@ PatientContrast::PatientContrast(const VesselTree &vessels, const std::vector<In
     moved_ = vessels;
 }
 
-// Considers the tools inside the injecting one, as far as they are in the line.
+// Considers the tools inside the injecting one, up to the length that is in the line.
 std::string PatientContrast::pressure_refusal(const Asked &asked, const crn_wire_tick_state &state) const
 {
     std::vector<InnerTool> inside;
@@ -227,7 +227,7 @@ VesselTree PatientContrast::opened_vessels() const
     return opened;
 }
 
-// Vessels open only at looks: the medium must not depend on which pictures were requested.
+// Vessels open only at looks, because the medium must not depend on which pictures were requested.
 bool PatientContrast::open_vessels(const WireFrame &wire)
 {
     if (opening_.is_empty() || wire.lesions_open == flow_open_) return false;
@@ -281,8 +281,8 @@ std::uint32_t PatientContrast::look_due() const
     return (injector_.first_tick() + look_every_ticks - 1) / look_every_ticks * look_every_ticks;
 }
 
-// Advances to the frame's tick with the tools at their last seen places; then looks at this frame if a look
-// is due.
+// Advances to the frame's tick with the tools at their last known places, then reads this frame if a look is
+// due.
 void PatientContrast::advance(const WireFrame &wire)
 {
     const std::uint32_t now = wire.tick;
@@ -402,8 +402,8 @@ void PatientContrast::make_curves()
         for (bool is_core : {false, true}) make_curves_of(branch, is_core);
 }
 
-// A column begins at its cell's face. Where a vessel ends by dividing, its branches' cells begin outside of
-// it; their columns begin at its end, otherwise there would be a gap.
+// A column begins at its cell's face. Where a vessel divides, its branches' cells begin outside of it. Their
+// columns begin at the vessel's end, because otherwise there would be a gap.
 Vector3d PatientContrast::column_begin_m(std::size_t cell) const
 {
     const FlowCells &cells = flow_.cells();

@@ -71,12 +71,12 @@ class PatientContrast
     bool was_used() const { return injector_.injected_ml() > 0.0; }
     double injected_ml() const { return injector_.injected_ml(); }
     double flow_ml_s() const { return fluid_.flow_ml_s; } // present flow of the injection
-    // The medium injected after tick `from` up to tick `to`, as in files: total volume and time, mean flow
-    // and strength.
+    // Returns the medium injected after tick `from` up to tick `to`, as in files: total volume and time, mean
+    // flow and strength.
     std::optional<RunContrast> given(std::uint32_t from, std::uint32_t to) const;
     const ContrastFlow &flow() const { return flow_; }
     double received_mg(std::size_t branch) const { return flow_.received_mg()[branch]; } // iodine
-    const VesselTree &vessels() const { return vessels_; } // in the reference pose, as baked
+    const VesselTree &vessels() const { return vessels_; } // in the reference pose, as in the scene file
     VesselTree opened_vessels() const; // and with lesions as far open as in the last frame
     const ContrastCost &cost() const { return cost_; }
 

@@ -97,7 +97,7 @@ void Patient::look(const WireFrame &wire)
     has_begun_ = true;
 }
 
-// Advances the room to `tick`; a pulse that is due there is given.
+// Advances the room to `tick`, and emits a pulse that is due there.
 void Patient::advance_room(std::uint32_t tick, const WireFrame &wire)
 {
     room_.advance(tick, wire.nodes.empty() ? nullptr : &wire.nodes.front().position_m);
@@ -110,7 +110,7 @@ void Patient::advance_room(std::uint32_t tick, const WireFrame &wire)
                                request.settles_at_once ? MeterPace::settles : MeterPace::follows));
 }
 
-// Bodies beat with the tick of the line, and walls are where the core's lesions have yielded to.
+// The bodies take the heart phase of the line's tick, and the walls take the opening of the core's lesions.
 std::span<const MovedBody> Patient::bodies_at(const WireFrame &wire)
 {
     const MotionMoment moment{wire.heart_phase32, wire.breath_phase32};

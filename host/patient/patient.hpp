@@ -1,8 +1,7 @@
 // The patient of a session: vessels with blood and contrast medium, stents, lesions that yield, heart and
-// breath, and the applied X-ray with its dose. Whoever runs a session (script, window, rig, replay) advances
-// the patient tick by tick, and the patient says what the core has to be told in the next tick. Pictures,
-// reports and scores read the state and change nothing, so a session does not depend on which of them are
-// requested.
+// breath, and the applied X-ray with its dose. The runner of a session (script, window, rig, replay) advances
+// the patient tick by tick, and the patient gives the orders to the core for the next tick. Pictures, reports
+// and scores read the state and change nothing, so a session does not depend on which of them are requested.
 //
 //   patient.command(tick, {RoomAction::inject, {...}});        in force from that tick on
 //   patient.give_orders(input.orders);                        for every tick before it is done
@@ -46,29 +45,30 @@ class Patient
     Patient(const Patient &) = delete;
     Patient &operator=(const Patient &) = delete;
 
-    // --- what happens to it ---
-    // In force from that tick on; before the look at that tick. What cannot be done now is kept in refusals()
-    // or stents()->refusals(), and said by notice(). Throws std::runtime_error for what no room can do.
+    // --- what happens to the patient ---
+    // The command is in force from that tick on; call this before the look at that tick. A command that
+    // cannot be carried out now is kept in refusals() or stents()->refusals(), and notice() reports it.
+    // Throws std::runtime_error for a command that no room can carry out.
     void command(std::uint32_t tick, const RoomCommand &command);
-    // Every tick in order, with what went in and what came out.
+    // Takes every tick in order, with its input and its result.
     void tick(const crn_wire_tick_input &input, const crn_wire_tick_state &state);
     // The next tick at which look() is needed; UINT32_MAX: none.
     std::uint32_t next_look() const;
     // Advances to the frame's tick. A rig in FREE_RUN sends its shapes at its own times: pulses between two
     // of them are made with the later one.
     void look(const WireFrame &wire);
-    // Does the same for vessels only, in a replay that begins later, until it begins.
+    // Does the same for vessels only; a replay that begins later calls this until its beginning.
     std::uint32_t next_vessel_look() const;
     void look_at_vessels(const WireFrame &wire);
     // The state depends on every tick since the first: a replay that begins later must simulate all of them.
     bool needs_beginning() const { return stents_ != nullptr; }
 
-    // --- what the core has to be told in the next tick; asked for before each. In a replay nobody asks: it
-    // is in the recording. ---
+    // --- orders to the core for the next tick; to be requested before each. A replay does not need them:
+    // they are in the recording. ---
     void give_orders(crn_wire_order_list &orders);
 
     // --- state ---
-    const Room &room() const { return room_; } // and the room's events at the last look
+    const Room &room() const { return room_; } // also the room's events at the last look
     const PatientContrast &contrast() const { return contrast_; }
     PatientStents *stents() { return stents_.get(); } // null: the session has no stents
     const PatientStents *stents() const { return stents_.get(); }
@@ -93,13 +93,13 @@ class Patient
     std::vector<MovedBody> moved_;
     std::optional<MotionMoment> moved_at_; // moment to which they were last moved
     std::vector<double> moved_open_;
-    XrayMeter meter_; // made after the scene has its bodies
+    XrayMeter meter_; // created after the scene has its bodies
     Room room_;
     PatientContrast contrast_;
     std::unique_ptr<PatientStents> stents_;
     PulseMonitor monitor_;
     crn_wire_tick_state state_{};
-    struct Asked { // of medium and stents, until its tick is over
+    struct Asked { // a command to medium or stents, until its tick is over
         std::uint32_t tick;
         RoomCommand command;
     };

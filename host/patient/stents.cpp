@@ -20,11 +20,10 @@ constexpr double length_spare_mm = 0.05; // clearance of a stent that fills the 
 constexpr double band_mm = 1.0;          // docs/balloon.md
 constexpr double wide_shares =
     2.0; // vessels wider than this many times a stent's largest diameter hold no stent
-constexpr double inside_radii =
-    1.5; // radii of a branch from its middle line within which the balloon is in it
+constexpr double inside_radii = 1.5; // the balloon is in a branch within this many radii of its centreline
 constexpr std::uint32_t q15_per_256 = 32768 / 256;
 constexpr double strut_moved_um = 100.0,
-                 strut_widened_um = 20.0; // of a ring, before the core hears of it again
+                 strut_widened_um = 20.0; // a ring that changed less needs no new order
 
 std::string millimetres(double mm)
 {
@@ -89,7 +88,7 @@ crn_wire_strut ring_of(const StentCircle &circle, std::uint8_t number, bool is_j
             static_cast<std::uint16_t>(std::clamp(micrometres(design.strut_thickness_mm), 10, 1000))};
 }
 
-// Enough for the core to be told.
+// The change is large enough for a new order to the core.
 bool has_changed(const crn_wire_strut &known, const crn_wire_strut &now)
 {
     if (known.inside_um == 0 || now.inside_um == 0) return known.inside_um != now.inside_um;
@@ -195,7 +194,7 @@ void PatientStents::tick(const crn_wire_tick_input &input, const crn_wire_tick_s
     }
 }
 
-// What the core has been told.
+// The orders that the core has carried out.
 void PatientStents::note(const crn_wire_strut &ring)
 {
     if (ring.number >= 1 && ring.number <= struts_max) known_struts_[ring.number - 1u] = ring;
@@ -226,8 +225,8 @@ std::size_t PatientStents::vessel_of(std::size_t branch)
     return walls_.size() - 1;
 }
 
-// Returns the branch around the middle of the balloon, by radii from its middle line; empty where no stent of
-// this size could be held.
+// Returns the branch around the middle of the balloon, by the distance from its centreline in radii; empty
+// where no stent of this size could be held.
 std::optional<std::size_t> PatientStents::vessel_at(const BalloonPose &pose, const MotionMoment &moment)
 {
     if (pose.points.empty()) return {};
@@ -311,8 +310,8 @@ void PatientStents::note_stages(std::uint32_t tick)
     }
 }
 
-// What the core does not know yet. Orders that a device has not confirmed by a tick's input are asked for
-// again.
+// Queues the orders that the core does not have yet. Orders that a device has not confirmed by a tick's input
+// are queued again.
 void PatientStents::ask_for_holds(const WireFrame &wire)
 {
     const std::vector<std::vector<double>> opened = opened_lists(wire, stations_);
@@ -339,7 +338,7 @@ void PatientStents::ask_for_holds(const WireFrame &wire)
     }
 }
 
-// Every stent of the shelf has numbers of its own. A ring that is not there any more is taken away.
+// Every stent of the shelf has its own ring numbers. A ring that no longer exists is removed.
 void PatientStents::ask_for_struts(const WireFrame &wire)
 {
     const std::size_t share = struts_max / std::max<std::size_t>(shelf_.size(), 1);
@@ -359,7 +358,7 @@ void PatientStents::ask_for_struts(const WireFrame &wire)
     }
 }
 
-// --- what is seen and said ---
+// --- pictures and reports ---
 
 std::vector<SweptCurve> PatientStents::curves_at(const WireFrame &wire)
 {
@@ -401,7 +400,7 @@ std::vector<StentResult> PatientStents::results()
         result.was_taken_out = true;
         results.push_back(result);
     }
-    move_walls(seen_); // back to where they were at the last look
+    move_walls(seen_); // the walls return to their places at the last look
     for (std::size_t i = 0; i < stories_.size(); ++i) {
         const Stent &stent = stents_[i];
         const Story &story = stories_[i];

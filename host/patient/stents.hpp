@@ -1,8 +1,8 @@
-// Stents in a session: mounted on the balloon, opened by it, deployed, held by the wall; what the core has to
-// know of them, and what the X-ray sees. Everything follows from the commands and from the line's shape at
-// ticks of its own, multiples of look_every_ticks, whatever pictures were asked for. What the core is told
-// goes through give_orders(), becomes part of a tick's input and is recorded; a replay feeds the core with
-// what was recorded, and computes stents again for pictures and reports.
+// Stents in a session: they are mounted on the balloon, opened by it, deployed and held by the wall. This
+// class gives the orders about them to the core, and their struts to the X-ray. Everything follows from the
+// commands and from the line's shape at fixed ticks, multiples of look_every_ticks, whatever pictures were
+// requested. The orders to the core go through give_orders(), become part of a tick's input and are recorded.
+// A replay gives the recorded orders to the core, and computes stents again for pictures and reports.
 //
 //   PatientStents stents(shelf, bodies.vessels, motion, stations, tools);
 //   stents.command(tick, {RoomAction::load_stent, {}});       the next one of the shelf onto the balloon
@@ -41,13 +41,14 @@ struct StentResult {
     std::string name, branch;                  // name, and vessel in which it is; empty: in none
     double diameter_mm = 0.0, length_mm = 0.0; // from the label
     StentStage stage = StentStage::on_balloon;
-    bool was_taken_out = false; // it left the patient unopened with its balloon, and another one was loaded
+    bool was_taken_out = false; // the stent left the patient unopened with its balloon, and another one was
+                                // loaded
     std::uint32_t loaded_tick = 0;
     std::optional<std::uint32_t> opened_tick, released_tick; // first ring opened; deployed or lost
-    StentFigures figures;                                    // empty if it never was in the patient
+    StentFigures figures;                                    // empty if the stent never was in the patient
     double stretch = 0.0, overlap_mm = 0.0; // stretch of the vessel; overlap with earlier deployed stents
     struct Lesion {
-        std::size_t number = 0; // its number in the tree
+        std::size_t number = 0; // number of the vessel in the tree
         std::string name;
         StentCoverage coverage; // mm along the branch
     };
@@ -73,7 +74,7 @@ class PatientStents
         return next_look_;
     } // tick of the next look; UINT32_MAX: none is needed
     void advance(const WireFrame &wire);
-    // What the core has to be told in the next tick.
+    // Adds the orders to the core for the next tick.
     void give_orders(crn_wire_order_list &orders) { orders_.move_into(orders); }
 
     // Returns the struts' places at this frame, which may lie between two looks. Nothing else changes.
@@ -96,7 +97,7 @@ class PatientStents
         std::optional<std::uint32_t> opened_tick, released_tick;
         std::optional<std::size_t> vessel; // index of the vessel where it is or was deployed
     };
-    struct Taken { // taken out of the patient unopened
+    struct Taken { // the stent was taken out of the patient unopened
         std::string name;
         double diameter_mm, length_mm;
         std::uint32_t loaded_tick;
@@ -127,7 +128,7 @@ class PatientStents
     std::uint32_t next_look_ = UINT32_MAX;
     double inserted_m_ = 0.0;                               // inserted length of the balloon's tool
     WireFrame seen_;                                        // the last look, without its nodes
-    std::vector<std::vector<std::uint32_t>> known_256_;     // what the core was told, per lesion and station
+    std::vector<std::vector<std::uint32_t>> known_256_;     // openings in the core, per lesion and station
     std::array<crn_wire_strut, struts_max> known_struts_{}; // rings that the core has; inside_um 0: none
     OrderQueue orders_;
     std::vector<std::string> refusals_;

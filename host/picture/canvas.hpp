@@ -15,7 +15,7 @@ struct SheetPoint {
     double x = 0.0, y = 0.0; // pixels; y grows downwards, whole numbers are the corners of pixels
 };
 
-// What is drawn outside the sheet, or outside the clip box, is left out.
+// Drawing outside the sheet or the clip box has no effect.
 class Sheet
 {
   public:

@@ -84,7 +84,8 @@ class Room
     // Commands come in the order of their ticks; one for a tick already passed takes effect at the next one.
     // Returns why a command cannot be carried out at all, otherwise an empty string.
     std::string give(std::uint32_t tick, const RoomCommand &command);
-    // The next tick at which the room needs attention: a command, a pulse, or a check of the tip. UINT32_MAX:
+    // Returns the next tick at which the room needs attention: a command, a pulse, or a check of the tip.
+    // UINT32_MAX:
     // none.
     std::uint32_t next_tick() const;
     // `tip` is the place of the leading tip at `tick`; nullptr: not known.

@@ -55,8 +55,8 @@ class RoomScreen
 
     const Room &room() const { return room_; }
     RoomStatus status() const;
-    // Writes the picture on the screen, size*size; black before the first pulse. Returns false when it equals
-    // that of the last call.
+    // Writes the picture on the screen, size*size; black before the first pulse. Returns false when the
+    // picture equals that of the last call.
     bool compose(int size, std::vector<std::uint8_t> &grey);
     const RunStore &store() const { return store_; }
 

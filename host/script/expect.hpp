@@ -61,7 +61,8 @@ class EffectsWitness final : public SessionWitness
     Patient &patient_;
 };
 
-// The state that a script checks. Spans are by tool, from the innermost; empty: not known.
+// The state that a script checks. Each span has one entry per tool, from the innermost; an empty one means
+// not known.
 struct SessionView {
     std::span<const double> inserted_m;
     std::span<const TipPlace> tips;

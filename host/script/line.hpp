@@ -28,7 +28,7 @@ inline const std::vector<Unit> turn_speed_units = {
     {"deg/s", 1.0}, {"°/s", 1.0}, {"turn/s", 360.0}, {"turns/s", 360.0}};
 inline const std::vector<Unit> time_units = {{"s", 1.0}, {"ms", 1e-3}, {"min", 60.0}};
 
-// Splits a line into words and numbers; "90deg" are two tokens; commas are spaces; '#' ends the line.
+// Splits a line into words and numbers. "90deg" is two tokens, commas count as spaces, and '#' ends the line.
 std::vector<Token> split_line(std::string_view line);
 
 // One line that is being read.

@@ -1,4 +1,4 @@
-// The statements of a session script that ask something of heart and breath (docs/session.md, docs/heart.md).
+// The statements of a session script that control heart and breath (docs/session.md, docs/heart.md).
 #pragma once
 #include "host/script/line.hpp"
 #include "shared/wire/wire.h"
@@ -7,11 +7,11 @@
 namespace crn
 {
 
-inline constexpr std::uint16_t premature_usual_milli = 600; // of the interval: when a premature beat comes
+inline constexpr std::uint16_t premature_usual_milli = 600; // share of the interval before the beat
 
 const std::vector<std::string> &rhythm_verbs();
 
-// The rest of a line that begins with one of them. Throws FileError with place and range.
+// Parses the rest of a line that begins with one of these statements. Throws FileError with place and range.
 crn_wire_order parse_rhythm(LineParser &line, const std::string &verb);
 
 } // namespace crn

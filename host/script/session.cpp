@@ -75,7 +75,7 @@ bool is_same_hand(const HandMove &a, const HandMove &b)
     return a.axis == b.axis && (a.moves_all || b.moves_all || a.tool == b.tool);
 }
 
-// Keeps the room's requested settings from statement to statement.
+// Remembers the room's requested settings from statement to statement.
 class SessionParser
 {
   public:

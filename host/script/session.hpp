@@ -35,13 +35,13 @@ struct HandMove {
     std::optional<std::int64_t> until_inserted_um;
 };
 
-// The inflator goes to a pressure at a steady rate.
+// The inflator changes to a pressure at a steady rate.
 struct Inflation {
     std::int32_t kPa = 0, kPa_per_s = 100;
 };
 
-// One line of the script: moves of hands (together), a tool that is steered, a pause, the inflator's way,
-// commands to the room, something asked of heart and breath, or what must be true.
+// One line of the script: simultaneous moves of hands, a tool to steer, a pause, a change of the inflator's
+// pressure, commands to the room, orders to heart and breath, or an expectation.
 struct Statement {
     int line = 0;
     std::vector<HandMove> moves;
@@ -81,7 +81,7 @@ class SessionPlayer
     // only when wants_tips() returns true.
     void observe(const SessionView &view);
     void observe(std::span<const double> inserted_m) { observe(SessionView{inserted_m, {}, nullptr}); }
-    // The present statement needs the places of the tips, or expects something.
+    // Returns whether the present statement needs the places of the tips, or is an expectation.
     bool wants_tips() const;
     bool expects() const { return !is_done() && session_.statements[statement_].expectation.has_value(); }
     // Returns the room's commands since the last call; before the first next() these are the commands at the
@@ -144,7 +144,7 @@ class SessionPlayer
     std::vector<std::string> failures_;
 };
 
-// Whether the script steers by vessels or expects something of them.
+// Returns whether the script steers by vessels or has expectations of them.
 bool names_vessels(const Session &session);
 
 } // namespace crn

@@ -17,8 +17,8 @@ constexpr std::int64_t mm = 1000; // um
 struct Habit {
     double speed_m_s, depth_m, limit_s;
     std::int64_t stall_um;    // displacement without getting nearer: the shaft buckles, or the tip is caught
-    std::int64_t rest_ticks;  // wait until the tip has followed a turn
-    std::int64_t watch_ticks; // wait in the goal before it counts; one beat where it beats
+    std::int64_t rest_ticks;  // waiting time until the tip has followed a turn
+    std::int64_t watch_ticks; // waiting time in the goal before it counts; one beat if the heart beats
 };
 constexpr Habit steering{0.04, 0.020, 120.0, 40 * mm, 300, 200};
 constexpr Habit engaging{0.015, 0.004, 180.0, 60 * mm, 400, 1000};
@@ -129,7 +129,7 @@ void Steerer::begin(Stage stage)
     }
 }
 
-// Brings the hand to rest, then continues with another stage.
+// Brings the hand to rest, then continues with the next stage.
 void Steerer::stop_for(Stage next)
 {
     run_->stop(stage_tick_);
@@ -145,8 +145,8 @@ std::int64_t Steerer::spin_of(int attempt) const
     return attempt % 3 == 2 ? -spin_counts_per_s : spin_counts_per_s;
 }
 
-// Turning by the golden angle soon tries every orientation of a bent tip. A guide is shaped to need little
-// turning: small angles come first, to both sides.
+// Turning by the golden angle soon tries every orientation of a bent tip. A guide's shape needs little
+// turning, so small angles come first, to both sides.
 std::int64_t Steerer::next_angle()
 {
     const std::int64_t k = turns_++;
@@ -170,7 +170,7 @@ void Steerer::observe(const TipPlace &tip, std::int64_t inserted_um)
         begin(is_in_goal(what_.depth_um) ? Stage::watch : Stage::push);
     }
     if (run_ && run_->is_stopping()) return;
-    // A turn near the ostium may have been all that was missing.
+    // A turn near the ostium may have been sufficient.
     const bool turns = stage_ == Stage::turn || stage_ == Stage::rest;
     if (what_.engages && turns && is_in_goal(mouth_um)) return begin(Stage::seat);
     if (stage_ == Stage::push) look_pushing();
@@ -206,7 +206,8 @@ void Steerer::look_pushing()
     const bool is_astray = way_.astray_um > reach_um_ || left_um() > best_um_ + reach_um_;
     const bool is_stalled = now_.translation - best_at_ > habit_of(what_.engages).stall_um;
     if (!is_astray && !is_stalled) return;
-    // Beyond an ostium in a wide vessel, pulling back over the ostium is another try, with another turn.
+    // If the tip has passed an ostium in a wide vessel, pulling it back over the ostium is another try, with
+    // another turn.
     if (what_.engages && is_astray) {
         go_back();
         after_turn_ = Stage::pull;
@@ -227,7 +228,7 @@ void Steerer::go_back()
 void Steerer::look_pulling(std::int64_t inserted_um)
 {
     was_in_goal_ = was_in_goal_ && is_in_goal(0);
-    if (!was_in_goal_ && is_in_goal(mouth_um)) // it fell into the ostium while being pulled back
+    if (!was_in_goal_ && is_in_goal(mouth_um)) // the tip entered the ostium while it was pulled back
         return stop_for(what_.engages ? Stage::seat : Stage::push);
     const std::int64_t back_um = back_um_ * std::min(1 + tries_ / tries_per_step_back,
                                                      what_.engages ? engage_steps_back_max : steps_back_max);
@@ -249,7 +250,7 @@ void Steerer::look_seating()
     seat_misses_ = is_deeper ? 0 : seat_misses_ + 1;
     seat_best_um_ = std::max(seat_best_um_, way_.inside_um);
     if (seat_misses_ < seat_misses_max) return begin(Stage::seat);
-    // Where a lesion narrows the ostium a guide goes no deeper, and counts as engaged nevertheless.
+    // If a lesion narrows the ostium, a guide goes no deeper and counts as engaged nevertheless.
     if (is_in_goal(what_.depth_um / 2)) return begin(Stage::watch);
     go_back();
     begin(Stage::pull);

@@ -54,7 +54,7 @@ class Steerer
 
     bool is_done() const { return stage_ == Stage::done; }
     bool has_failed() const { return stage_ == Stage::failed; }
-    // The reason, with the place of the tip and a remedy.
+    // Returns the reason, with the place of the tip and a remedy.
     std::string failure() const;
     int tries() const { return tries_; }
     std::int64_t ticks() const { return tick_; }
@@ -89,8 +89,8 @@ class Steerer
     Stage stage_ = Stage::rest, after_ = Stage::push, after_turn_ = Stage::push;
     std::int64_t tick_ = 0, stage_tick_ = 0;
     Counts base_, now_;
-    std::optional<SteadyMove> run_, spin_; // push and pull; and a simultaneous turn
-    std::optional<Move> stroke_, twist_;   // for seat; for turn
+    std::optional<SteadyMove> run_, spin_; // push and pull, and a simultaneous turn
+    std::optional<Move> stroke_, twist_;   // for the stages seat and turn
     std::int64_t rest_ticks_ = 0;
     std::int64_t angle_ = 0; // angle of the hand relative to the beginning
 

@@ -17,7 +17,8 @@ struct BalloonSample {
 
 struct BalloonFigures {
     static constexpr std::uint32_t sample_every_ticks = 40;
-    static constexpr std::uint32_t up_kPa = 50; // from this pressure on it is unfolded (docs/balloon.md)
+    static constexpr std::uint32_t up_kPa = 50; // from this pressure on the balloon is unfolded
+                                                // (docs/balloon.md)
 
     bool is_there = false; // whether some tool has a balloon
     std::uint32_t pressure_max_kPa = 0, pressure_max_tick = 0;

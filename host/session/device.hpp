@@ -1,4 +1,4 @@
-// A device with everything set up for a session: handshake, scene, tools, entry, rig, armed and started.
+// A device that is ready for a session: handshake done, scene, tools, entry and rig set, armed and started.
 #pragma once
 #include "host/effects/pulse.hpp"
 #include "host/link/link.hpp"
@@ -51,7 +51,7 @@ class Device
     // Continues from a snapshot of the same session.
     void restore(std::span<const std::uint8_t> snapshot);
 
-    // Steps like Link::step, for a session that survives an unplugged cable (docs/rig.md, "Unplugged in a
+    // Steps like Link::step, but the session survives an unplugged cable (docs/rig.md, "Unplugged in a
     // session"). When the device disappears and comes back within the choice's `return_limit_ms`, the last
     // snapshot is restored. The inputs since then are repeated and their results compared with the former
     // ones, and the session continues bit for bit. Throws LinkError when the device does not come back or
@@ -59,16 +59,17 @@ class Device
     std::span<const crn_wire_tick_state> step(std::span<const crn_wire_tick_input> inputs, bool want_nodes);
     // Makes any other request of the link with the same protection.
     void ask(const std::function<void(Link &)> &request);
-    // The contents of a recording besides the ticks. For a rig they are first compared with this machine's
-    // core (witness.hpp), as are the ticks themselves; each throws LinkError when they differ.
-    Hash64 read_hash64();                      // of the last tick given or stepped
-    std::optional<Hash64> last_hash64();       // last unasked one, of a tick up to the last one
+    // These return the contents of a recording besides the ticks. For a rig they are first compared with this
+    // machine's core (witness.hpp), as are the ticks themselves. Each function throws LinkError when they
+    // differ.
+    Hash64 read_hash64();                      // hash of the last tick given or stepped
+    std::optional<Hash64> last_hash64();       // last one that came without a request
     std::vector<std::uint8_t> read_snapshot(); // LOCKSTEP
     std::uint32_t resumes() const { return resumes_; }
     // The device runs on its own clock and applies a host time-out.
     bool has_its_own_clock() const { return choice_.is_usb && pipe_ != nullptr; }
 
-    // FREE_RUN (the choice's free_run): lets `milliseconds` of the session pass, or of a disconnected cable.
+    // FREE_RUN (the choice's free_run): lets `milliseconds` pass, of the session or of a disconnected cable.
     // Every tick is given once and in order. After an unplug the session continues from the last received
     // tick, with the hands where they are then (FreeRunSink::resumed). Throws LinkError with the cause when
     // the device stopped, or does not come back.
@@ -116,7 +117,7 @@ class Device
     std::vector<crn_wire_tick_input> inputs_; // steps since the snapshot
     std::vector<Hash> hashes_;                // their results
     std::uint32_t resumes_ = 0, resumes_here_ = 0, resumes_from_tick_ = 0;
-    std::unique_ptr<Witness> witness_; // for a device that is not in this process
+    std::unique_ptr<Witness> witness_; // only for a device that is not in this process
     std::optional<Hash64> hash_;       // the last one that was compared
 
     std::uint32_t given_tick_ = 0;                  // FREE_RUN: the last given tick

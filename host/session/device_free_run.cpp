@@ -20,7 +20,7 @@ namespace
 constexpr std::uint32_t look_ms = 5;         // the device has read its rig by then
 constexpr std::uint32_t silent_max_ms = 500; // without a tick
 constexpr std::uint32_t stop_ahead_ticks = 40, stop_limit_ms = 2000;
-// A coupling with which all five situations of docs/haptics.md were quiet.
+// With this coupling all five situations of docs/haptics.md were quiet.
 constexpr std::uint32_t coupling_N_per_m = 800, coupling_uN_m_per_rad = 2000;
 
 // Returns at most four fifths of the stiffest spring that the device accepts. Its rule is: gain above one x
@@ -43,7 +43,7 @@ void couple(crn_wire_track &track)
 
 } // namespace
 
-// The rig keeps its own calibration and limits; tracks get couplings only if their motors can apply them.
+// The rig keeps its own calibration and limits. A track gets a coupling only if its motors can apply it.
 crn_wire_rig Device::free_run_rig(const crn_wire_rig &own) const
 {
     crn_wire_rig rig = own;
@@ -131,7 +131,7 @@ bool Device::take_live(FreeRunSink &sink)
     return true;
 }
 
-// A snapshot that is under way is waited for.
+// Waits for a snapshot that is being received.
 void Device::ask_snapshot()
 {
     if (!choice_.may_return() || inputs_.size() < free_run_kept_max || !snapshot_to_come_.empty()) return;
@@ -151,7 +151,7 @@ void Device::check_running(FreeRunSink &sink)
     if (!is_changed) return;
     const crn_wire_status status = link_->read_status();
     if (status.state == CRN_WIRE_STATE_RUNNING && silent_ms_ <= silent_max_ms) return;
-    link_->free_run(look_ms); // ticks that were still under way
+    link_->free_run(look_ms); // ticks that were still in transit
     take_live(sink);
     const std::string at = " at tick " + std::to_string(given_tick_);
     if (status.state == CRN_WIRE_STATE_FAULT) {

@@ -1,5 +1,5 @@
-// Running a Device's session: opening, set-up, steps, and continuing after the device disappeared and came
-// back.
+// Runs a Device's session: opens and sets up the device, steps it, and continues after it disappeared and
+// came back.
 #include "host/base/interrupt.hpp"
 #include "host/link/usb_devices.hpp"
 #include "host/session/device.hpp"
@@ -12,7 +12,7 @@ namespace crn
 namespace
 {
 
-// Limits can only be lowered, so a host requests no more than the device has.
+// Limits can only be lowered, so the host requests no limit above the device's own.
 crn_wire_rig within_limits(crn_wire_rig rig, const crn_wire_rig &present)
 {
     for (std::uint16_t k = 0; k < std::min(rig.tracks_count, present.tracks_count); k++) {
@@ -197,7 +197,7 @@ void Device::resume()
     count_resume(tick);
     std::fprintf(stderr, "cournand: the device went away at tick %u; waiting up to %u s for it\n",
                  unsigned{tick}, unsigned{choice_.return_limit_ms / 1000});
-    pipe_.reset(); // Link holds a reference to it, and is replaced before its next use
+    pipe_.reset(); // the Link holds a reference to it, and is replaced before its next use
     if (!wait_for_device(choice_)) {
         throw LinkError("the device went away at tick " + std::to_string(tick) +
                         " and did not come back. Remedy: check cable and power, then begin the session "

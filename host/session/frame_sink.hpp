@@ -1,5 +1,5 @@
-// An observer of a session that does not affect it: pictures, referees. It receives the line at the ticks
-// that it names, after the patient has reached that tick.
+// An observer of a session that does not affect the session, such as pictures or referees. It receives the
+// line at the ticks that it names, after the patient has reached that tick.
 #pragma once
 #include "host/model/wire_frame.hpp"
 #include "shared/wire/wire.h"
@@ -9,7 +9,7 @@
 namespace crn
 {
 
-// One tool as its hand perceives it.
+// The motion and forces of one tool as its hand perceives them.
 struct ToolReading {
     double inserted_m = 0.0;
     double turned_deg = 0.0; // of the hand since the start

@@ -8,9 +8,9 @@ namespace crn
 namespace
 {
 
-// The force limit of a hand's axis, and its slip beyond that. The slip is the excess divided by a stiffness
-// like that of a finger's skin (10 N/mm, 1 N m/rad), and no faster than a hand moves. So a contact that is
-// stiffer than this returns to the limit within some ticks.
+// The force limit of a hand's axis, and the slip beyond that limit. The slip is the excess divided by a
+// stiffness like that of a finger's skin (10 N/mm, 1 N m/rad), and no faster than a hand moves. So the force
+// of a stiffer contact returns to the limit within some ticks.
 struct Limits {
     std::int64_t force;          // in the format of tick_state
     std::int64_t counts_per_one; // counts of slip for one newton or newton metre of excess
@@ -26,7 +26,7 @@ std::int64_t slip_of(const Limits &limits, std::int64_t force)
     if (excess <= 0) return 0;
     const std::int64_t counts =
         std::min(((excess * limits.counts_per_one) >> limits.fraction_bits) + 1, limits.counts_max);
-    return force > 0 ? counts : -counts; // a force that pushes out makes the tool stay behind
+    return force > 0 ? counts : -counts; // a force that pushes the tool out makes it lag behind the hand
 }
 
 bool is_a_fifth(const Limits &limits, std::int64_t force)

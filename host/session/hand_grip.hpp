@@ -23,7 +23,7 @@ class HandGrip
 {
   public:
     static constexpr std::int64_t force_limit_N = 25, torque_limit_mN_m = 50;
-    // Above a fifth of a limit every tick is checked, below it one in this many.
+    // Above a fifth of a limit every tick is checked; below it, one tick in this many.
     static constexpr std::uint32_t look_every_ticks = 16;
     static constexpr std::size_t tools_max = 3;
 

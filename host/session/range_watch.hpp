@@ -39,10 +39,10 @@ class RangeWatch
     bool is_placed() const
     {
         return is_placed_;
-    } // the range was left, and its place is searched: there is nothing more to wait for
+    } // the range was left and its place has been looked up: nothing remains to be done
     const std::optional<RangeBreak> &left() const { return left_; }
-    // Returns whether there is a break whose place is wanted now. `is_last` means that no later tick will be
-    // read.
+    // Returns whether the range was left and its place must be read now. `is_last` means that no later tick
+    // will be read.
     bool wants_place(std::uint32_t tick, bool is_last) const;
     // Reads the place from the device. Throws LinkError.
     void find_place(Link &link);

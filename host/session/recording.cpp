@@ -13,7 +13,7 @@ namespace
 
 constexpr std::uint32_t ticks_max = 1u << 26; // 18 hours
 
-// Reads chunk after chunk; knows where it is for the message.
+// Reads chunk after chunk, and remembers its position for messages.
 class Reader
 {
   public:
@@ -279,7 +279,8 @@ const RecordedSnapshot *Recording::snapshot_before(std::uint32_t tick) const
 
 const RecordedSnapshot *Recording::resumed_at(std::uint32_t tick) const
 {
-    const RecordedSnapshot *last = nullptr; // of several at one tick: the device went again before it did any
+    const RecordedSnapshot *last = nullptr; // several may have the same tick, if the device disappeared again
+                                            // before its next tick
     for (const RecordedSnapshot &resume : resumes) {
         if (resume.tick == tick) last = &resume;
     }

@@ -30,10 +30,10 @@ struct RecordingHeader {
     std::string scene_path;
     std::string session_path;
     std::vector<Instrument>
-        tools; // from the innermost; the tables decide the session, the layers its picture
+        tools; // from the innermost; the tables determine the session, the layers only its picture
     crn_wire_entry entry{};
     crn_wire_rig rig{};
-    std::vector<StentDesign> stents{}; // that load_stent mounts, in this order
+    std::vector<StentDesign> stents{}; // load_stent mounts them in this order
 };
 
 struct RecordedTick {
@@ -61,9 +61,10 @@ struct Recording {
     std::vector<RecordedTick> ticks; // ticks[i] led from tick i to tick i + 1
     std::vector<RecordedHash> hashes;
     std::vector<RecordedSnapshot> snapshots;
-    std::vector<RecordedCommand> commands; // to the room, in order of time
-    std::vector<RecordedSnapshot> resumes; // FREE_RUN after an unplug: the session goes on from this state
-    bool is_complete = false;              // closed properly; otherwise cut off after the last whole chunk
+    std::vector<RecordedCommand> commands; // commands to the room, in order of time
+    std::vector<RecordedSnapshot> resumes; // FREE_RUN after an unplug: the session continues from this state
+    bool is_complete = false;              // the recording was closed properly; otherwise it was cut off
+                                           // after the last whole chunk
 
     const RecordedSnapshot *snapshot_before(std::uint32_t tick) const; // nullptr: start from the beginning
     const RecordedSnapshot *resumed_at(std::uint32_t tick) const;      // nullptr: nothing happened there
@@ -100,9 +101,9 @@ class Recorder
     static constexpr std::uint32_t ticks_per_chunk = 500;
     static constexpr std::uint32_t snapshot_every_ticks = 5000;
 
-    // Throws RecordingError when the file cannot be written, now or later. Until it is finished or given up,
-    // the recording stands beside its name, as "path.partPID-RANDOM": a killed program leaves it there, and
-    // it can be replayed.
+    // Throws RecordingError when the file cannot be written, now or later. Until the recording is finished or
+    // given up, its file is called "path.partPID-RANDOM". A killed program leaves this file, and it can be
+    // replayed.
     Recorder(const std::string &path, const RecordingHeader &header);
     ~Recorder(); // closes as a cut-off recording unless finish() was called
 

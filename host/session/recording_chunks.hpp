@@ -1,4 +1,5 @@
-// The chunks of a recording, one after the other: for the reader and for the conversion of older versions.
+// Reads the chunks of a recording one after the other, for the reader and for the conversion of older
+// versions.
 #pragma once
 #include "host/session/recording.hpp"
 #include <span>
@@ -8,15 +9,15 @@
 namespace crn::recording_format
 {
 
-// Can a chunk of this kind have so many bytes? A length that is none is damage, and no sign of a file that
-// was cut off. `is_known`: the version has chunks of this kind.
+// Returns whether a chunk of this kind can have so many bytes. An impossible length means that the file is
+// damaged, not that it was cut off. `is_known`: the version has chunks of this kind.
 struct ChunkRules {
     bool (*is_known)(std::uint32_t kind);
     bool (*is_size_of)(std::uint32_t kind, std::size_t bytes, std::size_t tool_count);
 };
 extern const ChunkRules present_rules;
 
-// What stands before the first chunk: magic and version.
+// The bytes before the first chunk: magic and version.
 struct VersionMark {
     bool is_recording = false;
     char version = 0;
@@ -36,9 +37,9 @@ class ChunkReader
 
     // Throws RecordingError that names file and byte.
     [[noreturn]] void fail(RecordingFault fault, const std::string &text) const;
-    // The first chunk, which is the head. Throws RecordingError.
+    // Reads the first chunk, which is the head. Throws RecordingError.
     void read_head(const ChunkRules &rules);
-    // False at the end, or where the file was cut off. Damage is another matter: it throws.
+    // Returns false at the end, or where the file was cut off. Throws if the file is damaged.
     bool next(const ChunkRules &rules, std::size_t tool_count);
     bool is_at_end() const { return position_ == bytes_.size(); }
     void check_used_up(const char *what) const;

@@ -1,4 +1,4 @@
-// What recorder and reader share: chunk kinds, their sizes and the header's codec.
+// The parts that recorder and reader share: chunk kinds, their sizes and the header's codec.
 #pragma once
 #include "host/session/recording.hpp"
 #include <bit>
@@ -34,8 +34,8 @@ inline constexpr std::size_t stent_bytes_max = 1024;
 inline constexpr std::size_t recorded_stents_max = 64;
 inline constexpr double side_holes_end_max_m = 2.0, side_hole_diameter_max_m = 0.01;
 inline constexpr std::size_t head_bytes_max = 1 << 17;
-// Of one tick: the record `tick_input` with that many hands, and two hash lanes; with all the orders that a
-// tick may have, and without any.
+// Bytes of one tick: the record `tick_input` with that many hands, and two hash lanes. The first is with all
+// orders that a tick may have, the second without any.
 constexpr std::size_t tick_bytes_max(std::size_t tool_count)
 {
     return CRN_WIRE_BYTES_tick_input - (CRN_WIRE_TOOL_MAX - tool_count) * CRN_WIRE_BYTES_hand + 8;
@@ -45,7 +45,7 @@ constexpr std::size_t tick_bytes_min(std::size_t tool_count)
     return tick_bytes_max(tool_count) -
            static_cast<std::size_t>(CRN_WIRE_MAX_order_list_items) * CRN_WIRE_BYTES_order;
 }
-// The same of protocol 4: hands, buttons, syringe, inflator, the fields of every kind of order, and the
+// The same for protocol 4: hands, buttons, syringe, inflator, the fields of every kind of order, and the
 // lanes.
 constexpr std::size_t old_tick_bytes(std::size_t tool_count)
 {
@@ -64,8 +64,8 @@ inline constexpr double balloon_max_kPa = 1e4, balloon_profile_max_m = 0.05, bal
 inline constexpr std::size_t hash_bytes = 4 + 8; // HASH and END
 inline constexpr std::size_t state_bytes_max = 4 + (1 << 20);
 
-// Can a chunk of this kind have so many bytes? A length that is none is damage, and no sign of a file that
-// was cut off.
+// Returns whether a chunk of this kind can have so many bytes. An impossible length means that the file is
+// damaged, not that it was cut off.
 constexpr bool is_size_of(std::uint32_t kind, std::size_t bytes, std::size_t tool_count)
 {
     switch (kind) {

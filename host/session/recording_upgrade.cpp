@@ -75,7 +75,7 @@ class Upgrade
         bytes_.insert(bytes_.end(), chunk.begin(), chunk.end());
     }
 
-    // Everything stays but the schema hash.
+    // Everything except the schema hash stays as it is.
     void take_head()
     {
         crn_wire_reader &payload = chunks_.payload();
@@ -152,7 +152,7 @@ class Upgrade
         return input;
     }
 
-    // Fields of a kind that nobody asked for are all 0.
+    // If a tick has no order of a kind, all fields of that kind are 0.
     void read_orders(crn_wire_order_list &orders)
     {
         const auto take = [&](bool is_there, const crn_wire_order &order) {
@@ -179,7 +179,7 @@ class Upgrade
         take(strut.number != 0, crn_wire_order_of_strut(strut));
     }
 
-    // Version 2: the whole view at once. Only what differs from the view before becomes a command.
+    // Version 2 stored the whole view at once. Only the differences from the previous view become commands.
     void take_view()
     {
         const std::uint32_t tick = chunks_.read_u32();
@@ -219,7 +219,7 @@ class Upgrade
 std::vector<std::uint8_t> upgraded_recording(std::span<const std::uint8_t> bytes, const std::string &name)
 {
     std::vector<std::uint8_t> converted = Upgrade(bytes, name).run();
-    parse_recording(converted, name); // what was inconsistent stays so, and is refused
+    parse_recording(converted, name); // an inconsistent chunk stays inconsistent, and is refused
     return converted;
 }
 

@@ -1,16 +1,16 @@
-// Recordings of protocol 4 (versions 2 and 3), made into recordings of this program's version: the same
-// ticks, hashes and states, so that a replay ends with the same hash.
+// Converts recordings of protocol 4 (versions 2 and 3) to this program's version. Ticks, hashes and states
+// are the same, so a replay ends with the same hash.
 #pragma once
 #include "host/session/recording.hpp"
 
 namespace crn
 {
 
-// What was cut off stays cut off. Throws RecordingError for what is damaged, has this version already, or was
-// written with another wire schema than the last one of protocol 4.
+// A cut-off recording stays cut off. Throws RecordingError for a recording that is damaged, already has this
+// version, or was written with a wire schema other than the last one of protocol 4.
 std::vector<std::uint8_t> upgraded_recording(std::span<const std::uint8_t> bytes, const std::string &name);
 
-// The same for files: the new one has its name when it is whole. Throws RecordingError, OutputError.
+// Converts a file. The new file gets its name only when it is complete. Throws RecordingError, OutputError.
 Recording upgrade_recording(const std::string &path, const std::string &new_path);
 
 } // namespace crn

@@ -214,7 +214,7 @@ class Replayer
         return command_ < recording_.commands.size() && recording_.commands[command_].tick <= tick;
     }
 
-    // What was asked for up to the present tick.
+    // The commands that were given up to the present tick.
     void pass_commands()
     {
         for (; is_command_due(link_.tick()); command_++) {
@@ -255,7 +255,7 @@ class Replayer
     crn_wire_tick_state state_{};
     Clock::time_point begin_;
     std::uint32_t begin_tick_ = 0, hash_tick_ = 0;
-    std::size_t command_ = 0; // the next one that is not passed on
+    std::size_t command_ = 0; // the next one that has not been passed on
 };
 
 } // namespace

@@ -42,8 +42,8 @@ struct ReplayResult {
     std::string difference; // the difference found
 };
 
-// `patient` and `sink` may be nullptr: what the core was told is in the recording. Throws LinkError. Stops at
-// the first difference when it verifies.
+// `patient` and `sink` may be nullptr, because the orders to the core are in the recording. Throws LinkError.
+// When it verifies, it stops at the first difference.
 ReplayResult replay_recording(Device &device, const Recording &recording, Patient *patient, FrameSink *sink,
                               const ReplaySettings &settings);
 

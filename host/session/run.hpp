@@ -29,25 +29,27 @@ struct RunResult {
     std::vector<GripFigures> grips; // of a script's hands, one per tool
     std::vector<SteeringResult> steered;
     std::vector<ExpectationResult> expected;
-    std::vector<std::string> failures; // of the script: goals not reached and expectations that did not hold
+    std::vector<std::string> failures; // the script's goals that were not reached and expectations that did
+                                       // not hold
     std::vector<TipPlace> tips;        // at the end, from the innermost tool; empty: not known
-    std::uint32_t resumes = 0;         // how often the device disappeared and came back
+    std::uint32_t resumes = 0;         // number of times that the device disappeared and came back
     std::string stopped_by;            // FREE_RUN: why the device stopped
     std::uint32_t late_ticks = 0, powered_ticks = 0, pictures = 0; // FREE_RUN
     crn_wire_fault_log faults{};
 };
 
-// FREE_RUN: what the patient wants the core to know, one tick's orders a round, because a device keeps few.
-// What it does not take up is asked for again at the next look.
+// FREE_RUN: passes on the patient's orders to the core, those of one tick per round, because a device keeps
+// few. Orders that the device does not carry out are given again at the next look.
 void send_orders(Link &link, Patient &patient);
 
 // `recorder` and `sink` may be nullptr. Throws LinkError, RecordingError.
 RunResult run_session(Device &device, Patient &patient, const Session &session, Recorder *recorder,
                       FrameSink *sink, const RunSettings &settings);
 
-// FREE_RUN: `seconds` of a session that the device leads, 0: until Ctrl-C, which ends it properly. The rig's
-// first button is the X-ray pedal, its second the cine pedal. `begin`: what the room is asked for at the
-// start. A rig that stops ends it: `stopped_by` says why, and everything up to there is valid.
+// FREE_RUN: runs `seconds` of a session that the device leads, or with 0 until Ctrl-C, which ends it
+// properly. The rig's first button is the X-ray pedal, its second the cine pedal. `begin` has the room's
+// commands at the start. The session ends when the rig stops; `stopped_by` gives the reason, and everything
+// up to that tick is valid.
 RunResult run_free_session(Device &device, Patient &patient, const std::vector<RoomCommand> &begin,
                            double seconds, Recorder *recorder, FrameSink *sink, const RunSettings &settings);
 
@@ -56,7 +58,7 @@ RunResult run_free_session(Device &device, Patient &patient, const std::vector<R
 nlohmann::ordered_json report_of(const RunResult &result, const std::string &scene,
                                  const std::vector<Instrument> &tools, const std::string &session,
                                  Patient &patient);
-// Returns the session's cost on this machine: it is never the same twice.
+// Returns the session's cost on this machine, which differs from run to run.
 nlohmann::ordered_json timing_of(const RunResult &result, const Patient &patient);
 // Writes either of them as a file. Throws OutputError.
 void write_report(const std::string &path, const nlohmann::ordered_json &report);

@@ -19,7 +19,7 @@ void send_orders(Link &link, Patient &patient)
     try {
         link.give_orders(orders);
     } catch (const DeviceLost &) {
-        // The next round finds the device gone as well, and waits for it.
+        // The next round also finds that the device is gone, and waits for it.
     }
 }
 
@@ -147,7 +147,7 @@ class FreeRunner final : private FreeRunSink
         try {
             result_.faults = device_.link().read_fault_log();
         } catch (const LinkError &) {
-            // A rig that is gone has no log to read.
+            // The log of a rig that is gone cannot be read.
         }
     }
 

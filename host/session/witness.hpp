@@ -1,6 +1,6 @@
 // Repeats a rig's session on this machine's core in parallel, and accepts the rig's results only where both
 // agree. So no hash, snapshot or picture of a device that lies, is broken, or computes with damaged memory
-// gets into a recording. It finds before writing what `replay --verify` would find later.
+// gets into a recording. The witness finds before writing what `replay --verify` would find later.
 #pragma once
 #include "host/link/link.hpp"
 #include "host/link/sim_transport.hpp"
@@ -28,7 +28,7 @@ class Witness
               const crn_wire_nodes *nodes);
     // In FREE_RUN the hashes are compared; forces of motors are the rig's own.
     void tick(const crn_wire_tick_input &input, const crn_wire_tick_state &state);
-    // Compares the hash of the present tick, or of one of the last hundreds.
+    // Compares the hash of the present tick, or of one of the last multiples of 100 ticks.
     void hash(const Hash64 &told);
     // Compares the snapshot of the present tick, from which the session may continue. In LOCKSTEP every byte
     // counts; otherwise the core's state in it.

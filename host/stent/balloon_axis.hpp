@@ -36,7 +36,7 @@ class BalloonAxis
         double radius_mm = 0.0, room_mm = std::numeric_limits<double>::infinity();
     };
     Place at(double arc_mm) const;
-    // The frame's first axis at the first point, to be passed to the next picture.
+    // Returns the frame's first axis at the first point, to be passed to the next picture.
     Eigen::Vector3d across() const
     {
         return points_.empty() ? Eigen::Vector3d::UnitX() : points_.front().across;

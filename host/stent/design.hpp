@@ -37,7 +37,7 @@ struct StentDesign {
     double radius_on_mm(double balloon_radius_mm) const { return balloon_radius_mm + strut_thickness_mm / 2; }
     double nominal_radius_mm() const { return radius_on_mm(diameter_mm / 2); }
 
-    // Chord between the two crowns of a strut, round the axis: 2 r sin(pi / 2 N).
+    // Returns the chord between the two crowns of a strut, round the axis: 2 r sin(pi / 2 N).
     double chord_mm(double radius_mm) const;
     // Height of a ring along the axis when struts keep their length: sqrt(strut^2 - chord^2).
     double ring_height_mm(double radius_mm) const;

@@ -59,7 +59,7 @@ struct StentSurroundings {
     std::span<const StentSleeve> sleeves = {};
 };
 
-// Everything that the next step depends on.
+// All state on which the next step depends.
 struct StentState {
     StentStage stage = StentStage::on_balloon;
     bool was_placed = false;
@@ -89,7 +89,7 @@ class Stent
     double mount_arc_mm() const { return mount_arc_mm_ + state_.slip_mm; }
     double slip_mm() const { return state_.slip_mm; }
 
-    // The radius that a point keeps when nothing holds it.
+    // Returns the radius that a point keeps when nothing holds it.
     double free_radius_mm(const StentPoint &point) const;
     bool is_opened(int ring) const;
     // Return the middle of a ring, and its direction towards the hub (unit).
@@ -102,7 +102,7 @@ class Stent
     double energy_N_mm() const;
 
     const StentState &state() const { return state_; }
-    // Everything that the next step depends on, as bytes. A snapshot of another design is refused.
+    // Returns all state on which the next step depends, as bytes. A snapshot of another design is refused.
     std::vector<std::uint8_t> snapshot() const;
     bool restore(std::span<const std::uint8_t> bytes);
 

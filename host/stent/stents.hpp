@@ -28,8 +28,8 @@ class Stents
     // A stent that was still on the previous balloon leaves the patient with it.
     void add(const StentDesign &design, double mount_arc_mm);
     void step(const StentWall *wall, const BalloonPose *balloon);
-    // The same with one wall for each stent, since stents may lie in several vessels. There are as many walls
-    // as stents; null: no wall.
+    // Does the same with one wall for each stent, since stents may lie in several vessels. There are as many
+    // walls as stents; null means no wall.
     void step(std::span<const StentWall *const> walls, const BalloonPose *balloon);
 
     std::size_t size() const { return stents_.size(); }

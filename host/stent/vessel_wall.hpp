@@ -53,7 +53,7 @@ class VesselWall
     {
         return lesion < lesions_.size() ? lesions_[lesion] : Stretch{};
     }
-    // The same for the places of `opened`.
+    // Does the same for the places of `opened`.
     Stretch places_mm(std::size_t lesion) const
     {
         return lesion < places_.size() ? places_[lesion] : Stretch{};

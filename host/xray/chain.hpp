@@ -43,7 +43,7 @@ struct XrayChain {
     BeamTable beam;
     int size = 0;
 
-    // Whether the exposure is the one on which a single picture of these paths settles.
+    // Returns whether the exposure is the one on which a single picture of these paths settles.
     bool is_settled = false;
     ExposureDemand settled_demand;
     SignalKey settled_key;

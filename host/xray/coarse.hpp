@@ -14,7 +14,7 @@ struct OpenColumns {
     int begin = 0, end = 0;
 };
 
-// For each cell the sum over its open pixels, and their number. Both have (size/8)^2 values.
+// Each cell has the sum over its open pixels and their number. Both vectors have (size/8)^2 values.
 struct CoarseSums {
     std::vector<float> sum, count;
 

@@ -29,8 +29,8 @@ struct XrayExposure {
     double kap_Gy_cm2 = 0.0;      // kerma times the area of the open field there
 };
 
-// Area of the open field at the reference point, in cm2. The kerma there multiplied by this area is the
-// kerma-area product, which is the same at every distance.
+// Returns the area of the open field at the reference point, in cm2. The kerma there multiplied by this area
+// is the kerma-area product, which is the same at every distance.
 double reference_area_cm2(const CArm &carm, const XrayBeam &beam);
 
 class XrayMeter

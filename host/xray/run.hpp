@@ -87,7 +87,7 @@ struct XrayRun {
 // them. One step is 0.017 % of the intensity. A plain difference of two frames is then the DSA picture, also
 // in viewers that cannot take logarithms.
 void make_logarithmic(XrayRun &run);
-// The table of this conversion, with 65,536 entries, and the inverse table.
+// Returns the table of this conversion, with 65,536 entries, and the inverse table.
 const std::vector<std::uint16_t> &logarithm_table();
 
 } // namespace crn

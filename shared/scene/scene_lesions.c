@@ -1,4 +1,4 @@
-/* Check and access of the LESIONS section of a body file. */
+/* Checks the LESIONS section of a body file and gives access to it. */
 #include "shared/scene/scene_check.h"
 
 /* Fields of a lesion, as bytes from its beginning. */

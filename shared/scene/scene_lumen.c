@@ -1,5 +1,6 @@
-/* Check of the LUMEN section. The child rows form two ranks: rows that refine coarse bricks come first and
- * may name rows of the second rank, which name none. So the end of refinement is proved without a walk. */
+/* Checks the LUMEN section. The child rows form two ranks: rows that refine coarse bricks come first and may
+ * name rows of the second rank, which name none. So refinement ends for certain, and no walk through the rows
+ * is needed. */
 #include "shared/scene/scene_check.h"
 
 enum { OUTSIDE_AND_INSIDE = 2, REFINED = 0x8000 };

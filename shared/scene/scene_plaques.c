@@ -38,7 +38,7 @@ static bool is_between(int32_t value, int32_t low, int32_t high)
     return value >= low && value <= high;
 }
 
-/* Is the length of three words in Q30 within 2^-19 of one? */
+/* Returns whether the length of three words in Q30 is within 2^-19 of one. */
 static bool is_unit(const uint8_t *words)
 {
     const uint64_t one_q60 = (uint64_t)1 << 60, tolerance_q60 = (uint64_t)1 << 42;

@@ -25,7 +25,7 @@ extern "C" {
 
 /* clang-format off */
 enum {
-    CRN_WIRE_PROTOCOL_MAJOR = 5, /* changes when old and new cannot talk */
+    CRN_WIRE_PROTOCOL_MAJOR = 5, /* changes when old and new sides cannot communicate */
     CRN_WIRE_PROTOCOL_MINOR = 0,
 };
 
@@ -192,15 +192,16 @@ enum {
 };
 
 /* Hash over every name, number, type and unit of wire_messages.def. Two sides that differ in one of them
- * refuse. */
+ * refuse to communicate. */
 uint64_t crn_wire_schema_hash(void);
 
-/* Text for people. Never NULL. Unknown numbers give "unknown ...". */
+/* Texts for people, never NULL. For unknown numbers they are "unknown ...". */
 const char *crn_wire_message_name(uint16_t type);
 const char *crn_wire_fault_name(uint16_t code);
 const char *crn_wire_fault_text(uint16_t code);
 const char *crn_wire_fault_remedy(uint16_t code);
-uint32_t crn_wire_fault_safe_ms(uint16_t code); /* from its onset until no force is left; 0: nothing to do */
+uint32_t crn_wire_fault_safe_ms(uint16_t code); /* from the onset of the fault until no force is left; 0: no
+                                                   force is at stake */
 const char *crn_wire_reject_name(uint16_t code);
 const char *crn_wire_reject_text(uint16_t code);
 const char *crn_wire_reject_remedy(uint16_t code);

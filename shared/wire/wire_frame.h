@@ -1,12 +1,12 @@
-/* Frames: how messages travel over any pipe of bytes.
+/* Frames carry messages over any pipe of bytes.
  *
  *   frame  = COBS(body) 0x00
  *   body   = sequence u16 | answers u16 | type u16 | length u16 | payload (length bytes) | CRC-32 u32
  *
  * The CRC covers everything before it. `sequence` counts the sender's frames; `answers` repeats the sequence
- * of the request in a reply (0 when nobody asked). COBS leaves no zero inside a frame, so a receiver that
- * lost its place finds the next frame behind the next zero. The decoder is fed bytes as they come, in pieces
- * of any size; it never writes outside its buffer, and counts what it drops by cause.
+ * of the request in a reply (0 in a message without a request). COBS leaves no zero inside a frame, so a
+ * receiver that lost its place finds the next frame behind the next zero. The decoder accepts bytes in pieces
+ * of any size. It never writes outside its buffer, and counts dropped frames by cause.
  *
  * C11 and C++20.
  */
@@ -23,7 +23,7 @@ enum {
     CRN_WIRE_HEADER_BYTES = 8,
     CRN_WIRE_CRC_BYTES = 4,
     CRN_WIRE_BODY_MAX = CRN_WIRE_HEADER_BYTES + CRN_WIRE_PAYLOAD_MAX + CRN_WIRE_CRC_BYTES,
-    /* COBS adds one byte per 254 begun, and the frame ends with a zero. */
+    /* COBS adds one byte per begun block of 254, and the frame ends with a zero. */
     CRN_WIRE_FRAME_MAX = CRN_WIRE_BODY_MAX + CRN_WIRE_BODY_MAX / 254 + 2,
 };
 
@@ -36,8 +36,8 @@ typedef struct crn_wire_header {
 /* CRC-32 of IEEE 802.3 (reflected 0xEDB88320, start and end inverted). `crc` is 0 or the result so far. */
 uint32_t crn_wire_crc32(uint32_t crc, const uint8_t *bytes, size_t length);
 
-/* One frame from a header and payload. Returns its bytes in `frame` (with the closing zero), or 0 when the
- * payload exceeds CRN_WIRE_PAYLOAD_MAX or the frame its capacity. */
+/* Makes one frame from a header and payload. Returns its bytes in `frame` (with the closing zero), or 0 when
+ * the payload exceeds CRN_WIRE_PAYLOAD_MAX or the frame its capacity. */
 size_t crn_wire_frame_encode(const crn_wire_header *header, const uint8_t *payload, size_t payload_bytes,
                              uint8_t *frame, size_t capacity);
 
@@ -59,7 +59,7 @@ typedef struct crn_wire_decoder {
     /* private */
     size_t body_bytes;
     uint8_t block_left; /* bytes until the next COBS code byte */
-    bool block_full;    /* the present block was of 254 bytes: no zero behind it */
+    bool block_full;    /* the present block has 254 bytes: no zero follows it */
     bool started;
     bool too_long;
     uint8_t body[CRN_WIRE_BODY_MAX];

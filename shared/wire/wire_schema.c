@@ -3,8 +3,8 @@
 
 /* FNV-1a over every name, type and unit of wire_messages.def, each text with its terminating zero, so that
  * ("ab","c") and
- * ("a","bc") differ; the explaining texts do not count. A constant, because working it out costs a device
- * 106,000 instructions per HELLO; test_wire works it out and prints the number to write here when the
+ * ("a","bc") differ; the explaining texts do not count. The hash is a constant, because computing it costs a
+ * device 106,000 instructions per HELLO. test_wire computes it and prints the number to write here when the
  * messages have changed. */
 uint64_t crn_wire_schema_hash(void)
 {

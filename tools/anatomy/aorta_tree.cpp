@@ -1,5 +1,5 @@
-/* The shipped arterial tree, from the access at the right groin to the three branches of the arch. Courses
- * follow the skeleton of skeleton_spine.cpp (same frame: +x patient left, +y head, +z front, origin
+/* Makes the shipped arterial tree, from the access at the right groin to the three branches of the arch.
+ * Courses follow the skeleton of skeleton_spine.cpp (same frame: +x patient left, +y head, +z front, origin
  * between T12 and L1). Diameters are means for men. */
 #include "tools/anatomy/vessels.hpp"
 

@@ -46,7 +46,7 @@ std::filesystem::path frame_file(const std::filesystem::path &folder, const std:
 namespace
 {
 
-/* The place where an artery, whose centreline begins in the aorta, leaves it. */
+/* Returns the place where an artery, whose centreline begins in the aorta, leaves it. */
 Vec3 ostium(const Vessel &artery, const Curve &aorta)
 {
     for (const CurvePoint &point : vessel_curve(artery, 0.5)) {

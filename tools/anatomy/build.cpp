@@ -43,7 +43,7 @@ struct BoneGroup {
     double voxel_mm, error_mm, grain_mm;
 };
 
-/* The bone of one group, which keeps its gap to the groups before it. */
+/* Returns the bone of one group, which keeps its gap to the groups before it. */
 LocalDistance bone_distance(const Solid &bone, const Solid &before)
 {
     return [=](const Box &box, double reach_mm) -> Distance {
@@ -130,7 +130,8 @@ std::vector<Body> heart_patient_bodies(const Fineness &fineness)
     return bodies_with(heart_vessels(), fineness);
 }
 
-/* A silicone wall around the vessels in a tank of water, filled with a fluid like blood. */
+/* Makes a silicone wall around the vessels in a tank of water; the vessels are filled with a fluid like
+ * blood. */
 std::vector<Body> phantom_bodies(const Fineness &fineness)
 {
     constexpr double WALL_MM = 2.0, TANK_MM = 14.0, ERROR_MM = 0.08;

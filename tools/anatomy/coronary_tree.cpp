@@ -1,5 +1,5 @@
-/* The coronary arteries of the shipped heart at the end of diastole, right dominant. Their courses run in
- * the grooves between its chambers; they are given by height and angle about the left ventricle's axis
+/* Makes the coronary arteries of the shipped heart at the end of diastole, right dominant. Their courses run
+ * in the grooves between its chambers; they are given by height and angle about the left ventricle's axis
  * (heart_beat.hpp) and projected onto the heart's surface. Names and numbers of branches are the usual
  * ones. The courses are assumed; they come from no angiogram. */
 #include "tools/anatomy/heart_beat.hpp"
@@ -23,8 +23,8 @@ struct Mark {
     const char *name, *source;
 };
 
-/* The place where the ray straight out from the axis leaves the heart, plus a small distance: arteries lie
- * half in their grooves. */
+/* Returns the place where the ray straight out from the axis leaves the heart, plus a small distance:
+ * arteries lie half in their grooves. */
 Vec3 on_heart(const Solid &heart, double height, double angle_deg)
 {
     constexpr double LIFT_MM = 0.5, FAR_MM = 90.0, STEP_MM = 0.5;
@@ -42,7 +42,7 @@ Vec3 on_heart(const Solid &heart, double height, double angle_deg)
     return start + outside * out;
 }
 
-/* The artery that begins with the given stations, if any, and then follows the marks. It touches the
+/* Returns the artery that begins with the given stations, if any, and then follows the marks. It touches the
  * surface every few millimetres. */
 Vessel artery(const char *name, std::vector<Station> stations, const std::vector<Mark> &marks)
 {

@@ -11,7 +11,7 @@ namespace anatomy
 namespace
 {
 
-/* A periodic course over one beat, given by knots in milliseconds. */
+/* Makes a periodic course over one beat, given by knots in milliseconds. */
 Spline course(const std::vector<std::pair<double, double>> &knots)
 {
     std::vector<double> phase, value;
@@ -33,7 +33,7 @@ Spline profile(const std::vector<std::pair<double, double>> &knots)
     return Spline(height, value);
 }
 
-/* 0 below `low`, 1 above `high`. */
+/* Returns 0 below `low`, 1 above `high`. */
 double smooth_step(double low, double high, double value)
 {
     const double t = std::clamp((value - low) / (high - low), 0.0, 1.0);

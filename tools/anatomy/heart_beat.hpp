@@ -30,7 +30,7 @@ struct HeartAxes {
     /* A point is described by its height (share of the length above the apex) and by its offset across. */
     double height(const Vec3 &point) const { return (point - apex_mm).dot(up) / length_mm; }
     Vec3 across(const Vec3 &point) const { return point - apex_mm - up * (point - apex_mm).dot(up); }
-    /* The direction from the axis straight out at that angle. */
+    /* Returns the direction from the axis straight out at that angle. */
     Vec3 outward(double angle_deg) const;
     Vec3 on_axis(double height) const { return apex_mm + height * length_mm * up; }
 };
@@ -46,9 +46,9 @@ class HeartBeat
     std::vector<Vec3> frames(const Vec3 &point) const;
     /* Its place at the end of inspiration, at the end of diastole. */
     Vec3 inhaled(const Vec3 &point) const;
-    /* The smallest ratio of a small volume in any frame to its volume at rest, on a grid through and
-     * around the heart. While it stays above 0 nothing folds over, and surfaces that do not cross at rest
-     * do not cross later. */
+    /* Returns the smallest ratio of a small volume in any frame to its volume at rest, on a grid through and
+     * around the heart. While it stays above 0 nothing folds over, and surfaces that do not cross at rest do
+     * not cross later. */
     double least_volume_factor() const;
 
   private:

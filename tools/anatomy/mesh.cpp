@@ -20,7 +20,7 @@ constexpr double BAND_VOXELS = 3.0;
 /* Distances of smooth shapes are estimates; 1.5 covers the steepest underestimate of the shapes used here. */
 constexpr double STEEPEST = 1.5;
 
-/* The box of one leaf of the grid with a margin of one voxel. */
+/* Returns the box of one leaf of the grid with a margin of one voxel. */
 Box block_box(const openvdb::Coord &origin, double voxel_mm)
 {
     Box box;

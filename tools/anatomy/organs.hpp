@@ -6,11 +6,11 @@
 namespace anatomy
 {
 
-/* The trunk from mid-thigh to the neck, with the stumps of the raised arms. Distances are estimates of the
- * right sign. */
+/* Returns the trunk from mid-thigh to the neck, with the stumps of the raised arms. Distances are estimates
+ * of the right sign. */
 Solid skin();
 
-/* The depth below the outside of the skin at which muscle begins: skin and the fat under it. */
+/* Returns the depth below the outside of the skin at which muscle begins: skin and the fat under it. */
 double flesh_depth_mm(const Vec3 &p);
 
 /* The chest cavity of one side down to the diaphragm (sign -1 right, +1 left), before other bodies are cut
@@ -18,8 +18,8 @@ double flesh_depth_mm(const Vec3 &p);
 Distance lung_cavity(double sign);
 Box lung_bounds(double sign);
 
-/* The part of the middle of the chest that the lungs leave free, besides bones and aorta: heart, great
- * veins, hila, soft tissue. */
+/* Returns the part of the middle of the chest that the lungs leave free, besides bones and aorta: heart,
+ * great veins, hila, soft tissue. */
 Solid mediastinum();
 
 /* One chamber of the heart as a distance, clear of the chambers before it. */

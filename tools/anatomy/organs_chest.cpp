@@ -42,7 +42,8 @@ double cavity_distance(const Vec3 &p)
     return smooth_max(outline, p.y() - APEX_MM, 12.0);
 }
 
-/* The height of the diaphragm above a point: a dome whose edge dips at the side, and more so at the back. */
+/* Returns the height of the diaphragm above a point: a dome whose edge dips at the side, and more so at the
+ * back. */
 double dome_mm(double sign, double x, double z)
 {
     const double peak = sign < 0 ? 77.0 : 65.0, out = (sign * x - 62.0) / 64.0, along = (z - 8.0) / 100.0;
@@ -86,7 +87,7 @@ Eigen::Matrix3d axis_to(const Vec3 &direction)
     return Eigen::Quaterniond(0.5 * w, axis.x(), axis.y(), axis.z()).toRotationMatrix();
 }
 
-/* The heart's outline shrunk by wall_mm: ventricles, atria, outflow. */
+/* Returns the heart's outline shrunk by wall_mm: ventricles, atria, outflow. */
 Part heart_part(double wall_mm)
 {
     Part part(18.0);
@@ -210,7 +211,7 @@ double spread(uint32_t index, uint32_t base)
     return value;
 }
 
-/* The ends of the vessels: evenly spread points of the lung, nearest to the hilum first. */
+/* Returns the ends of the vessels: evenly spread points of the lung, nearest to the hilum first. */
 std::vector<Vec3> vessel_ends(double sign, const Distance &lung, const Vec3 &hilum, size_t count)
 {
     const Box box = lung_bounds(sign);

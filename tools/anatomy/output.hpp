@@ -27,7 +27,7 @@ void write_centrelines(const std::filesystem::path &file, const std::vector<Name
 void write_scene(const std::filesystem::path &file, const VesselTree &tree, const std::vector<Body> &bodies,
                  const std::string &lesions = "");
 
-/* The file name of a vessel or body: lower case, words joined by underscores. */
+/* Returns the file name of a vessel or body: lower case, words joined by underscores. */
 std::string file_stem(const std::string &name);
 
 } // namespace anatomy

@@ -118,7 +118,7 @@ class Formula : public Shape
 double smooth_min(double a, double b, double blend_mm);
 double smooth_max(double a, double b, double blend_mm);
 
-/* The distance to an ellipsoid from a point in its own frame, exact to first order at the surface. */
+/* Returns the distance to an ellipsoid from a point in its own frame, exact to first order at the surface. */
 double ellipsoid_distance(const Vec3 &local, const Vec3 &half_axes_mm);
 
 class Part
@@ -144,7 +144,7 @@ class Part
                  double cortex_mm);
     double distance(const Vec3 &point) const;
     double marrow_distance(const Vec3 &point) const;
-    /* The same part for points inside `box`, correct where the distance is below reach_mm. */
+    /* Returns the same part for points inside `box`, correct where the distance is below reach_mm. */
     Part near(const Box &box, double reach_mm) const;
 
     double blend_mm;
@@ -170,7 +170,7 @@ class Solid
     std::vector<Part> parts_;
 };
 
-/* The point on the patient's right (sign -1) or left (sign +1) side. */
+/* Returns the point on the patient's right (sign -1) or left (sign +1) side. */
 inline Vec3 side(double sign, double x, double y, double z)
 {
     return {sign * x, y, z};

@@ -14,7 +14,7 @@ struct Vertebra {
     Vec3 centre_mm, up, front;
 };
 
-/* From C5 to L5, from the top down. */
+/* Returns the vertebrae from C5 to L5, from the top down. */
 std::vector<Vertebra> vertebrae();
 
 Solid spine_bones();    // C5-L5, sacrum, coccyx

@@ -73,8 +73,8 @@ Part sternum_part()
     return part;
 }
 
-/* The blade from its medial border to its neck and lateral border, from the superior angle down to the
- * inferior one. */
+/* Returns the blade from its medial border to its neck and lateral border, from the superior angle down to
+ * the inferior one. */
 Sheet blade(double s)
 {
     constexpr size_t DOWN = 55, ACROSS = 25;

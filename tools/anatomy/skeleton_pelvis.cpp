@@ -19,7 +19,7 @@ Vec3 mirrored(double s, const Vec3 &point)
     return {s * point.x(), point.y(), point.z()};
 }
 
-/* The iliac wing: a thin hollow fan between the thick crest and the arcuate line, laid out in rows from
+/* Adds the iliac wing: a thin hollow fan between the thick crest and the arcuate line, laid out in rows from
  * the line to the crest. */
 void add_ilium(Part &part, double s)
 {

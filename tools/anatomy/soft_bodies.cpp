@@ -9,8 +9,8 @@ namespace
 
 constexpr double SOFT_ERROR_MM = 0.3;
 
-/* The voxel of a body with little clearance in its parent. A coarse anatomy keeps it fine, so that the
- * body stays inside. */
+/* Returns the voxel size for a body with little clearance in its parent. A coarse anatomy keeps it fine, so
+ * that the body stays inside. */
 double tight_mm(double voxel_mm, double scale)
 {
     return voxel_mm * std::min(scale, 1.2);
@@ -18,7 +18,7 @@ double tight_mm(double voxel_mm, double scale)
 
 // --- layers ---
 
-/* The outside of the skin, which covers every bone with some flesh between them. */
+/* Returns the outside of the skin, which covers every bone with some flesh between them. */
 LocalDistance outline_distance(const Solid &bones)
 {
     const Solid outline = skin();
@@ -32,8 +32,8 @@ LocalDistance outline_distance(const Solid &bones)
     };
 }
 
-/* The layer `depth` under the outside of the skin. Where a bone comes near the skin, the layer still
- * covers it. */
+/* Returns the distance to the layer `depth` under the outside of the skin. Where a bone comes near the skin,
+ * the layer still covers it. */
 LocalDistance layer_distance(const Solid &bones, double least_mm, double (*depth_mm)(const Vec3 &))
 {
     return [least_mm, depth_mm, bones, outline = outline_distance(bones)](const Box &box,
@@ -116,7 +116,7 @@ void add_lungs(std::vector<Body> &bodies, const Solid &bones, const Solid &coron
     }
 }
 
-/* The part of the shape that keeps the distance `clear_mm` from another. */
+/* Returns the part of the shape that keeps the distance `clear_mm` from another. */
 LocalDistance clear_of(const LocalDistance &shape, const Solid &other, double clear_mm)
 {
     return [=](const Box &box, double reach_mm) -> Distance {
@@ -138,7 +138,7 @@ LocalDistance clear_of_bones(const Solid &solid, const Solid &bones)
     return clear_of(local(solid), bones, CLEAR_MM);
 }
 
-/* Muscle within the heart's outline, and the blood of its four chambers inside. */
+/* Adds muscle within the heart's outline, and the blood of its four chambers inside. */
 void add_heart(std::vector<Body> &bodies, const Solid &bones, const Solid &vessels, double scale)
 {
     constexpr double VESSEL_WALL_MM = 0.6;
@@ -226,7 +226,8 @@ namespace
 
 constexpr double DIAPHRAGM_MM = 4.0, ORGAN_GAP_MM = 1.5;
 
-/* The cavity of the belly's organs, filled with fat: its outline less diaphragm, heart, bones and psoas. */
+/* Returns the cavity of the belly's organs, filled with fat: its outline less diaphragm, heart, bones and
+ * psoas. */
 LocalDistance belly_distance(const Solid &bones)
 {
     const Solid heart = mediastinum(), loins = psoas(), nests = kidney_nests();
@@ -248,8 +249,8 @@ LocalDistance belly_distance(const Solid &bones)
     };
 }
 
-/* An organ: its shape within the belly, clear of the organs before it. `shape` may be larger than the
- * remaining organ. */
+/* Returns the distance to an organ: its shape within the belly, clear of the organs before it. `shape` may be
+ * larger than the remaining organ. */
 LocalDistance organ_distance(const Solid &shape, const LocalDistance &belly, const Solid &before,
                              double inset_mm)
 {

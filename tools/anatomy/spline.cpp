@@ -9,7 +9,8 @@ namespace anatomy
 namespace
 {
 
-/* The index i such that parameters[i] <= parameter < parameters[i + 1], clamped to the existing spans. */
+/* Returns the index i such that parameters[i] <= parameter < parameters[i + 1], clamped to the existing
+ * spans. */
 size_t span_of(const std::vector<double> &parameters, double parameter)
 {
     const auto above = std::upper_bound(parameters.begin(), parameters.end(), parameter);

@@ -45,7 +45,7 @@ class MonotoneCubic
  * ends are included, and every given point is one of the samples. */
 Curve sample_curve(const std::vector<Vec3> &points, const std::vector<double> &radii_mm, double step_mm);
 
-/* The unit tangent of a sampled curve at a sample. */
+/* Returns the unit tangent of a sampled curve at a sample. */
 Vec3 curve_tangent(const Curve &curve, size_t index);
 
 } // namespace anatomy

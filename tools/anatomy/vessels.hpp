@@ -45,7 +45,7 @@ Curve vessel_curve(const Vessel &vessel, double step_mm);
  * that is above `y_mm`. The instrument enters against the vessel's course. */
 void put_mouth(VesselTree &tree, double y_mm);
 
-/* The blood space of the whole tree, enlarged by wall_mm. */
+/* Returns the blood space of the whole tree, enlarged by wall_mm. */
 Solid tree_solid(const VesselTree &tree, double wall_mm);
 
 /* The blood space of vessels that are blended over `fillet_mm` where they meet. */

@@ -163,7 +163,7 @@ std::string motion_report(const Motion &motion, std::size_t pose, const std::vec
     return text;
 }
 
-// The lumen as its field describes it, in the reference pose.
+// Returns the lumen as its field describes it, in the reference pose.
 Mesh posed_lumen(const SceneText &text, const Frames &frames, Progress &progress)
 {
     Mesh mesh = load_mesh(text.lumen.mesh);

@@ -16,7 +16,7 @@ struct Options {
     std::size_t points = 200000;
 };
 
-// The checked and closed surface of the lumen. `report` gets a line for each repair.
+// Returns the checked and closed surface of the lumen. `report` gets a line for each repair.
 Mesh lumen_surface(const SceneText &text, std::string &report, Progress &progress);
 
 // Bakes, writes, and returns the report (docs/scene.md). Throws Fault, or UsageError when an output would

@@ -51,7 +51,7 @@ struct Join {
     bool from_last = false;
 };
 
-// The best of all ends that could be joined to a branch.
+// Returns the best of all ends that could be joined to a branch.
 Join best_join(const std::vector<VesselBranch> &loose, const std::vector<VesselBranch> &joined)
 {
     Join best;

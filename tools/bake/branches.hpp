@@ -6,16 +6,16 @@
 namespace crn::bake
 {
 
-// The name of a branch: "right_renal_artery" for ".../right_renal_artery.mrk.json", at most 31 bytes.
+// Returns the name of a branch: "right_renal_artery" for ".../right_renal_artery.mrk.json", at most 31 bytes.
 std::string branch_name(const std::filesystem::path &file);
 
-// The root begins at its inlet. Of every other branch, the end that lies deepest in a vessel already joined
-// is where it leaves that vessel. A branch that leaves within a radius of its parent's end leaves at that
-// end. Throws Fault naming a centreline that meets no other, a name that is used twice, or a name in `text`
-// that no centreline has.
+// The root begins at its inlet. The origin of every other branch is that end of it which lies deepest in a
+// vessel already joined. A branch that leaves within a radius of its parent's end leaves at that end. Throws
+// Fault naming a centreline that meets no other, a name that is used twice, or a name in `text` that no
+// centreline has.
 VesselTree join_branches(const std::vector<Centreline> &lines, const TreeText &text);
 
-// The report's line, "vessels           11 branches, ...".
+// Returns the report's line, "vessels           11 branches, ...".
 std::string branches_report(const VesselTree &tree);
 
 } // namespace crn::bake

@@ -138,8 +138,8 @@ std::vector<double> gather(const openvdb::FloatGrid &grid, const Cell &cell, dou
     return values;
 }
 
-// Whether the part of the field that is kept meets this brick, judged by its 10^3 samples with a margin of
-// half a voxel.
+// Returns whether the part of the field that is kept meets this brick, judged by its 10^3 samples with a
+// margin of half a voxel.
 std::uint16_t classify(const std::vector<double> &values, const FieldText &text, double voxel)
 {
     const double inside = std::min(text.inside_mm / voxel, coefficient_max) + 0.5;
@@ -166,7 +166,7 @@ std::vector<std::int8_t> quantise(std::vector<double> values)
     return coefficients;
 }
 
-// The spline of a brick, in voxels, at the point x (in voxels from the brick's corner).
+// Returns the spline of a brick, in voxels, at the point x (in voxels from the brick's corner).
 double spline(const std::vector<std::int8_t> &c, const Eigen::Vector3d &x)
 {
     double w[3][3];
@@ -187,8 +187,8 @@ double spline(const std::vector<std::int8_t> &c, const Eigen::Vector3d &x)
     return sum / 32;
 }
 
-// Whether the brick's error exceeds the tolerance at any of a lattice of points near the wall, provided that
-// a finer brick is allowed.
+// Returns whether the brick's error exceeds the tolerance at any of a lattice of points near the wall,
+// provided that a finer brick is allowed.
 bool is_wrong(const Brick &brick, int level, const TriangleTree &tree, const FieldText &text)
 {
     const double voxel = voxel_mm(level);

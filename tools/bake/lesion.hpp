@@ -18,7 +18,7 @@
 namespace crn::bake
 {
 
-// The box around everything within `radii` radii of a lesion's healthy centreline.
+// Returns the box around everything within `radii` radii of a lesion's healthy centreline.
 Eigen::AlignedBox3d lesion_box_mm(const VesselLesion &lesion, double radii);
 
 // Throws Fault naming the lesion and what does not fit: the branch, the position, the length, or another

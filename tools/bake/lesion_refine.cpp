@@ -52,7 +52,7 @@ class Divider
   private:
     static Edge edge(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
-    // The longest permitted edge from a to b; infinite when no part of it is near a lesion.
+    // Returns the longest permitted edge from a to b; infinite when no part of it is near a lesion.
     double edge_max_mm(const Vector3d &a_mm, const Vector3d &b_mm) const
     {
         double most = std::numeric_limits<double>::infinity();

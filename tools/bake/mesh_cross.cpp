@@ -9,7 +9,8 @@ namespace crn::bake
 namespace
 {
 
-// Whether segment p-q passes through the inside of triangle a-b-c. Touching and coplanar do not count.
+// Returns whether segment p-q passes through the inside of triangle a-b-c. Touching and coplanar segments do
+// not count.
 bool passes(const Eigen::Vector3d &p, const Eigen::Vector3d &q, const Eigen::Vector3d &a,
             const Eigen::Vector3d &b, const Eigen::Vector3d &c)
 {

@@ -67,7 +67,8 @@ double contact_mm(const crn_lumen *lumen, const Eigen::Vector3d &p_mm)
     return crn_lumen_contact(lumen, &q).distance_m_q30 * mm_per_q30;
 }
 
-// The radius of the reference lumen at a point of its wall: the greatest depth along the inward normal.
+// Returns the radius of the reference lumen at a point of its wall: the greatest depth along the inward
+// normal.
 double radius_mm(const crn_lumen *lumen, const Eigen::Vector3d &wall_mm)
 {
     const crn_vec3 q = to_q30(wall_mm);

@@ -79,8 +79,8 @@ void TriangleTree::build(std::uint32_t node, std::uint32_t first, std::uint32_t 
     build(children + 1, first + half, count - half);
 }
 
-// The closest point of a triangle by the regions of its corners and edges (Ericson, Real-Time Collision
-// Detection, 5.1.5).
+// Returns the closest point of a triangle by the regions of its corners and edges (Ericson, Real-Time
+// Collision Detection, 5.1.5).
 TriangleTree::Hit TriangleTree::closest_on(std::uint32_t triangle, const Eigen::Vector3d &p) const
 {
     const Triangle &t = mesh_.triangles[triangle];

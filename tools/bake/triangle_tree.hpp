@@ -23,9 +23,9 @@ class TriangleTree
     // `bound_mm` is an upper bound of the distance (which makes the search faster), or infinite.
     Nearest nearest(const Eigen::Vector3d &p_mm, double bound_mm = INFINITY) const;
 
-    // The winding number of the surface around a place: 1 inside, 0 outside. It is counted along a ray. It is
-    // therefore right where a thin sheet is folded over at its edge, whereas the sign of nearest() is wrong
-    // wherever the fold is the nearest place.
+    // Returns the winding number of the surface around a place: 1 inside, 0 outside. It is counted along a
+    // ray. It is therefore right where a thin sheet is folded over at its edge, whereas the sign of nearest()
+    // is wrong wherever the fold is the nearest place.
     int winding(const Eigen::Vector3d &p_mm) const;
 
     // The triangles whose box meets the given box.

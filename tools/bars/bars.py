@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Every bar that was ever set and a command can show, held against what is measured now (docs/bars.md).
+"""Compares every bar that a command can show with the present measurement (docs/bars.md).
 
   bars.py --build build [--only TEXT] [--scene FILE] [--tap]
 
-Reads tools/bars/bars.tsv. What is counted (instructions, sizes, hashes, physics) is measured here and fails when it
-is over its bar; what another command measures is read from the file that the command writes and is "not measured
-here" without it; a time is printed with its ratio to the bar and never fails. Writes out/bars.tsv. The last lines are
+Reads tools/bars/bars.tsv. This program measures counts (instructions, sizes, hashes, physics), and a count over its
+bar fails. A value that another command measures is read from that command's file, and is "not measured here" if the
+file is missing. A time is printed with its ratio to the bar and never fails. Writes out/bars.tsv. The last lines are
 `bars.held<TAB>N` and `bars.red<TAB>N`; ends with 1 when a bar is red or could not be measured. --tap prints one line
 of TAP per bar instead, without times and without what other commands measure.
 """
@@ -31,7 +31,7 @@ Bar = collections.namedtuple("Bar", "name op limit asked issue since source kind
 
 
 class CannotMeasure(Exception):
-    """The text says why."""
+    """A measurement failed; the text gives the reason."""
 
 
 def read_bars(path=LIST):
@@ -70,7 +70,7 @@ def from_budget(options, _):
 
 
 def from_bench(options, wanted):
-    """Cases of one benchmark program; only those that a bar names."""
+    """Returns the cases of one benchmark program that a bar names."""
     program = os.path.join(options.build, "bench", "bench_lumen" if wanted[0].startswith("lumen") else "bench_rod")
     values = {}
     try:
@@ -85,14 +85,14 @@ def from_bench(options, wanted):
 
 
 def validation_values(text):
-    """Figures beyond their tolerance, and per case the worst error as a share of its tolerance."""
+    """Returns the figures beyond their tolerance, and per case the worst error as a share of its tolerance."""
     values = collections.defaultdict(float)
     beyond = 0
     for line in text.splitlines()[1:]:
         fields = line.split("\t")
         beyond += fields[9] not in ("pass", "reported")  # tools/lab/validate/report.cpp; any other word counts
         if "-" in (fields[6], fields[7]):
-            continue  # a figure that is reported and not judged
+            continue  # a figure that is reported but not judged
         error, tolerance = abs(float(fields[6])), float(fields[7])
         share = error / tolerance if tolerance > 0 else float(error > 0)
         name = "validation.%s.worst_of_tolerance" % fields[0].split(".")[0]
@@ -136,7 +136,8 @@ def from_golden(options, _):
 
 
 def counted_values(counts):
-    """As hil's own table: the median, the value that 1 tick in 1,000 exceeds, and the largest."""
+    """Returns the same values as hil's own table: the median, the value that 1 tick in 1,000 exceeds, and the
+    largest."""
     counts = sorted(counts)
     last = len(counts) - 1
     return {
@@ -146,8 +147,8 @@ def counted_values(counts):
 
 
 def aorta_ticks(options, what):
-    """The second column of the table that `hil --counts` or `hil --overruns` writes: one value per tick of the aorta
-    session."""
+    """Returns the second column of the table that `hil --counts` or `hil --overruns` writes: one value per tick of
+    the aorta session."""
     if not os.path.exists(os.path.join(ROOT, options.scene)):
         raise CannotMeasure("%s does not exist: `make %s` makes it" % (options.scene, SCENE))
     with tempfile.TemporaryDirectory() as folder:
@@ -158,7 +159,7 @@ def aorta_ticks(options, what):
 
 
 def checked_ticks(values):
-    """A short session, or ticks that cost nothing, would hold every bar."""
+    """Refuses a short session or ticks that cost nothing, because they would meet every bar."""
     if len(values) < SESSION_TICKS or min(values) <= 0:
         raise CannotMeasure(
             "the aorta session gave %d ticks (at least %d), the cheapest %g"
@@ -183,8 +184,8 @@ def from_overruns(options, _):
 
 
 def from_file(path, wanted):
-    """Rows `name value ...` separated by tabs; out/bench.tsv has the context in its fourth column. None without the
-    file."""
+    """Returns the rows `name value ...` separated by tabs; out/bench.tsv has the context in its fourth column.
+    Returns None without the file."""
     if not os.path.exists(os.path.join(ROOT, path)):
         return None
     values = {}
@@ -214,7 +215,7 @@ def measure(source, wanted, options):
 
 # --- verdicts ----------------------------------------------------------------------------------------------------
 def judge(bar, value):
-    """'held', 'red', 'time' or 'not measured here'."""
+    """Returns 'held', 'red', 'time' or 'not measured here'."""
     if bar.kind == "time":
         return "not measured here" if value is None else "time"
     if value is None:
@@ -231,7 +232,7 @@ def ratio_of(bar, value):
 
 
 def values_of(source, bars, options):
-    """Values by name; a source that cannot be measured says why and leaves its bars red."""
+    """Returns values by name. A source that cannot be measured prints the reason, and its bars are red."""
     try:
         return measure(source, [bar.name for bar in bars if bar.source == source], options) or {}
     except CannotMeasure as problem:
@@ -256,7 +257,7 @@ def text_of_bar(bar, value, width):
 
 
 def print_tap(bars, options):
-    """One line of TAP per bar, as each source is measured; the number of red ones."""
+    """Prints one line of TAP per bar, as each source is measured. Returns the number of red bars."""
     red = number = 0
     print("1..%d" % len(bars), flush=True)
     for source in dict.fromkeys(bar.source for bar in bars):
@@ -272,7 +273,7 @@ def print_tap(bars, options):
 
 
 def report(bars, options):
-    """Prints and writes the table; the number of red bars."""
+    """Prints and writes the table. Returns the number of red bars."""
     values = {source: values_of(source, bars, options) for source in dict.fromkeys(bar.source for bar in bars)}
     verdicts = collections.Counter()
     width = max(len(bar.name) for bar in bars)

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Repeats the tests that know time, processes or windows beside busy processes, and names what failed (docs/bars.md).
+"""Repeats the tests that depend on time, processes or windows under load, and names failures (docs/bars.md).
 
   flakes.py --build build [--rounds 30] [--load 4] [--jobs 2] [--tests TEXT]
 
 The tests are those of tools/bars/flakes.txt, run as `make test` runs them. Writes out/flakes.tsv after every round,
-so that an interrupted run keeps what it has; what a failed test said is kept in out/flakes. The last line is
-`flakes.failed<TAB>N`, the number of failed runs; ends with 1 when there is one.
+so that an interrupted run keeps its results; the output of a failed test is kept in out/flakes. The last line is
+`flakes.failed<TAB>N`, the number of failed runs; the exit code is 1 if there is one.
 """
 
 import argparse
@@ -29,7 +29,7 @@ def read_list(wanted):
 
 
 class Load:
-    """Busy processes for as long as it is open."""
+    """Keeps processes busy while the context is open."""
 
     def __init__(self, count):
         self.busy = [subprocess.Popen([sys.executable, "-c", BUSY]) for _ in range(count)]
@@ -51,12 +51,12 @@ def keep_output(outcome, name, number):
 
 
 def run_round(jobs, number, at_once):
-    """Outcomes of the tests that failed."""
+    """Runs the tests once and returns the outcomes of those that failed."""
     pool = concurrent.futures.ThreadPoolExecutor(max(1, at_once))
     try:
         outcomes = [future.result() for future in [pool.submit(function, *arguments) for function, arguments in jobs]]
     finally:
-        pool.shutdown(cancel_futures=True)  # an interrupt ends the tests that run, and begins no other
+        pool.shutdown(cancel_futures=True)  # an interrupt ends the running tests, and no other test begins
     failed = [outcome for outcome in outcomes if outcome.failed]
     for outcome in failed:
         keep_output(outcome, outcome.title, number)
@@ -65,7 +65,7 @@ def run_round(jobs, number, at_once):
 
 
 def run_rounds(jobs, options):
-    """Numbers of the rounds that failed, by test."""
+    """Returns the numbers of the failed rounds, by test."""
     failed = collections.defaultdict(list)
     for number in range(1, options.rounds + 1):
         for outcome in run_round(jobs, number, options.jobs):
@@ -102,7 +102,7 @@ def main():
     options.scripts, options.programs = scripts, [name for name in names if name not in scripts]
     options.sanitized, options.fuzz = [], []
     jobs = run_tests.make_jobs(options)
-    write_table(jobs, {}, 0, options.load)  # what an earlier run left is not for this one
+    write_table(jobs, {}, 0, options.load)  # replaces the table of an earlier run
     with Load(options.load):
         failed = run_rounds(jobs, options)
     for title, rounds in sorted(failed.items()):

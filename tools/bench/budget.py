@@ -1,14 +1,13 @@
 #!/usr/bin/env python3
-"""What a tick costs on the Cortex-M7: instructions, stack and bytes, held against firmware/bench/budget.tsv
-(docs/bench.md).
+"""Compares a tick's cost on the Cortex-M7 with firmware/bench/budget.tsv: instructions, stack, bytes (docs/bench.md).
 
   budget.py --build build [--accept] [--profile CASE]
 
 Instructions are counted in QEMU with -icount shift=0, one nanosecond each; the stack is the longest path through the
 compiler's call graph; sizes are those of the objects. Ends with 1 when a row is more than 3 % over the tracked one,
 when a row is missing there, or when the image calls a soft-float or divide helper or a heap. --accept writes the
-tracked file. --profile prints where the instructions of two ticks of a case go, function by function, and measures
-nothing else.
+tracked file. --profile prints the instructions of two ticks of a case, function by function, and measures nothing
+else.
 """
 
 import argparse
@@ -48,13 +47,13 @@ FORBIDDEN = re.compile(
 ALLOWED_HELPERS = re.compile(r"^__aeabi_l(lsl|lsr|asr|mul)$")  # 64-bit shifts and products: a few instructions, no loop
 HASHED_CASE = "elements=256 contacts=all"
 INSTRUCTIONS_PER_COUNT = 40  # of SysTick: firmware/port/mps2_an500/systick.h
-DIVISION = re.compile(r"^__aeabi_u?ldivmod$")  # forbidden, but its stack is known: the caller's check tells the name
+DIVISION = re.compile(r"^__aeabi_u?ldivmod$")  # forbidden, but its stack is known: the caller reports the name
 DIVISION_BYTES = 64
 LOOP_MIN = 12  # shorter loops are not worth an estimate
 
 
 class CannotMeasure(Exception):
-    """The text says why."""
+    """A measurement failed; the text gives the reason."""
 
 
 def run(command, text=None, check=True):
@@ -80,7 +79,7 @@ def run(command, text=None, check=True):
 
 # --- instructions ---------------------------------------------------------------------------------------------------
 def emulate(image, case_file):
-    """What the image prints, as a table of numbers."""
+    """Runs the image and returns its output as a table of numbers."""
     text = run(
         QEMU
         + [
@@ -96,7 +95,7 @@ def emulate(image, case_file):
 
 
 def measure_case(make, image, number, context, folder):
-    """Rows of one case."""
+    """Returns the rows of one case."""
     path = os.path.join(folder, "case%d" % number)
     words = run([make, "make", str(number), path]).split()
     counted = emulate(image, path)
@@ -119,7 +118,7 @@ def instructions(build, folder):
 
 
 def profile(build, number, folder):
-    """Instructions per function of two ticks, by single steps."""
+    """Counts the instructions of two ticks per function, by single steps."""
     make, image = os.path.join(build, "bench", "budget_make"), os.path.join(build, "m7", "budget_image.elf")
     path, log = os.path.join(folder, "case"), os.path.join(folder, "log")
     run([make, "make", number, path])
@@ -160,7 +159,7 @@ def profile(build, number, folder):
         print("%9.0f  %s" % (count / min(ticks, 2), name))
 
 
-# --- objects: where the preset m7 has what it made of a target ---------------------------------------------------
+# --- objects: the files that the preset m7 made of a target --- ---------------------------------------------------
 def target_folder(build, target):
     return os.path.join(build, "m7", "firmware", "images", "CMakeFiles", target + ".dir")
 
@@ -170,13 +169,13 @@ def budget_objects(build):
 
 
 def image_objects(build, port):
-    """Folders of everything that a port's image is linked from."""
+    """Returns the folders of all objects that a port's image links."""
     return [target_folder(build, "image_" + part) for part in ("core", "device", "memory", port)]
 
 
 # --- stack -----------------------------------------------------------------------------------------------------------
 def call_graph(folders):
-    """(bytes of each function, callees of each function) from the compiler's .ci files."""
+    """Returns (bytes of each function, callees of each function) from the compiler's .ci files."""
     frame, calls, plain = {}, collections.defaultdict(set), {}
     folders = [folders] if isinstance(folders, str) else folders
     for path in [p for one in folders for p in glob.glob(os.path.join(one, "**", "*.ci"), recursive=True)]:
@@ -195,8 +194,8 @@ def call_graph(folders):
 
 
 def worst_stack(folders, root, by_address=()):
-    """Bytes on the longest path from `root`; refuses recursion and functions of unknown size. `by_address` names all
-    functions that a call by address can reach; without it such calls are refused."""
+    """Returns the bytes on the longest path from `root`. Refuses recursion and functions of unknown size.
+    `by_address` names all functions that a call by address can reach; without it such calls are refused."""
     frame, calls, plain = call_graph(folders)
     frame, done = dict(frame), {}
     if by_address:
@@ -237,7 +236,7 @@ def sizes(build):
 
 
 def memory_sizes():
-    """sizeof of model and state for a line of 256 elements, by the compiler for the Cortex-M7."""
+    """Returns sizeof of model and state for a line of 256 elements, by the compiler for the Cortex-M7."""
     text = (
         '#include "firmware/core/core_state.h"\nchar model_bytes[sizeof(crn_model)];\n'
         "char state_bytes[sizeof(crn_state)];\nchar words_bytes[sizeof(crn_state_words)];\n"
@@ -268,7 +267,7 @@ def memory_sizes():
 
 
 def forbidden_symbols(image):
-    """Names in the image that must not be there; the rule is shown to catch a bad one by its own test."""
+    """Returns the forbidden names in the image. A test of its own shows that the rule catches a bad name."""
     names = [line.split()[-1] for line in run(["arm-none-eabi-nm", image]).splitlines()]
     return sorted(name for name in names if is_forbidden(name))
 
@@ -282,7 +281,7 @@ INSTRUCTION = re.compile(r"^\s*([0-9a-f]+):\s+(\S.*)$")
 
 
 def innermost_loops(lines):
-    """Instructions of every innermost loop: from the target of a backward branch to the branch."""
+    """Returns the instructions of every innermost loop: from the target of a backward branch to the branch."""
     code = []
     for line in lines:
         match = INSTRUCTION.match(line)
@@ -302,7 +301,7 @@ def innermost_loops(lines):
 
 
 def estimate(body):
-    """Cycles per pass as llvm-mca sees them: in order of address, no cache misses, branches dropped."""
+    """Returns llvm-mca's cycles per pass: in order of address, without cache misses and branches."""
     kept = [
         text
         for text in body
@@ -345,12 +344,12 @@ def read_budget():
 
 
 def key_of(context):
-    """How often a second solve is needed may change; what is measured is the case."""
+    """The share of ticks with a second solve may change without changing the measured case."""
     return context.split(" contacts=")[0] if "second_solve" in context else context
 
 
 def judge(row, budget):
-    """'' or what is wrong with a row."""
+    """Returns '' or the error in a row."""
     name, value, _, context = row
     allowed = budget.get((name, key_of(context)))
     if allowed is None:
@@ -364,7 +363,7 @@ def write_rows(path, rows):
 
 
 def measure(build, folder):
-    """Every row; also what run_bench.py puts into out/bench.tsv."""
+    """Returns every row; run_bench.py also writes them into out/bench.tsv."""
     return list(instructions(build, folder)) + list(stack(build)) + list(sizes(build)) + list(memory_sizes())
 
 

@@ -3,7 +3,7 @@
 
   budget_docs.py [--write]
 
-Without --write only compares; ends with 1 when the page is not what the budget says.
+Without --write it only compares, and ends with 1 when the page differs from the budget.
 """
 
 import os
@@ -37,7 +37,7 @@ def table(rows):
 
 
 def renewed(text, rows):
-    """The page with the block anew."""
+    """Returns the page with a new block."""
     before, mark, rest = text.partition(BEGIN)
     _, end, after = rest.partition(END)
     if not mark or not end:

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""What a device's image needs and must not have: code, RAM, worst stack; no soft-float, divide helper or heap.
+"""Measures a device's image (code, RAM, worst stack) and checks that it has no soft-float, divide helper or heap.
 
   image_report.py --build build --port mps2_an500
 
 The stack is the longest path through the compiler's call graph from main(), plus one exception with its handler.
-Calls by address are the port's functions, which are named here. Ends with 1 when RAM or stack are over their limits,
-or when a forbidden name is in the image.
+Calls by address reach only the port's functions, which are named here. Ends with 1 when RAM or stack are over their
+limits, or when a forbidden name is in the image.
 """
 
 import argparse
@@ -17,7 +17,7 @@ import budget
 RAM_MAX_BYTES = 512 * 1024  # without scenes
 STACK_MAX_BYTES = 16 * 1024
 # The functions in each port's tables (its main.c, and its USB controller). The USB stack calls the app by address,
-# from its polling: that whole depth is added once, whichever of the two the deepest path goes through.
+# from its polling. That whole depth is added once, whether or not the deepest path goes through the polling.
 BY_ADDRESS = {
     "mps2_an500": ("transmit", "transmit_room", "rig_inputs_read", "rig_outputs_write", "now_us"),
     "imxrt1062": (
@@ -62,7 +62,7 @@ def stack_bytes(objects, port):
 
 
 def report(image, objects, port):
-    """Prints; returns what is wrong."""
+    """Prints the report and returns the errors."""
     size, names = sections(image), symbols(image)
     code = size.get(".boot", 0) + size.get(".text", 0) + size.get(".ARM.exidx", 0) + size.get(".data", 0)
     static = size.get(".data", 0) + size.get(".bss", 0) + size.get(".dma", 0)

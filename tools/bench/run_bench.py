@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Run the benchmark programs by the convention of docs/bench.md. Called by `make bench`.
+"""Run the benchmark programs by the convention of docs/bench.md. `make bench` calls this program.
 
   run_bench.py --build build [--cases TEXT] [PROGRAM...]
 
@@ -25,11 +25,11 @@ CALIBRATED = "shared/examples/instruments/amplatz_super_stiff.toml"
 
 
 class CannotMeasure(Exception):
-    """The text says why."""
+    """A measurement failed; the text gives the reason."""
 
 
 def run(command):
-    """Standard output of a command that must succeed."""
+    """Returns the standard output of a command that must succeed."""
     try:
         done = subprocess.run(
             command,
@@ -50,7 +50,7 @@ def run(command):
 
 
 def list_cases(program):
-    """(name, unit, context, mode) of every case."""
+    """Returns (name, unit, context, mode) of every case."""
     cases = []
     for line in run([program, "list"]).splitlines():
         fields = line.split("\t")
@@ -71,14 +71,14 @@ def last_number(program, number):
 
 
 def count_calls(profile, function):
-    """How often `function` was entered: the sum of the `calls=` lines below a `cfn=` that names it. Callgrind writes a
+    """Counts the calls of `function`: the sum of the `calls=` lines below a `cfn=` that names it. Callgrind writes a
     name once as `(id) name` and then as `(id)`."""
     ids = {i for i, name in re.findall(r"^c?fn=\((\d+)\) (\S+)", profile, re.M) if name == function}
     return sum(int(calls) for i, calls in re.findall(r"^cfn=\((\d+)\)[^\n]*\ncalls=(\d+)", profile, re.M) if i in ids)
 
 
 def count_instructions(program, number, function, calls):
-    """Instructions per call of `function` and what it calls."""
+    """Returns the instructions per call of `function`, including its callees."""
     with tempfile.TemporaryDirectory() as folder:
         profile_path = os.path.join(folder, "callgrind.out")
         run(
@@ -121,7 +121,7 @@ def program_cases(program):
 
 
 def demo_command(options):
-    """The demo session without its outputs."""
+    """Runs the demo session without its outputs."""
     for path in (options.scene, options.instrument, options.session):
         if not os.path.exists(path):
             raise CannotMeasure("%s does not exist: `make run` makes what is missing" % path)
@@ -131,7 +131,7 @@ def demo_command(options):
 
 
 def realtime_factor(options, picture_arguments):
-    """Simulated seconds per second of the demo session, from what cournand says of its own time."""
+    """Returns the simulated seconds per second of the demo session, from the time that cournand reports."""
     with tempfile.TemporaryDirectory() as folder:
         timing = os.path.join(folder, "timing.json")
         run(
@@ -150,7 +150,7 @@ def session_cases(options):
 
 
 def bytes_per_tick(options):
-    """Bytes of the demo's recording for each of its ticks."""
+    """Returns the bytes per tick of the demo's recording."""
     with tempfile.TemporaryDirectory() as folder:
         recording = os.path.join(folder, "demo.rec")
         run(demo_command(options) + ["--record", recording])
@@ -166,7 +166,8 @@ def wire_cases(options):
 
 
 def make_calibration(options, folder):
-    """A case in the phantom, 300 mm deep at its second depth; its scans are an insertion of the nominal instrument."""
+    """Makes a case in the phantom, 300 mm deep at its second depth; its scans show an insertion of the nominal
+    instrument."""
     phantom = os.path.join(folder, "phantom")
     run([os.path.join(options.build, "bin", "anatomy"), "phantom", "-o", phantom, "--no-bodies", "--quiet"])
     text = os.path.join(phantom, "scene.toml")
@@ -211,7 +212,7 @@ def make_calibration(options, folder):
 
 
 def calibration_rate(options, threads):
-    """Insertions per second, as calibrate says them."""
+    """Returns the insertions per second that calibrate reports."""
     with tempfile.TemporaryDirectory() as folder:
         make_calibration(options, folder)
         command = [
@@ -248,7 +249,7 @@ def calibration_cases(options):
 
 
 def budget_rows(options):
-    """The Cortex-M7's rows (tools/bench/budget.py), and how many of them could not be measured."""
+    """Returns the Cortex-M7's rows (tools/bench/budget.py), and the number of rows that could not be measured."""
     try:
         with tempfile.TemporaryDirectory() as folder:
             rows = budget.measure(options.build, folder)
@@ -268,7 +269,7 @@ def print_table(rows):
         print("%-*s  %*s  %-*s  %s" % (widths[0], name, widths[1], value, widths[2], unit, context))
 
 
-# Minutes each under callgrind or by simulated minutes: what --quick leaves out.
+# These take minutes each, under callgrind or by simulated minutes; --quick leaves them out.
 SLOW = ("hands.", "wire.", "rod.coronary_penetration_mm", "xray.", "stent.", "contrast.", "calibrate.", SESSION)
 
 
@@ -277,7 +278,7 @@ def is_slow(name, context):
 
 
 def quick_cases(cases):
-    """Those that take seconds, with the names of the others said."""
+    """Returns the cases that take seconds, and prints the names of the others."""
     left_out = [case for case in cases if is_slow(case[0], case[2])]
     for name, _, context, _ in left_out:
         print("left out: %s %s" % (name, context), file=sys.stderr)

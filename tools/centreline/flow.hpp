@@ -12,7 +12,7 @@ struct FlowSettings {
     double viscosity_mPa_s = 3.5; // blood
 };
 
-// The resistance of the tube between two spheres, whose radius changes linearly, in Pa s / mm^3.
+// Returns the resistance of the tube between two spheres, whose radius changes linearly, in Pa s / mm^3.
 double tube_resistance(const Sphere &a, const Sphere &b, double viscosity_mPa_s);
 
 // Sets speed_mm_s of every sphere, and returns the flow of every branch behind its first sphere, in ml/min.

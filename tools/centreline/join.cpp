@@ -41,7 +41,7 @@ void consider(Choice &best, const Branch &curve, const Tree &tree, std::size_t p
     }
 }
 
-// Cuts off what runs along the parent's line, and puts the parent's sphere before the rest.
+// Cuts off the part that runs along the parent's line, and puts the parent's sphere before the rest.
 void attach(Branch &curve, const Branch &parent)
 {
     std::size_t left = 0;

@@ -45,8 +45,8 @@ void check_tree(const Tree &tree, const std::string &name);
 std::size_t sphere_count(const Tree &tree);
 double length_mm(const Branch &branch);
 
-// The distance to a capsule whose radius changes linearly from a to b (the hull of the two spheres), negative
-// inside.
+// Returns the distance to a capsule whose radius changes linearly from a to b (the hull of the two spheres),
+// negative inside.
 double tapered_capsule_distance(const Eigen::Vector3d &p, const Eigen::Vector3d &a, double radius_a,
                                 const Eigen::Vector3d &b, double radius_b);
 
@@ -64,8 +64,8 @@ struct LinePlace {
 };
 LinePlace line_place(const Branch &branch, const Eigen::Vector3d &p_mm);
 
-// The first sphere of the branch whose centre lies outside its parent's tube. Before it the branch is only
-// the connection from the parent's middle to the wall. It is 0 for a root.
+// Returns the first sphere of the branch whose centre lies outside its parent's tube. Before it the branch is
+// only the connection from the parent's middle to the wall. It is 0 for a root.
 std::size_t first_own_sphere(const Tree &tree, std::size_t branch);
 
 // Turns curves as 3D Slicer and VMTK store them, one per file or per outlet, into a tree. Roots that begin

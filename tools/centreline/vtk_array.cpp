@@ -129,7 +129,7 @@ VtkFile::VtkFile(const std::string &text, const std::string &name) : name_(name)
         throw Fault(name_ + ":" + std::to_string(std::count(text.begin(), end, '\n') + 1) +
                     ": is no XML text: " + result.description() + ": export the file again");
     }
-    // Where one name occurs twice pugixml takes the first attribute, but XML does not allow it.
+    // XML does not allow an attribute name twice; pugixml would take the first one.
     TwiceNamed twice;
     if (document_.traverse(twice); !twice.name.empty())
         fail("has the attribute '" + twice.name.substr(0, 40) +
@@ -145,7 +145,7 @@ VtkFile::VtkFile(const std::string &text, const std::string &name) : name_(name)
         fail("is compressed by " + compressor + ": save it with zlib, or uncompressed");
 }
 
-// The bytes of an array that is not text. `what` is its name for messages.
+// Returns the bytes of an array that is not text. `what` is its name for messages.
 std::string VtkFile::bytes_of(const pugi::xml_node &array, const std::string &what) const
 {
     std::string_view text = array.child_value();

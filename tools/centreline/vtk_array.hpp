@@ -19,8 +19,8 @@ class VtkFile
     const pugi::xml_document &document() const { return document_; }
     const std::string &name() const { return name_; }
 
-    // The values of a DataArray element. Throws Fault naming the array when they cannot be read, or when
-    // their number is not `count` (if not 0).
+    // Returns the values of a DataArray element. Throws Fault naming the array when they cannot be read, or
+    // when their number is not `count` (if not 0).
     std::vector<double> values(const pugi::xml_node &array, std::size_t count) const;
 
     [[noreturn]] void fail(const std::string &what) const { throw Fault(name_ + ": " + what); }

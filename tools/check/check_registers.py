@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Every address, offset, field, pad and width in firmware/port/imxrt1062 is what the machine-readable description of
-the chip says: the crate imxrt-ral, fetched by cargo into build/registers (register_description.py). Prints TAP.
+"""Compares every address, offset, field, pad and width in firmware/port/imxrt1062 with the machine-readable
+description of the chip: the crate imxrt-ral, fetched by cargo into build/registers (register_description.py). Prints
+TAP.
 
 When all agree, the digests of the port's files are written to firmware/port/imxrt1062/registers.checked, which `make
-test` compares (test_registers.py): a test needs no network, and no file changes without this check. What the crate
-does not describe is listed in docs/porting.md, "What no script has checked"."""
+test` compares (test_registers.py): a test needs no network, and no file changes without this check. Registers that
+the crate does not describe are listed in docs/porting.md, "What no script has checked"."""
 
 import os
 import re
@@ -28,7 +29,7 @@ def module_of(instance):
 
 
 class Header:
-    """The header's lines by kind; `findings` names what cannot be read."""
+    """Sorts the header's lines by kind; `findings` names the lines that cannot be read."""
 
     def __init__(self, text):
         self.bases, self.lines, self.findings = {}, [], []
@@ -46,7 +47,7 @@ class Header:
             self.lines.append((number, words[1], value))
 
     def instance(self, name):
-        """An instance whose module the name begins with: the longest."""
+        """Returns the instance with the longest module name with which the name begins."""
         found = [i for i in self.bases if name.startswith(module_of(i) + "_")]
         return max(found, key=lambda i: len(module_of(i))) if found else None
 
@@ -91,7 +92,7 @@ def check_pad(iomux, name, value):
 
 
 def check_line(header, description, name, value):
-    """None, or what the description says instead."""
+    """Returns None, or the value in the description if it differs."""
     if name.startswith("BASE_"):
         right = description.bases.get(name[5:])
         return None if right == value[0] else "the description has %s" % (right if right is None else hex(right))
@@ -126,7 +127,7 @@ def check_header(text, description):
 
 
 def check_access(path, text, header, description):
-    """Registers are read and written in their own width, and at a base of their own module."""
+    """Registers are read and written in their own width, at a base address of their own module."""
     for match in ACCESS.finditer(tree.code_only(text)):
         bits, base, name = int(match.group(1)), match.group(2).strip(), match.group(3)
         place = "%s:%d" % (path, tree.line_of(text, match.start()))
@@ -142,7 +143,7 @@ def check_access(path, text, header, description):
 
 
 def used_names(text, sources):
-    """Every name of the header is used: the header holds only what is needed."""
+    """Every name of the header is used, because the header contains only what is needed."""
     code = " ".join(tree.TOKENS.sub(tree.blank, source) for source in sources)
     words = set(re.findall(r"\w+", code)) | {
         "IOMUXC_SW_PAD_CTL_PAD_GPIO_EMC_24_" + f for f in re.findall(r"PAD_FIELD\((\w+)", code)

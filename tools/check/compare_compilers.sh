@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# The whole program computes the same bits whatever compiles it: `cournand replay RECORDING --verify` prints the same
-# final hash when built by gcc -O0, gcc -O3 and clang -O2, and at any speed; and the X-ray picture of
-# host/xray/tests/test_xray.cpp has one hash, by 1, 2, 3 and 7 threads. Called by `make compilers`; takes minutes,
-# since it builds three programs (build/compilers/NAME) and plays the recording in real time. usage:
+# The whole program computes the same bits with any compiler. `cournand replay RECORDING --verify` prints the same
+# final hash when built by gcc -O0, gcc -O3 and clang -O2, and at any speed. The X-ray picture of
+# host/xray/tests/test_xray.cpp has one hash with 1, 2, 3 and 7 threads. `make compilers` calls this script, which
+# takes minutes: it builds three programs (build/compilers/NAME) and plays the recording in real time. usage:
 # compare_compilers.sh [RECORDING]     default: out/demo.rec, as `make run` leaves it
 set -uo pipefail
 cd "$(dirname "$0")/../.." || exit 1

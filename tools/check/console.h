@@ -1,4 +1,4 @@
-/* Where a check's program writes when it also runs without an operating system. One of console_stdio.c and
+/* The output of a check's program that also runs without an operating system. One of console_stdio.c and
  * console_semihost.c is linked. */
 #ifndef CRN_CHECK_CONSOLE_H
 #define CRN_CHECK_CONSOLE_H

@@ -93,7 +93,7 @@ static void write_field(const char *name, int32_t value)
     write_decimal(value);
 }
 
-/* One line per tick: `trace SCENE TICK feed=HASH stretch=HASH ...`. */
+/* Writes one line per tick: `trace SCENE TICK feed=HASH stretch=HASH ...`. */
 static void write_trace(const core_scene *scene, uint32_t tick)
 {
     console_write("trace ");

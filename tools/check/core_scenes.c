@@ -10,8 +10,8 @@
  * fine: a stiff uniform wire in the same tube made of refined bricks, 4 mm wide, pushed, pulled and turned as
  * fast as the core allows, so that limits act. air: a floppy shaped wire without a lumen, hanging and turned.
  * coaxial: the J wire in two shaped catheters in the tube; every tool leads once, slides and turns against
- * the others. beating: the J wire in the tube, whose middle goes to and fro by 3.6 mm with a heart that is
- * asked for everything once, and breathes. balloon: a wire in a balloon catheter in the fine tube, which its
+ * the others. beating: the J wire in the tube, whose middle goes to and fro by 3.6 mm with a heart that
+ * receives every order once, and breathes. balloon: a wire in a balloon catheter in the fine tube, which its
  * balloon fills and opens at a lesion; pulled while it is up, pushed after it is down, the lesion held open,
  * and burst. stented: the J wire in the beating tube goes to and fro through and beside a stent that lies on
  * nothing, is widened later, and loses half of its rings. */
@@ -41,7 +41,7 @@ const core_scene core_scenes[CORE_SCENE_COUNT] = {{"tube", 4000},    {"fine", 15
                                                   {"coaxial", 3000}, {"beating", 3500}, {"balloon", 3000},
                                                   {"stented", 4500}};
 
-/* What a scene's lumen is made in. One at a time: core_scene_start makes it anew. */
+/* The memory of a scene's lumen. Only one exists at a time: core_scene_start makes it anew. */
 static struct {
     crn_lumen lumen;
     uint16_t index[COARSE_COUNT];
@@ -122,7 +122,7 @@ static void fill_row(int16_t *row, int32_t reach)
     }
 }
 
-/* Most in the middle of the tube, nothing at the lattice's boundary. */
+/* Makes a motion that is largest in the middle of the tube and zero at the lattice's boundary. */
 static const crn_motion *make_motion(void)
 {
     for (int32_t node = 0; node < NODES_X * NODES_Y * NODES_Z; node++) {
@@ -200,7 +200,7 @@ static const crn_lumen *make_lumen(uint32_t scene)
     return &field.lumen;
 }
 
-/* A J wire: floppy curved tip of 15 mm, transition to a shaft at 60 mm. */
+/* Makes a J wire: floppy curved tip of 15 mm, transition to a shaft at 60 mm. */
 static crn_instrument make_j_wire(uint32_t shaft_nN_m2)
 {
     const crn_knot tip = {.arc_um = 0,
@@ -252,7 +252,7 @@ static crn_instrument make_stiff_wire(void)
     return wire;
 }
 
-/* A catheter: a bent end of 30 mm on a straight shaft. */
+/* Makes a catheter: a bent end of 30 mm on a straight shaft. */
 static crn_instrument make_catheter(uint32_t bend_nN_m2, uint32_t radius_um, int32_t curve_per_m_milli)
 {
     const crn_knot tip = {.arc_um = 0,
@@ -282,7 +282,7 @@ static crn_instrument make_catheter(uint32_t bend_nN_m2, uint32_t radius_um, int
     return catheter;
 }
 
-/* A balloon of 5 x 20 mm at 8 bar, 8 mm behind the tip. */
+/* Makes a balloon of 5 x 20 mm at 8 bar, 8 mm behind the tip. */
 static crn_instrument make_balloon_catheter(void)
 {
     crn_instrument catheter = make_catheter(50000, 750, 0);
@@ -313,7 +313,7 @@ bool core_scene_start(uint32_t scene, crn_model *model, crn_state *state)
     return true;
 }
 
-/* Forwards at `step` with a turn on the way, then back at half of it. */
+/* Moves forwards at `step` while turning, then back at half that speed. */
 static crn_input forward_and_back(uint32_t tick, uint32_t forward_ticks, int32_t step_m_q30, uint32_t turn32)
 {
     uint32_t forward = tick < forward_ticks ? tick : forward_ticks;
@@ -338,7 +338,7 @@ static crn_input every_tool(uint32_t tick, uint32_t variant)
     return input;
 }
 
-/* What is asked of heart and breath, each at its tick. */
+/* Returns the order to heart and breath that is given at this tick. */
 static crn_rhythm_order order_at(uint32_t tick)
 {
     switch (tick) {
@@ -388,7 +388,7 @@ static crn_strut_order strut_at(uint32_t tick)
     return (crn_strut_order){.number = 0};
 }
 
-/* 45 mm to and fro, and a turn on the way that no two ways begin alike with. */
+/* Moves 45 mm to and fro while turning; no two strokes begin with the same angle. */
 static crn_input through_struts(uint32_t tick, uint32_t variant)
 {
     const uint32_t phase = tick % 1800, place = phase < 900 ? phase : 1800 - phase;

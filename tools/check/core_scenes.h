@@ -17,7 +17,7 @@ extern const core_scene core_scenes[CORE_SCENE_COUNT];
 /* Model and first state of a scene; false when the core refuses it. */
 bool core_scene_start(uint32_t scene, crn_model *model, crn_state *state);
 
-/* The hand at a tick (from 1). `variant` changes its motion a little. */
+/* Returns the hand at a tick (from 1). `variant` changes its motion a little. */
 crn_input core_scene_hand(uint32_t scene, uint32_t tick, uint32_t variant);
 
 #endif

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Lines of the project that a run of the tests executes, by folder and in total.
+"""Counts the lines of the project that a run of the tests executes, by folder and in total.
 
   coverage.py --build build/coverage --profiles build/coverage/profiles --programs FILE...
 
@@ -18,11 +18,11 @@ import subprocess
 import sys
 
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
-VERSION = 14  # of Debian 12; profiles of another clang are refused by name
+VERSION = 14  # clang of Debian 12; a profile of another clang is refused by name
 
 
 class CoverageError(Exception):
-    """What is wrong, and what to do."""
+    """An error with its remedy."""
 
 
 def tool(name):
@@ -42,7 +42,7 @@ def call(words):
 
 
 def profiles_in(folder):
-    """Every .profraw below a folder; a program that was killed may have left an empty one."""
+    """Returns every .profraw below a folder; a killed program may have left an empty one."""
     found = []
     for parent, _, names in os.walk(folder):
         found += [os.path.join(parent, name) for name in names if name.endswith(".profraw")]
@@ -55,7 +55,7 @@ def profiles_in(folder):
 
 
 def merged(build, profiles):
-    """One profile of all runs."""
+    """Merges all runs into one profile."""
     listed, whole = os.path.join(build, "profiles.txt"), os.path.join(build, "coverage.profdata")
     with open(listed, "w", encoding="utf-8") as file:
         file.write("".join("%s\n" % path for path in profiles))
@@ -64,7 +64,7 @@ def merged(build, profiles):
 
 
 def exported(profile, programs):
-    """llvm-cov's summary of every source file."""
+    """Returns llvm-cov's summary of every source file."""
     for path in programs:
         if not os.path.isfile(path):
             raise CoverageError("no program %s: did it build?" % path)
@@ -75,7 +75,7 @@ def exported(profile, programs):
 
 
 def counted_path(path, root, build):
-    """The path inside the repository; None for what is not counted."""
+    """Returns the path inside the repository, or None for a file that is not counted."""
     inside = os.path.relpath(os.path.join(root, path), root)
     parts = inside.split(os.sep)
     if (
@@ -88,7 +88,7 @@ def counted_path(path, root, build):
 
 
 def by_folder(files, root, build):
-    """folder -> [lines run, lines], sorted."""
+    """Returns folder -> [lines run, lines], sorted."""
     folders = collections.defaultdict(lambda: [0, 0])
     for file in files:
         path = counted_path(file["filename"], root, build)

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""How the house is built: circles of rooms, long functions and files, crowded folders, who leans on the program, the
-largest struct.
+"""Measures the structure of the code: circles of rooms, long functions and files, crowded folders.
+It also counts the rooms that depend on the program, and measures the largest struct.
 
   house.py [--write FILE]
 
-Prints `name<TAB>value<TAB>unit<TAB>context` lines, and what stands behind every value that is not 0 as comments.
---write appends the lines to FILE (out/bench.tsv) in place of older ones of the same names. Ends with 0.
+Prints `name<TAB>value<TAB>unit<TAB>context` lines, and as comments the reasons for every value that is not 0. --write
+appends the lines to FILE (out/bench.tsv) and removes older lines of the same names. The exit code is 0.
 """
 
 import argparse
@@ -25,7 +25,7 @@ SOURCE = tree.C_SUFFIXES + (".py", ".sh")
 
 
 def rooms_graph():
-    """Folder -> folders that its files include, tests apart."""
+    """Returns folder -> folders that its files include, without tests."""
     graph = collections.defaultdict(set)
     for path in tree.files(*tree.C_SUFFIXES, ".inc"):
         room = os.path.dirname(path)
@@ -48,7 +48,7 @@ def reached(graph, start):
 
 
 def circles(graph):
-    """Rooms that reach each other, each circle once."""
+    """Returns the groups of rooms that include each other, each circle once."""
     reach = {room: reached(graph, room) for room in graph}
     found = {
         frozenset(other for other in reach if other in reach[room] and room in reach[other])
@@ -74,7 +74,7 @@ def leaning():
 
 
 def largest_struct():
-    """(members, struct) of firmware/app."""
+    """Returns (members, struct) of firmware/app."""
     most = (0, "")
     for path in tree.files(".h"):
         if not path.startswith("firmware/app/"):
@@ -90,7 +90,7 @@ def over(rule, suffixes):
 
 
 def figures():
-    """(name, value, unit, context, what stands behind it)"""
+    """Returns (name, value, unit, context, reasons)."""
     members, struct = largest_struct()
     for name, unit, behind in (
         ("house.rooms_circles", "circles", circles(rooms_graph())),

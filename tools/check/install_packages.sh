@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # Installs the Debian packages of the named sections of tools/packages.txt that are missing.
 # usage: install_packages.sh SECTION...
-# Debian with root or sudo: says which packages and how much they are, asks on the terminal, installs. YES=1, or
-# CI=true as build machines set it, is the answer where nobody sits. Without a terminal and without either nothing is
-# installed, and it says what to type. Elsewhere than on Debian it prints the list. Whatever is not installed ends
-# with exit code 1.
+# On Debian with root or sudo it prints the packages and their size, asks on the terminal, and installs them. YES=1,
+# or CI=true as build machines set it, answers the question without a person. Without a terminal and without either
+# variable it installs nothing and prints the command to type. On other systems it prints the list. If a package is
+# not installed, the exit code is 1.
 set -euo pipefail
 here="$(cd "$(dirname "$0")/.." && pwd)"
 list="$here/packages.txt"
@@ -24,8 +24,9 @@ if ! command -v dpkg-query >/dev/null; then
     exit 1
 fi
 
-# One installer at a time: `make -j` may start this twice. What is locked is the list itself, opened for reading: a
-# lock file of our own in a folder that others write to could be a link of theirs to any file of ours.
+# Only one installer may run at a time, because `make -j` may start this script twice. The lock is on the list itself,
+# opened for reading. A separate lock file in a folder that others can write to could be their link to any file of
+# ours.
 exec 9<"$list"
 if command -v flock >/dev/null; then flock 9; fi
 
@@ -41,20 +42,20 @@ if [ "$(id -u)" = 0 ]; then sudo=(); elif command -v sudo >/dev/null; then sudo=
     exit 1
 fi
 
-# What apt would do, in its own words: "Need to get 12.3 MB of archives." and "After this operation, 45.6 MB of
-# additional disk space will be used." --print-uris changes nothing (--assume-no installs whatever it would not ask
-# about), and no right is needed. Empty where the package lists are missing or too old.
+# Prints what apt would do, in apt's words: "Need to get 12.3 MB of archives." and "After this operation, 45.6 MB of
+# additional disk space will be used." --print-uris changes nothing (--assume-no would install packages that need no
+# question) and needs no rights. The result is empty if the package lists are missing or too old.
 sizes() {
     LC_ALL=C apt-get install -o Debug::NoLocking=1 --print-uris "${install_options[@]}" "${missing[@]}" 2>/dev/null |
         grep -E '^(Need to get |After this operation, |[0-9]+ upgraded, )' || true
 }
 
-# The answer: 0 yes, 1 no, 2 nobody to ask.
+# Returns the answer: 0 yes, 1 no, 2 no terminal to ask on.
 is_agreed() {
     local answer
     case "${YES:-}" in 1 | y | yes) return 0 ;; esac
     case "${CI:-}" in true | True | 1) return 0 ;; esac
-    # Of jobs that make runs side by side only one has the terminal as its input.
+    # If make runs jobs in parallel, only one of them has the terminal as its input.
     [ -t 2 ] && { : <>/dev/tty; } 2>/dev/null || return 2
     exec 8<>/dev/tty
     printf 'Install them with %sapt-get? [Y/n] ' "${sudo[*]:+sudo }" >&8

@@ -3,7 +3,7 @@
 
 usage: tools/check/make_attenuation.py > host/xray/attenuation.cpp     (needs Debian's libxrl11; exit code 1 without it)
 
-test_attenuation.py compares the file with what this writes.
+test_attenuation.py compares the file with the output of this program.
 
 Mass attenuation is xraylib's CS_Total, mass energy absorption its CS_Energy (Schoonjans et al., Spectrochim. Acta B 66
 (2011) 776; cross-sections of EPDL97 and of NIST's XCOM). Mixtures named in a string are NIST's compounds of xraylib;
@@ -49,20 +49,20 @@ MATERIALS = [
 
 
 class Compound(ctypes.Structure):
-    """struct compoundData of xraylib-parser.h, as far as it is read."""
+    """The fields of struct compoundData (xraylib-parser.h) that are read."""
 
     _fields_ = [("element_count", ctypes.c_int), ("atoms", ctypes.c_double), ("elements", ctypes.POINTER(ctypes.c_int))]
 
 
 class Mixture(ctypes.Structure):
-    """struct compoundDataNIST of xraylib-nist-compounds.h, as far as it is read."""
+    """The fields of struct compoundDataNIST (xraylib-nist-compounds.h) that are read."""
 
     _fields_ = [("name", ctypes.c_char_p), ("element_count", ctypes.c_int), ("elements", ctypes.POINTER(ctypes.c_int))]
 
 
 class Xraylib:
-    """The functions of the C library that are used here; energies in keV, cross-sections in cm2/g. Every one takes a
-    place for an error as its last argument, and gives 0 with none when it is null."""
+    """The functions of the C library that are used here; energies in keV, cross-sections in cm2/g. The last argument
+    of each function is a place for an error; if it is null, the function returns 0 without an error."""
 
     K_SHELL = 0
 
@@ -88,7 +88,7 @@ class Xraylib:
         return call
 
     def elements_of(self, part):
-        """Atomic numbers in a formula or a mixture by name."""
+        """Returns the atomic numbers in a formula or in a named mixture."""
         found = self.parse(part) or self.mixture(part)
         if not found:
             sys.exit(f"make_attenuation: {LIBRARY} knows neither a formula nor a mixture {part}")
@@ -113,8 +113,8 @@ def linear_per_cm(composition, density):
 
 
 def edge_keV(composition):
-    """The highest K edge between iodine's and the end of the table, 0 when there is none: what cannot be
-    interpolated."""
+    """Returns the highest K edge between iodine's and the end of the table, where interpolation is not possible; 0
+    without one."""
     edges = [xrl.edge_energy(z, xrl.K_SHELL) for part in parts_of(composition) for z in xrl.elements_of(part)]
     return max([e for e in edges if 34.0 < e < ENERGIES_keV[-1]], default=0.0)
 

@@ -19,7 +19,7 @@ Q30 = 1 << 30
 
 
 def line(function, derivative_inverse, low, high):
-    """Value at `low` and drop over [low, high] of the best straight line, both Q30 integers."""
+    """Returns the value at `low` and the drop over [low, high] of the best straight line, both Q30 integers."""
     slope = (function(high) - function(low)) / (high - low)
     touch = derivative_inverse(slope)
     gap = function(low) + slope * (touch - low) - function(touch)
@@ -27,19 +27,19 @@ def line(function, derivative_inverse, low, high):
 
 
 def reciprocal_rows():
-    """1/x on [1/2, 1) in 128 intervals."""
+    """Returns 1/x on [1/2, 1) in 128 intervals."""
     for i in range(128, 256):
         yield line(lambda x: 1 / x, lambda s: math.sqrt(-1 / s), i / 256, (i + 1) / 256)
 
 
 def rsqrt_rows():
-    """x^(-1/2) on [1/4, 1) in 192 intervals; its derivative is -x^(-3/2)/2."""
+    """Returns x^(-1/2) on [1/4, 1) in 192 intervals; its derivative is -x^(-3/2)/2."""
     for i in range(64, 256):
         yield line(lambda x: 1 / math.sqrt(x), lambda s: (-2 * s) ** (-2 / 3), i / 256, (i + 1) / 256)
 
 
 def solve(matrix, right):
-    """Gaussian elimination with pivoting, for the 7 x 7 system of the interpolation."""
+    """Solves the 7 x 7 system of the interpolation by Gaussian elimination with pivoting."""
     size = len(right)
     rows = [list(matrix[i]) + [right[i]] for i in range(size)]
     for k in range(size):
@@ -55,7 +55,8 @@ def solve(matrix, right):
 
 
 def asin_coefficients():
-    """asin(x)/x = 1 + z (c0 + c1 z + ... + c6 z^6) with z = x^2 in [0, 1/4], as Q31 integers."""
+    """Returns the coefficients of asin(x)/x = 1 + z (c0 + c1 z + ... + c6 z^6) with z = x^2 in [0, 1/4], as Q31
+    integers."""
     count = 7
     points = [0.125 + 0.125 * math.cos(math.pi * (i + 0.5) / count) for i in range(count)]
     target = [(math.asin(math.sqrt(z)) / math.sqrt(z) - 1) / z for z in points]

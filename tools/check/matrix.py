@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The same scripted scenes on every machine, compiler and optimisation level: one hash, or the place where two part.
+"""Runs scripted scenes on every machine, compiler and optimisation level: finds one hash or the first difference.
 
   matrix.py [--short] [--jobs 2] [--only TEXT] [--break VARIANT:TICK:PART:NODE]
 
@@ -36,7 +36,7 @@ M7_RUN = [
     "stdio,id=console",
 ]
 
-# Machine -> gcc, clang's target, how to run a program.
+# Machine -> gcc, clang's target, command that runs a program.
 MACHINES = {
     "x86-64": ("gcc", "x86_64-linux-gnu", []),
     "x86-32": ("i686-linux-gnu-gcc", "i686-linux-gnu", []),
@@ -56,14 +56,14 @@ class Variant:
         self.program = None
         self.problem = None
         self.text = ""
-        self.extra = []  # arguments that make it differ (--break)
+        self.extra = []  # arguments that make the variant differ (--break)
 
     def hash(self):
         return hashlib.sha256(self.text.encode()).hexdigest()[:16]
 
 
 def variants(short):
-    """The first one is the reference."""
+    """The first variant is the reference."""
     found = []
     for machine in MACHINES:
         for compiler in ("gcc", "clang"):
@@ -76,7 +76,7 @@ def variants(short):
 
 
 def run(command, time_limit_s=TIME_LIMIT_S):
-    """(exit code, standard output, standard error) as text."""
+    """Returns (exit code, standard output, standard error) as text."""
     done = subprocess.run(
         command,
         cwd=ROOT,
@@ -90,7 +90,7 @@ def run(command, time_limit_s=TIME_LIMIT_S):
 
 
 def compile_commands(variant, program):
-    """Commands that leave the program; the console and the link are always the machine's own gcc."""
+    """Returns the commands that build the program; the console and the link always use the machine's own gcc."""
     gcc, target, _ = MACHINES[variant.machine]
     bare = variant.machine == "Cortex-M7"
     machine_flags = M7_FLAGS if bare else []
@@ -142,7 +142,7 @@ def build(variant, folder):
 
 
 def ask(variant, arguments):
-    """What the program prints for these arguments; raises RuntimeError when it fails."""
+    """Returns the program's output for these arguments; raises RuntimeError when it fails."""
     arguments = arguments + variant.extra
     command = MACHINES[variant.machine][2]
     if variant.machine == "Cortex-M7":
@@ -168,7 +168,7 @@ def make(variant, folder):
 
 
 def first_difference(expected, got):
-    """Index of the first differing line, or None."""
+    """Returns the index of the first differing line, or None."""
     for index, (left, right) in enumerate(zip(expected, got)):
         if left != right:
             return index
@@ -176,7 +176,7 @@ def first_difference(expected, got):
 
 
 def locate(reference, variant):
-    """Where the variant parts from the reference: 'scene tube, tick 12, twist, node 3: 0000000a instead of
+    """Returns the first difference from the reference: 'scene tube, tick 12, twist, node 3: 0000000a instead of
     0000000b'."""
     expected, got = (ask(v, ["trace"]).splitlines() for v in (reference, variant))
     index = first_difference(expected, got)
@@ -204,7 +204,7 @@ def locate(reference, variant):
 
 
 def judge(reference, variant):
-    """'equal', or what is wrong."""
+    """Returns 'equal', or the difference."""
     if variant.problem:
         return variant.problem
     if variant is reference or variant.text == reference.text:
@@ -218,7 +218,7 @@ def judge(reference, variant):
 
 
 def break_one(all_variants, text):
-    """--break: flip a bit in the variants whose name begins with the given text."""
+    """Carries out --break: flips a bit in the variants whose name begins with the given text."""
     name, tick, part, node = text.split(":")
     chosen = [v for v in all_variants if v.name.startswith(name)]
     for variant in chosen:

@@ -1,5 +1,5 @@
-"""The i.MX RT1062's registers as the crate imxrt-ral describes them: fetched by cargo, read as data, kept under
-build/ only."""
+"""Reads the i.MX RT1062's registers from the crate imxrt-ral, which cargo fetches. The crate is read as data and kept
+under build/ only."""
 
 import os
 import re
@@ -18,7 +18,7 @@ path = "lib.rs"
 %s = "=%s"
 """ % (CRATE, VERSION)
 TIME_LIMIT_S = 180
-# Debian 12's cargo (1.65) reads the registry's index from a git repository unless told so; later ones read it from
+# Debian 12's cargo (1.65) reads the registry's index from a git repository by default; later ones read it from
 # the registry.
 SPARSE_SINCE = (1, 68)
 SPARSE = [
@@ -30,11 +30,11 @@ SPARSE = [
 
 
 class CannotRead(Exception):
-    """The text says what to do."""
+    """An error whose text gives the remedy."""
 
 
 def vendor_command():
-    """(command, environment) of cargo vendor for the cargo that is there."""
+    """Returns (command, environment) of cargo vendor for the installed cargo."""
     text = subprocess.run(["cargo", "--version"], stdout=subprocess.PIPE, check=True, universal_newlines=True).stdout
     version = tuple(int(n) for n in re.findall(r"\d+", text)[:2])
     if version >= SPARSE_SINCE:
@@ -45,7 +45,7 @@ def vendor_command():
 
 
 def fetch(folder):
-    """The crate's folder of sources; fetched into `folder` once."""
+    """Returns the crate's folder of sources, which is fetched into `folder` once."""
     source = os.path.join(folder, "vendor", CRATE, "src")
     if os.path.isfile(os.path.join(source, CHIP + ".rs")):
         return source
@@ -94,7 +94,7 @@ def number(text):
 
 class Block:
     """One kind of peripheral: registers[name] = (offset, bits), fields[register][field] = (shift, bits), and
-    values[register][field][number] = what the description says about it."""
+    values[register][field][number] = its text in the description."""
 
     def __init__(self, text):
         self.fields, self.values, self.layouts, self.registers = {}, {}, {}, {}
@@ -133,7 +133,7 @@ class Block:
             self.values.setdefault(path[-3], {}).setdefault(path[-2], {})[number(text)] = doc
 
     def lay_out(self, layout, offset, suffix):
-        """Walks one RegisterBlock; returns the offset behind it."""
+        """Reads one RegisterBlock and returns the offset behind it."""
         for name, bits, gap, array_bits, array, inner, count, single in self.layouts[layout]:
             if gap:
                 offset += number(gap)

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Lines that the product's tests run, by clang's source-based coverage: out/coverage.tsv. BUILD and JOBS as in the
-# Makefile.
+# Measures the lines that the product's tests run, by clang's source-based coverage: out/coverage.tsv. BUILD and JOBS
+# are as in the Makefile.
 set -uo pipefail
 cd "$(dirname "$0")/../.."
 build=${BUILD:-build}/coverage
@@ -10,7 +10,7 @@ BUILD=${BUILD:-build} tools/build.sh m7 run all || exit 1
 rm -rf "$build/profiles"
 mkdir -p "$build/profiles" "$build/firmware"
 cp "${BUILD:-build}"/firmware/*.elf "$build/firmware/"
-# A failed test is named, and what it ran is counted all the same.
+# A failed test is named, and the lines that it ran are counted nevertheless.
 LLVM_PROFILE_FILE="$PWD/$build/profiles/%p-%m.profraw" \
     tools/check/run_tests.py --build "$build" --jobs "$JOBS" --label product
 tools/check/coverage.py --build "$build" --profiles "$build/profiles" \

@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
 """Run libFuzzer targets. Called by `make fuzz` and, for a few seconds each, by run_tests.py.
 
-  run_fuzz.py --build build/san --seconds 60 --jobs 2 NAME...      so long each
-  run_fuzz.py --build build/san --executions 5000000 NAME...       so many inputs each, however long it takes
-  run_fuzz.py --build build/san --coverage NAME...                 what the committed corpus reaches
-  run_fuzz.py --build build/san --keep NAME...                     what was learnt, minimised, becomes the committed
+  run_fuzz.py --build build/san --seconds 60 --jobs 2 NAME...      this long each
+  run_fuzz.py --build build/san --executions 5000000 NAME...       this many inputs each, however long it takes
+  run_fuzz.py --build build/san --coverage NAME...                 lines that the committed corpus reaches
+  run_fuzz.py --build build/san --keep NAME...                     minimised new inputs become the committed
   corpus
 
-BUILD/test/NAME is the fuzz program, BUILD/test/NAME_seeds DIRECTORY writes its valid inputs, NAME.corpus has those
-that a longer run found: one input per line, in base64. What the fuzzer learns is kept in BUILD/corpus/NAME; an input
-that crashes is kept under out/fuzz and the command to reproduce it is printed.
+BUILD/test/NAME is the fuzz program, BUILD/test/NAME_seeds DIRECTORY writes its valid inputs, NAME.corpus has inputs
+that a longer run found: one input per line, in base64. New inputs are kept in BUILD/corpus/NAME. An input that
+crashes is kept under out/fuzz, and the command to reproduce the crash is printed.
 """
 
 import argparse
@@ -30,7 +30,7 @@ INPUT_BYTES_MAX = 4096  # longer inputs are slower and reach nothing more
 
 
 def write_seeds(build, name, corpus):
-    """Valid inputs into the corpus. Returns a sentence when that fails, else None."""
+    """Writes valid inputs into the corpus. Returns a sentence when that fails, else None."""
     program = os.path.join(build, "test", name + "_seeds")
     if not os.access(program, os.X_OK):
         return "%s did not build" % program
@@ -41,7 +41,7 @@ def write_seeds(build, name, corpus):
 
 
 def write_corpus(name, corpus):
-    """The inputs of NAME.corpus into the folder."""
+    """Writes the inputs of NAME.corpus into the folder."""
     path = name + ".corpus"
     if not os.path.exists(path):
         return
@@ -52,11 +52,11 @@ def write_corpus(name, corpus):
 
 
 def keep_corpus(build, name):
-    """Inputs that together reach every edge that BUILD/corpus/NAME reaches, short ones first, become NAME.corpus.
-    (ok, text)
+    """Writes NAME.corpus: inputs, short ones first, that together reach every edge that BUILD/corpus/NAME reaches.
+    Returns (ok, text).
 
-    libFuzzer's merge notes in its control file which edges an input is the first to reach: those that are first to
-    any stay."""
+    libFuzzer's merge notes in its control file which edges an input is the first to reach. Inputs that are the first
+    to reach an edge are kept."""
     program, learnt = os.path.join(build, "test", name), os.path.join(build, "corpus", name)
     inputs = []
     with tempfile.TemporaryDirectory() as folder:
@@ -86,8 +86,8 @@ def keep_corpus(build, name):
 
 
 def show_coverage(build, name):
-    """Lines of the code under test that seeds and NAME.corpus run, by folder. The program is built for counting. (ok,
-    text)"""
+    """Measures the lines of the code under test that seeds and NAME.corpus run, by folder. The program is built for
+    counting. Returns (ok, text)."""
     program = os.path.join(build, "test", name)
     with tempfile.TemporaryDirectory() as folder:
         corpus, counts = os.path.join(folder, "corpus"), os.path.join(folder, "counts")
@@ -127,7 +127,7 @@ def show_coverage(build, name):
 
 
 def run_target(build, name, seconds, executions=0):
-    """(ok, text): text says what was run and, after a crash, how to see it again."""
+    """Returns (ok, text); the text names what was run and, after a crash, the command that repeats it."""
     program = os.path.join(build, "test", name)
     if not os.access(program, os.X_OK):
         return False, "%s did not build" % program
@@ -171,7 +171,7 @@ def run_target(build, name, seconds, executions=0):
 
 
 def every_target(build):
-    """Names of the targets that were built."""
+    """Returns the names of the targets that were built."""
     paths = [os.path.join(place, name) for place, _, names in os.walk(os.path.join(build, "test")) for name in names]
     names = [os.path.relpath(path, os.path.join(build, "test")) for path in paths if path.endswith("_seeds")]
     return sorted(name[: -len("_seeds")] for name in names)

@@ -1,15 +1,14 @@
 #!/usr/bin/env python3
-"""Run every test program and script of a label, and print one line of totals. Called by run_tests.sh after the
-build.
+"""Run every test program and script of a label, and print one line of totals. run_tests.sh calls this program.
 
   run_tests.py --build build --jobs 2 --label product|lab
 
-What there is comes from CTest: the tests of BUILD with the label, and with the label `product` those of BUILD/san
-too, which are the same under sanitizers and the fuzz targets. Every program and script prints TAP: a plan `1..N`
-and a line per test. A program that is missing, crashes, runs past its time or breaks its plan counts as one failed
-test, whatever else it said. Lines that begin with `#- ` are figures, shown below their program's line. After the
-failures come the seconds of each program, slowest first. The last line is `N passed, N failed, N skipped`; the exit
-code is 1 when something failed or nothing ran.
+The list comes from CTest: the tests of BUILD with the label. With the label `product` it includes the tests of
+BUILD/san, which are the same tests under sanitizers and the fuzz targets. Every program and script prints TAP: a plan
+`1..N` and a line per test. A program that is missing, crashes, runs past its time or breaks its plan counts as one
+failed test, whatever else it printed. Lines that begin with `#- ` are figures, shown below their program's line.
+After the failures come the seconds of each program, slowest first. The last line is `N passed, N failed, N skipped`;
+the exit code is 1 when something failed or nothing ran.
 """
 
 import argparse
@@ -36,7 +35,7 @@ SKIP = re.compile(r"#\s*skip\S*\s*(.*)$", re.IGNORECASE)
 
 
 class Outcome:
-    """What one program did."""
+    """The result of one program."""
 
     def __init__(self, title):
         self.title = title
@@ -51,7 +50,7 @@ class Outcome:
 
 
 def find_result(line, expected):
-    """(ok, number, rest) of a result line, or None. CMocka's closing `# ok - file` is a comment."""
+    """Returns (ok, number, rest) of a result line, or None. CMocka's closing `# ok - file` is a comment."""
     match = RESULT.match(line)
     if match is None:
         glued = GLUED.search(line)
@@ -62,8 +61,8 @@ def find_result(line, expected):
 
 
 def read_tap(text, outcome):
-    """Count the results in `text`. Several plans may follow one another (one per CMocka group); a script may give its
-    plan at the end."""
+    """Counts the results in `text`. Several plans may follow one another (one per CMocka group); a script may give
+    its plan at the end."""
     planned, seen, plans = 0, 0, 0
     expected = 1
     for line in text.splitlines():
@@ -102,7 +101,7 @@ def describe_exit(code):
 
 
 def run_program(title, command, environment, time_limit_s=TIME_LIMIT_S):
-    """Run one TAP program to its end."""
+    """Runs one TAP program to its end."""
     outcome = Outcome(title)
     start = time.monotonic()
     if not os.access(command[0], os.X_OK):
@@ -149,11 +148,11 @@ def run_fuzz_target(name, build):
 
 
 def listed(build, label):
-    """(name, labels) of CTest's tests with the label."""
+    """Returns (name, labels) of CTest's tests with the label."""
     command = ["ctest", "--test-dir", build, "--show-only=json-v1", "-L", "^%s$" % label]
     done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False)
     if done.returncode != 0:
-        return []  # it did not configure, which its build has said
+        return []  # the folder was not configured, which its build has reported
     for test in json.loads(done.stdout)["tests"]:
         for one in test.get("properties", []):
             if one["name"] == "LABELS":
@@ -161,7 +160,7 @@ def listed(build, label):
 
 
 def find_tests(options):
-    """Fills in the lists of what there is."""
+    """Fills in the lists of tests."""
     plain = list(listed(options.build, options.label))
     options.scripts = [name for name, labels in plain if "script" in labels]
     options.programs = [name for name, labels in plain if "script" not in labels]
@@ -171,7 +170,7 @@ def find_tests(options):
 
 
 def read_times(build):
-    """Seconds of each program when it ran last, so that the longest begin first."""
+    """Returns each program's seconds in its last run, so that the longest begin first."""
     try:
         with open(os.path.join(build, "test_seconds.json"), encoding="utf-8") as file:
             return json.load(file)
@@ -195,7 +194,7 @@ def print_times(outcomes):
 
 
 def make_jobs(options):
-    """(function, arguments) of everything to run: scripts first, since they take longest."""
+    """Returns (function, arguments) of everything to run: scripts first, since they take longest."""
     environment = dict(os.environ, BUILD=options.build, CMOCKA_MESSAGE_OUTPUT="TAP", PACKAGES="skip")
     for variable in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL", "CMOCKA_XML_FILE"):
         environment.pop(variable, None)
@@ -218,7 +217,7 @@ def make_jobs(options):
 
 
 def slowest_first(jobs, build):
-    """A long program that begins last would run alone."""
+    """Sorts by duration, because a long program that begins last would run alone."""
     times = read_times(build)
     return sorted(jobs, key=lambda job: -times.get(job[1][0], 0.0))
 

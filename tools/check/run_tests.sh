@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Builds what tests need and runs them: run_tests.sh product|lab|build. What does not build is reported as failed,
-# with everything else run all the same. BUILD and JOBS as in the Makefile. `build` only builds what product's tests
-# need.
+# Builds and runs tests: run_tests.sh product|lab|build. A program that does not build is reported as failed, and all
+# other tests still run. BUILD and JOBS are as in the Makefile. `build` only builds the programs that the product's
+# tests need.
 set -uo pipefail
 cd "$(dirname "$0")/../.."
 what=$1

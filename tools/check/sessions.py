@@ -1,4 +1,4 @@
-"""Runs shipped sessions for tests that print TAP: with their turns, and with these left out."""
+"""Runs shipped sessions for tests that print TAP, with and without their turns."""
 
 import os
 import re
@@ -14,13 +14,13 @@ EXPECTS = re.compile(r"^\s*expect\b", re.M)
 
 
 def without_turns(text):
-    """The script with every turn, steering and engaging taken out."""
+    """Returns the script without turns, steering and engaging."""
     kept = [WITH_TURN.sub("", line) for line in text.splitlines() if not TURN.match(line)]
     return "\n".join(kept) + "\n"
 
 
 def scene_text(made, lesion):
-    """Path of a scene's text, the lesion's behind the anatomy's."""
+    """Writes a scene's text, the lesion's after the anatomy's, and returns its path."""
     path = f"{made}/scene.toml"
     if not lesion:
         return path
@@ -35,7 +35,7 @@ def scene_text(made, lesion):
 
 
 class Sessions:
-    """A folder for what is made, and a count of results."""
+    """Has a folder for the outputs, and counts results."""
 
     def __enter__(self):
         self.folder = tempfile.mkdtemp(prefix="cournand_sessions_")
@@ -46,7 +46,7 @@ class Sessions:
         shutil.rmtree(self.folder, ignore_errors=True)
 
     def result(self, is_good, name, why=""):
-        """One line of TAP."""
+        """Prints one line of TAP."""
         self.number += 1
         self.failed += not is_good
         if not is_good:
@@ -55,14 +55,15 @@ class Sessions:
         print(("ok" if is_good else "not ok"), self.number, "-", name, flush=True)
 
     def call(self, program, *words):
-        """Exit code and everything said."""
+        """Returns the exit code and all output."""
         done = subprocess.run(
             [f"{BUILD}/bin/{program}", *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False
         )
         return done.returncode, done.stdout
 
     def scene(self, anatomy, lesion=None):
-        """Path of the shipped anatomy's scene, without its bodies, with one of shared/examples/lesions if named."""
+        """Returns the path of the shipped anatomy's scene, without its bodies, with one of shared/examples/lesions if
+        named."""
         made = f"{self.folder}/{anatomy}"
         baked = f"{self.folder}/{lesion or anatomy}.scene"
         code, said = 0, ""
@@ -76,7 +77,7 @@ class Sessions:
         return baked
 
     def run(self, script, scene, tools, stent=None):
-        """Exit code and everything said, of one session without pictures."""
+        """Returns the exit code and all output of one session without pictures."""
         words = ["--scene", scene] if scene else []
         for tool in tools:
             words += ["--tool", f"shared/examples/instruments/{tool}.toml"]
@@ -85,7 +86,7 @@ class Sessions:
         return self.call("cournand", "run", "--quiet", *words, "--session", script)
 
     def session(self, name, scene, tools, stent=None):
-        """It states its end and reaches it; without its turns it fails by name."""
+        """The session states its end and reaches it; without its turns it fails by name."""
         path = f"shared/examples/{name}.session"
         with open(path, encoding="utf-8") as file:
             text = file.read()
@@ -102,7 +103,7 @@ class Sessions:
         self.result(code == 1 and ": expected " in said, f"{short}_without_its_turns_misses_it", said)
 
     def changed(self, name, scene, tool, change, replacements):
-        """The session reaches its end with another tool, too."""
+        """The session also reaches its end with another tool."""
         with open(f"shared/examples/instruments/{tool}.toml", encoding="utf-8") as file:
             text = file.read()
         for old, new in replacements.items():
@@ -125,6 +126,6 @@ class Sessions:
         self.result(code == 0, f"{name.split('/')[1]}_reaches_its_end_with_{change}", said)
 
     def end(self):
-        """The plan and the exit code."""
+        """Prints the plan and returns the exit code."""
         print(f"1..{self.number}")
         sys.exit(1 if self.failed else 0)

@@ -1,10 +1,10 @@
-"""Runs functions that return whether their claim holds, for tests that print TAP."""
+"""Runs functions that return whether their claims hold, for tests that print TAP."""
 
 import sys
 
 
 def run(tests):
-    """One line for each, called by its name; ends the program with 1 if one does not hold."""
+    """Prints one line for each function, with its name; ends the program with 1 if a claim does not hold."""
     failed = 0
     print("1..%d" % len(tests))
     for count, test in enumerate(tests, 1):

@@ -1,6 +1,6 @@
-# Sourced by the shell tests of the tools, at the repository's root, with the programs' names in $programs: they are
-# built, $tool is the first, $here the test's folder, $work a folder that goes away at the end. `report` prints a line
-# of TAP.
+# The shell tests of the tools source this file at the repository's root, with the programs' names in $programs. It
+# builds the programs; $tool is the first, $here is the test's folder, and $work is a folder that is removed at the
+# end. `report` prints a line of TAP.
 BUILD=${BUILD:-build}
 here=$(dirname "$0")
 tool=$BUILD/bin/${programs%% *}
@@ -16,7 +16,7 @@ trap 'rm -rf "$work"' EXIT
 failed=0
 number=0
 
-report() { # report NAME STATUS: what the last program said, left in $work/said, stands below a failure
+report() { # report NAME STATUS: below a failure it prints the last program's output, stored in $work/said
     number=$((number + 1))
     [ "$2" = 0 ] && echo "ok $number - $1" && return
     echo "not ok $number - $1"
@@ -24,7 +24,8 @@ report() { # report NAME STATUS: what the last program said, left in $work/said,
     [ ! -f "$work/said" ] || sed 's/^/# /' "$work/said"
 }
 
-# refuses NAME EXIT_CODE WORDS ARGUMENTS...: the command ends with the code and its message holds the words
+# refuses NAME EXIT_CODE WORDS ARGUMENTS... checks that the command ends with the code and its message contains the
+# words.
 refuses() {
     name=$1 code=$2 words=$3
     shift 3

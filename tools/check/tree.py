@@ -1,5 +1,5 @@
-"""What the checks of the tree share: which files there are, what is code in them, and TAP output.
-Imported by tools/check/test_*.py."""
+"""Shared by the checks of the tree: the list of files, the code in them, and TAP output. tools/check/test_*.py import
+it."""
 
 import os
 import re
@@ -16,7 +16,7 @@ def read(path):
 
 
 def files(*suffixes):
-    """Tracked and untracked, not ignored files of the repository that end so, sorted."""
+    """Returns the tracked and the untracked, not ignored files of the repository with these endings, sorted."""
     listed = (
         subprocess.run(
             ["git", "ls-files", "-co", "--exclude-standard", "-z"], cwd=ROOT, check=True, stdout=subprocess.PIPE
@@ -28,7 +28,7 @@ def files(*suffixes):
 
 
 def blank(match):
-    """A comment or literal as blanks of the same shape: line numbers stay."""
+    """Returns a comment or literal as blanks of the same shape, so that line numbers stay."""
     text = match.group(0)
     inside = re.sub(r"[^\n]", " ", text)
     return text[0] + inside[1:-1] + text[-1] if text[0] in "\"'" and len(text) > 1 else inside
@@ -40,7 +40,7 @@ TOKENS = re.compile(
 
 
 def code_only(text):
-    """C or C++ text with comments, the inside of literals and preprocessor lines blanked."""
+    """Returns C or C++ text with comments, the inside of literals and preprocessor lines blanked."""
     text = TOKENS.sub(blank, text)
     return re.sub(r"^[ \t]*#(?:\\\n|[^\n])*", blank_all, text, flags=re.M)
 
@@ -66,7 +66,7 @@ def is_function_header(header):
 
 
 def functions(text):
-    """(name, first line, last line, body) of every function defined outside another one; text is code_only."""
+    """Yields (name, first line, last line, body) of every function defined outside another one; text is code_only."""
     found = []
     scopes = []  # per open brace: "scope", ("function", header start, name) or "other"
     header_start = 0
@@ -99,14 +99,14 @@ def functions(text):
 
 
 class Report:
-    """TAP lines: one per rule, with every finding below it."""
+    """Prints TAP lines: one per rule, with every finding below it."""
 
     def __init__(self):
         self.count = 0
         self.failed = 0
 
     def check(self, name, findings):
-        """One test: passes when `findings` is empty."""
+        """Reports one test, which passes when `findings` is empty."""
         self.count += 1
         findings = list(findings)
         print("%s %d - %s" % ("not ok" if findings else "ok", self.count, name))
@@ -115,7 +115,7 @@ class Report:
         self.failed += bool(findings)
 
     def catches(self, name, findings):
-        """Self-test: a rule must object to a bad sample."""
+        """Reports a self-test: a rule must object to a bad sample."""
         findings = list(findings)
         self.check(name, [] if findings else ["the rule accepted the bad sample"])
 

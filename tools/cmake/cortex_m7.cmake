@@ -1,4 +1,4 @@
-# Cortex-M7 boards by Debian's arm-none-eabi-gcc, without a C library.
+# Toolchain for Cortex-M7 boards: Debian's arm-none-eabi-gcc, without a C library.
 set(CMAKE_SYSTEM_NAME Generic)
 set(CMAKE_SYSTEM_PROCESSOR arm)
 set(CMAKE_C_COMPILER arm-none-eabi-gcc)

@@ -1,4 +1,4 @@
-# How everything is compiled: crn_common is linked into every target of this project.
+# Flags for all code: every target of this project links crn_common.
 include_guard()
 
 set(CRN_OPT "-O2" CACHE STRING "level of everything that sets none of its own")
@@ -24,8 +24,8 @@ if(CRN_CCACHE AND NOT CMAKE_C_COMPILER_LAUNCHER AND NOT CMAKE_CROSSCOMPILING) # 
     set(CMAKE_CXX_COMPILER_LAUNCHER ${CRN_CCACHE})
 endif()
 
-# What most files of C++ begin with is read once. A precompiled header fits one set of flags, so there is one for each
-# level. A compiler cache keeps nothing that used one.
+# The headers with which most C++ files begin are precompiled. A precompiled header fits one set of flags, so there is
+# one for each level. A compiler cache stores no object that used a precompiled header.
 if(NOT DEFINED CRN_PREFIX_HEADERS)
     if(CMAKE_CXX_COMPILER_LAUNCHER)
         set(prefix OFF)
@@ -37,7 +37,8 @@ endif()
 
 add_library(crn_common INTERFACE)
 target_compile_options(crn_common INTERFACE
-    # The same bytes from every folder: what a compiler writes down of this one is "." (docs/dependencies.md).
+    # Builds in every folder give the same bytes, because the compiler records this folder as "."
+    # (docs/dependencies.md).
     -ffile-prefix-map=${PROJECT_SOURCE_DIR}=.
     ${CRN_DEBUG} -Wall -Wextra -Wshadow -Werror
     $<$<COMPILE_LANGUAGE:C>:-Wpedantic> $<$<COMPILE_LANGUAGE:C>:-Wvla> $<$<COMPILE_LANGUAGE:C>:-Wmissing-prototypes>
@@ -45,8 +46,8 @@ target_compile_options(crn_common INTERFACE
 target_include_directories(crn_common SYSTEM INTERFACE /usr/include/eigen3)
 target_link_options(crn_common INTERFACE -pthread)
 if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
-    # gcc 12 sees overlapping copies in std::string's operator+ at -O3 that are not there (its bug 105329). In a
-    # precompiled header it forgets that such finds lie in its own library; clang hears them.
+    # gcc 12 at -O3 warns of overlapping copies in std::string's operator+ that do not exist (its bug 105329). With a
+    # precompiled header it no longer recognises that they are in its own library. clang still reports real ones.
     target_compile_options(crn_common INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-restrict>)
     if(CRN_PREFIX_HEADERS)
         target_compile_options(crn_common INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-array-bounds>
@@ -58,7 +59,7 @@ if(CRN_LLD AND NOT CMAKE_CROSSCOMPILING)
     target_link_options(crn_common INTERFACE -fuse-ld=lld)
 endif()
 if(CRN_SANITIZE)
-    # Whole objects for fuzzers too: their hooks cost tests little.
+    # The fuzzers' hooks are in all objects, because they cost tests little.
     target_compile_options(crn_common INTERFACE -fsanitize=fuzzer-no-link,${CRN_SANITIZE}
         -fno-sanitize-recover=all -fno-omit-frame-pointer)
     target_link_options(crn_common INTERFACE -fsanitize=${CRN_SANITIZE})
@@ -73,15 +74,15 @@ list(GET crn_usb_id 0 crn_vendor)
 list(GET crn_usb_id 1 crn_product)
 target_compile_definitions(crn_common INTERFACE CRN_USB_VENDOR_ID=0x${crn_vendor} CRN_USB_PRODUCT_ID=0x${crn_product})
 
-# Loops over pixels become vector code; neither flag changes a value.
+# Loops over pixels become vector code, and neither flag changes a value.
 if(CRN_SANITIZE)
     set(CRN_PIXELS "-O1 -fno-math-errno -fno-trapping-math")
 else()
     set(CRN_PIXELS "-O3 -fno-math-errno -fno-trapping-math")
 endif()
-# Under sanitizers, rooms are compiled without optimising, in two thirds of the time, except these, which compute.
+# Sanitized rooms are compiled without optimisation, which takes two thirds of the time, except these, which compute.
 set(CRN_COMPUTING host/model host/effects host/stent host/patient tools/mesh tools/mesh/files tools/centreline)
-# gcc's scheduling costs the core more than it gives (docs/bench.md).
+# gcc's scheduling makes the core slower rather than faster (docs/bench.md).
 set(CRN_CORE "${CRN_CORE_OPT} -ffreestanding")
 if(CMAKE_C_COMPILER_ID STREQUAL GNU)
     string(APPEND CRN_CORE " -fno-schedule-insns -fno-tree-pre")

@@ -1,5 +1,5 @@
-# What `cmake --install` (make install) puts below PREFIX: programs, libraries with their headers, scenes and
-# instruments, and for other projects a pkg-config file and a CMake package each for the core and for the host:
+# `cmake --install` (make install) installs below PREFIX: programs, libraries with their headers, scenes and
+# instruments. For other projects it installs pkg-config files and a CMake package for the core and the host:
 #
 #   find_package(cournand CONFIG REQUIRED)            pkg-config --cflags --libs cournand-core
 #   target_link_libraries(mine cournand::core)        pkg-config --cflags --libs --static cournand-host
@@ -13,14 +13,14 @@ include(CMakePackageConfigHelpers)
 set(include_folder ${CMAKE_INSTALL_INCLUDEDIR}/cournand)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/cournand)
 
-# The core: freestanding, for a rig's firmware or a host of one's own. The host: everything that `cournand` is made of.
+# The core is freestanding, for a rig's firmware or another host program. The host contains all parts of `cournand`.
 set(CRN_CORE_ROOMS firmware/core)
 set(CRN_HOST_ROOMS shared/wire shared/scene firmware/app/safety firmware/app/haptics firmware/app firmware/port/sim
     host/base host/model host/link host/effects host/stent host/xray/paths host/xray
     host/xray/style host/xray/gl host/room host/dicom host/patient host/rig host/script host/session
     host/picture host/report)
 
-# Archives as they are linked: each before what it uses.
+# Archives are in link order: each comes before those that it uses.
 function(crn_install_archives rooms name)
     set(archives "")
     foreach(room ${rooms})

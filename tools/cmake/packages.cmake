@@ -1,9 +1,8 @@
-# What a room may name in PACKAGES: a target crn_package_NAME each, found when a room first asks for it, so that
-# nothing is looked for that is not built. A package that is missing ends the configuration and says which Debian
-# package has it.
+# The packages that a room may name in PACKAGES. Each is a target crn_package_NAME, searched only when the first room
+# needs it. A missing package ends the configuration with the name of the Debian package that has it.
 include_guard()
 
-# NAME -> Debian package, libraries, a header that must be there, and include folders below /usr/include.
+# NAME -> Debian package, libraries, a required header, and include folders below /usr/include.
 set(CRN_PACKAGE_png "libpng-dev|png|png.h|")
 set(CRN_PACKAGE_glfw "libglfw3-dev|glfw|GLFW/glfw3.h|")
 set(CRN_PACKAGE_usb "libusb-1.0-0-dev|usb-1.0|libusb-1.0/libusb.h|")

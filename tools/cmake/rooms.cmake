@@ -3,12 +3,13 @@
 #   crn_room(SOURCES a.cpp b.cpp USES host/base shared/wire PACKAGES png TESTS tests/test_a.cpp)
 #   crn_program(cournand SOURCES main.cpp USES host/command)
 #
-# TOGETHER compiles so many sources as one: where each reads the same heavy headers, and no two have a name of their
-# own alike. USES names other rooms by their folder, PACKAGES those of packages.cmake. An include path is always
-# relative to the root. test_layers.py holds what a room may include; the linker holds that USES is complete.
+# TOGETHER compiles that many sources as one unit. It helps if each reads the same heavy headers, and requires that no
+# local name occurs twice. USES names other rooms by their folder, and PACKAGES names those of packages.cmake. An
+# include path is always relative to the root. test_layers.py checks what a room may include; the linker checks that
+# USES is complete.
 include_guard()
 
-# The folder of the list that is read, relative to the root: "host/model".
+# Returns the folder of the present list, relative to the root: "host/model".
 macro(crn_folder variable)
     file(RELATIVE_PATH ${variable} ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
 endmacro()
@@ -18,7 +19,8 @@ function(crn_target_of variable folder)
     set(${variable} crn_${name} PARENT_SCOPE)
 endfunction()
 
-# Flags that every object has, and the level of this target. LEVEL: "-O3 -fno-math-errno ..." in place of the usual one.
+# Sets the flags of every object, and the level of this target. LEVEL ("-O3 -fno-math-errno ...") replaces the usual
+# one.
 function(crn_flags target level)
     target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR})
     if(NOT level)
@@ -29,14 +31,14 @@ function(crn_flags target level)
     target_link_libraries(${target} PRIVATE crn_common)
 endfunction()
 
-# Long lists that run once (command lines, tests) are compiled quickly: last on the line, so it counts.
+# Code that runs once (command lines, tests) is compiled quickly. This flag is last on the line, so it takes effect.
 function(crn_quick level)
     if(NOT CRN_QUICK STREQUAL "OFF")
         set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS ${level} SKIP_PRECOMPILE_HEADERS ON)
     endif()
 endfunction()
 
-# A source of a program that is no command line but a measurement: compiled as it ships.
+# A source of a program that measures is compiled with the level of the product.
 function(crn_optimised)
     set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS "-O2")
 endfunction()
@@ -78,7 +80,8 @@ function(crn_room)
     endif()
 endfunction()
 
-# A program in bin/. IN: another folder below the build, for programs that are no product. UNUSED: not part of `all`.
+# Adds a program in bin/. IN names another folder below the build, for programs outside the product. UNUSED: not part
+# of `all`.
 function(crn_program name)
     cmake_parse_arguments(PROGRAM "" "IN" "SOURCES;USES;PACKAGES" ${ARGN})
     if(NOT PROGRAM_IN)
@@ -101,7 +104,7 @@ function(crn_program name)
     endif()
 endfunction()
 
-# One CMocka program a source, test/FOLDER/NAME below the build. EXTRA: sources that every one of them has.
+# Adds one CMocka program per source, test/FOLDER/NAME below the build. EXTRA: sources that every program contains.
 function(crn_tests)
     if(NOT CRN_HAS_TESTS)
         return()
@@ -126,7 +129,8 @@ function(crn_tests)
     endforeach()
 endfunction()
 
-# Executable scripts that print TAP, run from the root with BUILD in their environment. NEEDS: targets that they run.
+# Adds executable scripts that print TAP, run from the root with BUILD in their environment. NEEDS: targets that they
+# run.
 function(crn_scripts)
     if(NOT CRN_HAS_TESTS OR CRN_SANITIZE)
         return()
@@ -150,7 +154,7 @@ function(crn_needed_by_tests labels)
     endif()
 endfunction()
 
-# Labels: `lab` for what is evidence, `product` for all else; `sanitized` in the sanitizers' build.
+# Sets labels: `lab` for evidence, `product` for all other tests, and `sanitized` in the sanitizers' build.
 function(crn_register name command labels)
     if(NOT "lab" IN_LIST labels)
         list(APPEND labels product)
@@ -163,7 +167,7 @@ function(crn_register name command labels)
         "BUILD=${CRN_BUILD_NAME};PACKAGES=skip;CMOCKA_MESSAGE_OUTPUT=TAP")
 endfunction()
 
-# A libFuzzer target and the program that writes its first inputs, in the sanitizers' build only.
+# Adds a libFuzzer target and the program that writes its first inputs, in the sanitizers' build only.
 function(crn_fuzz source)
     if(NOT CRN_HAS_TESTS OR NOT CRN_SANITIZE)
         return()

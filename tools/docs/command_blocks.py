@@ -1,10 +1,10 @@
-"""Commands in the project's Markdown: blocks, markers and classes. What a command and a marker are is said in
-commands.py."""
+"""Finds commands in the project's Markdown: blocks, markers and classes. commands.py explains commands and
+markers."""
 
 import collections
 import re
 
-# Class -> (in which runs a command of it is executed, why not in the others)
+# Class -> (the runs in which a command of the class is executed, why not in the others)
 CLASSES = {
     "short": (("short", "all"), ""),
     "make": ((), "it builds or measures for minutes to hours, and is dry run: make -n"),
@@ -34,11 +34,12 @@ Command = collections.namedtuple("Command", "page line text kind exit words_with
 
 
 class MarkError(Exception):
-    """A marker that nobody can follow."""
+    """A marker that cannot be interpreted."""
 
 
 def blocks(lines):
-    """(first line counted from 1, its lines) of every indented block and of every fenced one that may hold commands."""
+    """Yields (first line counted from 1, its lines) of every indented block and of every fenced one that may hold
+    commands."""
     at, before = 0, ""
     while at < len(lines):
         fence = FENCE.match(lines[at])
@@ -66,7 +67,7 @@ def is_indented(lines, at):
 
 
 def marks_of(page, text):
-    """Last line of every marker, counted from 1 -> what it says."""
+    """Returns the last line of every marker, counted from 1 -> its text."""
     found = {}
     for match in MARK.finditer(text):
         first = text.count("\n", 0, match.start()) + 1
@@ -75,7 +76,7 @@ def marks_of(page, text):
 
 
 def marks_above(lines, first, marks):
-    """The markers directly above a block, and above its fence."""
+    """Returns the markers directly above a block, and above its fence."""
     at = first - 1  # the line above, counted from 1
     if at >= 1 and FENCE.match(lines[at - 1]):
         at -= 1
@@ -89,7 +90,7 @@ def marks_above(lines, first, marks):
 
 
 def read_mark(page, line, text):
-    """{kind, exit, only, with, adding}."""
+    """Returns {kind, exit, only, with, adding}."""
     parts = MARK_PARTS.match(text)
     if not parts or parts.group("kind") not in CLASSES:
         raise MarkError(
@@ -104,7 +105,7 @@ def read_mark(page, line, text):
 
 
 def commands_of_block(first, lines):
-    """(line, text) of every command, its continuation lines joined."""
+    """Yields (line, text) of every command, its continuation lines joined."""
     prompted = any(line.startswith("$ ") for line in lines)
     at = 0
     while at < len(lines):
@@ -123,7 +124,8 @@ def commands_of_block(first, lines):
 
 
 def classified(page, line, text, marks):
-    """The command with its class: the first marker that names it counts, else the first for the whole block."""
+    """Returns the command with its class. The first marker that names the command counts, else the first for the
+    whole block."""
     is_make = text.split()[0] == "make"
     named = [mark for mark in marks if "only" in mark and mark["only"] in text]
     whole = [mark for mark in marks if "only" not in mark]
@@ -135,7 +137,7 @@ def classified(page, line, text, marks):
 
 
 def commands(page, text):
-    """Every command of a page; what shows output only is left out. Raises MarkError."""
+    """Returns every command of a page, without lines that only show output. Raises MarkError."""
     lines, marks = text.split("\n"), marks_of(page, text)
     found = []
     for first, block in blocks(lines):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Run what README and docs/ tell a reader to type, each page in a scratch folder of its own. Prints TAP and figures.
+"""Runs the commands of README and docs/, each page in its own scratch folder. Prints TAP and figures.
 
   commands.py --list             every command with its page, line, class and exit code
   commands.py                    run those that take seconds; look at the others (a part of `make test`)
@@ -11,8 +11,8 @@ A command is a line of an indented or fenced block that begins as one: `make`, a
 this repository or a tool from Debian. `\\` at its end continues it. In a block with `$`, only lines that begin with
 it are commands; the others show what is printed.
 
-A line above the block says what a machine cannot know; without one, a command is of class `short`, or `make` when it
-begins so:
+A line above the block gives what a program cannot know. Without it, a command has the class `short`, or `make` when
+it begins with this word:
 
   <!-- command: CLASS[; exit N][; only TEXT][; with A=B C=D][; adding WORDS] -->
 
@@ -54,7 +54,7 @@ def pages():
 
 
 def option_faults(words, known):
-    """Long options that the text `known` does not have."""
+    """Returns the long options that the text `known` does not contain."""
     for word in words:
         option = re.match(r"--[a-z][a-z0-9-]*", word)
         if option and not re.search(re.escape(option.group(0)) + r"(?![a-z0-9-])", known):
@@ -62,7 +62,7 @@ def option_faults(words, known):
 
 
 def program_of(words):
-    """Where our own program is in the command; None when there is none."""
+    """Returns the position of our own program in the command, or None."""
     for at, word in enumerate(words):
         if re.match(r"((build/bin|tools|hil_tests)/)[\w./-]+$", word) or (
             at == 0 and word in ("cournand", "bake", "anatomy", "centreline")
@@ -72,7 +72,7 @@ def program_of(words):
 
 
 def sources_text():
-    """All that could hold an option's name, for programs that are not built here."""
+    """Returns all text that could contain an option's name, for programs that are not built here."""
     listed = subprocess.run(
         ["git", "ls-files", "*.cpp", "*.hpp", "*.c", "*.h", "*.py", "*.sh"],
         cwd=ROOT,
@@ -89,7 +89,7 @@ def sources_text():
 
 
 def help_text(program, words):
-    """What `PROGRAM SUBCOMMAND... --help` prints."""
+    """Returns the output of `PROGRAM SUBCOMMAND... --help`."""
     subcommands = []
     for word in words:
         if not re.fullmatch(r"[a-z][a-z-]*", word) or len(subcommands) == 2:
@@ -112,7 +112,7 @@ def help_text(program, words):
 
 
 class Looker:
-    """Judges commands that are not run: their program and options must exist."""
+    """Checks commands that are not run: their program and options must exist."""
 
     def __init__(self, build):
         self.build = build
@@ -154,7 +154,7 @@ class Looker:
 
 
 def make_faults(text):
-    """A dry run of a make command."""
+    """Makes a dry run of a make command."""
     words = shlex.split(text, comments=True)
     done = subprocess.run(
         words[:1] + ["-n", "PACKAGES=skip"] + words[1:],
@@ -174,7 +174,7 @@ def make_faults(text):
 
 
 def make_targets():
-    """Every target that the Makefile knows."""
+    """Returns every target of the Makefile."""
     done = subprocess.run(
         ["make", "-pnq", "PACKAGES=skip", "help"],
         cwd=ROOT,
@@ -188,7 +188,7 @@ def make_targets():
 
 
 def inline_faults(page, text, targets):
-    """`make TARGET` in a sentence, where there is no such target."""
+    """Returns every `make TARGET` in a sentence for which no such target exists."""
     for span in SPAN.finditer(text):
         make = MAKE.match(span.group(1) or "")
         if make and make.group(1) not in targets:
@@ -212,8 +212,8 @@ def clean_environment():
 
 
 class Scratch:
-    """A folder that looks like the repository: its files by links, build/ with the programs, an out/ with the demo's
-    scene."""
+    """Makes a folder that looks like the repository: links to its files, build/ with the programs, and an out/ with
+    the demo's scene."""
 
     def __init__(self, build, stock):
         self.top = tempfile.mkdtemp(prefix="cournand_commands_")
@@ -253,9 +253,8 @@ class Scratch:
 
 
 class Stock:
-    """What the pages take for granted, made once for all of them: out/ and build/anatomy as `make run` leaves them,
-    and for the long run an artery with a lesion. Without bodies (bones, organs), which cost minutes and change no
-    command."""
+    """Makes the files that all pages assume, once: out/ and build/anatomy as `make run` leaves them, and for the long
+    run an artery with a lesion. The scene has no bodies (bones, organs), which cost minutes and change no command."""
 
     def __init__(self, build, folder):
         self.build, self.folder = build, folder
@@ -277,7 +276,7 @@ class Stock:
             raise RuntimeError("'%s' ended with %d: %s" % (text, done.returncode, done.stdout[-600:]))
 
     def scene(self, anatomy, name, lesion=None, bodies=False):
-        """Anatomy and scene of that name; returns the scene's path."""
+        """Makes anatomy and scene of that name; returns the scene's path."""
         made, scene = os.path.join(self.anatomy, anatomy), os.path.join(self.out, name + ".scene")
         self.call("anatomy", anatomy, *([] if bodies else ["--no-bodies"]), "--quiet", "-o", made)
         text = os.path.join(made, "scene.toml")
@@ -306,7 +305,7 @@ class Stock:
 
 
 def prepared(command):
-    """The command as it is executed."""
+    """Returns the command as it is executed."""
     text = re.sub(r"^sudo ", "", command.text)
     for name, value in command.words_with:
         text = re.sub(r"(?<![\w./-])%s(?![\w-])" % re.escape(name), value, text)
@@ -316,7 +315,7 @@ def prepared(command):
 
 
 class Display:
-    """A virtual display, started when the first window wants one."""
+    """A virtual display, started when the first window needs one."""
 
     def __init__(self):
         self.server = self.name = None
@@ -335,7 +334,7 @@ class Display:
 
 
 def execute(command, scratch, display):
-    """What is wrong with how it ended; empty when nothing is."""
+    """Returns the error in a command's result; empty if there is none."""
     is_window = command.kind == "display"
     words = ["bash", "-uo", "pipefail", "-c", ("exec " if is_window else "") + prepared(command)]
     environment = scratch.environment()
@@ -354,19 +353,19 @@ def execute(command, scratch, display):
             code = "more than %d s" % limit_s
         said.seek(0)
         lines = said.read().splitlines()[-16:]
-    wanted = 124 if is_window else command.exit  # 124: it was still there when its time was over
+    wanted = 124 if is_window else command.exit  # 124: the command was still running at its time limit
     return [] if code == wanted else ["ended with %s, expected %s" % (code, wanted)] + lines
 
 
 def missing_for(command):
-    """Why a command of this class cannot run here; empty when it can."""
+    """Returns why a command of this class cannot run here; empty when it can."""
     if command.kind == "anatomy" and not os.path.isdir(os.path.join(ROOT, "..", "shared", "anatomy")):
         return CLASSES["anatomy"][1]
     return ""
 
 
 class Run:
-    """All commands of some pages, with TAP and counts."""
+    """Runs all commands of some pages, with TAP and counts."""
 
     def __init__(self, build, how):
         self.build, self.how = build, how

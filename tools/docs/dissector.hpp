@@ -2,5 +2,5 @@
 #pragma once
 #include <string>
 
-// The tables `records`, `messages`, `faults` and `rejects`.
+// Returns the tables `records`, `messages`, `faults` and `rejects`.
 std::string dissector_tables();

@@ -139,8 +139,8 @@ std::string read_file(const std::string &path)
     return text.str();
 }
 
-// The document with everything between "<!-- begin NAME -->" and "<!-- end NAME -->" replaced; empty without
-// marks.
+// Returns the document with everything between "<!-- begin NAME -->" and "<!-- end NAME -->" replaced; empty
+// without marks.
 std::string with_table(const std::string &document, const std::string &name, const std::string &table)
 {
     const std::string begin = "<!-- begin " + name + " -->\n", end = "<!-- end " + name + " -->";

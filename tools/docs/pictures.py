@@ -2,15 +2,15 @@
 """Make the pictures of README and docs from sessions, and stamp each with the core's version and the command that
 made it.
 
-  pictures.py --write [NAME ...]   make those (all without a name) and put their stamps in
+  pictures.py --write [NAME ...]   make these pictures (all without a name) and stamp them
   pictures.py --check              exit 1 when a picture has no stamp, or an old one
   pictures.py --show FILE ...      print stamps
 
-tools/docs/pictures.toml says for each picture how it is made. The stamp is a JPEG comment or a PNG text chunk, one
+tools/docs/pictures.toml describes how each picture is made. The stamp is a JPEG comment or a PNG text chunk, one
 `key: value` per line: core (version at that time), command, inputs (hash over the entry, sessions, tools and lesions
 that it names) and shows (the branch in which the tip ended, as the session's report says). A picture of a session is
-old when core or inputs differ from today's, any other one when inputs do. One that is `kept` from an older core is
-shown with a caption that says which.
+old when core or inputs differ from the present ones; any other picture is old when its inputs differ. A picture that
+is `kept` from an older core has a caption that names that version.
 """
 
 import argparse
@@ -31,7 +31,7 @@ LINK = re.compile(r"!\[[^\]]*\]\(([^)]+\.(?:jpg|png))\)")
 
 
 class PictureError(Exception):
-    """What is wrong with a picture, where, and what to do."""
+    """An error in a picture, with its place and remedy."""
 
 
 def read_manifest(path=MANIFEST):
@@ -56,7 +56,7 @@ def stamp_fields(text):
 
 
 def jpeg_segments(data):
-    """(marker, begin, end) of every segment before the scan."""
+    """Yields (marker, begin, end) of every segment before the scan."""
     at = 2
     while at + 4 <= len(data) and data[at] == 0xFF and data[at + 1] != 0xDA:
         end = at + 2 + struct.unpack(">H", data[at + 2 : at + 4])[0]
@@ -73,7 +73,7 @@ def png_chunks(data):
 
 
 def read_stamp(path):
-    """Fields of a file's stamp; empty without one."""
+    """Returns the fields of a file's stamp; empty without one."""
     with open(path, "rb") as file:
         data = file.read()
     if data[:2] == b"\xff\xd8":
@@ -90,7 +90,7 @@ def read_stamp(path):
 
 
 def put_stamp(path, fields):
-    """Replace the file's stamp."""
+    """Replaces the file's stamp."""
     with open(path, "rb") as file:
         data = file.read()
     text = stamp_text(fields).encode("utf-8")
@@ -107,7 +107,7 @@ def put_stamp(path, fields):
         file.write(data[:place] + piece + data[place:])
 
 
-# --- what a picture is made from -------------------------------------------------------------------------------------
+# --- the inputs of a picture -------------------------------------------------------------------------------------
 
 
 def film_of(manifest, picture):
@@ -115,7 +115,7 @@ def film_of(manifest, picture):
 
 
 def inputs_hash(manifest, picture):
-    """Over the entry and everything that it names but the programs and the scene."""
+    """Hashes the entry and everything that it names except the programs and the scene."""
     film = film_of(manifest, picture)
     digest = hashlib.sha256(json.dumps([picture, film], sort_keys=True).encode())
     for path in [film.get("session")] + film.get("tools", []) + film.get("stents", []) + picture.get("inputs", []):
@@ -148,14 +148,14 @@ def film_command(name, film, build="build"):
 
 
 def command_of(manifest, picture):
-    """What a reader types to get the same."""
+    """Returns the command with which a reader makes the same picture."""
     return (
         picture.get("command") or "make docs-pictures NAMES=%s" % os.path.splitext(os.path.basename(picture["file"]))[0]
     )
 
 
 def problems(manifest, linked, core):
-    """What --check has to say, one line per picture."""
+    """Returns the findings of --check, one line per picture."""
     known = {picture["file"]: picture for picture in manifest["picture"]}
     found = ["%s: shown in the documents but not in %s" % (path, MANIFEST) for path in sorted(linked - set(known))]
     found += ["%s: in %s but shown in no document" % (path, MANIFEST) for path in sorted(set(known) - linked)]
@@ -183,7 +183,7 @@ def problems(manifest, linked, core):
 
 
 def unsaid(path, kept, stamp):
-    """A picture that is kept from an older core: every caption has to say so."""
+    """Checks a picture that is kept from an older core: every caption must name that version."""
     found = (
         []
         if stamp.get("core") == str(kept)
@@ -199,7 +199,7 @@ def unsaid(path, kept, stamp):
 
 
 def linked_pictures(documents):
-    """Paths of the pictures that the documents show."""
+    """Returns the paths of the pictures that the documents show."""
     linked = set()
     for document in documents:
         with open(document, encoding="utf-8") as file:
@@ -224,14 +224,14 @@ def run(words, what):
 
 
 class Maker:
-    """Films are made once, whatever pictures are taken from them."""
+    """Makes each film once, whatever pictures are taken from it."""
 
     def __init__(self, manifest):
         self.manifest = manifest
         self.reports = {}
 
     def film(self, name):
-        """The report of a film; makes it when it is not there yet."""
+        """Returns the report of a film, and makes the film if it does not exist yet."""
         if name not in self.reports:
             film = self.manifest["film"][name]
             print("  film %s" % name, flush=True)
@@ -263,7 +263,7 @@ class Maker:
         print("  %s" % picture["file"], flush=True)
 
     def compose(self, picture):
-        """Frames of the film side by side."""
+        """Puts frames of the film side by side."""
         if "frames" not in picture:
             return
         film = "%s/%s.mp4" % (WORK, picture["film"])
@@ -292,13 +292,13 @@ class Maker:
                 "%s: no frame at %s, its film ends after %.1f s; give `frames` of %s in %s anew"
                 % (picture["file"], wanted, end_s, picture["file"], MANIFEST)
             )
-        # The last picture of a film stands for its last fifteenth of a second.
+        # The last picture of a film covers its last fifteenth of a second.
         return max(min(at_s, end_s - 0.1), 0.0)
 
 
 def seconds_of(wanted, report):
-    """A moment of a film: seconds; `end`; `expect N`: when the session's Nth expectation was judged; `run N at S`:
-    into an X-ray run."""
+    """Returns a moment of a film. It is given in seconds, as `end`, as `expect N` (when the session's Nth expectation
+    was judged) or as `run N at S` (S seconds into an X-ray run)."""
     if not isinstance(wanted, str):
         return wanted
     words = wanted.split()

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""What the documents show of a program's output is what it prints today.
+"""Checks that the program output in the documents is what the programs print today.
 
-  printed.py --write     run every command and put its lines into the documents
+  printed.py --write     run every command and write its lines into the documents
   printed.py --check     exit 1 when a document shows other lines
 
 A block is marked by a line `<!-- printed by: COMMAND -->`; the indented lines below it are the command with `$`, then
@@ -20,7 +20,7 @@ SHOWN = "    "
 
 
 def blocks(lines):
-    """(command, first line, line behind the last) of every marked block."""
+    """Yields (command, first line, line after the last) of every marked block."""
     at = 0
     while at < len(lines):
         mark = MARK.match(lines[at])
@@ -49,7 +49,7 @@ def output_of(command, build):
 
 
 def renewed(shown, printed):
-    """The lines to show: as many as before, in the same places between the `...`."""
+    """Returns the lines to show: as many as before, in the same places between the `...`."""
     result, at = [], 0
     parts = [[]]
     for line in shown:
@@ -60,7 +60,7 @@ def renewed(shown, printed):
     for number, part in enumerate(parts):
         if number > 0:
             result.append("...")
-            # The first word says where the program's lines go on.
+            # The first word gives the place where the program's lines continue.
             first = part[0].split()[:1] if part else []
             at = (
                 next((i for i in range(at, len(printed)) if printed[i].split()[:1] == first), len(printed))
@@ -75,7 +75,7 @@ def renewed(shown, printed):
 
 
 def examine(path, build):
-    """(document as it should be, what differs)."""
+    """Returns (document as it should be, differences)."""
     with open(path, encoding="utf-8") as file:
         lines = file.read().split("\n")
     differences, pieces, last = [], [], 0

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""A seeded sample of the project's sentences, for a reader who has never seen them: README, documents and comments.
+"""Prints a seeded sample of the sentences in README, documents and comments, for a reader who has never seen them.
 
   sentences.py --seed 7 --count 60
   sentences.py --seed 7 --count 20 --file docs/ --file host/xray    only files whose path begins so
 
-Prints `NUMBER<TAB>FILE<TAB>SENTENCE`, one line each: the same for the same seed and the same tree. Whoever reads them
-marks every sentence that needs a second reading (docs/testing.md, "Plain English").
+Prints one line `NUMBER<TAB>FILE<TAB>SENTENCE` each, the same for the same seed and tree. A reader marks every
+sentence that needs a second reading (docs/testing.md, "Plain English").
 """
 
 import argparse
@@ -18,15 +18,15 @@ import sys
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 WORDS_MIN = 6  # shorter ones are labels
 ENDS = re.compile(r"(?<=[a-z0-9)`%\"'”])[.!?](?=\s+[A-Z`\"(]|\s*$)")
-# A comment of whole lines; one behind code, with what continues it far to the right; a docstring, but no other long
-# string.
+# Matches a comment of whole lines; a comment after code, with its continuation far to the right; and a docstring, but
+# no other long string.
 COMMENT = re.compile(
     r"^[ \t]*//[^\n]*(?:\n[ \t]*//[^\n]*)*|(?<!:)//[^\n]*(?:\n[ \t]{20,}//[^\n]*)*"
     r"|/\*.*?\*/|^[ \t]*\"\"\".*?\"\"\"",
     re.S | re.M,
 )
 GENERATED = re.compile(r"<!-- (?:begin|table of).*?<!-- end.*?-->", re.S)
-NOTATION = re.compile(r"Format: |[{\[]")  # number formats and JSON are read as tables are
+NOTATION = re.compile(r"Format: |[{\[]")  # number formats and JSON are skipped like tables
 
 
 def files(*patterns):
@@ -37,7 +37,7 @@ def files(*patterns):
 
 
 def split(text):
-    """Sentences of a paragraph."""
+    """Returns the sentences of a paragraph."""
     begin, found = 0, []
     for end in ENDS.finditer(text):
         found.append(" ".join(text[begin : end.end()].split()))
@@ -46,7 +46,7 @@ def split(text):
 
 
 def of_document(text):
-    """Paragraphs and list items: no code, no tables, no headings, no pictures."""
+    """Yields sentences of paragraphs and list items, without code, tables, headings and pictures."""
     text = re.sub(r"```.*?```|<!--.*?-->", "\n\n", GENERATED.sub("\n\n", text), flags=re.S)
     text = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", text)
     for paragraph in re.split(r"\n\s*\n|\n(?=- |\d+\. )", text):
@@ -55,7 +55,7 @@ def of_document(text):
 
 
 def of_source(text):
-    """Comments of more than a few words, examples in them apart."""
+    """Yields sentences of comments, without the examples in them."""
     for comment in COMMENT.findall(text):
         lines = [re.sub(r"^[ \t]*(///?|/\*+|\*/|\*)?|\*/$|\"\"\"", "", line) for line in comment.split("\n")]
         for paragraph in re.split(r"\n\s*\n", "\n".join(line for line in lines if not line.startswith("   "))):
@@ -63,7 +63,8 @@ def of_source(text):
 
 
 def sentences(prefixes=("",)):
-    """(file, sentence) of the files whose path begins with one of these, in order; without any, of the whole tree."""
+    """Returns (file, sentence) of the files whose path begins with one of these, in order; without any, of the whole
+    tree."""
     found = []
     for path in files("*.md") + files("*.c", "*.h", "*.cpp", "*.hpp", "*.py"):
         if not path.startswith(tuple(prefixes)):

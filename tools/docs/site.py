@@ -21,7 +21,7 @@ import venv
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 REQUIREMENTS = "tools/docs/requirements.txt"
 SITE = "out/site"
-# What a browser fetches by itself; a link that somebody clicks is none.
+# Addresses that a browser fetches by itself; a link to click is not one of them.
 LOADED = re.compile(
     r"""<(?:script|img|iframe|source)\b[^>]*?\bsrc\s*=\s*["']?((?:https?:)?//[^"'\s>]+)"""
     r"""|<link\b(?=[^>]*\brel\s*=\s*["']?(?:stylesheet|preconnect|preload|icon))"""
@@ -32,7 +32,7 @@ LOADED = re.compile(
 
 
 class SiteError(Exception):
-    """What is wrong, and what to do."""
+    """An error with its remedy."""
 
 
 def requirements_hash():
@@ -45,7 +45,7 @@ def python_of(folder):
 
 
 def install(folder):
-    """A virtual environment with the pinned packages; nothing is done when it is there already."""
+    """Makes a virtual environment with the pinned packages, unless it exists already."""
     stamp = os.path.join(folder, "requirements.sha256")
     if os.path.exists(stamp) and os.path.exists(python_of(folder)):
         with open(stamp, encoding="ascii") as file:
@@ -78,7 +78,7 @@ def build(folder):
 
 
 def from_other_hosts(text):
-    """Addresses that a page makes a browser fetch from elsewhere."""
+    """Returns the addresses on other hosts that a page makes a browser fetch."""
     return [next(filter(None, found)) for found in LOADED.findall(text)]
 
 

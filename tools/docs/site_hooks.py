@@ -1,4 +1,4 @@
-"""Hooks of mkdocs: what the repository's own view of Markdown shows, the site shows too.
+"""Hooks of mkdocs, with which the site shows the same as the repository's own view of Markdown.
 
 Links out of docs/ (to code, to NOTICE) become the path as code, since the site has no such pages. Python-Markdown
 starts a list, a table or an indented block only behind an empty line; we write them directly below a paragraph or a
@@ -13,7 +13,7 @@ FENCE = re.compile(r"\s*(```|~~~)")
 
 
 def paths_as_code(text):
-    """A link to a file outside docs/ as that file's path."""
+    """Replaces a link to a file outside docs/ by that file's path."""
 
     def path(match):
         words, target = match.group(1), match.group(2)
@@ -38,7 +38,7 @@ def kind_of(line):
 
 
 def needs_gap(before, now, in_list):
-    """Whether an empty line belongs between lines of these kinds."""
+    """Returns whether an empty line belongs between lines of these kinds."""
     if now == "empty" or before in ("empty", now):
         return False
     if now == "item":

@@ -181,7 +181,7 @@ class Campaign:
 
 
 def texts():
-    """TOML that ships."""
+    """Returns the shipped TOML files."""
     paths = sorted(glob.glob(os.path.join(ROOT, "shared", "examples", "**", "*.toml"), recursive=True))
     for path in paths:
         with open(path, "rb") as file:

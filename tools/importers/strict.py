@@ -293,8 +293,8 @@ def meta(data):
     spacings = [number(n) for n in fields["ElementSpacing"].split()]
     if axes not in (3, 4) or len(sizes) != axes or len(spacings) != axes:
         raise ValueError("axes")
-    # The position of the values follows from the end of the file, whatever stands before them: ITK's rule for
-    # HeaderSize -1.
+    # The position of the values follows from the end of the file, whatever precedes them: ITK's rule for HeaderSize
+    # -1.
     kind, body = KINDS[fields["ElementType"]], data[at:]
     if fields.get("CompressedData", "False").lower()[0] in "t1":
         body = zlib.decompress(body)

@@ -1,4 +1,4 @@
-# What developers of the product run.
+# Targets that developers of the product run.
 ##@ For developers
 .PHONY: all scene coverage bench format fuzz fuzz-coverage fuzz-corpus compilers matrix budget
 .PHONY: budget-docs docs-tables docs-pictures gallery dissector sbom
@@ -9,7 +9,7 @@ LOAD  ?= 4
 all: packages-build+run+tools ## build every program of the product into build/bin
 	$(call build,release,run$(comma)tools,all)
 
-scene: ## make the anatomy and bake the scene that ships anew, and compare (ACCEPT=1: ship it)
+scene: ## rebuild the anatomy and the shipped scene, and compare them (ACCEPT=1: ship the new one)
 scene: packages-build+tools
 	$(call build,release,run$(comma)tools,anatomy bake)
 	$(again) $(ANATOMY)
@@ -23,12 +23,12 @@ fuzz: packages-build+test
 	$(call build,sanitize,run$(comma)tests,crn_fuzzers)
 	@tools/check/run_fuzz.py --build $(BUILD)/san --jobs $(JOBS) --seconds $(SECONDS) $(if $(LONG),--executions 5000000)
 
-fuzz-coverage: ## the lines that the committed corpora of the fuzz targets run: docs/testing.md
+fuzz-coverage: ## measure the lines that the committed fuzz corpora run: docs/testing.md
 fuzz-coverage: packages-build+test
 	$(call build,fuzz-coverage,run$(comma)tests,crn_fuzzers)
 	@tools/check/run_fuzz.py --build $(BUILD)/fuzz-coverage --jobs 1 --coverage
 
-fuzz-corpus: packages-build+test ## what fuzzing has learnt, minimised, becomes the corpora to commit
+fuzz-corpus: packages-build+test ## minimise what fuzzing has found and write the corpora to commit
 	$(call build,sanitize,run$(comma)tests,crn_fuzzers)
 	@tools/check/run_fuzz.py --build $(BUILD)/san --jobs $(JOBS) --keep
 
@@ -38,10 +38,10 @@ compilers: packages-build+run+test
 	$(again) $(DEMO_OUT)
 	@JOBS=$(JOBS) tools/check/compare_compilers.sh
 
-matrix: packages-build+test+matrix ## one hash on five machines, gcc and clang, -O0/2/3: docs/determinism.md
+matrix: packages-build+test+matrix ## check for one hash on five machines, gcc and clang, -O0/2/3: docs/determinism.md
 	@tools/check/matrix.py --jobs $(JOBS)
 
-bench: ## measure; writes out/bench.tsv and prints it (CASES=text: only names with it)
+bench: ## run the benchmarks, write and print out/bench.tsv (CASES=text: only names that contain it)
 bench: packages-build+run+tools+bench+matrix
 	$(call build,release,run$(comma)tools,$(TOOLS) crn_benches)
 	$(call build,m7,run,budget_image)
@@ -57,14 +57,14 @@ budget: packages-build+matrix+budget
 budget-docs: ## write the column "now" of docs/bench.md from firmware/bench/budget.tsv
 	@tools/bench/budget_docs.py --write
 
-bars: ## every bar that an issue set, as one table: out/bars.tsv (docs/bars.md)
+bars: ## check every limit that an issue has set, as one table: out/bars.tsv (docs/bars.md)
 bars: packages-build+tools+lab+matrix+budget+bench
 	$(call build,release,run$(comma)tools$(comma)tests$(comma)lab,budget_make bench_lumen validate hil)
 	$(call build,m7,run,all)
 	$(again) $(SCENE)
 	@tools/bars/bars.py --build $(BUILD) --jobs $(JOBS)
 
-flakes: ## repeat the tests that know time, beside LOAD=4 busy processes: make flakes N=30 TESTS=text
+flakes: ## repeat the time-dependent tests beside LOAD=4 busy processes: make flakes N=30 TESTS=text
 flakes: packages-build+tools+test+usb+hil
 	@JOBS=$(JOBS) tools/check/run_tests.sh build
 	@tools/bars/flakes.py --build $(BUILD) --rounds $(N) --load $(LOAD) --jobs $(JOBS) --tests '$(TESTS)'
@@ -76,7 +76,7 @@ docs-tables: packages-build
 	@tools/docs/printed.py --write --build $(BUILD)
 	@$(BUILD)/bin/cournand instruments --table docs/instruments.md --png docs/images/instruments.png > /dev/null
 
-docs-pictures: ## make the pictures of README and docs anew, each with its stamp (NAMES=..., minutes)
+docs-pictures: ## remake the pictures of README and docs, each with its stamp (NAMES=..., minutes)
 docs-pictures: packages-build+run+tools
 	$(call build,release,run$(comma)tools,$(TOOLS))
 	$(again) $(SCENE) $(HEART)
@@ -114,12 +114,12 @@ dissector: packages-build ## write out/cournand.lua, which lets Wireshark read t
 
 EVERY_PROGRAM = $(TOOLS) docs vcsim3 validate reference_rod ct calibrate
 SUPPLY = tools/supply/supply.py --build $(BUILD) --programs "$(EVERY_PROGRAM)"
-sbom: ## list everything that the programs are made of, as SPDX: out/cournand.spdx.json
+sbom: ## list all parts of the programs as SPDX: out/cournand.spdx.json
 sbom: packages-build+tools+lab
 	$(call build,release,run$(comma)tools$(comma)lab,$(EVERY_PROGRAM))
 	@$(SUPPLY) sbom -o out/cournand.spdx.json
 
-notice: ## renew the list of libraries in NOTICE from what the programs are linked with
+notice: ## update the list of libraries in NOTICE from the libraries that the programs link
 notice: packages-build+tools+lab+test+matrix
 	$(call build,release,run$(comma)tools$(comma)lab,$(EVERY_PROGRAM))
 	@$(SUPPLY) notice --write
@@ -127,6 +127,6 @@ notice: packages-build+tools+lab+test+matrix
 programs-list: ## print the files of the programs
 	@echo $(EVERY_PROGRAM:%=$(BUILD)/bin/%)
 
-format: ## lay out every C and C++ file by .clang-format and Python by .ruff.toml
+format: ## format all C and C++ files by .clang-format and Python by .ruff.toml
 	git ls-files '*.c' '*.h' '*.cpp' '*.hpp' | xargs clang-format -i
 	ruff format -q .

@@ -10,7 +10,7 @@ test-lab: ## test the evidence: the thesis, calibration, CT, peers, bars, malfor
 test-lab: packages-build+run+tools+lab+test+matrix+usb+bench
 	@JOBS=$(JOBS) tools/check/run_tests.sh lab
 
-validate: ## compare the rod with closed forms; writes out/validation.html and .tsv, renews docs/validation.md
+validate: ## compare the rod with closed forms; write out/validation.html and .tsv and docs/validation.md
 validate: packages-build+tools+lab
 	$(call build,release,$(LAB),validate)
 	@$(BUILD)/bin/validate --jobs $(JOBS) --docs docs/validation.md
@@ -37,7 +37,8 @@ $(WIRES_FIGURE): $(HEART_FRAME) $(BUILD)/bin/centreline
 	    -o $(@D)/heart.png
 	@ffmpeg -v error -y -i $(@D)/coronaries.png -i $(@D)/heart.png -filter_complex hstack $@
 	@rm $(@D)/coronaries.png $(@D)/heart.png
-# The right artery under fluoroscopy when the first injection has filled it, in both looks; both arteries in cine.
+# The right artery under fluoroscopy when the first injection has filled it, in both picture styles; both arteries in
+# cine.
 SCREEN_FIGURE := out/thesis/figure_5_6.png
 out/coronary_right_vcsim3.mp4: out/coronary_right.mp4
 	@$(BUILD)/bin/cournand run --scene $(HEART) --tool $(WIRE) --tool shared/examples/instruments/guide_ntr_6f.toml \
@@ -47,18 +48,18 @@ $(SCREEN_FIGURE): out/coronary_right_vcsim3.mp4 out/coronary_right.mp4
 MEDIUM_FIGURE := out/thesis/figure_5_8.png
 $(MEDIUM_FIGURE): out/coronary_right.png out/coronary.png
 	@mkdir -p $(@D) && ffmpeg -v error -y -i out/coronary_right.png -i out/coronary.png -filter_complex hstack $@
-# The LAD under its balloon: three moments under fluoroscopy, and the polygons round the lesion.
+# The LAD with its balloon: three moments under fluoroscopy, and the polygons around the lesion.
 LESION_FIGURE := out/thesis/figure_5_10.png
 $(LESION_FIGURE): out/pci_lad.rec tools/lab/figures/figure_5_10.sh $(BUILD)/bin/cournand
 	@mkdir -p $(@D) && tools/lab/figures/figure_5_10.sh $< $@ $(BUILD)
 
-thesis: ## Figures 5.6 to 5.14 of the thesis, by its own rod and by ours: out/thesis/index.html (minutes)
+thesis: ## make Figures 5.6 to 5.14 of the thesis, by its own rod and by ours: out/thesis/index.html (minutes)
 thesis: packages-build+run+tools+lab+bench
 	$(call build,release,$(LAB),$(TOOLS) vcsim3)
 	$(again) $(WIRES_FIGURE) $(SCREEN_FIGURE) $(MEDIUM_FIGURE) $(LESION_FIGURE) $(PHANTOM_SCENE) $(LINE_FIGURE)
 	@$(BUILD)/bin/vcsim3 figures --scene $(PHANTOM_SCENE) -o out/thesis --threads $(JOBS) --instructions
 
-# From instrument files to their calibration, without a scan of anybody's: truth by the reference rod, virtual scans,
+# Calibrates instruments from their files, without a real scan: truth by the reference rod, virtual scans,
 # segmentation, fits.
 INSTRUMENT  ?= amplatz_super_stiff
 INSTRUMENTS ?=
@@ -66,7 +67,7 @@ PRESET      ?= full
 METHODS     ?= cmaes
 FITS        ?= shape force corde
 TABLE51_OUT ?= out/table51$(if $(filter-out full,$(PRESET)),_$(PRESET))
-table51: ## Table 5.1 of the thesis: out/table51 (a night; PRESET=quick: an hour, fast: a minute)
+table51: ## make Table 5.1 of the thesis: out/table51 (a night; PRESET=quick: an hour, fast: a minute)
 table51: packages-build+tools+lab
 	$(call build,release,$(LAB),anatomy bake reference_rod ct calibrate)
 	$(again) $(ACCESS)
@@ -74,15 +75,15 @@ table51: packages-build+tools+lab
 	    --preset $(PRESET) -o $(TABLE51_OUT) --methods $(METHODS) --fits $(FITS) \
 	    $(if $(INSTRUMENTS),--instruments $(INSTRUMENTS))
 
-calibrate: ## virtual scans of INSTRUMENT=amplatz_super_stiff, segmented and fitted: its row of make table51
+calibrate: ## make, segment and fit virtual scans of INSTRUMENT=amplatz_super_stiff: its row of make table51
 	@$(MAKE) --no-print-directory table51 INSTRUMENTS=$(INSTRUMENT) FITS="shape force"
 
-bench-peers: ## the same rod by other simulators (fetched into build/peers) and by ours: out/bench_peers.tsv
+bench-peers: ## time one rod by other simulators (fetched into build/peers) and by ours: out/bench_peers.tsv
 bench-peers: packages-build+tools+lab+peers
 	$(call build,release,$(LAB),peer_rod)
 	@tools/lab/peers/run_peers.py --environment $(BUILD)/peers --ours $(BUILD)/bench/peer_rod
 
-bench-xray-peers: ## our transmission pictures and gVirtualXray's: out/bench_xray_peers.tsv
+bench-xray-peers: ## compare our transmission pictures with gVirtualXray's: out/bench_xray_peers.tsv
 bench-xray-peers: packages-build+tools+lab+xraypeers
 	$(call build,release,$(LAB),peer_xray)
 	$(again) $(SCENE:.scene=.bodies)
@@ -90,7 +91,7 @@ bench-xray-peers: packages-build+tools+lab+xraypeers
 	    --bodies $(SCENE:.scene=.bodies)
 
 IMPORTED_FILES ?= 3600
-importers: ## malformed meshes, TOML, scans and centrelines to the readers under sanitizers: out/importers.tsv
+importers: ## feed malformed meshes, TOML, scans and centrelines to the sanitized readers: out/importers.tsv
 importers: packages-build+tools+lab+test
 	$(call build,sanitize-gcc,$(LAB),importers)
 	@tools/importers/importers.py --program $(BUILD)/sanitize-gcc/bin/importers --files $(IMPORTED_FILES) \

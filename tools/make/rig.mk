@@ -11,11 +11,11 @@ firmware: packages-build+matrix
 	@tools/bench/image_report.py --build $(BUILD)
 	@tools/bench/image_report.py --build $(BUILD) --port imxrt1062
 
-firmware-board: packages-build+matrix ## the image for a real board alone (i.MX RT1062, never run on one)
+firmware-board: packages-build+matrix ## build the image for a real board alone (i.MX RT1062, never run on one)
 	@JOBS=$(JOBS) CMAKE_ARGS="$(IMAGE_ARGS)" tools/build.sh m7 run cournand-imxrt1062
 	@tools/bench/image_report.py --build $(BUILD) --port imxrt1062
 
-registers: ## hold the board's registers against the crate imxrt-ral (fetched from crates.io)
+registers: ## compare the board's registers with the crate imxrt-ral (fetched from crates.io)
 registers: packages-registers
 	@tools/check/check_registers.py
 
@@ -30,10 +30,10 @@ install-udev: ## let users of this machine open a rig on USB (as root, or DESTDI
 
 HIL          := $(BUILD)/bin/hil
 HIL_CAMPAIGN := $(BUILD)/bin/hil_campaign
-# Seconds of a session that the rig leads at L2 and L3, milliseconds of one in FREE_RUN at L0 and L1.
+# Seconds of a session in which the rig leads at L2 and L3, and milliseconds of a session in FREE_RUN at L0 and L1.
 HIL_LED  ?= 15
 HIL_FREE ?= 4000
-# Faults on purpose on the image: a spread over all kinds.
+# Deliberate faults on the image: a selection of all kinds.
 HIL_SPREAD ?= 40
 ON_USB   := BUILD=$(BUILD) HIL=$(BUILD)/hil SECONDS_LED=$(HIL_LED) hil_tests/on_usb.sh
 hil_also  = --also "$(1) $(3) $(ON_USB) $(1) $(2)"
@@ -50,7 +50,7 @@ define hil_build
 	$(again) $(SCENE)
 endef
 
-hil: $(HIL_PACKAGES) ## every level of emulation with every case, and the aorta session: docs/hil.md
+hil: $(HIL_PACKAGES) ## run every level of emulation with every case, and the aorta session: docs/hil.md
 	$(hil_build)
 	@$(HIL) --scene $(SCENE) --free-run $(HIL_FREE) --also "L0 faults_on_purpose $(HIL_CAMPAIGN)" \
 	    --also "L1 faults_on_purpose $(HIL_CAMPAIGN) --level L1 --spread $(HIL_SPREAD) --tsv out/hil_campaign_l1.tsv" \
@@ -58,11 +58,11 @@ hil: $(HIL_PACKAGES) ## every level of emulation with every case, and the aorta 
 	    --also "L4 one_hash_on_five_machines tools/check/matrix.py --short --jobs $(JOBS)" \
 	    --also "L4 the_app_and_its_wire hil_tests/l4/wire_everywhere.sh"
 
-hil-full: ## make hil with a minute of FREE_RUN, all cases at L2 and L3, 520 faults, all of them sanitized
+hil-full: ## run make hil with a minute of FREE_RUN, all cases at L2 and L3, 520 faults, all sanitized
 	@SHORT="--pause 1" LIMIT=600 STRICT=1 $(MAKE) --no-print-directory hil HIL_LED=60 HIL_FREE=60000 HIL_SPREAD=520
 	$(again) hil-faults
 
-hil-faults: packages-build+test+usb ## every fault on purpose at L0 under the sanitizers (a few minutes)
+hil-faults: packages-build+test+usb ## inject every fault at L0 under the sanitizers (a few minutes)
 	$(call build,sanitize,run$(comma)tests,hil_campaign)
 	@$(BUILD)/san/bin/hil_campaign --tsv out/hil_campaign_san.tsv
 
@@ -72,34 +72,34 @@ hil-loop hil-emulator hil-mock hil-guest: $(HIL_PACKAGES)
 	    hil-emulator) $(HIL) --level L1 --scene $(SCENE) --free-run $(HIL_FREE) ;; \
 	    hil-mock) HIL=$(BUILD)/hil hil_tests/l2/test_l2.sh && $(HIL) --level L2 $(call hil_usb,L2) ;; \
 	    hil-guest) $(HIL) --level L3 $(call hil_usb,L3) ;; esac
-hil-loop: ## level L0: the cases and the aorta session with the device inside the process
-hil-emulator: ## level L1: the same on the image in an emulated Cortex-M7
-hil-mock: ## level L2: libusb and hidapi see the device by umockdev, on a machine without USB
-hil-guest: ## level L3: the device behind a real Linux: Debian's kernel in QEMU, xHCI, libusb, hidapi
-hil-machines: packages-build+matrix ## level L4: one hash on five machines, and the app with its wire there
+hil-loop: ## run level L0: the cases and the aorta session with the device inside the process
+hil-emulator: ## run level L1: the same on the image in an emulated Cortex-M7
+hil-mock: ## run level L2: libusb and hidapi see the device by umockdev, on a machine without USB
+hil-guest: ## run level L3: the device behind a real Linux: Debian's kernel in QEMU, xHCI, libusb, hidapi
+hil-machines: packages-build+matrix ## run level L4: one hash on five machines, and the app with its wire there
 	@tools/check/matrix.py --short --jobs $(JOBS) && hil_tests/l4/wire_everywhere.sh
 
-hil-rig: ## the cases that need no plant on a rig of metal: make hil-rig SERIAL=...
+hil-rig: ## run the cases that need no plant on a physical rig: make hil-rig SERIAL=...
 hil-rig: packages-build+run+tools+test+usb
 	$(call build,release,run$(comma)tools$(comma)tests,hil)
 	$(again) $(SCENE)
 	@$(HIL) --level rig --serial "$(SERIAL)" --scene $(SCENE)
 
-# The grid of gain, coupling, damping, lag and hand (docs/haptics.md, "The grid"); make test does a spread of it.
-hil-passivity: ## every combination of gain, coupling, stated damping and lag at an end wall
+# The grid of gain, coupling, damping, lag and hand (docs/haptics.md, "The grid"); make test runs a selection of it.
+hil-passivity: ## run every combination of gain, coupling, stated damping and lag at an end wall
 hil-passivity: packages-build+tools+test+usb
 	$(call build,release,run$(comma)tools$(comma)tests,hil_campaign)
 	@$(HIL_CAMPAIGN) --passivity 1 --tsv out/hil_passivity.tsv
 
-hil-lies: ## a device sends every command more than 200 false replies each: out/hil_lies.tsv (some minutes)
+hil-lies: ## send more than 200 false replies to every command: out/hil_lies.tsv (some minutes)
 hil-lies: packages-build+run+tools+test+usb
 	$(call build,release,run$(comma)tools$(comma)tests,hil_lies)
 	@$(BUILD)/bin/hil_lies
 
-# HOURS=h of this call, or until SESSIONS and TICKS are reached; SEED= other sessions. A later call with the same seed
-# goes on.
+# A call runs for HOURS=h, or until SESSIONS and TICKS are reached; SEED= selects other sessions. A later call with
+# the same seed continues.
 SOAK_SCENES := $(SCENE) $(HEART) $(PHANTOM_SCENE) out/lad_pci.scene out/renal_pci.scene
-soak: ## random sessions over all scenes and instruments, held against bars: HOURS=1 SEED=1 (docs/soak.md)
+soak: ## run random sessions over all scenes and instruments, with limits: HOURS=1 SEED=1 (docs/soak.md)
 soak: packages-build+run+tools+test+usb
 	$(call build,release,run$(comma)tools$(comma)tests,$(TOOLS) soak)
 	$(again) $(SOAK_SCENES)

@@ -1,4 +1,4 @@
-# From anatomy to scenes, recordings and films. A scene that ships is unpacked; `make scene` makes it anew.
+# Makes scenes, recordings and films from anatomy. A shipped scene is unpacked; `make scene` rebuilds it.
 ANATOMY := $(BUILD)/anatomy/aorta/scene.toml
 SCENE   := out/aorta.scene
 SHIPPED := shared/examples/scenes/aorta.tar.xz
@@ -29,7 +29,7 @@ $(HEART) $(HEART:.scene=.bodies) &: $(HEART_TEXT) $(BUILD)/bin/bake
 	@mkdir -p out
 	@echo "Baking $(HEART)"
 	@$(BUILD)/bin/bake $(HEART_TEXT) -o $(HEART)
-# coronary_session(session, guide): film, last picture and figures of one artery's session
+# coronary_session(session, guide) makes film, last picture and figures of one artery's session.
 define coronary_session
 out/$(1).mp4 out/$(1).png out/$(1).json &: $(HEART) shared/examples/sessions/$(1).session $(WIRE) \
     shared/examples/instruments/$(2).toml $(BUILD)/bin/cournand
@@ -41,14 +41,14 @@ $(eval $(call coronary_session,coronary,guide_jl3_6f))
 $(eval $(call coronary_session,coronary_right,guide_ntr_6f))
 CORONARY_OUT := $(foreach name,coronary coronary_right,out/$(name).mp4 out/$(name).png out/$(name).json)
 
-# --- real arteries, where their meshes are ---
+# --- real arteries, if their meshes are present ---
 REAL_DATA  := $(or $(CRN_ANATOMY),../shared/anatomy)
 REAL_ATLAS := $(REAL_DATA)/hra/VH_M_Blood_Vasculature_Heart.glb
 REAL_LINES := $(foreach side,left right,$(dir $(ANATOMY))real_$(side).csv)
 $(REAL_LINES) &: $(ANATOMY) tools/anatomy/real_coronaries.sh $(BUILD)/bin/centreline
 	@tools/anatomy/real_coronaries.sh $(BUILD)/bin/centreline $(REAL_ATLAS) $(dir $(ANATOMY))
-# The heart's places in the atlas: where its left and right artery leave the aorta, and the farthest of its left
-# ventricle.
+# The heart's landmarks in the atlas: the ostia of its left and right artery in the aorta, and the farthest point of
+# its left ventricle.
 REAL_BEAT  := $(dir $(ANATOMY))real_beat/lumen/lumen_00.ply
 $(REAL_BEAT): shared/examples/real_coronaries_lumen.toml shared/examples/centrelines/real_aorta.csv $(REAL_LINES) \
     $(BUILD)/bin/bake $(BUILD)/bin/anatomy
@@ -64,7 +64,8 @@ out/coronary_real.mp4: out/real_coronaries.scene shared/examples/sessions/corona
 	    --session $(word 2,$^) --json $(@:.mp4=.json) --png $(@:.mp4=.png) --mp4 $@
 
 # --- two angioplasties: docs/lesions.md, "Two cases" ---
-# diseased(scene, anatomy's text, lesion): the text with a lesion beside the healthy one, which is baked as it is.
+# diseased(scene, anatomy's text, lesion) writes the text with a lesion beside the healthy one, which is baked
+# unchanged.
 define diseased
 out/$(1).scene out/$(1).bodies &: $(2) shared/examples/lesions/$(3).toml $(BUILD)/bin/bake
 	@mkdir -p out
@@ -74,8 +75,8 @@ out/$(1).scene out/$(1).bodies &: $(2) shared/examples/lesions/$(3).toml $(BUILD
 endef
 $(eval $(call diseased,lad_pci,$(HEART_TEXT),lad_middle))
 $(eval $(call diseased,renal_pci,$(ANATOMY),renal_ostium))
-# angioplasty(session, scene, wire balloon guide, stent): film, last picture, figures, score, DICOM runs and recording
-# of a session.
+# angioplasty(session, scene, wire balloon guide, stent) makes film, last picture, figures, score, DICOM runs and
+# recording of a session.
 PCI_TOOLS = $(foreach tool,$(1),--tool shared/examples/instruments/$(tool).toml)
 define angioplasty
 out/$(1).mp4 out/$(1).png out/$(1).json out/$(1).html out/$(1).rec &: out/$(2).scene \
@@ -113,7 +114,7 @@ $(ACCESS) $(ACCESS:.scene=.ply) &: $(BUILD)/bin/anatomy $(BUILD)/bin/bake
 ##@ For trainees: procedures on film (minutes)
 .PHONY: coronary coronary-real demo-pci
 TOOLS = cournand bake anatomy centreline
-coronary: ## guides take the left and the right coronary artery: out/coronary.mp4, out/coronary_right.mp4
+coronary: ## guides engage the left and the right coronary artery: out/coronary.mp4, out/coronary_right.mp4
 coronary: packages-build+run+tools
 	$(call build,release,run$(comma)tools,$(TOOLS))
 	$(again) $(CORONARY_OUT)

@@ -11,7 +11,7 @@ struct Fault : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-// Millimetres per unit ("m", "cm", "mm", "um"); 0 for an unknown unit.
+// Returns the millimetres per unit ("m", "cm", "mm", "um"); 0 for an unknown unit.
 inline double millimetres_per(const std::string &unit)
 {
     if (unit == "m") return 1000.0;

@@ -33,7 +33,7 @@ struct Frame {
     throw std::runtime_error(file.string() + ":" + std::to_string(line) + ": " + what);
 }
 
-/* "7", "7/1", "7//3", or "-1" for the last vertex so far. */
+/* Reads "7", "7/1", "7//3", or "-1" for the last vertex so far. */
 uint32_t corner(const std::string &word, size_t vertices, const fs::path &file, size_t line)
 {
     long long number = 0;

@@ -34,7 +34,7 @@ struct Quadric {
         c += other.c;
         weight += other.weight;
     }
-    /* The mean squared distance of a point from the planes. */
+    /* Returns the mean squared distance of a point from the planes. */
     double error(const Vec3 &point) const
     {
         return std::max(0.0, point.dot(a * point) + 2.0 * b.dot(point) + c) / weight;
@@ -95,8 +95,8 @@ Simplifier::Simplifier(std::vector<Vec3> &vertices_mm, std::vector<Triangle> &tr
     }
 }
 
-/* The point of least error where the planes determine one; otherwise the middle of the edge. A small pull
- * to the middle keeps flat neighbourhoods well posed. */
+/* Returns the point of least error where the planes determine one; otherwise the middle of the edge. A small
+ * pull to the middle keeps flat neighbourhoods well posed. */
 Vec3 Simplifier::best_point(uint32_t keep, uint32_t drop, double &cost) const
 {
     Quadric sum = quadrics_[keep];

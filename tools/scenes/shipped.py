@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Scenes that ship with the project, compressed: unpacked by `make run`, made anew and compared by `make scene`.
+"""Unpacks the compressed scenes that ship (`make run`), or rebuilds and compares them (`make scene`).
 
   shipped.py unpack shared/examples/scenes/aorta.tar.xz -o out
   shipped.py make shared/examples/scenes/aorta.tar.xz --anatomy build/anatomy/aorta/scene.toml \\
       --bake build/bin/bake [--accept]
 
 `make` bakes the anatomy into a temporary folder and compares every file with the one that ships, byte for byte;
-with --accept the new files ship. An archive is the same bytes for the same files. Ends with 1 when a file differs
-or cannot be read.
+with --accept the new files ship. The same files give the same bytes of an archive. The exit code is 1 when a file
+differs or cannot be read.
 """
 
 import argparse
@@ -24,11 +24,11 @@ MEMBER_BYTES_MAX = 256 << 20
 
 
 class Fault(Exception):
-    """The text says what is wrong and what to do."""
+    """An error whose text gives the remedy."""
 
 
 def read_archive(path):
-    """name -> bytes"""
+    """Returns name -> bytes."""
     files = {}
     try:
         with tarfile.open(path, "r:xz") as archive:
@@ -44,7 +44,7 @@ def read_archive(path):
 
 
 def write_whole(path, data):
-    """The file is there whole, or as it was."""
+    """Writes the file completely, or leaves it as it was."""
     temporary = "%s.part%d" % (path, os.getpid())
     try:
         with open(temporary, "wb") as file:
@@ -71,7 +71,7 @@ def write_archive(path, files):
 
 
 def bake(program, anatomy, name):
-    """name -> bytes of a scene and its bodies, made anew."""
+    """Returns name -> bytes of a newly made scene and its bodies."""
     with tempfile.TemporaryDirectory() as folder:
         done = subprocess.run([program, anatomy, "-o", os.path.join(folder, name + ".scene")], check=False)
         if done.returncode != 0:
@@ -88,7 +88,7 @@ def digest(data):
 
 
 def differences(shipped, made):
-    """A sentence for every file that is not the same."""
+    """Returns a sentence for every file that differs."""
     for name in sorted(set(shipped) | set(made)):
         if name not in made:
             yield "%s ships, but is not made" % name

@@ -1,5 +1,4 @@
-"""Debian packages: which one a file comes from, its source, version and copyright file. Used by supply.py and its
-tests."""
+"""Finds the Debian package of a file, with its source, version and copyright file. supply.py and its tests use it."""
 
 import collections
 import functools
@@ -12,7 +11,7 @@ Licence = collections.namedtuple("Licence", "name holder licence words")
 
 
 class Unknown(Exception):
-    """Something that this machine does not know; the message says what to do."""
+    """A fact that this machine does not know; the message gives the remedy."""
 
 
 def ask(*command):
@@ -21,8 +20,8 @@ def ask(*command):
 
 
 def names_of(path):
-    """/lib is a link to /usr/lib, and the package may know either name; and a library's name is mostly a link to its
-    file."""
+    """Returns the possible names of a file. /lib is a link to /usr/lib, and the package may use either name; a
+    library's name is usually a link to its file."""
     real = os.path.realpath(path)
     return (path, real, re.sub("^/usr", "", real), "/usr" + path)
 
@@ -31,7 +30,7 @@ OWNERS = {}  # file -> package
 
 
 def learn(paths):
-    """Asks once for many files: dpkg-query reads its whole list each time."""
+    """Calls dpkg-query once for many files, because it reads its whole list each time."""
     names = sorted({name for path in paths for name in names_of(path)} - set(OWNERS))
     done = (
         subprocess.run(["dpkg-query", "-S", *names], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=False)
@@ -45,7 +44,7 @@ def learn(paths):
 
 
 def of_file(path):
-    """The package that a file comes from."""
+    """Returns the package that a file comes from."""
     if not any(name in OWNERS for name in names_of(path)):
         learn([path])
     for name in names_of(path):
@@ -69,7 +68,7 @@ def is_installed(package):
 
 
 def version_of(package):
-    """Version and architecture."""
+    """Returns version and architecture."""
     return tuple(ask("dpkg-query", "-W", "-f=${Version} ${Architecture}\n", package).split("\n")[0].split(" "))
 
 

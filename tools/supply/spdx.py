@@ -1,5 +1,5 @@
-"""An SPDX 2.3 document (JSON, ISO/IEC 5962's successor) of what supply.py found. The same tree on the same machine
-gives the same bytes: time is that of the commit, and the document's name space is its own hash. Used by supply.py."""
+"""Writes the findings of supply.py as an SPDX 2.3 document (JSON, ISO/IEC 5962's successor). The same tree on the
+same machine gives the same bytes: the time is that of the commit, and the document's name space is its own hash."""
 
 import datetime
 import hashlib
@@ -129,7 +129,7 @@ def document(supply, licences, root):
 
 
 def write(path, body):
-    """Whole or not at all."""
+    """Writes the file completely or not at all."""
     os.makedirs(os.path.dirname(os.path.abspath(path)), exist_ok=True)
     pending = "%s.part%d" % (path, os.getpid())
     with open(pending, "x", encoding="utf-8") as file:

@@ -1,5 +1,5 @@
-/* From the coupling, or the rod itself where a track has none, to the forces that the motors are asked for:
- * gain -> passivity -> slew limit -> force limit -> fade. */
+/* Computes the forces requested from the motors from those of the coupling, or of the rod itself where a
+ * track has none: gain -> passivity -> slew limit -> force limit -> fade. */
 #include "firmware/app/haptics/haptics.h"
 #include "firmware/app/safety/arithmetic.h"
 #include "firmware/core/fixed.h"
@@ -55,7 +55,7 @@ static void observe_energy(crn_haptics *haptics, uint32_t k, const crn_hand_posi
                      (int32_t)crn_quotient(energy->taken_pJ, 1000) / 1000);
 }
 
-/* --- the forces asked for --- */
+/* --- the requested forces --- */
 
 /* Format: Q22 N x 1/1000 -> mN: N x 1000 x gain/1000 = value x gain / 2^22; torque Q24 N m -> uN m likewise
  * with another factor 1000. Overflow: |value| < 2^31, gain <= 4000: below 2^53. */

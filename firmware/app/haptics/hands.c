@@ -20,7 +20,7 @@ static bool exceeds(int32_t difference, uint32_t limit)
     return (wide < 0 ? -wide : wide) > (int64_t)limit;
 }
 
-/* The travel of one hand since the last reading, or the fault that this would be. */
+/* Computes the travel of one hand since the last reading, or returns the fault that this travel means. */
 static crn_fault_code hand_moved(const crn_hand_counts *hand, const crn_hand_track *track,
                                  const crn_port_hand *now, int32_t moved[2])
 {

@@ -1,4 +1,4 @@
-/* From encoder counts to the positions of the hands, one per tool. Counts are absolute and may wrap, so
+/* Converts encoder counts to the positions of the hands, one per tool. Counts are absolute and may wrap, so
  * changes are summed in 64 bits. The position is scaled from the sum and never summed itself, so that
  * rounding does not drift. */
 #ifndef CRN_HANDS_H
@@ -28,7 +28,7 @@ typedef struct crn_hands {
     crn_hand_counts counts[CRN_PORT_TOOL_MAX];
 } crn_hands;
 
-/* Where a hand is, or where the core is to take it to be. */
+/* The position of a hand, or the position that the core shall use for it. */
 typedef struct crn_hand_position {
     int32_t feed_m_q30; /* along the line, + into the patient */
     uint32_t turn32;    /* about it, one turn = 2^32 */

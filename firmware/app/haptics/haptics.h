@@ -1,10 +1,10 @@
-/* The haptics: a virtual coupling between hands and tools, and the forces that the motors are asked for
- * (docs/haptics.md). These files know positions, forces and their own memory; they know neither the app, nor
- * the wire, nor the rod. Everything here is decided by encoder counts and the core's own results, so it is
- * bit-reproducible, and it is part of the snapshot.
+/* The haptics: a virtual coupling between hands and tools, and the forces requested from the motors
+ * (docs/haptics.md). These files use positions, forces and their own memory; they use neither the app, nor
+ * the wire, nor the rod. All results depend only on encoder counts and the core's own results, so they are
+ * bit-reproducible; the memory is part of the snapshot.
  *
  *   hands, tools before the tick -> crn_haptics_before -> what the core takes for the hands
- *   hands, tools after the tick  -> crn_haptics_after  -> motors (asked for), findings
+ *   hands, tools after the tick  -> crn_haptics_after  -> motors (requested), findings
  *
  * crn_safety_drive decides how much of it the motors are given. */
 #ifndef CRN_HAPTICS_H
@@ -82,7 +82,7 @@ typedef struct crn_haptics {
     crn_haptics_track tracks[CRN_PORT_TOOL_MAX];
     crn_haptics_spring springs[CRN_PORT_TOOL_MAX][2];
     crn_haptics_energy energies[CRN_PORT_TOOL_MAX];
-    crn_port_motor motors[CRN_PORT_TOOL_MAX]; /* asked for; in LOCKSTEP only reported */
+    crn_port_motor motors[CRN_PORT_TOOL_MAX]; /* requested; in LOCKSTEP only reported */
     int32_t fade_from[CRN_PORT_TOOL_MAX][2];  /* forces when the host fell silent */
     uint32_t passivity_ticks;
 } crn_haptics;
@@ -93,7 +93,7 @@ void crn_haptics_axis_set(crn_haptics_axis *axis, int which, const crn_haptics_c
 /* The next tick takes hands and tools as they are: no lead, no force. */
 void crn_haptics_reset(crn_haptics *haptics);
 
-/* The forces asked for begin at zero again. */
+/* The requested forces begin at zero again. */
 void crn_haptics_rest(crn_haptics *haptics);
 
 /* Before the core's tick: `followed` starts as the hands' positions, and a coupling replaces them. */

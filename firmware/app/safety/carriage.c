@@ -58,7 +58,7 @@ static int32_t speed_um_s(const crn_safety *safety, uint32_t k)
 
 enum { SHARE_ONE = 4096 };
 
-/* Share of the force that nobody holds: all of it up to `full`, nothing from `none` on. */
+/* Returns the share of a force that no hand holds: all of it up to `full`, none from `none` on. */
 static int32_t share_of(int32_t value, int32_t full, int32_t none)
 {
     if (value <= full) return SHARE_ONE;
@@ -81,8 +81,8 @@ static int32_t speed_share(const crn_safety *safety, uint32_t k, int32_t asked_m
                      : share_of(size, DRIVEN_FULL_um_s, DRIVEN_NONE_um_s);
 }
 
-/* The force sensor feels a hand that holds, and it may be wrong by a quarter. A track without a sensor tells
- * nothing about the hand, and only the speed counts. */
+/* The force sensor measures the force of a hand that holds the carriage, with an error of up to a quarter. A
+ * track without a sensor gives no information about the hand, and only the speed counts. */
 int32_t crn_carriage_bound_mN(crn_safety *safety, const crn_port_inputs *rig, uint32_t k, int32_t asked_mN)
 {
     crn_safety_watch *watch = &safety->watches[k];
@@ -104,9 +104,9 @@ int32_t crn_carriage_bound_mN(crn_safety *safety, const crn_port_inputs *rig, ui
 
 /* --- what stops --- */
 
-/* A hand may throw a carriage, which is then fast without a motor. A hand may also move it as fast as it
- * likes, and then the sensor feels the hand. What remains is a carriage that gained its speed while nobody
- * touched it and a motor pushed. */
+/* A hand may throw a carriage, which is then fast without a motor. A hand may also move it at any speed, and
+ * then the sensor measures the hand's force. The remaining case is a carriage that gained its speed while no
+ * hand touched it and a motor pushed. */
 static bool is_driven_fast(crn_safety *safety, const crn_port_inputs *rig, uint32_t k)
 {
     crn_safety_watch *watch = &safety->watches[k];

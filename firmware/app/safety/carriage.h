@@ -1,4 +1,5 @@
-/* What a motor may do to its carriage: a carriage that nobody holds, and cycles that a motor sustains. */
+/* Detects two effects of a motor on its carriage: motion of a carriage that no hand holds, and cycles that
+ * the motor sustains. */
 #ifndef CRN_CARRIAGE_H
 #define CRN_CARRIAGE_H
 
@@ -11,11 +12,11 @@ int32_t crn_carriage_moved(const crn_safety *safety, const crn_port_inputs *rig,
 int32_t crn_carriage_bound_mN(crn_safety *safety, const crn_port_inputs *rig, uint32_t track,
                               int32_t asked_mN);
 
-/* Of a track that is driven, in this edge's sample. *value belongs to the fault, if there is one. */
+/* Checks a driven track in this edge's sample. *value belongs to the fault, if there is one. */
 crn_fault_code crn_carriage_check(crn_safety *safety, const crn_safety_input *input, uint32_t track,
                                   int32_t *value);
 
-/* What one edge tells about the carriage. */
+/* The measurements of one edge about the carriage. */
 typedef struct crn_carriage_edge {
     int32_t moved_counts;
     int32_t driven_mN, measured_mN;

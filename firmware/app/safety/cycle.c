@@ -26,9 +26,9 @@ static int64_t width_nm(const crn_safety_swing *swing)
     return swing->travel_nm < 0 ? -swing->travel_nm : swing->travel_nm;
 }
 
-/* The hand's work in two swings by the part of its force above the mean. Swings that grow do not end where
- * they began, and otherwise the force that holds against a wall would count. Overflow: travels are below 2^41
- * nm, the mean is below 2^31 mN / CYCLE_ticks. */
+/* Returns the hand's work in two swings by the part of its force above the mean. Swings that grow do not end
+ * where they began, and otherwise the force that holds against a wall would count. Overflow: travels are
+ * below 2^41 nm, the mean is below 2^31 mN / CYCLE_ticks. */
 static int64_t hand_pJ(const crn_safety_swing *now, const crn_safety_swing *last)
 {
     const int64_t mean_mN = crn_quotient(now->hand_mN_ms + last->hand_mN_ms, now->ticks + last->ticks);

@@ -1,4 +1,4 @@
-/* Power on, power off, and the forces that the motors are given. */
+/* Switches the power on and off, and sets the forces of the motors. */
 #include "firmware/app/safety/arithmetic.h"
 #include "firmware/app/safety/carriage.h"
 #include "firmware/app/safety/safety.h"
@@ -24,7 +24,7 @@ void crn_safety_off(crn_safety *safety, crn_port_outputs *outputs)
 }
 
 /* A track is driven along or about its line only through a coupling, because the rod itself is stiffer than
- * any rig renders. It is driven along its line only as far as somebody holds it. */
+ * any rig renders. It is driven along its line only to the extent that a hand holds it. */
 static crn_port_motor driven(crn_safety *safety, const crn_safety_input *input, uint32_t k,
                              const crn_port_motor *asked)
 {

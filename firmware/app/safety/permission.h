@@ -1,5 +1,5 @@
-/* The two steps before START may power the motors: ARM_MOTORS is answered with a code, and CONFIRM returns
- * it. Code and permission are for somebody who is about to press START, so both expire. */
+/* Two steps are required before START may power the motors: the device answers ARM_MOTORS with a code, and
+ * CONFIRM returns it. Code and permission are for a person who is about to press START, so both expire. */
 #ifndef CRN_PERMISSION_H
 #define CRN_PERMISSION_H
 

@@ -1,4 +1,4 @@
-/* The checks of every edge of the timer in this edge's sample of the rig: lines, sensors, forces. Every
+/* Checks this edge's sample of the rig at every edge of the timer: lines, sensors, forces. Every
  * finding is a fault of shared/wire/wire_faults.def, which states its time to safe and its test. */
 #include "firmware/app/safety/safety.h"
 #include "firmware/app/safety/arithmetic.h"
@@ -69,7 +69,7 @@ static crn_fault_code check_force(crn_safety *safety, uint32_t k, int32_t measur
 
 /* --- balance of forces on a carriage --- */
 
-/* The force on the carriage that neither motor nor hand explains, + into the patient. */
+/* Returns the force on the carriage that neither motor nor hand explains, + into the patient. */
 static int32_t unbalance(const crn_safety_watch *watch, int32_t measured)
 {
     const asked_range asked = range_asked(watch);
@@ -85,8 +85,8 @@ static void restart_watch(crn_safety_watch *watch, int32_t speed_counts)
 }
 
 /* An unbalanced force must move the heaviest carriage by CARRIAGE_TRAVEL_nm against its friction before this
- * check decides. By then the encoder has stood still, or has gained speed in the opposite direction, or all
- * is well. Format: mN / kg = nm / ms^2; travel in nm. */
+ * check decides. By then the encoder has stood still, or has gained speed in the opposite direction, or there
+ * is no fault. Format: mN / kg = nm / ms^2; travel in nm. */
 static crn_fault_code check_balance(crn_safety *safety, const crn_port_inputs *rig, uint32_t k,
                                     int32_t measured)
 {
@@ -218,7 +218,7 @@ crn_fault_code crn_safety_ready(const crn_safety *safety, const crn_safety_input
     for (uint32_t k = 0; k < input->tool_count; k++) {
         const crn_port_track *track = &rig->tracks[k];
         if (encoder_is_lost(track)) return CRN_FAULT_CODE_ENCODER_LOST;
-        /* Without a sensor no force is checked. Only somebody at the rig, who knows that, may allow it. */
+        /* Without a sensor no force is checked. Only a person at the rig, who knows this, may allow it. */
         const bool has_none = track->force_sensor == CRN_PORT_SENSOR_ABSENT;
         if (has_none ? !rig->local_unlock : force_sensor_is_lost(safety, rig, k))
             return CRN_FAULT_CODE_FORCE_SENSOR_LOST;

@@ -23,7 +23,7 @@ typedef struct crn_safety_track {
     bool is_driven_along, is_driven_about; /* through a coupling; the motor of an axis without one rests */
 } crn_safety_track;
 
-/* What the parts of the app tell the checks about this edge. */
+/* The data that the parts of the app give the checks about this edge. */
 typedef struct crn_safety_input {
     const crn_port_inputs *rig; /* this edge's sample; NULL: no rig */
     uint32_t tool_count;
@@ -47,7 +47,7 @@ typedef struct crn_safety_cycle {
     uint32_t driven_ticks; /* duration of the swings that the motor sustained */
 } crn_safety_cycle;
 
-/* What the checks of one track remember, only while a rig is attached. */
+/* The state of one track's checks, used only while a rig is attached. */
 typedef struct crn_safety_watch {
     int32_t asked_mN[CRN_APP_ASKED_ticks]; /* ring of the forces given to the motor */
     uint32_t over_ticks, current_ticks, mismatch_ticks;
@@ -78,7 +78,7 @@ typedef struct crn_safety {
     crn_safety_watch watches[CRN_PORT_TOOL_MAX];
 } crn_safety;
 
-/* What a track's force sensor measures in this sample; 0 without a sample or without a sensor in order. */
+/* Returns the force that a track's sensor measures in this sample; 0 without a sample or a working sensor. */
 int32_t crn_safety_force_mN(const crn_safety *safety, const crn_port_inputs *rig, uint32_t track);
 
 /* Every edge, with this edge's sample: lines, sensors, forces, carriages. It reports one finding at most. */

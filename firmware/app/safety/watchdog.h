@@ -1,5 +1,5 @@
-/* Does the host still lead the motors? While FREE_RUN runs, every tick counts as silence until the next valid
- * frame. After CRN_APP_HOST_SILENT_ticks the forces fade within CRN_APP_FADE_ticks. */
+/* Decides whether the host still leads the motors. While FREE_RUN runs, every tick counts as silence until
+ * the next valid frame. After CRN_APP_HOST_SILENT_ticks the forces fade within CRN_APP_FADE_ticks. */
 #ifndef CRN_WATCHDOG_H
 #define CRN_WATCHDOG_H
 
@@ -9,7 +9,7 @@ typedef struct crn_watchdog {
     uint32_t silent_ticks; /* since the host's last valid frame; no longer counted when the fade has ended */
 } crn_watchdog;
 
-/* A valid frame came. True: it ends a silence that had made the forces fade. */
+/* Notes that a valid frame came. Returns true if it ends a silence that had made the forces fade. */
 bool crn_watchdog_feed(crn_watchdog *watchdog);
 
 /* One tick of FREE_RUN begins. The tick in which the host becomes silent is a finding. */

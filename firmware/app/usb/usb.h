@@ -4,7 +4,7 @@
  *   at power-up        crn_usb_init(usb, &config)      off the bus; then crn_usb_connect(usb, true)
  *   always             crn_usb_poll(usb)               from the main loop: events, replies, bytes to the app
  *   1 ms passed        crn_usb_timer(usb, &state)      the state report of this tick
- *   a frame to send    crn_usb_transmit(usb, ...)      what crn_port.transmit asks for
+ *   a frame to send    crn_usb_transmit(usb, ...)      carries out crn_port.transmit
  *
  * Rules of the stream (bulk pair): frames are bytes, packets have no meaning.
  *  - To the host: a frame is queued whole or refused. When the queue runs empty behind a full packet, an
@@ -101,7 +101,7 @@ typedef struct crn_usb {
     uint8_t speed; /* crn_udc_speed */
     uint8_t address;
     uint8_t configuration; /* 0 or 1 */
-    uint8_t link;          /* last told to the app */
+    uint8_t link;          /* last reported to the app */
     uint32_t off_ms;       /* 0: not counting */
     uint16_t off_packets;  /* packets of the stream to the device until it goes off the bus; 0: it stays */
     uint16_t off_value_ms; /* and then for so long */
@@ -149,9 +149,9 @@ void crn_usb_connect(crn_usb *usb, bool connected);
  * more to do. */
 bool crn_usb_poll(crn_usb *usb);
 
-/* One millisecond has passed. `state` becomes a state report behind those that wait. When the queue is full,
- * the oldest report is dropped. No report waits while no host has configured the device, or while the bus
- * sleeps. */
+/* One millisecond has passed. `state` becomes a state report, queued behind those that wait. When the queue
+ * is full, the oldest report is dropped. No report waits while no host has configured the device, or while
+ * the bus sleeps. */
 void crn_usb_timer(crn_usb *usb, const crn_hid_state *state);
 
 /* Queues a whole frame for the host. False: the device is not configured, or there is no room; nothing was

@@ -48,7 +48,7 @@ static void put_bytes(crn_wire_writer *reply, const uint8_t *bytes, size_t count
     for (size_t i = 0; i < count; i++) crn_wire_write(reply, bytes[i], 1);
 }
 
-/* ASCII as UTF-16, without a terminator. */
+/* Writes ASCII as UTF-16, without a terminator. */
 static void put_text(crn_wire_writer *reply, const char *text)
 {
     while (*text != '\0') crn_wire_write(reply, (uint8_t)*text++, 2);
@@ -175,8 +175,8 @@ static void put_bos(crn_wire_writer *reply)
     crn_wire_write(reply, 0, 1); /* no alternate enumeration */
 }
 
-/* Header of 10, configuration subset of 8, function subset of 8, compatible id of 20, registry property of
- * 132. */
+/* Writes the set: header of 10, configuration subset of 8, function subset of 8, compatible id of 20,
+ * registry property of 132. */
 bool crn_usb_ms_os_set(crn_wire_writer *reply)
 {
     static const uint8_t compatible[16] = {'W', 'I', 'N', 'U', 'S', 'B'};

@@ -1,5 +1,5 @@
-/* What the files of the stack share. From top to bottom they are: events, control transfers, standard and
- * class requests, descriptors; and events, reports, stream. */
+/* Declarations that the files of the stack share. From top to bottom they are: events, control transfers,
+ * standard and class requests, descriptors; and events, reports, stream. */
 #ifndef CRN_USB_INTERNAL_H
 #define CRN_USB_INTERNAL_H
 

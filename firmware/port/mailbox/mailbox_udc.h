@@ -32,7 +32,7 @@ typedef struct crn_mailbox_udc {
 void crn_mailbox_udc_init(crn_mailbox_udc *controller, crn_mailbox *mailbox, bool can_high_speed);
 
 /* The state that an idle loop may check instead of polling: whether the host has a request, and whether that
- * request may bring the device work (it may not when the host only asks for data). */
+ * request may bring the device work (this is not the case when the host only requests data). */
 typedef enum crn_mailbox_demand {
     CRN_MAILBOX_IDLE,
     CRN_MAILBOX_ASKS_DATA,

@@ -27,7 +27,7 @@ void bench_tick(bench *b);
  * makes safe. Returns false when the motor never did. */
 bool bench_push(bench *b, int32_t axial_mN);
 
-/* Does any motor give, or may any motor give, a force? The force is measured at the leads, behind the power
+/* Returns whether any motor gives, or may give, a force. The force is measured at the leads, behind the power
  * stage. */
 bool bench_is_safe(const bench *b);
 

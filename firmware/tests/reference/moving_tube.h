@@ -28,13 +28,13 @@ void reference_pull(reference_map map, const double *x_m, double phase, double b
 /* Contraction of a heart of amplitude 1: 0 at phase 0 (end of filling), 1 at the end of systole, smooth. */
 double reference_contraction(double phase);
 
-/* A beating sphere about (90, 5, 45) mm. It shrinks by 30 %, moves 6 mm along -y and turns by 12 degrees
- * about y at its middle; points 40 mm from there move by up to 11 mm. Breath then moves all of that by 8 mm
- * along -y. Both fade out at 90 mm from the middle. */
+/* Moves a place with a beating sphere about (90, 5, 45) mm. The sphere shrinks by 30 %, moves 6 mm along -y
+ * and turns by 12 degrees about y at its middle; points 40 mm from there move by up to 11 mm. Breath then
+ * moves all of that by 8 mm along -y. Both fade out at 90 mm from the middle. */
 void reference_beating_sphere(const double *X_m, double phase, double breath, double *x_m);
 
-/* The pieces of a vessel that enters at the origin and runs round that sphere, 40 mm from its middle, and the
- * box in which it moves. */
+/* The pieces of a vessel that enters at the origin and runs round the beating sphere, 40 mm from the sphere's
+ * middle, and the box in which the vessel moves. */
 extern const reference_piece reference_coronary[3];
 extern const double reference_coronary_low_m[3], reference_coronary_high_m[3];
 
@@ -43,7 +43,7 @@ extern const double reference_coronary_low_m[3], reference_coronary_high_m[3];
  * the box. */
 reference_motion *reference_waves_make(const double *low_m, const double *high_m, uint32_t spacing_log2_q30);
 
-/* A 0.014 in wire of 400 mm with a soft tip. */
+/* Makes a 0.014 in wire of 400 mm with a soft tip. */
 crn_instrument reference_coronary_wire(void);
 
 #endif

@@ -22,7 +22,7 @@ static inline uint64_t reference_random_next(reference_random *random)
     return z ^ (z >> 31);
 }
 
-/* Sufficiently uniform in 0 .. limit - 1 (limit < 2^32). */
+/* Returns a sufficiently uniform number in 0 .. limit - 1 (limit < 2^32). */
 static inline unsigned reference_random_below(reference_random *random, unsigned limit)
 {
     return (unsigned)(((reference_random_next(random) >> 32) * limit) >> 32);

@@ -83,7 +83,7 @@ static void move_hands(session *s, uint32_t tool_count, int tick)
     }
 }
 
-/* Depth of the deepest node by the exact distance, mm. */
+/* Returns the depth of the deepest node by the exact distance, mm. */
 static double exact_depth_mm(const session *s)
 {
     double deepest = -1e3;

@@ -1,4 +1,4 @@
-/* A bench for crn_safety: one sample of a rig, the forces asked for, and edges one by one. It has neither a
+/* A bench for crn_safety: one sample of a rig, the requested forces, and edges one by one. It has neither a
  * rod, nor a scene, nor the wire. */
 #ifndef CRN_TESTS_SAFETY_BENCH_H
 #define CRN_TESTS_SAFETY_BENCH_H
@@ -32,7 +32,7 @@ static inline void safety_bench_rest(safety_bench *bench)
     }
 }
 
-/* One edge of the timer: checks, then outputs. A finding takes the power, as the app does. */
+/* Runs one edge of the timer: checks, then outputs. A finding takes the power, as the app does. */
 static inline crn_fault_code safety_bench_edge(safety_bench *bench)
 {
     crn_findings findings = {.count = 0};
@@ -53,7 +53,7 @@ static inline int safety_bench_find(safety_bench *bench, int edges)
     return 0;
 }
 
-/* The same with power, for long enough that the power stage drives. */
+/* Does the same with power, for long enough that the power stage drives. */
 static inline void safety_bench_drive(safety_bench *bench)
 {
     safety_bench_rest(bench);

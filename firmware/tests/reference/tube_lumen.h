@@ -26,11 +26,11 @@ typedef struct reference_piece {
  * within about 3 voxels of the wall. */
 reference_tube *reference_tube_make(const reference_piece *pieces, uint32_t piece_count, double radius_m,
                                     uint32_t level);
-/* A trunk that forks in two: `left` and `right` continue from its end. */
+/* Makes a trunk that forks in two: `left` and `right` continue from its end. */
 reference_tube *reference_fork_make(const reference_piece *trunk, const reference_piece left[2],
                                     const reference_piece right[2], double radius_m, uint32_t level);
-/* A straight tube with a stenosis, its middle `at_m` along it: radius_m - (radius_m - throat_m) (1 + cos(2 pi
- * u)) / 2. */
+/* Makes a straight tube with a stenosis, its middle `at_m` along it: radius_m - (radius_m - throat_m) (1 +
+ * cos(2 pi u)) / 2. */
 reference_tube *reference_stenosis_make(double tube_m, double radius_m, double throat_m, double at_m,
                                         double length_m, uint32_t level);
 void reference_tube_free(reference_tube *tube);
@@ -40,11 +40,11 @@ double reference_tube_distance(const reference_tube *tube, const double *point_m
 
 /* Standard scenes. All of them have their entry at the origin, along +x. */
 crn_entry reference_entry(void);
-/* A uniform instrument: EI in N m^2, elements of `element_um`, equal kinetic and static friction. */
+/* Makes a uniform instrument: EI in N m^2, elements of `element_um`, equal kinetic and static friction. */
 crn_instrument reference_wire(double bend_N_m2, uint32_t length_um, uint32_t element_um, double friction);
-/* The same with a length of 0.9 m and a floppy J of 12 mm, which snaps from wall to wall. */
+/* Makes the same instrument with a length of 0.9 m and a floppy J of 12 mm, which snaps from wall to wall. */
 crn_instrument reference_floppy_j(double bend_N_m2);
-/* Three bends out of one plane, 0.9 m long, r 4 mm: the insertion scene. */
+/* Makes the insertion scene: a tube of 0.9 m and radius 4 mm with three bends out of one plane. */
 reference_tube *reference_three_bends(double radius_m, uint32_t level);
 
 #endif

@@ -178,7 +178,8 @@ void a_sleeping_bus_keeps_what_the_app_says(void **)
     assert_int_equal(session.decoder.header.answers, 2);
 }
 
-// Where the plant makes time, waiting takes no time, and work takes its own time, whichever path it came by.
+// When the plant makes the time, waiting takes no time. Work takes its own time, whichever path the request
+// came by.
 void work_that_comes_by_usb_takes_the_plants_time(void **)
 {
     Session session;

@@ -260,7 +260,7 @@ void expect_volume(const char *what, double value_mm3, double expected_mm3)
         fail_msg("%s: %.3f mm3, expected %.3f (2 %% allowed)", what, value_mm3, expected_mm3);
 }
 
-// Three materials tell the three tools apart. Each has the volume of its own length and cross-section: from
+// Three materials distinguish the three tools. Each has the volume of its own length and cross-section: from
 // its own tip (inside an element) to the end of the line. Its layers are counted from its own tip, and its
 // lumen is empty.
 void each_tool_is_drawn_over_its_own_part_with_its_own_layers(void **)

@@ -32,8 +32,8 @@ double out_of_the_last(const FlowNetwork &network)
     return network.outflow_ml_s(network.runs().size() - 1);
 }
 
-// A vessel of 70 mm along x, radius 1.5 mm; narrowed to `throat_mm` from 22 to 40 mm, with a taper of 1 mm
-// before and behind.
+// Makes a vessel of 70 mm along x with a radius of 1.5 mm. It is narrowed to `throat_mm` from 22 to 40 mm,
+// with a taper of 1 mm at either end.
 VesselTree vessel(double throat_mm)
 {
     VesselBranch branch;
@@ -199,7 +199,7 @@ void a_snapshot_goes_on_as_the_original_does(void **)
 
 // --- lesions that yield ---
 
-// The same vessel fully or partly open: points stay (it is concentric), radii change in proportion.
+// Returns the same vessel fully or partly open: points stay (it is concentric), radii change in proportion.
 VesselTree opened(const VesselTree &tree, double share)
 {
     const LesionStations stations{21, 1e-3};

@@ -10,7 +10,7 @@
 //     5     raw bytes as 1, then the answer as 2
 //     6 ..  an unasked message of type u8: length u8, payload
 //
-// Whatever a device sends, a call ends with a result or with a LinkError that has a text, and the host's
+// Whatever a device sends, each call ends with a result or with a LinkError that has a text, and the host's
 // counters agree.
 #include "host/link/link.hpp"
 #include <algorithm>

@@ -121,7 +121,7 @@ void hello_finds_the_device_behind_half_a_frame(void **)
     assert_true(contains(error_of([&] { link.read_status(); }), "does not answer"));
     device.on_frame = [&] { device.greet(); };
     assert_string_equal(error_of([&] { link.hello(); }).c_str(), "");
-    device.raw({9, 1, 2, 3}); // and the same when the half frame comes just before the reply
+    device.raw({9, 1, 2, 3}); // the same when the half frame comes just before the reply
     assert_string_equal(error_of([&] { link.hello(); }).c_str(), "");
 }
 
@@ -143,8 +143,8 @@ void hello_is_deaf_to_what_was_before(void **)
     assert_true(contains(error_of([&] { link.hello(); }), "WRONG_STATE"));
 }
 
-// A refusal that comes after its request was given up is not the answer to the next request; a refusal of the
-// present one is, even when it concerns an earlier frame of it.
+// A refusal that comes after its request was given up is not the answer to the next request. A refusal of the
+// present request is its answer, even when it concerns an earlier frame of that request.
 void a_late_refusal_is_not_taken_for_an_answer(void **)
 {
     TalkingDevice device;
@@ -172,7 +172,7 @@ void a_device_that_talks_without_end_is_left_with_an_error(void **)
     TalkingDevice device;
     crn::Link link(device);
     device.on_silence = [&] { device.say(CRN_WIRE_TYPE_notice, 0, crn_wire_notice{}, crn_wire_put_notice); };
-    // On a slow machine the time runs out before the frames are too many: an error in any case.
+    // On a slow machine the time runs out before the number of frames is exceeded; both are errors.
     const auto is_left = [&](const std::string &error) {
         return contains(error, "without end") ||
                (REFERENCE_RUN(10) < 10 && contains(error, "kept the host waiting"));
@@ -183,8 +183,8 @@ void a_device_that_talks_without_end_is_left_with_an_error(void **)
     assert_true(link.take_notices().size() == crn::Link::notices_max);
 }
 
-// Endless zeros, endless noise, or one byte now and then: none is a message, and each ends after a bounded
-// number of bytes or a bounded time.
+// A device sends endless zeros, endless noise, or one byte now and then. None is a message, and each call
+// ends after a bounded number of bytes or a bounded time.
 void a_device_that_never_frames_is_left_with_an_error(void **)
 {
     for (const unsigned char byte : {0x00, 0x55, 0xff}) {
@@ -203,7 +203,7 @@ void a_device_that_never_frames_is_left_with_an_error(void **)
     }
 }
 
-// The budget is 60 ms here, and requests share it: the second one gets what the first has left.
+// The budget is 60 ms here, and requests share it: the second one gets what the first one leaves.
 void a_device_that_keeps_its_host_waiting_is_left_with_an_error(void **)
 {
     TalkingDevice device;
@@ -220,7 +220,7 @@ void a_device_that_keeps_its_host_waiting_is_left_with_an_error(void **)
     assert_true(std::chrono::steady_clock::now() - begin < std::chrono::seconds(5));
 }
 
-// A snapshot has its announced size, and no more than any device has.
+// A snapshot has its announced size, which must not exceed that of any device.
 void a_snapshot_beyond_its_size_is_refused(void **)
 {
     TalkingDevice device;
@@ -237,8 +237,8 @@ void a_snapshot_beyond_its_size_is_refused(void **)
     assert_true(contains(error_of([&] { link.read_snapshot(); }), "snapshot_begin"));
 }
 
-// STOP is answered before the ticks that were still in the device's queue; they come later, and are the
-// recording's last ones.
+// The answer to STOP comes before the ticks that were still in the device's queue. Those ticks come later,
+// and are the recording's last ones.
 void ticks_that_come_behind_the_answer_to_stop_are_recorded(void **)
 {
     TalkingDevice device;
@@ -262,7 +262,7 @@ void ticks_that_come_behind_the_answer_to_stop_are_recorded(void **)
     assert_int_equal(link.free_run(0).size(), 0);
 }
 
-// A host makes a picture for longer than the 30 ms after which a device fades its forces: heartbeats come
+// A host takes longer for a picture than the 30 ms after which a device fades its forces. It sends heartbeats
 // meanwhile, but not for ever. The test counts instead of timing: three frames come while Presence exists,
 // and none after its limit.
 void a_busy_host_is_present_for_half_a_second(void **)

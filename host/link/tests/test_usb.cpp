@@ -1,5 +1,6 @@
 // Claims: a rig on USB is the same device as one in this process, bit for bit. Every unplug, refusal, silence
-// or lie ends in time with a message that gives the remedy, and nothing of libusb is left behind.
+// or false answer ends in time with a message that gives the remedy, and no resource of libusb is left
+// behind.
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -396,7 +397,7 @@ void bytes_come_in_order_and_a_slow_host_holds_the_rig(void **)
                     fail_msg("byte %zu is wrong", got + i);
         }
         assert_int_equal(got, total);
-        pipe.pass_time_ms(1); // after this a read does not wait any more
+        pipe.pass_time_ms(1); // from here on a read does not wait
         assert_int_equal(pipe.read(bytes), 0);
     }
 }

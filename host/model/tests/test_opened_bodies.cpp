@@ -50,8 +50,8 @@ VesselTree tube_tree()
 
 const LesionStations stations{17, 1e-3};
 
-// A tube of a length along y as a closed mesh, um: rows of 32 vertices every half millimetre, and a vertex in
-// the middle of each end.
+// Makes a tube of a length along y as a closed mesh, um: rows of 32 vertices every half millimetre, and a
+// vertex in the middle of each end.
 Body tube(double radius, double length_mm)
 {
     Body body{"lumen", "blood", -1, {}, {}};

@@ -400,7 +400,7 @@ void an_open_lesion_moves_with_the_heart(void **)
     }
 }
 
-// --- the ways to order it ---
+// --- ways to order an injection ---
 
 void scripts_ask_for_it_in_millilitres(void **)
 {

@@ -1,6 +1,6 @@
-// Claims about balloon and stents in a session, with shapes of the line made here: what may be mounted, when
-// it is looked at, what the core is asked for and how often, what a picture may change (nothing), what the
-// X-ray sees of a filled balloon, and what a recording keeps.
+// Claims about balloon and stents in a session, with shapes of the line made here. They concern which stents
+// may be mounted, the ticks of the looks, the orders to the core and how often they are repeated, pictures
+// (which change nothing), the filled balloon in the X-ray, and the contents of a recording.
 #include "host/base/tests/folder.hpp"
 #include "host/base/text.hpp"
 #include "host/patient/balloon.hpp"
@@ -26,7 +26,7 @@ namespace
 {
 
 constexpr double pi = std::numbers::pi;
-constexpr std::uint32_t stations = 24; // from one end of its lesion to the other
+constexpr std::uint32_t stations = 24; // from one end of the artery's lesion to the other
 const char *const stent_file = "shared/examples/stents/coronary_3_0x18.toml";
 
 std::vector<Instrument> wire_and_balloon()
@@ -68,8 +68,8 @@ PatientStents session_stents(std::size_t count = 1)
 
 constexpr RoomCommand load{RoomAction::load_stent, {}};
 
-// The test lasts 800 ms: crimped up to 200, under pressure up to 500, then the balloon folds. There are
-// looks, and other frames in between.
+// The test lasts 800 ms: crimped up to 200, under pressure up to 500, then the balloon folds. Some frames are
+// looks, others lie in between.
 void carry_out(PatientStents &stents, std::uint32_t frame_ticks)
 {
     stents.command(0, load);
@@ -136,7 +136,7 @@ crn_wire_order_list next_orders(PatientStents &stents)
     return orders;
 }
 
-// Of the next tick; nothing: it has no such order.
+// Returns the order of the next tick; empty if the tick has no such order.
 std::optional<crn_wire_scaffold> next_hold(PatientStents &stents)
 {
     const crn_wire_order_list orders = next_orders(stents);
@@ -151,8 +151,8 @@ std::optional<crn_wire_strut> next_ring(PatientStents &stents)
     return order ? std::optional(order->strut) : std::nullopt;
 }
 
-// The whole lesion lies in the stent and is open: what is asked for covers every station, the middle wholly,
-// and nothing once it is known.
+// The whole lesion lies in the stent and is open. The orders cover every station, the middle one completely,
+// and stop once the core has carried them out.
 void the_core_is_asked_once_for_what_it_does_not_know(void **)
 {
     PatientStents stents = session_stents();
@@ -180,7 +180,7 @@ void the_core_is_asked_once_for_what_it_does_not_know(void **)
     }
 }
 
-// Takes up all that is asked of struts; returns the rings.
+// Carries out all orders about struts, and returns the rings.
 std::vector<crn_wire_strut> take_struts(PatientStents &stents)
 {
     std::vector<crn_wire_strut> rings;
@@ -193,8 +193,8 @@ std::vector<crn_wire_strut> take_struts(PatientStents &stents)
     return rings;
 }
 
-// Nothing while the balloon carries it; once deployed, one circle a ring as wide as the ring is, from end to
-// end, and no more once they are known.
+// There is no order while the balloon carries the stent. Once deployed, each ring becomes one circle of its
+// own width, from end to end; the orders stop once the core has carried them out.
 void struts_are_told_once_the_stent_is_deployed(void **)
 {
     PatientStents stents = session_stents();
@@ -228,8 +228,8 @@ void struts_are_told_once_the_stent_is_deployed(void **)
     }
 }
 
-// Another stent's balloon in it opens it farther: the rings that are wider are told again; not confirmed,
-// again at the next look.
+// Another stent's balloon inside the stent opens it farther. The wider rings are ordered again, and without a
+// confirmation once more at the next look.
 void struts_that_are_widened_are_told_again(void **)
 {
     PatientStents stents = session_stents(2);
@@ -256,8 +256,8 @@ void struts_that_are_widened_are_told_again(void **)
     assert_true(take_struts(stents).empty());
 }
 
-// Stents on the shelf share the core's rings evenly; of one with more rings than its share circles are chosen
-// from end to end.
+// Stents on the shelf share the core's rings evenly. For a stent with more rings than its share, circles are
+// chosen from end to end.
 void stents_share_the_rings_of_the_core(void **)
 {
     PatientStents stents = session_stents(8);
@@ -271,7 +271,7 @@ void stents_share_the_rings_of_the_core(void **)
     assert_true(all.front().x_um == rings.front().x_um && all.back().y_um == rings.back().y_um);
 }
 
-// A device that did not take an order up is asked again.
+// An order that a device did not carry out is given again.
 void what_the_core_did_not_confirm_is_asked_for_again(void **)
 {
     PatientStents stents = session_stents();
@@ -340,7 +340,7 @@ void the_filling_holds_as_much_as_the_balloon(void **)
     assert_true(std::abs(filled - whole) < 0.03 * whole);
     assert_true(balloon_filling(line_at(0, r, 0.0), tools, 175.0).empty());
     WireFrame waist = line_at(0, R, 0.0);
-    waist.balloon_radii_m[10] = 0.8e-3; // linear to its neighbours: a millimetre on either side
+    waist.balloon_radii_m[10] = 0.8e-3; // linear to the neighbouring balls, a millimetre on either side
     const double lost = 2 * (pi * R * R - pi / 3 * (R * R + R * 0.8 + 0.8 * 0.8));
     assert_true(std::abs(filled - iodine(waist) - lost) < 0.1 * lost);
 }
@@ -405,7 +405,7 @@ std::vector<std::uint8_t> recorded(const std::string &path, const StentDesign &s
     return {bytes.begin(), bytes.end()};
 }
 
-// A recording keeps a stent to the last bit, and refuses one that no file could describe.
+// A recording stores a stent exactly to the last bit, and refuses one that no file could describe.
 void a_recording_keeps_its_stents(void **)
 {
     const tests::Folder folder("stents");

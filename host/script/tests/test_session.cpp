@@ -196,7 +196,7 @@ void the_room_is_asked_in_words(void **)
     expect_error("store fluoro 1 min", "time is out of range");
 }
 
-// Each order is in one tick's input: of two at once the second one comes a tick later.
+// Each order is in one tick's input. If a script gives two at once, the second one comes a tick later.
 void heart_and_breath_are_asked_at_their_ticks(void **)
 {
     const auto inputs =
@@ -369,7 +369,7 @@ void a_tool_that_is_not_there_is_named_with_its_line(void **)
     }
 }
 
-// With the keyboard a speed is reached and left in steps; the counters follow.
+// With the keyboard the speed rises and falls in steps, and the counters follow.
 void a_live_hand_comes_to_rest(void **)
 {
     crn::LiveHand hand;

@@ -1,7 +1,7 @@
-// Fuzz target: any bytes may be offered as a recording. Each input is tried as it is, and with its checksums
-// and the schema hash made right, so that what stands behind them is reached: as a recording of this version,
-// and as one of the version before that is to be converted. What is accepted keeps the promises of
-// recording.hpp, and what is refused has a text.
+// Fuzz target: any bytes may be offered as a recording. Each input is tried as it is, and then with correct
+// checksums and schema hash, so that the fuzzer reaches the code behind those checks. It is tried as a
+// recording of this version, and as one of the previous version that is to be converted. An accepted
+// recording keeps the promises of recording.hpp, and a refusal has a text.
 #include "host/session/recording_chunks.hpp"
 #include "host/session/recording_format.hpp"
 #include "host/session/recording_upgrade.hpp"
@@ -57,7 +57,7 @@ void convert(const std::vector<std::uint8_t> &bytes)
 {
     static const std::string name = "fuzz";
     try {
-        walk(parse_recording(upgraded_recording(bytes, name), name)); // what was converted is readable
+        walk(parse_recording(upgraded_recording(bytes, name), name)); // the converted recording is readable
     } catch (const RecordingError &error) {
         promise(*error.what() != '\0');
     }
@@ -68,7 +68,7 @@ void put(std::uint8_t *place, std::uint64_t value, int bytes)
     for (int i = 0; i < bytes; i++) place[i] = static_cast<std::uint8_t>(value >> (8 * i));
 }
 
-// Checksums of all chunks that are there, the version, and the schema hash of the first.
+// Corrects the checksums of all chunks, the version, and the schema hash of the first chunk.
 void seal(std::vector<std::uint8_t> &bytes, char version = magic[7])
 {
     if (bytes.size() < 8) return;
@@ -175,7 +175,7 @@ std::vector<std::uint8_t> old_ticks(unsigned tools, std::uint32_t first, std::ui
     return bytes;
 }
 
-// Of version 2: one chunk of everything that only it had.
+// For version 2: one chunk of each kind that only version 2 had.
 std::vector<std::uint8_t> old_file(unsigned tools)
 {
     Writer file;

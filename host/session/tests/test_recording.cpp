@@ -1,5 +1,5 @@
 // Claims: a session replays bit for bit at any speed and from any snapshot; a cut-off recording is readable
-// up to its last whole chunk; a damaged one is refused, whatever byte is hit.
+// up to its last whole chunk; a damaged one is refused, whichever byte is damaged.
 #include <algorithm>
 #include <csetjmp>
 #include <cstdarg>
@@ -19,7 +19,7 @@
 #include "host/session/run.hpp"
 #include "shared/wire/wire_frame.h"
 
-// Last, because its macros (fail, ...) would change other headers.
+// This header comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -120,7 +120,7 @@ crn::Instrument catheter()
     return crn::read_instrument("shared/examples/instruments/pigtail_5f.toml");
 }
 
-// One straight vessel along the line.
+// Makes one straight vessel along the line.
 crn::SceneAnatomy vessel()
 {
     crn::VesselBranch branch;
@@ -153,7 +153,8 @@ void a_replay_from_later_on_knows_what_was_injected_before(void **)
     }
 }
 
-// Of two beats at once the second one comes a tick later, and only these two ticks are longer.
+// If two premature beats are ordered at once, the second one comes a tick later, and only these two ticks are
+// longer.
 void orders_are_recorded_in_their_ticks_and_replay(void **)
 {
     const Recorded recorded = record("heart rate 120 /min\nbreath hold on\nwait 1 s");
@@ -200,8 +201,8 @@ void commands_to_the_room_are_recorded_with_their_ticks(void **)
     assert_true(recording.commands[1].command == (crn::RoomCommand{crn::RoomAction::angles, {20000, 0, 0}}));
 }
 
-// Cut at every length in the tail and at many before: either readable with fewer ticks, or refused as
-// truncated.
+// The file is cut at every length in its tail and at many lengths before. It is either readable with fewer
+// ticks, or refused as truncated.
 void a_recording_cut_off_anywhere_keeps_its_whole_chunks(void **)
 {
     const std::vector<std::uint8_t> &whole = session().bytes;
@@ -222,7 +223,8 @@ void a_recording_cut_off_anywhere_keeps_its_whole_chunks(void **)
     assert_int_equal(ticks_before, session().result.figures.ticks);
 }
 
-// A chunk that says it is longer than any of its kind is damage, and no sign of a file that was cut off.
+// A chunk whose stated length exceeds that of any chunk of its kind means that the file is damaged, not that
+// it was cut off.
 void a_flipped_high_bit_of_a_length_is_no_cut(void **)
 {
     std::vector<std::uint8_t> bytes = session().bytes;
@@ -244,8 +246,8 @@ void a_flipped_high_bit_of_a_length_is_no_cut(void **)
     assert_true(chunks > 4);
 }
 
-// One bit flipped at a time. A flip in a chunk's length field may look like a cut-off file; everything else
-// is refused.
+// The test flips one bit at a time. A flip in a chunk's length field may look like a cut-off file; every
+// other flip is refused.
 void a_flipped_bit_is_never_taken_for_a_complete_recording(void **)
 {
     std::vector<std::uint8_t> bytes = session().bytes;
@@ -280,7 +282,7 @@ void other_files_and_newer_versions_are_refused_by_name(void **)
     }
 }
 
-// A chunk with a right CRC and a wrong place: the ticks of the second chunk come first.
+// The chunk has a correct CRC but a wrong place: the ticks of the second chunk come first.
 void ticks_out_of_order_are_refused(void **)
 {
     std::vector<std::uint8_t> bytes = session().bytes;
@@ -308,7 +310,7 @@ void a_recording_cannot_be_written_into_a_missing_folder(void **)
     }
 }
 
-// Pictures split the batches; the session must not notice.
+// Pictures split the batches, which must not change the session.
 class CountingSink final : public crn::SteadySink
 {
   public:

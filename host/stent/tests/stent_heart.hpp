@@ -27,7 +27,7 @@ inline Eigen::Vector3d artery_way_mm(const Eigen::Vector3d &x, int key)
     return moved + stretched + turned + Eigen::Vector3d(-bend * u * x.y(), bend * u * u / 2, 0);
 }
 
-// The same displacements as the coefficients of the core's lattice.
+// The same displacements as coefficients of the core's lattice.
 struct BeatingLattice {
     std::vector<std::int16_t> rows;
     std::optional<Motion> motion;

@@ -64,7 +64,7 @@ struct MovedBody {
     std::span<const Eigen::Vector3i> vertices_um;
 };
 
-// Everything that moves, at the tick of the wire frame.
+// All moving parts at the tick of the wire frame.
 struct XrayFrame {
     std::span<const RadiopaqueInstrument>
         tools; // from the innermost out, each over its part of the line (wire.tip_arc_m)

@@ -77,7 +77,7 @@ struct ToolPaths {
     std::vector<std::int32_t> q10mm;
 
     std::size_t ints_per_pixel() const { return materials.size() * tool_rays; }
-    // The sum over all rays of one touched pixel for one of `materials`: tool_rays times the mean.
+    // Returns the sum over all rays of one touched pixel for one of `materials`: tool_rays times the mean.
     std::int32_t sum(std::size_t touched, std::size_t material) const
     {
         const std::int32_t *ray = q10mm.data() + touched * ints_per_pixel() + material * tool_rays;

@@ -24,8 +24,8 @@ inline constexpr double vcsim3_noise = 0.035;     // sigma, share of white
 inline constexpr SurfaceLook vcsim3_tool = {0.75, 0.6};
 inline constexpr SurfaceLook vcsim3_contrast = {0.80, 0.7}; // undiluted
 
-// The look of a curve: contrast medium by its share of the cross-section (0 .. 1), or a strut, as dark as a
-// tool.
+// Returns the look of a curve: contrast medium by its share of the cross-section (0 .. 1), or a strut, which
+// is as dark as a tool.
 SurfaceLook curve_look(Material material, double share);
 
 struct SurfaceScene; // the bodies that are shown, and the sums of the last view

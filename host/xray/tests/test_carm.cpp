@@ -36,8 +36,8 @@ Eigen::Vector3d corner_m(int i)
     return {i & 1 ? 0.04 : -0.04, i & 2 ? 0.05 : -0.05, i & 4 ? 0.03 : -0.03};
 }
 
-// Steel balls of 3 mm at the corners of a box of 80 x 100 x 60 mm, each of another material to tell them
-// apart.
+// Makes steel balls of 3 mm at the corners of a box of 80 x 100 x 60 mm, each of another material to
+// distinguish them.
 Bodies marker_cube(const Eigen::Vector3d &middle_m)
 {
     static const char *names[8] = {"steel", "nitinol",       "platinum", "tungsten",

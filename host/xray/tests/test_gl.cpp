@@ -536,7 +536,7 @@ void another_thread_may_go_on_with_it(void **)
     }
 }
 
-// EGL unloads its driver with its last context, and the driver's leaks could then not be told from ours. So
+// EGL unloads its driver with its last context, and its leaks could then not be distinguished from ours. So
 // the test keeps the driver loaded.
 int keep_driver(void **)
 {

@@ -213,7 +213,7 @@ class SlantedEdge
     std::vector<double> profile_;
 };
 
-// A thin plate that covers the right half of the field, its edge turned by a slope of 1/16 against the
+// Makes a thin plate that covers the right half of the field, its edge turned by a slope of 1/16 against the
 // columns.
 Body slanted_plate()
 {

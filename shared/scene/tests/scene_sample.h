@@ -66,13 +66,13 @@ static inline size_t sample_scene(uint8_t *file, size_t capacity)
     return crn_scene_write(CRN_SCENE_KIND_SCENE, parts, 3, file, capacity);
 }
 
-/* Place of a number in the MOTION section: keyframe column `i` of component `k` of node `node`. */
+/* Returns the place in the MOTION section of keyframe column `i` of component `k` of node `node`. */
 static inline size_t sample_motion_at(int node, int k, int i)
 {
     return 32 + 2 * (size_t)((node * 3 + k) * CRN_SCENE_MOTION_ROW + i);
 }
 
-/* Header of a lattice, 7.8 mm apart. */
+/* Writes the header of a lattice with nodes 7.8 mm apart. */
 static inline void sample_lattice(uint8_t *motion)
 {
     crn_scene_put_u32(motion, (uint32_t) - (1 << 23));

@@ -19,7 +19,7 @@ static crn_scene_status status_of(size_t bytes)
     return crn_scene_open(file, bytes, &scene, NULL);
 }
 
-/* Type of row `row` of the section table. */
+/* Sets the type of row `row` of the section table. */
 static void set_type(uint32_t row, uint32_t type, size_t bytes)
 {
     crn_scene_put_u32(file + 32 + 16 * row, type);

@@ -50,7 +50,8 @@ static void crc32_of_the_digits_is_the_published_value(void **state)
     assert_int_equal(in_two, 0xcbf43926u);
 }
 
-/* The table's every entry, by the definition: one bit after the other through the polynomial 0xedb88320. */
+/* Every entry of the table agrees with the definition: one bit after the other through the polynomial
+ * 0xedb88320. */
 static void crc32_of_every_byte_is_that_of_its_bits(void **state)
 {
     (void)state;
@@ -188,7 +189,7 @@ static void a_step_is_laid_out_as_documented(void **state)
     assert_int_equal(back.inputs[0].orders.items[2].strut.z_um, 0x10203);
 }
 
-/* One byte, which says that there are none. */
+/* The list costs one byte, which states that it is empty. */
 static void a_tick_without_orders_pays_a_byte_for_them(void **state)
 {
     (void)state;
@@ -213,8 +214,8 @@ static size_t put_full_list(uint8_t *to)
     return writer.length;
 }
 
-/* As a hostile host would send them: cut at every byte, one byte too many, a kind that is none, one order too
- * many. */
+/* The messages are as a hostile host would send them: cut at every byte, one byte too many, an unknown kind,
+ * one order too many. */
 static void lists_of_orders_that_are_damaged_are_refused(void **state)
 {
     (void)state;

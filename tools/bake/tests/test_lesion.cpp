@@ -28,7 +28,7 @@ namespace
 
 constexpr double radius_mm = 2.0;
 
-// A tube of radius 2 mm along y, from 0 to 60 mm, with points 5 mm apart and a side branch at 45 mm.
+// Makes a tube of radius 2 mm along y, from 0 to 60 mm, with points 5 mm apart and a side branch at 45 mm.
 VesselTree tree_of_tube()
 {
     VesselTree tree;

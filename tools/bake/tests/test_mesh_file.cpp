@@ -35,7 +35,7 @@ void contains(const std::string &text, std::initializer_list<const char *> parts
         if (text.find(part) == std::string::npos) fail_msg("\"%s\" does not say \"%s\"", text.c_str(), part);
 }
 
-// The message of a refusal, or "".
+// Returns the message of a refusal, or "".
 std::string said(const std::function<void()> &work)
 {
     try {

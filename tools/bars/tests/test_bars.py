@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Claims about `make bars` (docs/bars.md): no bar vanishes, what is over its bar is red, a time never is. Prints
+"""Claims about `make bars` (docs/bars.md): no bar vanishes, a value over its bar is red, a time is never red. Prints
 TAP."""
 
 import glob
@@ -25,7 +25,7 @@ def committed_names():
 
 
 def no_bar_vanishes_and_none_is_there_twice():
-    """A bar that is given up leaves names.txt too, in a commit that says why."""
+    """A bar that is given up is also removed from names.txt, in a commit that gives the reason."""
     return [one.name for one in bars.read_bars()] == committed_names() == list(dict.fromkeys(committed_names()))
 
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Every bar that the same code keeps or breaks on every machine of one architecture: instructions, sizes, hashes,
-physics (docs/bars.md). Prints TAP."""
+"""Checks every bar whose result is the same on all machines of one architecture: instructions, sizes, hashes, physics
+(docs/bars.md). Prints TAP."""
 
 import os
 import subprocess

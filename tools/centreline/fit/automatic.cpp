@@ -70,7 +70,7 @@ class Cover
     std::uint32_t stamp_ = 0;
 };
 
-// The reached voxels, farthest first.
+// Returns the reached voxels, farthest first.
 std::vector<std::size_t> by_length(const Ways &ways)
 {
     std::vector<std::size_t> order;
@@ -105,7 +105,8 @@ std::vector<std::vector<std::size_t>> ways_to_tips(const Voxels &voxels, const W
     return kept;
 }
 
-// The depth of the vessel at a tip: that of the deepest voxel within a few millimetres along the path.
+// Returns the depth of the vessel at a tip: that of the deepest voxel within a few millimetres along the
+// path.
 double width_at(const Voxels &voxels, const std::vector<std::size_t> &way)
 {
     double depth = 0;

@@ -16,7 +16,7 @@ constexpr double wall_share = 1.6; // vertices up to this many radii away carry 
 constexpr std::size_t vertices_wanted = 48;
 constexpr double refit_share = 0.3; // largest displacement of a sphere by the fit, in radii
 
-// The vertices around one sphere.
+// Returns the vertices around one sphere.
 std::vector<std::uint32_t> carriers_of(const bake::Mesh &mesh, const Sphere &sphere)
 {
     std::vector<std::pair<double, std::uint32_t>> near;
@@ -36,8 +36,8 @@ std::vector<std::uint32_t> carriers_of(const bake::Mesh &mesh, const Sphere &sph
     return chosen;
 }
 
-// Least squares of u = t + A (x - mean); A is regularised towards 0 where the vertices lie in a plane or on a
-// line.
+// Fits u = t + A (x - mean) by least squares; A is regularised towards 0 where the vertices lie in a plane or
+// on a line.
 Eigen::Vector3d carried_to(const Eigen::Vector3d &p, double radius_mm,
                            const std::vector<std::uint32_t> &carriers, const bake::Mesh &from,
                            const bake::Mesh &to)

@@ -15,7 +15,8 @@ struct Frame {
     double refit_mm = 0; // largest displacement by the fit from where the wall had carried a sphere
 };
 
-// The .obj (or .ply, .stl, .glb) files of a folder, sorted by the numbers in their names. Throws Fault.
+// Returns the .obj (or .ply, .stl, .glb) files of a folder, sorted by the numbers in their names. Throws
+// Fault.
 std::vector<std::filesystem::path> frames_of(const std::filesystem::path &folder);
 
 // `files` are the frames; the tree belongs to the first. Each sphere moves with the wall around it and is

@@ -12,7 +12,7 @@ namespace
 using Points = std::vector<Eigen::Vector3d>;
 constexpr double merge_share = 0.75; // junctions closer than this many radii become one
 
-// The opening through which a path that ends here leaves, or null.
+// Returns the opening through which a path that ends here leaves, or null.
 const Opening *opening_near(const Lumen &lumen, const Eigen::Vector3d &p_mm)
 {
     const Opening *nearest = nullptr;
@@ -46,7 +46,7 @@ std::size_t shared_junction(const Tree &tree, int parent, std::size_t sphere)
     return to_end < merge_share * spheres[sphere].radius_mm ? spheres.size() - 1 : sphere;
 }
 
-// The path from the parent's middle, straight to where it leaves the parent's tube, and onwards.
+// Returns the path from the parent's middle, straight to where it leaves the parent's tube, and onwards.
 Points from_junction(const Tree &tree, const Lumen &lumen, const Way &way, std::size_t &sphere)
 {
     const Branch &parent = tree.branches[way.parent];

@@ -24,11 +24,11 @@ struct Way {
 // Adds one branch to the tree and returns its number. Throws Fault when the path is too short for a branch.
 int grow_branch(Tree &tree, const Lumen &lumen, const Way &way, const GrowWish &wish);
 
-// The branch along whose tube the path runs farthest before leaving it; -1 when it touches none.
+// Returns the branch along whose tube the path runs farthest before leaving it; -1 when it touches none.
 int parent_of(const Tree &tree, const std::vector<Eigen::Vector3d> &way_mm);
 
-// Completes the end of a path that nobody gave: it moves to the middle of a nearby opening, or is left as it
-// is.
+// Completes an end of a path that was not given: the end moves to the middle of a nearby opening, or stays as
+// it is.
 void finish_last(const Lumen &lumen, std::vector<Eigen::Vector3d> &points_mm);
 
 } // namespace crn::centreline

@@ -118,7 +118,7 @@ void check_order(const std::vector<Placed> &points)
     }
 }
 
-// The path from the preceding point to this one, through the given places.
+// Returns the path from the preceding point to this one, through the given places.
 std::vector<Eigen::Vector3d> way_between(const Lumen &lumen, const Placed &from, const Placed &to)
 {
     const Voxels &voxels = lumen.voxels();

@@ -12,7 +12,7 @@ namespace crn::centreline
 Tree fit_points(const Lumen &lumen, const std::vector<Point> &points, const GrowWish &wish,
                 std::vector<std::string> &notes, bake::Progress &progress);
 
-// The start, bifurcations and ends of a tree, named after its branches.
+// Returns the start, bifurcations and ends of a tree, named after its branches.
 std::vector<Point> points_of(const Tree &tree);
 
 } // namespace crn::centreline

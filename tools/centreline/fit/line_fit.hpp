@@ -22,7 +22,7 @@ Eigen::Vector3d centred(const Lumen &lumen, const Eigen::Vector3d &p_mm, const E
 std::vector<Sphere> fit_line(const Lumen &lumen, const std::vector<Eigen::Vector3d> &way_mm,
                              const LineWish &wish);
 
-// The same line with spheres at another spacing; the first and the last stay.
+// Returns the same line with spheres at another spacing; the first and the last stay.
 std::vector<Sphere> spaced(const Lumen &lumen, const std::vector<Eigen::Vector3d> &line_mm, double spacing);
 
 } // namespace crn::centreline

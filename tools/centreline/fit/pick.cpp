@@ -13,8 +13,8 @@ namespace
 
 constexpr double beside_mm = 3.0; // a click this close beside the vessel still selects it
 
-// The depth towards the viewer at which the line of sight meets the triangle, or NaN (Moeller and Trumbore
-// 1997).
+// Returns the depth towards the viewer at which the line of sight meets the triangle, or NaN (Moeller and
+// Trumbore 1997).
 double meets(const Eigen::Vector3d &from, const Eigen::Vector3d &along, const Eigen::Vector3d &a,
              const Eigen::Vector3d &b, const Eigen::Vector3d &c)
 {

@@ -18,10 +18,10 @@ class Voxels
     double voxel_mm() const { return voxel_mm_; }
     Eigen::Vector3d centre_mm(std::size_t voxel) const;
     double depth_mm(std::size_t voxel) const { return depth_mm_[voxel]; } // distance to the wall, above 0
-    // The inside voxel nearest to the point, at most `reach_mm` away; -1: none.
+    // Returns the inside voxel nearest to the point, at most `reach_mm` away; -1: none.
     long nearest(const Eigen::Vector3d &p_mm, double reach_mm) const;
-    // The deepest voxel that steepest ascent reaches from here: the middle of the vessel. The ascent never
-    // runs along the vessel.
+    // Returns the deepest voxel that steepest ascent reaches from here: the middle of the vessel. The ascent
+    // never runs along the vessel.
     std::size_t middle_near(std::size_t voxel) const;
     // Calls use(neighbour, distance_mm) for those of the 26 neighbours to which the path surely stays inside.
     // Two overlapping balls inside the vessel contain the segment between their centres, so the path crosses
@@ -74,7 +74,7 @@ struct Ways {
     std::vector<float> length_mm;     // from the source
     std::vector<std::int32_t> source; // index in the list of sources
 
-    // The path from the source to the voxel.
+    // Returns the path from the source to the voxel.
     std::vector<std::size_t> to(std::size_t voxel) const;
 };
 // Stops early when `target` (not -1) is reached. Throws Fault when the user has interrupted.

@@ -12,7 +12,7 @@ namespace crn::centreline::tests
 
 constexpr double turn = 2 * 3.14159265358979323846;
 
-// An open tube about the y axis (bend_mm 0), or along an arc that begins there and bends towards +x.
+// Makes an open tube about the y axis (bend_mm 0), or along an arc that begins there and bends towards +x.
 inline bake::Mesh tube_mesh(double radius_mm, double length_mm, double bend_mm, int along, int around)
 {
     bake::Mesh mesh;

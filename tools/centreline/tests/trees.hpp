@@ -28,7 +28,7 @@ inline Branch straight(const std::string &name, const Eigen::Vector3d &from, con
     return branch;
 }
 
-// A trunk of six spheres that forks into left and right.
+// Makes a trunk of six spheres that forks into left and right.
 inline Tree y_tree()
 {
     Tree tree;

@@ -18,7 +18,7 @@ SCRIPT, TABLES = "tools/check/make_attenuation.py", "host/xray/attenuation.cpp"
 
 
 def differences(stored, made):
-    """What differs, shortest form of a diff: at most a few lines."""
+    """Returns the differences as a short diff of at most a few lines."""
     lines = difflib.unified_diff(stored.splitlines(), made.splitlines(), TABLES, SCRIPT, n=0, lineterm="")
     return [line[:120] for line in list(lines)[:8]]
 

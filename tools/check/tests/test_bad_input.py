@@ -23,7 +23,7 @@ SANITIZER = re.compile(r"AddressSanitizer|runtime error|terminate called|Asserti
 
 # --- meshes ---------------------------------------------------------------------------------------------------------
 def box(low, high, faces=range(12)):
-    """Triangles of a closed box, counter-clockwise from outside."""
+    """Returns the triangles of a closed box, counter-clockwise from outside."""
     corners = [tuple((high if i >> axis & 1 else low)[axis] for axis in range(3)) for i in range(8)]
     triangles = [(0, 2, 3), (0, 3, 1), (4, 5, 7), (4, 7, 6), (0, 1, 5), (0, 5, 4), (2, 6, 7), (2, 7, 3), (0, 4, 6),
                  (0, 6, 2),
@@ -49,7 +49,7 @@ LUMEN = box((-10, -60, -10), (10, 60, 10))
 
 
 def scene_text(**changes):
-    """A good scene with parts replaced."""
+    """Returns a good scene with parts replaced."""
     parts = {"name": '"sample"', "mesh": 'mesh = "lumen.stl"', "unit": 'unit = "mm"', "more": "",
              "position": "[0, -40, 0]", "direction": "[0, 1, 0]", "body": ""}
     parts.update(changes)
@@ -58,7 +58,7 @@ def scene_text(**changes):
 
 
 def curve(radii, points=None):
-    """A 3D Slicer markups curve along y."""
+    """Returns a 3D Slicer markups curve along y."""
     points = points or [[0, 10.0 * i, 0] for i in range(8)]
     markup = {"type": "Curve", "coordinateSystem": "LPS", "coordinateUnits": "mm",
               "controlPoints": [{"id": str(i), "label": "p%d" % i, "position": p} for i, p in enumerate(points)],
@@ -97,12 +97,12 @@ class Bench:
         return done.returncode, done.stdout.decode("utf-8", "replace")
 
     def good(self, name, command):
-        """The sample that the bad cases are made from is accepted."""
+        """Checks that the sample from which the bad cases are made is accepted."""
         code, text = self.run(command)
         self.report.check(name, [] if code == 0 else ["exit code %s, expected 0:\n%s" % (code, text[-2000:])])
 
     def bad(self, name, command, code, pattern, absent=None):
-        """Refused with this exit code and a message that matches; `absent` is not written."""
+        """Checks that a case is refused with this exit code and a message that matches; `absent` is not written."""
         got, text = self.run(command)
         findings = []
         if got != code:
@@ -133,7 +133,7 @@ def anatomy_cases(bench):
 
 # --- bake ------------------------------------------------------------------------------------------------------------
 def bake_scene(bench, name, pattern, text, mesh=None, mesh_name="lumen.stl"):
-    """One scene text that bake must refuse."""
+    """Checks one scene text that bake must refuse."""
     bench.write("lumen.stl", stl(LUMEN))
     if mesh is not None:
         bench.write(mesh_name, mesh)
@@ -213,12 +213,12 @@ def bake_centrelines(bench):
 
 # --- cournand --------------------------------------------------------------------------------------------------------
 def tube_sample(x, y, z):
-    """Distance of a square tube 8 mm wide along y, in 1/32 voxel, at a voxel centre."""
+    """Returns the distance to a square tube 8 mm wide along y, in 1/32 voxel, at a voxel centre."""
     return max(-127, min(127, round(32 * (max(abs(x + 0.5 - 12), abs(z + 0.5 - 12)) - 4.1))))
 
 
 def scene_file(major=1, crc_of_lumen=None):
-    """A scene as docs/scene.md describes it: 3 x 4 x 3 bricks of a tube."""
+    """Returns a scene as docs/scene.md describes it: 3 x 4 x 3 bricks of a tube."""
     bricks = [(x, y, z) for z in range(3) for y in range(4) for x in range(3)]
     samples = bytes(tube_sample(8 * bx + i - 1, 8 * by + j - 1, 8 * bz + k - 1) & 255
                     for bx, by, bz in bricks for k in range(10) for j in range(10) for i in range(10))
@@ -275,7 +275,7 @@ def cournand_command_lines(bench):
 
 
 def cournand_tools(bench):
-    """Several tools: which fit, which are named, which script needs them."""
+    """Tests sets of several tools: tools that fit, tools that a refusal names, scripts that need them."""
     two = ["--tool", CATHETER]
     bench.good("a wire and a catheter run", session_run(more=two + ["--record", "two.rec"]))
     bench.good("their recording is verified", ["cournand", "replay", "two.rec", "--verify"])
@@ -333,7 +333,7 @@ def cournand_outputs(bench):
 
 
 def cournand_dicom(bench):
-    """Folders, names and dates that DICOM files cannot be made with or of."""
+    """Tests folders, names and dates with which DICOM files cannot be made."""
     os.mkdir(os.path.join(bench.folder, "held"))
     bench.write("held/old.dcm", "kept")
     refuse = lambda name, pattern, more: bench.bad(name, session_run(more=more), 2, pattern, "new")

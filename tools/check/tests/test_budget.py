@@ -24,7 +24,7 @@ GRAPHS = {
 
 
 def stack_of(text):
-    """(bytes, '') or (None, why not) for the worst stack of crn_step in a C text."""
+    """Returns (bytes, '') or (None, reason) for the worst stack of crn_step in a C text."""
     with tempfile.TemporaryDirectory() as folder:
         objects = os.path.join(folder, "m7", "obj")
         os.makedirs(objects)
@@ -72,7 +72,7 @@ def budget_rows():
 
 
 def second_solve():
-    """Rods change, and with them what makes a tick solve twice: the scene must still find one."""
+    """Changes of the rod change which ticks solve twice; the scene must still contain such a tick."""
     program = os.path.join(os.environ.get("BUILD", "build"), "bench", "budget_make")
     scenes = subprocess.run([program, "list"], stdout=subprocess.PIPE, text=True, check=True).stdout.splitlines()
     number = next(i for i, scene in enumerate(scenes) if "second_solve" in scene)

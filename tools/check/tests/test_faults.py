@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Every fault of shared/wire/wire_faults.def names a test, and that test is there and runs. Prints TAP."""
+"""Every fault of shared/wire/wire_faults.def names a test, and that test exists and runs. Prints TAP."""
 
 import re
 
@@ -14,12 +14,12 @@ FAULT = re.compile(r'^FAULT\((\w+), (\d+), "(\w+)", (\d+), "(\w+)"', re.M)
 
 
 def faults_of(text):
-    """(name, code, effect, safe_ms, test) of each fault."""
+    """Returns (name, code, effect, safe_ms, test) of each fault."""
     return [(m[0], int(m[1]), m[2], int(m[3]), m[4]) for m in FAULT.findall(text)]
 
 
 def tests_of(sources):
-    """Names of the tests that the given sources define and list."""
+    """Returns the names of the tests that the given sources define and list."""
     names = set()
     for text in sources:
         defined = set(re.findall(r"^static void (\w+)\(void \*\*state\)", text, re.M))
@@ -34,8 +34,8 @@ def missing_tests(faults, tests):
 
 
 def slow_faults(faults):
-    """The bars: 5 ms for over-force and sensor faults, 50 ms for a silent host; a broken power stage can only be
-    told."""
+    """Checks the bars: 5 ms for over-force and sensor faults, 50 ms for a silent host; a broken power stage can only
+    be reported."""
     for name, _, effect, safe_ms, _ in faults:
         limit = {"stop": 5, "fade": 50, "log": 0}[effect]
         if safe_ms > limit and name != "STAGE_STUCK":

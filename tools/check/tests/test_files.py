@@ -65,7 +65,7 @@ def outputs(bench):
 
 
 def read_only(bench):
-    """Root may write everywhere but through a file that is no folder; /proc refuses root too."""
+    """Root may write everywhere except through a file that is no folder; /proc refuses root too."""
     bench.bad("a recording where nobody may write is refused", bad.session_run(more=["--record", "/proc/x.rec"]), 1,
               "/proc/x.rec: cannot be written")
     bench.bad("a score where nobody may write is refused before the first tick",
@@ -102,7 +102,7 @@ def pairs(bench):
 
 
 def without_partner(data):
-    """The same body file as an older bake wrote it: the last section and its row of the table are gone."""
+    """Makes the body file as an older bake wrote it: without the last section and its row of the table."""
     count = struct.unpack_from("<I", data, 20)[0]
     table = [list(struct.unpack_from("<4I", data, 32 + 16 * i)) for i in range(count)]
     assert table[-1][0] == 19 and table[-1][2] == 8, table
@@ -116,7 +116,7 @@ def without_partner(data):
 
 
 def full_disk(bench):
-    """Room for the bodies but not for the scene: neither is renewed, and nothing is left beside them."""
+    """The disk has room for the bodies but not for the scene: neither is replaced, and no other file is left."""
     bench.good("the scene is baked before the disk is full", bake("one"))
     before = {name: bench.read(name) for name in ("one.scene", "one.bodies")}
     room = (len(before["one.bodies"]) + len(before["one.scene"])) // 2
@@ -138,7 +138,7 @@ def full_disk(bench):
 
 # --- recordings ------------------------------------------------------------------------------------------------------
 def chunks(data):
-    """(kind, payload) of a recording: docs/session.md."""
+    """Yields (kind, payload) of a recording: docs/session.md."""
     at = 8
     while at < len(data):
         kind, size = struct.unpack_from("<2I", data, at)
@@ -168,7 +168,7 @@ def recordings(bench):
 
 
 def old_recordings(bench):
-    """One of the protocol before: named with its remedy, converted whole or not at all."""
+    """A recording of the previous protocol is refused with its remedy, and is converted completely or not at all."""
     with open(os.path.join(bad.tree.ROOT, "host", "session", "tests", "protocol_4.rec"), "rb") as file:
         old = file.read()
     bench.write("old.rec", old)
@@ -199,7 +199,7 @@ def text_field(text):
 
 
 def hostile_recording(good):
-    """The recording with a scene path, a script path and a tool's name that would move the cursor."""
+    """Makes the recording with a scene path, a script path and a tool's name that would move the cursor."""
     (kind, head), *rest = list(chunks(good))
     at, fields = 20, []
     for _ in range(2):

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The rooms of the house stand in no circle, and nothing in it has outgrown its limit (docs/architecture.md). Prints
-TAP."""
+"""The rooms include each other in no circle, and no file, function or folder exceeds its limit
+(docs/architecture.md). Prints TAP."""
 
 import os
 import sys

@@ -20,7 +20,7 @@ CORE_PUBLIC = [
     "firmware/core/motion.h",
     "firmware/core/lesion.h",
 ]
-# What the command line of every tool shares.
+# Files that the command lines of all tools share.
 COMMAND_LINE = [
     "host/base/command_values.hpp",
     "host/base/version.hpp",
@@ -44,7 +44,8 @@ ALLOWED = {
         "shared",
         "firmware/port/port.h",
     ],
-    # What can hurt a finger sees samples, numbers and its own memory: neither the app, nor the wire, nor the core.
+    # Code that can hurt a finger uses only samples, numbers and its own memory: neither the app, nor the wire, nor
+    # the core.
     "firmware/app/safety": ["firmware/port/port.h", "shared/wire/fault_code.h"],
     "firmware/app/haptics": [
         "firmware/app/safety/arithmetic.h",
@@ -54,7 +55,7 @@ ALLOWED = {
     ],
     # The USB stack knows the controller's contract and the wire, not the app: glue in a port joins the two.
     "firmware/app/usb": ["firmware/port/udc.h", "shared/wire"],
-    "firmware/port": [],  # port.h and udc.h, the hardware contracts that the app asks for and every port gives
+    "firmware/port": [],  # port.h and udc.h, the hardware contracts that the app requires and every port fulfils
     "firmware/port/usb": ["firmware/app", "firmware/port/port.h", "firmware/port/udc.h", "shared/wire"],
     "firmware/port/mailbox": ["firmware/port/udc.h", "shared/mailbox"],
     "firmware/port/sim": ["firmware/app", "firmware/port/port.h"],
@@ -349,7 +350,7 @@ def row_of(path, table):
 
 
 def includes(text):
-    """(line, quoted name or None, system name or None); comments are ignored."""
+    """Yields (line, quoted name or None, system name or None); comments are ignored."""
     plain = re.sub(r"/\*.*?\*/", tree.blank_all, text, flags=re.S)
     for match in INCLUDE.finditer(plain):
         yield tree.line_of(plain, match.start(1) if match.group(1) else match.start(2)), match.group(1), match.group(2)
@@ -370,7 +371,7 @@ def check_quoted(path, line, target, row, exists):
 
 
 def check_file(path, text, exists):
-    """Findings of one file."""
+    """Yields the findings of one file."""
     row = row_of(path, ALLOWED)
     if row is None:
         yield "%s: its folder has no row in ALLOWED (tools/check/tests/test_layers.py)" % path
@@ -390,7 +391,7 @@ def is_test(path):
 
 
 def check_cycles(graph):
-    """Header cycles, found by removing files whose includes are all removed, until nothing changes."""
+    """Yields header cycles, found by removing files whose includes are all removed, until nothing changes."""
     left = dict(graph)
     while True:
         free = [path for path, targets in left.items() if not any(t in left for t in targets)]

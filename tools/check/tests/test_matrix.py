@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""tools/check/matrix.py in its short form: five machines, 32 and 64 bits, both byte orders, one hash; and a machine
-that computes one bit differently is found, with its tick, part and node. The long form is `make matrix`. Prints
+"""tools/check/matrix.py in its short form finds one hash on five machines (32 and 64 bits, both byte orders). A
+machine that computes one bit differently is found, with its tick, part and node. The long form is `make matrix`.
+Prints
 TAP."""
 
 import os
@@ -16,7 +17,7 @@ BREAKS = [("1203", "feed", "0"), ("2", "solve", "7"), ("3001", "friction", "9")]
 
 
 def matrix(*arguments):
-    """(exit code, table lines, everything printed)"""
+    """Returns (exit code, table lines, all output)."""
     done = subprocess.run(
         [MATRIX] + list(arguments), cwd=tree.ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False
     )

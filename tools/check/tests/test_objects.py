@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the compiler made of the core, read with nm: no library calls, no floating point, no divide helper, no global
+"""The compiled core, read with nm, has no library calls, no floating point, no divide helper, no global
 state; and every generated file is what its generator writes. Prints TAP.
 
 The core is compiled three ways into a temporary folder: 64-bit x86 (gcc -O3, as shipped), 32-bit x86 and Cortex-M7
@@ -21,7 +21,7 @@ TARGETS = {
     "x86-32": ["clang", "--target=i686-linux-gnu", "-O2"],
     "Cortex-M7": ["clang", "--target=thumbv7em-none-eabihf", "-mcpu=cortex-m7", "-O2"],
 }
-# What a freestanding compiler may call: the four memory functions, in plain and ARM spelling.
+# Functions that a freestanding compiler may call: the four memory functions, in plain and ARM spelling.
 MEMORY = re.compile(r"^(__aeabi_)?mem(cpy|set|move|cmp|clr)(4|8)?$")
 HARMLESS = {"_GLOBAL_OFFSET_TABLE_"}
 

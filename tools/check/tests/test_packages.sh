@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# tools/check/install_packages.sh says what is wrong, asks, and installs nothing it was not asked for. Shown with a
-# copy in a temporary folder whose list names packages that are installed or do not exist, and with an apt-get that
-# only writes down what it is asked for. Prints TAP.
+# tools/check/install_packages.sh reports errors, asks, and installs only requested packages. The test uses a copy in
+# a temporary folder whose list names packages that are installed or do not exist, and an apt-get that only records
+# its requests. Prints TAP.
 set -uo pipefail
 cd "$(dirname "$0")/../../.." || exit 1
 folder="$(mktemp -d)"
@@ -61,7 +61,7 @@ esac
 END
 chmod +x "$folder/bin/"{dpkg-query,id,apt-get}
 asked() { cat "$folder/asked" 2>/dev/null; rm -f "$folder/asked"; }
-is_asked() { # is_asked NAME WHAT: what apt-get was asked for since the last time
+is_asked() { # is_asked NAME WHAT: checks the requests to apt-get since the last time
     count=$((count + 1))
     got="$(asked)"
     if [ "$got" = "$2" ]; then echo "ok $count - $1"; else

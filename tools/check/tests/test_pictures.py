@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Every picture in README and docs says which core and which command made it, and none is older than what it is made
-from."""
+"""Every picture in README and docs names the core and the command that made it, and no picture is older than its
+inputs."""
 
 import os
 import shutil

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the documents show of a program's output is what it prints, and versions that they name are today's."""
+"""Program output in the documents is what the programs print, and the documents name the present versions."""
 
 import os
 import re
@@ -32,7 +32,7 @@ def examined(text):
 
 
 def named_cores(text):
-    """Versions of the core that a transcript in a document names."""
+    """Returns the versions of the core that a transcript in a document names."""
     return re.findall(r"^    .*\bcore version (\d+)$|^    .*: core (\d+), protocol", text, re.MULTILINE)
 
 

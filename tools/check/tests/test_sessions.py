@@ -26,7 +26,8 @@ CASES = {  # session: tools
     "gallery/loin": AORTA,
 }
 
-# A little more or less of what no measurement knows to the per cent: the way differs, the end does not.
+# Slightly more or less of quantities that no measurement gives to the per cent. The course of the session differs,
+# its end does not.
 CHANGES = {
     "a_tenth_more_friction": {"value = 0.1,": "value = 0.11,", "value = 0.12,": "value = 0.132,"},
     "a_stiffer_shaft": {"2.9e-4,": "3.1e-4,"},

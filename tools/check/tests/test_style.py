@@ -73,7 +73,7 @@ PACKED = (".jpg", ".png", ".xz", ".rec", ".corpus")  # four letters in a row are
 
 # --- rules: each yields findings as file:line: text ----------------------------------------------------------------
 def earlier_name(path, text):
-    """What the project was called before it was renamed, in a path or in a line."""
+    """Finds the project's former name in a path or in a line."""
     if EARLIER_NAME.search(path):
         yield path + ": has the project's earlier name"
     for number, line in enumerate(text.splitlines(), 1):
@@ -108,7 +108,7 @@ def long_lines(path, text):
 
 
 def callers(path, text):
-    """A list of callers, or of what a file may include, that somebody would have to keep true by hand."""
+    """Finds a list of callers, or of permitted includes, that a person would have to keep true by hand."""
     for number, line in enumerate(text.splitlines(), 1):
         if CALLERS.search(line):
             yield "%s:%d: lists its callers or includes: leave that to a search, or to docs/architecture.md" % (
@@ -139,7 +139,7 @@ CONSTANT = CAST + r"\s*\(*\s*(?:\d\w*|[A-Z][A-Z0-9_]*(?:_[a-z]\w*)?\b|sizeof\b)"
 
 
 def variable_division(path, text):
-    """Division and remainder by anything but a literal, a named constant (CRN_...) or sizeof."""
+    """Finds division and remainder by anything but a literal, a named constant (CRN_...) or sizeof."""
     code = tree.code_only(text)
     for match in re.finditer(r"[/%]=?(?!=)", code):
         if not re.match(r"\s*" + CONSTANT, code[match.end() :]):
@@ -148,7 +148,7 @@ def variable_division(path, text):
 
 
 def call_graph(sources):
-    """name -> (place, names called), for functions defined in sources (path -> text)."""
+    """Returns name -> (place, names called), for functions defined in sources (path -> text)."""
     defined = {}
     for path, text in sources.items():
         for name, first, _, body in tree.functions(tree.code_only(text)):
@@ -171,7 +171,7 @@ def recursion(sources):
 
 
 def layout(paths):
-    """clang-format of every C and C++ file."""
+    """Checks every C and C++ file with clang-format."""
     for start in range(0, len(paths), 50):
         done = subprocess.run(["clang-format", "--dry-run", "-Werror"] + paths[start : start + 50], cwd=tree.ROOT,
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
@@ -311,7 +311,7 @@ def self_test_documents(report):
 
 # --- the tree -------------------------------------------------------------------------------------------------------
 def exists(path):
-    """A path of the tree; of a pattern, the folder before its first star."""
+    """Returns a path of the tree; for a pattern, the folder before its first star."""
     if "*" in path:
         path = os.path.dirname(path[: path.index("*")])
     return os.path.exists(os.path.join(tree.ROOT, path))

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Every program says its version, and the changelog has it. Prints TAP."""
+"""Every program prints its version, and the changelog contains it. Prints TAP."""
 
 import os
 import re
@@ -30,7 +30,7 @@ def version():
 
 
 def answer(name):
-    """What a program says; a sentence where it says nothing."""
+    """Returns a program's output, or a sentence if there is none."""
     try:
         done = subprocess.run(
             [os.path.join(BUILD, name), "--version"],

@@ -52,7 +52,7 @@ def same(is_, wanted):
 
 
 def refused(text):
-    """What is said about a page whose marker is wrong; empty when it is taken."""
+    """Returns the message about a page whose marker is wrong; empty when the marker is accepted."""
     try:
         command_blocks.commands("a.md", text)
     except command_blocks.MarkError as error:

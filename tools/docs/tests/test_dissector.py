@@ -16,7 +16,7 @@ USER0, USB_LINUX = 147, 220
 
 
 def stuffed(body):
-    """COBS, written from its definition: no zero inside, every block of at most 254 bytes behind its length."""
+    """Encodes COBS by its definition: no zero inside, every block of at most 254 bytes behind its length."""
     out, block = bytearray(), bytearray()
     for byte in body + b"\0":
         if byte == 0:
@@ -36,7 +36,8 @@ def frame(sequence, kind, payload, flip=0):
 
 
 def on_bus(data, device):
-    """What Linux's usbmon tells of a bulk transfer to endpoint 2 (Documentation/usb/usbmon.rst, struct mon_bin_hdr of
+    """Returns Linux's usbmon record of a bulk transfer to endpoint 2 (Documentation/usb/usbmon.rst, struct
+    mon_bin_hdr of
     64 bytes)."""
     header = struct.pack(
         "<QBBBBHBBqiiII8siiII",
@@ -70,7 +71,7 @@ def capture(packets, kind):
 
 
 def dissect(script, path, *fields):
-    """One list of texts per packet and field."""
+    """Returns one list of texts per packet and field."""
     command = [
         "tshark",
         "-X",

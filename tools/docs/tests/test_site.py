@@ -18,7 +18,7 @@ AUDIENCES = ["Home", "Trainee", "Rig builder", "Developer", "Evidence"]
 
 
 def navigation_faults(config, pages):
-    """Pages that are missing, there twice, or do not exist."""
+    """Returns pages that are missing, listed twice, or do not exist."""
     listed = collections.Counter(PAGE.findall(config))
     for page in sorted(set(pages) - set(listed)):
         yield "docs/%s is not in the navigation of mkdocs.yml" % page

@@ -11,12 +11,12 @@
 namespace crn::calibrate
 {
 
-// The default settings, and those without shortcuts: elements half as long, a slow hand, a long rest.
+// Returns the default settings, and those without shortcuts: elements half as long, a slow hand, a long rest.
 CordeSettings corde_settings();
 CordeSettings careful_corde_settings();
 
-// The file's numbers as those of a solid round wire, with a Kp that makes the directors follow waves longer
-// than some millimetres.
+// Converts the file's numbers to those of a solid round wire, with a Kp that makes the directors follow waves
+// longer than some millimetres.
 CordeValues nominal_corde_values(const Instrument &instrument);
 
 class CordeEvaluator final : public Evaluator

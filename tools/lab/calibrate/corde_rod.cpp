@@ -13,12 +13,13 @@ namespace
 using vcsim3::JointProperties, vcsim3::RodProperties;
 
 constexpr double tick_s = 1e-3, radian = std::numbers::pi / 180.0;
-// The step times the fastest motion of the points, and of the segments' turning. The square root of the sum
-// of their squares must stay below 2; the margin covers compressed segments and large turns.
+// Limits of the step times the fastest motion of the points, and of the segments' turning. The square root of
+// the sum of the two squares must stay below 2; the margin covers compressed segments and large turns.
 constexpr double point_ratio = 1.5, turn_ratio = 0.9;
 constexpr double outside_mm = 3.0; // a rod deeper in the wall has passed through it
 
-// EI, GJ and rest turn of a joint. Compliances and curvatures add up over the half elements beside its node.
+// Returns EI, GJ and rest turn of a joint. Compliances and curvatures add up over the half elements beside
+// its node.
 JointProperties joint_at(const crn_wire_instrument &table, const CordeValues &values, double arc_mm,
                          double element_mm)
 {

@@ -17,7 +17,7 @@ class CoreRod final : public HeldRod
     // tool.
     CoreRod(const crn_wire_instrument &table, const crn_lumen *lumen, const Vector3d &mouth_mm,
             const Vector3d &direction, const Vector3d &gravity_m_s2, double inserted_mm);
-    // The core's version: with the same version, the same inputs give the same hashes.
+    // Returns the core's version: with the same version, the same inputs give the same hashes.
     static unsigned version();
     ~CoreRod() override;
 

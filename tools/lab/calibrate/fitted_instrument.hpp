@@ -8,11 +8,11 @@
 namespace crn::calibrate
 {
 
-// The numbers at a place of an instrument's table, linear between knots. At a step it returns the knot before
-// the step (`is_after` false) or the one behind it.
+// Returns the numbers at a place of an instrument's table, linear between knots. At a step it returns the
+// knot before the step (`is_after` false) or the one behind it.
 crn_wire_knot knot_at(const crn_wire_instrument &table, double arc_mm, bool is_after);
 
-// The text of the file. `nominal` is "file.toml" or "file.toml:preset", `fitted` its table with other
+// Returns the text of the file. `nominal` is "file.toml" or "file.toml:preset", `fitted` its table with other
 // numbers, and `source` the text after every fitted value. The only preset is called physical. Throws
 // FileError when a preset has no sections of its own.
 std::string fitted_instrument_text(const std::string &nominal, const crn_wire_instrument &fitted,

@@ -34,7 +34,7 @@ std::vector<double> shares_at(const Trial &best, const Side &side, double offset
     return shares;
 }
 
-// The number of steps up to the first that reaches the bound: larger ones give the same trial.
+// Returns the number of steps up to the first that reaches the bound: larger ones give the same trial.
 std::size_t steps_to_bound(const Trial &best, const Side &side)
 {
     const double room =

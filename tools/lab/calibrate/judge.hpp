@@ -15,10 +15,10 @@ struct Distances {
 double distance_to_line_mm(const Vector3d &point, std::span<const Vector3d> line);
 Distances distances_of(std::span<const Vector3d> nodes_mm, std::span<const Vector3d> reference_mm);
 
-// The relative RMS of the difference of two force traces: sqrt(sum (F - F_ref)^2 / sum F_ref^2) over the
-// samples of the reference from `from_mm` to `to_mm`. Both are medians over `smooth_mm` around each sample,
-// since a tip that snaps past an edge gives a peak that another model has elsewhere. Empty when there is no
-// such sample.
+// Returns the relative RMS of the difference of two force traces: sqrt(sum (F - F_ref)^2 / sum F_ref^2) over
+// the samples of the reference from `from_mm` to `to_mm`. Both are medians over `smooth_mm` around each
+// sample, since a tip that snaps past an edge gives a peak that another model has elsewhere. Empty when there
+// is no such sample.
 std::optional<double> force_error(std::span<const insertion::ForceSample> simulated,
                                   std::span<const insertion::ForceSample> reference, double from_mm,
                                   double to_mm, double smooth_mm);

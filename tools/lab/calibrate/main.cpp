@@ -82,7 +82,7 @@ std::pair<std::size_t, std::string> named(const std::string &text, const std::ve
     throw UsageError("'" + text + "': give NAME=... with one of this instrument's parameters: " + known);
 }
 
-// Everything that one trial needs; it is the same on every rank.
+// All data that one trial needs; they are the same on every rank.
 struct Setup {
     insertion::Case c;
     std::unique_ptr<vcsim3::Vessel> vessel;

@@ -23,12 +23,12 @@ struct RodValues {
 // Mass per length divided by the metal's cross-section at the shaft.
 double density_of(const crn_wire_instrument &table, double radius_mm);
 RodValues nominal_values(const crn_wire_instrument &table);
-// The nominal table with these values: EI and GJ by tools/lab/case/stiffness.hpp, radius and mass by a factor
-// along the whole instrument, the case's friction everywhere.
+// Returns the nominal table with these values: EI and GJ by tools/lab/case/stiffness.hpp, radius and mass by
+// a factor along the whole instrument, the case's friction everywhere.
 crn_wire_instrument virtual_instrument(const crn_wire_instrument &nominal, const RodValues &values,
                                        const insertion::Case &c);
 
-// The first `length_mm` of an instrument; the part that stays outside needs no nodes.
+// Returns the first `length_mm` of an instrument; the part that stays outside needs no nodes.
 crn_wire_instrument shortened(const crn_wire_instrument &table, double length_mm);
 
 class RodEvaluator final : public Evaluator

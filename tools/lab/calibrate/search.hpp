@@ -19,9 +19,9 @@ std::optional<Method> method_of(const std::string &token);
 
 // The budget of one search, as in the thesis: 50 generations of 50.
 constexpr unsigned trial_budget = 2500;
-// The number of trials per generation that suits a method. It is the thesis' 50, or a third of that for
-// CMA-ES, which learns from every generation and needs few trials for up to five numbers (docs/calibrate.md,
-// "Search").
+// Returns the number of trials per generation that suits a method. It is the thesis' 50, or a third of that
+// for CMA-ES, which learns from every generation and needs few trials for up to five numbers
+// (docs/calibrate.md, "Search").
 unsigned default_population(Method method);
 
 struct SearchSettings {
@@ -43,7 +43,7 @@ struct Trial {
     Verdict verdict;
 };
 
-// Everything on which the next generation depends.
+// All state on which the next generation depends.
 struct SearchState {
     unsigned generation = 0;       // number of completed generations
     std::vector<Trial> trials;     // all trials, in the order in which they were drawn
@@ -66,11 +66,11 @@ using EvaluateShares = std::function<std::vector<Verdict>(const std::vector<std:
 void advance(const SearchSettings &settings, std::size_t parameter_count, const EvaluateShares &evaluate,
              SearchState &state, std::size_t *late = nullptr);
 
-// Whether the whole population is within `stop_spread_mm` of the best. It depends on the state alone, so a
-// search that was stopped and resumed ends at the same generation.
+// Returns whether the whole population is within `stop_spread_mm` of the best. It depends on the state alone,
+// so a search that was stopped and resumed ends at the same generation.
 bool has_converged(const SearchSettings &settings, const SearchState &state);
 
-// The first of the best trials. The state must have at least one.
+// Returns the first of the best trials. The state must have at least one.
 const Trial &best_of(const SearchState &state);
 std::vector<GenerationFigures> curve_of(const SearchState &state, unsigned population);
 

@@ -63,11 +63,11 @@ CORDE = {"full": (None, None), "quick": (12, 8), "fast": None}
 
 
 class Failed(Exception):
-    """The message says which command failed and quotes its last output."""
+    """A command failed; the message names it and quotes its last output."""
 
 
 class Stopped(Exception):
-    """By Ctrl-C."""
+    """The run was stopped by Ctrl-C."""
 
 
 def run(command, log):
@@ -140,7 +140,7 @@ def step(row_folder, name, command, announce, unheard=()):
 
 
 class Chain:
-    """The steps of every row with one set of options."""
+    """Runs the steps of every row with one set of options."""
 
     def __init__(self, options, depths):
         self.options, self.depths = options, depths

@@ -28,7 +28,7 @@ TRUE_NAMES = {"bend_shaft": "shaft_bend_stiffness_N_m2", "alpha": "tip_over_shaf
 
 
 class BadTable(Exception):
-    """The message says where table51.txt cannot be read."""
+    """An error in table51.txt; the message gives its place."""
 
 
 def _row(cells):

@@ -11,7 +11,7 @@ struct Interrupted : std::exception {
     const char *what() const noexcept override { return "interrupted"; }
 };
 
-// One trial: values in, verdict out. It must be safe to call from several threads.
+// Evaluates one trial: it takes values and returns a verdict. It must be safe to call from several threads.
 using Evaluate = std::function<Verdict(const std::vector<double> &values)>;
 // It is called between trials; true means stop.
 using Stop = std::function<bool()>;

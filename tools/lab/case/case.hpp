@@ -60,7 +60,7 @@ struct Case {
     std::filesystem::path force;                          // empty: no force was measured
 
     std::filesystem::path path_in(const std::filesystem::path &path) const;
-    // The hand's turn at this inserted length.
+    // Returns the hand's turn at this inserted length.
     double turn_deg_at(double inserted_mm) const;
 };
 

@@ -23,9 +23,9 @@ Stiffness stiffness_of(const crn_wire_instrument &table);
 // The weight w of a place whose EI in the file is `bend_N_m2`; 0 everywhere on an instrument with alpha 1.
 double tip_weight(double bend_N_m2, const Stiffness &nominal);
 
-// The same instrument with other stiffness. Knots are rounded to nN m^2 and kept within the core's limits
-// (1e-7 to 3e-2 N m^2, EI and GJ). Throws CaseError when a number is not above 0, or when alpha should change
-// although the file's alpha is 1.
+// Returns the same instrument with other stiffness. Knots are rounded to nN m^2 and kept within the core's
+// limits (1e-7 to 3e-2 N m^2, EI and GJ). Throws CaseError when a number is not above 0, or when alpha should
+// change although the file's alpha is 1.
 crn_wire_instrument with_stiffness(const crn_wire_instrument &table, const Stiffness &wanted);
 
 } // namespace crn::insertion

@@ -149,7 +149,7 @@ std::vector<LinePoint> refine(const LineFit &fit, std::vector<Vector3d> line, Li
     return points;
 }
 
-// The line up to the instrument's end, with the uncertainty of its points.
+// Returns the line up to the instrument's end, with the uncertainty of its points.
 std::vector<LinePoint> to_the_tip(const LineFit &fit, const std::vector<LinePoint> &points,
                                   const LineModel &model)
 {

@@ -33,11 +33,11 @@ struct InstrumentLine {
     std::vector<Eigen::Vector3d> places() const;
 };
 
-// The voxels of the one instrument (1 inside). Throws Fault for no instrument or two instruments.
+// Returns the voxels of the one instrument (1 inside). Throws Fault for no instrument or two instruments.
 Volume find_instrument(const Volume &volume, LineOptions &options);
 
-// The whole line in the scan, including the part outside the introducer. Throws Fault for two instruments
-// that touch or an instrument that is too short.
+// Returns the whole line in the scan, including the part outside the introducer. Throws Fault for two
+// instruments that touch or an instrument that is too short.
 InstrumentLine trace_instrument(const Volume &volume, const Volume &mask, const LineOptions &options,
                                 const Report &report);
 

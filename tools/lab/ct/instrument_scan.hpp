@@ -9,7 +9,7 @@ namespace crn::ct
 // crn::FileError, Fault.
 std::vector<ScanStretch> stretches_of(const std::string &instrument_path);
 
-// A round tube of one material. Throws Fault for an unknown material.
+// Makes a round tube of one material. Throws Fault for an unknown material.
 std::vector<ScanStretch> plain_stretch(double radius_mm, double bore_mm, const std::string &material);
 
 } // namespace crn::ct

@@ -77,8 +77,8 @@ LineModel LineFit::first_model(const std::vector<Vector3d> &line) const
     return model;
 }
 
-// The voxels around a place of the line, by their position across the line and along it. The line itself may
-// bend.
+// Returns the voxels around a place of the line, by their position across the line and along it. The line
+// itself may bend.
 std::vector<LineFit::Sample> LineFit::samples_at(const std::vector<Frame> &frames, std::size_t index,
                                                  double reach, double along) const
 {
@@ -137,8 +137,8 @@ Eigen::Matrix2d LineFit::inverse_spread(const Frame &frame, const LineModel &mod
     return Eigen::Matrix2d(across.transpose() * spread * across).inverse();
 }
 
-// Levenberg and Marquardt's method over shift and logarithm of the height. Its weights reduce the influence
-// of streaks.
+// Fits shift and logarithm of the height by Levenberg and Marquardt's method. Its weights reduce the
+// influence of streaks.
 AcrossFit LineFit::fit(const std::vector<Frame> &frames, std::size_t index, const LineModel &model) const
 {
     const std::vector<Sample> samples = samples_at(frames, index, reach_mm, 1.5);

@@ -19,7 +19,7 @@ constexpr double closing_mm = 2.2; // closes gaps that streaks and the hidden wa
 constexpr double seed_mm = 2.6; // around the line: this close there is fluid, not what lies behind the wall
 constexpr double rim_mm = 1.0;  // around the masked region, where the fluid's value is measured
 
-// The most frequent value of voxels in a ring around the line, from a histogram smoothed over 20 HU.
+// Returns the most frequent value of voxels in a ring around the line, from a histogram smoothed over 20 HU.
 double commonest(const Volume &volume, const Volume &distance, double from_mm, double to_mm)
 {
     constexpr int low = -1000, high = 2000;

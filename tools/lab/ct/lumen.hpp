@@ -54,7 +54,7 @@ struct Merged {
 Merged merge_scans(const std::vector<LumenScan> &scans, double masked_mm, double fluid_HU);
 // Fills hidden voxels from their surroundings (Laplace's equation, from `start`).
 void fill_in(Volume &volume, const std::vector<std::size_t> &hidden, double start);
-// The distance of every voxel from a line, cut off at `reach_mm`.
+// Returns the distance of every voxel from a line, cut off at `reach_mm`.
 Volume distance_volume(const Volume &grid, const std::vector<Eigen::Vector3d> &line, double reach_mm);
 
 } // namespace crn::ct

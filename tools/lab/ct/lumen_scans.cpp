@@ -82,7 +82,8 @@ bool is_same_grid(const Volume &a, const Volume &b)
            (a.origin_mm - b.origin_mm).norm() < 1e-3 && (a.direction - b.direction).norm() < 1e-6;
 }
 
-// The weight of a scan's voxel as information about the phantom; zero where the instrument hides the phantom.
+// Returns the weight of a scan's voxel as information about the phantom; zero where the instrument hides the
+// phantom.
 double weight_of(double value, double away_mm, double sigma_HU, double masked_mm, double fluid)
 {
     if (away_mm < masked_mm || (away_mm < streak_mm && (value > fluid + 280 || value < fluid - 180)))

@@ -37,7 +37,7 @@ Vector3d before_tip(const std::vector<Vector3d> &line, double arc_mm)
     return line.front();
 }
 
-// The direction of the straight line that fits the places best, pointing forwards.
+// Returns the direction of the straight line that fits the places best, pointing forwards.
 Vector3d direction_of(const std::vector<Vector3d> &places)
 {
     Vector3d middle = Vector3d::Zero();
@@ -48,8 +48,8 @@ Vector3d direction_of(const std::vector<Vector3d> &places)
     return axis.dot(places.back() - places.front()) < 0 ? Vector3d(-axis) : axis;
 }
 
-// The direction of the introducer, which is straight: from its part that the scan shows, else from the line's
-// first millimetres.
+// Returns the direction of the introducer, which is straight. It is taken from the part that the scan shows,
+// else from the line's first millimetres.
 Vector3d direction_at(const InsertedLine &line)
 {
     const double end = length_of(line.places), mouth = end - line.inserted_mm;

@@ -22,7 +22,7 @@ constexpr double around_mm = 3;           // margin of air in the picture
 constexpr double photons_least = 2;       // least number of photons that a starved ray counts
 constexpr double electronic_photons = 15; // standard deviation of the read-out
 
-// A separate random number for every ray, whatever the order: splitmix64's finaliser.
+// Returns a separate random number for every ray, whatever the order, by splitmix64's finaliser.
 std::uint64_t mixed(std::uint64_t value)
 {
     value += 0x9e3779b97f4a7c15u;
@@ -154,8 +154,8 @@ class Scan
         return std::max(photons_least, mean + sigma * normal_number(settings_.seed, number)) / photons_;
     }
 
-    // The number of photons per ray in air that gives the wanted noise in the lumen's middle, in the middle
-    // slice.
+    // Returns the number of photons per ray in air that gives the wanted noise in the lumen's middle, in the
+    // middle slice.
     double photons_for_noise() const
     {
         std::vector<Edge> edges;

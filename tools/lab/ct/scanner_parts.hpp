@@ -92,10 +92,11 @@ class Beam
 {
   public:
     Beam(double tube_kV, const std::vector<Material> &materials);
-    // The share of the signal behind these lengths of water and of each material, mm.
+    // Returns the share of the signal behind these lengths of water and of each material, mm.
     double transmission(double water_mm, const float *lengths_mm) const;
     double water_transmission(double water_mm) const;
-    // The length of water with the same transmission, as scanners' correction of beam hardening gives it.
+    // Returns the length of water with the same transmission, as scanners' correction of beam hardening gives
+    // it.
     double water_for(double transmission) const;
     std::size_t material_count() const { return per_mm_.size(); }
 
@@ -115,7 +116,8 @@ class Reconstruction
     void filter(std::vector<float> &lengths_mm) const;
     void project_back(const std::vector<float> &filtered, const Eigen::Vector2d &first,
                       const Eigen::Vector2d &spacing, int columns, int rows, float *out_HU) const;
-    // The standard deviation in HU of a pixel at `place`, for independent rays with these variances (mm2).
+    // Returns the standard deviation in HU of a pixel at `place`, for independent rays with these variances
+    // (mm2).
     double noise_HU(const std::vector<float> &variance_mm2, const Eigen::Vector2d &place) const;
 
   private:

@@ -14,7 +14,7 @@ namespace
 
 constexpr double beside_mm = 1e-5; // keeps planes off the vertices of meshes with round numbers
 
-// The squared distance of p from a triangle (Ericson, Real-Time Collision Detection, 5.1.5).
+// Returns the squared distance of p from a triangle (Ericson, Real-Time Collision Detection, 5.1.5).
 double distance_square(const Vector3d &p, const std::array<Vector3d, 3> &t)
 {
     const Vector3d ab = t[1] - t[0], ac = t[2] - t[0], ap = p - t[0];

@@ -54,7 +54,7 @@ void write_instrument(const Volume &volume, const Volume &mask, const Instrument
     write_surface(mesh, {}, file);
 }
 
-// The uncertainty of the wall: large where metal hid it, elsewhere given by the noise.
+// Returns the uncertainty of the wall: large where metal hid it, elsewhere given by the noise.
 std::vector<float> unsure_of(const bake::Mesh &mesh, const Lumen &lumen)
 {
     std::vector<float> unsure;

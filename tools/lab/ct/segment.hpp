@@ -19,7 +19,7 @@ struct SegmentOptions {
 InstrumentLine segment_line(const Volume &volume, LineOptions options, Page &page, const Report &report);
 // Writes centreline.csv, report.json, the line's pictures and the page, which begins with `facts`.
 void write_line(const InstrumentLine &line, const Volume &volume, Page &page, const std::string &facts);
-// "volume ...", "instrument ...": the findings, one line each.
+// Returns "volume ...", "instrument ...": the findings, one line each.
 std::string line_facts(const InstrumentLine &line, const Volume &volume);
 
 struct LumenSurface {

@@ -21,7 +21,7 @@ struct SnakeWeights {
     double advection = 1;   // towards edges
     int iterations = 40;
 };
-// The level after the given number of steps. The function runs ITK on one thread, so the result is
+// Returns the level after the given number of steps. The function runs ITK on one thread, so the result is
 // deterministic.
 Volume evolve_snake(const Volume &level, const Volume &speed, const SnakeWeights &weights);
 

@@ -53,8 +53,8 @@ struct Interrupted : std::exception {
     const char *what() const noexcept override { return "interrupted"; }
 };
 
-// The properties for our solver: the preset's stiffness, radius and friction, a real wire's mass, and no
-// weight, as in the baseline.
+// Returns the properties for our solver: the preset's stiffness, radius and friction, a real wire's mass, and
+// no weight, as in the baseline.
 DirectProperties direct_of(const Preset &preset, const Protocol &protocol);
 inline constexpr double direct_mass_kg_per_m = 0.005;
 

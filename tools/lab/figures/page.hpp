@@ -5,7 +5,8 @@
 namespace vcsim3
 {
 
-// The beginning of a page, including this title, style and first heading; "</body></html>" ends the page.
+// Returns the beginning of a page, including this title, style and first heading; "</body></html>" ends the
+// page.
 std::string page_head(const std::string &title);
 
 std::string page_html(const Study &study, const std::string &vessel_name);

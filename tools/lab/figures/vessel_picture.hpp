@@ -15,7 +15,7 @@ class VesselPicture
 
     int width() const { return width_; }
     int height() const { return height_; }
-    // The place of a patient's point in the picture, from its top left corner.
+    // Returns the place of a patient's point in the picture, from its top left corner.
     Eigen::Vector2d place_of(const Vector &position_m) const;
 
     // Draws the vessel with its top left corner at this place, and the rod's nodes as spheres: far ones

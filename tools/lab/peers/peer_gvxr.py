@@ -1,5 +1,5 @@
-"""The pictures of tools/lab/peers/peer_xray.cpp by gVirtualXray. Called by run_xray_peers.py with the python of its
-environment.
+"""Makes the pictures of tools/lab/peers/peer_xray.cpp by gVirtualXray. run_xray_peers.py calls it with the python of
+its environment.
 
   peer_gvxr.py FOLDER ROUNDS
 
@@ -105,7 +105,7 @@ def load(folder, scene):
     gvxr.setDetectorNumberOfPixels(scene["size"], scene["size"])
     gvxr.setDetectorPixelSize(scene["pixel_mm"], scene["pixel_mm"], "mm")
     gvxr.resetBeamSpectrum()
-    for energy_keV, share in scene["spectrum"]:  # shares of energy; the peer asks for photons
+    for energy_keV, share in scene["spectrum"]:  # these are shares of energy; the peer needs numbers of photons
         gvxr.addEnergyBinToSpectrumPerPixelAtSDD(energy_keV, "keV", share / energy_keV)
 
 
@@ -115,7 +115,8 @@ def look(scene, view):
     gvxr.setDetectorPosition(*view["detector_mm"], "mm")
     gvxr.setDetectorUpVector(*view["up"])
     gvxr.setDetectorRightVector(*[-x for x in view["right"]])  # the detector as seen from behind it
-    # What lies in the outer surface is taken out of it. The renderer forgets that surface when anything else is set.
+    # Bodies inside the outer surface are subtracted from it. The renderer loses that surface when anything else is
+    # set afterwards.
     gvxr.removePolygonMeshesFromXRayRenderer()
     for i, body in enumerate(scene["bodies"]):
         if not body["is_outer"]:
@@ -142,7 +143,7 @@ def main():
                 processor_ms.append((time.process_time() - processor_begin) * 1e3)
             else:
                 transmission = picture / numpy.float32(gvxr.getTotalEnergyWithDetectorResponse())
-                # Its first pixel is the lower right one.
+                # The first pixel of the peer's picture is the lower right one.
                 transmission[::-1, ::-1].astype("<f4").tofile(os.path.join(folder, "gvxr_%d.f32" % i))
     print(
         "code=gvxr version=%s ms_min=%.4f ms_median=%.4f processor_ms_median=%.4f"

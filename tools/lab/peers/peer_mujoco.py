@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The rod of docs/bench.md ("Peers") in MuJoCo: a 1D flex, which is a discrete elastic rod with one twist angle per
-edge.
+"""Simulates the rod of docs/bench.md ("Peers") in MuJoCo: a 1D flex, which is a discrete elastic rod with one twist
+angle per edge.
 
   peer_mujoco.py free|tube SETTLE_TICKS TIMED_TICKS
 
@@ -22,7 +22,7 @@ import numpy
 ELEMENTS, LENGTH_M, RADIUS_M, TUBE_RADIUS_M = 256, 0.5, 0.445e-3, 1.5e-3
 YOUNG_PA, POISSON, DENSITY_KG_M3, FRICTION, DRAG_PER_S, STEP_S = 60e9, 0.3, 7850.0, 0.2, 20.0, 1e-3
 PLANES = 8
-# The first edge is clamped, so bending begins in its middle: that point is put at x = 0.
+# The first edge is clamped, so bending begins in its middle. That point is placed at x = 0.
 SPACING_M = LENGTH_M / (ELEMENTS - 0.5)
 MASS_KG_M = DENSITY_KG_M3 * math.pi * RADIUS_M**2
 EDGE = 'solref="0.002 1" solimp="0.999 0.9999 0.001 0.5 2"'
@@ -30,7 +30,7 @@ CONTACT = 'condim="3" friction="%g 0 0" solref="0.002 1"' % FRICTION
 
 
 def tube_planes():
-    """Planes whose normals point to the axis, the first one below the rod."""
+    """Returns planes whose normals point to the axis, the first one below the rod."""
     for k in range(PLANES):
         angle = 2 * math.pi * k / PLANES
         normal = (0.0, math.sin(angle), math.cos(angle))

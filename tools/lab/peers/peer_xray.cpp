@@ -40,7 +40,7 @@ double now_ms()
         .count();
 }
 
-// Of all threads of this process.
+// Returns the processor time of all threads of this process.
 double processor_ms()
 {
     return static_cast<double>(std::clock()) * 1e3 / CLOCKS_PER_SEC;

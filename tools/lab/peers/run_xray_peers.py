@@ -7,7 +7,7 @@
 Prints the mean relative difference over the pixels inside the patient that let more than 1e-4 through, and how many
 times longer the peer takes for a picture; ours is the whole picture with scatter, noise and display. Ratios are by
 the clock and by the processor time of all threads; the second is judged, since other work on the machine does not
-change it. The peer is installed into a virtual environment of its own (tools/lab/peers/xray_peers.txt). Ends with 1
+change it. The peer is installed into a separate virtual environment (tools/lab/peers/xray_peers.txt). Ends with 1
 when a bar is missed or nothing could be measured.
 """
 
@@ -26,7 +26,7 @@ NUMBERS = ("ms_min", "ms_median", "processor_ms_median")
 
 
 def prepare(environment):
-    """The python of a virtual environment that has the peer; fetches it when it is not there."""
+    """Returns the python of a virtual environment that has the peer, and fetches the peer if it is missing."""
     return run_peers.fetch(
         environment,
         "numpy, gvxrPython3",
@@ -38,7 +38,7 @@ def prepare(environment):
 
 
 def measure(command):
-    """The pairs of the command's last line that is made of them, times as numbers."""
+    """Returns the pairs of the command's last line that consists of pairs, times as numbers."""
     lines = [line for line in run_peers.run(command).splitlines() if line.startswith("code=")]
     pairs = dict(word.partition("=")[::2] for word in lines[-1].split()) if lines else {}
     for key in NUMBERS:
@@ -68,7 +68,7 @@ def read_picture(path, pixels):
 
 
 def difference_pct(ours, theirs):
-    """(mean of |theirs/ours - 1|, number of pixels) inside the patient."""
+    """Returns (mean of |theirs/ours - 1|, number of pixels) inside the patient."""
     total, count = 0.0, 0
     for own, other in zip(ours, theirs):
         if TRANSMISSION_MIN < own < INSIDE_MAX:

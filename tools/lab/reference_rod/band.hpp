@@ -15,7 +15,7 @@ class Band
 
     void reset(int size); // all zero
     int size() const { return size_; }
-    // Entry (row, column) with row >= column >= row - reach.
+    // Returns the entry (row, column) with row >= column >= row - reach.
     double &at(int row, int column)
     {
         return entries_[static_cast<std::size_t>(row) * (reach + 1) + column - row + reach];

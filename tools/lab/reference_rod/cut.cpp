@@ -30,7 +30,7 @@ Profile profile_at(const crn_wire_instrument &table, double arc_m)
             between(from.rest_curvature2_per_m_milli, to.rest_curvature2_per_m_milli, 1e-3)};
 }
 
-// The place where the last curve of the tip ends.
+// Returns the place where the last curve of the tip ends.
 double curves_m(const crn_wire_instrument &table)
 {
     double end_m = 0.0;

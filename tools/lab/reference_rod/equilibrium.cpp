@@ -141,8 +141,8 @@ void newton_direction(const Band &whole, const Eigen::VectorXd &slope, int unkno
     band.solve(direction);
 }
 
-// The longest permitted step along `direction`, as a factor: no node moves by more than 2 mm in one iterate,
-// and no edge turns by more than 0.7 rad.
+// Returns the longest permitted step along `direction`, as a factor: no node moves by more than 2 mm in one
+// iterate, and no edge turns by more than 0.7 rad.
 double longest(const Eigen::VectorXd &direction, int free)
 {
     constexpr double way_m = 2e-3, turn_rad = 0.7;

@@ -32,7 +32,7 @@ struct Physics {
     int iterations_max = 600;
 };
 
-// The friction's memory of a node.
+// The memory of friction at a node.
 struct Anchor {
     Vector at = Vector::Zero();
     Vector normal = Vector::Zero(); // normal of the wall, outward

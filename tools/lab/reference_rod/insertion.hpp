@@ -58,8 +58,8 @@ class Insertion
     int curved_ = 0; // number of nodes from the tip that are curved at rest
 };
 
-// The axis d1 at the sheath's end with the hand at turn 0: perpendicular to the direction and to the axis
-// least along it, as on the device.
+// Returns the axis d1 at the sheath's end with the hand at turn 0: perpendicular to the direction and to the
+// axis least along it, as on the device.
 Vector zero_turn_axis(const Vector &direction);
 
 struct Step {

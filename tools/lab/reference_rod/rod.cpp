@@ -20,7 +20,7 @@ Vector carry(const Vector &v, const Vector &from, const Vector &to)
     return (turned - turned.dot(to) * to).normalized();
 }
 
-// The angle from a to b about t, nearest to `guess`.
+// Returns the angle from a to b about t, nearest to `guess`.
 double angle_near(const Vector &a, const Vector &b, const Vector &t, double guess)
 {
     const double angle = std::atan2(a.cross(b).dot(t), a.dot(b));

@@ -45,12 +45,12 @@ struct Cut {
     double stretch = 64.0;
 };
 
-// The instrument's first `length_m`, plus two edges for the sheath. Throws std::invalid_argument when the
-// instrument is shorter.
+// Returns the instrument's first `length_m`, plus two edges for the sheath. Throws std::invalid_argument when
+// the instrument is shorter.
 Rod cut_rod(const crn_wire_instrument &table, double length_m, const Cut &cut);
-// Outer radius of an instrument at a place from its tip, m.
+// Returns the outer radius of an instrument at a place from its tip, m.
 double radius_at_m(const crn_wire_instrument &table, double arc_m);
-// A uniform straight rod.
+// Makes a uniform straight rod.
 Rod uniform_rod(double bend_N_m2, double twist_N_m2, double radius_m, double length_m, double edge_m);
 
 // The shape of the rod.
@@ -62,8 +62,8 @@ struct State {
     std::vector<double>
         reference; // per joint (index of its node): twist of the reference frames, rear to front edge
 
-    // A straight rod with its tip at x, along the unit vector `forward`, with d1 equal to the unit vector
-    // `d1` everywhere.
+    // Makes a straight rod with its tip at x, along the unit vector `forward`, with d1 equal to the unit
+    // vector `d1` everywhere.
     static State straight(const Rod &rod, const Vector &tip, const Vector &forward, const Vector &d1);
     Vector d1(int edge) const;
 };

@@ -88,7 +88,7 @@ std::vector<Vector> noisy(const std::vector<Vector> &points_mm, double noise_mm,
     return out;
 }
 
-// The hand's force at equal distances, with noise.
+// Returns the hand's force at equal distances, with noise.
 std::vector<insertion::ForceSample> measured(const TruthRequest &request,
                                              const std::vector<insertion::ForceSample> &force, Noise &noise)
 {

@@ -43,8 +43,8 @@ struct Truth {
 // (FileError, CaseError, OutputError) with the remedy.
 Truth make_case(const TruthRequest &request, const std::function<void(const std::string &)> &progress = {});
 
-// The instrument as a scanner sees it: the outer radius along `centreline_mm` (from the sheath's end to the
-// tip), in mm.
+// Returns the instrument as a scanner sees it: the outer radius along `centreline_mm` (from the sheath's end
+// to the tip), in mm.
 std::vector<double> radii_mm(const crn_wire_instrument &table, const std::vector<Vector> &centreline_mm);
 
 // Independent normal deviates with standard deviation 1, identical on every machine.

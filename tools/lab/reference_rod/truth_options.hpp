@@ -8,7 +8,7 @@
 namespace crn::reference
 {
 
-// All options except the case's folder and the seed. `depths` are passed to take_depths.
+// Adds all options except the case's folder and the seed. `depths` are passed to take_depths.
 inline void add_truth_options(CLI::App &app, TruthRequest &request, std::vector<std::string> &depths)
 {
     app.add_option("--instrument", request.instrument, "nominal instrument file, or FILE:preset");

@@ -201,9 +201,9 @@ void three_point(Result &result, bool)
 
 // --- curved tips ---
 
-// Two spans, from the base clamp to `second` (a) and on to the tip (d), of a rod with rest curvature 1/R on
-// the axis. Clapeyron's theorem of three moments gives the moment at `second` over EI/R. It is near 1, but
-// not 1, because the last span is only supported at its ends.
+// Solves two spans, from the base clamp to `second` (a) and on to the tip (d), of a rod with rest curvature
+// 1/R on the axis. Clapeyron's theorem of three moments gives the moment at `second` over EI/R. It is near 1,
+// but not 1, because the last span is only supported at its ends.
 double three_moments(double a, double d)
 {
     return (3 * d + 1.5 * a) / (2 * d + 1.5 * a);

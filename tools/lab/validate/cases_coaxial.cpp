@@ -78,7 +78,7 @@ void stiffness_adds(Result &result, bool quick)
 
 // --- a straight catheter opens a J ---
 
-// The angle between the directions of the tip and of the inserter, degrees, unwrapped along the line.
+// Returns the angle between the directions of the tip and of the inserter, degrees, unwrapped along the line.
 double opening(const Rig &rig)
 {
     std::vector<Vector3d> points = rig.shape();

@@ -102,8 +102,8 @@ void stall(Result &result, bool quick)
 
 // --- work and energy ---
 
-// The bending energy of the free part, from positions alone. The joint at the inserter counts with the length
-// that the core gives it (half an element or less).
+// Returns the bending energy of the free part, from positions alone. The joint at the inserter counts with
+// the length that the core gives it (half an element or less).
 double bending_energy(const Rig &rig, double bend_N_m2, double element_m)
 {
     double sum = 0;

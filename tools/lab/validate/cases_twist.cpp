@@ -97,7 +97,8 @@ void greenhill_case(Result &result, bool)
 
 // --- ring ---
 
-// The root mean square distance of the nodes from their best plane through the x axis and the inserter's end.
+// Returns the root mean square distance of the nodes from their best plane through the x axis and the
+// inserter's end.
 double warp(const Rig &rig)
 {
     // y = a x + b z by the normal equations, whose two columns are nearly orthogonal for a ring.
@@ -163,7 +164,7 @@ void ring(Result &result, bool quick)
 
 // --- localised coil ---
 
-// The cosine of the angle between each edge and the axis, against arc length over L.
+// Returns the cosine of the angle between each edge and the axis, against arc length over L.
 Series tilt_of(const Clamped &rod)
 {
     Series series{"ours", {}, {}, true};

@@ -29,8 +29,8 @@ double root(const std::function<double(double)> &f, double low, double high);
 double beam_mode(unsigned number);         // beta of a cantilever's mode 1, 2, 3: cos b cosh b = -1
 double euler_clamped_pinned();             // u = L sqrt(P/EI): tan u = u
 double euler_spring_pinned(double spring); // the same with a torsional spring k L / EI at the other end
-// The thrust through two spans: a clamp, a support after `a`, and another at the end after `d` more, both
-// free to turn. Returns sqrt(P/EI).
+// Computes the thrust through two spans: a clamp, a support after `a`, and another at the end after `d` more,
+// both free to turn. Returns sqrt(P/EI).
 double euler_two_spans(double a, double d);
 double greenhill(); // M L / B of a rod clamped at both ends
 

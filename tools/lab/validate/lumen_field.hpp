@@ -31,7 +31,7 @@ class Path
     Vector3d end() const { return at_; }
     Vector3d end_direction() const { return direction_; }
     double length() const { return length_m_; }
-    // The smallest box around the path.
+    // Returns the smallest box around the path.
     Vector3d low() const { return low_; }
     Vector3d high() const { return high_; }
 
@@ -62,7 +62,8 @@ class LumenField
     std::unique_ptr<Storage> storage_;
 };
 
-// A tube of one radius around a path, with hemispheres at its ends, or closed by a plane across its end.
+// Makes a tube of one radius around a path, with hemispheres at its ends, or closed by a plane across its
+// end.
 LumenField tube_field(const Path &path, double radius_m, unsigned level, bool flat_end = false);
 
 } // namespace crn::validate

@@ -23,7 +23,7 @@ struct Plot {
 // Returns a complete <svg> element. Values that are not finite are omitted.
 std::string svg(const Plot &plot);
 
-// A number for readers: four significant digits, no trailing zeros.
+// Returns a number for readers: four significant digits, no trailing zeros.
 std::string short_number(double value);
 
 } // namespace crn::validate

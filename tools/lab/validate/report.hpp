@@ -49,7 +49,7 @@ struct Result {
 std::string tsv(const std::vector<Result> &results);
 std::string html(const std::vector<Result> &results, const std::string &command);
 std::string tap(const std::vector<Result> &results);
-// The table of docs/validation.md: one line per case with its worst figure.
+// Returns the table of docs/validation.md: one line per case with its worst figure.
 std::string markdown(const std::vector<Result> &results);
 
 } // namespace crn::validate

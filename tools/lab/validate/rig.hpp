@@ -35,7 +35,7 @@ struct Tool {
     double element_m = 0.003; // of the whole tool
 };
 
-// A tool with one set of properties over `length_m`.
+// Makes a tool with one set of properties over `length_m`.
 Tool uniform_tool(const Knot &knot, double length_m, double element_m);
 
 // Springs of 2e5 N/m that hold the tip at anchors: node 0, and node `second` when it is not 0.

@@ -7,8 +7,8 @@
 namespace crn::validate
 {
 
-// The element length in whole micrometres for `count` free elements over a length. It is rounded up, so that
-// the node at the inserter's end lies just inside and its joint's cell is clipped to the half element
+// Returns the element length in whole micrometres for `count` free elements over a length. It is rounded up,
+// so that the node at the inserter's end lies just inside and its joint's cell is clipped to the half element
 // outside. If the end were slightly behind a node, the core would keep a tenth of a cell too much.
 double element_length(double length_m, unsigned count);
 
@@ -21,15 +21,15 @@ std::string power_text(double value);
 // Formats 0.5 as "0.5" and 10 as "10".
 std::string plain_text(double value);
 
-// The place where a straight line through the last points (x, y) crosses y = 0.
+// Returns the place where a straight line through the last points (x, y) crosses y = 0.
 double zero_of_line(const std::vector<double> &x, const std::vector<double> &y);
 
-// The turn of the tip segment about the rod. It is the angle of the chord from `node` to the tip, about the
-// direction from the hand to the tip, against an axis carried without twist from the inserter. It uses
-// geometry alone, in double precision.
+// Returns the turn of the tip segment about the rod. It is the angle of the chord from `node` to the tip,
+// about the direction from the hand to the tip, against an axis carried without twist from the inserter. It
+// uses geometry alone, in double precision.
 double heading(const Rig &rig, unsigned node);
 
-// The representative of an angle nearest to another.
+// Returns the representative of an angle that is nearest to another angle.
 double unwrapped(double angle, double near);
 
 constexpr double degree = 0.017453292519943295;

@@ -29,7 +29,7 @@ class DistanceConstraints
 
     int count() const { return static_cast<int>(normal_.size()); }
 
-    // The sum of this step's impulses on the first held node, N s.
+    // Returns the sum of this step's impulses on the first held node, N s.
     const Vector &hand_impulse() const { return hand_impulse_; }
 
   private:

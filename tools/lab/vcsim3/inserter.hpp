@@ -17,7 +17,7 @@ class Inserter
     // bent tip points there.
     Inserter(const Vector &mouth_m, const Vector &direction, const Vector &axis);
 
-    // A straight rod at rest with the length `inserted_m` outside the sheath, 0 .. its whole length.
+    // Makes a straight rod at rest with the length `inserted_m` outside the sheath, 0 .. its whole length.
     Rod make_rod(const RodProperties &properties, double inserted_m) const;
 
     // Places and moves the held nodes for this inserted length and turns their segments, right-handed about

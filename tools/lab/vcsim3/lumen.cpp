@@ -32,7 +32,8 @@ std::vector<std::uint8_t> read_bytes(const std::string &path)
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// The index entry of the brick that holds a point; `place` becomes the point in voxels of that brick's level.
+// Returns the index entry of the brick that holds a point; `place` becomes the point in voxels of that
+// brick's level.
 std::uint32_t find_entry(const crn_lumen &lumen, Eigen::Array3d &place, int &level)
 {
     Eigen::Array3i cell = place.floor().cast<int>();
@@ -60,7 +61,7 @@ struct Weights {
     }
 };
 
-// One row of taps along x: value, slope and second derivative.
+// The result of one row of taps along x: value, slope and second derivative.
 struct Line {
     double value, slope, bend;
 };

@@ -43,7 +43,7 @@ class Vessel
     const Vector &direction() const { return direction_; }
     const std::string &name() const { return name_; }
 
-    // The corners of the lattice.
+    // Returns the corners of the lattice.
     Vector low_m() const;
     Vector high_m() const;
 
@@ -54,8 +54,8 @@ class Vessel
     std::string name_;
 };
 
-// The field at a point: value and gradient from 27 coefficients. Far from every wall it is +-15.6 mm with no
-// normal.
+// Returns the field at a point: value and gradient from 27 coefficients. Far from every wall it is +-15.6 mm
+// with no normal.
 LumenSample sample_lumen(const crn_lumen &lumen, const Vector &position_m);
 
 LumenField lumen_field(const crn_lumen &lumen, const Vector &position_m);

@@ -15,7 +15,7 @@ namespace vcsim3
 struct Preset {
     const char *token;      // for command lines
     const char *instrument; // row of Table 5.1
-    // As printed, without the powers of ten in the table's head.
+    // The values are as printed, without the powers of ten in the table's head.
     double young, radius, density, parallel;
     // The same for all modes.
     int substeps;         // steps per millisecond with elements of element_m
@@ -41,8 +41,8 @@ const Preset *find_preset(const std::string &token); // nullptr when there is no
 
 RodProperties rod_of(const Preset &preset, int element_count, double element_m);
 
-// The fastest motion that the parallel constraint gives the mass points, 2/l sqrt(Kp / mass per length),
-// times the step. Explicit integration needs less than 2.
+// Returns the fastest motion that the parallel constraint gives the mass points, 2/l sqrt(Kp / mass per
+// length), times the step. Explicit integration needs less than 2.
 double step_ratio(const Preset &preset, double element_m, int substeps);
 
 } // namespace vcsim3

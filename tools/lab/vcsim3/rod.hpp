@@ -61,7 +61,7 @@ struct Rod {
     Vector director(int segment) const { return orientation[segment] * Vector::UnitZ(); }
 };
 
-// The smallest rotation from +z to a direction.
+// Returns the smallest rotation from +z to a direction.
 Quaternion turn_from_z(const Vector &direction);
 
 // The rest strain of a joint whose segment on the hand's side is turned by `turn_rad` (axis times angle,
@@ -82,7 +82,7 @@ Energy energy_of(const Rod &rod);
 void integrate_velocities(Rod &rod, double step_s);
 void integrate_positions(Rod &rod, double step_s);
 
-// The present length of the free part divided by its rest length, minus 1: negative when compressed.
+// Returns the present length of the free part divided by its rest length, minus 1: negative when compressed.
 double length_error(const Rod &rod);
 
 // Returns false when a coordinate is not finite, or a node is farther than `reach_m` from the first held node

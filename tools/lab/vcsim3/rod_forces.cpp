@@ -13,7 +13,7 @@ namespace vcsim3
 namespace
 {
 
-// Half the tangent of a quarter of the rotation angle, as a vector in the axes of either segment.
+// Returns half the tangent of a quarter of the rotation angle, as a vector in the axes of either segment.
 Vector quarter_tangent(const Quaternion &a, const Quaternion &b)
 {
     const Quaternion relative = a.conjugate() * b;

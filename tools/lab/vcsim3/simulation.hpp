@@ -26,7 +26,7 @@ bool operator==(const Mode &a, const Mode &b);
 // Parses a token; returns false for an unknown one ("local" needs 1 .. 10000).
 bool parse_mode(const std::string &token, Mode &mode);
 
-// The nine modes of Figures 5.11 to 5.14, in the thesis' order.
+// Returns the nine modes of Figures 5.11 to 5.14, in the thesis' order.
 const std::vector<Mode> &thesis_modes();
 
 struct PhaseTimes {

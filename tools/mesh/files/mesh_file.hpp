@@ -38,7 +38,7 @@ std::vector<MeshPiece> read_mesh_here(const std::filesystem::path &file,
 // vertex or face.
 void check_pieces(const std::vector<MeshPiece> &pieces, const std::string &file);
 
-// What a file declares about itself; -1 where its format does not say.
+// The numbers that a file declares about itself; -1 if its format does not state them.
 struct Declared {
     std::int64_t vertices = -1, faces = -1;
 };

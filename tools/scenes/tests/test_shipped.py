@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The scene that ships is the one that the tools make; a broken archive leaves nothing behind. Prints TAP.
+"""The shipped scene is the one that the tools make; a broken archive leaves no file behind. Prints TAP.
 
 The scene is made without its bodies and with few checks, which do not change its bytes; `make scene` compares the
 bodies too.
@@ -25,7 +25,7 @@ def run(*words):
 
 
 def made_scene(folder):
-    """Bytes of aorta.scene as the tools make it now, or a sentence."""
+    """Returns the bytes of aorta.scene as the tools make it now, or a sentence."""
     for words in (
         ["%s/bin/anatomy" % BUILD, "aorta", "--no-bodies", "--quiet", "-o", folder + "/aorta"],
         [

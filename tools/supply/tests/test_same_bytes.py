@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Two builds in two folders give the same bytes, and no program knows the folder that it was built in. Shown by
-building a set of targets of every kind (objects of C and of C++ with debug information, archives, a linked
-program, a firmware image and its hex file) in two copies of the tree whose paths have different lengths; and, of
-everything that is built here, by looking for this folder's name in the programs. Prints TAP.
+"""Two builds in two folders give the same bytes, and no program contains the folder in which it was built. The test
+builds a set of targets of every kind (objects of C and of C++ with debug information, archives, a linked program, a
+firmware image and its hex file) in two copies of the tree whose paths have different lengths. It also looks for this
+folder's name in all programs that are built here. Prints TAP.
 
 Precompiled headers are left out of the copies, since they take a minute to make (what they do to the bytes is
 covered by the second part alone), and the core is compiled with -O1, which is quicker."""
@@ -104,7 +104,7 @@ def check_two_folders(report, work):
 def check_programs(report):
     folder = os.path.join(tree.ROOT, BUILD, "bin")
     made = os.path.getmtime(os.path.join(tree.ROOT, "tools", "cmake", "flags.cmake"))
-    # Programs of other flags say nothing about this one.
+    # Programs with other flags are no evidence for this claim.
     names = (
         [n for n in sorted(os.listdir(folder)) if os.path.getmtime(os.path.join(folder, n)) > made]
         if os.path.isdir(folder)

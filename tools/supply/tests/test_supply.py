@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""NOTICE names everything that the programs are made of, and the SBOM is a whole SPDX 2.3 document of it. Shown on
-the programs that are built, by the loader's own answer (ldd) and by dpkg, with rules of the SPDX specification
-written down here; and on programs and tables made wrong on purpose. Prints TAP."""
+"""NOTICE names everything that the programs are made of, and the SBOM is a complete SPDX 2.3 document of it. The test
+checks the built programs by the loader's own answer (ldd), by dpkg, and by rules of the SPDX specification that are
+written down here. It also uses deliberately wrong programs and tables. Prints TAP."""
 
 import collections
 import json
@@ -49,7 +49,7 @@ def loaded_files(program):
 
 
 def structure_faults(body):
-    """What SPDX 2.3 asks of a document (clauses 6, 7, 8 and 11)."""
+    """Checks the requirements of SPDX 2.3 for a document (clauses 6, 7, 8 and 11)."""
     for key in (
         "spdxVersion",
         "dataLicense",

@@ -141,8 +141,8 @@ static void tick(void)
 }
 
 /* Only edges that the app has completed feed the watchdog. Neither a loop that runs without its milliseconds
- * nor a host that keeps the pipe busy can feed it. The one exception: it is also fed when the plant makes the
- * milliseconds and none is due. */
+ * nor a host that keeps the pipe busy can feed it. There is one exception: the watchdog is also fed when the
+ * plant makes the milliseconds and none is due. */
 static void feed_watchdog(uint32_t round)
 {
     static uint32_t fed;

@@ -55,7 +55,7 @@ struct Space {
     }
 };
 
-// A case in free space with one rest, 30 mm beyond the introducer.
+// Makes a case in free space with one rest, 30 mm beyond the introducer.
 insertion::Case free_case(const std::string &name)
 {
     insertion::Case c;

@@ -131,7 +131,7 @@ def check_fast(tap, output):
 
 
 class Rehearsal:
-    """The chain with fake programs, which record their arguments."""
+    """Runs the chain with fake programs, which record their arguments."""
 
     def __init__(self, work, real):
         self.folder, self.output = os.path.join(work, "fake"), os.path.join(work, "out")

@@ -153,7 +153,7 @@ refuses "one slice of a series is refused" 1 "give the folder" segment "$work/ke
 [ ! -e "$work/out2/centreline.csv" ]
 report "neither leaves a centreline either" $?
 
-# An interrupt keeps what was finished, and no name ever stands for half a file.
+# An interrupt keeps the finished files, and a final name never belongs to half a file.
 interrupted() { # interrupted FILE COMMAND... interrupts the command as soon as FILE exists
     wanted=$1
     shift

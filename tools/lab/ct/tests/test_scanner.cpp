@@ -24,7 +24,7 @@ namespace
 
 constexpr double radius_mm = 8;
 
-// Mean and standard deviation of the voxels between two distances from the axis.
+// The mean and standard deviation of the voxels between two distances from the axis.
 struct Ring {
     double mean = 0, deviation = 0;
 };

@@ -63,7 +63,7 @@ InstrumentLine line_in(const Volume &volume, LineOptions options = {})
     return line;
 }
 
-// The part of the reference that the scan shows, from the mouth's plane on.
+// Returns the part of the reference that the scan shows, from the plane of the introducer's opening on.
 std::vector<Vector3d> ahead_of(const std::vector<Vector3d> &line, double y_mm)
 {
     std::vector<Vector3d> part;

@@ -59,7 +59,7 @@ struct Volume {
     Eigen::Matrix3d scene_per_voxel() const;
     // Interpolates between the nearest eight voxels; outside it returns the value at the border.
     double value(const Eigen::Vector3d &voxel) const;
-    // The same volume with all voxels set to `fill`, for masks and speeds.
+    // Returns the same volume with all voxels set to `fill`, for masks and speeds.
     Volume like(float fill) const;
 };
 
@@ -67,7 +67,7 @@ struct Volume {
 // keeps its value.
 void make_right_handed(Volume &volume);
 
-// The box [low, high) of voxels as a separate volume.
+// Returns the box [low, high) of voxels as a separate volume.
 Volume cut_out(const Volume &volume, const std::array<int, 3> &low, const std::array<int, 3> &high);
 
 } // namespace crn::ct

@@ -18,7 +18,7 @@ inline constexpr double spacing_min_mm = 0.01, spacing_max_mm = 10.0;
 // A child process reads the file (volume_apart.cpp), so that damaged files end only the child. Call this
 // before threads start.
 Volume read_volume(const std::filesystem::path &path);
-// What the child does: it delivers the grid first (a volume without values), then all values in order, in
+// The child process delivers the grid first (a volume without values), then all values in order, in
 // blocks. Throws Fault, possibly between blocks.
 using TakeHead = std::function<void(const Volume &head)>;
 using TakeValues = std::function<void(const float *values, std::size_t count)>;

@@ -22,7 +22,7 @@ namespace
 
 namespace fs = std::filesystem;
 
-// The end of a header's error message, without ITK's file and line numbers.
+// Returns the end of a header's error message, without ITK's file and line numbers.
 std::string cause_of(const itk::ExceptionObject &error)
 {
     std::string text = error.GetDescription();

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""tools/lab/peers/run_peers.py compares what its programs print and says what is wrong. Shown with small programs in
-place of ours and of the peers', and with a package index that cannot be reached. Prints TAP."""
+"""tools/lab/peers/run_peers.py compares what its programs print and reports errors. The test replaces our programs
+and the peers' by small ones, and uses a package index that cannot be reached. Prints TAP."""
 
 import os
 import subprocess
@@ -38,7 +38,7 @@ def write_program(path, text):
 
 
 def run(ours, peers, environment=None):
-    """Exit code, output and table of run_peers.py with stand-ins that print the given lines."""
+    """Returns exit code, output and table of run_peers.py with stand-ins that print the given lines."""
     with tempfile.TemporaryDirectory() as folder:
         write_program(
             folder + "/ours", "case $1 in %s esac" % "".join("%s) echo '%s';;" % item for item in ours.items())

@@ -62,7 +62,7 @@ const Tube &tube()
     return one;
 }
 
-// A wire with a soft end of 40 mm, a tenth as stiff, and a taper up to 80 mm.
+// Makes a wire with a soft end of 40 mm, a tenth as stiff, and a taper up to 80 mm.
 crn_wire_instrument wire(double factor)
 {
     crn_wire_instrument table{};
@@ -98,7 +98,7 @@ double distance_mm(const Vector &p, const std::vector<Vector> &line)
     return least;
 }
 
-// The root mean square of nearest distances over all depths.
+// Returns the root mean square of nearest distances over all depths.
 double shape_off_mm(const Run &a, const Run &b)
 {
     double sum = 0.0;

@@ -55,7 +55,7 @@ RodProperties soft_rod(int elements)
     return p;
 }
 
-// A rod whose nodes, orientations and velocities all deviate slightly from straight.
+// Makes a rod whose nodes, orientations and velocities all deviate slightly from straight.
 Rod shaken_rod(int elements, Draws &draws)
 {
     Rod rod(soft_rod(elements), Vector::Zero(), Vector(0.6, 0.0, 0.8));
