@@ -228,7 +228,7 @@ def stack(build):
 
 # --- bytes and symbols -----------------------------------------------------------------------------------------------
 def sizes(build):
-    objects = glob.glob(os.path.join(budget_objects(build), "firmware", "core", "*.o"))
+    objects = glob.glob(os.path.join(budget_objects(build), "**", "core", "*.obj"), recursive=True)
     lines = run(["arm-none-eabi-size"] + objects).splitlines()[1:]
     yield "rod.m7_text_bytes", sum(int(line.split()[0]) for line in lines), "bytes", "firmware/core with its tables"
     if sum(int(line.split()[1]) + int(line.split()[2]) for line in lines):
@@ -323,7 +323,7 @@ def print_estimates(build):
         "a function, in order of\naddress, without cache misses and branches"
     )
     rows = []
-    for path in sorted(glob.glob(os.path.join(budget_objects(build), "firmware", "core", "*.o"))):
+    for path in sorted(glob.glob(os.path.join(budget_objects(build), "**", "core", "*.obj"), recursive=True)):
         text = run(["arm-none-eabi-objdump", "-d", "--no-show-raw-insn", path])
         for name, body in re.findall(r"^[0-9a-f]+ <(\w+)>:\n(.*?)(?:\n\n|\Z)", text, re.M | re.S):
             found = [e for e in (estimate(loop) for loop in innermost_loops(body.splitlines())) if e]

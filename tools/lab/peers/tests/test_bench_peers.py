@@ -11,7 +11,7 @@ import sys
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "..", "check"))
 import tree  # noqa: E402
 
-RUN_PEERS = os.path.join(tree.ROOT, "tools", "bench", "run_peers.py")
+RUN_PEERS = os.path.join(tree.ROOT, "tools", "lab", "peers", "run_peers.py")
 LINE = (
     "code=%s version=1 scene=%s step_us=1000 us_per_ms_min=%s us_per_ms_median=%s contacts=9 length_error_pct=%s "
     "tip_x_mm=460.96 tip_z_mm=-180.83 elements=256 bend_N_m2=0.00184791 mass_g_per_m=4.8836 friction=0.2 drag_per_s=20"

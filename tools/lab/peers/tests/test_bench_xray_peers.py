@@ -12,7 +12,7 @@ import sys
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "..", "check"))
 import tree  # noqa: E402
 
-RUN = os.path.join(tree.ROOT, "tools", "bench", "run_xray_peers.py")
+RUN = os.path.join(tree.ROOT, "tools", "lab", "peers", "run_xray_peers.py")
 PIXELS = 64 * 64
 LINE = "code=%s version=9 views=1 ms_min=%g ms_median=%g processor_ms_median=%g"
 

@@ -46,7 +46,7 @@ void offer_pieces(const std::uint8_t *bytes, std::size_t count)
     }
     try {
         check_pieces(pieces, "fuzz");
-    } catch (const Fault &) {
+    } catch (const crn::Fault &) {
         return;
     }
     for (const MeshPiece &piece : pieces)
@@ -69,7 +69,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t *bytes, std::size_t count)
         if (declared.vertices > static_cast<std::int64_t>(count) ||
             declared.faces > static_cast<std::int64_t>(count))
             std::abort();
-    } catch (const Fault &fault) {
+    } catch (const crn::Fault &fault) {
         if (std::strncmp(fault.what(), "fuzz:", 5) != 0) std::abort();
     }
     offer_pieces(bytes + 1, count - 1);
