@@ -15,7 +15,7 @@ MAKEFLAGS += --no-builtin-rules
 
 # build(preset, parts, targets). `again` runs a second make, for targets that need programs which the first one built.
 build = @JOBS=$(JOBS) CMAKE_ARGS="$(CMAKE_ARGS)" tools/build.sh $(1) $(2) $(3)
-again = @$(MAKE) --no-print-directory PACKAGES=skip
+again = @$(MAKE) -s --no-print-directory PACKAGES=skip
 # Several sections in one target, packages-build+run, lead to one question.
 packages-%:
 	@[ "$(PACKAGES)" = skip ] || MAKE_GOALS="$(MAKECMDGOALS)" tools/check/install_packages.sh $(subst +, ,$*)

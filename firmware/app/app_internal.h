@@ -69,8 +69,8 @@ void crn_app_log_core_faults(crn_app *app, uint32_t bits);
 
 /* app_orders.c: the orders of a tick besides the hands */
 void crn_app_orders(crn_app *app, const uint8_t *payload, size_t length);
-/* Checks the orders of one tick and converts them for the core. Returns a refusal code, and in `place` the
- * place in the list of the order at fault. */
+/* Checks the orders of one tick and converts them for the core. Returns a refusal code. `place` receives the
+ * list index of the order at fault. */
 uint16_t crn_app_orders_take(const crn_app *app, const crn_wire_order_list *list, crn_app_order_set *taken,
                              uint32_t *place);
 /* Returns the orders of this tick of FREE_RUN; they are valid until the next message. */

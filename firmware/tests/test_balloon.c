@@ -95,7 +95,8 @@ static double diameter_mm(int32_t radius_m_q30)
     return 2e3 * radius_m_q30 / Q30;
 }
 
-/* Bar: 2 %. Between its points the table is linear; below it the balloon unfolds. */
+/* Bar: 2 %. The table is linear between its points. Below its first pressure the balloon is still unfolding.
+ */
 static void a_free_balloon_has_the_diameter_of_its_table(void **state)
 {
     (void)state;

@@ -25,7 +25,7 @@ class Cable final : public crn::Transport
         if (!bench_.pull_cable(bytes, away_ms)) left_ = bytes;
     }
 
-    // The device is away for this long, and then a device can be reached again.
+    // The device stays unplugged for this long. After that, it or a replacement can be reached again.
     void plug()
     {
         bench_.advance(away_ms + 1);

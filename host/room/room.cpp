@@ -195,7 +195,7 @@ void Room::carry_out_geometry(std::uint32_t tick, const RoomCommand &command)
     }
 }
 
-// At the first tick the room is set up: a pose ordered then applies without motion.
+// The room is set up at the first tick: a pose ordered during that tick applies at once, without motion.
 void Room::move(std::uint32_t tick, const GantryPose &pose)
 {
     if (tick > 0) return gantry_.aim(pose);

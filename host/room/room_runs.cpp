@@ -11,7 +11,7 @@ namespace
 {
 
 // The largest of many differences includes the noise of a frame, so that noise is subtracted from a roadmap.
-// The amount is the median, which is background, plus so many times the distance from the median to the
+// The amount is the median (the background) plus a fixed multiple of the distance from the median to the
 // lowest tenth.
 constexpr float roadmap_noise_steps = 2.0f;
 

@@ -63,8 +63,8 @@ void appose(const Stent &stent, const StentWall *wall, StentFigures &figures)
     figures.bedded_share = static_cast<double>(bedded) / static_cast<double>(stent.points().size());
 }
 
-// Measures a ring seen along its axis: the area of its points' polygon over that of a regular polygon in its
-// circle.
+// Measures a ring seen along its axis: the area of the polygon through its points, divided by the area of the
+// regular polygon in its circle.
 StentRing ring_of(const Stent &stent, int index)
 {
     const StentDesign &design = stent.design();

@@ -1,8 +1,8 @@
 """Hooks of mkdocs, with which the site shows the same as the repository's own view of Markdown.
 
-Links out of docs/ (to code, to NOTICE) become the path as code, since the site has no such pages. Python-Markdown
-starts a list, a table or an indented block only behind an empty line; we write them directly below a paragraph or a
-heading, so the empty line is put in here.
+Links to files outside docs/ (code, NOTICE) become the file's path in code font, since the site has no such pages.
+Python-Markdown starts a list, a table or an indented block only behind an empty line; we write them directly below
+a paragraph or a heading, so the empty line is put in here.
 """
 
 import re

@@ -122,7 +122,8 @@ class Gltf
         return *found;
     }
 
-    // A whole number not below `low`; `otherwise` where the key is missing (-1: it must be there).
+    // Reads a whole number of at least `low`. Where the key is missing, it returns `otherwise`; -1 means that
+    // the key is required.
     std::int64_t whole(const json &of, const char *key, const std::string &place, std::int64_t low = 0,
                        std::int64_t otherwise = -1) const
     {
