@@ -93,7 +93,7 @@ function(crn_prefix_header target level)
         return()
     endif()
     get_target_property(sources ${target} SOURCES)
-    if(NOT "${sources}" MATCHES "\\.cpp")
+    if(NOT "${sources}" MATCHES "\\.cpp" OR "${sources}" MATCHES "\\.c(;|$)") # of one language
         return()
     endif()
     string(MAKE_C_IDENTIFIER "crn_prefix_${level}" owner)
