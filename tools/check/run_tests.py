@@ -204,6 +204,7 @@ def make_jobs(options):
         ASAN_OPTIONS="detect_stack_use_after_return=1:strict_string_checks=1",
         UBSAN_OPTIONS="print_stacktrace=1",
         CRN_SANITIZED="1",
+        CRN_IMAGE=os.path.join(options.build, "firmware", "cournand-mps2_an500.elf"),
     )
     jobs = [(run_program, (path, [os.path.join(".", path)], environment)) for path in options.scripts]
     for name in options.programs:
