@@ -82,7 +82,7 @@ def rows(options, folder):
     subprocess.run(["git", "clone", "-q", ROOT, clone], check=True)
     cpu_s = spent(["tools/build.sh", "release", "run", "cournand"], clone)
     with open(os.path.join(clone, "build", "compile_commands.json"), encoding="utf-8") as file:
-        units = len({one["output"] for one in json.load(file)})
+        units = len(json.load(file))
     context = "%d cores, no cache" % os.cpu_count()
     yield "build.run_cpu_s", "%.0f" % cpu_s, "s", context
     yield "build.run_units", "%d" % units, "files", ""
