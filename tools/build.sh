@@ -26,5 +26,6 @@ if [ ! -e "$folder/build.ninja" ] || [ "$want" != "$have" ] || [ -n "${CMAKE_ARG
         exit 1
     fi
 fi
-status=${CRN_STATUS:-[%f/%t] }
-NINJA_STATUS=$status exec ninja -C "$folder" ${JOBS:+-j "$JOBS"} ${KEEP_GOING:+-k 0} ${V:+-v} --quiet "$@"
+quiet=--quiet
+[ ! -t 1 ] || quiet= # a person sees how far it is, in one line
+exec ninja -C "$folder" ${JOBS:+-j "$JOBS"} ${KEEP_GOING:+-k 0} ${V:+-v} $quiet "$@"
