@@ -27,8 +27,8 @@ help: ## this list
 	@awk -F':.*## ' '/^##@ /{printf "\n%s\n",substr($$0,5)} \
 	    /^[a-z0-9%-]+:.*## /{printf "  make %-20s %s\n",$$1,$$2}' $(MAKEFILE_LIST)
 
-run: packages-build+run ## build, run the demo into out/, and open the window where there is a display
-	$(call build,release,run,cournand)
+run: packages-build+run$(if $(DISPLAY),+window) ## build, run the demo into out/, and open the window where there is a display
+	$(call build,release,run$(if $(DISPLAY),$(comma)window),cournand)
 	$(again) $(DEMO_OUT)
 	@echo "Written: $(DEMO_OUT)"
 	@if [ -n "$$DISPLAY" ]; then \
@@ -36,8 +36,8 @@ run: packages-build+run ## build, run the demo into out/, and open the window wh
 	    echo "The demo is complete; only the window did not open."; \
 	else echo "No display, so no window: 'make window' opens it where there is one."; fi
 
-window: packages-build+run ## push and turn a guidewire by keyboard (needs a display)
-	$(call build,release,run,cournand)
+window: packages-build+run+window ## push and turn a guidewire by keyboard (needs a display)
+	$(call build,release,run$(comma)window,cournand)
 	$(again) $(SCENE)
 	@$(BUILD)/bin/cournand view --scene $(SCENE) --instrument $(WIRE) --record out/view.rec
 

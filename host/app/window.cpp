@@ -6,7 +6,7 @@
 #include "host/base/interrupt.hpp"
 #include "host/base/terminal.hpp"
 #include "host/command/cli.hpp"
-#include "host/picture/screen.hpp"
+#include "host/screen/screen.hpp"
 #include "host/report/session_summary.hpp"
 #include <algorithm>
 #include <chrono>

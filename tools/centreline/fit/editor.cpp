@@ -1,7 +1,7 @@
 // Keys and pointer change the project; the fit and the picture follow.
 #include "tools/centreline/fit/editor.hpp"
 #include "host/base/pending_file.hpp"
-#include "host/picture/screen.hpp"
+#include "host/screen/screen.hpp"
 #include "tools/centreline/fit/guided.hpp"
 #include "tools/centreline/fit/tree_picture.hpp"
 #include "tools/centreline/formats.hpp"

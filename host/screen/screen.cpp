@@ -1,5 +1,5 @@
 // Shows the window with GLFW and OpenGL 3.3 core.
-#include "host/picture/screen.hpp"
+#include "host/screen/screen.hpp"
 #define GLFW_INCLUDE_NONE
 #include "host/xray/gl/gl_program.hpp"
 #include <GLFW/glfw3.h>
