@@ -1,4 +1,4 @@
-// The text of a scene (TOML), read and checked key by key: docs/scene.md.
+// The text of a scene (TOML) is read and checked key by key (docs/scene.md).
 #pragma once
 #include "tools/mesh/fault.hpp"
 
@@ -53,8 +53,8 @@ struct LumenText {
     double outside_mm = 1.5;
 };
 
-// The centrelines along which blood flows (branches.hpp). A branch is named after its file, without
-// ".mrk.json".
+// The centrelines from which the tree of vessels with flowing blood is made (branches.hpp). A branch is named
+// after its file, without ".mrk.json".
 struct TreeText {
     std::vector<std::filesystem::path> centrelines; // resolved; empty: no tree
     bool is_of_lumen =
@@ -84,7 +84,7 @@ struct EntryText {
     double distance_mm = 8.0;
 };
 
-// The steps that a body's mesh goes through before it is written, in this order. A step whose length is 0 is
+// A body's mesh goes through these steps, in this order, before it is written. A step whose length is 0 is
 // skipped.
 struct FormText {
     double solid_mm = 0;           // voxel of the level set from which the surface is made anew
@@ -134,7 +134,7 @@ struct SceneText {
     std::vector<BodyText> bodies;
 };
 
-// The folders with which paths may begin.
+// A path in the text may begin with a name for one of these folders.
 struct Folders {
     std::filesystem::path data;    // "data:", anatomy that does not ship
     std::filesystem::path shipped; // "shipped:", the meshes that `anatomy` has made

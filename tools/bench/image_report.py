@@ -3,8 +3,8 @@
 
   image_report.py --build build --port mps2_an500
 
-The stack is the longest path through the compiler's call graph from main(), plus one exception with its handler.
-Calls by address reach only the port's functions, which are named here. Ends with 1 when RAM or stack are over their
+The stack is the longest path through the compiler's call graph from main(), plus one exception with its handler. Calls
+by address reach only functions of the port, which this program lists. The exit code is 1 when RAM or stack exceed their
 limits, or when a forbidden name is in the image.
 """
 

@@ -1,4 +1,4 @@
-// Steady flow through a tree by Poiseuille's law (docs/centreline.md).
+// Computes the steady flow through a tree by Poiseuille's law (docs/centreline.md).
 #pragma once
 #include "tools/centreline/tree.hpp"
 
