@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The include graph has only the arrows listed here (DESIGN: layers point one way). Prints TAP."""
+"""Claims: the include graph has only the arrows listed here, which point from higher layers to lower ones. Prints
+TAP."""
 
 import os
 import re
@@ -350,7 +351,7 @@ def row_of(path, table):
 
 
 def includes(text):
-    """Yields (line, quoted name or None, system name or None); comments are ignored."""
+    """Yields (line, quoted name or None, system name or None) of every include; comments are ignored."""
     plain = re.sub(r"/\*.*?\*/", tree.blank_all, text, flags=re.S)
     for match in INCLUDE.finditer(plain):
         yield tree.line_of(plain, match.start(1) if match.group(1) else match.start(2)), match.group(1), match.group(2)
@@ -391,7 +392,8 @@ def is_test(path):
 
 
 def check_cycles(graph):
-    """Yields header cycles, found by removing files whose includes are all removed, until nothing changes."""
+    """Yields header cycles. They remain when files whose includes are all removed are removed in turn, until nothing
+    changes."""
     left = dict(graph)
     while True:
         free = [path for path, targets in left.items() if not any(t in left for t in targets)]

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Every shipped session that runs in the aorta, and those without a scene: each reaches the end that it states, and
-with its turns left out it does not.
+"""Tests every shipped session that runs in the aorta or without a scene: each reaches the end that it names, and
+without its turns it does not.
 
-Anatomy and scene are made as `make run` makes them, but for what is only seen: the scene is the same to the byte. The
-renal angioplasty has a scene of its own, with its lesion. The sessions of the heart are run by
-test_heart_sessions.py, the short angioplasties by hil_tests/test_pci.cpp.
+Anatomy and scene are made as by `make run`, except for the bodies that only pictures need; the scene file is the same
+to the byte. The renal angioplasty has its own scene with its lesion. test_heart_sessions.py runs the sessions of the
+heart, and hil_tests/test_pci.cpp runs the short angioplasties.
 """
 
 import os

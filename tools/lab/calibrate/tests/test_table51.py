@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Tests the chain of `make table51`.
+"""Tests the chain of programs that `make table51` runs.
 
-Claims: the fast preset fits the Amplatz to a truth that its file does not have, and reports its findings. The chain of
-all nine keeps what is finished, names what fails, continues after Ctrl-C, and fills the page. The second part runs the
-chain with programs of a few lines in place of the real ones; they return the first part's results. Prints TAP.
+Claims: the fast preset fits the Amplatz to a truth whose stiffness differs from the file's, and reports its findings.
+The chain of all nine instruments keeps finished results, names failures, continues after Ctrl-C, and fills the page.
+The second part replaces the real programs with programs of a few lines, which return the first part's results. Prints
+TAP.
 """
 
 import csv
@@ -131,7 +132,7 @@ def check_fast(tap, output):
 
 
 class Rehearsal:
-    """Runs the chain with fake programs, which record their arguments."""
+    """Runs the chain with the replacement programs, which record their arguments."""
 
     def __init__(self, work, real):
         self.folder, self.output = os.path.join(work, "fake"), os.path.join(work, "out")
