@@ -19,8 +19,8 @@ struct Options {
 // Returns the checked and closed surface of the lumen. Adds a line to `report` for each repair.
 Mesh lumen_surface(const SceneText &text, std::string &report, Progress &progress);
 
-// Bakes the scene, writes its files and returns the report (docs/scene.md). Throws Fault, or throws
-// UsageError before any file has changed when an output would overwrite an input.
+// Bakes the scene, writes its files and returns the report (docs/scene.md). Throws Fault if the scene cannot
+// be baked. Throws UsageError if an output would overwrite an input; no file has then been changed.
 std::string bake(const Options &options, Progress &progress);
 
 } // namespace crn::bake

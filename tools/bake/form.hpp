@@ -22,7 +22,7 @@ Deviation deviation(const Mesh &one, const Mesh &other, std::size_t points_each)
 Deviation decimate(Mesh &mesh, double error_mm);
 
 // Makes one body of the scene's text from the mesh file that the text names. `made` holds the bodies made
-// before it, and `report` gets one or two lines. The report gets a line or two.
+// before it, and `report` gets one or two lines.
 Mesh form_body(const BodyText &body, const std::vector<BakedBody> &made, std::string &report);
 
 // Returns one line for each body that protrudes from the body around it, or enters a neighbouring body, by

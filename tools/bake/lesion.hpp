@@ -7,8 +7,10 @@
 //
 // The channel narrows as a cosine (Young and Tsai, J Biomech 6 (1973) 395, eq. 1):
 //   r = R (1 - S (1 + cos(2 pi u)) / 2)
-// for u from -1/2 to 1/2 along the lesion, where S is the stenosis by diameter. The middle of the channel
-// lies e (R - r) from the vessel's middle, away from the plaque.
+//
+// Here u runs from -1/2 to 1/2 along the lesion, R is the radius of the healthy vessel, and S is the stenosis
+// by diameter. With eccentricity e, the middle of the channel lies e (R - r) from the vessel's middle, away
+// from the plaque.
 #pragma once
 #include "host/model/lesion_wall.hpp"
 #include "tools/bake/container.hpp"

@@ -42,7 +42,7 @@ Referee measure_contact(const crn_lumen *lumen, const TriangleTree &tree, std::s
                         std::uint64_t seed, Progress &progress);
 
 // Returns the radius of the smallest ball that touches two opposite walls. The walls must be at least 120
-// degrees apart as seen from its centre; up to `points` places of the surface are tried.
+// degrees apart as seen from the ball's centre; up to `points` places of the surface are tried.
 Worst smallest_radius(const TriangleTree &tree, std::size_t points);
 
 } // namespace crn::bake

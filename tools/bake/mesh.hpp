@@ -42,8 +42,8 @@ void weld(Mesh &mesh);
 // report). Throws Fault otherwise.
 void check_closed(Mesh &mesh, Cap cap);
 
-// Only caps the openings. It serves meshes whose surface is remade afterwards (solid.hpp), which may be
-// non-manifold and may cross themselves.
+// Only caps the openings. This function serves meshes whose surface is remade afterwards (solid.hpp), which
+// may be non-manifold and may cross themselves.
 void cap_openings(Mesh &mesh, Cap cap);
 
 // Throws Fault with the first pair and the number of pairs when triangles cross without sharing a vertex.

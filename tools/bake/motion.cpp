@@ -1,4 +1,5 @@
-// Fits the lattice: solves one sparse system per keyframe for all three components together.
+// Fits the lattice: solves one sparse system per keyframe for all three components of the displacement
+// together.
 #include "tools/bake/motion.hpp"
 #include "host/model/motion.hpp"
 #include "shared/scene/scene.h"
@@ -90,8 +91,8 @@ struct Moving {
     }
 };
 
-// Makes a lattice around everything that moves, with enough margin for the displacement to fall to zero. Its
-// corner lies on a multiple of the spacing.
+// Makes a lattice around everything that moves, with enough margin for the displacement to fall to zero. The
+// lattice's corner lies on a multiple of the spacing.
 Lattice lattice_for(const Moving &moving, double spacing_mm, double reach_spacings)
 {
     Lattice lattice;

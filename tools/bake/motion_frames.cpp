@@ -44,7 +44,7 @@ std::vector<Eigen::Vector3d> frame_vertices(const std::filesystem::path &file, c
 }
 
 // Checks that no vertex moves farther between neighbouring frames than a vessel wall can in 1/24 of a beat.
-// The last frame and the first are neighbours too.
+// The last frame and the first frame also count as neighbours.
 void check_jumps(const Sequence &frames, const std::vector<std::filesystem::path> &files)
 {
     constexpr double jump_mm = 8.0; // faster than any wall: 0.2 m/s over 1/24 s

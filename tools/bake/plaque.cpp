@@ -40,7 +40,7 @@ class Stretch
     }
     double length_m() const { return arcs_m_.back(); }
 
-    // Beyond its ends the vessel continues straight and healthy.
+    // Beyond the lesion's ends the vessel continues straight and healthy.
     Station at(double arc_m) const
     {
         const auto after = std::upper_bound(arcs_m_.begin() + 1, arcs_m_.end() - 1, arc_m);

@@ -11,7 +11,8 @@
 namespace crn::bake
 {
 
-// The steps from file coordinates to patient millimetres, in this order: axes, unit, scale, rotation, offset.
+// These values convert file coordinates to patient millimetres in this order: axes, unit, scale, rotation,
+// offset.
 struct Placement {
     std::string unit; // "mm"; empty for centrelines, whose files state their unit
     Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
@@ -53,8 +54,8 @@ struct LumenText {
     double outside_mm = 1.5;
 };
 
-// The centrelines from which the tree of vessels with flowing blood is made (branches.hpp). A branch is named
-// after its file, without ".mrk.json".
+// Names the centrelines from which the tree of vessels with flowing blood is made (branches.hpp). A branch is
+// named after its file, without ".mrk.json".
 struct TreeText {
     std::vector<std::filesystem::path> centrelines; // resolved; empty: no tree
     bool is_of_lumen =

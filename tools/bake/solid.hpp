@@ -12,11 +12,12 @@ constexpr double solid_voxels_max =
 
 // Returns the closed surface that lies `offset_mm` outside the mesh (negative: inside), made on a grid of
 // `voxel_mm`. Openings of the mesh are capped. Flat details thinner than about a voxel are lost. The result
-// is empty when no place of the body is that deep. Throws Fault when the grid would need too many voxels.
+// is empty when no place of the body is as deep as `offset_mm`. Throws Fault when the grid would need too
+// many voxels.
 Mesh offset_surface(const Mesh &mesh, double voxel_mm, double offset_mm);
 
-// Expands the mesh by `close_mm` and shrinks it again. This fills hollows and gaps up to twice `close_mm`
-// wide and leaves the rest of the outside unchanged.
+// Expands the mesh by `close_mm` and shrinks it again. This closing fills hollows and gaps up to twice
+// `close_mm` wide and leaves the rest of the outside unchanged.
 Mesh closed_surface(const Mesh &mesh, double voxel_mm, double close_mm);
 
 // Returns the part of `mesh` that lies in the box.

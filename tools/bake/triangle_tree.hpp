@@ -1,6 +1,6 @@
-// Computes exact geometry of a closed triangle mesh. It gives the signed distance, whose sign comes from
-// angle-weighted normals of the nearest feature (Baerentzen & Aanaes 2005), and the triangles near a box. All
-// approximations of `bake` are compared with it.
+// Computes exact geometry of a closed triangle mesh. This class gives the signed distance, whose sign comes
+// from angle-weighted normals of the nearest feature (Baerentzen & Aanaes 2005), and the triangles near a
+// box. All approximations of `bake` are compared with this exact geometry.
 #pragma once
 #include "tools/bake/mesh.hpp"
 
@@ -24,9 +24,9 @@ class TriangleTree
     // is known.
     Nearest nearest(const Eigen::Vector3d &p_mm, double bound_mm = INFINITY) const;
 
-    // Returns the winding number of the surface around a place: 1 inside, 0 outside. It is counted along a
-    // ray from that place. The winding number is therefore right where a thin sheet is folded over at its
-    // edge. The sign of nearest() is wrong wherever the fold is the nearest place.
+    // Returns the winding number of the surface around a place: 1 inside, 0 outside. The winding number is
+    // counted along a ray from that place. The winding number is therefore right where a thin sheet is folded
+    // over at its edge. The sign of nearest() is wrong wherever the fold is the nearest place.
     int winding(const Eigen::Vector3d &p_mm) const;
 
     // Lists the triangles whose bounding box overlaps the given box.

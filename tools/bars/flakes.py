@@ -6,7 +6,7 @@ fail (docs/bars.md).
 
 The tests are those of tools/bars/flakes.txt, run as `make test` runs them. Writes out/flakes.tsv after every round, so
 that an interrupted run keeps its results. The output of a failed test is kept in out/flakes. The last line is
-`flakes.failed<TAB>N`, the number of failed runs; the exit code is 1 if there is one.
+`flakes.failed<TAB>N`, the number of failed runs; the exit code is 1 if N is not 0.
 """
 
 import argparse
@@ -66,7 +66,7 @@ def run_round(jobs, number, at_once):
 
 
 def run_rounds(jobs, options):
-    """Returns the numbers of the failed rounds, by test."""
+    """Returns for each test the numbers of the rounds in which it failed."""
     failed = collections.defaultdict(list)
     for number in range(1, options.rounds + 1):
         for outcome in run_round(jobs, number, options.jobs):

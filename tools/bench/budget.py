@@ -4,10 +4,10 @@
   budget.py --build build [--accept] [--profile CASE]
 
 QEMU with -icount shift=0 counts an instruction as one nanosecond; the stack is the longest path through the compiler's
-call graph; sizes are those of the object files. The exit code is 1 when a row is more than 3 % over the tracked row,
-when a row is missing there, or when the image calls a forbidden helper. Forbidden are soft-float and divide helpers,
-and a heap. --accept writes the tracked file. --profile prints the instructions of two ticks of a case, function by
-function, and measures nothing else.
+call graph; sizes are those of the object files. The exit code is 1 when a row is more than 3 % over its value in the
+tracked file, when the tracked file lacks a row, or when the image calls a forbidden helper. Soft-float helpers, divide
+helpers and heap functions are forbidden. --accept writes the tracked file. --profile prints the instructions of two
+ticks of a case, function by function, and measures nothing else.
 """
 
 import argparse

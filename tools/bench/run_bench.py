@@ -132,7 +132,7 @@ def demo_command(options):
 
 
 def realtime_factor(options, picture_arguments):
-    """Returns the simulated seconds per second of the demo session, from the time that cournand reports."""
+    """Returns how many seconds the demo session simulates per second of real time, as cournand reports."""
     with tempfile.TemporaryDirectory() as folder:
         timing = os.path.join(folder, "timing.json")
         run(
@@ -167,8 +167,8 @@ def wire_cases(options):
 
 
 def make_calibration(options, folder):
-    """Makes a calibration case in the phantom. Its second depth is 300 mm, and its scans show an insertion of the
-    nominal instrument."""
+    """Makes a calibration case in the phantom. The case's second depth is 300 mm, and its scans show an insertion of
+    the nominal instrument."""
     phantom = os.path.join(folder, "phantom")
     run([os.path.join(options.build, "bin", "anatomy"), "phantom", "-o", phantom, "--no-bodies", "--quiet"])
     text = os.path.join(phantom, "scene.toml")

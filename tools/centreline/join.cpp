@@ -1,5 +1,5 @@
-// Joins separate curves into a tree. It finds which curve begins inside which other, and where it leaves that
-// curve.
+// Joins separate curves into a tree. The code finds which curve begins inside which other, and where it
+// leaves that curve.
 #include "tools/centreline/tree.hpp"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // A vessel tree is a set of branches, each of which is an ordered list of inscribed spheres. The centreline
 // tool makes such trees, files store them, and `bake` and the flow of contrast medium read them. Lengths are
-// millimetres; the axes are those of the mesh from which it was made.
+// in millimetres, in the axes of the mesh from which the tree was made.
 #pragma once
 #include "tools/mesh/fault.hpp"
 
@@ -66,7 +66,7 @@ struct LinePlace {
 LinePlace line_place(const Branch &branch, const Eigen::Vector3d &p_mm);
 
 // Returns the first sphere of the branch whose centre lies outside its parent's tube; 0 for a root. The
-// spheres before it only connect the parent's middle with the wall.
+// branch's spheres before that one only connect the parent's middle with the wall.
 std::size_t first_own_sphere(const Tree &tree, std::size_t branch);
 
 // Makes a tree from curves as 3D Slicer and VMTK store them, which is one curve per file or per outlet. A

@@ -1,7 +1,7 @@
 /* Drives the core through the scenes of core_scenes.c and prints its state hashes. Every compiler,
  * optimisation level and machine must print the same lines (tools/check/tests/test_compilers.sh,
- * tools/check/matrix.py). To find where the results of two machines begin to differ, it also prints a hash
- * per tick and subsystem, and every word of one tick.
+ * tools/check/matrix.py). To find where the results of two machines begin to differ, the program also prints
+ * a hash per tick and subsystem, and every word of one tick.
  *
  * Freestanding, with its memory in itself: runs on a bare Cortex-M7 as on a PC. */
 #include "tools/check/console.h"

@@ -8,7 +8,7 @@
  *               ================================|
  *
  * fine: a stiff uniform wire is pushed, pulled and turned as fast as the core allows, so that the core's
- * limits act. The tube is the same but 4 mm wide, and it is made of refined bricks.
+ * limits act. This tube has the same shape but is 4 mm wide, and it is made of refined bricks.
  *
  * air: a floppy shaped wire hangs without a lumen and is turned.
  *
@@ -372,7 +372,7 @@ static crn_rhythm_order order_at(uint32_t tick)
     }
 }
 
-/* The pressure rises to 12 bar and falls, twice, and then rises beyond the balloon's burst pressure; the
+/* The balloon's pressure rises to 12 bar and falls, twice, and then rises beyond the burst pressure; the
  * catheter moves back and forth by 5 mm.
  */
 static crn_input inflated(uint32_t tick, uint32_t variant)

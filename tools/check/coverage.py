@@ -41,7 +41,7 @@ def call(words):
 
 
 def profiles_in(folder):
-    """Returns every .profraw file below a folder that is not empty; a killed program may leave an empty file."""
+    """Returns every .profraw file below a folder except empty files, which a killed program may leave."""
     found = []
     for parent, _, names in os.walk(folder):
         found += [os.path.join(parent, name) for name in names if name.endswith(".profraw")]

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Measures the structure of the code: include circles of rooms (folders), long functions and files, and crowded
-folders. It also counts the rooms that depend on the program `cournand`, and measures the largest struct.
+folders. The script also counts the rooms that depend on the program `cournand`, and measures the largest struct.
 
   house.py [--write FILE]
 

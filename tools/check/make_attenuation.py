@@ -49,13 +49,13 @@ MATERIALS = [
 
 
 class Compound(ctypes.Structure):
-    """The fields of struct compoundData (xraylib-parser.h) that this script reads."""
+    """Mirrors those fields of struct compoundData (xraylib-parser.h) that this script reads."""
 
     _fields_ = [("element_count", ctypes.c_int), ("atoms", ctypes.c_double), ("elements", ctypes.POINTER(ctypes.c_int))]
 
 
 class Mixture(ctypes.Structure):
-    """The fields of struct compoundDataNIST (xraylib-nist-compounds.h) that this script reads."""
+    """Mirrors those fields of struct compoundDataNIST (xraylib-nist-compounds.h) that this script reads."""
 
     _fields_ = [("name", ctypes.c_char_p), ("element_count", ctypes.c_int), ("elements", ctypes.POINTER(ctypes.c_int))]
 

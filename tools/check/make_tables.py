@@ -5,9 +5,9 @@
   make_tables.py --check    fail when the committed file differs from what this program writes
 
 Lines: on each interval we take the chord of the convex function and lower it by half its largest distance from the
-curve. This is the straight line with the smallest worst error. One Newton step in fixed.h then doubles the number of
-correct bits. Polynomial: we interpolate at the Chebyshev points of the interval, which is within a factor of about two
-of the best polynomial.
+curve. The lowered chord is the straight line with the smallest worst error. One Newton step in fixed.h then doubles the
+number of correct bits. Polynomial: we interpolate at the Chebyshev points of the interval, which is within a factor of
+about two of the best polynomial.
 """
 
 import math

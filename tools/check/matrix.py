@@ -5,10 +5,11 @@ first difference.
   matrix.py [--short] [--jobs 2] [--only TEXT] [--break VARIANT:TICK:PART:NODE]
 
 Builds tools/check/core_hash.c with the core for each variant and runs it natively, in QEMU, or on an emulated Cortex-M7
-board. Prints a table and writes out/matrix.tsv. Where a variant differs from the first, it finds the first tick that
-differs, the first part of that tick, and the first node. The parts are feed, stretch, twist, contact, force, solve,
-angle, friction and motion. --short runs one variant per machine and writes no table. --break flips one bit in one
-variant, to show the search. The exit code is 0 if all variants give one hash, 1 if not, and 2 for a usage error.
+board. Prints a table and writes out/matrix.tsv. Where a variant differs from the first variant, the script finds the
+first tick, the first part of that tick, and the first node that differ. The parts are feed, stretch, twist, contact,
+force, solve, angle, friction and motion. --short runs one variant per machine and writes no table. --break flips one
+bit in one variant, to show the search. The exit code is 0 if all variants give one hash, 1 if not, and 2 for a usage
+error.
 """
 
 import argparse

@@ -30,7 +30,7 @@ INPUT_BYTES_MAX = 4096  # longer inputs are slower and reach nothing more
 
 
 def write_seeds(build, name, corpus):
-    """Writes valid inputs into the corpus. Returns None, or a sentence when this fails."""
+    """Writes valid inputs into the corpus. Returns None, or a sentence that states the error when writing fails."""
     program = os.path.join(build, "test", name + "_seeds")
     if not os.access(program, os.X_OK):
         return "%s did not build" % program
@@ -55,8 +55,8 @@ def keep_corpus(build, name):
     """Writes NAME.corpus: inputs, short ones first, that together reach every edge that BUILD/corpus/NAME reaches.
     Returns (ok, text).
 
-    During a merge libFuzzer writes a control file; it states which edges an input is the first to reach. Inputs that
-    are the first to reach an edge are kept."""
+    During a merge libFuzzer writes a control file, which states the edges that each input is the first to reach. Inputs
+    that are the first to reach an edge are kept."""
     program, learnt = os.path.join(build, "test", name), os.path.join(build, "corpus", name)
     inputs = []
     with tempfile.TemporaryDirectory() as folder:

@@ -3,12 +3,12 @@
 
   run_tests.py --build build --jobs 2 --label product|lab
 
-The list comes from CTest: all tests of the folder BUILD that have the label. With the label `product` it also includes
-the tests of BUILD/san, which are the same tests under sanitizers, and the fuzz targets. Every program and script prints
-TAP: a plan `1..N` and one line per test. A program that is missing, crashes, exceeds its time limit or breaks its plan
-counts as one failed test, whatever else it printed. Lines that begin with `#- ` are figures; they are printed below the
-line of their program. The list of failures is followed by the seconds of each program, slowest first. The last line is
-`N passed, N failed, N skipped`; the exit code is 1 when something failed or nothing ran.
+The list comes from CTest: all tests of the folder BUILD that have the label. With the label `product` the list also
+includes the tests of BUILD/san, which are the same tests under sanitizers, and the fuzz targets. Every program and
+script prints TAP: a plan `1..N` and one line per test. A program that is missing, crashes, exceeds its time limit or
+breaks its plan counts as one failed test, whatever else it printed. Lines that begin with `#- ` are figures; they are
+printed below the line of their program. The list of failures is followed by the seconds of each program, slowest first.
+The last line is `N passed, N failed, N skipped`; the exit code is 1 when something failed or nothing ran.
 """
 
 import argparse

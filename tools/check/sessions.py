@@ -35,7 +35,7 @@ def scene_text(made, lesion):
 
 
 class Sessions:
-    """Has a folder for the outputs, and counts results."""
+    """Runs sessions with a folder for their outputs, and counts the results."""
 
     def __enter__(self):
         self.folder = tempfile.mkdtemp(prefix="cournand_sessions_")

@@ -1,4 +1,4 @@
-"""Shared by the checks of the source tree: the list of files, the code in them, and TAP output. The scripts
+"""Provides what the checks of the source tree share: the list of files, the code in them, and TAP output. The scripts
 tools/check/test_*.py import this module."""
 
 import os

@@ -11,14 +11,14 @@ A command is a line of an indented or fenced block that begins as a command: wit
 script of this repository or a tool from Debian. If the line ends with `\\`, the next line continues the command. In a
 block with `$`, only lines that begin with `$` are commands; the other lines show what is printed.
 
-A marker above the block states what a program cannot know. Without it, a command has the class `short`, or `make` when
-it begins with this word:
+A marker above the block states what this program cannot find out itself. Without it, a command has the class `short`,
+or `make` when it begins with this word:
 
   <!-- command: CLASS[; exit N][; only TEXT][; with A=B C=D][; adding WORDS] -->
 
 `only` selects the block's lines that contain TEXT; several such markers may stand above one block. `exit` is the
-expected exit code. `with` replaces names that stand for the reader's own before the command runs. `adding` gives words
-that are added to the command, such as options for a smaller picture.
+expected exit code. `with` replaces placeholders, such as names of the reader's own files, before the command runs.
+`adding` gives words that are added to the command, such as options for a smaller picture.
 """
 
 import argparse

@@ -297,7 +297,7 @@ class Maker:
 
 
 def seconds_of(wanted, report):
-    """Returns a moment of a film as a time. A moment is given in seconds, as `end`, as `expect N` (when the session's
+    """Returns the time of a moment in a film. A moment is given in seconds, as `end`, as `expect N` (when the session's
     Nth expectation was judged), or as `run N at S` (S seconds into an X-ray run)."""
     if not isinstance(wanted, str):
         return wanted

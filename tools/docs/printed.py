@@ -4,9 +4,10 @@
   printed.py --write     run every command and write its lines into the documents
   printed.py --check     exit 1 when a document shows other lines
 
-A line `<!-- printed by: COMMAND -->` marks a block. The indented lines below it are the command with `$`, followed by
-lines of what it prints on standard output. A line `...` stands for omitted lines, up to the next line that is shown or
-up to the end. COMMAND runs in the root folder of the repository; `cournand` in it means build/bin/cournand.
+A line `<!-- printed by: COMMAND -->` marks a block. The indented lines below that line are the command with `$`,
+followed by lines that the command prints on standard output. A line `...` stands for omitted lines, up to the next line
+that is shown or up to the end. COMMAND runs in the root folder of the repository; `cournand` in it means
+build/bin/cournand.
 """
 
 import argparse

@@ -1,8 +1,8 @@
 """Hooks of mkdocs that make the site show Markdown as the repository's own view does.
 
 A link to a file outside docs/ (code, NOTICE) becomes the file's path in code font, since the site has no page for such
-a file. Python-Markdown starts a list, a table or an indented block only behind an empty line. Our documents have them
-directly below a paragraph or a heading, so the empty line is inserted here.
+a file. Python-Markdown starts a list, a table or an indented block only behind an empty line. Our documents have lists,
+tables and blocks directly below a paragraph or a heading, so the empty line is inserted here.
 """
 
 import re

@@ -6,10 +6,10 @@
   importers.py --program build/bin/importers --files 3600 -o out/importers.tsv
 
 The files are seeded mutations (--seed) of valid files, and a list of files made by hand. The program `importers` runs
-the real readers. strict.py reads each accepted file again, and both must read the same content. If they do not, the
-program was silently wrong. The rows are importers.files, importers.crashes (the program ended, or a sanitizer found an
-error in our code), importers.over_20s, importers.over_2GB and importers.silently_wrong. The exit code is 1 unless all
-rows but the first are 0.
+the real readers. strict.py reads each accepted file again, and both must read the same content. If the two readings
+differ, the program was silently wrong. The rows are importers.files, importers.crashes (the program ended, or a
+sanitizer found an error in our code), importers.over_20s, importers.over_2GB and importers.silently_wrong. The exit
+code is 1 unless all rows but the first are 0.
 """
 
 import argparse

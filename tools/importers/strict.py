@@ -29,8 +29,8 @@ def single(value):
 
 
 def summed(vertices, faces):
-    """Returns the digest of a mesh. A polygon is compared with the triangles of its fan, and the corners of both match
-    only for triangles."""
+    """Returns the digest of a mesh. The program splits a polygon into a fan of triangles, which repeats corners. The
+    sum of corners is therefore returned only if all faces are triangles."""
     total, low, high, triangles, other = 0.0, math.inf, -math.inf, 0, 0
     for face in faces:
         if any(not 0 <= corner < len(vertices) for corner in face):

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Lists the parts of the programs that come from outside this repository. These are the libraries that programs link,
-libraries that those load in turn, headers that become part of programs, and libraries that programs open on request.
-The parts are found in the programs themselves (readelf, ldd) and in the sources' #include lines, and they are named by
-the Debian package of each file. licences.tsv beside this file gives the licences.
+"""Lists the parts of the programs that come from outside this repository. The parts are the libraries that programs
+link, libraries that those load in turn, headers that become part of programs, and libraries that programs open on
+request. The parts are found in the programs themselves (readelf, ldd) and in the sources' #include lines, and they are
+named by the Debian package of each file. licences.tsv beside this file gives the licences.
 
   supply.py notice --build build            compare NOTICE with the findings; exit code 1 if they differ
   supply.py notice --build build --write    update NOTICE between its two marks

@@ -1,4 +1,4 @@
-// Meshes whose distances are known in closed form for the tests of bake, with scene texts and folders.
+// Provides meshes whose distances are known in closed form, scene texts and folders for the tests of bake.
 #pragma once
 #include "host/base/pending_file.hpp"
 #include "tools/bake/bake.hpp"
@@ -13,7 +13,8 @@
 namespace crn::bake::tests
 {
 
-// Returns a surface over a u-v grid. It is always closed along v, and closed along u when `round_u` is set.
+// Returns a surface over a u-v grid. The surface is always closed along v, and closed along u when `round_u`
+// is set.
 inline Mesh grid_mesh(int nu, int nv, bool round_u, const std::function<Eigen::Vector3d(double, double)> &at)
 {
     Mesh mesh;

@@ -96,7 +96,8 @@ void closing_fills_the_hole_of_a_ring_and_keeps_its_outside(void **)
 {
     const Mesh ring = torus(10, 6, 160, 80);
     // The tube of the ring has a radius of 13 mm after it is expanded by 7 mm, so the ring's middle is then
-    // full from -8.3 to 8.3 mm along the axis. After shrinking by 7 mm, 1.3 mm of it remain to either side.
+    // full from -8.3 to 8.3 mm along the axis. After shrinking by 7 mm, the middle is full from -1.3 to 1.3
+    // mm along the axis.
     const Mesh full = closed_surface(ring, 0.4, 7);
     assert_true(TriangleTree(ring).nearest({0, 0, 0}).distance_mm > 3.9);
     assert_true(TriangleTree(full).nearest({0, 0, 0}).distance_mm < -1);

@@ -1,4 +1,4 @@
-// Claims: a lesion narrows tree, surface and field alike, as its text states. It leaves the rest of the
+// Claims: a lesion narrows tree, surface and field alike, as its text states. A lesion leaves the rest of the
 // vessel unchanged, and it keeps the mesh closed with its vertices in place. A text whose values do not fit
 // the vessel is refused by name.
 extern "C" {

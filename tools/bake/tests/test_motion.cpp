@@ -129,8 +129,8 @@ void the_moved_lumen_is_the_moved_mesh_in_every_frame(void **)
     assert_int_equal(scene.motion.spacing_log2_q30, 23);
 }
 
-// Breath is fitted to the first frame alone and must carry every other frame too, because a moving chest
-// moves the beating heart.
+// The lattice of breath is fitted to the first frame alone and must carry every other frame too, because a
+// moving chest moves the beating heart.
 void a_full_breath_carries_every_frame(void **)
 {
     Folder folder;
@@ -194,8 +194,8 @@ void bodies_go_to_the_reference_pose_with_the_lumen(void **)
     assert_true(nearest_mm < 0.3);
 }
 
-// A lesion of 60 % at 220 degrees of the ring is made in the reference pose. Carried to a frame, its
-// narrowest point lies where the motion carries that place of the ring.
+// A lesion of 60 % at 220 degrees of the ring is made in the reference pose. When the lesion is carried to a
+// frame, its narrowest point lies where the motion carries that place of the ring.
 void a_lesion_moves_with_its_vessel(void **)
 {
     Folder folder;

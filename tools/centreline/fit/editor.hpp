@@ -15,8 +15,8 @@ struct EditorWish {
     FlowSettings flow;
 };
 
-// Returns the place that a click at these pixels selects, if any. It lies in the middle of the vessel,
-// halfway between the first two walls along the line of sight.
+// Returns the place that a click at these pixels selects, if any. The selected place lies in the middle of
+// the vessel, halfway between the first two walls along the line of sight.
 struct View;
 std::optional<Eigen::Vector3d> picked(const Lumen &lumen, const View &view, double x, double y);
 

@@ -1,5 +1,5 @@
 // Fits a tree semi-automatically: a person gives start, end and bifurcation points, and the tool finds the
-// branches between them. It can also propose such points.
+// branches between them. The tool can also propose such points.
 #pragma once
 #include "tools/centreline/fit/grow.hpp"
 #include "tools/centreline/fit/points.hpp"

@@ -53,8 +53,8 @@ void smooth(Points &line, double share, int times)
     }
 }
 
-// The direction is taken over about one radius to either side, because immediate neighbours are too close for
-// a stable direction.
+// The direction of the line is measured over about one radius to either side, because immediate neighbours
+// are too close for a stable direction.
 Eigen::Vector3d direction_at(const Points &line, std::size_t i, double radius_mm)
 {
     std::size_t before = i, after = i;

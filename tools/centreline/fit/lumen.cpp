@@ -60,7 +60,7 @@ Lumen::Lumen(bake::Mesh mesh, const LumenWish &wish, bake::Progress &progress)
         bake::check_closed(closed, wish.cap);
     } catch (const Fault &fault) {
         if (wish.cap != bake::Cap::any) throw;
-        // The mesh does not bound a body, but a level set may turn it into one that does.
+        // The mesh does not bound a body, but a level set may turn it into a mesh that does.
         closed = raw;
         bake::cap_openings(closed, bake::Cap::any);
         Eigen::AlignedBox3d box;

@@ -20,8 +20,8 @@ class Voxels
     double depth_mm(std::size_t voxel) const { return depth_mm_[voxel]; } // distance to the wall, above 0
     // Returns the inside voxel nearest to the point, at most `reach_mm` away; -1: none.
     long nearest(const Eigen::Vector3d &p_mm, double reach_mm) const;
-    // Returns the deepest voxel that steepest ascent across the vessel reaches from this one, which lies in
-    // the middle of the vessel. The ascent never runs along the vessel.
+    // Returns the deepest voxel that steepest ascent from this voxel reaches; the result lies in the middle
+    // of the vessel. The ascent never runs along the vessel.
     std::size_t middle_near(std::size_t voxel) const;
     // Calls use(neighbour, distance_mm) for those of the 26 neighbours to which a straight path certainly
     // stays inside. If balls inside the vessel around both centres overlap, they contain the segment between
@@ -67,8 +67,8 @@ class Voxels
     std::vector<float> depth_mm_;
 };
 
-// Finds the cheapest paths from the sources to every voxel. A millimetre costs 1 / depth^2, so paths run in
-// the middle.
+// Finds the cheapest paths from the sources to every voxel. A path of one millimetre costs 1 / depth^2, so
+// the cheapest paths run in the middle of the vessel.
 struct Ways {
     std::vector<std::int32_t> from;   // -1: not reached; a source points to itself
     std::vector<float> length_mm;     // from the source

@@ -1,9 +1,9 @@
-// Claims: curves of stEVE_bench are turned into a surface and recovered from that surface. They keep their
-// place (mean distance <= 0.5 mm) and their width (mean error <= 5 %). The imperfect surface that comes with
-// the curves gives a tree, or a message that names what must be repaired (issue 6, bar 5). This anatomy does
-// not ship; where it is missing, the test is skipped and prints so. The whole test takes half a minute.
-// Without CRN_WHOLE it therefore covers only the path from the iliac arteries to the arch; `make
-// validate-centreline` covers everything.
+// Claims: curves of stEVE_bench are turned into a surface and recovered from that surface. The recovered
+// curves keep their place (mean distance <= 0.5 mm) and their width (mean error <= 5 %). The imperfect
+// surface that comes with the curves gives a tree, or a message that names what must be repaired (issue 6,
+// bar 5). This anatomy does not ship; where it is missing, the test is skipped and prints so. The whole test
+// takes half a minute. Without CRN_WHOLE the test therefore covers only the path from the iliac arteries to
+// the arch; `make validate-centreline` covers everything.
 #include "tools/centreline/fit/automatic.hpp"
 #include "tools/centreline/tests/shapes.hpp"
 
@@ -87,8 +87,8 @@ void curves_are_recovered_from_their_surface(void **)
     AutoWish wish;
     wish.inlet_mm = truth.branches[0].spheres[0].centre_mm; // curve 0 begins in the arch
     const Tree tree = fit_automatic(lumen, wish, notes, progress);
-    // Each sphere is compared with the nearest curve. Spheres are weighted by length, since thin vessels have
-    // more of them.
+    // Each sphere is compared with the nearest curve. A sphere's weight is the length that it represents,
+    // since thin vessels have more spheres.
     double off = 0, radius = 0, weight = 0, found = 0, whole = 0;
     for (std::size_t b = 0; b < tree.branches.size(); ++b)
         for (std::size_t i = first_own_sphere(tree, b); i < tree.branches[b].spheres.size(); ++i) {

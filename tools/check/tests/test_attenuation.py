@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""host/xray/attenuation.cpp is, byte for byte, what its script writes today from xraylib. Prints TAP.
+"""Claims: host/xray/attenuation.cpp is, byte for byte, what its script writes today from xraylib. Prints TAP.
 
 The test is not skipped: without the library (Debian's libxrl11, section [test] of tools/packages.txt) it fails and
 prints the reason.

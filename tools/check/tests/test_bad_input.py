@@ -103,8 +103,8 @@ class Bench:
         self.report.check(name, [] if code == 0 else ["exit code %s, expected 0:\n%s" % (code, text[-2000:])])
 
     def bad(self, name, command, code, pattern, absent=None):
-        """Checks that a case is refused with this exit code and a message that matches, and that the file `absent` is
-        not written."""
+        """Checks that a case is refused with this exit code and a message that matches `pattern`, and that the file
+        `absent` is not written."""
         got, text = self.run(command)
         findings = []
         if got != code:

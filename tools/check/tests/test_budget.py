@@ -72,7 +72,7 @@ def budget_rows():
 
 
 def second_solve():
-    """Which ticks are solved twice changes with every change of the rod; the scene must still contain such a tick."""
+    """Every change of the rod may change which ticks are solved twice; the scene must still contain such a tick."""
     program = os.path.join(os.environ.get("BUILD", "build"), "bench", "budget_make")
     scenes = subprocess.run([program, "list"], stdout=subprocess.PIPE, text=True, check=True).stdout.splitlines()
     number = next(i for i, scene in enumerate(scenes) if "second_solve" in scene)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Tests the shipped sessions of the beating heart: each reaches the end that it names, and without its turns it does
-not. Medium flows without pictures.
+"""Tests the shipped sessions of the beating heart: each reaches the end that its script states, and without its turns
+it does not reach this end. Medium flows without pictures.
 
 The scene is that of `make coronary`, without the bodies that only pictures need; the scene of the angioplasty also has
 its lesion.

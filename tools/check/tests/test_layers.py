@@ -392,8 +392,8 @@ def is_test(path):
 
 
 def check_cycles(graph):
-    """Yields header cycles. They remain when files whose includes are all removed are removed in turn, until nothing
-    changes."""
+    """Yields header cycles. Files whose includes are all removed are removed in turn, until nothing changes; the files
+    that remain form cycles."""
     left = dict(graph)
     while True:
         free = [path for path, targets in left.items() if not any(t in left for t in targets)]

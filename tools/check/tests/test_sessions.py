@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Tests every shipped session that runs in the aorta or without a scene: each reaches the end that it names, and
-without its turns it does not.
+"""Tests every shipped session that runs in the aorta or without a scene: each reaches the end that its script states,
+and without its turns it does not reach this end.
 
 Anatomy and scene are made as by `make run`, except for the bodies that only pictures need; the scene file is the same
 to the byte. The renal angioplasty has its own scene with its lesion. test_heart_sessions.py runs the sessions of the

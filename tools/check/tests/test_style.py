@@ -312,7 +312,8 @@ def self_test_documents(report):
 
 # --- the tree -------------------------------------------------------------------------------------------------------
 def exists(path):
-    """Returns whether the path exists in the tree; of a pattern, it tests the folder before its first star."""
+    """Returns whether the path exists in the tree; for a pattern, it tests the folder before the pattern's first
+    star."""
     if "*" in path:
         path = os.path.dirname(path[: path.index("*")])
     return os.path.exists(os.path.join(tree.ROOT, path))

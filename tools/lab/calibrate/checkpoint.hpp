@@ -1,8 +1,8 @@
 // A checkpoint is a file that holds the state of a search. A search that was stopped continues from its
 // checkpoint, here or on another machine, with the same results as if it had never stopped. The file is text.
-// It contains a head with version, hash and settings, every trial as hexadecimal doubles (exact), pagmo's
-// archive, and a last line, without which the file counts as incomplete. After every generation it is written
-// under another name and then renamed.
+// The file contains a head with version, hash and settings, every trial as hexadecimal doubles (exact),
+// pagmo's archive, and a last line, without which the file counts as incomplete. After every generation the
+// checkpoint is written under another name and then renamed.
 #pragma once
 #include "tools/lab/calibrate/search.hpp"
 

@@ -1,4 +1,5 @@
-// Makes the thesis' rod an evaluator. It serves as the baseline for our rod, and the same search fits it.
+// Makes the thesis' rod an evaluator. The thesis' rod serves as the baseline for our rod, and the same search
+// fits both.
 //
 // Five numbers are fitted, as in section 5.3.3 of the thesis: Young's modulus of the shaft, alpha (the tip's
 // modulus over the shaft's), radius, density and Kp. The instrument file determines how stiffness changes

@@ -38,7 +38,8 @@ CordeModel corde_model(const crn_wire_instrument &table, const CordeValues &valu
                        const CordeSettings &settings, double length_mm);
 
 // Returns the direction of the first axis of the instrument's frame while the hand is not turned, as in the
-// core. It is perpendicular to `direction` and to the world's axis that is most perpendicular to `direction`.
+// core. The direction is perpendicular to `direction` and to the world's axis that is most perpendicular to
+// `direction`.
 Vector3d zero_turn_axis(const Vector3d &direction);
 
 class CordeRod final : public HeldRod

@@ -13,8 +13,8 @@ namespace crn::calibrate
 
 using Eigen::Vector3d;
 
-// A parameter is one number to fit; it is above 0. The search uses its position 0 .. 1 in the logarithmic
-// range from `low` to `high`, because ratios matter more than differences.
+// A parameter is one number to fit; it is above 0. The search uses the parameter's position 0 .. 1 in the
+// logarithmic range from `low` to `high`, because ratios matter more than differences.
 struct Parameter {
     std::string name, unit, text; // "bend_shaft", "N m^2", its description
     double low = 0.1, high = 10.0, nominal = 1.0;
@@ -35,8 +35,8 @@ struct Insertion {
     long ticks = 0;                            // of the whole insertion
 };
 
-// Thrown when an instrument cannot be tried with these numbers: the core rejects it, or it became unstable.
-// The text gives the reason.
+// Thrown when an instrument cannot be tried with these numbers: the core rejects the numbers, or the rod
+// became unstable. The text gives the reason.
 class TrialRefused : public std::runtime_error
 {
   public:

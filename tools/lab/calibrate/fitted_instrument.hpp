@@ -9,7 +9,7 @@ namespace crn::calibrate
 {
 
 // Returns the numbers at a place of an instrument's table, interpolated linearly between knots. At a step of
-// the table, it returns the knot before the step (`is_after` false) or the knot behind it.
+// the table, the function returns the knot before the step (`is_after` false) or the knot behind it.
 crn_wire_knot knot_at(const crn_wire_instrument &table, double arc_mm, bool is_after);
 
 // Returns the text of the file. `nominal` is "file.toml" or "file.toml:preset", `fitted` is its table with

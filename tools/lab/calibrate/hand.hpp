@@ -5,7 +5,7 @@
 namespace crn::calibrate
 {
 
-// A rod whose one end is in the hand, advanced in ticks of 1 ms.
+// A rod with one end in the hand, advanced in ticks of 1 ms.
 class HeldRod
 {
   public:

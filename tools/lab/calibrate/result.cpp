@@ -52,8 +52,8 @@ Verdict keep_nominal(std::vector<ParameterResult> &parameters, double limit, con
     return best;
 }
 
-// Repeats the insertion without shortcuts, if the core's number format permits such short elements. If it
-// does not, the fit still counts, and only this insertion is missing.
+// Repeats the insertion without shortcuts, if the core's number format permits such short elements. If the
+// format does not permit them, the fit still counts, and only this insertion is missing.
 std::optional<Insertion> careful_insertion(const Evaluator &careful, const std::vector<double> &values,
                                            std::size_t depth_count)
 {

@@ -29,7 +29,7 @@ struct Exchange {
     EvaluateShares evaluate;
 };
 
-// pagmo copies its problems, so they contain only a pointer to the exchange.
+// pagmo copies its problems, so a problem contains only a pointer to the exchange.
 struct SharedProblem {
     std::size_t count = 1;
     Exchange *exchange = nullptr;

@@ -33,8 +33,8 @@ struct SearchSettings {
         0.0; // has_converged() compares with it; 0: only the number of generations ends a search
 };
 
-// `settings` completed for a method. Where no value is given, it takes the method's population and as many
-// generations as the budget permits, but at least 50.
+// `settings` completed for a method. Where no value is given, the function takes the method's population and
+// as many generations as the budget permits, but at least 50.
 SearchSettings sized(SearchSettings settings, Method method, std::optional<unsigned> population,
                      std::optional<unsigned> generations);
 

@@ -1,13 +1,14 @@
-// A case describes one instrument in one phantom. It holds the data that a scan, or the virtual scanner,
-// provides for the calibration. Its folder contains
+// A case describes one instrument in one phantom. The case holds the data that a scan, or the virtual
+// scanner, provides for the calibration. Its folder contains
 //   case.toml      phantom, instrument, friction, depths, names of the files below
 //   depth_N.csv    the instrument's centreline at each depth, from the introducer to the tip
 //   force.csv      the hand's force during the insertion, where it was measured
+//
 // All places are in the scene's axes and in mm. docs/ct.md specifies the format.
 //
-// The case also states the protocol of the insertion. The hand feeds at `speed_mm_per_s`. With the feed it
-// turns evenly from the angle of one depth to that of the next; before the first depth it keeps that depth's
-// angle. The hand rests at each depth.
+// The case also states the protocol of the insertion. The hand feeds at `speed_mm_per_s`. While feeding, the
+// hand turns evenly from the angle of one depth to that of the next; before the first depth it keeps the
+// first depth's angle. The hand rests at each depth.
 #pragma once
 #include <Eigen/Core>
 #include <filesystem>

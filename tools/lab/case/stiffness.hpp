@@ -1,8 +1,8 @@
 // Two numbers describe how stiff an instrument is: EI of its shaft, and alpha, the ratio of EI at its tip to
 // EI of its shaft.
 //
-// An instrument file states EI at every place along the length. Other values of the two numbers keep the
-// distribution of stiffness along the instrument. Where the file's EI is (EI of the shaft) * alpha_file^w,
+// An instrument file states EI at every place along the length. If the two numbers change, the distribution
+// of stiffness along the instrument stays the same. Where the file's EI is (EI of the shaft) * alpha_file^w,
 // the new EI is (new EI of the shaft) * alpha^w. The weight w is thus 1 at the tip and 0 on the shaft, and it
 // lies between 0 and 1 on a taper. The EI of the shaft scales the whole instrument, and alpha states how soft
 // the tip is relative to the shaft. GJ keeps its ratio to EI.

@@ -16,8 +16,8 @@ namespace
 
 constexpr double branch_mm = 6; // length of voxels off the path that show a second instrument
 
-// The instrument's voxels, and bridges across gaps between them, form a graph. Its shortest paths follow the
-// brightest line.
+// The instrument's voxels, and bridges across gaps between them, form a graph. The graph's shortest paths
+// follow the brightest line.
 class Ways
 {
   public:

@@ -48,8 +48,8 @@ Vector3d direction_of(const std::vector<Vector3d> &places)
     return axis.dot(places.back() - places.front()) < 0 ? Vector3d(-axis) : axis;
 }
 
-// Returns the direction of the introducer, which is straight. It is measured on the part of the introducer
-// that the scan shows; if there is none, on the line's first millimetres.
+// Returns the direction of the introducer, which is straight. The direction is measured on the part of the
+// introducer that the scan shows; if there is none, on the line's first millimetres.
 Vector3d direction_at(const InsertedLine &line)
 {
     const double end = length_of(line.places), mouth = end - line.inserted_mm;

@@ -27,7 +27,7 @@ struct InsertedLine {
 Mouth find_mouth(const std::vector<InsertedLine> &lines);
 
 // Checks that a line from the introducer's end to the tip is as long as the inserted length. Throws Fault if
-// it is not, because then the spacing or the introducer's end is wrong.
+// the line has another length, because then the spacing or the introducer's end is wrong.
 void check_length(const InsertedLine &line);
 
 // Returns the straight continuation of the line outside the vessel, inside the introducer.

@@ -19,7 +19,7 @@ class Picture
     // Shows the slice `index` with each pixel's value, or the brightest value of all slices if index < 0.
     Picture(const Volume &volume, int axis, int index, double low_HU, double high_HU, double pixel_mm = 0.35);
     // Draws the outline where `level`, a volume on the same grid, changes its sign in that slice. In a view
-    // through all slices, it outlines the places where any slice is inside.
+    // through all slices, the function outlines the places where any slice is inside.
     void outline(const Volume &level, Ink ink);
     void line(const std::vector<Eigen::Vector3d> &scene_mm, Ink ink, double width);
     void dot(const Eigen::Vector3d &scene_mm, Ink ink, double width);

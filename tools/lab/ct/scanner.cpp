@@ -165,8 +165,8 @@ class Scan
         planes_.edges_at(0, edges);
         add_chords(edges, rays_, 1, water);
         for (float &length : water) {
-            // The variance of -log(signal) is 1 / photons. The variance of the water length is this times the
-            // square of the length's slope.
+            // The variance of -log(signal) is 1 / photons. The variance of the water length is this variance
+            // times the square of the change in length per change in -log(signal).
             const double share = beam_.water_transmission(static_cast<double>(length));
             const double slope = beam_.water_for(share * 0.99) - beam_.water_for(share * 1.01);
             length = static_cast<float>(slope * slope / (0.02 * 0.02) / share);

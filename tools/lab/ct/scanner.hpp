@@ -1,12 +1,12 @@
 // The virtual scanner makes an axial CT image of a silicone phantom with an instrument in it (docs/ct.md,
 // "The scanner").
 //
-// For every slice it computes the line integrals of parallel beams exactly, from chords of the cut meshes and
-// of the instrument's tube. It averages them over the detector's aperture and the slice's profile. It
-// attenuates a polychromatic beam, counts photons, corrects for the beam hardening by water as scanners do,
-// and reconstructs by filtered back-projection. Blooming, streaks and photon starvation result from this
-// computation; none of them is drawn artificially. Scatter, and the geometry of fan beam and helix, are not
-// modelled.
+// For every slice the scanner computes the line integrals of parallel beams exactly, from chords of the cut
+// meshes and of the instrument's tube. The integrals are averaged over the detector's aperture and the
+// slice's profile. The scanner attenuates a polychromatic beam, counts photons, corrects for the beam
+// hardening by water as scanners do, and reconstructs by filtered back-projection. Blooming, streaks and
+// photon starvation result from this computation; none of them is drawn artificially. Scatter, and the
+// geometry of fan beam and helix, are not modelled.
 #pragma once
 #include "host/xray/paths/materials.hpp"
 #include "tools/bake/mesh.hpp"

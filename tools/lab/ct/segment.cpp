@@ -266,8 +266,7 @@ Apart surfaces_apart(const bake::Mesh &surface, const bake::Mesh &reference)
         const int parts =
             std::clamp(static_cast<int>(std::ceil(std::max(u.norm(), v.norm()) / grid_mm)), 1, 200);
         const double share = 0.5 * u.cross(v).norm() / (parts * parts);
-        // We divide a triangle into small ones and sample their middles: of those that point like the large
-        // one, and of those between them.
+        // We divide a triangle into small triangles of both orientations and sample their middles.
         for (int i = 0; i < parts; ++i)
             for (int j = 0; i + j < parts; ++j)
                 for (const double third : {1.0 / 3, 2.0 / 3}) {

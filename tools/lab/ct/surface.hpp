@@ -8,8 +8,8 @@ namespace crn::ct
 {
 
 // Marching tetrahedra are used: vertices lie between two voxels where the level is 0, by linear
-// interpolation. The mesh is closed, does not cross itself, has outward normals, and is in the scene's mm. It
-// is also closed where the inside reaches the volume's border.
+// interpolation. The mesh is closed, does not cross itself, has outward normals, and is in the scene's mm.
+// The mesh is also closed where the inside reaches the volume's border.
 bake::Mesh surface_of(const Volume &level, const std::string &name);
 
 // Removes pieces that are smaller than `share` of the largest piece.

@@ -1,5 +1,5 @@
-// Draws the four figures of the thesis as pictures. They show the thesis' values beside ours, with our direct
-// solver as an additional bar.
+// Draws the four figures of the thesis as pictures. The pictures show the thesis' values beside ours, with
+// our direct solver as an additional bar.
 #pragma once
 #include "tools/lab/figures/study.hpp"
 

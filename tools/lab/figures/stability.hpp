@@ -1,6 +1,6 @@
-// Determines the number of steps per millisecond that a preset needs. It is the smallest number with which a
-// short rod survives compression in a closed tube. The number of substeps in the presets has a margin above
-// it.
+// Determines the number of steps per millisecond that a preset needs. The needed number is the smallest with
+// which a short rod survives compression in a closed tube. The number of substeps in the presets has a margin
+// above it.
 #pragma once
 #include "tools/lab/figures/compression.hpp"
 

@@ -30,8 +30,8 @@ struct StudySettings {
 };
 
 // Reports the current work and its progress, as (name of the work, completed share); a share of -1 prints a
-// separate line. It is called from several threads, but never by two at the same time. If it returns false,
-// all work stops and throws Interrupted.
+// separate line. The report function is called from several threads, but never by two at the same time. If
+// the report function returns false, all work stops and throws Interrupted.
 using Report = std::function<bool(const std::string &, double)>;
 
 Study make_study(const StudySettings &settings, const Vessel &vessel, const Report &report);
@@ -41,7 +41,7 @@ const CompressionResult *find_run(const Study &study, const std::string &token);
 
 // Returns a sentence for each requirement on Figure 5.11 (bar 4 of the product) that is not met. The list is
 // empty when three things hold: the compression falls in the order penalty > 5 > 10 > 25 > 50 local, no rod
-// became unstable, and the direct solver's is below every mode's.
+// became unstable, and the direct solver has less compression than every mode.
 std::vector<std::string> order_faults(const Study &study);
 
 } // namespace vcsim3

@@ -18,8 +18,8 @@ struct TimingResult {
 };
 
 // Times all runs in turn, round after round, so that a disturbance of the machine does not affect one mode
-// alone. For each phase it keeps the fastest time in 600 steps. It needs the states of `runs`, which must
-// have been made with the same preset, vessel and protocol.
+// alone. For each phase, the fastest time in 600 steps is kept. The states of `runs` must have been made with
+// the same preset, vessel and protocol.
 std::vector<TimingResult> time_steps(const std::vector<CompressionResult> &runs, const Preset &preset,
                                      const Vessel &vessel, const Protocol &protocol, const Watch &watch);
 

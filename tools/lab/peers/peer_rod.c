@@ -1,6 +1,6 @@
 /* Simulates the rod that tools/lab/peers/run_peers.py compares with other simulators (docs/bench.md,
- * "Peers"). The rod has a length of 0.5 m, 256 elements, 60 GPa and a diameter of 0.89 mm. Under gravity it
- * is held horizontally at one end, either free or in a straight tube of 3 mm. `peer_rod free|tube
+ * "Peers"). The rod has a length of 0.5 m, 256 elements, 60 GPa and a diameter of 0.89 mm. Under gravity the
+ * rod is held horizontally at one end, either free or in a straight tube of 3 mm. `peer_rod free|tube
  * SETTLE_TICKS TIMED_TICKS` prints one line of key=value pairs. */
 #include "firmware/bench/bench.h"
 #include "firmware/core/core_state.h"

@@ -1,12 +1,12 @@
 // Makes the pictures that tools/lab/peers/run_xray_peers.py compares with those of gVirtualXray
-// (docs/bench.md). They show a patient's bodies from several sides with a beam of five energies.
+// (docs/bench.md). The pictures show a patient's bodies from several sides with a beam of five energies.
 //
 //   peer_xray BODIES FOLDER SIZE ROUNDS
 //
-// writes FOLDER/body_N.stl (binary, mm), FOLDER/scene.json (materials, geometry of each view, spectrum) and
-// FOLDER/ours_V.f32 (transmissions, row 0 on top), and prints one line of key=value pairs. Bodies that lie in
-// other bodies within the skin (marrow, vessels of the lungs) are left out, because gVirtualXray allows only
-// one level of nesting.
+// The program writes FOLDER/body_N.stl (binary, mm), FOLDER/scene.json (materials, geometry of each view,
+// spectrum) and FOLDER/ours_V.f32 (transmissions, row 0 on top), and prints one line of key=value pairs.
+// Bodies that lie in other bodies within the skin (marrow, vessels of the lungs) are left out, because
+// gVirtualXray allows only one level of nesting.
 #include "host/xray/detector.hpp"
 #include "host/xray/xray.hpp"
 #include <Eigen/Geometry>

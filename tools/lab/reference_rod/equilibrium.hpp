@@ -1,5 +1,5 @@
-// Finds the rod's rest position under wall, friction and loads. It minimises an incremental potential (Li et
-// al., Incremental Potential Contact, 2020, section 5) by Newton's method.
+// Finds the rod's rest position under wall, friction and loads. The search minimises an incremental potential
+// (Li et al., Incremental Potential Contact, 2020, section 5) by Newton's method.
 //
 //   wall       k l p^2 / 2 per node; p = depth of its surface in the wall, l = its cell. The first `onset` is cubic, so
 //              that second derivatives are continuous. k per length is far above what bends the rod into the

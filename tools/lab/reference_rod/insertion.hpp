@@ -16,13 +16,13 @@ struct Sheath {
 class Insertion
 {
   public:
-    // At the beginning, `start_m` of the rod are outside the sheath. This part is straight at first, so it
-    // should be short.
+    // At the beginning, `start_m` of the rod are outside the sheath. The part outside the sheath is straight
+    // at first, so it should be short.
     Insertion(const Rod &rod, const Physics &physics, const Sheath &sheath, double start_m, double turn_rad);
 
-    // Feeds to `inserted_m` with the hand at `turn_rad`. It uses one step, or several shorter steps if the
-    // rod does not come to rest. Returns false if the rod does not come to rest even with short steps; the
-    // state is then the best one found.
+    // Feeds to `inserted_m` with the hand at `turn_rad`. The feed takes one step, or several shorter steps if
+    // the rod does not come to rest. Returns false if the rod does not come to rest even with short steps;
+    // the state is then the best one found.
     bool advance(double inserted_m, double turn_rad);
 
     double inserted_m() const { return inserted_m_; }
@@ -60,7 +60,7 @@ class Insertion
     int curved_ = 0; // number of nodes from the tip that are curved at rest
 };
 
-// Returns the axis d1 at the sheath's end while the hand is not turned. As on the device, it is perpendicular
+// Returns the axis d1 at the sheath's end while the hand is not turned. As on the device, d1 is perpendicular
 // to the direction and to the coordinate axis that is least parallel to the direction.
 Vector zero_turn_axis(const Vector &direction);
 

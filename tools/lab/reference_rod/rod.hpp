@@ -40,8 +40,8 @@ struct Cut {
     double tip_m = 0.25e-3, shaft_m = 0.75e-3; // longest edge at the tip, and elsewhere
     double fine_m = 0.0; // length from the tip; 0: to 5 mm behind the tip's curves, at least 20 mm
     // EA is stretch * EI / edge^2, with the EI of the edge's softer end. In a bend of radius R the force is
-    // EI / R^2, and an edge of length h shortens by the share (h / R)^2 / stretch. This is 3e-5 for an edge
-    // of 2 mm and a radius of 50 mm. A higher value of `stretch` only needs more iterations.
+    // EI / R^2, and an edge of length h shortens by the share (h / R)^2 / stretch. This share is 3e-5 for an
+    // edge of 2 mm and a radius of 50 mm. A higher value of `stretch` only needs more iterations.
     double stretch = 64.0;
 };
 
@@ -73,8 +73,9 @@ struct State {
 void move_state(const State &from, const std::vector<Vector> &x, const std::vector<double> &angle, int nodes,
                 State &to);
 
-// Returns the elastic energy, in J, of nodes 0 .. nodes-1 and the joints among them. It adds the energy's
-// slope (4 per node: x, y, z, angle of the edge behind the node) and, if requested, its second derivatives.
+// Returns the elastic energy, in J, of nodes 0 .. nodes-1 and the joints among them. The function adds the
+// energy's slope (4 per node: x, y, z, angle of the edge behind the node) and, if requested, its second
+// derivatives.
 double elastic_energy(const Rod &rod, const State &state, int nodes, Eigen::VectorXd *slope, Band *second);
 
 } // namespace crn::reference

@@ -203,8 +203,8 @@ void three_point(Result &result, bool)
 
 // --- curved tips ---
 
-// A rod with rest curvature 1/R is held straight by supports on its axis. It has two spans: from the base
-// clamp to the support `second` (length a), and from there to the tip (length d). Clapeyron's theorem of
+// A rod with rest curvature 1/R is held straight by supports on its axis. The rod has two spans: from the
+// base clamp to the support `second` (length a), and from there to the tip (length d). Clapeyron's theorem of
 // three moments gives the moment at `second`, divided by EI/R. The result is near 1, but not 1, because the
 // last span is only supported at its ends.
 double three_moments(double a, double d)

@@ -26,7 +26,7 @@ std::string plain_text(double value);
 double zero_of_line(const std::vector<double> &x, const std::vector<double> &y);
 
 // Returns the angle by which the tip segment is turned about the rod. The angle is that of the chord from
-// `node` to the tip, about the direction from the hand to the tip. It is measured from an axis carried
+// `node` to the tip, about the direction from the hand to the tip. The angle is measured from an axis carried
 // without twist from the introducer. The computation uses only geometry, in double precision.
 double heading(const Rig &rig, unsigned node);
 

@@ -1,5 +1,5 @@
-// Evaluates the vessel in double precision. It reads the same sparse field of B-spline coefficients as the
-// core (the core's lumen.h specifies the layout), but independently of the core's arithmetic.
+// Evaluates the vessel in double precision. The code reads the same sparse field of B-spline coefficients as
+// the core (the core's lumen.h specifies the layout), but independently of the core's arithmetic.
 #pragma once
 #include "tools/lab/vcsim3/rod.hpp"
 extern "C" {

@@ -1,9 +1,10 @@
-// Computes the energies of CoRdE and their gradients. With l the rest length, e = x[j+1] - x[j], t = e/|e|,
-// d3 the third director:
+// Computes the energies of CoRdE and their gradients. In the following formulas l is the rest length,
+// e = x[j+1] - x[j], t = e/|e|, and d3 is the third director:
 //   parallel  l Kp/2 |t - d3|^2                           per segment
 //   bending   l/2 (EI (u1^2 + u2^2) + GJ u3^2)            per joint, u = (4/l) v/(1+w), (w, v) = q[j]* q[j+1],
 //                                                         less u at rest
 //   stretch   Ks/(2 l) (|e| - l)^2                        per segment, in the penalty mode only
+//
 // In CoRdE, u is 2/|q|^2 B q.q', where q is the mean of both quaternions and q' is their difference divided
 // by l. For unit quaternions this is 4/l tan(angle/4) about the axis of rotation. Every node has the weight
 // of one element.

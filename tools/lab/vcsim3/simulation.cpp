@@ -14,7 +14,7 @@ RodProperties with_mode(RodProperties properties, const SimulationSettings &sett
 {
     // The penalty spring removes the same share of a length error per step as Baumgarte's term does. When
     // Ks/l C pushes two points of mass m apart for the time h, their relative velocity changes by 2 h Ks C/(l
-    // m). This equals beta C/h for Ks = beta m l/(2 h^2).
+    // m). The change equals beta C/h for Ks = beta m l/(2 h^2).
     const double step_s = tick_s / settings.substeps;
     const double mass_kg = properties.mass_kg_per_m * properties.element_m;
     properties.stretch_N =

@@ -2,7 +2,7 @@
 """Claims: two builds in two folders give the same bytes, and no program contains the name of the folder in which it was
 built. The test makes two copies of the tree whose paths have different lengths. In each it builds targets of every
 kind: objects of C and of C++ with debug information, archives, a linked program, and a firmware image with its hex
-file. It also searches all programs of the present build for the name of this folder. Prints TAP.
+file. The test also searches all programs of the present build for the name of this folder. Prints TAP.
 
 The copies are built without precompiled headers, which take a minute to make; only the second part of the test shows
 what they do to the bytes. The core is compiled with -O1, which is quicker."""

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Claims: NOTICE names all parts of the programs that come from outside, and the SBOM (software bill of materials) is a
 complete SPDX 2.3 document of them. The test checks the built programs with the loader's own answer (ldd), with dpkg,
-and with rules of the SPDX specification that are written down here. It also uses programs and tables that are wrong on
-purpose. Prints TAP."""
+and with rules of the SPDX specification that are written down here. The test also uses programs and tables that are
+wrong on purpose. Prints TAP."""
 
 import collections
 import json

@@ -1,6 +1,6 @@
 // Claims: the thesis' rod, as the baseline of `calibrate`, is the instrument that its file describes, in the
-// same frame as our rod. Its integration stays stable for any trial. The same search fits it, with the same
-// bits for any number of workers.
+// same frame as our rod. The rod's integration stays stable for any trial. The same search fits this rod,
+// with the same bits for any number of workers.
 #include "host/base/tests/folder.hpp"
 #include "tools/lab/calibrate/corde_evaluator.hpp"
 #include "tools/lab/calibrate/core_rod.hpp"

@@ -1,6 +1,6 @@
-// Claims: the hand approaches each depth slowly. It waits until the rod is at rest on average: a chattering
-// tip does not prolong the wait, and a pause of a creeping tip does not end it. The force is recorded from
-// the first millimetre of insertion onwards.
+// Claims: the hand approaches each depth slowly. The hand waits until the rod is at rest on average: a
+// chattering tip does not prolong the wait, and a pause of a creeping tip does not end it. The force is
+// recorded from the first millimetre of insertion onwards.
 #include "tools/lab/calibrate/hand.hpp"
 #include <cmath>
 
@@ -26,8 +26,8 @@ void assert_near(double got, double expected, double tolerance)
     assert_true(false);
 }
 
-// This rod follows the hand immediately. Its only node is displaced sideways by `aside_mm`, a function of the
-// number of ticks since the hand stopped.
+// This rod follows the hand immediately. The rod's only node is displaced sideways by `aside_mm`, a function
+// of the number of ticks since the hand stopped.
 struct ScriptedRod final : HeldRod {
     double (*aside_mm)(int ticks) = [](int) { return 0.0; };
     std::vector<double> places_mm;
@@ -113,9 +113,9 @@ void a_still_rod_is_at_rest_after_three_windows(void **)
     assert_int_equal(made.settle_ticks.at(0), 150);
 }
 
-// The node is displaced by 25 um in every second tick, as a J tip on a wall is (docs/rod.md). This is a
-// hundred times the limit per tick. In the next window the node is displaced in the other ticks; a method
-// that reads only every second tick would take this for a real displacement.
+// The node is displaced by 25 um in every second tick, as a J tip on a wall is (docs/rod.md). This
+// displacement is a hundred times the limit per tick. In the next window the node is displaced in the other
+// ticks; a method that reads only every second tick would take this for a real displacement.
 void a_tip_that_trembles_in_its_place_is_at_rest(void **)
 {
     ScriptedRod rod;

@@ -1,7 +1,7 @@
-// Claims: the virtual scanner keeps its stated numbers. These are the Hounsfield units of fluid, wall and gel
-// at their places, the requested noise and point spread, and the instrument on its line. One seed gives the
-// same volume on any number of threads. The references are closed forms, such as areas of circles and moments
-// of Gaussians.
+// Claims: the virtual scanner keeps its stated numbers. These numbers are the Hounsfield units of fluid, wall
+// and gel at their places, the requested noise and point spread, and the instrument on its line. One seed
+// gives the same volume on any number of threads. The references are closed forms, such as areas of circles
+// and moments of Gaussians.
 #include "tools/lab/ct/tests/tube_phantom.hpp"
 
 #include <algorithm>
@@ -90,8 +90,8 @@ void the_noise_is_the_one_that_was_asked_for(void **)
     assert_true(std::abs(deviation - 15) < 2.5);
 }
 
-// A thin plastic thread images as a point. Its second moments are those of the point spread plus those of its
-// section, r^2 / 4.
+// A thin plastic thread images as a point. The point's second moments are those of the point spread plus
+// those of the thread's section, r^2 / 4.
 void a_thread_is_blurred_as_stated(void **)
 {
     ScannerSettings settings = quick_scanner(10, -1, 1);

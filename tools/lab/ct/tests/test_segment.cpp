@@ -1,7 +1,7 @@
 // Claims for a virtual scan of 0.53 x 0.53 x 1 mm: the centreline of a J wire that leans on the wall is found
 // within bar 1 of the project. The bar is 0.2 mm on average and 0.6 mm at most, in both directions, including
-// the tip of the J. The lumen is closed and its mean error is below 0.3 mm; a catheter with markers gives a
-// lumen of the same accuracy. The stated uncertainty covers the errors. A scan without an instrument, with
+// the tip of the wire. The lumen is closed and its mean error is below 0.3 mm; a catheter with markers gives
+// a lumen of the same accuracy. The stated uncertainty covers the errors. A scan without an instrument, with
 // two separate instruments, or with two that touch, is refused by name. The reference is the line and the
 // mesh from which the scan was made; the segmentation never reads them.
 #include "host/base/tests/folder.hpp"

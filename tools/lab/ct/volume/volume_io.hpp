@@ -33,7 +33,7 @@ void write_volume(const Volume &volume, const std::filesystem::path &path);
 void check_grid(const std::array<long, 3> &size, const Eigen::Vector3d &spacing_mm,
                 const Eigen::Vector3d &origin_mm, const Eigen::Matrix3d &direction, const std::string &what);
 
-// Makes those of these checks that need no axes: sizes and spacing.
+// Checks only sizes and spacing, which need no axes.
 void check_plausible(const std::array<long, 3> &size, const Eigen::Vector3d &spacing_mm,
                      const std::string &what);
 // Refuses values that are not finite, that are all the same, or that no scanner writes.
@@ -44,9 +44,9 @@ void check_values(const Volume &volume);
 void check_nifti_length(const std::string &file, std::uint64_t value_bytes);
 void check_dicom_length(const std::filesystem::path &file);
 
-// Sorts the slices of a series along `normal` by the place of the first pixel's middle (LPS). Returns their
-// order, from the lowest onwards, and the distance between slices. Throws Fault if slices are missing, double
-// or unevenly spaced. `names` serve the message.
+// Sorts the slices of a series along `normal` by the place of the first pixel's middle (LPS). Returns the
+// order of the slices, from the lowest onwards, and the distance between slices. Throws Fault if slices are
+// missing, double or unevenly spaced. `names` serve the message.
 struct SliceOrder {
     std::vector<std::size_t> order;
     double distance_mm = 0;

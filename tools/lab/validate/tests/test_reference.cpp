@@ -122,8 +122,8 @@ void field_lies_where_its_distance_says(void **)
     }
 }
 
-// Rows pass within their tolerance. They fail beyond it, and also for a value that is not a number; rows that
-// are only reported never fail.
+// Rows pass within their tolerance. Rows fail beyond their tolerance, and also for a value that is not a
+// number; rows that are only reported never fail.
 void report_says_what_passed(void **)
 {
     Result good, bad;

@@ -1,8 +1,8 @@
 // Claims: the baseline is the rod that docs/thesis.md describes. The rod's forces are the gradient of its
-// energies. Its static shape is that of a beam. This also holds when one end is stiffer, when the rod is
-// curved at rest, and when the hand turns it. The rod's constraints conserve momentum and never add energy.
-// One global iteration gives exact lengths, and the result of many local iterations converges to it. The
-// claims are shown against closed forms and against an alternative computation of the same quantity.
+// energies. The rod's static shape is that of a beam. The shape is also right when one end is stiffer, when
+// the rod is curved at rest, and when the hand turns it. The rod's constraints conserve momentum and never
+// add energy. One global iteration gives exact lengths, and the result of many local iterations converges to
+// it. The claims are shown against closed forms and against an alternative computation of the same quantity.
 #include "tools/lab/figures/stability.hpp"
 
 #include <algorithm>

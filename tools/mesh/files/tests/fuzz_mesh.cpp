@@ -1,6 +1,6 @@
-// Fuzz target: reads any bytes as a mesh. It tests the strict readings that precede assimp, and the check of
-// assimp's result. The first byte selects the format. tools/importers tests assimp itself, with whole sets of
-// files in a child process.
+// Fuzz target: reads any bytes as a mesh. The target tests the strict readings that precede assimp, and the
+// check of assimp's result. The first byte selects the format. tools/importers tests assimp itself, with
+// whole sets of files in a child process.
 #include "tools/mesh/fault.hpp"
 #include "tools/mesh/files/mesh_file.hpp"
 #include <algorithm>
