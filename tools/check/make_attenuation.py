@@ -5,7 +5,7 @@ usage: tools/check/make_attenuation.py > host/xray/attenuation.cpp     (needs De
 
 test_attenuation.py compares the written file with what this program writes today.
 
-Mass attenuation is xraylib's CS_Total, and mass energy absorption is its CS_Energy (Schoonjans et al., Spectrochim.
+Mass attenuation is xraylib's CS_Total, and mass energy absorption is its CS_Energy (Schoonjans et al., Spectrochimica
 Acta B 66 (2011) 776; cross-sections of EPDL97 and of NIST's XCOM). Mixtures that are named in a string are NIST's
 compounds in xraylib. Densities are those of ICRU 44 for tissues, of the pure substance for metals, and nominal for
 products (see MATERIALS). Tube spectra, filters and the choice of energies for pictures are not made here, but in
