@@ -80,8 +80,8 @@ std::vector<BakedBody> bodies_of(const SceneText &text, const Mesh &lumen, const
     return bodies;
 }
 
-// A text without [tree] may still give a tree, made from the centrelines of the lumen. If these centrelines
-// do not join, the scene gets no tree, and the report states the reason.
+// A text without [tree] may still give a tree, made from the centrelines of the lumen. If the centrelines of
+// the lumen do not join, the scene gets no tree, and the report states the reason.
 VesselTree tree_of(const SceneText &text, std::string &report)
 try {
     if (text.tree.centrelines.empty()) return {};
@@ -131,7 +131,8 @@ std::string lattice_report(const crn_lattice &lattice, std::size_t numbers)
                      static_cast<double>(numbers) * 2 / 1048576);
 }
 
-// Returns one report line per frame: how far the lumen moved by the core deviates from that frame's mesh.
+// Returns one report line per frame: the deviation of the lumen that the core has moved from that frame's
+// mesh.
 std::string motion_report(const Motion &motion, std::size_t pose, const std::vector<FrameError> &errors)
 {
     std::string text = "motion            " + lattice_report(motion.lattices.beat, motion.rows.size()) +

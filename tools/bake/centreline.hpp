@@ -22,7 +22,7 @@ std::vector<Centreline> read_centrelines(const std::filesystem::path &file, cons
 Centreline read_centreline(const std::filesystem::path &file, const Placement &placement);
 
 // Returns the position and unit tangent at a distance along the curve from its first or last point. The
-// tangent points into the curve.
+// tangent points from the end into the curve.
 struct CurvePoint {
     Eigen::Vector3d position_mm, direction;
 };

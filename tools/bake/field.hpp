@@ -20,7 +20,7 @@ constexpr double voxel0_mm = 1000.0 / 1024.0; // level 0
 constexpr double brick0_mm = 8 * voxel0_mm;
 constexpr double error_band_mm = 1.5; // the field's error is measured this close to the wall
 
-// A lumen whose arrays belong to this object.
+// This class holds a lumen together with the arrays to which the lumen points.
 struct Field {
     crn_lumen lumen{};
     std::vector<std::uint16_t> index, children;

@@ -25,14 +25,14 @@ namespace crn::bake
 
 constexpr std::size_t frames_count = CRN_MOTION_KEYFRAMES;
 
-// One set of points through the heart cycle; frame k shows it at k / 24 of the cycle.
+// A sequence is one set of points through the heart cycle; frame k shows the points at k / 24 of the cycle.
 struct Sequence {
     std::vector<Eigen::Vector3d> reference_mm;
     std::vector<std::vector<Eigen::Vector3d>> moved_mm; // frames_count of them, or none
     std::vector<Eigen::Vector3d> inhaled_mm;            // frame 0 at the end of inspiration; empty: no breath
 
-    // Resamples the frames in time. In the given frames, systole ends at frame `end_systole`; afterwards it
-    // ends at frame 10.
+    // Resamples the frames in time. In the given frames, systole ends at frame `end_systole`; after
+    // resampling it ends at frame 10.
     void retime(double end_systole);
 };
 

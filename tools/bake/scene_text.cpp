@@ -16,7 +16,7 @@ namespace crn::bake
 namespace
 {
 
-// One table of the text, with the place that error messages name.
+// Holds one table of the text, with the place that error messages name.
 struct Table {
     const SceneText &scene;
     const Folders &folders;

@@ -67,7 +67,7 @@ struct TreeText {
     std::vector<std::string> left_coronary, right_coronary;
 };
 
-// The frames of a lumen that moves (docs/heart.md).
+// Names the frames of a lumen that moves (docs/heart.md).
 struct MotionText {
     std::filesystem::path frames;                 // folder of 24 meshes; empty: the lumen does not move
     std::filesystem::path inhaled;                // the first frame at the end of inspiration, or empty
@@ -108,7 +108,7 @@ struct BodyText {
     FormText form;
 };
 
-// A stretch of a branch that is narrowed by plaque (lesion.hpp).
+// Describes a stretch of a branch that is narrowed by plaque (lesion.hpp).
 struct LesionText {
     std::string name, branch;
     double at_mm = 0; // its middle, from the branch's ostium

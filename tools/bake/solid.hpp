@@ -27,7 +27,8 @@ Mesh clipped(const Mesh &mesh, const Eigen::AlignedBox3d &box, double voxel_mm);
 // `gap_mm`.
 Mesh difference(const Mesh &mesh, const std::vector<const Mesh *> &taken, double voxel_mm, double gap_mm);
 
-// A voxel inside a closed mesh: its middle is cell * voxel_mm, and its distance from the surface is stored.
+// Describes a voxel inside a closed mesh: its middle is cell * voxel_mm, and its distance from the surface is
+// stored.
 struct InsideVoxel {
     std::array<int, 3> cell;
     float depth_mm;

@@ -12,7 +12,7 @@
 namespace crn::bake
 {
 
-// The name of this kind of text, as error messages use it.
+// Names this kind of text in error messages.
 struct TomlKind {
     std::uintmax_t MiB_max;
     const char *what;      // "a scene text"

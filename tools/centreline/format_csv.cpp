@@ -43,7 +43,7 @@ std::vector<std::string_view> cells_of(std::string_view line)
     }
 }
 
-// One line of the table, with the place that error messages name.
+// Holds one line of the table, with the place that error messages name.
 struct Row {
     std::string where; // "tree.csv:12: "
     const std::array<int, columns> &order;

@@ -11,7 +11,7 @@ namespace
 
 constexpr const char *radius_array = "MaximumInscribedSphereRadius";
 
-// One Piece element of the file and its contents.
+// Holds one Piece element of the file and its contents.
 class Piece
 {
   public:

@@ -30,7 +30,7 @@ std::string polydata_text(const Tree &tree);
 std::string csv_text(const Tree &tree);
 std::string polyline_text(const Tree &tree);
 
-// A line of a file and its number; all readers of text formats share this type.
+// Holds a line of a file and its number; all readers of text formats share this type.
 struct TextLine {
     std::string_view text;
     std::size_t number; // from 1

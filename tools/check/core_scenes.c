@@ -12,8 +12,8 @@
  *
  * air: a floppy shaped wire hangs without a lumen and is turned.
  *
- * coaxial: the J wire lies in two shaped catheters in the tube. Every tool leads once, and slides and turns
- * against the others.
+ * coaxial: the J wire lies in two shaped catheters in the tube. The tip of every tool is foremost once, and
+ * every tool slides and turns against the others.
  *
  * beating: the J wire lies in the tube, whose middle moves to and fro by 3.6 mm with a beating heart and also
  * with breath. The heart receives every kind of order once.
@@ -50,7 +50,8 @@ const core_scene core_scenes[CORE_SCENE_COUNT] = {{"tube", 4000},    {"fine", 15
                                                   {"coaxial", 3000}, {"beating", 3500}, {"balloon", 3000},
                                                   {"stented", 4500}};
 
-/* The memory of a scene's lumen. Only one scene exists at a time: core_scene_start makes it anew. */
+/* This block is the memory of a scene's lumen. Only one scene exists at a time: core_scene_start makes it
+ * anew. */
 static struct {
     crn_lumen lumen;
     uint16_t index[COARSE_COUNT];

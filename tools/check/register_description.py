@@ -93,7 +93,7 @@ def number(text):
 
 
 class Block:
-    """One kind of peripheral, as three tables: registers[name] = (offset, bits), fields[register][field] = (shift,
+    """Holds one kind of peripheral as three tables: registers[name] = (offset, bits), fields[register][field] = (shift,
     bits), and values[register][field][number] = its text in the description."""
 
     def __init__(self, text):

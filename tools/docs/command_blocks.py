@@ -123,8 +123,8 @@ def commands_of_block(first, lines):
 
 
 def classified(page, line, text, marks):
-    """Returns the command with its class. The first marker that names the command applies; without such a marker, the
-    first one for the whole block applies."""
+    """Returns the command with its class, which decides whether the command is run. The first marker that names the
+    command applies; without such a marker, the first one for the whole block applies."""
     is_make = text.split()[0] == "make"
     named = [mark for mark in marks if "only" in mark and mark["only"] in text]
     whole = [mark for mark in marks if "only" not in mark]

@@ -1,4 +1,4 @@
-"""Hooks of mkdocs that make the site show Markdown as the repository's own view does.
+"""Makes mkdocs show Markdown as the repository's own view does.
 
 A link to a file outside docs/ (code, NOTICE) becomes the file's path in code font, since the site has no page for such
 a file. Python-Markdown starts a list, a table or an indented block only behind an empty line. Our documents have lists,

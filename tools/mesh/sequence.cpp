@@ -18,7 +18,7 @@ using Vec3 = Eigen::Vector3d;
 
 constexpr size_t triangles_max = 4'000'000;
 
-/* One file with all its vertices, and with the faces of each body. */
+/* Holds one file with all its vertices, and with the faces of each body. */
 struct Frame {
     struct Group {
         std::string name;

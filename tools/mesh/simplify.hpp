@@ -13,8 +13,8 @@ using Triangle = std::array<uint32_t, 3>; // counter-clockwise seen from outside
 /* Collapses edges by quadric error (Garland and Heckbert 1997) until no collapse costs less than error_mm.
  * The cost is the root mean square distance from the planes that the collapse replaces. The surface itself
  * may move slightly farther, so a caller that promises a distance must measure it. The surface must be a
- * closed manifold. Every collapse keeps it a closed manifold (link condition), and turns no triangle by more
- * than a right angle. The result is deterministic. */
+ * closed manifold. Every collapse keeps the surface a closed manifold (link condition), and turns no triangle
+ * by more than a right angle. The result is deterministic. */
 void simplify(std::vector<Eigen::Vector3d> &vertices_mm, std::vector<Triangle> &triangles, double error_mm);
 
 } // namespace crn::mesh

@@ -24,7 +24,7 @@ MEMBER_BYTES_MAX = 256 << 20
 
 
 class Fault(Exception):
-    """An error whose text gives the remedy."""
+    """Raised for an error; the text gives the remedy."""
 
 
 def read_archive(path):

@@ -1,4 +1,4 @@
-// The commands of the program, which take parsed options.
+// Declares the commands of the program, which take parsed options.
 #pragma once
 #include "tools/centreline/fit/automatic.hpp"
 #include "tools/centreline/fit/guided.hpp"
@@ -11,7 +11,7 @@ namespace crn::centreline
 {
 
 struct Options {
-    // The mesh and the options for reading it.
+    // Holds the mesh and the options for reading it.
     std::string mesh, unit = "mm", cap = "any";
     std::vector<std::string> parts;
     std::string data = "../shared/anatomy", shipped = "build/anatomy/aorta";

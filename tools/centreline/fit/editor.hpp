@@ -1,4 +1,4 @@
-// The editor's window: a person clicks points in a vessel, and spheres are fitted between them.
+// In the editor's window a person clicks points in a vessel, and spheres are fitted between these points.
 #pragma once
 #include "tools/centreline/fit/automatic.hpp"
 #include "tools/centreline/fit/project.hpp"

@@ -1,5 +1,5 @@
-// A vessel's surface prepared for fitting. The surface is closed, and its openings are known; its inside is
-// available as voxels, and its wall as an exact distance.
+// Holds a vessel's surface that is prepared for fitting. The surface is closed, and its openings are known;
+// its inside is available as voxels, and its wall as an exact distance.
 #pragma once
 #include "tools/bake/triangle_tree.hpp"
 #include "tools/centreline/fit/voxels.hpp"

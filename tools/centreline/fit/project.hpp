@@ -1,4 +1,4 @@
-// The editor's data without its window: points, undo steps, the saved text and the last fitted tree.
+// Holds the editor's data without its window: points, undo steps, the saved text and the last fitted tree.
 #pragma once
 #include "tools/centreline/fit/points.hpp"
 

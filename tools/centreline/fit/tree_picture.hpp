@@ -8,8 +8,8 @@
 namespace crn::centreline
 {
 
-// A parallel view with the angles of a C-arm around the patient. Angles of 0, 0 look from the front (from +z)
-// with the head (+y) up.
+// Describes a parallel view with the angles of a C-arm around the patient. Angles of 0, 0 look from the front
+// (from +z) with the head (+y) up.
 struct View {
     double turn_deg = 0; // about the head axis; above 0 the viewer moves to the patient's left
     double tilt_deg = 0; // above 0 the viewer moves towards the head

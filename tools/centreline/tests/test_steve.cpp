@@ -87,8 +87,8 @@ void curves_are_recovered_from_their_surface(void **)
     AutoWish wish;
     wish.inlet_mm = truth.branches[0].spheres[0].centre_mm; // curve 0 begins in the arch
     const Tree tree = fit_automatic(lumen, wish, notes, progress);
-    // Each sphere is compared with the nearest curve. A sphere's weight is the length that it represents,
-    // since thin vessels have more spheres.
+    // Each sphere is compared with the nearest curve. Each sphere's weight is the length of vessel that the
+    // sphere represents, because thin vessels have more spheres.
     double off = 0, radius = 0, weight = 0, found = 0, whole = 0;
     for (std::size_t b = 0; b < tree.branches.size(); ++b)
         for (std::size_t i = first_own_sphere(tree, b); i < tree.branches[b].spheres.size(); ++i) {

@@ -1,4 +1,4 @@
-// A small tree and checks for the tests of trees.
+// Provides a small tree and checks for the tests of trees.
 #pragma once
 #include "tools/centreline/formats.hpp"
 

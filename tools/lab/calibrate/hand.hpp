@@ -5,7 +5,7 @@
 namespace crn::calibrate
 {
 
-// A rod with one end in the hand, advanced in ticks of 1 ms.
+// Represents a rod with one end in the hand, advanced in ticks of 1 ms.
 class HeldRod
 {
   public:

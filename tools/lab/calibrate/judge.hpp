@@ -7,8 +7,8 @@
 namespace crn::calibrate
 {
 
-// Statistics of the distances from the simulated nodes to the nearest point of the reference, which is a line
-// of straight pieces.
+// Holds statistics of the distances from the simulated nodes to the nearest point of the reference, which is
+// a line of straight pieces.
 struct Distances {
     double rms_mm = 0.0, mean_mm = 0.0, deviation_mm = 0.0, max_mm = 0.0;
     std::size_t count = 0;

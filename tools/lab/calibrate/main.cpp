@@ -82,7 +82,7 @@ std::pair<std::size_t, std::string> named(const std::string &text, const std::ve
     throw UsageError("'" + text + "': give NAME=... with one of this instrument's parameters: " + known);
 }
 
-// All data that one trial needs; these data are the same on every rank (MPI process).
+// Holds all data that one trial needs; these data are the same on every rank (MPI process).
 struct Setup {
     insertion::Case c;
     std::unique_ptr<vcsim3::Vessel> vessel;

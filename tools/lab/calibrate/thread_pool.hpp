@@ -1,4 +1,4 @@
-// Threads that evaluate trials as they arrive and return the results in any order.
+// Runs threads that evaluate trials as they arrive and return the results in any order.
 #pragma once
 #include "tools/lab/calibrate/workers.hpp"
 #include <condition_variable>

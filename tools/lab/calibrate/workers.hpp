@@ -46,7 +46,7 @@ class MpiJob
 
     int rank() const { return rank_; }
     int size() const { return size_; }
-    // Ends every rank at once with this exit status. Only this call can end the program after a failure,
+    // Ends every rank at once with this exit status. After a failure only this call can end the program,
     // because the other ranks wait for messages.
     [[noreturn]] void abort(int status);
 

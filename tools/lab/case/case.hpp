@@ -27,7 +27,7 @@ class CaseError : public std::runtime_error
     using std::runtime_error::runtime_error;
 };
 
-// A depth at which the insertion rests and at which it was scanned.
+// Describes a depth at which the insertion rests and at which it was scanned.
 struct Depth {
     std::string name;                 // "iliac bifurcation"
     double inserted_mm = 0.0;         // 0 < . <= 1000, rising from depth to depth
@@ -36,7 +36,7 @@ struct Depth {
     std::filesystem::path centreline; // depth_N.csv
 };
 
-// The force on the hand at this inserted length; a positive force pushes the instrument out.
+// Holds the force on the hand at this inserted length; a positive force pushes the instrument out.
 struct ForceSample {
     double inserted_mm = 0.0;
     double axial_mN = 0.0;

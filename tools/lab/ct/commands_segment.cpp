@@ -25,7 +25,7 @@ bake::Mesh mesh_of(const fs::path &file)
     return bake::load_mesh(text);
 }
 
-// A depth of the case, and the instrument that was found in its scan.
+// Holds a depth of the case, and the instrument that was found in its scan.
 struct SegmentedDepth {
     const insertion::Depth *depth;
     Volume volume;

@@ -15,7 +15,7 @@ struct LineModel {
     double around_HU = 0, highest_HU = 3071, noise_HU = 15;
 };
 
-// A point of a line with its arc length, its tangent and two axes across the line.
+// Holds a point of a line with its arc length, its tangent and two axes across the line.
 struct Frame {
     Eigen::Vector3d place, tangent, across1, across2;
     double arc_mm;

@@ -20,7 +20,8 @@ struct LumenOptions {
     SnakeWeights snake{0.0, 0.15, 0.5, 15};
 };
 
-// One of the scans of the phantom, with the parts of the instrument that hide some of the phantom in it.
+// Holds one of the scans of the phantom, with the parts of the instrument that hide some of the phantom in
+// it.
 struct LumenScan {
     const Volume *volume;
     std::vector<Eigen::Vector3d> line;   // the part of the instrument that lies in the lumen
@@ -46,7 +47,7 @@ Lumen find_lumen(const std::vector<LumenScan> &scans, const LumenOptions &option
 
 // --- parts, for tests ---
 
-// All scans merged into one picture without the instrument, on the grid of the first scan.
+// Holds all scans merged into one picture without the instrument, on the grid of the first scan.
 struct Merged {
     Volume filled;   // hidden voxels are filled from their surroundings
     Volume distance; // distance from the nearest line in the lumen, cut off

@@ -15,7 +15,7 @@ struct Mouth {
 // the introducer's end; messages use the scan's `name`.
 bool begin_at_mouth(InstrumentLine &line, const Mouth &mouth, const std::string &name);
 
-// The whole line of an instrument, with the inserted length that the case states.
+// Holds the whole line of an instrument, with the inserted length that the case states.
 struct InsertedLine {
     std::vector<Eigen::Vector3d> places; // from outside the vessel to the tip
     double inserted_mm;

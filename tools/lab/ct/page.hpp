@@ -1,4 +1,4 @@
-// A folder of pictures, and the page that shows them.
+// Writes a folder of pictures, and the page that shows them.
 #pragma once
 #include "tools/lab/ct/pictures.hpp"
 

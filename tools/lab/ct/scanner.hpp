@@ -18,7 +18,8 @@
 namespace crn::ct
 {
 
-// The Hounsfield units of the phantom's materials at 120 kV (xraylib's cross-sections at 70 keV: docs/ct.md).
+// Holds the Hounsfield units of the phantom's materials at 120 kV (xraylib's cross-sections at 70 keV:
+// docs/ct.md).
 struct PhantomMaterials {
     double fluid_HU = 80;     // water with 40 % glycerol, 1.10 g/cm3
     double silicone_HU = 230; // PDMS, 1.10 g/cm3
@@ -26,7 +27,8 @@ struct PhantomMaterials {
     double wall_mm = 2;       // thickness of silicone around the lumen; assumed
 };
 
-// A stretch of the instrument, counted from its tip: a round tube with the layers of an instrument file.
+// Describes a stretch of the instrument, counted from its tip: a round tube with the layers of an instrument
+// file.
 struct ScanLayer {
     Material material = Material::steel;
     double fill = 1, radius_share = 1; // shares of the section and of the radius

@@ -9,8 +9,8 @@
 namespace crn::ct
 {
 
-// The parallel rays of one slice: view v looks along (-sin, cos), and ray i lies at s = (i + 0.5 - bins / 2)
-// pitch along (cos, sin).
+// Describes the parallel rays of one slice: view v looks along (-sin, cos), and ray i lies at s = (i + 0.5 -
+// bins / 2) pitch along (cos, sin).
 struct Rays {
     Rays(int views, int bins, double pitch_mm);
     int views, bins;
@@ -19,7 +19,7 @@ struct Rays {
     std::size_t count() const { return static_cast<std::size_t>(views) * static_cast<std::size_t>(bins); }
 };
 
-// An edge of a closed outline in a plane; the enclosed region lies on the edge's left.
+// Holds an edge of a closed outline in a plane; the enclosed region lies on the edge's left.
 struct Edge {
     Eigen::Vector2d a, b;
     double value; // HU / 1000 inside minus outside
@@ -60,7 +60,7 @@ void add_chords(const std::vector<Edge> &edges, const Rays &rays, double weight,
 inline constexpr int rays_per_bin = 3;
 inline constexpr int beam_energies = 8;
 
-// The length of metal or polymer that one sub-ray of a plane crosses in an instrument.
+// Holds the length of metal or polymer that one sub-ray of a plane crosses in an instrument.
 struct TubeChord {
     std::uint32_t ray; // view * bins * rays_per_bin + sub-ray
     float length_mm;   // multiplied by `fill`
@@ -90,7 +90,7 @@ class InstrumentTubes
     std::vector<Material> materials_;
 };
 
-// The X-ray beam as a few energies, weighted by the detector's response.
+// Represents the X-ray beam by a few energies, weighted by the detector's response.
 class Beam
 {
   public:

@@ -1,5 +1,5 @@
-// A picture into which charts are drawn with rectangles, lines, discs and letters. Everything is drawn at
-// twice the size and then reduced, so that edges look smooth.
+// Draws charts into a picture with rectangles, lines, discs and letters. Everything is drawn at twice the
+// size and then reduced, so that edges look smooth.
 #pragma once
 #include <Eigen/Core>
 #include <cstdint>

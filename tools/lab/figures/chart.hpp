@@ -20,7 +20,7 @@ struct Axis {
     std::vector<double> ticks() const; // decades, or about six round steps
 };
 
-// A plot area in a canvas, with a value axis on the left.
+// Represents a plot area in a canvas, with a value axis on the left.
 class Chart
 {
   public:

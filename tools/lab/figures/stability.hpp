@@ -7,7 +7,8 @@
 namespace vcsim3
 {
 
-// Makes a straight tube along +x from the origin, closed by a plane at `length_m`; its distance is exact.
+// Makes a straight tube along +x from the origin, closed by a plane at `length_m`; the distances to its wall
+// are exact.
 Wall tube_wall(double radius_m, double length_m);
 
 // Pushes 64 elements of the preset (96 mm) at 0.1 m/s into a tube of 85 mm. Returns true if no segment grows

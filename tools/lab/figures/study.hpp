@@ -6,7 +6,7 @@
 namespace vcsim3
 {
 
-// The smallest stable number of steps per millisecond of a preset, for each mode.
+// Holds the smallest stable number of steps per millisecond of a preset, for each mode.
 struct StabilityRow {
     const Preset *preset;
     int penalty, local10, global;

@@ -5,7 +5,7 @@
 namespace vcsim3
 {
 
-// A table of text; every row has as many cells as the head.
+// Holds a table of text; every row has as many cells as the head.
 struct Table {
     std::vector<std::string> head;
     std::vector<std::vector<std::string>> rows;

@@ -11,7 +11,7 @@ namespace
 
 constexpr int rounds = 60, steps_per_round = 10;
 
-// A single rod, either the baseline's or ours, at the end of its run.
+// Runs a single rod, either the baseline's or ours, from the end of its compression run.
 class Runner
 {
   public:

@@ -46,7 +46,7 @@ LENGTH_mm, GRAVITY_m_s2 = 500.0, 9.81
 
 
 class CannotMeasure(Exception):
-    """An error whose text gives the cause, the place and the remedy."""
+    """Raised for an error; the text gives the cause, the place and the remedy."""
 
 
 def tail(text, lines=4):

@@ -1,4 +1,4 @@
-// A symmetric band matrix whose entries lie within `Band::reach` of the diagonal; it can be factored by
+// Holds a symmetric band matrix whose entries lie within `Band::reach` of the diagonal; it can be factored by
 // Cholesky's method and solved.
 #pragma once
 #include <Eigen/Core>

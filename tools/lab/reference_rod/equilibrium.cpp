@@ -9,7 +9,7 @@ namespace crn::reference
 namespace
 {
 
-// The energy, force and stiffness of the wall per length at a penetration depth, divided by the wall's
+// Holds the energy, force and stiffness of the wall per length at a penetration depth, divided by the wall's
 // stiffness k.
 struct Press {
     double energy, force, stiffness;

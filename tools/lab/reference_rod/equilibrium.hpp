@@ -18,7 +18,7 @@ namespace crn::reference
 
 namespace lumen = vcsim3; // we share only the baked field in doubles with that rod
 
-// The wall's distance (negative inside), with its gradient and second derivatives at a place.
+// Holds the wall's distance (negative inside), with its gradient and second derivatives at a place.
 using Wall = std::function<lumen::LumenField(const Vector &)>;
 
 struct Physics {

@@ -50,7 +50,8 @@ void spread(const Matrix &ee, const Matrix &ff, const Matrix &ef, Second &second
     second.block<3, 3>(at_front, at_front) = ff;
 }
 
-// Converts second derivatives with respect to an angle and the two edges.
+// Converts second derivatives with respect to an angle and the two edges to those with respect to the angle
+// and the nodes.
 void spread_angle(int angle, const Vector &de, const Vector &df, Second &second)
 {
     Slope row = Slope::Zero();

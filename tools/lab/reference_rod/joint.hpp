@@ -15,7 +15,7 @@ struct Measure {
     Second second = Second::Zero();
 };
 
-// The two edges as vectors (forward), and their material axes d1.
+// Holds the two edges as vectors (forward), and their material axes d1.
 struct Joint {
     Eigen::Vector3d rear, front, rear_d1, front_d1;
     double twist = 0.0; // of the material frames

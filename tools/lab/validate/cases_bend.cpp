@@ -12,7 +12,7 @@ namespace crn::validate
 namespace
 {
 
-// A cantilever that leaves the introducer along +x.
+// Sets up a cantilever that leaves the introducer along +x.
 struct Cantilever {
     double bend_N_m2, length_m;
     unsigned elements;

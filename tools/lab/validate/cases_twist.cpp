@@ -14,8 +14,8 @@ namespace
 
 constexpr double nu = 0.3, bend_over_twist = 1 + nu;
 
-// A rod whose tip is clamped in space by its first edge. This edge counts as rigid, and the clamp lies in its
-// middle.
+// Sets up a rod whose tip is clamped in space by its first edge. This edge counts as rigid, and the clamp
+// lies in its middle.
 struct Clamped {
     Rig rig;
     double element_m, length_m; // between the clamps

@@ -7,7 +7,8 @@
 namespace crn::validate
 {
 
-// The shape of a plane rod that is clamped at s = 0 along x; lengths are divided by L, and forces by EI/L^2.
+// Holds the shape of a plane rod that is clamped at s = 0 along x; lengths are divided by L, and forces by
+// EI/L^2.
 struct PlaneShape {
     std::vector<double> x, y, angle; // at s = i / (size - 1)
 };

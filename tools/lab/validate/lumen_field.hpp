@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 // Returns the signed distance to the wall in metres, negative inside; its slope never exceeds 1.
 using Distance = std::function<double(const Vector3d &)>;
 
-// A path in closed form of straight pieces and arcs, in one or several planes.
+// Describes a path in closed form by straight pieces and arcs, in one or several planes.
 class Path
 {
   public:

@@ -17,8 +17,8 @@ namespace crn::validate
 
 using Eigen::Vector3d;
 
-// Properties at an arc length from the tip. Properties are linear between knots; two knots at one arc length
-// make a step.
+// Holds the properties of a tool at an arc length from the tip. Properties are linear between knots; two
+// knots at one arc length make a step.
 struct Knot {
     double arc_m = 0;
     double bend_N_m2 = 1e-3;

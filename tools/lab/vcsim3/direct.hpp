@@ -8,7 +8,7 @@
 namespace vcsim3
 {
 
-// The properties of a uniform, straight rod that the core receives. Ranges: firmware/core/core.h.
+// Holds the properties of a uniform, straight rod that the core receives. Ranges: firmware/core/core.h.
 struct DirectProperties {
     double length_m = 0.0;
     double element_m = 0.0;

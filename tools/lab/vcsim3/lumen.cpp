@@ -61,7 +61,7 @@ struct Weights {
     }
 };
 
-// The result of one row of spline coefficients along x: value, slope and second derivative.
+// Holds the result of one row of spline coefficients along x: value, slope and second derivative.
 struct Line {
     double value, slope, bend;
 };

@@ -17,9 +17,9 @@ struct LumenSample {
     Vector inward = Vector::Zero(); // unit normal; zero far from the wall
 };
 
-// The field at a point: its value changes exactly as its gradient states, and the gradient's length is not
-// exactly 1. Second derivatives jump at the borders of voxels. Gradient and second derivatives are zero far
-// from the wall.
+// Holds the field at a point. Neighbouring values differ exactly as the gradient states, but the gradient's
+// length is not exactly 1. Second derivatives jump at the borders of voxels. Gradient and second derivatives
+// are zero far from the wall.
 struct LumenField {
     double distance_m = 0.0; // negative inside the lumen
     Vector gradient = Vector::Zero();

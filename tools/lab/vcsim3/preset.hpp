@@ -33,7 +33,7 @@ struct Preset {
 
 inline constexpr double preset_element_m = 1.5e-3;
 inline constexpr double wall_friction = 0.2;
-// The drag, per second, of the mass points (as in our solver) and of the segments' rotation.
+// These are the drags, per second, of the mass points (as in our solver) and of the segments' rotation.
 inline constexpr double drag_per_s = 20.0, spin_drag_per_s = 200.0;
 
 const std::vector<Preset> &presets();

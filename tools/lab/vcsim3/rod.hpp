@@ -16,7 +16,7 @@ namespace vcsim3
 using Vector = Eigen::Vector3d;
 using Quaternion = Eigen::Quaterniond;
 
-// The properties of a joint; they are needed if the rod is not uniform or not straight.
+// Holds the properties of a joint; they are needed if the rod is not uniform or not straight.
 struct JointProperties {
     double bend_N_m2 = 0.0, twist_N_m2 = 0.0;
     Vector rest_strain =
@@ -69,10 +69,10 @@ Quaternion turn_from_z(const Vector &direction);
 // the segment on the tip's side. `turn_rad` is the axis times the angle, which must be under 2 pi.
 Vector rest_strain(const Vector &turn_rad, double element_m);
 
-// Adds to force and torque (in the segment's axes) the derivatives of the present shape's energies.
+// Computes force and torque (in the segment's axes) from weight and from the energies of the present shape.
 void add_elastic_forces(Rod &rod);
 
-// The energies in J, for tests and for monitoring stability.
+// Holds the energies in J, for tests and for monitoring stability.
 struct Energy {
     double bend_and_twist = 0.0, parallel = 0.0, stretch = 0.0, kinetic = 0.0;
     double total() const { return bend_and_twist + parallel + stretch + kinetic; }

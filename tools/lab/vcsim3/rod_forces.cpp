@@ -6,8 +6,8 @@
 //   stretch   Ks/(2 l) (|e| - l)^2                        per segment, in the penalty mode only
 //
 // In CoRdE, u is 2/|q|^2 B q.q', where q is the mean of both quaternions and q' is their difference divided
-// by l. For unit quaternions this is 4/l tan(angle/4) about the axis of rotation. Every node has the weight
-// of one element.
+// by l. For unit quaternions u is 4/l tan(angle/4) about the axis of rotation. Every node has the weight of
+// one element.
 #include "tools/lab/vcsim3/rod.hpp"
 
 namespace vcsim3

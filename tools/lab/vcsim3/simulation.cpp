@@ -24,7 +24,7 @@ RodProperties with_mode(RodProperties properties, const SimulationSettings &sett
     return properties;
 }
 
-// Adds the time since the last call to one phase.
+// Adds the time since the last call to one phase of the step.
 class Stopwatch
 {
   public:

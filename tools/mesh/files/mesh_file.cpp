@@ -74,7 +74,8 @@ class Mapped
     std::size_t count_ = 0;
 };
 
-// A mesh in the file's node hierarchy, with the transformation from the mesh's coordinates to the file's.
+// Holds a mesh in the file's node hierarchy, with the transformation from the mesh's coordinates to the
+// file's.
 struct Part {
     std::string name;
     const aiMesh *mesh;

@@ -18,7 +18,7 @@ constexpr std::size_t mesh_triangles_max = 4'000'000;
 constexpr std::size_t mesh_vertices_max = 3 * mesh_triangles_max;
 constexpr std::size_t mesh_pieces_max = 100'000; // parts as the file's nodes give them
 
-// One named part of a file, in the file's axes and unit.
+// Holds one named part of a file, in the file's axes and unit.
 struct MeshPiece {
     std::string name;
     std::vector<std::array<float, 3>> vertices;
@@ -38,7 +38,7 @@ std::vector<MeshPiece> read_mesh_here(const std::filesystem::path &file,
 // vertex or face.
 void check_pieces(const std::vector<MeshPiece> &pieces, const std::string &file);
 
-// The counts that a file declares about itself; -1 if its format does not state them.
+// Holds the counts that a file declares about itself; -1 if its format does not state them.
 struct Declared {
     std::int64_t vertices = -1, faces = -1;
 };

@@ -122,8 +122,8 @@ class Gltf
         return *found;
     }
 
-    // Reads a whole number that must be at least `low`. If the key is missing, it returns `otherwise`; an
-    // `otherwise` of -1 means that the key is required.
+    // Reads a whole number that must be at least `low`. If the key is missing, the function returns
+    // `otherwise`; an `otherwise` of -1 means that the key is required.
     std::int64_t whole(const json &of, const char *key, const std::string &place, std::int64_t low = 0,
                        std::int64_t otherwise = -1) const
     {

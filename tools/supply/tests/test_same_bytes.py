@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Claims: two builds in two folders give the same bytes, and no program contains the name of the folder in which it was
-built. The test makes two copies of the tree whose paths have different lengths. In each it builds targets of every
+built. The test makes two copies of the tree whose paths have different lengths. In each copy it builds targets of every
 kind: objects of C and of C++ with debug information, archives, a linked program, and a firmware image with its hex
 file. The test also searches all programs of the present build for the name of this folder. Prints TAP.
 

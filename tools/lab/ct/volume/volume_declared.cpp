@@ -25,7 +25,7 @@ constexpr std::size_t head_bytes_max = 1 << 20;
 constexpr double deflate_growth = 1040; // 1032 for its longest runs, and the trailer
 constexpr double bzip2_growth = 50000;
 
-// One field of a header, with the place that messages name.
+// Holds one field of a header, with the place that messages name.
 struct Field {
     const std::string &file;
     std::size_t line = 0;
@@ -92,7 +92,7 @@ std::string trimmed(std::string_view text)
     return std::string(text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1));
 }
 
-// The lines of a header; each has the form "name SEPARATOR value".
+// Holds the lines of a header; each has the form "name SEPARATOR value".
 class Fields
 {
   public:

@@ -33,8 +33,8 @@ void assert_below(const char *what, double value, double limit)
     assert_true(value <= limit);
 }
 
-// A tube 8 mm wide: first a straight piece of 20 mm, then two bends of 90 degrees and 30 mm radius that form
-// an S and do not lie in one plane.
+// Makes a tube 8 mm wide: first a straight piece of 20 mm, then two bends of 90 degrees and 30 mm radius that
+// form an S and do not lie in one plane.
 class Tube
 {
   public:

@@ -31,7 +31,7 @@ void assert_near(const char *what, double value, double expected, double allowed
     assert_true(std::abs(value - expected) <= allowed);
 }
 
-// A rod of six nodes, which is bent, twisted and stretched by fixed numbers of order 0.1.
+// Makes a rod of six nodes, which is bent, twisted and stretched by fixed numbers of order 0.1.
 struct Crooked {
     Rod rod = uniform_rod(3e-4, 2e-4, 4e-4, 0.01, 0.002);
     State state;
