@@ -189,7 +189,7 @@ double spline(const std::vector<std::int8_t> &c, const Eigen::Vector3d &x)
 }
 
 // Returns whether the brick's error exceeds the tolerance at some point of a test grid near the wall. Returns
-// false where no finer brick is allowed.
+// false for a brick that may not be divided into finer ones.
 bool is_wrong(const Brick &brick, int level, const TriangleTree &tree, const FieldText &text)
 {
     const double voxel = voxel_mm(level);

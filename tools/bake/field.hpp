@@ -31,7 +31,7 @@ struct Field {
     const crn_lumen *view(); // sets the pointers
 };
 
-// Inside this box the field must keep a stricter tolerance.
+// Describes a box inside which the field must keep a stricter tolerance.
 struct FineRegion {
     Eigen::AlignedBox3d box_mm;
     double tolerance_mm;

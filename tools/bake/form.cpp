@@ -1,4 +1,4 @@
-// Makes the bodies and measures the result.
+// Makes the bodies of a scene and measures how accurate they are.
 #include "tools/bake/form.hpp"
 #include "host/base/format.hpp"
 #include "tools/bake/fault.hpp"

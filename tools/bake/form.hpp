@@ -1,5 +1,5 @@
 // A body's mesh goes through these steps before it is written: it is made solid, cut by its neighbours,
-// decimated and hollowed. A report states how well the bodies fit into each other.
+// decimated and hollowed. The report of `bake` states how well the bodies fit into each other.
 #pragma once
 #include "tools/bake/container.hpp"
 #include "tools/bake/triangle_tree.hpp"
@@ -26,7 +26,8 @@ Deviation decimate(Mesh &mesh, double error_mm);
 Mesh form_body(const BodyText &body, const std::vector<BakedBody> &made, std::string &report);
 
 // Returns one line for each body that protrudes from the body around it, or enters a neighbouring body, by
-// more than 0.3 mm. In such a place the picture counts two materials. Tests `samples` vertices of each body.
+// more than 0.3 mm. Where two bodies overlap, the picture counts both materials. Tests `samples` vertices of
+// each body.
 std::string nesting_report(const std::vector<BakedBody> &bodies, std::size_t samples);
 
 } // namespace crn::bake

@@ -33,8 +33,8 @@ void place_lesions(VesselTree &tree, const std::vector<LesionText> &lesions);
 // their numbers.
 void refine_lesions(Mesh &mesh, const VesselTree &tree);
 
-// Moves vertices from the healthy wall to the narrowed wall, and returns true for each vertex that moved. The
-// walls of other vessels do not move.
+// Moves vertices from the healthy wall to the narrowed wall, and returns true for each vertex that moved.
+// Vertices on the walls of neighbouring vessels do not move.
 std::vector<bool> narrow_lesions(std::vector<Eigen::Vector3d> &vertices_mm, const VesselTree &tree);
 
 // Returns the tree with only those lesions whose vessel runs through the body. Blood beside a diseased

@@ -16,7 +16,8 @@ namespace
 
 using Random = std::mt19937_64;
 
-// Gives the same numbers on every machine, unlike std::uniform_real_distribution.
+// Returns evenly distributed random numbers that are the same on every machine, unlike those of
+// std::uniform_real_distribution.
 double uniform(Random &random, double from, double to)
 {
     return from + (to - from) * std::ldexp(static_cast<double>(random() >> 11), -53);
@@ -165,8 +166,8 @@ double core_depth(const crn_lumen *lumen, const Pose &pose, double radius)
     return deepest;
 }
 
-// Draws a capsule near a random point of the wall whose axis lies in the lumen and whose radius reaches the
-// wall. Returns false when the capsule drawn does not fulfil these conditions.
+// Draws a capsule near a random point of the wall. Its axis lies in the lumen, and its radius reaches the
+// wall. Returns false when the capsule drawn does not lie so.
 bool draw_pose(const TriangleTree &tree, const SurfacePoints &surface, double radius, double length,
                Random &random, Pose &pose)
 {

@@ -235,7 +235,7 @@ void put_node(const std::vector<Ways> &keys, int node, std::int16_t *rows)
     }
 }
 
-// The nodes at the lattice's boundary keep a displacement of 0.
+// The nodes at the boundary of the beat's lattice keep a displacement of 0.
 void fit_beat(const Frames &frames, double spacing_mm, Motion &motion, Progress &progress)
 {
     Moving moving;

@@ -44,10 +44,10 @@ struct Frames {
 };
 
 // Loads the files of the text's folders in the order of their names and retimes them. The reference pose is
-// the one that middle_pose() returns. `lumen` is the scene's lumen, checked and closed. Throws Fault if the
-// number of files is wrong, a file's triangles differ from the first file's, or a vertex jumps between
-// frames. Also throws Fault if the first frame differs from the scene's lumen; the message names the file or
-// the place.
+// the one that middle_pose() returns. `lumen` is the scene's lumen; it must be checked and closed. Throws
+// Fault if the number of files is wrong, a file's triangles differ from the first file's, or a vertex jumps
+// between frames. Also throws Fault if the first frame differs from the scene's lumen; the message names the
+// file or the place.
 Frames load_frames(const MotionText &text, const LumenText &lumen);
 
 // Returns the keyframe from which the longest displacement to any other keyframe is shortest. Relative to

@@ -101,7 +101,7 @@ struct Table {
         return box;
     }
 
-    // Accepts a string or a list of strings.
+    // Reads a value that is either a string or a list of strings.
     std::vector<std::string> texts(const char *key) const
     {
         const toml::node *node = table.get(key);

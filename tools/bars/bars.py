@@ -216,7 +216,7 @@ def measure(source, wanted, options):
 
 # --- verdicts ----------------------------------------------------------------------------------------------------
 def judge(bar, value):
-    """Returns 'held', 'red', 'time' or 'not measured here'."""
+    """Returns the verdict on a bar: 'held', 'red', 'time' or 'not measured here'."""
     if bar.kind == "time":
         return "not measured here" if value is None else "time"
     if value is None:

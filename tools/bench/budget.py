@@ -270,7 +270,8 @@ def memory_sizes():
 
 
 def forbidden_symbols(image):
-    """Returns the names of forbidden functions in the image. A test shows that this rule finds a forbidden name."""
+    """Returns the names of forbidden functions in the image. A test of this function shows that it finds a forbidden
+    name."""
     names = [line.split()[-1] for line in run(["arm-none-eabi-nm", image]).splitlines()]
     return sorted(name for name in names if is_forbidden(name))
 

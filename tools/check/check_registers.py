@@ -3,9 +3,10 @@
 of the chip. The description is the crate imxrt-ral, which cargo fetches into build/registers (register_description.py).
 Prints TAP.
 
-When all agree, the digests of the port's files are written to firmware/port/imxrt1062/registers.checked. `make test`
-compares these digests (test_registers.py), so that test needs no network and notices every file that changed without
-this check. Registers that the crate does not describe are listed in docs/porting.md, "What no script has checked"."""
+When all values agree, the digests of the port's files are written to firmware/port/imxrt1062/registers.checked. `make
+test` compares the digests (test_registers.py), so that test needs no network and notices every file that changed
+without this check. Registers that the crate does not describe are listed in docs/porting.md, "What no script has
+checked"."""
 
 import os
 import re

@@ -17,7 +17,8 @@ extern const core_scene core_scenes[CORE_SCENE_COUNT];
 /* Makes the model and first state of a scene; returns false when the core refuses them. */
 bool core_scene_start(uint32_t scene, crn_model *model, crn_state *state);
 
-/* Returns the hand's position at a tick (from 1). `variant` changes the hand's motion a little. */
+/* Returns the position of the simulated hand at a tick (from 1). `variant` changes the hand's motion a
+ * little. */
 crn_input core_scene_hand(uint32_t scene, uint32_t tick, uint32_t variant);
 
 #endif

@@ -41,7 +41,7 @@ def write_seeds(build, name, corpus):
 
 
 def write_corpus(name, corpus):
-    """Writes the inputs of NAME.corpus into the folder."""
+    """Writes the inputs of NAME.corpus into the folder of inputs."""
     path = name + ".corpus"
     if not os.path.exists(path):
         return
@@ -55,8 +55,8 @@ def keep_corpus(build, name):
     """Writes NAME.corpus: inputs, short ones first, that together reach every edge that BUILD/corpus/NAME reaches.
     Returns (ok, text).
 
-    During a merge libFuzzer writes a control file, which states the edges that each input is the first to reach. Inputs
-    that are the first to reach an edge are kept."""
+    During a merge libFuzzer writes a control file, which states the edges that each input is the first to reach. The
+    merge keeps those inputs that are the first to reach an edge."""
     program, learnt = os.path.join(build, "test", name), os.path.join(build, "corpus", name)
     inputs = []
     with tempfile.TemporaryDirectory() as folder:
@@ -86,8 +86,8 @@ def keep_corpus(build, name):
 
 
 def show_coverage(build, name):
-    """Measures, by folder, which lines of the code under test are executed by the seeds and NAME.corpus. The program
-    must be built for counting lines. Returns (ok, text)."""
+    """Measures, by folder, which lines of the code under test are executed by the seeds and NAME.corpus. The fuzz
+    program must be built for counting lines. Returns (ok, text)."""
     program = os.path.join(build, "test", name)
     with tempfile.TemporaryDirectory() as folder:
         corpus, counts = os.path.join(folder, "corpus"), os.path.join(folder, "counts")

@@ -136,7 +136,7 @@ def run_program(title, command, environment, time_limit_s=TIME_LIMIT_S):
 
 
 def run_fuzz_target(name, build):
-    """A short fuzz run counts as one test."""
+    """Runs a fuzz target for a short time, which counts as one test."""
     outcome = Outcome("fuzz " + name)
     start = time.monotonic()
     ok, outcome.output = run_fuzz.run_target(os.path.join(build, "san"), name, FUZZ_SECONDS)

@@ -104,7 +104,7 @@ class Sessions:
         self.result(code == 1 and ": expected " in said, f"{short}_without_its_turns_misses_it", said)
 
     def changed(self, name, scene, tool, change, replacements):
-        """Tests that the session also reaches its end with another tool."""
+        """Tests that the session also reaches its end with another instrument."""
         with open(f"shared/examples/instruments/{tool}.toml", encoding="utf-8") as file:
             text = file.read()
         for old, new in replacements.items():

@@ -154,7 +154,7 @@ class Looker:
 
 
 def make_faults(text):
-    """Makes a dry run of a make command."""
+    """Makes a dry run of a `make` command."""
     words = shlex.split(text, comments=True)
     done = subprocess.run(
         words[:1] + ["-n", "PACKAGES=skip"] + words[1:],

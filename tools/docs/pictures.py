@@ -297,8 +297,8 @@ class Maker:
 
 
 def seconds_of(wanted, report):
-    """Returns the time of a moment in a film. A moment is given in seconds, as `end`, as `expect N` (when the session's
-    Nth expectation was judged), or as `run N at S` (S seconds into an X-ray run)."""
+    """Returns the time, in a film, of the moment that a text describes. A moment is given in seconds, as `end`, as
+    `expect N` (when the session's Nth expectation was judged), or as `run N at S` (S seconds into an X-ray run)."""
     if not isinstance(wanted, str):
         return wanted
     words = wanted.split()

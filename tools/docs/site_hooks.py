@@ -38,7 +38,7 @@ def kind_of(line):
 
 
 def needs_gap(before, now, in_list):
-    """Returns whether an empty line belongs between lines of these kinds."""
+    """Returns whether Python-Markdown needs an empty line between lines of these kinds."""
     if now == "empty" or before in ("empty", now):
         return False
     if now == "item":

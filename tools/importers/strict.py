@@ -29,8 +29,9 @@ def single(value):
 
 
 def summed(vertices, faces):
-    """Returns the digest of a mesh. The program splits a polygon into a fan of triangles, which repeats corners. The
-    sum of corners is therefore returned only if all faces are triangles."""
+    """Returns the digest of a mesh, which states its number of triangles and the sum and range of its coordinates. The
+    program splits a polygon into a fan of triangles, which repeats corners. The sum of corners is therefore returned
+    only if all faces are triangles."""
     total, low, high, triangles, other = 0.0, math.inf, -math.inf, 0, 0
     for face in faces:
         if any(not 0 <= corner < len(vertices) for corner in face):

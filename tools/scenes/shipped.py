@@ -6,8 +6,8 @@
       --bake build/bin/bake [--accept]
 
 `make` bakes the anatomy into a temporary folder and compares every file with the one that ships, byte for byte; with
---accept the new files replace those that ship. The same files always give the same bytes of an archive. The exit code
-is 1 when a file differs or cannot be read.
+--accept the new files replace those that ship. If the files are the same, the bytes of the archive are the same. The
+exit code is 1 when a file differs or cannot be read.
 """
 
 import argparse

@@ -1,6 +1,6 @@
 // Claims: a body's surface can be remade, closed, cut, hollowed and reduced to fewer triangles, each within a
-// stated distance of a closed form. Bodies that overlap are named. Parts, pieces and transforms in the text
-// have their stated effect.
+// stated distance of a closed form. Bodies that overlap are named. The parts, pieces and transforms that a
+// scene's text states have the effect that docs/scene.md describes.
 #include "tools/bake/form.hpp"
 #include "tools/bake/solid.hpp"
 #include "tools/bake/tests/shapes.hpp"

@@ -318,9 +318,9 @@ void the_hosts_vessel_opens_as_the_cores_does(void **)
     assert_true(wall_mm < 0.06 && sphere_mm < 0.06);
 }
 
-// Positions refer to the healthy vessel. A lesion stays in place when another lesion is added: an eccentric
-// lesion upstream, whose channel is longer than the vessel, or a lesion that narrows the parent at the
-// branch's origin.
+// The positions of lesions refer to the healthy vessel. A lesion stays in place when another lesion is added:
+// an eccentric lesion upstream, whose channel is longer than the vessel, or a lesion that narrows the parent
+// at the branch's origin.
 void a_lesion_lies_where_it_would_lie_alone(void **)
 {
     LesionText second = plaque(0.5), ostium = plaque(), side = plaque();
@@ -342,8 +342,8 @@ void a_lesion_lies_where_it_would_lie_alone(void **)
     assert_true(alone.branches[1].points_m == both.branches[1].points_m);
 }
 
-// A vessel turns to run forwards within its lesion, and the plaque stays on one side of the vessel. The
-// vessel's points are 5 degrees of the bend apart.
+// A vessel turns to run forwards within its lesion, and the plaque stays on one side of the vessel.
+// Neighbouring points of the vessel are 5 degrees of its bend apart.
 void plaque_stays_on_its_side_in_a_bend(void **)
 {
     VesselTree tree;

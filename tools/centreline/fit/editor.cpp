@@ -49,7 +49,7 @@ class Editor
         shows_help_ = !project.was_resumed();
     }
 
-    // Returns false when a signal has closed the window.
+    // Returns false when a signal has closed the editor's window.
     bool run()
     {
         for (int frame = 0; wish_.frames == 0 || frame < wish_.frames; ++frame) {

@@ -20,8 +20,9 @@ struct EditorWish {
 struct View;
 std::optional<Eigen::Vector3d> picked(const Lumen &lumen, const View &view, double x, double y);
 
-// Shows the window until the user closes it. Saves the project then, also after Ctrl-C. Returns 0, or 1 when
-// a signal closed the window. Throws std::runtime_error if there is no display.
+// Shows the editor's window until the user closes it. When the window closes, also after Ctrl-C, the project
+// is saved. Returns 0, or 1 when a signal closed the window. Throws std::runtime_error if there is no
+// display.
 int run_editor(const Lumen &lumen, Project &project, const EditorWish &wish, bake::Progress &progress);
 
 } // namespace crn::centreline

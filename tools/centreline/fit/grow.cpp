@@ -46,8 +46,8 @@ std::size_t shared_junction(const Tree &tree, int parent, std::size_t sphere)
     return to_end < merge_share * spheres[sphere].radius_mm ? spheres.size() - 1 : sphere;
 }
 
-// Returns the path of a branch. The path begins in the parent's middle, goes straight to where it leaves the
-// parent's tube, and continues from there.
+// Returns the path of a branch, including its connection to the parent. The path begins in the parent's
+// middle, goes straight to where it leaves the parent's tube, and continues from there.
 Points from_junction(const Tree &tree, const Lumen &lumen, const Way &way, std::size_t &sphere)
 {
     const Branch &parent = tree.branches[way.parent];

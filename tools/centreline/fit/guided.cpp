@@ -36,8 +36,9 @@ Placed placed(const Lumen &lumen, const Point &point, std::size_t number, std::v
     if (voxel < 0)
         throw Fault("the " + title(point, number) + " lies over 5 mm outside the vessel: move it inside");
     Placed made{&point, static_cast<std::size_t>(voxel)};
-    // A point may lie beside the middle of the vessel. We take the voxel in the middle of the vessel nearby,
-    // and search for it across the vessel only, because the fit cannot move an end along the vessel.
+    // A point that the user has set may lie beside the middle of the vessel. We take the voxel in the middle
+    // of the vessel nearby, and search for it across the vessel only, because the fit cannot move an end
+    // along the vessel.
     made.voxel = voxels.middle_near(made.voxel);
     const double moved_mm = (voxels.centre_mm(made.voxel) - point.position_mm).norm();
     if (moved_mm > voxels.depth_mm(made.voxel))

@@ -127,7 +127,7 @@ Ways find_ways(const Voxels &voxels, const std::vector<std::size_t> &sources, lo
         waiting.push({0.0, source});
     }
     const auto price = [&](std::size_t voxel) {
-        // The middle of a voxel may lie exactly on the wall.
+        // The middle of a voxel may lie exactly on the wall, where the price would be infinite.
         const double depth = std::max(voxels.depth_mm(voxel), 0.25 * voxels.voxel_mm());
         return 1 / (depth * depth);
     };

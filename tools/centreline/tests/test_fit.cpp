@@ -66,7 +66,7 @@ void a_straight_and_a_bent_tube_are_recovered_to_their_openings(void **)
         const Tree tree = automatic(lumen);
         assert_int_equal(tree.branches.size(), 1);
         print(bend_mm > 0 ? "bent tube" : "straight tube", worst_in_tube(tree, 2.0, bend_mm));
-        // The length is measured from one end plane to the other.
+        // The expected length is measured from one end plane to the other.
         const double length = length_mm(tree.branches[0]);
         if (std::abs(length - 30) > 0.3) fail_msg("is %.2f mm long, expected 30", length);
     }

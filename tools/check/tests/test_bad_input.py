@@ -135,7 +135,7 @@ def anatomy_cases(bench):
 
 # --- bake ------------------------------------------------------------------------------------------------------------
 def bake_scene(bench, name, pattern, text, mesh=None, mesh_name="lumen.stl"):
-    """Checks that bake refuses one scene text."""
+    """Checks that bake refuses the text of one scene."""
     bench.write("lumen.stl", stl(LUMEN))
     if mesh is not None:
         bench.write(mesh_name, mesh)

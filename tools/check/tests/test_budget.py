@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Tests that tools/bench/budget.py finds what its rules forbid: a row over the budget, a helper in the image, and
 recursion or calls by address in the call graph. The last scene of the budget must still have a tick that is solved
-twice. `make budget` measures the costs; this test does not. Prints TAP."""
+twice. `make budget` measures the costs of a tick; this test does not. Prints TAP."""
 
 import os
 import subprocess

@@ -35,7 +35,7 @@ def missing_tests(faults, tests):
 
 def slow_faults(faults):
     """Checks the bars: over-force and sensor faults are safe within 5 ms, and a silent host within 50 ms. A broken
-    power stage can only be reported."""
+    power stage is an exception, because it can only be reported."""
     for name, _, effect, safe_ms, _ in faults:
         limit = {"stop": 5, "fade": 50, "log": 0}[effect]
         if safe_ms > limit and name != "STAGE_STUCK":

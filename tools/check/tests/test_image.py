@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Checks the device's images as `make test` built them: they have no soft-float, no divide helper and no heap, and RAM
-and stack are within their limits. `make firmware` applies the same rules and also prints the figures. BUILD is the
-build folder. Prints TAP."""
+and stack are within their limits. `make firmware` applies the same rules to an image and also prints the figures. BUILD
+is the build folder. Prints TAP."""
 
 import contextlib
 import io

@@ -372,7 +372,7 @@ def check_quoted(path, line, target, row, exists):
 
 
 def check_file(path, text, exists):
-    """Yields the findings of one file."""
+    """Yields the findings of one file: includes that the table does not permit."""
     row = row_of(path, ALLOWED)
     if row is None:
         yield "%s: its folder has no row in ALLOWED (tools/check/tests/test_layers.py)" % path

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Claims: tools/check/matrix.py in its short form finds one hash on five machines (32 and 64 bits, both byte orders).
-If a machine computes one bit differently, matrix.py finds it and names its tick, part and node. `make matrix` runs the
-long form. Prints TAP."""
+If a machine computes one bit differently, matrix.py finds it and names its tick, part and node. `make matrix` runs all
+variants. Prints TAP."""
 
 import os
 import subprocess

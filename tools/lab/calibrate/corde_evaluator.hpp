@@ -1,5 +1,5 @@
-// Makes the thesis' rod an evaluator. The thesis' rod serves as the baseline for our rod, and the same search
-// fits both.
+// Makes the thesis' rod an evaluator, so that the search can fit it. The thesis' rod serves as the baseline
+// for our rod, and the same search fits both.
 //
 // Five numbers are fitted, as in section 5.3.3 of the thesis: Young's modulus of the shaft, alpha (the tip's
 // modulus over the shaft's), radius, density and Kp. The instrument file determines how stiffness changes
@@ -17,8 +17,8 @@ namespace crn::calibrate
 CordeSettings corde_settings();
 CordeSettings careful_corde_settings();
 
-// Converts the file's numbers to those of a solid round wire. Kp is chosen so that the directors follow waves
-// longer than some millimetres.
+// Converts the stiffness, radius and mass of the instrument file to those of a solid round wire. Kp is chosen
+// so that the directors follow waves longer than some millimetres.
 CordeValues nominal_corde_values(const Instrument &instrument);
 
 class CordeEvaluator final : public Evaluator

@@ -28,7 +28,7 @@ struct CordeSettings : InsertionSettings {
     vcsim3::Mode mode;              // the method that keeps lengths: one global iteration
 };
 
-// Returns the parameters of such a rod for the integration.
+// Returns the parameters of the thesis' rod for the integration.
 struct CordeModel {
     vcsim3::RodProperties properties;
     int substeps = 1;

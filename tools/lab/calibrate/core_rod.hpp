@@ -17,7 +17,7 @@ class CoreRod final : public HeldRod
     // rejects the tool.
     CoreRod(const crn_wire_instrument &table, const crn_lumen *lumen, const Vector3d &mouth_mm,
             const Vector3d &direction, const Vector3d &gravity_m_s2, double inserted_mm);
-    // Returns the core's version. With the same version, the same inputs give the same hashes.
+    // Returns the core's version. With the same version of the core, the same inputs give the same hashes.
     static unsigned version();
     ~CoreRod() override;
 

@@ -1,4 +1,4 @@
-// The inserting hand executes the case's protocol with any rod.
+// The inserting hand executes the case's protocol with any kind of rod.
 #pragma once
 #include "tools/lab/calibrate/evaluator.hpp"
 

@@ -1,7 +1,7 @@
 // Moves each number away from the optimum, first by doubling steps, and then by halving between the last step
-// within the noise and the first beyond it. This method does not find numbers that compensate each other. The
-// search's trials that are as good as the best trial reveal such numbers, so the range is widened to include
-// these trials.
+// within the noise and the first beyond it. Moving one number at a time does not find numbers that compensate
+// each other. The search's trials that are as good as the best trial reveal such numbers, so the range is
+// widened to include these trials.
 #include "tools/lab/calibrate/identify.hpp"
 #include <algorithm>
 #include <array>

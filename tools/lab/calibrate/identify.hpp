@@ -19,8 +19,8 @@ struct Identified {
     bool is_determined = false;
 };
 
-// Returns one entry per parameter. `evaluate` receives the trials in a few batches. `trials` are the trials
-// that the search has made.
+// Returns one entry per parameter. The function `evaluate` receives the trials in a few batches. `trials` are
+// the trials that the search has made.
 std::vector<Identified> identify(const std::vector<Parameter> &parameters, const Trial &best,
                                  const std::vector<Trial> &trials, const EvaluateShares &evaluate,
                                  const IdentifySettings &settings);

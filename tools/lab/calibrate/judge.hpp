@@ -19,7 +19,7 @@ Distances distances_of(std::span<const Vector3d> nodes_mm, std::span<const Vecto
 // Returns the relative RMS of the difference of two force traces: sqrt(sum (F - F_ref)^2 / sum F_ref^2) over
 // the samples of the reference from `from_mm` to `to_mm`. Both forces are medians over `smooth_mm` around
 // each sample. A tip that snaps past an edge gives a peak, which another model has at another place. Returns
-// nothing when the reference has no sample in this range.
+// nothing when the reference has no sample between `from_mm` and `to_mm`.
 std::optional<double> force_error(std::span<const insertion::ForceSample> simulated,
                                   std::span<const insertion::ForceSample> reference, double from_mm,
                                   double to_mm, double smooth_mm);

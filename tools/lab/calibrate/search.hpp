@@ -70,7 +70,7 @@ void advance(const SearchSettings &settings, std::size_t parameter_count, const 
 // result depends only on the state, so a search that was stopped and resumed ends at the same generation.
 bool has_converged(const SearchSettings &settings, const SearchState &state);
 
-// Returns the first of the best trials. The state must contain at least one trial.
+// Returns the first of the best trials of a search. The search's state must contain at least one trial.
 const Trial &best_of(const SearchState &state);
 std::vector<GenerationFigures> curve_of(const SearchState &state, unsigned population);
 

@@ -11,8 +11,8 @@ struct Interrupted : std::exception {
     const char *what() const noexcept override { return "interrupted"; }
 };
 
-// This function evaluates one trial: it takes values and returns a verdict. The function must be safe to call
-// from several threads.
+// This function evaluates one trial: it takes values and returns a verdict. The function that evaluates a
+// trial must be safe to call from several threads.
 using Evaluate = std::function<Verdict(const std::vector<double> &values)>;
 // This function is called between trials; it returns true if the work must stop.
 using Stop = std::function<bool()>;

@@ -76,8 +76,8 @@ void write_case(const Case &c);
 // as a person wrote it. Throws CaseError, crn::OutputError.
 void complete_case(const Case &c);
 
-// Reads ordered points in mm under the header x_mm,y_mm,z_mm; further columns are ignored. There must be at
-// least two points. Throws CaseError.
+// Reads ordered points in mm under the header x_mm,y_mm,z_mm; further columns are ignored. The file must have
+// at least two points. Throws CaseError.
 std::vector<Eigen::Vector3d> read_centreline(const std::filesystem::path &file);
 void write_centreline(const std::filesystem::path &file, const std::vector<Eigen::Vector3d> &points_mm);
 

@@ -18,7 +18,7 @@ struct Stiffness {
 };
 
 // Returns the file's own two numbers: the first knot is the tip, and the last knot is the shaft. The device
-// requires at least two knots.
+// requires that an instrument has at least two knots.
 Stiffness stiffness_of(const crn_wire_instrument &table);
 
 // Returns the weight w of a place whose EI in the file is `bend_N_m2`; it is 0 everywhere on an instrument

@@ -110,7 +110,7 @@ std::vector<LineFit::Sample> LineFit::samples_at(const std::vector<Frame> &frame
                 const Vector3d off = place - foot.place;
                 const double ahead = off.dot(foot.tangent);
                 const double s = foot.arc_mm + ahead - frame.arc_mm;
-                // Between its points the curve is followed to second order.
+                // Between the points of the line, the curve is followed to second order.
                 Vector3d across = off - ahead * foot.tangent;
                 if (nearest > 0 && nearest + 1 < frames.size()) {
                     const double span = 0.5 * (frames[nearest + 1].arc_mm - frames[nearest - 1].arc_mm);
@@ -199,7 +199,7 @@ AcrossFit LineFit::fit(const std::vector<Frame> &frames, std::size_t index, cons
     const Matrix3d covariance = information.inverse();
     double weights = 0;
     for (const Sample &sample : samples) weights += sample.weight;
-    // The misfit is the ratio of the residuals to the noise.
+    // The excess is the ratio of the residuals to the noise, but at least 1.
     const double excess = std::max(1.0, misfit / std::max(weights, 1.0) * cauchy * cauchy);
     result.variance_mm2 = std::clamp(0.5 * (covariance(0, 0) + covariance(1, 1)) * excess, 1e-6, 4.0);
     return result;

@@ -37,7 +37,7 @@ class LineFit
     // Estimates the noise, the end of the grey scale, and the value around the line.
     LineModel first_model(const std::vector<Eigen::Vector3d> &line) const;
     AcrossFit fit(const std::vector<Frame> &frames, std::size_t index, const LineModel &model) const;
-    // Finds the blurs that fit best at a few places.
+    // Finds the blurs that fit best at a few places of the line.
     void fit_blurs(const std::vector<Frame> &frames, LineModel &model) const;
     // Returns the arc length, between the two given values, at which the instrument ends; `height_HU` is the
     // line's height there.

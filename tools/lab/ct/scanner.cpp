@@ -102,7 +102,7 @@ class Scan
 
     // Returns the share of the signal that remains on each ray through an instrument, and -1 for other rays;
     // the list is empty if no ray passes an instrument. Over the aperture and the slice we average the
-    // signal, not the lengths of material. This average makes thin metal bloom and cause streaks.
+    // signal, not the lengths of material. Averaging the signal makes thin metal bloom and cause streaks.
     std::vector<float> through_instruments(double height, const std::vector<float> &water) const
     {
         const std::size_t materials = beam_.material_count(), block = slice_planes * rays_per_bin * materials;
@@ -165,8 +165,8 @@ class Scan
         planes_.edges_at(0, edges);
         add_chords(edges, rays_, 1, water);
         for (float &length : water) {
-            // The variance of -log(signal) is 1 / photons. The variance of the water length is this variance
-            // times the square of the change in length per change in -log(signal).
+            // The variance of -log(signal) is 1 / (number of photons). The variance of the water length is
+            // this variance times the square of the change in length per change in -log(signal).
             const double share = beam_.water_transmission(static_cast<double>(length));
             const double slope = beam_.water_for(share * 0.99) - beam_.water_for(share * 1.01);
             length = static_cast<float>(slope * slope / (0.02 * 0.02) / share);

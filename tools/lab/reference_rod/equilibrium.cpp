@@ -34,7 +34,7 @@ class Potential
     }
 
     // Moves the friction of every node by `share` of the difference towards its value in this state. Returns
-    // the largest difference before this change.
+    // the largest difference before the friction was changed.
     double renew_friction(const State &state, double share)
     {
         double most_N = 0.0;

@@ -32,7 +32,7 @@ struct Physics {
     int iterations_max = 600;
 };
 
-// Holds the state of friction at a node between steps.
+// Holds the state of friction at a node between two steps of the insertion.
 struct Anchor {
     Vector at = Vector::Zero();
     Vector normal = Vector::Zero(); // normal of the wall, outward

@@ -34,7 +34,7 @@ void set_reference(State &state, int joint, double guess)
     state.reference[joint] = angle_near(carry(state.axis[joint], te, tf), state.axis[joint - 1], tf, guess);
 }
 
-// Adds weight * (measure - rest)^2 / 2.
+// Adds the energy weight * (measure - rest)^2 / 2 and its derivatives.
 double add_square(const Measure &m, double rest, double weight, int first, Eigen::VectorXd *slope,
                   Band *second)
 {

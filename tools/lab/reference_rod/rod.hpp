@@ -35,7 +35,7 @@ struct Rod {
     double length_m(int edge) const { return arc_m[edge + 1] - arc_m[edge]; }
 };
 
-// States how the rod is divided into edges.
+// States how an instrument is divided into edges.
 struct Cut {
     double tip_m = 0.25e-3, shaft_m = 0.75e-3; // longest edge at the tip, and elsewhere
     double fine_m = 0.0; // length from the tip; 0: to 5 mm behind the tip's curves, at least 20 mm

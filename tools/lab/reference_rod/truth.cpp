@@ -158,7 +158,7 @@ std::vector<double> radii_mm(const crn_wire_instrument &table, const std::vector
 
 double Noise::even()
 {
-    // SplitMix64 (Steele, Lea and Flood, 2014).
+    // The following lines are the generator SplitMix64 (Steele, Lea and Flood, 2014).
     std::uint64_t z = (state_ += 0x9e3779b97f4a7c15u);
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;

@@ -1,6 +1,6 @@
-// Makes a case with a known answer. The reference rod, with a stiffness that differs from the instrument
-// file's, is inserted into a baked lumen. The case holds the data that a scan and a hand would give; the
-// truth is stored separately.
+// Makes a calibration case whose answer is known. The reference rod, with a stiffness that differs from the
+// instrument file's, is inserted into a baked lumen. The case holds the data that a scan and a hand would
+// give; the truth is stored separately.
 #pragma once
 #include "tools/lab/case/stiffness.hpp"
 #include "tools/lab/reference_rod/insertion.hpp"

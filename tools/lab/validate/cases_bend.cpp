@@ -151,8 +151,8 @@ void self_weight(Result &result, bool quick)
 
 // Models half of the span: by symmetry the middle of the beam is clamped, and each support pushes with P / 2.
 // Returns the load P divided by the deflection. `mass_factor` multiplies the rod's mass m. With time step h,
-// a solve depends on h only through m / h^2 and the drag. A factor of 4 therefore acts like half the time
-// step.
+// a solve depends on h only through m / h^2 and the drag. A factor of 4 therefore has the same effect as half
+// the time step.
 double bench_stiffness(double bend_N_m2, double span_m, double deflection_m, double mass_factor, int ticks)
 {
     double half = span_m / 2, element = element_length(half, bend_N_m2 > 2e-3 ? 10 : 20);

@@ -29,8 +29,8 @@ constexpr Column columns[] = {{"K_2", End::free, 2, 8},
                               {"K_0.699", End::pinned, 0.699156, 185},
                               {"K_0.5", End::clamped, 0.5, 384}};
 
-// Two supports at this distance from each other clamp a tip. Supports on neighbouring nodes could not clamp
-// it, because each node's spring would let it turn.
+// Two supports at this distance from each other clamp the tip of a column. Supports on neighbouring nodes
+// could not clamp it, because each node's spring would let it turn.
 constexpr unsigned clamp_elements = 8;
 
 // A soft piece of one element at the introducer serves as a hinge.

@@ -1,6 +1,6 @@
 // Makes lumens from closed forms: exact distance functions, and the core's sparse field computed from them in
-// memory. The program bake would store the same field. This code does not use bake, so that a validation case
-// depends on the core alone.
+// memory. The program `bake` would make the same field. This code does not use bake, so that a validation
+// case depends on the core alone.
 #pragma once
 #include <Eigen/Geometry>
 #include <functional>

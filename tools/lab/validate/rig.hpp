@@ -73,7 +73,7 @@ class Rig
               unsigned tool = 0); // the hand's angle, right-handed about the direction of insertion
     void step(int ticks = 1);
 
-    // Gives the free nodes these positions and no velocity.
+    // Gives the free nodes of the rig these positions and no velocity.
     void place(const std::vector<Vector3d> &positions_m);
 
     unsigned free_count() const;

@@ -27,7 +27,7 @@ double zero_of_line(const std::vector<double> &x, const std::vector<double> &y);
 
 // Returns the angle by which the tip segment is turned about the rod. The angle is that of the chord from
 // `node` to the tip, about the direction from the hand to the tip. The angle is measured from an axis carried
-// without twist from the introducer. The computation uses only geometry, in double precision.
+// without twist from the introducer. The computation of the angle uses only geometry, in double precision.
 double heading(const Rig &rig, unsigned node);
 
 // Adds to `angle` the multiple of a full turn that brings it nearest to `near`.

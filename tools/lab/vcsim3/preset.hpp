@@ -42,7 +42,7 @@ const Preset *find_preset(const std::string &token); // nullptr when there is no
 RodProperties rod_of(const Preset &preset, int element_count, double element_m);
 
 // Returns the time step times the highest frequency that the parallel constraint gives the mass points, which
-// is 2/l sqrt(Kp / mass per length). Explicit integration is stable only below 2.
+// is 2/l sqrt(Kp / mass per length). Explicit integration is stable only if this product is below 2.
 double step_ratio(const Preset &preset, double element_m, int substeps);
 
 } // namespace vcsim3

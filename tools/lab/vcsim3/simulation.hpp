@@ -24,7 +24,8 @@ struct Mode {
 };
 bool operator==(const Mode &a, const Mode &b);
 
-// Parses the token of a mode; returns false for an unknown token. The number of "local" must be 1 .. 10000.
+// Parses the token of a mode; returns false for an unknown token. For the mode "local", the number of
+// iterations in the token must be 1 .. 10000.
 bool parse_mode(const std::string &token, Mode &mode);
 
 // Returns the nine modes of Figures 5.11 to 5.14, in the thesis' order.

@@ -1,6 +1,6 @@
 // A mesh file is read as plain data. First the file's declared counts are checked against its size. Then
 // assimp reads the file in a child process with limits (host/base/guarded_read.hpp). Finally every index and
-// number of the result is checked here.
+// number that assimp returns is checked here.
 #pragma once
 #include <Eigen/Core>
 #include <array>

@@ -287,7 +287,7 @@ void without_a_size_a_search_has_the_budget_of_the_thesis(void **)
     assert_int_equal(sized({}, Method::cmaes, {}, 20).generations, 20);
 }
 
-// This rod either lies on the reference or is refused.
+// The rod in this evaluator either lies on the reference or is refused.
 struct ScriptedEvaluator final : Evaluator {
     bool refuses = false;
 

@@ -107,8 +107,8 @@ void joints_have_the_stiffness_asked_for(void **)
 }
 
 // At all corners of the bounds, the number of substeps is at most the permitted one, and the mass is at least
-// the real one. The time step times the fastest motions stays within 2. Closed forms give these motions, for
-// a point between two springs Kp/l and for a turning segment.
+// the real one. The time step times the fastest angular frequency stays below 2. Closed forms give the
+// fastest frequencies, of a point between two springs Kp/l and of a turning segment.
 void every_trial_gets_a_step_that_is_stable(void **)
 {
     const Space space;
@@ -135,8 +135,8 @@ void every_trial_gets_a_step_that_is_stable(void **)
     }
 }
 
-// The hand turns an instrument whose tip carries no load. Our rod has other elements than CoRdE, so the tips
-// are compared as lines.
+// In this test the hand turns an instrument whose tip carries no load. Our rod has other elements than CoRdE,
+// so the tips are compared as lines.
 void a_bent_tip_lies_where_our_rods_tip_lies(void **)
 {
     const Space space;
@@ -168,7 +168,7 @@ void a_bent_tip_lies_where_our_rods_tip_lies(void **)
 // --- the fit ---
 
 // A wire that sags under its weight beyond the introducer shows the EI of its tip. All other numbers are kept
-// near their own values.
+// within 0.1 % of their nominal values.
 struct Sagging {
     Folder folder{"corde"};
     Space space;

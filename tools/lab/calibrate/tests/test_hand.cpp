@@ -26,8 +26,8 @@ void assert_near(double got, double expected, double tolerance)
     assert_true(false);
 }
 
-// This rod follows the hand immediately. The rod's only node is displaced sideways by `aside_mm`, a function
-// of the number of ticks since the hand stopped.
+// The scripted rod follows the hand immediately. Its only node is displaced sideways by `aside_mm`, a
+// function of the number of ticks since the hand stopped.
 struct ScriptedRod final : HeldRod {
     double (*aside_mm)(int ticks) = [](int) { return 0.0; };
     std::vector<double> places_mm;
@@ -114,8 +114,8 @@ void a_still_rod_is_at_rest_after_three_windows(void **)
 }
 
 // The node is displaced by 25 um in every second tick, as a J tip on a wall is (docs/rod.md). This
-// displacement is a hundred times the limit per tick. In the next window the node is displaced in the other
-// ticks; a method that reads only every second tick would take this for a real displacement.
+// displacement of 25 um is a hundred times the limit per tick. In the next window the node is displaced in
+// the other ticks; a method that reads only every second tick would take this for a real displacement.
 void a_tip_that_trembles_in_its_place_is_at_rest(void **)
 {
     ScriptedRod rod;

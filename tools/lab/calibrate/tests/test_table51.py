@@ -179,7 +179,7 @@ class Rehearsal:
         return lines
 
     def stopped_in(self, place):
-        """Sends Ctrl-C as soon as this fit has begun."""
+        """Sends Ctrl-C to the chain as soon as this fit has begun."""
         with self.start() as child:
             deadline = time.monotonic() + 60
             while (

@@ -1,7 +1,7 @@
-// Claims: the virtual scanner keeps its stated numbers. These numbers are the Hounsfield units of fluid, wall
-// and gel at their places, the requested noise and point spread, and the instrument on its line. One seed
-// gives the same volume on any number of threads. The references are closed forms, such as areas of circles
-// and moments of Gaussians.
+// Claims: scans by the virtual scanner have the numbers that its settings state. The tests check the
+// Hounsfield units of fluid, wall and gel at their places, the noise and point spread, and the position of
+// the instrument on its line. One seed gives the same volume on any number of threads. The references are
+// closed forms, such as areas of circles and moments of Gaussians.
 #include "tools/lab/ct/tests/tube_phantom.hpp"
 
 #include <algorithm>

@@ -78,7 +78,7 @@ Volume receive(Inbox &in, const std::string &name)
     return volume;
 }
 
-// Returns the size of all files that are read.
+// Returns the size of all files that a volume consists of.
 std::uint64_t bytes_of(const fs::path &path)
 {
     std::error_code ignored;

@@ -1,6 +1,6 @@
 // Reads strictly, and without ITK, what a volume file declares about itself. ITK replaces a spacing that it
 // does not understand by 1 mm, trusts any number of dimensions, and reserves any amount of memory that is
-// declared. ITK's result is therefore compared with this reading.
+// declared. What ITK reads is therefore compared with this strict reading.
 #pragma once
 #include "tools/mesh/fault.hpp"
 #include <Eigen/Core>

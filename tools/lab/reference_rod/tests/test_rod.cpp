@@ -147,7 +147,8 @@ void cantilever_is_the_elastica(void **)
 }
 
 // The tip has a curve of 180 degrees with a radius of 3 mm. The curve's end lies 6 mm beside the shaft,
-// towards d1, level with the beginning of the curve. Edges of 0.5 mm make the circle 0.1 % larger.
+// towards d1, level with the beginning of the curve. Edges of 0.5 mm length make the circle of the curve 0.1
+// % larger.
 void curved_tip_rests_in_its_circle_where_the_hand_turned_it(void **)
 {
     crn_wire_instrument table{};

@@ -150,7 +150,7 @@ void lumen_in_doubles_is_the_cores_lumen(void **)
         const crn_lumen_sample core = crn_lumen_contact(&tube->lumen, &q);
         const LumenSample ours = sample_lumen(tube->lumen, p);
         worst_m = std::max(worst_m, std::abs(ours.distance_m - std::ldexp(core.distance_m_q30, -30)));
-        // The direction has no meaning where the field's value is at its limit.
+        // The direction of the normal has no meaning where the field's value is at its limit.
         if (std::abs(ours.distance_m) > 0.003) continue;
         for (int k = 0; k < 3; k++)
             worst_normal =
