@@ -36,7 +36,7 @@ QEMU = [
     "-icount",
     "shift=0",
 ]
-# Entry points whose worst stack is reported.
+# The worst stack of these entry points is reported.
 ROOTS = ("crn_step", "crn_state_restore", "crn_model_build")
 MEMORY = re.compile(r"^(__aeabi_)?mem(cpy|set|move|cmp|clr)(4|8)?$")
 FORBIDDEN = re.compile(

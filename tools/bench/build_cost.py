@@ -87,7 +87,7 @@ def rows(options, folder):
     yield "build.run_units", "%d" % units, "files", ""
     yield "build.run_packages_mb", "%.0f" % packages_mb(), "MB", "to download on a minimal Debian 12"
     if options.test:
-        # From clean: what `make run` has built counts too.
+        # `make test` counts from clean, so the cost of what `make run` has built is added.
         yield "build.test_cpu_s", "%.0f" % (cpu_s + spent(["make", "PACKAGES=skip", "test"], clone)), "s", context
         os.utime(os.path.join(clone, TOUCHED))
         yield "build.test_again_cpu_s", "%.0f" % spent(["tools/check/run_tests.sh", "build"], clone), "s", TOUCHED

@@ -16,8 +16,8 @@ import budget
 
 RAM_MAX_BYTES = 512 * 1024  # without scenes
 STACK_MAX_BYTES = 16 * 1024
-# The functions in each port's tables (its main.c, and its USB controller). The USB stack calls the app by address,
-# from its polling. That whole depth is added once, whether or not the deepest path goes through the polling.
+# These functions are in each port's tables (its main.c, and its USB controller). The USB stack calls the app by
+# address while it polls. The stack depth of these calls is added once, even if the deepest path does not include them.
 BY_ADDRESS = {
     "mps2_an500": ("transmit", "transmit_room", "rig_inputs_read", "rig_outputs_write", "now_us"),
     "imxrt1062": (

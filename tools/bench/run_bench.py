@@ -270,7 +270,7 @@ def print_table(rows):
         print("%-*s  %*s  %-*s  %s" % (widths[0], name, widths[1], value, widths[2], unit, context))
 
 
-# These take minutes each, under callgrind or by simulated minutes; --quick leaves them out.
+# Each of these cases takes minutes, under callgrind or by simulated minutes; --quick leaves them out.
 SLOW = ("hands.", "wire.", "rod.coronary_penetration_mm", "xray.", "stent.", "contrast.", "calibrate.", SESSION)
 
 

@@ -33,7 +33,7 @@ GROUPS = (
     ("static", "Parts of the compiler that the firmware's images hold"),
     ("loaded", "Libraries that those of the first list load in turn"),
 )
-# A library that is opened by name: the file with the name, and the package that has the library.
+# Each row is a library that is opened by name: the file with the name, and the package that has the library.
 OPENED = {"libhidapi-": "libhidapi-hidraw0", "libOSMesa.so": "libosmesa6", "libEGL.so": "libegl1"}
 # The sources of these folders become part of a program that is distributed; tests and benchmarks do not.
 SHIPPED = re.compile(r"^(host|tools|shared|firmware)/(?!.*(tests|bench)/)")

@@ -18,7 +18,8 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import test_bad_input as bad  # noqa: E402
 
 BODY = '[[body]]\nname = "%s"\nmesh = "lumen"\nmaterial = "cortical_bone"\n'
-# A title, a red line over the last one, a C1 control character, and a letter that turns the direction of writing.
+# The text has a title, a red line over the last line, a C1 control character, and a letter that reverses the
+# direction of writing.
 HOSTILE = "\x1b]0;owned\x07\x1b[31m\x9b2J\u202ex"
 ALLOWED = re.compile(rb"[\x00-\x09\x0b-\x1f\x7f]|\xc2[\x80-\x9f]|\xe2\x80[\xa8-\xae]|\xe2\x81[\xa6-\xa9]")
 

@@ -26,8 +26,8 @@ CASES = {  # session: tools
     "gallery/loin": AORTA,
 }
 
-# Slightly more or less of quantities that no measurement gives to the per cent. The course of the session differs,
-# its end does not.
+# These changes are small, because no measurement gives the quantities to the per cent. The course of the session
+# changes, and its end must not.
 CHANGES = {
     "a_tenth_more_friction": {"value = 0.1,": "value = 0.11,", "value = 0.12,": "value = 0.132,"},
     "a_stiffer_shaft": {"2.9e-4,": "3.1e-4,"},

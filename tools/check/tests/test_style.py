@@ -15,7 +15,8 @@ import tree  # noqa: E402
 FUNCTION_LINES_MAX = 70
 FILE_LINES_MAX = 600
 LINE_LETTERS_MAX = 120
-# Files whose lines may be longer, and why. So may a row of a Markdown table, which cannot continue on another line.
+# These files may have longer lines, for the stated reason. A row of a Markdown table may also be longer, because it
+# cannot continue on another line.
 LONG_LINES = {
     ".tsv": "a row is a line",
     ".csv": "a row is a line",

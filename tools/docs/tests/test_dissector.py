@@ -131,8 +131,8 @@ CLAIMS = [
 ]
 
 
-# A capture that began after the device was plugged in: its class is not in it. Another device of the class "vendor"
-# is not ours.
+# This capture began after the device was plugged in, so it does not contain the device's class. Another device of the
+# class "vendor" must not be taken for ours.
 def packets_of_bus():
     ours = packets_of_test()
     return [

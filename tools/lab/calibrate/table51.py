@@ -26,9 +26,9 @@ import sys
 import table51_data
 import table51_page
 
-# The amount of work. `population` and `generations`: None means calibrate's own, 2,500 trials. `short_cuts` are options
-# of the insertions beside calibrate's own (docs/calibrate.md). `rangeless` lists fits that skip the question how well
-# each number is determined.
+# A preset states the amount of work. `population` and `generations` are None for calibrate's own values, which make
+# 2,500 trials. `short_cuts` are options of the insertions in addition to calibrate's own (docs/calibrate.md).
+# `rangeless` lists fits that do not determine how well each number is known.
 PRESETS = {
     "full": {
         "scans": True,

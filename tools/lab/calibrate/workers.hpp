@@ -32,7 +32,7 @@ std::unique_ptr<Workers> thread_workers(unsigned threads, Evaluate evaluate, Sto
 
 // --- MPI (workers_mpi.cpp) ---
 
-// True when mpirun or another launcher started the program; otherwise MPI is never initialised.
+// The value is true when mpirun or another launcher started the program; otherwise MPI is never initialised.
 bool is_mpi_job();
 
 // Initialises and finalises MPI. Rank 0 leads; the other ranks evaluate trials until rank 0 dismisses them.

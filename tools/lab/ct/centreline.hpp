@@ -33,8 +33,8 @@ struct InstrumentLine {
     std::vector<Eigen::Vector3d> places() const;
 };
 
-// Returns a volume in which the voxels of the instrument are 1. Throws Fault if the scan has no instrument or
-// two.
+// Returns a volume in which the voxels of the instrument are 1. Throws Fault if the scan has no instrument,
+// or has two.
 Volume find_instrument(const Volume &volume, LineOptions &options);
 
 // Returns the whole line in the scan, including the part outside the introducer. Throws Fault if two

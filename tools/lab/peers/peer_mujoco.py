@@ -23,7 +23,7 @@ import numpy
 ELEMENTS, LENGTH_M, RADIUS_M, TUBE_RADIUS_M = 256, 0.5, 0.445e-3, 1.5e-3
 YOUNG_PA, POISSON, DENSITY_KG_M3, FRICTION, DRAG_PER_S, STEP_S = 60e9, 0.3, 7850.0, 0.2, 20.0, 1e-3
 PLANES = 8
-# The first edge is clamped, so bending begins in its middle. That point is placed at x = 0.
+# The first edge is clamped, so bending begins in the middle of this edge, which is placed at x = 0.
 SPACING_M = LENGTH_M / (ELEMENTS - 0.5)
 MASS_KG_M = DENSITY_KG_M3 * math.pi * RADIUS_M**2
 EDGE = 'solref="0.002 1" solimp="0.999 0.9999 0.001 0.5 2"'

@@ -6,8 +6,8 @@
 namespace vcsim3
 {
 
-// For the direction -z, the result is half a turn about x. Eigen's FromTwoVectors would compile a singular
-// value decomposition for this one case, which takes 8 s.
+// For the direction -z, the result is half a turn about x. For this direction alone, Eigen's FromTwoVectors
+// would compile a singular value decomposition, which takes 8 s.
 Quaternion turn_from_z(const Vector &direction)
 {
     const Vector to = direction.normalized();

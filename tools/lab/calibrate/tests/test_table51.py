@@ -24,7 +24,8 @@ import table51_data  # noqa: E402  (after the path)
 
 BUILD = os.environ.get("BUILD", "build")
 CHAIN = os.path.join(ROOT, "tools", "lab", "calibrate", "table51.py")
-# Reached after 64 insertions each: 0.32 and 0.19 mm, 4 and 1 %. The instrument's file itself is 23 and 43 % off.
+# With 64 insertions each, the fit reaches 0.32 and 0.19 mm, and 4 and 1 %. The instrument's file itself is wrong by 23
+# and 43 %.
 FAST_DEPTH3_MAX_MM, FAST_AVERAGE_MAX_MM, FAST_BEND_MAX_SHARE, FAST_ALPHA_MAX_SHARE = 0.6, 0.6, 0.15, 0.2
 
 FAKES = {

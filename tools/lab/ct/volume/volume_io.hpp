@@ -25,8 +25,8 @@ using TakeValues = std::function<void(const float *values, std::size_t count)>;
 void read_volume_here(const std::filesystem::path &path, const TakeHead &take_head,
                       const TakeValues &take_values);
 
-// The extension of the name selects one of the formats above; values are whole numbers of HU. A name without
-// extension becomes a folder with a DICOM series. Throws Fault.
+// The extension of the name selects one of the formats that read_volume accepts; values are whole numbers of
+// HU. A name without extension becomes a folder with a DICOM series. Throws Fault.
 void write_volume(const Volume &volume, const std::filesystem::path &path);
 
 // Checks every volume that is read: sizes, spacing and axes must be possible. `what` begins the message.
