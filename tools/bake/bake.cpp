@@ -131,8 +131,8 @@ std::string lattice_report(const crn_lattice &lattice, std::size_t numbers)
                      static_cast<double>(numbers) * 2 / 1048576);
 }
 
-// Returns one report line per frame: the deviation of the lumen that the core has moved from that frame's
-// mesh.
+// Returns one report line per frame. The line states how far the lumen, moved by the core, deviates from the
+// mesh of that frame.
 std::string motion_report(const Motion &motion, std::size_t pose, const std::vector<FrameError> &errors)
 {
     std::string text = "motion            " + lattice_report(motion.lattices.beat, motion.rows.size()) +

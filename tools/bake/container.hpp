@@ -16,9 +16,9 @@ struct BakedBody {
     bool moves = false; // with the lumen
 };
 
-// The functions below open their bytes with shared/scene before they return them, and throw Fault if it
-// rejects them. `motion` is nullptr when the lumen does not move. `tree` is nullptr when no lesion can be
-// opened by a balloon; otherwise it holds the lesions of the field.
+// The functions below open the bytes with the scene reader of shared/scene before they return them, and throw
+// Fault if the reader rejects the bytes. `motion` is nullptr when the lumen does not move. `tree` is nullptr
+// when no lesion can be opened by a balloon; otherwise it holds the lesions of the field.
 Bytes scene_bytes(const SceneText &text, const Eigen::Vector3d &entry_mm, const Eigen::Vector3d &direction,
                   const Field &field, const Motion *motion = nullptr, const VesselTree *tree = nullptr);
 // `scene` holds the bytes of the scene to which the bodies belong; the body file records their hash. `scene`

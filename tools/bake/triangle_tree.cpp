@@ -143,8 +143,8 @@ TriangleTree::Nearest TriangleTree::nearest(const Eigen::Vector3d &p_mm, double 
 }
 
 // Returns +1 or -1 where the ray from p along +z leaves or enters the body through the triangle, else 0. A
-// place on an edge or corner of triangles is counted for one of these triangles only. The intervals are
-// half-open, and an edge is computed identically for both of its triangles.
+// place on an edge or corner of triangles is counted for one of these triangles only. The test uses half-open
+// intervals and computes an edge identically for both of its triangles.
 int TriangleTree::crossing(std::uint32_t triangle, const Eigen::Vector3d &p) const
 {
     const Triangle &t = mesh_.triangles[triangle];

@@ -66,7 +66,7 @@ def is_indented(lines, at):
 
 
 def marks_of(page, text):
-    """Returns a table from the last line of every marker, counted from 1, to its text."""
+    """Returns a table that maps the number of a marker's last line, counted from 1, to the marker's text."""
     found = {}
     for match in MARK.finditer(text):
         first = text.count("\n", 0, match.start()) + 1

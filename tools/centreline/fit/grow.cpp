@@ -135,7 +135,8 @@ int grow_branch(Tree &tree, const Lumen &lumen, const Way &way, const GrowWish &
         cut_at_last_sphere(lumen, branch.spheres);
         std::reverse(branch.spheres.begin(), branch.spheres.end());
     }
-    // Cutting leaves the first and last gaps with other lengths than the rest, so we space the spheres again.
+    // After the cuts at both ends, the first and last gaps differ from the others, so we space the spheres
+    // again.
     branch.spheres = spaced(lumen, centres(branch.spheres), wish.spacing);
     if (way.parent >= 0) branch.spheres.front() = tree.branches[way.parent].spheres[branch.parent_sphere];
     branch.spheres.front().is_manual |= way.is_first_given && way.parent < 0;

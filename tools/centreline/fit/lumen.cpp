@@ -23,7 +23,7 @@ double chosen_voxel_mm(double wished_mm, const bake::Mesh &closed)
     return std::clamp(std::cbrt(std::max(inside, around)), voxel_min_mm, voxel_max_mm);
 }
 
-// Capping appends one vertex per opening behind the mesh's own vertices, with a fan of triangles around it.
+// Capping an opening appends one vertex behind the mesh's own vertices, with a fan of triangles around it.
 std::vector<Opening> openings_of(const bake::Mesh &capped, std::size_t own_vertices,
                                  std::size_t own_triangles)
 {

@@ -56,7 +56,7 @@ void lines_that_run_together_part_where_they_part(void **)
     check_tree(tree, "parted");
     assert_int_equal(tree.branches.size(), 3);
     const Eigen::Vector3d fork = tree.branches[0].spheres.back().centre_mm;
-    // The fork's place may be wrong by the share of the radius within which a curve still counts as running
+    // The computed fork may lie off the true one by the distance within which a curve still counts as running
     // along its parent.
     if ((fork - Eigen::Vector3d(0, 20, 0)).norm() > 1.2) fail_msg("forks at %.2f, %.2f", fork.x(), fork.y());
 }

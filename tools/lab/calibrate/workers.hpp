@@ -54,7 +54,7 @@ class MpiJob
     std::unique_ptr<Workers> workers(unsigned threads, Evaluate evaluate, Stop stop, Progress progress);
     // The other ranks call this function; it evaluates incoming trials until rank 0 sends the end.
     void serve(unsigned threads, const Evaluate &evaluate);
-    // Rank 0 calls this function to send the end of the trials.
+    // Rank 0 calls this function to inform the other ranks that no more trials follow.
     void dismiss();
 
   private:

@@ -8,7 +8,7 @@
 namespace crn::ct
 {
 
-// These values are constant along the whole line.
+// These values of the model are constant along the whole line.
 struct LineModel {
     double blur_mm = 0.5,
            blur_slice_mm = 0.6; // sigma along the first two axes of the grid, and along the third

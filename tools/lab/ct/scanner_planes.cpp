@@ -184,8 +184,8 @@ void PhantomPlanes::outline_wall(double height_mm, double value, std::vector<Edg
     };
     for (int j = 0; j + 1 < field_size_[1]; ++j)
         for (int i = 0; i + 1 < field_size_[0]; ++i) {
-            // Corners are counter-clockwise; an edge of the outline enters the square where the level falls
-            // below 0 and leaves it where the level rises.
+            // Corners of a square are counter-clockwise; an edge of the outline enters the square where the
+            // level falls below 0 and leaves it where the level rises.
             const int di[4] = {0, 1, 1, 0}, dj[4] = {0, 0, 1, 1};
             double v[4];
             int inside = 0;
@@ -227,9 +227,9 @@ Vector2d PhantomPlanes::middle_at(double height_mm) const
     return area > 1 ? Vector2d(sum / area) : Vector2d::Zero();
 }
 
-// The chord is the sum over edges of -t sign(ds), because rays enter through edges below and leave through
-// edges above. Along an edge, t is linear in s, so the mean over a bin is the value at the middle of that
-// part of the bin that the edge covers.
+// The chord of a ray is the sum over edges of -t sign(ds), because the ray enters through edges below and
+// leaves through edges above. Along an edge, t is linear in s. The mean over a bin is therefore the value at
+// the middle of that part of the bin that the edge covers.
 void add_chords(const std::vector<Edge> &edges, const Rays &rays, double weight, std::vector<float> &sums)
 {
     const double per_bin = 1 / rays.pitch_mm, half = 0.5 * rays.bins;

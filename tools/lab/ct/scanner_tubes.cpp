@@ -19,7 +19,7 @@ constexpr double piece_mm =
 constexpr double water_step_mm = 1.0;
 constexpr int water_steps = 3000;
 
-// Returns the same line in pieces of at most piece_mm.
+// Divides a line into pieces of at most piece_mm.
 std::vector<Vector3d> fine_line(const std::vector<Vector3d> &line)
 {
     std::vector<Vector3d> fine{line.front()};

@@ -12,7 +12,7 @@ constexpr double reach_m = 0.5;
 constexpr int spare_elements = 6; // these stay in the inserter
 constexpr double axial_max_N = 10000.0;
 
-// Both solvers with one interface. A run ends when its length error is not a number.
+// Both solvers with one interface. The run of a solver ends when its length error is not a number.
 class BaselineRun
 {
   public:

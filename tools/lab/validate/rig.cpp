@@ -131,7 +131,7 @@ void Rig::set_hold(const Hold &hold)
 
 // The core controls the tip's angle relative to an axis that is carried without twist from the introducer to
 // the tip. When the line coils, this axis itself rotates at the tip (writhe). To keep the tip from rotating
-// in space, the controlled angle must be the negative of that rotation.
+// in space, the controlled angle must be the negative of the axis's rotation.
 void Rig::hold_in_space()
 {
     crn_model &model = core_->model;

@@ -8,9 +8,9 @@ namespace crn::validate
 {
 
 // Returns the element length in whole micrometres for `count` free elements over a length. The length is
-// rounded up, so that the node at the introducer's end lies just inside. The cell of that node's joint is
-// then limited to the half element outside. If the introducer's end were slightly behind a node, the core
-// would count a tenth of a cell too much.
+// rounded up, so that the node at the introducer's end lies just inside. The cell of the joint at this node
+// is then limited to the half element outside the introducer. If the introducer's end were slightly behind a
+// node, the core would count a tenth of a cell too much.
 double element_length(double length_m, unsigned count);
 
 // Advances the rig until no node moves by more than `still_m` in 200 ticks, for at least 400 and at most

@@ -75,8 +75,8 @@ void forces_are_the_slope_of_the_energy(void **)
     }
 }
 
-// At the displaced state the frames have been carried along, so the differences of the slope are not quite
-// symmetric. The antisymmetric part is the rotation of frames that are carried around a closed loop. We
+// At the displaced state the frames have been carried along, so the differences of the energy's slope are not
+// quite symmetric. The antisymmetric part is the rotation of frames that are carried around a closed loop. We
 // therefore compare the symmetric part, which is the mean of the matrix and its transpose.
 void stiffness_is_the_slope_of_the_forces(void **)
 {

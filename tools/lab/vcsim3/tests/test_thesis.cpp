@@ -190,8 +190,8 @@ void preset_is_stable_at_its_steps_and_bursts_with_half(void **)
 
 // The parallel constraint gives the transverse motion of a segment of length |e| the frequency 2/|e| sqrt(Kp
 // l/m), so compressed segments need shorter time steps. With a step ratio r, the rod is stable up to a
-// compression of 1 - r/2. Beyond this limit the rod becomes unstable, so the compression of a mode cannot
-// grow without limit.
+// compression of 1 - r/2 of its length. Beyond this limit the rod becomes unstable, so the compression of a
+// mode cannot grow without limit.
 bool stays_straight_when_squeezed(double compression)
 {
     const Preset &preset = *find_preset("amplatz");
