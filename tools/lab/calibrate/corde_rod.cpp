@@ -13,9 +13,9 @@ namespace
 using vcsim3::JointProperties, vcsim3::RodProperties;
 
 constexpr double tick_s = 1e-3, radian = std::numbers::pi / 180.0;
-// These constants limit the time step times the fastest motion of the points, and times the fastest rotation
-// of the segments. The integration is stable while sqrt(a^2 + b^2) of these two products stays below 2; the
-// margin covers compressed segments and large rotations.
+// These constants limit two products: the time step times the fastest motion of the points, and the time step
+// times the fastest rotation of the segments. The integration is stable while the square root of the sum of
+// both squares stays below 2; the margin covers compressed segments and large rotations.
 constexpr double point_ratio = 1.5, turn_ratio = 0.9;
 constexpr double outside_mm = 3.0; // a rod deeper in the wall has passed through it
 
