@@ -42,7 +42,7 @@ CurvePoint entry_of(const SceneText &text, const TriangleTree &tree)
 }
 
 // Narrows the lumen, or a body of its blood, by its lesions. Returns for each vertex whether it moved; the
-// list is empty where there is no lesion.
+// returned list is empty if the tree has no lesion.
 std::vector<bool> narrow(Mesh &mesh, const VesselTree &tree)
 {
     if (tree.lesions.empty()) return {};
@@ -80,8 +80,8 @@ std::vector<BakedBody> bodies_of(const SceneText &text, const Mesh &lumen, const
     return bodies;
 }
 
-// The tree may follow from the lumen's own centrelines although the text has no [tree]. If they do not join,
-// the scene gets no tree and the report states the reason.
+// A text without [tree] may still give a tree, made from the centrelines of the lumen. If the centrelines of
+// the lumen do not join, the scene gets no tree, and the report states the reason.
 VesselTree tree_of(const SceneText &text, std::string &report)
 try {
     if (text.tree.centrelines.empty()) return {};
@@ -131,7 +131,8 @@ std::string lattice_report(const crn_lattice &lattice, std::size_t numbers)
                      static_cast<double>(numbers) * 2 / 1048576);
 }
 
-// One line per frame: the deviation of the moved lumen from the moved mesh, as the core computes it.
+// Returns one report line per frame. The line states how far the lumen, moved by the core, deviates from the
+// mesh of that frame.
 std::string motion_report(const Motion &motion, std::size_t pose, const std::vector<FrameError> &errors)
 {
     std::string text = "motion            " + lattice_report(motion.lattices.beat, motion.rows.size()) +
@@ -186,7 +187,8 @@ std::string entry_report(const Motion &motion, const Eigen::Vector3d &entry_mm)
         place_text(entry_mm).c_str(), way_mm);
 }
 
-// Carries the moving bodies and the tree from keyframe 0, in which they are described, to the reference pose.
+// Moves the vertices of the moving bodies from keyframe 0, in which they are described, to the reference
+// pose.
 void to_reference(const Motion &motion, std::vector<BakedBody> &bodies)
 {
     for (BakedBody &body : bodies)
@@ -210,8 +212,8 @@ std::filesystem::path bodies_file(const std::filesystem::path &scene)
     return file.replace_extension(".bodies");
 }
 
-// All files that the scene's text names are read before anything is written. No output may overwrite one of
-// them.
+// Checks that all input files can be read before anything is written, and that no output file is also an
+// input file.
 void check_files(const SceneText &text, const Options &options)
 {
     std::vector<NamedPath> inputs = {{"SCENE", options.scene.string()},

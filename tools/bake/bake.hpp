@@ -1,4 +1,4 @@
-// From the text of a scene to its files: all of the tool except its command line.
+// Runs the whole pipeline from the text of a scene to its files; main.cpp adds only the command line.
 #pragma once
 #include "tools/bake/centreline.hpp"
 #include "tools/bake/container.hpp"
@@ -16,11 +16,11 @@ struct Options {
     std::size_t points = 200000;
 };
 
-// Returns the checked and closed surface of the lumen. `report` gets a line for each repair.
+// Returns the checked and closed surface of the lumen. Adds a line to `report` for each repair.
 Mesh lumen_surface(const SceneText &text, std::string &report, Progress &progress);
 
-// Bakes, writes, and returns the report (docs/scene.md). Throws Fault, or UsageError when an output would
-// overwrite an input. No file has changed when it throws UsageError.
+// Bakes the scene, writes its files and returns the report (docs/scene.md). Throws Fault if the scene cannot
+// be baked. Throws UsageError if an output would overwrite an input; no file has then been changed.
 std::string bake(const Options &options, Progress &progress);
 
 } // namespace crn::bake

@@ -15,7 +15,7 @@ namespace
 constexpr double apart_max_radii =
     1.25; // an end farther than this many radii from a centreline is not joined to it
 
-// Points that coincide with the one before them are dropped. Coordinates are rounded as the file will hold
+// Leaves out points that coincide with the point before them. Coordinates are rounded as the file will hold
 // them.
 VesselBranch branch_of(const Centreline &line)
 {
@@ -37,7 +37,8 @@ void turn(VesselBranch &branch)
     std::reverse(branch.radii_m.begin(), branch.radii_m.end());
 }
 
-// A vessel that divides at its end must not keep a stump behind the division.
+// A branch that leaves within one radius of its parent's end is joined at that end, so that no stump of the
+// parent remains behind the division.
 std::size_t leaving_point(const VesselBranch &parent, std::size_t point)
 {
     const std::size_t last = parent.points_m.size() - 1;
@@ -51,7 +52,7 @@ struct Join {
     bool from_last = false;
 };
 
-// Returns the best of all ends that could be joined to a branch.
+// Returns the pair of loose end and joined branch that fits best.
 Join best_join(const std::vector<VesselBranch> &loose, const std::vector<VesselBranch> &joined)
 {
     Join best;
@@ -145,7 +146,8 @@ VesselTree join_branches(const std::vector<Centreline> &lines, const TreeText &t
         VesselBranch branch = loose[join.line];
         loose.erase(loose.begin() + static_cast<std::ptrdiff_t>(join.line));
         if (join.from_last) turn(branch);
-        // A branch that begins where its parent begins leaves the parent's own parent, at the same place.
+        // A branch that begins at the very start of its parent is joined to the parent's own parent, at the
+        // same place.
         std::size_t parent = join.parent, point = join.point;
         while (point == 0 && tree.branches[parent].parent >= 0) {
             point = tree.branches[parent].parent_point;

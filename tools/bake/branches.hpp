@@ -9,10 +9,10 @@ namespace crn::bake
 // Returns the name of a branch: "right_renal_artery" for ".../right_renal_artery.mrk.json", at most 31 bytes.
 std::string branch_name(const std::filesystem::path &file);
 
-// The root begins at its inlet. The origin of every other branch is that end of it which lies deepest in a
-// vessel already joined. A branch that leaves within a radius of its parent's end leaves at that end. Throws
-// Fault naming a centreline that meets no other, a name that is used twice, or a name in `text` that no
-// centreline has.
+// The root begins at its inlet. Every other branch begins at whichever of its two ends lies deeper in a
+// vessel that is already joined. A branch that leaves within a radius of its parent's end leaves at that end.
+// Throws Fault naming a centreline that touches no other, a name that is used twice, or a name in `text` that
+// no centreline has.
 VesselTree join_branches(const std::vector<Centreline> &lines, const TreeText &text);
 
 // Returns the report's line, "vessels           11 branches, ...".

@@ -1,4 +1,4 @@
-// Placing centrelines in the patient and following them by arc length.
+// Places centrelines in the patient's frame and follows them by arc length.
 #include "tools/bake/centreline.hpp"
 #include "tools/bake/fault.hpp"
 #include "tools/centreline/formats.hpp"
@@ -29,7 +29,8 @@ void check_sizes(const Centreline &line)
 std::vector<Centreline> read_centrelines(const std::filesystem::path &file, const Placement &placement)
 {
     const centreline::Tree tree = centreline::read_tree(file);
-    // Unequal scales turn a circular section into an oval one. We keep the circle that gives the same volume.
+    // Unequal scales along the axes turn a circular section into an oval one. We replace the oval by the
+    // circle that gives the vessel the same volume.
     const double scale = std::cbrt(placement.scale.prod());
     std::vector<Centreline> lines;
     for (const centreline::Branch &branch : tree.branches) {

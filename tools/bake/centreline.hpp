@@ -1,5 +1,5 @@
-// Centrelines with radii (read by tools/centreline) in the patient, and the vessel surface that they
-// describe.
+// These functions place centrelines with radii, read by tools/centreline, in the patient and build the vessel
+// surface that they describe.
 #pragma once
 #include "tools/bake/mesh.hpp"
 #include "tools/centreline/tree.hpp"
@@ -15,20 +15,21 @@ struct Centreline {
     std::vector<double> radii_mm;
 };
 
-// Reads every curve of a .mrk.json, .vtp, .csv or .obj file; `read_centreline` returns the first. The file's
-// own statement about its axes is ignored: `placement.axes` decides. A branch of a file with several is
-// called FILE/BRANCH. Throws Fault naming file, point and field.
+// Reads every curve of a .mrk.json, .vtp, .csv or .obj file; `read_centreline` returns the first. The axes
+// that the file itself states are ignored: `placement.axes` decides. A branch of a file with several branches
+// is called FILE/BRANCH. Throws Fault naming file, point and field.
 std::vector<Centreline> read_centrelines(const std::filesystem::path &file, const Placement &placement);
 Centreline read_centreline(const std::filesystem::path &file, const Placement &placement);
 
-// Position and unit tangent at a distance along the curve from its first or last point. The tangent points
-// into the curve.
+// Returns the position and unit tangent at a distance along the curve from its first or last point. The
+// tangent points from the end into the curve.
 struct CurvePoint {
     Eigen::Vector3d position_mm, direction;
 };
 CurvePoint along(const Centreline &line, bool from_last, double distance_mm);
 
-// The union of the tapered capsules between neighbouring points, as a closed mesh made at the given voxel.
+// Returns the union of the tapered capsules between neighbouring points, as a closed mesh made on a grid of
+// the given voxel size.
 Mesh surface_of(const std::vector<Centreline> &lines, double voxel_mm, Progress &progress);
 
 } // namespace crn::bake

@@ -67,7 +67,7 @@ Bytes lumen_section(const Field &field)
     return bytes;
 }
 
-// The MOTION section, or the BREATH section when there are no keyframes.
+// Writes the MOTION section, or the BREATH section when there are no keyframes.
 Bytes motion_section(const crn_lattice &lattice, std::uint16_t keyframes,
                      const std::vector<std::int16_t> &values)
 {

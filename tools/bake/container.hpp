@@ -1,4 +1,4 @@
-// Baked data as bytes of the scene container, and files that are written completely or not at all.
+// Packs baked data into the bytes of the scene container, and writes files completely or not at all.
 #pragma once
 #include "host/model/vessel_tree.hpp"
 #include "tools/bake/field.hpp"
@@ -16,20 +16,20 @@ struct BakedBody {
     bool moves = false; // with the lumen
 };
 
-// shared/scene opens both results before they are returned; a rejected file is a Fault. `motion` is nullptr
-// when the lumen does not move; `tree` is nullptr when no lesion yields, else its lesions as they lie in the
-// field.
+// The functions below open the bytes with the scene reader of shared/scene before they return them, and throw
+// Fault if the reader rejects the bytes. `motion` is nullptr when the lumen does not move. `tree` is nullptr
+// when no lesion can be opened by a balloon; otherwise it holds the lesions of the field.
 Bytes scene_bytes(const SceneText &text, const Eigen::Vector3d &entry_mm, const Eigen::Vector3d &direction,
                   const Field &field, const Motion *motion = nullptr, const VesselTree *tree = nullptr);
-// `scene` holds the bytes of the scene to which the bodies belong and whose hash they record; it is empty
-// when they belong to none.
+// `scene` holds the bytes of the scene to which the bodies belong; the body file records their hash. `scene`
+// is empty when the bodies belong to no scene.
 Bytes bodies_bytes(const SceneText &text, const std::vector<BakedBody> &bodies, const VesselTree &tree,
                    const Bytes &scene = {});
 
 // The file is written beside the target and renamed, so an interrupt or a full disk leaves the old file
 // intact.
 void write_whole(const std::filesystem::path &file, const Bytes &bytes);
-// Writes a scene and its bodies: both or neither.
+// Writes a scene and its bodies: either both files are replaced, or neither is.
 void write_both(const std::filesystem::path &scene_file, const Bytes &scene,
                 const std::filesystem::path &bodies_file, const Bytes &bodies);
 

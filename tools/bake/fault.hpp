@@ -1,5 +1,5 @@
-// The reason why a scene cannot be baked: one sentence with file, element and remedy. bake's main prints it
-// and exits with 1.
+// A Fault states in one sentence why a scene cannot be baked: file, element and remedy. bake's main prints
+// this sentence and exits with 1.
 #pragma once
 #include "tools/mesh/fault.hpp"
 

@@ -51,9 +51,10 @@ openvdb::FloatGrid::Ptr distances(const Mesh &mesh, int level, Progress &progres
     return grid;
 }
 
-// OpenVDB keeps one triangle per voxel while it spreads distances. Where triangles are smaller than voxels,
-// its distances are 0.03 mm too large. We therefore recompute them exactly near the wall and where bricks are
-// wanted. OpenVDB's leaves are 8^3 voxels, so we take those of a brick and of its neighbours.
+// While OpenVDB spreads distances from the surface, it keeps only one triangle per voxel. Where triangles are
+// smaller than voxels, OpenVDB's distances are up to 0.03 mm too large. We therefore recompute the distances
+// exactly near the wall and wherever a brick will be stored. OpenVDB stores voxels in leaves of 8^3, so we
+// recompute the leaves of a brick and of its neighbours.
 void make_exact(openvdb::FloatGrid &grid, const std::vector<Brick> &bricks, int level,
                 const TriangleTree &tree, Progress &progress)
 {
@@ -122,7 +123,7 @@ void filter_axis(std::vector<double> &values, std::array<int, 3> &size, int axis
 
 // --- one brick ---
 
-// The samples of a brick and of its surroundings, in voxels.
+// Returns the samples of a brick and of its surroundings, in voxels.
 std::vector<double> gather(const openvdb::FloatGrid &grid, const Cell &cell, double voxel)
 {
     auto in = grid.getConstAccessor();
@@ -138,8 +139,8 @@ std::vector<double> gather(const openvdb::FloatGrid &grid, const Cell &cell, dou
     return values;
 }
 
-// Returns whether the part of the field that is kept meets this brick, judged by its 10^3 samples with a
-// margin of half a voxel.
+// Returns whether the brick contains a part of the field that is stored, judged by the brick's 10^3 samples
+// with a margin of half a voxel.
 std::uint16_t classify(const std::vector<double> &values, const FieldText &text, double voxel)
 {
     const double inside = std::min(text.inside_mm / voxel, coefficient_max) + 0.5;
@@ -187,8 +188,8 @@ double spline(const std::vector<std::int8_t> &c, const Eigen::Vector3d &x)
     return sum / 32;
 }
 
-// Returns whether the brick's error exceeds the tolerance at any of a lattice of points near the wall,
-// provided that a finer brick is allowed.
+// Returns whether the brick's error exceeds the tolerance at some point of a test grid near the wall. Returns
+// false for a brick that may not be divided into finer ones.
 bool is_wrong(const Brick &brick, int level, const TriangleTree &tree, const FieldText &text)
 {
     const double voxel = voxel_mm(level);
@@ -248,7 +249,8 @@ std::vector<Brick> octants(const std::vector<Brick> &bricks)
 
 // --- the lattice ---
 
-// The entry of each brick: far, a refinement (rows counted from `row`), or the next place in `samples`.
+// Returns the entry of each brick: "far from the wall", a refinement (rows counted from `row`), or the next
+// place in `samples`.
 std::vector<std::uint16_t> number(const std::vector<Brick> &bricks, int level, std::uint32_t row,
                                   Field &field)
 {

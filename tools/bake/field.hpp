@@ -1,4 +1,4 @@
-// The lumen's field: from a closed mesh to the lattice of bricks of firmware/core/lumen.h.
+// Makes the lumen's distance field: a closed mesh becomes the lattice of bricks of firmware/core/lumen.h.
 //
 //   exact distances near the wall on a grid per level (OpenVDB)  ->  coefficients of the interpolating B-spline
 //   ->  bricks, refined where the measured error exceeds the tolerance  ->  index, child rows, samples
@@ -7,7 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
-// The core is plain C without C++ guards.
+// The core's headers are plain C without C++ guards.
 extern "C" {
 #include "firmware/core/lumen.h"
 }
@@ -20,7 +20,7 @@ constexpr double voxel0_mm = 1000.0 / 1024.0; // level 0
 constexpr double brick0_mm = 8 * voxel0_mm;
 constexpr double error_band_mm = 1.5; // the field's error is measured this close to the wall
 
-// A lumen that owns its memory.
+// This class holds a lumen together with the arrays to which the lumen points.
 struct Field {
     crn_lumen lumen{};
     std::vector<std::uint16_t> index, children;
@@ -31,7 +31,7 @@ struct Field {
     const crn_lumen *view(); // sets the pointers
 };
 
-// A box in which the field must meet a stricter tolerance.
+// Describes a box inside which the field must keep a stricter tolerance.
 struct FineRegion {
     Eigen::AlignedBox3d box_mm;
     double tolerance_mm;
@@ -44,7 +44,7 @@ struct FieldText {
     std::vector<FineRegion> fine = {};
 };
 
-// Throws Fault when the lumen needs more bricks than a scene can hold.
+// Throws Fault when the lumen needs more bricks than a scene file can hold.
 Field make_field(const TriangleTree &tree, const FieldText &text, Progress &progress);
 
 crn_vec3 to_q30(const Eigen::Vector3d &p_mm);

@@ -1,4 +1,4 @@
-// Making bodies and measuring the result.
+// Makes the bodies of a scene and measures how accurate they are.
 #include "tools/bake/form.hpp"
 #include "host/base/format.hpp"
 #include "tools/bake/fault.hpp"
@@ -14,7 +14,7 @@ namespace crn::bake
 namespace
 {
 
-// Numbers spread evenly in 0..1 without randomness (van der Corput).
+// Returns numbers that are spread evenly in 0..1 without randomness (van der Corput).
 double spread(std::size_t index, std::size_t base)
 {
     double value = 0, share = 1;
@@ -25,7 +25,7 @@ double spread(std::size_t index, std::size_t base)
     return value;
 }
 
-// All vertices, and `count` points spread evenly over the surface by area.
+// Returns all vertices, and `count` points spread evenly over the surface by area.
 std::vector<Eigen::Vector3d> sample(const Mesh &mesh, std::size_t count)
 {
     std::vector<Eigen::Vector3d> points = mesh.vertices_mm;
@@ -170,7 +170,8 @@ struct Neighbour {
     std::unique_ptr<TriangleTree> tree; // made at its first use
 };
 
-// The sample of `mesh` that lies deepest on the wrong side of `of`: outside (sign +1) or inside (sign -1).
+// Returns the sample of `mesh` that lies deepest on the wrong side of `of`: outside (sign +1) or inside (sign
+// -1).
 Deviation worst(const Mesh &mesh, Neighbour &of, double sign, std::size_t samples)
 {
     Deviation found;

@@ -48,9 +48,10 @@ Axis axis_at(const VesselBranch &branch, const std::vector<double> &arcs, double
             branch.radii_m[i] + share * (branch.radii_m[i + 1] - branch.radii_m[i])};
 }
 
-// Directions across the healthy vessel at a lesion's points. The vessel's front is determined in the lesion's
-// middle (it is the patient's left where the vessel itself runs forwards there). It is carried along the
-// vessel without twist, so that plaque stays on its side in a bend.
+// Computes directions across the healthy vessel at the points of a lesion. The direction called front is
+// determined in the lesion's middle; where the vessel itself runs forwards there, the patient's left is taken
+// instead. The direction is carried along the vessel without twist, so that plaque stays on the same side of
+// the vessel in a bend.
 class Across
 {
   public:
@@ -68,7 +69,8 @@ class Across
         for (std::size_t i = middle; i > 0; --i) carry(fronts_[i], i - 1);
     }
 
-    // `deg` from the front at a point of the lesion, right-handed about the flow.
+    // Returns the direction `deg` degrees from the front at a point of the lesion, right-handed about the
+    // flow.
     Vector3d at(std::size_t point, double deg) const
     {
         const double angle = deg * pi / 180;
@@ -101,8 +103,8 @@ std::size_t branch_of(const VesselTree &tree, const LesionText &text)
                 (names.empty() ? "the scene has no [tree]" : "there are " + names));
 }
 
-// The branch with a point every half a millimetre from `begin_m` to `end_m`. Its other points stay, and so do
-// the places where vessels leave.
+// Gives the branch a point every half a millimetre from `begin_m` to `end_m`. The branch keeps its other
+// points and the places where other vessels leave.
 VesselLesion divide(VesselTree &tree, std::size_t index, double begin_m, double end_m)
 {
     const VesselBranch old = tree.branches[index];
@@ -113,7 +115,7 @@ VesselLesion divide(VesselTree &tree, std::size_t index, double begin_m, double 
     VesselLesion lesion;
     lesion.branch = index;
     lesion.first_point = wanted.size();
-    // The number of steps is even, so that one point is the narrowest place.
+    // The number of steps is even, so that a point lies exactly at the narrowest place.
     const double steps = std::max(2 * std::ceil((end_m - begin_m) / (2e-3 * point_step_mm)), 16.0);
     for (int i = 0; i <= static_cast<int>(steps); ++i)
         wanted.push_back(begin_m + i / steps * (end_m - begin_m));
@@ -278,7 +280,8 @@ BakedBody calcium_of(const VesselTree &tree, const VesselLesion &lesion, const L
         for (std::size_t j = 0; j <= columns; ++j) {
             const double turn = static_cast<double>(j) / columns - 0.5;
             const Vector3d ray = across.at(i, text.plaque_deg + turn * text.calcified_deg);
-            // The distance at which the ray leaves the channel, if it meets it.
+            // We compute the distance from the centre at which the ray leaves the channel; it is 0 if the ray
+            // does not cross the channel.
             const double inwards = off.dot(ray);
             const double square = channel * channel - off.squaredNorm() + inwards * inwards;
             const double begin = square > 0 ? std::max(inwards + std::sqrt(square), 0.0) : 0.0;
@@ -289,7 +292,7 @@ BakedBody calcium_of(const VesselTree &tree, const VesselLesion &lesion, const L
             body.mesh.vertices_mm.push_back((centre + outer * ray) * 1e3);
         }
     }
-    // The index of the corner at row i, column j, on the inner (0) or outer (1) sheet.
+    // Returns the index of the corner at row i, column j, on the inner (0) or outer (1) sheet.
     const auto at = [&](std::size_t i, std::size_t j, std::size_t sheet) {
         return static_cast<std::uint32_t>(2 * (i * (columns + 1) + j) + sheet);
     };

@@ -1,4 +1,5 @@
-// Lesions: stretches of a vessel narrowed by plaque, in its tree and on its surface (docs/lesions.md).
+// A lesion is a stretch of a vessel that is narrowed by plaque, both in the vessel's tree and on its surface
+// (docs/lesions.md).
 //
 //   place_lesions(tree, text.lesions)      // the branch's points become those of the narrowed channel
 //   refine_lesions(mesh, tree)             // finer triangles where the wall will move
@@ -6,8 +7,10 @@
 //
 // The channel narrows as a cosine (Young and Tsai, J Biomech 6 (1973) 395, eq. 1):
 //   r = R (1 - S (1 + cos(2 pi u)) / 2)
-// for u from -1/2 to 1/2 along the lesion, where S is the stenosis by diameter. The middle of the channel
-// lies e (R - r) off the vessel's middle, away from the plaque.
+//
+// Here u runs from -1/2 to 1/2 along the lesion, R is the radius of the healthy vessel, and S is the stenosis
+// by diameter. With eccentricity e, the middle of the channel lies e (R - r) from the vessel's middle, away
+// from the plaque.
 #pragma once
 #include "host/model/lesion_wall.hpp"
 #include "tools/bake/container.hpp"
@@ -21,34 +24,35 @@ namespace crn::bake
 // Returns the box around everything within `radii` radii of a lesion's healthy centreline.
 Eigen::AlignedBox3d lesion_box_mm(const VesselLesion &lesion, double radii);
 
-// Throws Fault naming the lesion and what does not fit: the branch, the position, the length, or another
-// lesion there.
+// Throws Fault naming the lesion and the value that does not fit: the branch, the position, the length, or
+// another lesion at the same place.
 void place_lesions(VesselTree &tree, const std::vector<LesionText> &lesions);
 
-// Divides edges near a lesion until they are shorter than 0.6 radii at its narrowest point and than a
-// twentieth of its length, but not below a quarter of a millimetre. Existing corners keep their numbers.
+// Divides edges near a lesion until they are shorter than 0.6 times the narrowest radius and shorter than a
+// twentieth of the lesion's length. No edge below a quarter of a millimetre is divided. Existing corners keep
+// their numbers.
 void refine_lesions(Mesh &mesh, const VesselTree &tree);
 
-// Moves vertices from the healthy wall to the narrowed one; true marks a vertex that moved. The walls of
-// other vessels stay.
+// Moves vertices from the healthy wall to the narrowed wall, and returns true for each vertex that moved.
+// Vertices on the walls of neighbouring vessels do not move.
 std::vector<bool> narrow_lesions(std::vector<Eigen::Vector3d> &vertices_mm, const VesselTree &tree);
 
-// The tree with only those lesions whose vessel runs through the body: blood beside a vessel is not narrowed
-// with it.
+// Returns the tree with only those lesions whose vessel runs through the body. Blood beside a diseased
+// vessel, such as a chamber of the heart, is not narrowed with the vessel.
 VesselTree lesions_within(const VesselTree &tree, const TriangleTree &body);
 
-// The regions where the field must resolve the narrow wall, whatever tolerance the scene states elsewhere.
-// The tolerance is a fifteenth of the radius at the narrowest point (at least 0.03 mm), with voxels of at
-// most 0.7 of it where the container has such voxels. Whatever passes the narrowest point of the mesh then
-// also passes it in the field.
+// Returns the regions where the field must resolve the narrowed wall, whatever tolerance the scene states
+// elsewhere. The tolerance is a fifteenth of the radius at the narrowest point, but at least 0.03 mm. Voxels
+// are at most 0.7 of the tolerance where the container has voxels of that size. A tool that passes the
+// narrowest point of the mesh then also passes the narrowest point of the field.
 std::vector<FineRegion> fine_regions(const VesselTree &tree);
 
-// A shell of calcium in the plaque of the lesion, over the arc that its text states. It exists only for
-// lesions that state an arc.
+// Returns a shell of calcium in the plaque of the lesion, over the arc that the lesion's text states. Only
+// lesions whose text states an arc have such a shell.
 BakedBody calcium_of(const VesselTree &tree, const VesselLesion &lesion, const LesionText &text);
 
-// One line each for the report, with the diameter measured on the narrowed surface, and a warning where it
-// differs from the tree's.
+// Returns one report line per lesion with the diameter measured on the narrowed surface, and a warning where
+// this diameter differs from the tree's.
 std::string lesions_report(const VesselTree &tree, const TriangleTree &surface);
 
 } // namespace crn::bake

@@ -1,4 +1,4 @@
-// Makes finer triangles where a lesion will move the wall.
+// Divides triangles where a lesion will move the wall.
 #include "tools/bake/lesion.hpp"
 
 #include <algorithm>
@@ -36,7 +36,7 @@ class Divider
         }
     }
 
-    // Returns true when an edge was divided.
+    // Returns true if at least one edge was divided.
     bool round()
     {
         middles_.clear();
@@ -77,8 +77,8 @@ class Divider
         mesh_.vertices_mm.push_back(0.5 * (a_mm + b_mm));
     }
 
-    // Replaces a triangle by one to four, depending on how many of its edges are divided. Neighbours share
-    // the midpoints, so no crack opens.
+    // Replaces a triangle by one to four triangles, depending on how many of its edges are divided.
+    // Neighbouring triangles share the midpoints, so no crack opens between them.
     void divide(const Triangle &t, std::vector<Triangle> &out) const
     {
         std::array<std::int64_t, 3> middle; // of the edge that follows each corner; -1: not divided
@@ -89,7 +89,8 @@ class Divider
             count += middle[k] >= 0;
         }
         if (count == 0) return out.push_back(t);
-        // We turn the triangle so that its first edge is divided; if two edges are, its last edge is not.
+        // We rotate the triangle's corners so that its first edge is divided; if two edges are divided, the
+        // last edge is the undivided one.
         std::size_t turn = 0;
         while (middle[turn] < 0 || (count == 2 && middle[(turn + 2) % 3] >= 0)) ++turn;
         const std::uint32_t a = t[turn], b = t[(turn + 1) % 3], c = t[(turn + 2) % 3];

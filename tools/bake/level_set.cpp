@@ -1,5 +1,5 @@
-// This file holds the only call of OpenVDB's converter, with the types that its library has precompiled: with
-// our own types it takes a minute to compile.
+// This file holds the only call of OpenVDB's converter. It uses the types that OpenVDB's library has
+// precompiled, because our own types would take a minute to compile.
 #include "tools/bake/level_set.hpp"
 #include "tools/mesh/progress.hpp"
 

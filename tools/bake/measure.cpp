@@ -1,4 +1,4 @@
-// Measurements of a baked lumen: see measure.hpp.
+// Measures a baked lumen (see measure.hpp).
 #include "tools/bake/measure.hpp"
 #include "tools/bake/fault.hpp"
 
@@ -16,7 +16,8 @@ namespace
 
 using Random = std::mt19937_64;
 
-// Gives the same numbers on every machine, unlike std::uniform_real_distribution.
+// Returns evenly distributed random numbers that are the same on every machine, unlike those of
+// std::uniform_real_distribution.
 double uniform(Random &random, double from, double to)
 {
     return from + (to - from) * std::ldexp(static_cast<double>(random() >> 11), -53);
@@ -30,7 +31,7 @@ Eigen::Vector3d in_ball(Random &random, double radius)
     }
 }
 
-// Random points of the surface, evenly by area.
+// Draws random points of the surface, evenly by area.
 class SurfacePoints
 {
   public:
@@ -118,7 +119,7 @@ void triangle_centre(const void *object, ccd_vec3_t *out)
     ccdVec3Set(out, p.x(), p.y(), p.z());
 }
 
-// The penetration of the capsule into one triangle; 0 when they are apart.
+// Returns the penetration of the capsule into one triangle; 0 when they do not touch.
 double ccd_depth(const CcdCapsule &capsule, const CcdTriangle &triangle)
 {
     ccd_t ccd;
@@ -156,7 +157,7 @@ double referee_depth(const TriangleTree &tree, const Pose &pose, double radius)
     return deepest;
 }
 
-// The core tests points only, so we sample the capsule at 33 places along its axis.
+// The core tests points only, so we test 33 points along the capsule's axis.
 double core_depth(const crn_lumen *lumen, const Pose &pose, double radius)
 {
     double deepest = -INFINITY;
@@ -165,8 +166,8 @@ double core_depth(const crn_lumen *lumen, const Pose &pose, double radius)
     return deepest;
 }
 
-// Draws a capsule that lies along the wall within its radius, with its axis in the lumen. Returns false when
-// this draw gives none.
+// Draws a capsule near a random point of the wall. Its axis lies in the lumen, and its radius reaches the
+// wall. Returns false when the capsule drawn does not lie so.
 bool draw_pose(const TriangleTree &tree, const SurfacePoints &surface, double radius, double length,
                Random &random, Pose &pose)
 {
@@ -180,9 +181,9 @@ bool draw_pose(const TriangleTree &tree, const SurfacePoints &surface, double ra
     return true;
 }
 
-// The radius of the largest ball that touches the wall at p along its inward normal and has no wall inside
-// it. The ball shrinks step by step (shrinking balls: Ma, Bae & Choi 2012). Returns `limit` when the ball
-// touches nothing, or nothing opposite.
+// Returns the radius of the largest ball that touches the wall at p from inside and has no wall inside it;
+// its centre lies on the inward normal. The ball's radius is reduced step by step (shrinking balls: Ma, Bae &
+// Choi 2012). Returns `limit` when the ball touches no other wall, or no wall opposite.
 double ball_radius(const TriangleTree &tree, const Eigen::Vector3d &p, const Eigen::Vector3d &inward,
                    double limit)
 {
@@ -195,7 +196,8 @@ double ball_radius(const TriangleTree &tree, const Eigen::Vector3d &p, const Eig
         radius = to.squaredNorm() / (2 * to.dot(inward));
     }
     if (radius >= limit) return limit;
-    // A ball in a dent of the surface touches the wall only nearby: there is no wall at its far end.
+    // A ball in a dent of the surface touches only wall near p. We recognise this case because there is no
+    // wall at the ball's far end.
     return std::abs(tree.nearest(p + inward * (2 * radius)).distance_mm) > 0.3 * radius ? limit : radius;
 }
 

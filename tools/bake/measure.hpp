@@ -1,5 +1,6 @@
-// The accuracy of a baked lumen: its field against exact distances, its two samplers against each other, its
-// contact depth against libccd. All randomness comes from the printed seed.
+// Measures the accuracy of a baked lumen. It compares the field with exact distances, the field's two
+// samplers with each other, and the contact depth with libccd's. All random numbers come from a seed that is
+// printed.
 #pragma once
 #include "tools/bake/field.hpp"
 
@@ -23,7 +24,8 @@ struct FieldError {
     Worst largest;
 };
 
-// |core's distance - exact signed distance| at random points within error_band_mm of the wall.
+// Compares the core's distance with the exact signed distance at random points within error_band_mm of the
+// wall.
 FieldError measure_field(const crn_lumen *lumen, const TriangleTree &tree, std::size_t points,
                          std::uint64_t seed, Progress &progress);
 
@@ -33,13 +35,14 @@ struct Referee {
     Worst disagreement;
 };
 
-// Random capsules whose axis lies in the lumen and which reach the wall. The core's depth (largest phi + r
-// along the axis) is compared with the deepest penetration that libccd finds with the triangles around.
+// Tests random capsules whose axis lies in the lumen and whose radius reaches the wall. The core's contact
+// depth, which is the largest phi + r along the axis, is compared with the deepest penetration that libccd
+// finds among the triangles around it.
 Referee measure_contact(const crn_lumen *lumen, const TriangleTree &tree, std::size_t poses,
                         std::uint64_t seed, Progress &progress);
 
-// The radius of the smallest ball that touches two opposite walls (at least 120 degrees apart seen from its
-// centre), over up to `points` places of the surface.
+// Returns the radius of the smallest ball that touches two opposite walls. The walls must be at least 120
+// degrees apart as seen from the ball's centre; up to `points` places of the surface are tried.
 Worst smallest_radius(const TriangleTree &tree, std::size_t points);
 
 } // namespace crn::bake

@@ -1,4 +1,4 @@
-// A triangle mesh in patient millimetres: loading, checking, closing, writing.
+// Loads, checks, closes and writes a triangle mesh in patient millimetres.
 #pragma once
 #include "tools/bake/scene_text.hpp"
 #include "tools/mesh/progress.hpp"
@@ -26,23 +26,24 @@ struct Mesh {
 
 std::string place_text(const Eigen::Vector3d &p_mm); // "(1.0, 2.0, 3.0) mm"
 
-// Reads (mesh_file.hpp) and places a mesh, and welds equal vertices. Throws Fault for a mesh that is
-// unreadable, empty or too large, has infinite numbers or missing corners, or has a size that suggests
-// another unit.
+// Reads a mesh (mesh_file.hpp), places it in the patient's frame, and merges vertices at equal positions.
+// Throws Fault for a mesh that is unreadable, empty or too large, has infinite numbers or missing corners, or
+// has a size that suggests another unit.
 Mesh load_mesh(const MeshText &text);
 
-// Checks that the mesh is finite, of a plausible size and not empty. `unit` serves the advice in the message.
+// Checks that the mesh is finite, of a plausible size and not empty. `unit` is named in the message's advice.
 void check_extent(const Mesh &mesh, const std::string &unit);
 
-// Merges vertices at equal positions and drops triangles without area (noted).
+// Merges vertices at equal positions and drops triangles without area; both are noted in the report.
 void weld(Mesh &mesh);
 
-// Checks that the mesh is closed: every edge is in exactly two triangles of opposite sense. Openings are
-// capped as `cap` allows. A mesh of negative volume is turned inside out (noted). Throws Fault otherwise.
+// Checks that the mesh is closed: every edge belongs to exactly two triangles of opposite sense. Openings are
+// closed by a cap if `cap` permits it. The triangles of a mesh of negative volume are reversed (noted in the
+// report). Throws Fault otherwise.
 void check_closed(Mesh &mesh, Cap cap);
 
-// Caps the openings only, for a mesh whose surface is remade afterwards (solid.hpp): it may be non-manifold
-// and cross itself.
+// Only caps the openings. This function serves meshes whose surface is remade afterwards (solid.hpp), which
+// may be non-manifold and may cross themselves.
 void cap_openings(Mesh &mesh, Cap cap);
 
 // Throws Fault with the first pair and the number of pairs when triangles cross without sharing a vertex.

@@ -12,7 +12,8 @@ namespace crn::bake
 namespace
 {
 
-// One side of a triangle: the edge low-high, and whether the triangle runs from low to high.
+// A side is one edge of a triangle: the edge from vertex `low` to `high`, and whether the triangle runs from
+// low to high.
 struct Side {
     std::uint32_t low, high, triangle;
     bool forward;
@@ -34,7 +35,7 @@ std::vector<Side> sides_of(const Mesh &mesh)
     return sides;
 }
 
-// Calls use(begin, end) for the sides of every edge.
+// Calls use(begin, end) with the sides of every edge.
 template <typename Use> void for_each_edge(const std::vector<Side> &sides, Use use)
 {
     for (std::size_t i = 0, end; i < sides.size(); i = end) {
@@ -69,7 +70,8 @@ void check_manifold(const Mesh &mesh, const std::vector<Side> &sides)
                     ": remove double and inner faces (\"make manifold\" in a mesh editor)");
 }
 
-// Turns triangles so that neighbours agree. Returns how many were turned; throws for a one-sided surface.
+// Reverses triangles so that neighbouring triangles have the same sense. Returns the number of reversed
+// triangles; throws Fault for a one-sided surface.
 std::size_t agree(Mesh &mesh, const std::vector<Side> &sides)
 {
     struct Neighbour {
@@ -119,7 +121,7 @@ std::size_t agree(Mesh &mesh, const std::vector<Side> &sides)
     return count;
 }
 
-// An opening: its corners in the order in which the missing face would have them.
+// An opening is stored as its corners, in the order in which the missing face would have them.
 using Loop = std::vector<std::uint32_t>;
 
 std::vector<Loop> openings(const std::vector<Side> &sides)
@@ -196,7 +198,8 @@ void close_openings(Mesh &mesh, const std::vector<Loop> &loops, Cap cap)
     double widest_mm = 0;
     for (const Loop &loop : loops) {
         const Opening opening = describe(mesh, loop);
-        // Flat means within 5 % of its width, as scanners cut off the end of a vessel.
+        // An opening counts as flat if it is even within 5 % of its width, as where a scan's software has cut
+        // off the end of a vessel.
         const bool is_flat = loop.size() >= 3 && opening.unevenness_mm <= 0.05 * opening.across_mm;
         if (!is_flat && cap == Cap::flat)
             throw Fault(mesh.name + ": the opening at " + opening_text(opening, loop.size()) +

@@ -1,4 +1,4 @@
-// Finds triangles of a mesh that cross each other: an edge of one passes through the other.
+// Finds triangles of a mesh that cross each other: an edge of one triangle passes through the other.
 #include "tools/bake/fault.hpp"
 #include "tools/bake/triangle_tree.hpp"
 
@@ -9,8 +9,8 @@ namespace crn::bake
 namespace
 {
 
-// Returns whether segment p-q passes through the inside of triangle a-b-c. Touching and coplanar segments do
-// not count.
+// Returns whether segment p-q passes through the interior of triangle a-b-c. Segments that only touch the
+// triangle or lie in its plane do not count.
 bool passes(const Eigen::Vector3d &p, const Eigen::Vector3d &q, const Eigen::Vector3d &a,
             const Eigen::Vector3d &b, const Eigen::Vector3d &c)
 {

@@ -1,4 +1,4 @@
-// Placing a mesh in the patient, welding it, writing it. mesh_file.cpp reads it.
+// Places a mesh in the patient's frame, merges equal vertices, and writes the mesh. mesh_file.cpp reads it.
 #include "host/base/pending_file.hpp"
 #include "tools/bake/fault.hpp"
 #include "tools/bake/mesh.hpp"

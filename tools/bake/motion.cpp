@@ -1,4 +1,5 @@
-// Fits the lattice: one sparse system per keyframe, the three components together.
+// Fits the lattice: solves one sparse system per keyframe for all three components of the displacement
+// together.
 #include "tools/bake/motion.hpp"
 #include "host/model/motion.hpp"
 #include "shared/scene/scene.h"
@@ -39,7 +40,7 @@ struct Lattice {
     {
         return x == 0 || y == 0 || z == 0 || x + 1 == count.x() || y + 1 == count.y() || z + 1 == count.z();
     }
-    // Finds the cell and the position within it; returns false outside the lattice.
+    // Finds the cell and the position within the cell; returns false outside the lattice.
     bool find(const Eigen::Vector3d &p_mm, Eigen::Vector3i &cell, Eigen::Vector3d &place) const
     {
         const Eigen::Vector3d at = (p_mm - origin_mm) / spacing_mm;
@@ -63,8 +64,8 @@ struct Lattice {
     }
 };
 
-// The points of a sequence that move: their positions, and their longest displacement from the reference
-// pose.
+// Collects the points of a sequence that move: the box around them, and their longest displacement from the
+// reference pose.
 struct Moving {
     Eigen::AlignedBox3d box;
     double way_mm = 0;
@@ -90,8 +91,8 @@ struct Moving {
     }
 };
 
-// A box around everything that moves, wide enough for the motion to fade out. Its corner lies on a multiple
-// of the spacing.
+// Makes a lattice around everything that moves, with enough margin for the displacement to fall to zero. The
+// lattice's corner lies on a multiple of the spacing.
 Lattice lattice_for(const Moving &moving, double spacing_mm, double reach_spacings)
 {
     Lattice lattice;
@@ -115,8 +116,8 @@ Lattice lattice_for(const Moving &moving, double spacing_mm, double reach_spacin
     return lattice;
 }
 
-// Bending and tension over the free nodes by the graph Laplacian, which compares each node with the mean of
-// its six neighbours (those of the boundary are 0).
+// Penalises bending and tension over the free nodes. The graph Laplacian compares each node with the mean of
+// its six neighbours; boundary nodes count as 0.
 Sparse smoothing(const Lattice &lattice)
 {
     std::vector<Eigen::Triplet<double>> entries;
@@ -139,7 +140,7 @@ Sparse smoothing(const Lattice &lattice)
     return energy;
 }
 
-// Finds the displacements w at the nodes that best fit the given points.
+// Finds the displacements w of the nodes that best fit the given points.
 class Fit
 {
   public:
@@ -234,7 +235,7 @@ void put_node(const std::vector<Ways> &keys, int node, std::int16_t *rows)
     }
 }
 
-// The nodes of the boundary stay at 0.
+// The nodes at the boundary of the beat's lattice keep a displacement of 0.
 void fit_beat(const Frames &frames, double spacing_mm, Motion &motion, Progress &progress)
 {
     Moving moving;
@@ -257,8 +258,8 @@ void fit_beat(const Frames &frames, double spacing_mm, Motion &motion, Progress 
         put_node(keys, node, &motion.rows[static_cast<std::size_t>(node) * 3 * CRN_MOTION_ROW]);
 }
 
-// The heart beats in a chest that moves. Breath therefore carries a place equally in every frame; we fit it
-// to the first.
+// The heart beats inside a chest that moves with breath. Breath therefore displaces a place equally in every
+// frame of the beat, and we fit its lattice to the first frame only.
 void fit_breath(const Frames &frames, double spacing_mm, Motion &motion)
 {
     Moving moving;
@@ -292,7 +293,7 @@ void Sequence::retime(double end_systole)
                             : end_systole + (k - wanted_end) * (count - end_systole) / (count - wanted_end);
         const auto at = static_cast<std::size_t>(source);
         const double t = source - std::floor(source);
-        // The cubic of Catmull and Rom through the neighbouring frames.
+        // We interpolate by Catmull and Rom's cubic through the neighbouring frames.
         const double weights[4] = {t * (-0.5 + t * (1 - 0.5 * t)), 1 + t * t * (-2.5 + 1.5 * t),
                                    t * (0.5 + t * (2 - 1.5 * t)), t * t * (-0.5 + 0.5 * t)};
         for (std::size_t i = 0; i < moved_mm[key].size(); ++i) {

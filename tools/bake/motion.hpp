@@ -1,5 +1,5 @@
-// How a lumen moves: the lattice of firmware/core/motion.h, fitted to a sequence of meshes with one topology
-// (docs/heart.md).
+// Describes how a lumen moves: by the lattice of firmware/core/motion.h, fitted to a sequence of meshes with
+// the same triangles (docs/heart.md).
 //
 //   frames (the lumen's mesh at 24 moments)
 //   ->  the frame from which the others are least far becomes the reference pose
@@ -7,7 +7,8 @@
 //   ->  least squares on a trilinear lattice, smooth where there is no vertex, 0 at its boundary
 //   ->  coefficients of the periodic spline in time  ->  int16  ->  measured by the core's own look-up
 //
-// The scene is described at keyframe 0. The lattice itself carries its moving parts to the reference pose.
+// The scene's text describes all parts at keyframe 0. The fitted lattice then carries the moving parts to the
+// reference pose.
 
 #pragma once
 #include "tools/bake/field.hpp"
@@ -24,13 +25,14 @@ namespace crn::bake
 
 constexpr std::size_t frames_count = CRN_MOTION_KEYFRAMES;
 
-// One set of points through the cycle: frame k is at k / 24 of it.
+// A sequence is one set of points through the heart cycle; frame k shows the points at k / 24 of the cycle.
 struct Sequence {
     std::vector<Eigen::Vector3d> reference_mm;
     std::vector<std::vector<Eigen::Vector3d>> moved_mm; // frames_count of them, or none
     std::vector<Eigen::Vector3d> inhaled_mm;            // frame 0 at the end of inspiration; empty: no breath
 
-    // Resamples frames in which `end_systole` is the end of systole, so that it becomes frame 10.
+    // Resamples the frames in time. In the given frames, systole ends at frame `end_systole`; after
+    // resampling it ends at frame 10.
     void retime(double end_systole);
 };
 
@@ -41,14 +43,15 @@ struct Frames {
     std::size_t pose = 0; // the keyframe that is the reference pose
 };
 
-// Loads the files of the text's folders in the order of their names and retimes them; the reference pose is
-// middle_pose(). `lumen` is that of the scene, checked and closed. Throws Fault naming a file with other
-// triangles, a wrong number of files, the first place where the sequence jumps, or a first frame that differs
-// from the scene's lumen.
+// Loads the files of the text's folders in the order of their names and retimes them. The reference pose is
+// the one that middle_pose() returns. `lumen` is the scene's lumen; it must be checked and closed. Throws
+// Fault if the number of files is wrong, a file's triangles differ from the first file's, or a vertex jumps
+// between frames. Also throws Fault if the first frame differs from the scene's lumen; the message names the
+// file or the place.
 Frames load_frames(const MotionText &text, const LumenText &lumen);
 
-// The keyframe whose longest displacement to any other is shortest. The motion from it is half as long, and
-// half as steep, as from one end of the motion to the other.
+// Returns the keyframe from which the longest displacement to any other keyframe is shortest. Relative to
+// this pose the displacements are half as long, and half as steep, as relative to one end of the motion.
 std::size_t middle_pose(const Sequence &sequence);
 
 struct Motion {
@@ -58,15 +61,16 @@ struct Motion {
     Eigen::Vector3d to_reference_mm(const Eigen::Vector3d &at_mm) const;
 };
 
-// The lattices take the largest spacings, powers of two of Q30, that do not exceed the wanted ones. Throws
-// Fault when the frames move by more than the format holds or fold over.
+// The spacings of the lattices are the largest powers of two, in Q30, that do not exceed the wanted spacings.
+// Throws Fault when a displacement is larger than the file format can hold, or when the displaced space would
+// fold over.
 struct MotionSpacing {
     double beat_mm, breath_mm;
 };
 Motion fit_motion(const Frames &frames, const MotionSpacing &spacing, Progress &progress);
 
-// The difference in displacement between neighbouring nodes as a share of their distance. The core's
-// arithmetic holds a limited range (docs/heart.md).
+// The steepness is the difference in displacement between neighbouring nodes as a share of their distance.
+// The core's arithmetic permits only a limited steepness (docs/heart.md).
 struct Steepness {
     Worst heart, breath; // dimensionless shares, although the fields are called mm
 };
@@ -74,8 +78,8 @@ constexpr double heart_steepness_max = 0.625, breath_steepness_max = 0.375;
 Steepness steepness(const Motion &motion);
 void refuse_steep(const Motion &motion); // throws Fault with the place where it is too steep
 
-// One frame's surface against the moved lumen, as the core computes it: |phi / |g|| at the vertices and at
-// the middles of the triangles.
+// Compares one frame's surface with the lumen moved as the core computes it. The error is |phi / |g|| at the
+// vertices and at the middles of the triangles.
 struct FrameError {
     double rms_mm = 0;
     Worst small; // where the reference lumen's radius is below small_vessel_mm
@@ -84,8 +88,8 @@ struct FrameError {
 };
 constexpr double small_vessel_mm = 2.3;
 
-// `left_out` marks vertices that are skipped because the scene's lumen differs there from the frames
-// (lesions); empty: none.
+// `left_out` marks vertices that are skipped because a lesion makes the scene's lumen differ from the frames
+// there; an empty list skips none.
 std::vector<FrameError> measure_motion(const crn_lumen *lumen, const crn_motion *motion, const Frames &frames,
                                        const std::vector<bool> &left_out = {});
 

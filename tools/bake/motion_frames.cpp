@@ -1,4 +1,5 @@
-// Reads a sequence of meshes, checks that it is one, and measures a fitted lattice against it.
+// Reads a sequence of meshes, checks that all have the same triangles and that no vertex jumps, and measures
+// a fitted lattice against the sequence.
 #include "tools/bake/fault.hpp"
 #include "tools/bake/motion.hpp"
 
@@ -26,7 +27,8 @@ std::vector<std::filesystem::path> frame_files(const std::filesystem::path &fold
     return files;
 }
 
-// The vertices of one frame, placed as the lumen is; its triangles must be those of the reference.
+// Returns the vertices of one frame, placed in the patient as the lumen is; its triangles must equal those of
+// the reference.
 std::vector<Eigen::Vector3d> frame_vertices(const std::filesystem::path &file, const MeshText &lumen,
                                             const Mesh &reference)
 {
@@ -41,8 +43,8 @@ std::vector<Eigen::Vector3d> frame_vertices(const std::filesystem::path &file, c
     return mesh.vertices_mm;
 }
 
-// Checks that no vertex moves farther between neighbouring frames, including the last and the first, than a
-// wall can in 1/24 of a beat.
+// Checks that no vertex moves farther between neighbouring frames than a vessel wall can in 1/24 of a beat.
+// The last frame and the first frame also count as neighbours.
 void check_jumps(const Sequence &frames, const std::vector<std::filesystem::path> &files)
 {
     constexpr double jump_mm = 8.0; // faster than any wall: 0.2 m/s over 1/24 s
@@ -67,8 +69,8 @@ double contact_mm(const crn_lumen *lumen, const Eigen::Vector3d &p_mm)
     return crn_lumen_contact(lumen, &q).distance_m_q30 * mm_per_q30;
 }
 
-// Returns the radius of the reference lumen at a point of its wall: the greatest depth along the inward
-// normal.
+// Returns the radius of the reference lumen at a point of its wall, which is the greatest depth along the
+// inward normal.
 double radius_mm(const crn_lumen *lumen, const Eigen::Vector3d &wall_mm)
 {
     const crn_vec3 q = to_q30(wall_mm);
@@ -91,7 +93,7 @@ crn_motion_pose pose_of(const crn_motion *motion, std::size_t key, bool inhaled)
     return pose;
 }
 
-// The place in the reference pose of a point given in another pose.
+// Returns the place in the reference pose of a point that is given in another pose.
 Eigen::Vector3d pulled_mm(const crn_motion *motion, crn_motion_pose &pose, const Eigen::Vector3d &at_mm)
 {
     const crn_vec3 q = to_q30(at_mm), back = crn_motion_pull(motion, &pose, &q);
@@ -100,7 +102,7 @@ Eigen::Vector3d pulled_mm(const crn_motion *motion, crn_motion_pose &pose, const
     return reference;
 }
 
-// Loads one mesh per frame; all must have the triangles of the first.
+// Loads one mesh per frame; the triangles of all must equal those of the first.
 Sequence load_sequence(const std::filesystem::path &folder, const std::filesystem::path &inhaled,
                        const MeshText &placed, Mesh &first)
 {
@@ -163,7 +165,7 @@ Eigen::Vector3d Motion::to_reference_mm(const Eigen::Vector3d &at_mm) const
 namespace
 {
 
-// The steepest place of a lattice whose nodes have `numbers` numbers each.
+// Returns the steepest place of a lattice that stores `numbers` numbers per node.
 Worst steepest_of(const crn_lattice &lattice, const std::vector<std::int16_t> &rows, std::size_t numbers)
 {
     const std::size_t steps[3] = {1, lattice.count_xyz[0],

@@ -26,7 +26,7 @@ struct Station {
     double healthy_radius_m = 0, channel_radius_m = 0;
 };
 
-// A lesion, parametrised by arc length along its healthy centreline.
+// Describes a lesion by arc length along its healthy centreline.
 class Stretch
 {
   public:
@@ -40,7 +40,7 @@ class Stretch
     }
     double length_m() const { return arcs_m_.back(); }
 
-    // Beyond its ends the vessel continues straight and healthy.
+    // Beyond the lesion's ends the vessel continues straight and healthy.
     Station at(double arc_m) const
     {
         const auto after = std::upper_bound(arcs_m_.begin() + 1, arcs_m_.end() - 1, arc_m);
@@ -64,7 +64,8 @@ class Stretch
     std::vector<double> arcs_m_;
 };
 
-// At most CRN_SCENE_PLAQUE_STATION_MAX stations, a power of two apart, with the lesion in their middle.
+// Returns at most CRN_SCENE_PLAQUE_STATION_MAX stations whose spacing is a power of two; the lesion lies in
+// the middle of them.
 std::vector<Station> stations_of(const Stretch &stretch, const std::string &name, unsigned &log2)
 {
     for (log2 = spacing_log2_min; log2 <= spacing_log2_max; ++log2) {

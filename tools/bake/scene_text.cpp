@@ -1,4 +1,4 @@
-// Reads the text of a scene with toml++. Every fault names file, line and key.
+// Reads the text of a scene with toml++. Every error message names file, line and key.
 #include "tools/bake/scene_text.hpp"
 #include "shared/scene/scene.h"
 #include "tools/bake/fault.hpp"
@@ -16,7 +16,7 @@ namespace crn::bake
 namespace
 {
 
-// One table of the text, with the context that error messages need.
+// Holds one table of the text, with the place that error messages name.
 struct Table {
     const SceneText &scene;
     const Folders &folders;
@@ -87,7 +87,7 @@ struct Table {
         return value;
     }
 
-    // A box from two opposite corners; empty when the key is missing.
+    // Returns the box between two opposite corners; the box is empty when the key is missing.
     Eigen::AlignedBox3d box(const char *key) const
     {
         const toml::node *node = table.get(key);
@@ -101,7 +101,7 @@ struct Table {
         return box;
     }
 
-    // Accepts a string or a list of strings.
+    // Reads a value that is either a string or a list of strings.
     std::vector<std::string> texts(const char *key) const
     {
         const toml::node *node = table.get(key);
@@ -187,7 +187,8 @@ Eigen::Vector3d scale_of(const Table &t)
     return scale;
 }
 
-// Rotates about left, then head, then anterior, each right-handed about its axis.
+// Rotates first about the axis to the left, then to the head, then to the front; each rotation is
+// right-handed about its axis.
 Eigen::Matrix3d rotation_of(const Eigen::Vector3d &deg)
 {
     constexpr double rad_per_deg = 3.14159265358979323846 / 180;
@@ -431,7 +432,7 @@ void check_lesions(const SceneText &scene)
                     std::to_string(CRN_SCENE_BODY_MAX) + ": join some bodies, or leave out calcified_deg");
 }
 
-// Adds, behind each body with a shell, the marrow body inside it.
+// Adds a marrow body inside every body that has a shell, directly behind that body in the list.
 void add_marrows(SceneText &scene)
 {
     std::vector<BodyText> all;

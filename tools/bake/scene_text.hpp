@@ -1,4 +1,4 @@
-// The text of a scene (TOML), read and checked key by key: docs/scene.md.
+// The text of a scene (TOML) is read and checked key by key (docs/scene.md).
 #pragma once
 #include "tools/mesh/fault.hpp"
 
@@ -11,7 +11,8 @@
 namespace crn::bake
 {
 
-// The steps from file coordinates to patient millimetres, in this order: axes, unit, scale, rotation, offset.
+// These values convert file coordinates to patient millimetres in this order: axes, unit, scale, rotation,
+// offset.
 struct Placement {
     std::string unit; // "mm"; empty for centrelines, whose files state their unit
     Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
@@ -53,8 +54,8 @@ struct LumenText {
     double outside_mm = 1.5;
 };
 
-// The centrelines along which blood flows (branches.hpp). A branch is named after its file, without
-// ".mrk.json".
+// Names the centrelines from which the tree of vessels with flowing blood is made (branches.hpp). A branch is
+// named after its file, without ".mrk.json".
 struct TreeText {
     std::vector<std::filesystem::path> centrelines; // resolved; empty: no tree
     bool is_of_lumen =
@@ -66,7 +67,7 @@ struct TreeText {
     std::vector<std::string> left_coronary, right_coronary;
 };
 
-// The frames of a lumen that moves (docs/heart.md).
+// Names the frames of a lumen that moves (docs/heart.md).
 struct MotionText {
     std::filesystem::path frames;                 // folder of 24 meshes; empty: the lumen does not move
     std::filesystem::path inhaled;                // the first frame at the end of inspiration, or empty
@@ -84,7 +85,7 @@ struct EntryText {
     double distance_mm = 8.0;
 };
 
-// The steps that a body's mesh goes through before it is written, in this order. A step whose length is 0 is
+// A body's mesh goes through these steps, in this order, before it is written. A step whose length is 0 is
 // skipped.
 struct FormText {
     double solid_mm = 0;           // voxel of the level set from which the surface is made anew
@@ -107,7 +108,7 @@ struct BodyText {
     FormText form;
 };
 
-// A stretch of a branch that is narrowed by plaque (lesion.hpp).
+// Describes a stretch of a branch that is narrowed by plaque (lesion.hpp).
 struct LesionText {
     std::string name, branch;
     double at_mm = 0; // its middle, from the branch's ostium
@@ -134,7 +135,7 @@ struct SceneText {
     std::vector<BodyText> bodies;
 };
 
-// The folders with which paths may begin.
+// A path in the text may begin with a name for one of these folders.
 struct Folders {
     std::filesystem::path data;    // "data:", anatomy that does not ship
     std::filesystem::path shipped; // "shipped:", the meshes that `anatomy` has made

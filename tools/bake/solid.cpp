@@ -1,4 +1,5 @@
-// OpenVDB's level sets: mesh to volume, offset, difference, volume to mesh.
+// Uses OpenVDB's level sets to turn a mesh into a volume, to offset and subtract volumes, and to turn a
+// volume into a mesh.
 #include "tools/bake/solid.hpp"
 #include "tools/bake/fault.hpp"
 #include "tools/bake/level_set.hpp"
@@ -47,7 +48,7 @@ Mesh surface_at(const openvdb::FloatGrid &grid, double distance_mm, const std::s
     Mesh mesh;
     mesh.name = name;
     for (const openvdb::Vec3s &p : points) mesh.vertices_mm.emplace_back(p.x(), p.y(), p.z());
-    // OpenVDB returns the faces of a level set clockwise as seen from outside.
+    // OpenVDB lists the corners of a level set's faces clockwise as seen from outside.
     for (const openvdb::Vec3I &t : triangles) mesh.triangles.push_back({t[0], t[2], t[1]});
     for (const openvdb::Vec4I &q : quads) {
         mesh.triangles.push_back({q[0], q[2], q[1]});
@@ -57,7 +58,8 @@ Mesh surface_at(const openvdb::FloatGrid &grid, double distance_mm, const std::s
     return mesh;
 }
 
-// Corner c of triangle t has the number 3 t + c. Corners that stay one vertex are joined.
+// Corner c of triangle t has the number 3 t + c. Corners of different triangles are joined if they are to
+// remain one vertex.
 struct Corners {
     std::vector<std::uint32_t> parent;
     std::uint32_t root(std::uint32_t corner)
@@ -88,7 +90,7 @@ std::vector<HalfEdge> half_edges(const Mesh &mesh)
     return edges;
 }
 
-// Makes the two triangles share both ends of their common edge.
+// Joins the corners of two triangles at both ends of their common edge.
 void join_across(Corners &corners, const HalfEdge &one, const HalfEdge &other)
 {
     const auto corner = [](const HalfEdge &edge, bool low) {
@@ -111,8 +113,8 @@ void separate_sheets(Mesh &mesh)
         for (end = i;
              end < edges.size() && edges[end].low == edges[i].low && edges[end].high == edges[i].high;)
             ++end;
-        // Backward half edges come first, then as many forward ones; the n-th backward one is paired with the
-        // n-th forward one.
+        // Half edges that run backward come first, followed by as many that run forward; the n-th backward
+        // one is paired with the n-th forward one.
         const std::size_t half = (end - i) / 2;
         for (std::size_t n = 0; n < half; ++n) join_across(corners, edges[i + n], edges[i + half + n]);
     }
@@ -153,7 +155,7 @@ std::vector<InsideVoxel> inside_voxels(const Mesh &mesh, double voxel_mm)
 {
     Eigen::AlignedBox3d box;
     for (const Eigen::Vector3d &v : mesh.vertices_mm) box.extend(v);
-    // No point inside is deeper than half the thickness of the box.
+    // No inner point of the box is deeper than half the box's thickness.
     const auto grid =
         checked_level_set(mesh, voxel_mm, band_voxels, box.sizes().minCoeff() / 2 / voxel_mm + band_voxels);
     std::vector<InsideVoxel> inside;

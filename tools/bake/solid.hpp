@@ -1,6 +1,6 @@
 // Remakes a body's surface from a level set. Overlapping pieces become one solid, and cracks and faults of
-// the mesh vanish. Surfaces at a distance inside or outside come from the same field, and so do the voxels
-// inside.
+// the mesh vanish. The same distance field also gives surfaces at a distance inside or outside, and the
+// voxels inside the body.
 #pragma once
 #include "tools/bake/mesh.hpp"
 
@@ -10,29 +10,33 @@ namespace crn::bake
 constexpr double solid_voxels_max =
     3e8; // voxels of the box around a mesh: a finer level set would take minutes
 
-// The closed surface `offset_mm` outside the mesh (negative: inside), on a grid of `voxel_mm`; openings of
-// the mesh are capped. Flat details thinner than about a voxel are lost. The result is empty when nothing
-// lies that deep. Throws Fault when the grid would be too large.
+// Returns the closed surface that lies `offset_mm` outside the mesh (negative: inside), made on a grid of
+// `voxel_mm`. Openings of the mesh are capped. Flat details thinner than about a voxel are lost. The result
+// is empty when no place of the body is as deep as `offset_mm`. Throws Fault when the grid would need too
+// many voxels.
 Mesh offset_surface(const Mesh &mesh, double voxel_mm, double offset_mm);
 
-// Expands the mesh by `close_mm` and shrinks it again: hollows and gaps up to twice as wide are filled, and
-// the outside stays.
+// Expands the mesh by `close_mm` and shrinks it again. This closing fills hollows and gaps up to twice
+// `close_mm` wide and leaves the rest of the outside unchanged.
 Mesh closed_surface(const Mesh &mesh, double voxel_mm, double close_mm);
 
-// The part of `mesh` that lies in the box.
+// Returns the part of `mesh` that lies in the box.
 Mesh clipped(const Mesh &mesh, const Eigen::AlignedBox3d &box, double voxel_mm);
 
-// The part of `mesh` that lies outside all of `taken`, each expanded by `gap_mm`.
+// Returns the part of `mesh` that lies outside all meshes of `taken`, each of which is first expanded by
+// `gap_mm`.
 Mesh difference(const Mesh &mesh, const std::vector<const Mesh *> &taken, double voxel_mm, double gap_mm);
 
-// A voxel inside a closed mesh, and the distance of its middle, cell * voxel_mm, from the surface.
+// Describes a voxel inside a closed mesh: its middle is cell * voxel_mm, and its distance from the surface is
+// stored.
 struct InsideVoxel {
     std::array<int, 3> cell;
     float depth_mm;
 };
 std::vector<InsideVoxel> inside_voxels(const Mesh &mesh, double voxel_mm);
 
-// Splits vertices at which two sheets of a surface meet; afterwards every edge has two triangles.
+// Splits vertices at which two sheets of a surface touch, so that every edge afterwards belongs to two
+// triangles.
 void separate_sheets(Mesh &mesh);
 
 } // namespace crn::bake

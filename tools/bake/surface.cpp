@@ -1,4 +1,5 @@
-// From tapered capsules to a closed mesh: distances on a grid near the wall, then OpenVDB's volumeToMesh.
+// Turns tapered capsules into a closed mesh: computes distances on a grid near the wall and passes them to
+// OpenVDB's volumeToMesh.
 #include "tools/bake/centreline.hpp"
 #include "tools/bake/fault.hpp"
 #include "tools/bake/vdb.hpp"
@@ -64,7 +65,7 @@ Blocks blocks_of(const std::vector<Capsule> &capsules, double voxel_mm)
     return blocks;
 }
 
-// Computes the distances in one block, if the wall is near it.
+// Computes the distances in one block if the wall is near that block.
 void fill_block(const BlockKey &key, const std::vector<Capsule> &capsules,
                 const std::vector<std::uint32_t> &candidates, double voxel_mm,
                 openvdb::FloatGrid::Accessor &out)

@@ -1,4 +1,4 @@
-// Reads a TOML file written by a person, or throws a Fault that says what is wrong with it.
+// Reads a TOML file written by a person, or throws a Fault that states the error.
 #pragma once
 #include "host/base/toml.hpp"
 #include "tools/bake/fault.hpp"
@@ -12,7 +12,7 @@
 namespace crn::bake
 {
 
-// The name of this kind of text in error messages.
+// Names this kind of text in error messages.
 struct TomlKind {
     std::uintmax_t MiB_max;
     const char *what;      // "a scene text"

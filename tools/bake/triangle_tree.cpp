@@ -1,4 +1,4 @@
-// Bounding boxes over triangles, halved at the median of the longest side.
+// The tree consists of bounding boxes over triangles; each box is halved at the median of its longest side.
 #include "tools/bake/triangle_tree.hpp"
 
 #include <algorithm>
@@ -142,9 +142,9 @@ TriangleTree::Nearest TriangleTree::nearest(const Eigen::Vector3d &p_mm, double 
     return {normal.dot(p_mm - hit.point) < 0 ? -distance : distance, hit.point, hit.triangle};
 }
 
-// +1 or -1 where the ray from p along +z leaves or enters through the triangle, else 0. A place on an edge or
-// corner belongs to one of the triangles there (half-open intervals; an edge is computed identically for both
-// of its triangles).
+// Returns +1 or -1 where the ray from p along +z leaves or enters the body through the triangle, else 0. A
+// place on an edge or corner of triangles is counted for one of these triangles only. The test uses half-open
+// intervals and computes an edge identically for both of its triangles.
 int TriangleTree::crossing(std::uint32_t triangle, const Eigen::Vector3d &p) const
 {
     const Triangle &t = mesh_.triangles[triangle];

@@ -1,6 +1,6 @@
-// Exact geometry of a closed triangle mesh: signed distance (sign by angle-weighted normals of the nearest
-// feature, Baerentzen & Aanaes 2005) and the triangles near a box. It is the referee for everything that the
-// baker approximates.
+// Computes exact geometry of a closed triangle mesh. This class gives the signed distance, whose sign comes
+// from angle-weighted normals of the nearest feature (Baerentzen & Aanaes 2005), and the triangles near a
+// box. All approximations of `bake` are compared with this exact geometry.
 #pragma once
 #include "tools/bake/mesh.hpp"
 
@@ -20,15 +20,16 @@ class TriangleTree
         Eigen::Vector3d point_mm;
         std::uint32_t triangle;
     };
-    // `bound_mm` is an upper bound of the distance (which makes the search faster), or infinite.
+    // `bound_mm` is an upper bound of the distance, which makes the search faster; it is infinite if no bound
+    // is known.
     Nearest nearest(const Eigen::Vector3d &p_mm, double bound_mm = INFINITY) const;
 
-    // Returns the winding number of the surface around a place: 1 inside, 0 outside. It is counted along a
-    // ray. It is therefore right where a thin sheet is folded over at its edge, whereas the sign of nearest()
-    // is wrong wherever the fold is the nearest place.
+    // Returns the winding number of the surface around a place: 1 inside, 0 outside. The winding number is
+    // counted along a ray from that place. The winding number is therefore right where a thin sheet is folded
+    // over at its edge. The sign of nearest() is wrong wherever the fold is the nearest place.
     int winding(const Eigen::Vector3d &p_mm) const;
 
-    // The triangles whose box meets the given box.
+    // Lists the triangles whose bounding box overlaps the given box.
     void near(const Eigen::AlignedBox3d &box, std::vector<std::uint32_t> &triangles) const;
 
     const Mesh &mesh() const { return mesh_; }

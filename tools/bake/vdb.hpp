@@ -1,4 +1,5 @@
-// OpenVDB as the baker uses it. Its own headers cause warnings, so they are included here as system headers.
+// Includes OpenVDB for `bake`. OpenVDB's own headers cause warnings, so they are included here as system
+// headers.
 #pragma once
 #pragma GCC system_header
 #include <openvdb/openvdb.h>

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Compares every bar that a command can show with the present measurement (docs/bars.md).
+"""Compares every bar that a command can measure with its present value (docs/bars.md).
 
   bars.py --build build [--only TEXT] [--scene FILE] [--tap]
 
-Reads tools/bars/bars.tsv. This program measures counts (instructions, sizes, hashes, physics), and a count over its
-bar fails. A value that another command measures is read from that command's file, and is "not measured here" if the
-file is missing. A time is printed with its ratio to the bar and never fails. Writes out/bars.tsv. The last lines are
-`bars.held<TAB>N` and `bars.red<TAB>N`; ends with 1 when a bar is red or could not be measured. --tap prints one line
-of TAP per bar instead, without times and without what other commands measure.
+Reads tools/bars/bars.tsv. This program measures counts (instructions, sizes, hashes, physics); a count over its bar is
+a failure. A value that another command measures is read from that command's output file; it is "not measured here" if
+the file is missing. A time is printed with its ratio to the bar; it never counts as a failure. Writes out/bars.tsv. The
+last lines are `bars.held<TAB>N` and `bars.red<TAB>N`; the exit code is 1 if a bar is red or could not be measured.
+--tap prints one TAP line per bar instead, without times and without values that other commands measure.
 """
 
 import argparse
@@ -31,7 +31,7 @@ Bar = collections.namedtuple("Bar", "name op limit asked issue since source kind
 
 
 class CannotMeasure(Exception):
-    """A measurement failed; the text gives the reason."""
+    """Raised when a measurement fails; the text gives the reason."""
 
 
 def read_bars(path=LIST):
@@ -85,7 +85,8 @@ def from_bench(options, wanted):
 
 
 def validation_values(text):
-    """Returns the figures beyond their tolerance, and per case the worst error as a share of its tolerance."""
+    """Returns the figures that exceed their tolerance, and for each case the worst error as a share of its
+    tolerance."""
     values = collections.defaultdict(float)
     beyond = 0
     for line in text.splitlines()[1:]:
@@ -136,7 +137,7 @@ def from_golden(options, _):
 
 
 def counted_values(counts):
-    """Returns the same values as hil's own table: the median, the value that 1 tick in 1,000 exceeds, and the
+    """Returns the values that hil's own table has: the median, the value that 1 tick in 1,000 exceeds, and the
     largest."""
     counts = sorted(counts)
     last = len(counts) - 1
@@ -147,8 +148,8 @@ def counted_values(counts):
 
 
 def aorta_ticks(options, what):
-    """Returns the second column of the table that `hil --counts` or `hil --overruns` writes: one value per tick of
-    the aorta session."""
+    """Returns the second column of the table that `hil --counts` or `hil --overruns` writes, which has one value per
+    tick of the aorta session."""
     if not os.path.exists(os.path.join(ROOT, options.scene)):
         raise CannotMeasure("%s does not exist: `make %s` makes it" % (options.scene, SCENE))
     with tempfile.TemporaryDirectory() as folder:
@@ -159,7 +160,7 @@ def aorta_ticks(options, what):
 
 
 def checked_ticks(values):
-    """Refuses a short session or ticks that cost nothing, because they would meet every bar."""
+    """Refuses a short session, or ticks without cost, because either would keep every bar."""
     if len(values) < SESSION_TICKS or min(values) <= 0:
         raise CannotMeasure(
             "the aorta session gave %d ticks (at least %d), the cheapest %g"
@@ -184,8 +185,8 @@ def from_overruns(options, _):
 
 
 def from_file(path, wanted):
-    """Returns the rows `name value ...` separated by tabs; out/bench.tsv has the context in its fourth column.
-    Returns None without the file."""
+    """Returns the rows `name value ...`, separated by tabs; the fourth column of out/bench.tsv is the context. Returns
+    None without the file."""
     if not os.path.exists(os.path.join(ROOT, path)):
         return None
     values = {}
@@ -215,7 +216,7 @@ def measure(source, wanted, options):
 
 # --- verdicts ----------------------------------------------------------------------------------------------------
 def judge(bar, value):
-    """Returns 'held', 'red', 'time' or 'not measured here'."""
+    """Returns the verdict on a bar: 'held', 'red', 'time' or 'not measured here'."""
     if bar.kind == "time":
         return "not measured here" if value is None else "time"
     if value is None:
@@ -232,7 +233,7 @@ def ratio_of(bar, value):
 
 
 def values_of(source, bars, options):
-    """Returns values by name. A source that cannot be measured prints the reason, and its bars are red."""
+    """Returns values by name. If a source cannot be measured, its reason is printed, and its bars count as red."""
     try:
         return measure(source, [bar.name for bar in bars if bar.source == source], options) or {}
     except CannotMeasure as problem:

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Repeats the tests that depend on time, processes or windows under load, and names failures (docs/bars.md).
+"""Repeats the tests that depend on time, processes or windows while the machine is under load, and names those that
+fail (docs/bars.md).
 
   flakes.py --build build [--rounds 30] [--load 4] [--jobs 2] [--tests TEXT]
 
-The tests are those of tools/bars/flakes.txt, run as `make test` runs them. Writes out/flakes.tsv after every round,
-so that an interrupted run keeps its results; the output of a failed test is kept in out/flakes. The last line is
-`flakes.failed<TAB>N`, the number of failed runs; the exit code is 1 if there is one.
+The tests are those of tools/bars/flakes.txt, run as `make test` runs them. Writes out/flakes.tsv after every round, so
+that an interrupted run keeps its results. The output of a failed test is kept in out/flakes. The last line is
+`flakes.failed<TAB>N`, the number of failed runs; the exit code is 1 if N is not 0.
 """
 
 import argparse
@@ -29,7 +30,7 @@ def read_list(wanted):
 
 
 class Load:
-    """Keeps processes busy while the context is open."""
+    """Keeps the processors busy with `count` processes while the context is open."""
 
     def __init__(self, count):
         self.busy = [subprocess.Popen([sys.executable, "-c", BUSY]) for _ in range(count)]
@@ -51,7 +52,7 @@ def keep_output(outcome, name, number):
 
 
 def run_round(jobs, number, at_once):
-    """Runs the tests once and returns the outcomes of those that failed."""
+    """Runs the tests once and returns the outcomes of the failed ones."""
     pool = concurrent.futures.ThreadPoolExecutor(max(1, at_once))
     try:
         outcomes = [future.result() for future in [pool.submit(function, *arguments) for function, arguments in jobs]]
@@ -65,7 +66,7 @@ def run_round(jobs, number, at_once):
 
 
 def run_rounds(jobs, options):
-    """Returns the numbers of the failed rounds, by test."""
+    """Returns for each test the numbers of the rounds in which it failed."""
     failed = collections.defaultdict(list)
     for number in range(1, options.rounds + 1):
         for outcome in run_round(jobs, number, options.jobs):

@@ -3,11 +3,11 @@
 
   budget.py --build build [--accept] [--profile CASE]
 
-Instructions are counted in QEMU with -icount shift=0, one nanosecond each; the stack is the longest path through the
-compiler's call graph; sizes are those of the objects. Ends with 1 when a row is more than 3 % over the tracked one,
-when a row is missing there, or when the image calls a soft-float or divide helper or a heap. --accept writes the
-tracked file. --profile prints the instructions of two ticks of a case, function by function, and measures nothing
-else.
+QEMU with -icount shift=0 counts an instruction as one nanosecond; the stack is the longest path through the compiler's
+call graph; sizes are those of the object files. The exit code is 1 when a row is more than 3 % over its value in the
+tracked file, when the tracked file lacks a row, or when the image calls a forbidden helper. Soft-float helpers, divide
+helpers and heap functions are forbidden. --accept writes the tracked file. --profile prints the instructions of two
+ticks of a case, function by function, and measures nothing else.
 """
 
 import argparse
@@ -36,7 +36,7 @@ QEMU = [
     "-icount",
     "shift=0",
 ]
-# Entry points whose worst stack is reported.
+# The worst stack of these entry points is reported.
 ROOTS = ("crn_step", "crn_state_restore", "crn_model_build")
 MEMORY = re.compile(r"^(__aeabi_)?mem(cpy|set|move|cmp|clr)(4|8)?$")
 FORBIDDEN = re.compile(
@@ -53,7 +53,7 @@ LOOP_MIN = 12  # shorter loops are not worth an estimate
 
 
 class CannotMeasure(Exception):
-    """A measurement failed; the text gives the reason."""
+    """Raised when a measurement fails; the text gives the reason."""
 
 
 def run(command, text=None, check=True):
@@ -95,7 +95,7 @@ def emulate(image, case_file):
 
 
 def measure_case(make, image, number, context, folder):
-    """Returns the rows of one case."""
+    """Measures one case and yields its rows."""
     path = os.path.join(folder, "case%d" % number)
     words = run([make, "make", str(number), path]).split()
     counted = emulate(image, path)
@@ -169,13 +169,14 @@ def budget_objects(build):
 
 
 def image_objects(build, port):
-    """Returns the folders of all objects that a port's image links."""
+    """Returns the folders of all object files that a port's image links."""
     return [target_folder(build, "image_" + part) for part in ("core", "device", "memory", port)]
 
 
 # --- stack -----------------------------------------------------------------------------------------------------------
 def call_graph(folders):
-    """Returns (bytes of each function, callees of each function) from the compiler's .ci files."""
+    """Returns two tables from the compiler's .ci files: the stack bytes of each function, and the functions that each
+    calls."""
     frame, calls, plain = {}, collections.defaultdict(set), {}
     folders = [folders] if isinstance(folders, str) else folders
     for path in [p for one in folders for p in glob.glob(os.path.join(one, "**", "*.ci"), recursive=True)]:
@@ -194,8 +195,9 @@ def call_graph(folders):
 
 
 def worst_stack(folders, root, by_address=()):
-    """Returns the bytes on the longest path from `root`. Refuses recursion and functions of unknown size.
-    `by_address` names all functions that a call by address can reach; without it such calls are refused."""
+    """Returns the number of stack bytes on the longest call path from `root`. Refuses recursion and functions whose
+    stack size is unknown. `by_address` names all functions that can be called through a pointer; without it such calls
+    are refused."""
     frame, calls, plain = call_graph(folders)
     frame, done = dict(frame), {}
     if by_address:
@@ -236,7 +238,8 @@ def sizes(build):
 
 
 def memory_sizes():
-    """Returns sizeof of model and state for a line of 256 elements, by the compiler for the Cortex-M7."""
+    """Returns the sizes of model and state for a line of 256 elements, as the compiler for the Cortex-M7 computes
+    them."""
     text = (
         '#include "firmware/core/core_state.h"\nchar model_bytes[sizeof(crn_model)];\n'
         "char state_bytes[sizeof(crn_state)];\nchar words_bytes[sizeof(crn_state_words)];\n"
@@ -267,7 +270,8 @@ def memory_sizes():
 
 
 def forbidden_symbols(image):
-    """Returns the forbidden names in the image. A test of its own shows that the rule catches a bad name."""
+    """Returns the names of forbidden functions in the image. A test of this function shows that it finds a forbidden
+    name."""
     names = [line.split()[-1] for line in run(["arm-none-eabi-nm", image]).splitlines()]
     return sorted(name for name in names if is_forbidden(name))
 
@@ -281,7 +285,8 @@ INSTRUCTION = re.compile(r"^\s*([0-9a-f]+):\s+(\S.*)$")
 
 
 def innermost_loops(lines):
-    """Returns the instructions of every innermost loop: from the target of a backward branch to the branch."""
+    """Returns the instructions of every innermost loop, which extends from the target of a backward branch to that
+    branch."""
     code = []
     for line in lines:
         match = INSTRUCTION.match(line)
@@ -301,7 +306,8 @@ def innermost_loops(lines):
 
 
 def estimate(body):
-    """Returns llvm-mca's cycles per pass: in order of address, without cache misses and branches."""
+    """Returns the cycles per pass that llvm-mca computes for instructions in order of address, without cache misses and
+    branches."""
     kept = [
         text
         for text in body
@@ -344,12 +350,13 @@ def read_budget():
 
 
 def key_of(context):
-    """The share of ticks with a second solve may change without changing the measured case."""
+    """The key leaves out the share of ticks with a second solve, because that share may change while the measured case
+    stays the same."""
     return context.split(" contacts=")[0] if "second_solve" in context else context
 
 
 def judge(row, budget):
-    """Returns '' or the error in a row."""
+    """Returns '' if the row is within the budget, else a text that states the error."""
     name, value, _, context = row
     allowed = budget.get((name, key_of(context)))
     if allowed is None:
@@ -363,7 +370,7 @@ def write_rows(path, rows):
 
 
 def measure(build, folder):
-    """Returns every row; run_bench.py also writes them into out/bench.tsv."""
+    """Returns every row of the budget; run_bench.py also writes these rows into out/bench.tsv."""
     return list(instructions(build, folder)) + list(stack(build)) + list(sizes(build)) + list(memory_sizes())
 
 

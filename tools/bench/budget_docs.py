@@ -3,7 +3,7 @@
 
   budget_docs.py [--write]
 
-Without --write it only compares, and ends with 1 when the page differs from the budget.
+Without --write it only compares, and its exit code is 1 when the page differs from the budget.
 """
 
 import os
@@ -37,7 +37,7 @@ def table(rows):
 
 
 def renewed(text, rows):
-    """Returns the page with a new block."""
+    """Returns the page with the block between the marks replaced."""
     before, mark, rest = text.partition(BEGIN)
     _, end, after = rest.partition(END)
     if not mark or not end:

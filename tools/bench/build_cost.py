@@ -1,15 +1,14 @@
 #!/usr/bin/env python3
-"""What a newcomer waits for: processor time, compiled files and packages of `make run`, and processor time of `make
-test`.
+"""Measures what a newcomer waits for: processor time, compiled files and packages of `make run`, and processor time of
+`make test`.
 
   build_cost.py [--test] [--write out/bench.tsv]
 
 Clones the last commit into a temporary folder and builds there without a compiler cache. Prints
-`name<TAB>value<TAB>unit <TAB>context` lines: build.run_cpu_s (compiling and linking of `make run`),
-build.run_units, build.run_packages_mb (archives to download on a minimal Debian 12), and with --test
-build.test_cpu_s (all of `make test`, from clean) and build.test_again_cpu_s (the same after one file of host/xray
-was touched). --write puts them into FILE in place of older ones of the same names. Ends with 1 when something does
-not build.
+`name<TAB>value<TAB>unit <TAB>context` lines: build.run_cpu_s (compiling and linking of `make run`), build.run_units,
+build.run_packages_mb (archives to download on a minimal Debian 12), and with --test build.test_cpu_s (all of `make
+test`, from clean) and build.test_again_cpu_s (the same after one file of host/xray was touched). --write puts them into
+FILE in place of older ones of the same names. The exit code is 1 when a build fails.
 """
 
 import argparse
@@ -31,7 +30,7 @@ class CannotMeasure(Exception):
 
 
 def spent(command, folder):
-    """Seconds of processor that a command and what it started took."""
+    """Returns the processor seconds of a command and of all processes that it started."""
     environment = {k: v for k, v in os.environ.items() if not k.startswith(("CCACHE", "MAKE", "BUILD", "CMAKE"))}
     environment["CMAKE_ARGS"] = "-DCRN_CCACHE=OFF"
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -55,7 +54,7 @@ def section(*names):
 
 
 def archives(packages):
-    """file -> bytes of everything that apt would fetch on a machine without any package."""
+    """Returns, by file, the bytes of everything that apt would fetch on a machine without any package."""
     with tempfile.NamedTemporaryFile() as empty:
         command = ["apt-get", "install", "--print-uris", "--no-install-recommends", "-qq", "-o", "Debug::NoLocking=1"]
         done = subprocess.run(
@@ -88,7 +87,7 @@ def rows(options, folder):
     yield "build.run_units", "%d" % units, "files", ""
     yield "build.run_packages_mb", "%.0f" % packages_mb(), "MB", "to download on a minimal Debian 12"
     if options.test:
-        # From clean: what `make run` has built counts too.
+        # `make test` counts from clean, so the cost of what `make run` has built is added.
         yield "build.test_cpu_s", "%.0f" % (cpu_s + spent(["make", "PACKAGES=skip", "test"], clone)), "s", context
         os.utime(os.path.join(clone, TOUCHED))
         yield "build.test_again_cpu_s", "%.0f" % spent(["tools/check/run_tests.sh", "build"], clone), "s", TOUCHED

@@ -3,8 +3,8 @@
 
   image_report.py --build build --port mps2_an500
 
-The stack is the longest path through the compiler's call graph from main(), plus one exception with its handler.
-Calls by address reach only the port's functions, which are named here. Ends with 1 when RAM or stack are over their
+The stack is the longest path through the compiler's call graph from main(), plus one exception with its handler. Calls
+by address reach only functions of the port, which this program lists. The exit code is 1 when RAM or stack exceed their
 limits, or when a forbidden name is in the image.
 """
 
@@ -16,8 +16,8 @@ import budget
 
 RAM_MAX_BYTES = 512 * 1024  # without scenes
 STACK_MAX_BYTES = 16 * 1024
-# The functions in each port's tables (its main.c, and its USB controller). The USB stack calls the app by address,
-# from its polling. That whole depth is added once, whether or not the deepest path goes through the polling.
+# These functions are in each port's tables (its main.c, and its USB controller). The USB stack calls the app by
+# address while it polls. The stack depth of these calls is added once, even if the deepest path does not include them.
 BY_ADDRESS = {
     "mps2_an500": ("transmit", "transmit_room", "rig_inputs_read", "rig_outputs_write", "now_us"),
     "imxrt1062": (

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Run the benchmark programs by the convention of docs/bench.md. `make bench` calls this program.
+"""Runs the benchmark programs by the convention of docs/bench.md. `make bench` calls this program.
 
   run_bench.py --build build [--cases TEXT] [PROGRAM...]
 
-Writes out/bench.tsv (name, value, unit, context, separated by tabs) and prints it as a table. With --cases only the
-cases whose name contains TEXT run, and the file is left alone. Ends with 1 when a case could not be measured.
+Writes out/bench.tsv (name, value, unit, context, separated by tabs) and prints it as a table. With --cases, only the
+cases whose name contains TEXT run, and out/bench.tsv is not changed. The exit code is 1 when a case could not be
+measured.
 """
 
 import argparse
@@ -25,7 +26,7 @@ CALIBRATED = "shared/examples/instruments/amplatz_super_stiff.toml"
 
 
 class CannotMeasure(Exception):
-    """A measurement failed; the text gives the reason."""
+    """Raised when a measurement fails; the text gives the reason."""
 
 
 def run(command):
@@ -71,8 +72,8 @@ def last_number(program, number):
 
 
 def count_calls(profile, function):
-    """Counts the calls of `function`: the sum of the `calls=` lines below a `cfn=` that names it. Callgrind writes a
-    name once as `(id) name` and then as `(id)`."""
+    """Counts the calls of `function`: the sum of the `calls=` lines that follow a `cfn=` line with its name. Callgrind
+    writes a name as `(id) name` the first time and as `(id)` afterwards."""
     ids = {i for i, name in re.findall(r"^c?fn=\((\d+)\) (\S+)", profile, re.M) if name == function}
     return sum(int(calls) for i, calls in re.findall(r"^cfn=\((\d+)\)[^\n]*\ncalls=(\d+)", profile, re.M) if i in ids)
 
@@ -131,7 +132,7 @@ def demo_command(options):
 
 
 def realtime_factor(options, picture_arguments):
-    """Returns the simulated seconds per second of the demo session, from the time that cournand reports."""
+    """Returns how many seconds the demo session simulates per second of real time, as cournand reports."""
     with tempfile.TemporaryDirectory() as folder:
         timing = os.path.join(folder, "timing.json")
         run(
@@ -166,8 +167,8 @@ def wire_cases(options):
 
 
 def make_calibration(options, folder):
-    """Makes a case in the phantom, 300 mm deep at its second depth; its scans show an insertion of the nominal
-    instrument."""
+    """Makes a calibration case in the phantom. The case's second depth is 300 mm, and its scans show an insertion of
+    the nominal instrument."""
     phantom = os.path.join(folder, "phantom")
     run([os.path.join(options.build, "bin", "anatomy"), "phantom", "-o", phantom, "--no-bodies", "--quiet"])
     text = os.path.join(phantom, "scene.toml")
@@ -269,7 +270,7 @@ def print_table(rows):
         print("%-*s  %*s  %-*s  %s" % (widths[0], name, widths[1], value, widths[2], unit, context))
 
 
-# These take minutes each, under callgrind or by simulated minutes; --quick leaves them out.
+# Each of these cases takes minutes, under callgrind or by simulated minutes; --quick leaves them out.
 SLOW = ("hands.", "wire.", "rod.coronary_penetration_mm", "xray.", "stent.", "contrast.", "calibrate.", SESSION)
 
 
@@ -278,7 +279,7 @@ def is_slow(name, context):
 
 
 def quick_cases(cases):
-    """Returns the cases that take seconds, and prints the names of the others."""
+    """Returns the cases that take seconds, and prints the names of the cases left out."""
     left_out = [case for case in cases if is_slow(case[0], case[2])]
     for name, _, context, _ in left_out:
         print("left out: %s %s" % (name, context), file=sys.stderr)

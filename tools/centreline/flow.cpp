@@ -1,4 +1,4 @@
-// Computes conductances from the outlets upwards, then flows from the inlet downwards.
+// Computes conductances from the outlets upwards, and then flows from the inlet downwards.
 #include "tools/centreline/flow.hpp"
 
 #include <cmath>
@@ -24,13 +24,13 @@ struct Network {
     std::vector<std::vector<double>> conductance;   // from each sphere of each branch onwards, mm^3/(s Pa)
 };
 
-// A branch without children at its end is an outlet, with the resistance of its bed behind it.
+// A branch with no children at its end is an outlet, and the resistance of its bed follows it.
 double bed_conductance(const Branch &branch, double bed_Pa_s)
 {
     return std::pow(branch.spheres.back().radius_mm, 3) / bed_Pa_s;
 }
 
-// Branches are numbered after their parents, so the loop from last to first finishes every child before its
+// Branches are numbered after their parents, so a loop from last to first treats every child before its
 // parent.
 void find_conductances(Network &network, double bed_Pa_s)
 {
@@ -79,8 +79,8 @@ std::vector<double> set_flow(Tree &tree, const FlowSettings &settings)
     network.children.resize(tree.branches.size());
     for (std::size_t b = 0; b < tree.branches.size(); ++b)
         if (tree.branches[b].parent >= 0) network.children[tree.branches[b].parent].push_back(b);
-    std::vector<double> into(tree.branches.size(),
-                             0.0); // Every root has its own inlet and therefore its own beds.
+    std::vector<double> into(tree.branches.size(), 0.0);
+    // Every root has its own inlet, so the outlets of each root have beds of their own.
     std::vector<int> root(tree.branches.size());
     for (std::size_t b = 0; b < tree.branches.size(); ++b)
         root[b] = tree.branches[b].parent < 0 ? static_cast<int>(b) : root[tree.branches[b].parent];

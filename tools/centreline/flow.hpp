@@ -1,4 +1,4 @@
-// Steady flow through a tree by Poiseuille's law (docs/centreline.md).
+// Computes the steady flow through a tree by Poiseuille's law (docs/centreline.md).
 #pragma once
 #include "tools/centreline/tree.hpp"
 
@@ -12,12 +12,12 @@ struct FlowSettings {
     double viscosity_mPa_s = 3.5; // blood
 };
 
-// Returns the resistance of the tube between two spheres, whose radius changes linearly, in Pa s / mm^3.
+// Returns the resistance, in Pa s / mm^3, of the tube between two spheres, whose radius changes linearly.
 double tube_resistance(const Sphere &a, const Sphere &b, double viscosity_mPa_s);
 
-// Sets speed_mm_s of every sphere, and returns the flow of every branch behind its first sphere, in ml/min.
-// Each outlet ends in a bed of resistance K / r^3 (Murray). One K serves all beds: the given inlet flow then
-// loses the given pressure in the beds alone.
+// Sets speed_mm_s of every sphere. Returns for every branch the flow behind its first sphere, in ml/min. Each
+// outlet ends in a bed of resistance K / r^3 (Murray). All beds have the same K. It is chosen so that the
+// given inlet flow loses the given pressure in the beds alone.
 std::vector<double> set_flow(Tree &tree, const FlowSettings &settings);
 
 } // namespace crn::centreline

@@ -1,4 +1,5 @@
-// Our own table (.csv): one sphere per line, columns by name.
+// Reads and writes our own table (.csv), which has one sphere per line and names its columns in the first
+// line.
 #include "tools/centreline/formats.hpp"
 
 #include <array>
@@ -42,7 +43,7 @@ std::vector<std::string_view> cells_of(std::string_view line)
     }
 }
 
-// One line, with the context that error messages need.
+// Holds one line of the table, with the place that error messages name.
 struct Row {
     std::string where; // "tree.csv:12: "
     const std::array<int, columns> &order;

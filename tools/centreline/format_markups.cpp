@@ -1,6 +1,6 @@
-// 3D Slicer's markups (.mrk.json): every curve is a branch, with a measurement 'Radius' per control point.
+// In 3D Slicer's markups (.mrk.json) every curve is a branch, with a measurement 'Radius' per control point.
 // The description of a branch's first control point states where the branch leaves another; 3D Slicer shows
-// and keeps it.
+// and keeps this description.
 #include "tools/centreline/formats.hpp"
 #include "tools/mesh/json_depth.hpp"
 
@@ -43,7 +43,7 @@ std::vector<double> radii_of(const json &markup, const std::string &name, std::s
                        "\"Extract Centerline\" in 3D Slicer");
 }
 
-// "LAD-1" -> "LAD": 3D Slicer labels the points of the curve LAD in this form.
+// Returns "LAD" for "LAD-1", because 3D Slicer labels the points of the curve LAD in this form.
 std::string curve_name(const json &point)
 {
     const std::string label = point.value("label", "");

@@ -1,5 +1,5 @@
-// VTK's polydata (.vtp) as VMTK writes centrelines: every line is a branch, with MaximumInscribedSphereRadius
-// at its points. Our files add to each line the branch that it leaves, and where.
+// VMTK writes centrelines as VTK's polydata (.vtp): every line is a branch, with MaximumInscribedSphereRadius
+// at its points. Our own files also state for each line which branch it leaves, and where.
 #include "tools/centreline/vtk_array.hpp"
 
 #include <cmath>
@@ -11,7 +11,7 @@ namespace
 
 constexpr const char *radius_array = "MaximumInscribedSphereRadius";
 
-// One Piece of the file and its contents.
+// Holds one Piece element of the file and its contents.
 class Piece
 {
   public:
@@ -72,7 +72,8 @@ class Piece
                    "': a whole number up to " + number_text(most) + " is needed");
     }
 
-    // -1 is returned as the largest size, and becomes -1 again as an int.
+    // The value -1 (no parent) is returned as the largest std::size_t, which becomes -1 again when it is
+    // stored as an int.
     std::size_t whole(double value, double low, double high) const
     {
         if (value == std::floor(value) && value >= low && value <= high)
@@ -101,7 +102,7 @@ class Piece
         return array ? file_.values(array, wanted) : std::vector<double>{};
     }
 
-    // Strings are stored as numbers of letters, each string ended by 0.
+    // VTK stores a string as the numbers of its letters, and a 0 ends each string.
     std::vector<std::string> branch_names() const
     {
         std::vector<std::string> names;

@@ -1,5 +1,5 @@
-// Lines of a Wavefront OBJ, with one object per branch. OBJ has no radius, so our files state it in a comment
-// after each point.
+// In a Wavefront OBJ the centrelines are lines, with one object per branch. OBJ has no radius, so our own
+// files state it in a comment after each point.
 #include "tools/centreline/formats.hpp"
 
 #include <cmath>
@@ -82,7 +82,8 @@ class Reader
         points_.push_back(sphere);
     }
 
-    // "l 1 2" "l 2 3" of one object form one branch, because other programs write every segment alone.
+    // The elements "l 1 2" and "l 2 3" of one object form one branch, because other programs write every
+    // segment alone.
     void chain(const std::vector<std::string_view> &words)
     {
         std::vector<std::size_t> order;

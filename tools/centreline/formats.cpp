@@ -1,4 +1,4 @@
-// The parts that the formats share: the file, its lines, words and numbers.
+// Holds what all formats share: how files, lines, words and numbers are read and written.
 #include "tools/centreline/formats.hpp"
 #include "host/base/guarded_read.hpp"
 #include "host/base/pending_file.hpp"
@@ -101,7 +101,7 @@ Tree read_tree_apart(const std::filesystem::path &file)
 Tree read_tree(const std::filesystem::path &file, bool needs_radii)
 {
     const std::string name = file.string();
-    // External parsers read JSON and XML; we read the other two formats line by line here.
+    // Libraries parse JSON and XML; the two other formats are read line by line here.
     if (ends_with(file, ".json") || ends_with(file, ".vtp")) return read_tree_apart(file);
     if (ends_with(file, ".csv")) return read_csv(content_of(file), name);
     if (ends_with(file, ".obj")) return read_polyline(content_of(file), name, needs_radii);

@@ -1,5 +1,5 @@
-// Trees as files: 3D Slicer's .mrk.json, VMTK's .vtp, and our .csv and .obj. docs/centreline.md lists their
-// fields.
+// Reads and writes trees as files: 3D Slicer's .mrk.json, VMTK's .vtp, and our .csv and .obj.
+// docs/centreline.md lists their fields.
 #pragma once
 #include "tools/centreline/tree.hpp"
 
@@ -11,16 +11,16 @@ namespace crn::centreline
 
 constexpr std::size_t file_bytes_max = std::size_t{256} << 20;
 
-// Reads a tree; the extension of the name selects the format. Branches whose file does not say where they
-// begin become roots: see `joined`. Throws Fault naming file, line or element, field and remedy. With
-// `needs_radii` false, an .obj without radii gives spheres of 1 um.
+// Reads a tree; the extension of the name selects the format. If the file does not say where a branch begins,
+// the branch becomes a root (see `joined`). Throws Fault naming file, line or element, field and remedy. If
+// `needs_radii` is false, an .obj without radii is accepted, and its spheres get a radius of 1 um.
 Tree read_tree(const std::filesystem::path &file, bool needs_radii = true);
 
-// Writes a tree; the extension of the name selects the format. The file appears when it is complete. Throws
-// Fault or crn::OutputError.
+// Writes a tree; the extension of the name selects the format. The file appears under its name only when it
+// is complete. Throws Fault or crn::OutputError.
 void write_tree(const std::filesystem::path &file, const Tree &tree);
 
-// The readers of the single formats; `name` is for messages.
+// These functions read one format each; `name` is for messages.
 Tree read_markups(const std::string &text, const std::string &name);
 Tree read_polydata(const std::string &text, const std::string &name);
 Tree read_csv(const std::string &text, const std::string &name);
@@ -30,16 +30,16 @@ std::string polydata_text(const Tree &tree);
 std::string csv_text(const Tree &tree);
 std::string polyline_text(const Tree &tree);
 
-// A line of a file with its words; all readers of text formats share this type.
+// Holds a line of a file and its number; all readers of text formats share this type.
 struct TextLine {
     std::string_view text;
     std::size_t number; // from 1
 };
 std::vector<TextLine> lines_of(std::string_view text);
 std::vector<std::string_view> words_of(std::string_view line);
-// The whole word as a number, or NaN; it does not depend on the locale.
+// Returns the number that the whole word forms, or NaN; the result does not depend on the locale.
 double number_of(std::string_view word);
-// A name that every format can hold: letters, digits, blanks and _-.(), at most 63 bytes.
+// Returns a name that every format can hold: letters, digits, blanks and _-.(), at most 63 bytes.
 std::string plain_name(const std::string &name);
 std::string number_text(double value); // the shortest text that preserves the value to a micrometre or better
 

@@ -1,4 +1,5 @@
-// Joins separate curves to a tree: it finds which curve begins inside which, and where it leaves.
+// Joins separate curves into a tree. The code finds which curve begins inside which other, and where it
+// leaves that curve.
 #include "tools/centreline/tree.hpp"
 
 #include <algorithm>
@@ -9,10 +10,11 @@ namespace crn::centreline
 namespace
 {
 
-// A curve has not left its parent while it stays this close to the parent's line, in radii of the parent.
+// A curve has not left its parent while it is within this distance of the parent's line, in radii of the
+// parent.
 constexpr double along_share = 0.3;
-// A curve may begin this far outside a tube, in its own radii, and still belong to it: tools stop at the
-// wall.
+// A curve still belongs to a tube if it begins at most this far outside the tube, in radii of the curve,
+// because some tools end curves at the wall.
 constexpr double outside_share = 0.5;
 
 double mean_radius_mm(const Branch &branch)
@@ -22,7 +24,8 @@ double mean_radius_mm(const Branch &branch)
     return sum / static_cast<double>(branch.spheres.size());
 }
 
-// One end of a curve that is not yet in the tree, and the branch of the tree in whose tube it lies.
+// A choice is one end of a curve that is not yet in the tree, and the branch of the tree in whose tube this
+// end lies.
 struct Choice {
     std::size_t parent = 0;
     bool is_last = false;    // it is the curve's last point: the curve runs against the blood flow
@@ -41,7 +44,8 @@ void consider(Choice &best, const Branch &curve, const Tree &tree, std::size_t p
     }
 }
 
-// Cuts off the part that runs along the parent's line, and puts the parent's sphere before the rest.
+// Cuts off the part of a curve that runs along the parent's line, and puts the parent's sphere before the
+// rest.
 void attach(Branch &curve, const Branch &parent)
 {
     std::size_t left = 0;
@@ -62,7 +66,8 @@ void attach(Branch &curve, const Branch &parent)
         curve.spheres.insert(curve.spheres.begin(), shared);
 }
 
-// The curve whose end is nearest to the inlet comes first and runs away from the inlet.
+// The curve with the end nearest to the inlet becomes the first one, and is reversed if necessary so that it
+// runs away from the inlet.
 void begin_at(std::vector<Branch> &curves, const Eigen::Vector3d &inlet_mm)
 {
     std::size_t first = 0;
@@ -88,7 +93,7 @@ Tree joined(const Tree &tree, const Eigen::Vector3d *inlet_mm)
         if (tree.branches[b].parent < 0) roots.push_back(b);
     if (roots.size() != tree.branches.size() || roots.size() == 1)
         return tree; // the file says which branch leaves which
-    // The widest curve is the trunk; a curve that touches no tube of the tree so far begins another root.
+    // The widest curve is the trunk; a curve that lies in no tube of the present tree begins another root.
     std::stable_sort(roots.begin(), roots.end(), [&](std::size_t a, std::size_t b) {
         return mean_radius_mm(tree.branches[a]) > mean_radius_mm(tree.branches[b]);
     });
@@ -110,7 +115,7 @@ Tree joined(const Tree &tree, const Eigen::Vector3d *inlet_mm)
         }
         is_placed[next] = true;
         made.branches.push_back(std::move(branch));
-        // Only the new branch can be a better parent than those before.
+        // Only the new branch can be a better parent than the branches before it.
         for (std::size_t c = 0; c < best.size(); ++c)
             if (!is_placed[c]) consider(best[c], left.branches[c], made, made.branches.size() - 1);
     }

@@ -1,4 +1,4 @@
-// Rules, distances, and splitting of trees.
+// Checks the rules of trees, computes distances, and splits trees.
 #include "tools/centreline/tree.hpp"
 
 #include <algorithm>
@@ -86,8 +86,9 @@ double length_mm(const Branch &branch)
     return sum;
 }
 
-// With the axis coordinate s of p and its distance q from the axis, the side of the hull is the cone that
-// touches both spheres. Where the foot of the normal passes an end, the sphere of that end is nearer.
+// For p, s is the coordinate along the axis and q the distance from the axis; the side of the hull is the
+// cone that touches both spheres. Where the foot of the normal lies beyond an end of the cone, the sphere at
+// that end is nearer.
 double tapered_capsule_distance(const Eigen::Vector3d &p, const Eigen::Vector3d &a, double radius_a,
                                 const Eigen::Vector3d &b, double radius_b)
 {
@@ -150,7 +151,7 @@ Tree split_at_junctions(const Tree &tree)
     for (const Branch &branch : tree.branches)
         if (branch.parent >= 0) cuts[branch.parent].push_back(branch.parent_sphere);
     Tree split;
-    // For each old branch: its spheres at which a new branch ends, with the number of that branch.
+    // Lists for each old branch the spheres at which a new branch ends, with the number of that new branch.
     std::vector<std::vector<std::pair<std::size_t, int>>> ends(tree.branches.size());
     for (std::size_t b = 0; b < tree.branches.size(); ++b) {
         const Branch &old = tree.branches[b];
@@ -164,7 +165,8 @@ Tree split_at_junctions(const Tree &tree)
                 if (sphere == old.parent_sphere) parent = made;
         std::size_t first = 0;
         for (std::size_t cut : at) {
-            // At its first sphere nothing of the branch has come before that could end there.
+            // A cut at the first sphere makes no new branch, because no part of the old branch lies before
+            // it.
             if (cut == 0) {
                 ends[b].push_back({0, parent});
                 continue;

@@ -1,6 +1,6 @@
-// A vessel tree as ordered inscribed spheres, grouped into branches. The centreline tool makes it, files hold
-// it, and `bake` and the flow of contrast medium read it. Lengths are millimetres; the axes are those of the
-// mesh from which it was made.
+// A vessel tree is a set of branches, each of which is an ordered list of inscribed spheres. The centreline
+// tool makes such trees, files store them, and `bake` and the flow of contrast medium read them. Lengths are
+// in millimetres, in the axes of the mesh from which the tree was made.
 #pragma once
 #include "tools/mesh/fault.hpp"
 
@@ -45,36 +45,38 @@ void check_tree(const Tree &tree, const std::string &name);
 std::size_t sphere_count(const Tree &tree);
 double length_mm(const Branch &branch);
 
-// Returns the distance to a capsule whose radius changes linearly from a to b (the hull of the two spheres),
-// negative inside.
+// Returns the distance, negative inside, to a capsule whose radius changes linearly from a to b (the hull of
+// the two spheres).
 double tapered_capsule_distance(const Eigen::Vector3d &p, const Eigen::Vector3d &a, double radius_a,
                                 const Eigen::Vector3d &b, double radius_b);
 
-// The distance to the tube of a branch's spheres [first, last], and the sphere nearest in that sense.
+// Returns the distance to the tube of a branch's spheres [first, last], and the sphere that is nearest in
+// that sense.
 struct HullPlace {
     double distance_mm;
     std::size_t sphere;
 };
 HullPlace hull_place(const Branch &branch, const Eigen::Vector3d &p_mm);
 
-// The nearest point of the line through the centres: its place as sphere number and fraction, and its
+// Returns the nearest point of the line through the centres: its place as sphere number and fraction, and its
 // distance.
 struct LinePlace {
     double distance_mm, at, radius_mm;
 };
 LinePlace line_place(const Branch &branch, const Eigen::Vector3d &p_mm);
 
-// Returns the first sphere of the branch whose centre lies outside its parent's tube. Before it the branch is
-// only the connection from the parent's middle to the wall. It is 0 for a root.
+// Returns the first sphere of the branch whose centre lies outside its parent's tube; 0 for a root. The
+// branch's spheres before that one only connect the parent's middle with the wall.
 std::size_t first_own_sphere(const Tree &tree, std::size_t branch);
 
-// Turns curves as 3D Slicer and VMTK store them, one per file or per outlet, into a tree. Roots that begin
-// inside another branch's tube become its branches; what runs along that branch's line is cut off. The trunk
-// is the curve that has an end nearest to `inlet_mm`, else the widest. A tree whose file says which branch
-// leaves which, and a lone curve, stay as they are.
+// Makes a tree from curves as 3D Slicer and VMTK store them, which is one curve per file or per outlet. A
+// root that begins inside another branch's tube becomes a branch of it; the part of the root that runs along
+// that branch's line is cut off. The trunk is the curve that has an end nearest to `inlet_mm`; without
+// `inlet_mm` it is the widest curve. A lone curve is not changed, nor is a tree whose file states which
+// branch leaves which.
 Tree joined(const Tree &tree, const Eigen::Vector3d *inlet_mm = nullptr);
 
-// Makes branches end where others leave, as VMTK's do: afterwards every parent_sphere is the parent's last
+// Splits branches where others leave, as VMTK does: afterwards every parent_sphere is the parent's last
 // sphere.
 Tree split_at_junctions(const Tree &tree);
 

@@ -1,5 +1,5 @@
-// The number arrays of VTK's XML files: text, or base64 with or without zlib, inside their element or
-// appended. See Kitware, "VTK XML Formats".
+// Reads the number arrays of VTK's XML files: as text, or as base64 with or without zlib, inside their
+// element or appended to the file. See Kitware, "VTK XML Formats".
 #pragma once
 #include "tools/centreline/formats.hpp"
 
@@ -19,8 +19,8 @@ class VtkFile
     const pugi::xml_document &document() const { return document_; }
     const std::string &name() const { return name_; }
 
-    // Returns the values of a DataArray element. Throws Fault naming the array when they cannot be read, or
-    // when their number is not `count` (if not 0).
+    // Returns the values of a DataArray element. Throws Fault naming the array when its values cannot be
+    // read, or when their number is not `count` (if `count` is not 0).
     std::vector<double> values(const pugi::xml_node &array, std::size_t count) const;
 
     [[noreturn]] void fail(const std::string &what) const { throw Fault(name_ + ": " + what); }

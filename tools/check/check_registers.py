@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Compares every address, offset, field, pad and width in firmware/port/imxrt1062 with the machine-readable
-description of the chip: the crate imxrt-ral, fetched by cargo into build/registers (register_description.py). Prints
-TAP.
+"""Compares every address, offset, field, pad and width in firmware/port/imxrt1062 with a machine-readable description
+of the chip. The description is the crate imxrt-ral, which cargo fetches into build/registers (register_description.py).
+Prints TAP.
 
-When all agree, the digests of the port's files are written to firmware/port/imxrt1062/registers.checked, which `make
-test` compares (test_registers.py): a test needs no network, and no file changes without this check. Registers that
-the crate does not describe are listed in docs/porting.md, "What no script has checked"."""
+When all values agree, the digests of the port's files are written to firmware/port/imxrt1062/registers.checked. `make
+test` compares the digests (test_registers.py), so that test needs no network and notices every file that changed
+without this check. Registers that the crate does not describe are listed in docs/porting.md, "What no script has
+checked"."""
 
 import os
 import re
@@ -29,7 +30,7 @@ def module_of(instance):
 
 
 class Header:
-    """Sorts the header's lines by kind; `findings` names the lines that cannot be read."""
+    """Sorts the header's lines by kind; lines that cannot be read are added to `findings`."""
 
     def __init__(self, text):
         self.bases, self.lines, self.findings = {}, [], []
@@ -47,13 +48,13 @@ class Header:
             self.lines.append((number, words[1], value))
 
     def instance(self, name):
-        """Returns the instance with the longest module name with which the name begins."""
+        """Returns the instance whose module name is the longest one with which `name` begins."""
         found = [i for i in self.bases if name.startswith(module_of(i) + "_")]
         return max(found, key=lambda i: len(module_of(i))) if found else None
 
 
 def register_names(name):
-    """`SMVAL3_0` in the header is SMVAL3[0] in the description, if that is an array."""
+    """`SMVAL3_0` in the header is SMVAL3[0] in the description, if the description has an array there."""
     match = re.match(r"(.*)_(\d+)$", name)
     return [name] + (["%s[%s]" % match.groups()] if match else [])
 
@@ -70,7 +71,7 @@ def stride(block, name):
 
 
 def check_pad(iomux, name, value):
-    """PAD_<pad>_<function> mux, mode, pad register; DAISY_<input>_<pad> register, value."""
+    """Reads the lines PAD_<pad>_<function> (mux, mode, pad register) and DAISY_<input>_<pad> (register, value)."""
     kind, rest = name.split("_", 1)
     if kind == "PAD":
         for pad in (rest[: m.start()] for m in re.finditer("_", rest)):
@@ -92,7 +93,7 @@ def check_pad(iomux, name, value):
 
 
 def check_line(header, description, name, value):
-    """Returns None, or the value in the description if it differs."""
+    """Returns None, or the value in the description if it differs from the given one."""
     if name.startswith("BASE_"):
         right = description.bases.get(name[5:])
         return None if right == value[0] else "the description has %s" % (right if right is None else hex(right))
@@ -127,7 +128,7 @@ def check_header(text, description):
 
 
 def check_access(path, text, header, description):
-    """Registers are read and written in their own width, at a base address of their own module."""
+    """Registers must be read and written in their own width, at a base address of their own module."""
     for match in ACCESS.finditer(tree.code_only(text)):
         bits, base, name = int(match.group(1)), match.group(2).strip(), match.group(3)
         place = "%s:%d" % (path, tree.line_of(text, match.start()))
@@ -143,7 +144,7 @@ def check_access(path, text, header, description):
 
 
 def used_names(text, sources):
-    """Every name of the header is used, because the header contains only what is needed."""
+    """Every name of the header must be used, because the header contains only the registers that the port needs."""
     code = " ".join(tree.TOKENS.sub(tree.blank, source) for source in sources)
     words = set(re.findall(r"\w+", code)) | {
         "IOMUXC_SW_PAD_CTL_PAD_GPIO_EMC_24_" + f for f in re.findall(r"PAD_FIELD\((\w+)", code)

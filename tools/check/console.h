@@ -1,5 +1,5 @@
-/* The output of a check's program that also runs without an operating system. One of console_stdio.c and
- * console_semihost.c is linked. */
+/* Defines the text output of those check programs that also run without an operating system. A program is
+ * linked with either console_stdio.c or console_semihost.c. */
 #ifndef CRN_CHECK_CONSOLE_H
 #define CRN_CHECK_CONSOLE_H
 

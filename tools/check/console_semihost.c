@@ -1,4 +1,4 @@
-/* The console of a bare image. */
+/* Implements the console of an image that runs without an operating system. */
 #include "firmware/port/mps2_an500/semihost.h"
 #include "tools/check/console.h"
 

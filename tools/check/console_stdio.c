@@ -1,4 +1,4 @@
-/* The console of a program under an operating system. */
+/* Implements the console of a program that runs under an operating system. */
 #include "tools/check/console.h"
 
 #include <stdio.h>

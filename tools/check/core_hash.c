@@ -1,7 +1,7 @@
-/* Drives the core through the scenes of core_scenes.c and prints its state hashes: every compiler,
+/* Drives the core through the scenes of core_scenes.c and prints its state hashes. Every compiler,
  * optimisation level and machine must print the same lines (tools/check/tests/test_compilers.sh,
- * tools/check/matrix.py). To find where two machines part, it also prints a hash per tick and subsystem, and
- * every word of one tick.
+ * tools/check/matrix.py). To find where the results of two machines begin to differ, the program also prints
+ * a hash per tick and subsystem, and every word of one tick.
  *
  * Freestanding, with its memory in itself: runs on a bare Cortex-M7 as on a PC. */
 #include "tools/check/console.h"
@@ -52,7 +52,7 @@ static bool same(const char *a, const char *b)
     return *a == *b;
 }
 
-/* FNV-1a of one part of all free nodes. */
+/* Returns the FNV-1a hash of one part of the state of all free nodes. */
 static uint32_t hash_part(const part *p, uint32_t hash)
 {
     for (uint32_t i = 0; i < state.words.free_count; i++) {
@@ -111,7 +111,7 @@ static void write_trace(const core_scene *scene, uint32_t tick)
     console_write("\n");
 }
 
-/* One line per node and part: `node SCENE TICK PART NODE WORDS`. */
+/* Writes one line per node and part: `node SCENE TICK PART NODE WORDS`. */
 static void write_nodes(const core_scene *scene, uint32_t tick)
 {
     for (uint32_t p = 0; p < PART_COUNT; p++) {
@@ -153,8 +153,8 @@ typedef struct options {
     const char *flip_part, *scene; /* NULL: every scene */
 } options;
 
-/* Changes the lowest bit of one word as a wrong machine would, and of the node's position, which follows from
- * it. */
+/* Changes the lowest bit of one word, as a faulty machine would, and of the node's position, which follows
+ * from that word. */
 static void flip(const options *o, uint32_t tick)
 {
     for (uint32_t p = 0; p < PART_COUNT && tick == o->flip_tick; p++) {

@@ -1,4 +1,4 @@
-/* The scenes of core_hash.c; core_scenes.h says what they are for.
+/* Defines the scenes of core_hash.c; core_scenes.h states their purpose.
  *
  * tube: a J wire enters a square tube, 8 mm wide and 120 mm long, touches, turns, is pushed against the end
  * wall until it buckles, and is pulled back.
@@ -7,14 +7,23 @@
  *               8 mm                            |
  *               ================================|
  *
- * fine: a stiff uniform wire in the same tube made of refined bricks, 4 mm wide, pushed, pulled and turned as
- * fast as the core allows, so that limits act. air: a floppy shaped wire without a lumen, hanging and turned.
- * coaxial: the J wire in two shaped catheters in the tube; every tool leads once, slides and turns against
- * the others. beating: the J wire in the tube, whose middle goes to and fro by 3.6 mm with a heart that
- * receives every order once, and breathes. balloon: a wire in a balloon catheter in the fine tube, which its
- * balloon fills and opens at a lesion; pulled while it is up, pushed after it is down, the lesion held open,
- * and burst. stented: the J wire in the beating tube goes to and fro through and beside a stent that lies on
- * nothing, is widened later, and loses half of its rings. */
+ * fine: a stiff uniform wire is pushed, pulled and turned as fast as the core allows, so that the core's
+ * limits act. This tube has the same shape but is 4 mm wide, and it is made of refined bricks.
+ *
+ * air: a floppy shaped wire hangs without a lumen and is turned.
+ *
+ * coaxial: the J wire lies in two shaped catheters in the tube. The tip of every tool is foremost once, and
+ * every tool slides and turns against the others.
+ *
+ * beating: the J wire lies in the tube, whose middle moves to and fro by 3.6 mm with a beating heart and also
+ * with breath. The heart receives every kind of order once.
+ *
+ * balloon: a wire lies in a balloon catheter in the fine tube. The balloon fills the tube and opens a lesion.
+ * The catheter is pulled while the balloon is inflated, and pushed after it is deflated. The lesion is held
+ * open, and the balloon bursts.
+ *
+ * stented: the J wire in the beating tube moves to and fro through and beside a stent that touches no wall.
+ * The stent is widened later, and it loses half of its rings. */
 #include "tools/check/core_scenes.h"
 
 enum { TUBE, FINE, AIR, COAXIAL, BEATING, BALLOON, STENTED };
@@ -41,7 +50,8 @@ const core_scene core_scenes[CORE_SCENE_COUNT] = {{"tube", 4000},    {"fine", 15
                                                   {"coaxial", 3000}, {"beating", 3500}, {"balloon", 3000},
                                                   {"stented", 4500}};
 
-/* The memory of a scene's lumen. Only one exists at a time: core_scene_start makes it anew. */
+/* This block is the memory of a scene's lumen. Only one scene exists at a time: core_scene_start makes it
+ * anew. */
 static struct {
     crn_lumen lumen;
     uint16_t index[COARSE_COUNT];
@@ -64,13 +74,14 @@ static int32_t size_of(int32_t a)
     return a < 0 ? -a : a;
 }
 
-/* Distance at a point in 1/32 coarse voxel: the largest of the distances from the five walls. */
+/* Returns the distance at a point in 1/32 coarse voxel, which is the largest of the distances from the five
+ * walls. */
 static int32_t tube_distance(int32_t x, int32_t y, int32_t z, int32_t half_width)
 {
     return largest(largest(size_of(x), size_of(z)) - half_width, y - TUBE_LENGTH);
 }
 
-/* Brick with its low corner at (x, y, z) in 1/32 coarse voxel; its voxels are 2^level times finer. */
+/* Fills a brick with its low corner at (x, y, z) in 1/32 coarse voxel; its voxels are 2^level times finer. */
 static void fill_brick(int8_t *samples, const int32_t corner[3], unsigned level, int32_t half_width)
 {
     for (int32_t i = 0; i < CRN_LUMEN_BRICK_SAMPLES; i++) {
@@ -113,7 +124,8 @@ static void fill_fine(void)
     }
 }
 
-/* Row of a node that moves by `reach` units in mid-cycle, in steps that are a parabola in time. */
+/* Fills the row of a node that moves by `reach` units in mid-cycle; its displacement follows a parabola in
+ * time. */
 static void fill_row(int16_t *row, int32_t reach)
 {
     for (int32_t i = 0; i < CRN_MOTION_KEYFRAMES + 2; i++) {
@@ -147,7 +159,7 @@ static const crn_motion *make_motion(void)
     return &field.motion;
 }
 
-/* 16 mm along the tube that give way by 0.6 mm to one side. */
+/* Makes a lesion of 16 mm along the tube, whose wall can be opened by 0.6 mm to one side. */
 static const crn_lesion *make_lesion(void)
 {
     const int32_t voxel = 1 << CRN_LUMEN_VOXEL_LOG2_Q30, radius = FINE_HALF_WIDTH * (voxel / 32);
@@ -200,7 +212,7 @@ static const crn_lumen *make_lumen(uint32_t scene)
     return &field.lumen;
 }
 
-/* Makes a J wire: floppy curved tip of 15 mm, transition to a shaft at 60 mm. */
+/* Makes a J wire with a floppy curved tip of 15 mm and a transition to a shaft at 60 mm. */
 static crn_instrument make_j_wire(uint32_t shaft_nN_m2)
 {
     const crn_knot tip = {.arc_um = 0,
@@ -230,7 +242,7 @@ static crn_instrument make_j_wire(uint32_t shaft_nN_m2)
     return wire;
 }
 
-/* 4.9e-3 N m^2 from end to end, the stiffest wire that is sold. */
+/* The wire has 4.9e-3 N m^2 from end to end, like the stiffest wire on the market. */
 static crn_instrument make_stiff_wire(void)
 {
     const crn_knot tip = {.arc_um = 0,
@@ -252,7 +264,7 @@ static crn_instrument make_stiff_wire(void)
     return wire;
 }
 
-/* Makes a catheter: a bent end of 30 mm on a straight shaft. */
+/* Makes a catheter with a bent end of 30 mm on a straight shaft. */
 static crn_instrument make_catheter(uint32_t bend_nN_m2, uint32_t radius_um, int32_t curve_per_m_milli)
 {
     const crn_knot tip = {.arc_um = 0,
@@ -324,7 +336,7 @@ static crn_input forward_and_back(uint32_t tick, uint32_t forward_ticks, int32_t
     return input;
 }
 
-/* Tool k goes to and fro at 0.1 m/s with a period and phase of its own and turns meanwhile. */
+/* Tool k moves to and fro at 0.1 m/s with a period and phase of its own, and turns meanwhile. */
 static crn_input every_tool(uint32_t tick, uint32_t variant)
 {
     crn_input input = {0};
@@ -338,7 +350,7 @@ static crn_input every_tool(uint32_t tick, uint32_t variant)
     return input;
 }
 
-/* Returns the order to heart and breath that is given at this tick. */
+/* Returns the order that the heart and breath receive at this tick. */
 static crn_rhythm_order order_at(uint32_t tick)
 {
     switch (tick) {
@@ -361,7 +373,8 @@ static crn_rhythm_order order_at(uint32_t tick)
     }
 }
 
-/* Up to 12 bar and down, twice, then beyond what the balloon bears; the catheter goes back and forth by 5 mm.
+/* The balloon's pressure rises to 12 bar and falls, twice, and then rises beyond the burst pressure; the
+ * catheter moves back and forth by 5 mm.
  */
 static crn_input inflated(uint32_t tick, uint32_t variant)
 {
@@ -374,7 +387,8 @@ static crn_input inflated(uint32_t tick, uint32_t variant)
     return input;
 }
 
-/* Twelve rings of a stent, one a tick: 4.8 mm wide, later 6; then the last six are taken away. */
+/* Orders twelve rings of a stent, one per tick: they are 4.8 mm wide, and later 6 mm; then the last six are
+ * removed. */
 static crn_strut_order strut_at(uint32_t tick)
 {
     enum { RINGS = 12, WIDENED = 1850, TAKEN = 3600 };
@@ -388,7 +402,7 @@ static crn_strut_order strut_at(uint32_t tick)
     return (crn_strut_order){.number = 0};
 }
 
-/* Moves 45 mm to and fro while turning; no two strokes begin with the same angle. */
+/* Moves the wire 45 mm to and fro while turning it; no two strokes begin at the same angle. */
 static crn_input through_struts(uint32_t tick, uint32_t variant)
 {
     const uint32_t phase = tick % 1800, place = phase < 900 ? phase : 1800 - phase;

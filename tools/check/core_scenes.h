@@ -1,4 +1,4 @@
-/* Scripted scenes made of integers only, the same on every machine: core_hash.c runs them.
+/* The scenes are scripted from integers only, so they are the same on every machine. core_hash.c runs them.
  */
 #ifndef CRN_CHECK_CORE_SCENES_H
 #define CRN_CHECK_CORE_SCENES_H
@@ -14,10 +14,11 @@ typedef struct core_scene {
 
 extern const core_scene core_scenes[CORE_SCENE_COUNT];
 
-/* Model and first state of a scene; false when the core refuses it. */
+/* Makes the model and first state of a scene; returns false when the core refuses them. */
 bool core_scene_start(uint32_t scene, crn_model *model, crn_state *state);
 
-/* Returns the hand at a tick (from 1). `variant` changes its motion a little. */
+/* Returns the position of the simulated hand at a tick (from 1). `variant` changes the hand's motion a
+ * little. */
 crn_input core_scene_hand(uint32_t scene, uint32_t tick, uint32_t variant);
 
 #endif

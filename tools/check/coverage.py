@@ -3,10 +3,9 @@
 
   coverage.py --build build/coverage --profiles build/coverage/profiles --programs FILE...
 
-The programs were compiled by clang with `-fprofile-instr-generate -fcoverage-mapping` and ran with
+The programs must be compiled by clang with `-fprofile-instr-generate -fcoverage-mapping`, and must have run with
 LLVM_PROFILE_FILE=build/coverage/profiles/%p-%m.profraw. Lines of tests, of generated files below the build folder and
-of other people's headers are not counted. The figures go to out/coverage.tsv, as
-`name<TAB>value<TAB>unit<TAB>context`.
+of other people's headers are not counted. The figures go to out/coverage.tsv, as `name<TAB>value<TAB>unit<TAB>context`.
 """
 
 import argparse
@@ -42,7 +41,7 @@ def call(words):
 
 
 def profiles_in(folder):
-    """Returns every .profraw below a folder; a killed program may have left an empty one."""
+    """Returns every .profraw file below a folder except empty files, which a killed program may leave."""
     found = []
     for parent, _, names in os.walk(folder):
         found += [os.path.join(parent, name) for name in names if name.endswith(".profraw")]
@@ -55,7 +54,7 @@ def profiles_in(folder):
 
 
 def merged(build, profiles):
-    """Merges all runs into one profile."""
+    """Merges the profiles of all runs into one."""
     listed, whole = os.path.join(build, "profiles.txt"), os.path.join(build, "coverage.profdata")
     with open(listed, "w", encoding="utf-8") as file:
         file.write("".join("%s\n" % path for path in profiles))
@@ -75,7 +74,7 @@ def exported(profile, programs):
 
 
 def counted_path(path, root, build):
-    """Returns the path inside the repository, or None for a file that is not counted."""
+    """Returns the path inside the repository, or None for a file whose lines are not counted."""
     inside = os.path.relpath(os.path.join(root, path), root)
     parts = inside.split(os.sep)
     if (
@@ -88,7 +87,7 @@ def counted_path(path, root, build):
 
 
 def by_folder(files, root, build):
-    """Returns folder -> [lines run, lines], sorted."""
+    """Returns a sorted table from folder to [executed lines, all lines]."""
     folders = collections.defaultdict(lambda: [0, 0])
     for file in files:
         path = counted_path(file["filename"], root, build)

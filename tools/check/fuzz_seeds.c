@@ -1,7 +1,8 @@
-/* Main of the NAME_seeds programs: writes the valid inputs a fuzz target knows into a folder, one file each.
+/* This is the main function of the NAME_seeds programs, which write the valid inputs of a fuzz target into a
+ * folder, one file each.
  *
- * A target (fuzz_*.c) gives them by `size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)`,
- * which writes the input number `index` and returns its size, or 0 when there is no such input. */
+ * A target (fuzz_*.c) defines `size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)`. The
+ * function writes the input number `index` and returns its size, or 0 when there is no such input. */
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Measures the structure of the code: circles of rooms, long functions and files, crowded folders.
-It also counts the rooms that depend on the program, and measures the largest struct.
+"""Measures the structure of the code: include circles of rooms (folders), long functions and files, and crowded
+folders. The script also counts the rooms that depend on the program `cournand`, and measures the largest struct.
 
   house.py [--write FILE]
 
@@ -25,7 +25,7 @@ SOURCE = tree.C_SUFFIXES + (".py", ".sh")
 
 
 def rooms_graph():
-    """Returns folder -> folders that its files include, without tests."""
+    """Returns a table from folder to the folders that its files include; tests are not counted."""
     graph = collections.defaultdict(set)
     for path in tree.files(*tree.C_SUFFIXES, ".inc"):
         room = os.path.dirname(path)
@@ -48,7 +48,7 @@ def reached(graph, start):
 
 
 def circles(graph):
-    """Returns the groups of rooms that include each other, each circle once."""
+    """Returns the groups of rooms that include each other, with each circle once."""
     reach = {room: reached(graph, room) for room in graph}
     found = {
         frozenset(other for other in reach if other in reach[room] and room in reach[other])
@@ -90,7 +90,7 @@ def over(rule, suffixes):
 
 
 def figures():
-    """Returns (name, value, unit, context, reasons)."""
+    """Returns a list of (name, value, unit, context, reasons)."""
     members, struct = largest_struct()
     for name, unit, behind in (
         ("house.rooms_circles", "circles", circles(rooms_graph())),

@@ -3,13 +3,13 @@
 
 usage: tools/check/make_attenuation.py > host/xray/attenuation.cpp     (needs Debian's libxrl11; exit code 1 without it)
 
-test_attenuation.py compares the file with the output of this program.
+test_attenuation.py compares the written file with what this program writes today.
 
-Mass attenuation is xraylib's CS_Total, mass energy absorption its CS_Energy (Schoonjans et al., Spectrochim. Acta B 66
-(2011) 776; cross-sections of EPDL97 and of NIST's XCOM). Mixtures named in a string are NIST's compounds of xraylib;
-densities are ICRU 44's (tissues), of the substances (metals), or nominal (products), see MATERIALS. Tube spectra,
-filters and the choice of energies for pictures are not made here but in host/xray/spectrum.cpp and
-host/xray/beam_table.cpp.
+Mass attenuation is xraylib's CS_Total, and mass energy absorption is its CS_Energy (Schoonjans et al., Spectrochimica
+Acta B 66 (2011) 776; cross-sections of EPDL97 and of NIST's XCOM). Mixtures that are named in a string are NIST's
+compounds in xraylib. Densities are those of ICRU 44 for tissues, of the pure substance for metals, and nominal for
+products (see MATERIALS). Tube spectra, filters and the choice of energies for pictures are not made here, but in
+host/xray/spectrum.cpp and host/xray/beam_table.cpp.
 """
 
 import ctypes
@@ -49,20 +49,20 @@ MATERIALS = [
 
 
 class Compound(ctypes.Structure):
-    """The fields of struct compoundData (xraylib-parser.h) that are read."""
+    """Mirrors those fields of struct compoundData (xraylib-parser.h) that this script reads."""
 
     _fields_ = [("element_count", ctypes.c_int), ("atoms", ctypes.c_double), ("elements", ctypes.POINTER(ctypes.c_int))]
 
 
 class Mixture(ctypes.Structure):
-    """The fields of struct compoundDataNIST (xraylib-nist-compounds.h) that are read."""
+    """Mirrors those fields of struct compoundDataNIST (xraylib-nist-compounds.h) that this script reads."""
 
     _fields_ = [("name", ctypes.c_char_p), ("element_count", ctypes.c_int), ("elements", ctypes.POINTER(ctypes.c_int))]
 
 
 class Xraylib:
-    """The functions of the C library that are used here; energies in keV, cross-sections in cm2/g. The last argument
-    of each function is a place for an error; if it is null, the function returns 0 without an error."""
+    """Calls the functions of the C library that this script uses; energies are in keV, and cross-sections in cm2/g. The
+    last argument of each function is a pointer to an error; if it is null, the function returns 0 without an error."""
 
     K_SHELL = 0
 
@@ -113,8 +113,8 @@ def linear_per_cm(composition, density):
 
 
 def edge_keV(composition):
-    """Returns the highest K edge between iodine's and the end of the table, where interpolation is not possible; 0
-    without one."""
+    """Returns the highest K edge between iodine's K edge and the end of the table, or 0 if there is none; interpolation
+    across such an edge is not possible."""
     edges = [xrl.edge_energy(z, xrl.K_SHELL) for part in parts_of(composition) for z in xrl.elements_of(part)]
     return max([e for e in edges if 34.0 < e < ENERGIES_keV[-1]], default=0.0)
 

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""Generate firmware/core/fixed_tables.c, the constants behind firmware/core/fixed.h.
+"""Generates firmware/core/fixed_tables.c, the constants used by firmware/core/fixed.h.
 
   make_tables.py            write the file
   make_tables.py --check    fail when the committed file differs from what this program writes
 
-Lines: on each interval the chord of the convex function, lowered by half its largest distance from the curve, is the
-straight line with the smallest worst error. One Newton step in fixed.h then doubles the number of right bits.
-Polynomial: interpolation in the Chebyshev points of the interval, which is within a factor of about two of the best.
+Lines: on each interval we take the chord of the convex function and lower it by half its largest distance from the
+curve. The lowered chord is the straight line with the smallest worst error. One Newton step in fixed.h then doubles the
+number of correct bits. Polynomial: we interpolate at the Chebyshev points of the interval, which is within a factor of
+about two of the best polynomial.
 """
 
 import math
@@ -19,7 +20,7 @@ Q30 = 1 << 30
 
 
 def line(function, derivative_inverse, low, high):
-    """Returns the value at `low` and the drop over [low, high] of the best straight line, both Q30 integers."""
+    """Returns two Q30 integers of the best straight line: its value at `low`, and its drop over [low, high]."""
     slope = (function(high) - function(low)) / (high - low)
     touch = derivative_inverse(slope)
     gap = function(low) + slope * (touch - low) - function(touch)
@@ -27,13 +28,13 @@ def line(function, derivative_inverse, low, high):
 
 
 def reciprocal_rows():
-    """Returns 1/x on [1/2, 1) in 128 intervals."""
+    """Returns lines for 1/x on [1/2, 1) in 128 intervals."""
     for i in range(128, 256):
         yield line(lambda x: 1 / x, lambda s: math.sqrt(-1 / s), i / 256, (i + 1) / 256)
 
 
 def rsqrt_rows():
-    """Returns x^(-1/2) on [1/4, 1) in 192 intervals; its derivative is -x^(-3/2)/2."""
+    """Returns lines for x^(-1/2) on [1/4, 1) in 192 intervals; its derivative is -x^(-3/2)/2."""
     for i in range(64, 256):
         yield line(lambda x: 1 / math.sqrt(x), lambda s: (-2 * s) ** (-2 / 3), i / 256, (i + 1) / 256)
 

@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
-"""Runs scripted scenes on every machine, compiler and optimisation level: finds one hash or the first difference.
+"""Runs scripted scenes on every machine, compiler and optimisation level, and shows that all give one hash or finds the
+first difference.
 
   matrix.py [--short] [--jobs 2] [--only TEXT] [--break VARIANT:TICK:PART:NODE]
 
-Builds tools/check/core_hash.c with the core for each variant, runs it (natively, in QEMU, or on an emulated Cortex-M7
-board), prints a table and writes out/matrix.tsv. Where a variant differs from the first, it looks up the first tick,
-the first part of that tick (feed, stretch, twist, contact, force, solve, angle, friction, motion) and the first node
-that differ. --short runs one variant per machine and writes no table. --break flips one bit in one variant, to show
-the search. Exit code: 0 one hash, 1 otherwise, 2 usage.
+Builds tools/check/core_hash.c with the core for each variant and runs it natively, in QEMU, or on an emulated Cortex-M7
+board. Prints a table and writes out/matrix.tsv. Where a variant differs from the first variant, the script finds the
+first tick, the first part of that tick, and the first node that differ. The parts are feed, stretch, twist, contact,
+force, solve, angle, friction and motion. --short runs one variant per machine and writes no table. --break flips one
+bit in one variant, to show the search. The exit code is 0 if all variants give one hash, 1 if not, and 2 for a usage
+error.
 """
 
 import argparse
@@ -63,7 +65,7 @@ class Variant:
 
 
 def variants(short):
-    """The first variant is the reference."""
+    """The first variant is the reference for all others."""
     found = []
     for machine in MACHINES:
         for compiler in ("gcc", "clang"):
@@ -176,8 +178,8 @@ def first_difference(expected, got):
 
 
 def locate(reference, variant):
-    """Returns the first difference from the reference: 'scene tube, tick 12, twist, node 3: 0000000a instead of
-    0000000b'."""
+    """Returns a text with the first difference from the reference, such as 'scene tube, tick 12, twist, node 3:
+    0000000a instead of 0000000b'."""
     expected, got = (ask(v, ["trace"]).splitlines() for v in (reference, variant))
     index = first_difference(expected, got)
     if index is None or not expected[index].startswith("trace ") or not got[index].startswith("trace "):
@@ -218,7 +220,7 @@ def judge(reference, variant):
 
 
 def break_one(all_variants, text):
-    """Carries out --break: flips a bit in the variants whose name begins with the given text."""
+    """Carries out --break, which flips a bit in the variants whose name begins with the given text."""
     name, tick, part, node = text.split(":")
     chosen = [v for v in all_variants if v.name.startswith(name)]
     for variant in chosen:

@@ -1,5 +1,5 @@
-"""Reads the i.MX RT1062's registers from the crate imxrt-ral, which cargo fetches. The crate is read as data and kept
-under build/ only."""
+"""Reads the i.MX RT1062's registers from the crate imxrt-ral, which cargo fetches. The crate is only read as data, and
+it is kept under build/ only."""
 
 import os
 import re
@@ -18,8 +18,8 @@ path = "lib.rs"
 %s = "=%s"
 """ % (CRATE, VERSION)
 TIME_LIMIT_S = 180
-# Debian 12's cargo (1.65) reads the registry's index from a git repository by default; later ones read it from
-# the registry.
+# Debian 12's cargo (1.65) reads the registry's index from a git repository by default; later versions read
+# the index from the registry.
 SPARSE_SINCE = (1, 68)
 SPARSE = [
     "--config",
@@ -34,7 +34,7 @@ class CannotRead(Exception):
 
 
 def vendor_command():
-    """Returns (command, environment) of cargo vendor for the installed cargo."""
+    """Returns the command and environment of `cargo vendor` for the installed cargo."""
     text = subprocess.run(["cargo", "--version"], stdout=subprocess.PIPE, check=True, universal_newlines=True).stdout
     version = tuple(int(n) for n in re.findall(r"\d+", text)[:2])
     if version >= SPARSE_SINCE:
@@ -45,7 +45,7 @@ def vendor_command():
 
 
 def fetch(folder):
-    """Returns the crate's folder of sources, which is fetched into `folder` once."""
+    """Returns the crate's source folder; fetches the crate into `folder` if it is not there yet."""
     source = os.path.join(folder, "vendor", CRATE, "src")
     if os.path.isfile(os.path.join(source, CHIP + ".rs")):
         return source
@@ -93,8 +93,8 @@ def number(text):
 
 
 class Block:
-    """One kind of peripheral: registers[name] = (offset, bits), fields[register][field] = (shift, bits), and
-    values[register][field][number] = its text in the description."""
+    """Holds one kind of peripheral as three tables: registers[name] = (offset, bits), fields[register][field] = (shift,
+    bits), and values[register][field][number] = its text in the description."""
 
     def __init__(self, text):
         self.fields, self.values, self.layouts, self.registers = {}, {}, {}, {}
@@ -133,7 +133,7 @@ class Block:
             self.values.setdefault(path[-3], {}).setdefault(path[-2], {})[number(text)] = doc
 
     def lay_out(self, layout, offset, suffix):
-        """Reads one RegisterBlock and returns the offset behind it."""
+        """Reads one RegisterBlock and returns the offset that follows it."""
         for name, bits, gap, array_bits, array, inner, count, single in self.layouts[layout]:
             if gap:
                 offset += number(gap)
@@ -150,7 +150,7 @@ class Block:
 
 
 class Description:
-    """bases[instance] = address; block(instance) = its Block."""
+    """Holds the address of every instance as bases[instance]; block(instance) returns its Block."""
 
     def __init__(self, source):
         self.source, self.bases, self.files, self.blocks = source, {}, {}, {}

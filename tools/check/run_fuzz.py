@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Run libFuzzer targets. Called by `make fuzz` and, for a few seconds each, by run_tests.py.
+"""Run libFuzzer targets. `make fuzz` calls this program, and so does run_tests.py for a few seconds per target.
 
   run_fuzz.py --build build/san --seconds 60 --jobs 2 NAME...      this long each
   run_fuzz.py --build build/san --executions 5000000 NAME...       this many inputs each, however long it takes
@@ -7,9 +7,9 @@
   run_fuzz.py --build build/san --keep NAME...                     minimised new inputs become the committed
   corpus
 
-BUILD/test/NAME is the fuzz program, BUILD/test/NAME_seeds DIRECTORY writes its valid inputs, NAME.corpus has inputs
-that a longer run found: one input per line, in base64. New inputs are kept in BUILD/corpus/NAME. An input that
-crashes is kept under out/fuzz, and the command to reproduce the crash is printed.
+BUILD/test/NAME is the fuzz program, and `BUILD/test/NAME_seeds DIRECTORY` writes its valid inputs. NAME.corpus holds
+inputs that a longer run has found, one input per line in base64. New inputs are kept in BUILD/corpus/NAME. An input
+that crashes the program is kept under out/fuzz, and the command that reproduces the crash is printed.
 """
 
 import argparse
@@ -30,7 +30,7 @@ INPUT_BYTES_MAX = 4096  # longer inputs are slower and reach nothing more
 
 
 def write_seeds(build, name, corpus):
-    """Writes valid inputs into the corpus. Returns a sentence when that fails, else None."""
+    """Writes valid inputs into the corpus. Returns None, or a sentence that states the error when writing fails."""
     program = os.path.join(build, "test", name + "_seeds")
     if not os.access(program, os.X_OK):
         return "%s did not build" % program
@@ -41,7 +41,7 @@ def write_seeds(build, name, corpus):
 
 
 def write_corpus(name, corpus):
-    """Writes the inputs of NAME.corpus into the folder."""
+    """Writes the inputs of NAME.corpus into the folder of inputs."""
     path = name + ".corpus"
     if not os.path.exists(path):
         return
@@ -55,8 +55,8 @@ def keep_corpus(build, name):
     """Writes NAME.corpus: inputs, short ones first, that together reach every edge that BUILD/corpus/NAME reaches.
     Returns (ok, text).
 
-    libFuzzer's merge notes in its control file which edges an input is the first to reach. Inputs that are the first
-    to reach an edge are kept."""
+    During a merge libFuzzer writes a control file, which states the edges that each input is the first to reach. The
+    merge keeps those inputs that are the first to reach an edge."""
     program, learnt = os.path.join(build, "test", name), os.path.join(build, "corpus", name)
     inputs = []
     with tempfile.TemporaryDirectory() as folder:
@@ -86,8 +86,8 @@ def keep_corpus(build, name):
 
 
 def show_coverage(build, name):
-    """Measures the lines of the code under test that seeds and NAME.corpus run, by folder. The program is built for
-    counting. Returns (ok, text)."""
+    """Measures, by folder, which lines of the code under test are executed by the seeds and NAME.corpus. The fuzz
+    program must be built for counting lines. Returns (ok, text)."""
     program = os.path.join(build, "test", name)
     with tempfile.TemporaryDirectory() as folder:
         corpus, counts = os.path.join(folder, "corpus"), os.path.join(folder, "counts")
@@ -127,7 +127,7 @@ def show_coverage(build, name):
 
 
 def run_target(build, name, seconds, executions=0):
-    """Returns (ok, text); the text names what was run and, after a crash, the command that repeats it."""
+    """Returns (ok, text). The text names what was run and, after a crash, the command that repeats it."""
     program = os.path.join(build, "test", name)
     if not os.access(program, os.X_OK):
         return False, "%s did not build" % program

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Run every test program and script of a label, and print one line of totals. run_tests.sh calls this program.
+"""Runs every test program and script of a label, and prints one line of totals. run_tests.sh calls this program.
 
   run_tests.py --build build --jobs 2 --label product|lab
 
-The list comes from CTest: the tests of BUILD with the label. With the label `product` it includes the tests of
-BUILD/san, which are the same tests under sanitizers and the fuzz targets. Every program and script prints TAP: a plan
-`1..N` and a line per test. A program that is missing, crashes, runs past its time or breaks its plan counts as one
-failed test, whatever else it printed. Lines that begin with `#- ` are figures, shown below their program's line.
-After the failures come the seconds of each program, slowest first. The last line is `N passed, N failed, N skipped`;
-the exit code is 1 when something failed or nothing ran.
+The list comes from CTest: all tests of the folder BUILD that have the label. With the label `product` the list also
+includes the tests of BUILD/san, which are the same tests under sanitizers, and the fuzz targets. Every program and
+script prints TAP: a plan `1..N` and one line per test. A program that is missing, crashes, exceeds its time limit or
+breaks its plan counts as one failed test, whatever else it printed. Lines that begin with `#- ` are figures; they are
+printed below the line of their program. The list of failures is followed by the seconds of each program, slowest first.
+The last line is `N passed, N failed, N skipped`; the exit code is 1 when something failed or nothing ran.
 """
 
 import argparse
@@ -50,7 +50,8 @@ class Outcome:
 
 
 def find_result(line, expected):
-    """Returns (ok, number, rest) of a result line, or None. CMocka's closing `# ok - file` is a comment."""
+    """Returns (ok, number, rest) of a result line, or None. A line `# ok - file`, which CMocka prints at the end, is
+    only a comment."""
     match = RESULT.match(line)
     if match is None:
         glued = GLUED.search(line)
@@ -61,8 +62,8 @@ def find_result(line, expected):
 
 
 def read_tap(text, outcome):
-    """Counts the results in `text`. Several plans may follow one another (one per CMocka group); a script may give
-    its plan at the end."""
+    """Counts the results in `text`. A program may print several plans one after another (one per CMocka group), and a
+    script may print its plan at the end."""
     planned, seen, plans = 0, 0, 0
     expected = 1
     for line in text.splitlines():
@@ -101,7 +102,7 @@ def describe_exit(code):
 
 
 def run_program(title, command, environment, time_limit_s=TIME_LIMIT_S):
-    """Runs one TAP program to its end."""
+    """Runs one TAP program until it ends."""
     outcome = Outcome(title)
     start = time.monotonic()
     if not os.access(command[0], os.X_OK):
@@ -135,7 +136,7 @@ def run_program(title, command, environment, time_limit_s=TIME_LIMIT_S):
 
 
 def run_fuzz_target(name, build):
-    """A short fuzz run counts as one test."""
+    """Runs a fuzz target for a short time, which counts as one test."""
     outcome = Outcome("fuzz " + name)
     start = time.monotonic()
     ok, outcome.output = run_fuzz.run_target(os.path.join(build, "san"), name, FUZZ_SECONDS)
@@ -148,7 +149,7 @@ def run_fuzz_target(name, build):
 
 
 def listed(build, label):
-    """Returns (name, labels) of CTest's tests with the label."""
+    """Returns the name and labels of each of CTest's tests with the label."""
     command = ["ctest", "--test-dir", build, "--show-only=json-v1", "-L", "^%s$" % label]
     done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False)
     if done.returncode != 0:
@@ -160,7 +161,7 @@ def listed(build, label):
 
 
 def find_tests(options):
-    """Fills in the lists of tests."""
+    """Fills in the lists of tests to run."""
     plain = list(listed(options.build, options.label))
     options.scripts = [name for name, labels in plain if "script" in labels]
     options.programs = [name for name, labels in plain if "script" not in labels]
@@ -170,7 +171,7 @@ def find_tests(options):
 
 
 def read_times(build):
-    """Returns each program's seconds in its last run, so that the longest begin first."""
+    """Returns each program's seconds in its last run; the longest programs begin first."""
     try:
         with open(os.path.join(build, "test_seconds.json"), encoding="utf-8") as file:
             return json.load(file)
@@ -194,7 +195,7 @@ def print_times(outcomes):
 
 
 def make_jobs(options):
-    """Returns (function, arguments) of everything to run: scripts first, since they take longest."""
+    """Returns what must run as (function, arguments): scripts come first, since they take longest."""
     environment = dict(os.environ, BUILD=options.build, CMOCKA_MESSAGE_OUTPUT="TAP", PACKAGES="skip")
     for variable in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL", "CMOCKA_XML_FILE"):
         environment.pop(variable, None)
@@ -218,7 +219,7 @@ def make_jobs(options):
 
 
 def slowest_first(jobs, build):
-    """Sorts by duration, because a long program that begins last would run alone."""
+    """Sorts by duration, because a long program that begins last would run alone at the end."""
     times = read_times(build)
     return sorted(jobs, key=lambda job: -times.get(job[1][0], 0.0))
 

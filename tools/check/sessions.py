@@ -1,4 +1,4 @@
-"""Runs shipped sessions for tests that print TAP, with and without their turns."""
+"""Runs shipped sessions, with and without their turns, for tests that print TAP."""
 
 import os
 import re
@@ -14,13 +14,13 @@ EXPECTS = re.compile(r"^\s*expect\b", re.M)
 
 
 def without_turns(text):
-    """Returns the script without turns, steering and engaging."""
+    """Returns the script of a session without its turns, steering and engaging."""
     kept = [WITH_TURN.sub("", line) for line in text.splitlines() if not TURN.match(line)]
     return "\n".join(kept) + "\n"
 
 
 def scene_text(made, lesion):
-    """Writes a scene's text, the lesion's after the anatomy's, and returns its path."""
+    """Writes the text of a scene, which is the anatomy's text followed by the lesion's, and returns its path."""
     path = f"{made}/scene.toml"
     if not lesion:
         return path
@@ -35,7 +35,7 @@ def scene_text(made, lesion):
 
 
 class Sessions:
-    """Has a folder for the outputs, and counts results."""
+    """Runs sessions with a folder for their outputs, and counts the results."""
 
     def __enter__(self):
         self.folder = tempfile.mkdtemp(prefix="cournand_sessions_")
@@ -62,8 +62,8 @@ class Sessions:
         return done.returncode, done.stdout
 
     def scene(self, anatomy, lesion=None):
-        """Returns the path of the shipped anatomy's scene, without its bodies, with one of shared/examples/lesions if
-        named."""
+        """Returns the path of the scene of the shipped anatomy, without its bodies, and with the named lesion of
+        shared/examples/lesions if there is a name."""
         made = f"{self.folder}/{anatomy}"
         baked = f"{self.folder}/{lesion or anatomy}.scene"
         code, said = 0, ""
@@ -86,7 +86,8 @@ class Sessions:
         return self.call("cournand", "run", "--quiet", *words, "--session", script)
 
     def session(self, name, scene, tools, stent=None):
-        """The session states its end and reaches it; without its turns it fails by name."""
+        """Tests that the session names the end of its course and reaches it, and that without its turns it fails with
+        the expected name."""
         path = f"shared/examples/{name}.session"
         with open(path, encoding="utf-8") as file:
             text = file.read()
@@ -103,7 +104,7 @@ class Sessions:
         self.result(code == 1 and ": expected " in said, f"{short}_without_its_turns_misses_it", said)
 
     def changed(self, name, scene, tool, change, replacements):
-        """The session also reaches its end with another tool."""
+        """Tests that the session also reaches its end with another instrument."""
         with open(f"shared/examples/instruments/{tool}.toml", encoding="utf-8") as file:
             text = file.read()
         for old, new in replacements.items():

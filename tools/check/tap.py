@@ -4,7 +4,7 @@ import sys
 
 
 def run(tests):
-    """Prints one line for each function, with its name; ends the program with 1 if a claim does not hold."""
+    """Runs each function and prints one line with its name; ends the program with 1 if a claim does not hold."""
     failed = 0
     print("1..%d" % len(tests))
     for count, test in enumerate(tests, 1):

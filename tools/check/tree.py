@@ -1,5 +1,5 @@
-"""Shared by the checks of the tree: the list of files, the code in them, and TAP output. tools/check/test_*.py import
-it."""
+"""Provides what the checks of the source tree share: the list of files, the code in them, and TAP output. The scripts
+tools/check/test_*.py import this module."""
 
 import os
 import re
@@ -16,7 +16,8 @@ def read(path):
 
 
 def files(*suffixes):
-    """Returns the tracked and the untracked, not ignored files of the repository with these endings, sorted."""
+    """Returns, sorted, the files of the repository with these endings: tracked ones, and untracked ones that git does
+    not ignore."""
     listed = (
         subprocess.run(
             ["git", "ls-files", "-co", "--exclude-standard", "-z"], cwd=ROOT, check=True, stdout=subprocess.PIPE
@@ -28,7 +29,7 @@ def files(*suffixes):
 
 
 def blank(match):
-    """Returns a comment or literal as blanks of the same shape, so that line numbers stay."""
+    """Returns a comment or literal as blanks of the same shape, so that line numbers do not change."""
     text = match.group(0)
     inside = re.sub(r"[^\n]", " ", text)
     return text[0] + inside[1:-1] + text[-1] if text[0] in "\"'" and len(text) > 1 else inside
@@ -40,7 +41,7 @@ TOKENS = re.compile(
 
 
 def code_only(text):
-    """Returns C or C++ text with comments, the inside of literals and preprocessor lines blanked."""
+    """Returns C or C++ text in which comments, the inside of literals, and preprocessor lines are blank."""
     text = TOKENS.sub(blank, text)
     return re.sub(r"^[ \t]*#(?:\\\n|[^\n])*", blank_all, text, flags=re.M)
 
@@ -66,7 +67,8 @@ def is_function_header(header):
 
 
 def functions(text):
-    """Yields (name, first line, last line, body) of every function defined outside another one; text is code_only."""
+    """Yields (name, first line, last line, body) of every function that is defined outside another function; `text`
+    must come from code_only."""
     found = []
     scopes = []  # per open brace: "scope", ("function", header start, name) or "other"
     header_start = 0
@@ -99,7 +101,7 @@ def functions(text):
 
 
 class Report:
-    """Prints TAP lines: one per rule, with every finding below it."""
+    """Prints TAP: one line per rule, followed by the rule's findings."""
 
     def __init__(self):
         self.count = 0
@@ -115,7 +117,7 @@ class Report:
         self.failed += bool(findings)
 
     def catches(self, name, findings):
-        """Reports a self-test: a rule must object to a bad sample."""
+        """Reports a test of a rule itself: the rule must object to a bad sample."""
         findings = list(findings)
         self.check(name, [] if findings else ["the rule accepted the bad sample"])
 

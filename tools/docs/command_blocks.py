@@ -1,5 +1,4 @@
-"""Finds commands in the project's Markdown: blocks, markers and classes. commands.py explains commands and
-markers."""
+"""Finds commands in the project's Markdown: blocks, markers and classes. commands.py explains these terms."""
 
 import collections
 import re
@@ -34,12 +33,12 @@ Command = collections.namedtuple("Command", "page line text kind exit words_with
 
 
 class MarkError(Exception):
-    """A marker that cannot be interpreted."""
+    """Raised for a marker that cannot be interpreted."""
 
 
 def blocks(lines):
-    """Yields (first line counted from 1, its lines) of every indented block and of every fenced one that may hold
-    commands."""
+    """Yields (number of the first line, counted from 1; lines) of every indented block, and of every fenced block that
+    may hold commands."""
     at, before = 0, ""
     while at < len(lines):
         fence = FENCE.match(lines[at])
@@ -67,7 +66,7 @@ def is_indented(lines, at):
 
 
 def marks_of(page, text):
-    """Returns the last line of every marker, counted from 1 -> its text."""
+    """Returns a table that maps the number of a marker's last line, counted from 1, to the marker's text."""
     found = {}
     for match in MARK.finditer(text):
         first = text.count("\n", 0, match.start()) + 1
@@ -76,7 +75,7 @@ def marks_of(page, text):
 
 
 def marks_above(lines, first, marks):
-    """Returns the markers directly above a block, and above its fence."""
+    """Returns the markers directly above a block and, if the block is fenced, directly above its fence."""
     at = first - 1  # the line above, counted from 1
     if at >= 1 and FENCE.match(lines[at - 1]):
         at -= 1
@@ -105,7 +104,7 @@ def read_mark(page, line, text):
 
 
 def commands_of_block(first, lines):
-    """Yields (line, text) of every command, its continuation lines joined."""
+    """Yields (line, text) of every command, with its continuation lines joined."""
     prompted = any(line.startswith("$ ") for line in lines)
     at = 0
     while at < len(lines):
@@ -124,8 +123,8 @@ def commands_of_block(first, lines):
 
 
 def classified(page, line, text, marks):
-    """Returns the command with its class. The first marker that names the command counts, else the first for the
-    whole block."""
+    """Returns the command with its class, which decides whether the command is run. The first marker that names the
+    command applies; without such a marker, the first one for the whole block applies."""
     is_make = text.split()[0] == "make"
     named = [mark for mark in marks if "only" in mark and mark["only"] in text]
     whole = [mark for mark in marks if "only" not in mark]
@@ -137,7 +136,7 @@ def classified(page, line, text, marks):
 
 
 def commands(page, text):
-    """Returns every command of a page, without lines that only show output. Raises MarkError."""
+    """Returns every command of a page, but not the lines that only show output. Raises MarkError."""
     lines, marks = text.split("\n"), marks_of(page, text)
     found = []
     for first, block in blocks(lines):

@@ -7,18 +7,18 @@
   commands.py --only docs/rig.md one page
   commands.py --tsv FILE         write the figures into FILE, one `name<TAB>value<TAB>unit<TAB>context` a line
 
-A command is a line of an indented or fenced block that begins as one: `make`, a program of build/bin, a script of
-this repository or a tool from Debian. `\\` at its end continues it. In a block with `$`, only lines that begin with
-it are commands; the others show what is printed.
+A command is a line of an indented or fenced block that begins as a command: with `make`, a program of build/bin, a
+script of this repository or a tool from Debian. If the line ends with `\\`, the next line continues the command. In a
+block with `$`, only lines that begin with `$` are commands; the other lines show what is printed.
 
-A line above the block gives what a program cannot know. Without it, a command has the class `short`, or `make` when
-it begins with this word:
+A marker above the block states what this program cannot find out itself. Without it, a command has the class `short`,
+or `make` when it begins with this word:
 
   <!-- command: CLASS[; exit N][; only TEXT][; with A=B C=D][; adding WORDS] -->
 
-`only`: of the block's lines, those that contain TEXT; several such lines may stand above one block. `exit`: the exit
-code to expect. `with`: names that stand for the reader's own are replaced before it runs. `adding`: words that are
-added to the command, such as a smaller picture.
+`only` selects the block's lines that contain TEXT; several such markers may stand above one block. `exit` is the
+expected exit code. `with` replaces placeholders, such as names of the reader's own files, before the command runs.
+`adding` gives words that are added to the command, such as options for a smaller picture.
 """
 
 import argparse
@@ -54,7 +54,7 @@ def pages():
 
 
 def option_faults(words, known):
-    """Returns the long options that the text `known` does not contain."""
+    """Returns the command's long options that the text `known` does not contain."""
     for word in words:
         option = re.match(r"--[a-z][a-z0-9-]*", word)
         if option and not re.search(re.escape(option.group(0)) + r"(?![a-z0-9-])", known):
@@ -62,7 +62,7 @@ def option_faults(words, known):
 
 
 def program_of(words):
-    """Returns the position of our own program in the command, or None."""
+    """Returns the position of our own program in the command, or None if the command has none."""
     for at, word in enumerate(words):
         if re.match(r"((build/bin|tools|hil_tests)/)[\w./-]+$", word) or (
             at == 0 and word in ("cournand", "bake", "anatomy", "centreline")
@@ -72,7 +72,7 @@ def program_of(words):
 
 
 def sources_text():
-    """Returns all text that could contain an option's name, for programs that are not built here."""
+    """Returns all source text, in which the options of programs that are not built here can be found."""
     listed = subprocess.run(
         ["git", "ls-files", "*.cpp", "*.hpp", "*.c", "*.h", "*.py", "*.sh"],
         cwd=ROOT,
@@ -154,7 +154,7 @@ class Looker:
 
 
 def make_faults(text):
-    """Makes a dry run of a make command."""
+    """Makes a dry run of a `make` command."""
     words = shlex.split(text, comments=True)
     done = subprocess.run(
         words[:1] + ["-n", "PACKAGES=skip"] + words[1:],
@@ -188,7 +188,7 @@ def make_targets():
 
 
 def inline_faults(page, text, targets):
-    """Returns every `make TARGET` in a sentence for which no such target exists."""
+    """Finds every `make TARGET` in a sentence of the documents for which no such target exists."""
     for span in SPAN.finditer(text):
         make = MAKE.match(span.group(1) or "")
         if make and make.group(1) not in targets:
@@ -212,8 +212,8 @@ def clean_environment():
 
 
 class Scratch:
-    """Makes a folder that looks like the repository: links to its files, build/ with the programs, and an out/ with
-    the demo's scene."""
+    """Makes a folder that looks like the repository: it has links to the repository's files, a build/ with the
+    programs, and an out/ with the demo's scene."""
 
     def __init__(self, build, stock):
         self.top = tempfile.mkdtemp(prefix="cournand_commands_")
@@ -253,8 +253,9 @@ class Scratch:
 
 
 class Stock:
-    """Makes the files that all pages assume, once: out/ and build/anatomy as `make run` leaves them, and for the long
-    run an artery with a lesion. The scene has no bodies (bones, organs), which cost minutes and change no command."""
+    """Makes once the files that all pages assume: out/ and build/anatomy as `make run` leaves them, and for the long
+    run an artery with a lesion. The scene has no bodies (bones, organs), because making them takes minutes and no
+    command depends on them."""
 
     def __init__(self, build, folder):
         self.build, self.folder = build, folder
@@ -276,7 +277,7 @@ class Stock:
             raise RuntimeError("'%s' ended with %d: %s" % (text, done.returncode, done.stdout[-600:]))
 
     def scene(self, anatomy, name, lesion=None, bodies=False):
-        """Makes anatomy and scene of that name; returns the scene's path."""
+        """Makes the anatomy and scene of that name, and returns the scene's path."""
         made, scene = os.path.join(self.anatomy, anatomy), os.path.join(self.out, name + ".scene")
         self.call("anatomy", anatomy, *([] if bodies else ["--no-bodies"]), "--quiet", "-o", made)
         text = os.path.join(made, "scene.toml")
@@ -305,7 +306,7 @@ class Stock:
 
 
 def prepared(command):
-    """Returns the command as it is executed."""
+    """Returns the command's text as it is executed."""
     text = re.sub(r"^sudo ", "", command.text)
     for name, value in command.words_with:
         text = re.sub(r"(?<![\w./-])%s(?![\w-])" % re.escape(name), value, text)
@@ -315,7 +316,7 @@ def prepared(command):
 
 
 class Display:
-    """A virtual display, started when the first window needs one."""
+    """Represents a virtual display, which is started when the first window needs it."""
 
     def __init__(self):
         self.server = self.name = None
@@ -334,7 +335,7 @@ class Display:
 
 
 def execute(command, scratch, display):
-    """Returns the error in a command's result; empty if there is none."""
+    """Returns the error in a command's result; the text is empty if there is none."""
     is_window = command.kind == "display"
     words = ["bash", "-uo", "pipefail", "-c", ("exec " if is_window else "") + prepared(command)]
     environment = scratch.environment()
@@ -358,14 +359,14 @@ def execute(command, scratch, display):
 
 
 def missing_for(command):
-    """Returns why a command of this class cannot run here; empty when it can."""
+    """Returns the reason why a command of this class cannot run here; the text is empty if it can."""
     if command.kind == "anatomy" and not os.path.isdir(os.path.join(ROOT, "..", "shared", "anatomy")):
         return CLASSES["anatomy"][1]
     return ""
 
 
 class Run:
-    """Runs all commands of some pages, with TAP and counts."""
+    """Runs all commands of some pages; prints TAP and counts the results."""
 
     def __init__(self, build, how):
         self.build, self.how = build, how

@@ -5,8 +5,8 @@
 namespace
 {
 
-// A Lua string: the texts hold neither control characters nor bytes beyond ASCII, but quotes and backslashes
-// may come.
+// Returns a Lua string. The texts hold neither control characters nor bytes beyond ASCII, but they may
+// contain quotes and backslashes.
 std::string quoted(const char *text)
 {
     std::string result = "\"";
@@ -17,7 +17,7 @@ std::string quoted(const char *text)
     return result + "\"";
 }
 
-// `count_bytes`: of the count in front of a list; 0: a single value.
+// `count_bytes` is the size of the count in front of a list; 0 means a single value.
 std::string field(const char *name, const char *type, const char *unit, int max, int count_bytes)
 {
     const std::string limit =

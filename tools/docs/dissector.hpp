@@ -1,6 +1,7 @@
-// The Wireshark dissector as Lua: tables of the one definition of the wire, then tools/docs/dissector.lua.
+// Writes the Wireshark dissector in Lua: tables made from the wire's definition, followed by
+// tools/docs/dissector.lua.
 #pragma once
 #include <string>
 
-// Returns the tables `records`, `messages`, `faults` and `rejects`.
+// Returns the Lua tables `records`, `messages`, `faults` and `rejects`.
 std::string dissector_tables();

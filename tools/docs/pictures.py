@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
-"""Make the pictures of README and docs from sessions, and stamp each with the core's version and the command that
-made it.
+"""Makes the pictures of README and docs from sessions, and stamps each picture with the core's version and the command
+that made it.
 
   pictures.py --write [NAME ...]   make these pictures (all without a name) and stamp them
   pictures.py --check              exit 1 when a picture has no stamp, or an old one
   pictures.py --show FILE ...      print stamps
 
-tools/docs/pictures.toml describes how each picture is made. The stamp is a JPEG comment or a PNG text chunk, one
-`key: value` per line: core (version at that time), command, inputs (hash over the entry, sessions, tools and lesions
-that it names) and shows (the branch in which the tip ended, as the session's report says). A picture of a session is
-old when core or inputs differ from the present ones; any other picture is old when its inputs differ. A picture that
-is `kept` from an older core has a caption that names that version.
+tools/docs/pictures.toml describes how each picture is made. The stamp is a JPEG comment or a PNG text chunk, one `key:
+value` per line. Its keys are core (version at that time), command, inputs and shows. `inputs` is a hash over the entry,
+sessions, tools and lesions that the command names; `shows` is the branch in which the tip ended, as the session's
+report states it. A picture of a session is old when its core or inputs differ from the present ones; any other picture
+is old when its inputs differ. A picture may be `kept` from an older core; its caption must then name that version.
 """
 
 import argparse
@@ -31,7 +31,7 @@ LINK = re.compile(r"!\[[^\]]*\]\(([^)]+\.(?:jpg|png))\)")
 
 
 class PictureError(Exception):
-    """An error in a picture, with its place and remedy."""
+    """Raised for an error in a picture; the text gives its place and remedy."""
 
 
 def read_manifest(path=MANIFEST):
@@ -56,7 +56,7 @@ def stamp_fields(text):
 
 
 def jpeg_segments(data):
-    """Yields (marker, begin, end) of every segment before the scan."""
+    """Yields (marker, begin, end) of every JPEG segment before the image data."""
     at = 2
     while at + 4 <= len(data) and data[at] == 0xFF and data[at + 1] != 0xDA:
         end = at + 2 + struct.unpack(">H", data[at + 2 : at + 4])[0]
@@ -73,7 +73,7 @@ def png_chunks(data):
 
 
 def read_stamp(path):
-    """Returns the fields of a file's stamp; empty without one."""
+    """Returns the fields of a file's stamp, or an empty table if it has none."""
     with open(path, "rb") as file:
         data = file.read()
     if data[:2] == b"\xff\xd8":
@@ -115,7 +115,7 @@ def film_of(manifest, picture):
 
 
 def inputs_hash(manifest, picture):
-    """Hashes the entry and everything that it names except the programs and the scene."""
+    """Returns a hash of the entry and of everything that it names except the programs and the scene."""
     film = film_of(manifest, picture)
     digest = hashlib.sha256(json.dumps([picture, film], sort_keys=True).encode())
     for path in [film.get("session")] + film.get("tools", []) + film.get("stents", []) + picture.get("inputs", []):
@@ -183,7 +183,7 @@ def problems(manifest, linked, core):
 
 
 def unsaid(path, kept, stamp):
-    """Checks a picture that is kept from an older core: every caption must name that version."""
+    """Checks a picture that is kept from an older core: every caption of it must name that version."""
     found = (
         []
         if stamp.get("core") == str(kept)
@@ -224,14 +224,14 @@ def run(words, what):
 
 
 class Maker:
-    """Makes each film once, whatever pictures are taken from it."""
+    """Makes each film only once, even if several pictures are taken from it."""
 
     def __init__(self, manifest):
         self.manifest = manifest
         self.reports = {}
 
     def film(self, name):
-        """Returns the report of a film, and makes the film if it does not exist yet."""
+        """Returns the report of a film; makes the film if it does not exist yet."""
         if name not in self.reports:
             film = self.manifest["film"][name]
             print("  film %s" % name, flush=True)
@@ -297,8 +297,8 @@ class Maker:
 
 
 def seconds_of(wanted, report):
-    """Returns a moment of a film. It is given in seconds, as `end`, as `expect N` (when the session's Nth expectation
-    was judged) or as `run N at S` (S seconds into an X-ray run)."""
+    """Returns the time, in a film, of the moment that a text describes. A moment is given in seconds, as `end`, as
+    `expect N` (when the session's Nth expectation was judged), or as `run N at S` (S seconds into an X-ray run)."""
     if not isinstance(wanted, str):
         return wanted
     words = wanted.split()

@@ -4,9 +4,10 @@
   printed.py --write     run every command and write its lines into the documents
   printed.py --check     exit 1 when a document shows other lines
 
-A block is marked by a line `<!-- printed by: COMMAND -->`; the indented lines below it are the command with `$`, then
-lines of what it prints on standard output. A line `...` stands for lines that are left out up to the next line that
-is shown, or up to the end. COMMAND runs in the root folder; `cournand` in it is build/bin/cournand.
+A line `<!-- printed by: COMMAND -->` marks a block. The indented lines below that line are the command with `$`,
+followed by lines that the command prints on standard output. A line `...` stands for omitted lines, up to the next line
+that is shown or up to the end. COMMAND runs in the root folder of the repository; `cournand` in it means
+build/bin/cournand.
 """
 
 import argparse
@@ -49,7 +50,7 @@ def output_of(command, build):
 
 
 def renewed(shown, printed):
-    """Returns the lines to show: as many as before, in the same places between the `...`."""
+    """Returns the output lines to show: as many as before, in the same places between the `...`."""
     result, at = [], 0
     parts = [[]]
     for line in shown:
@@ -75,7 +76,7 @@ def renewed(shown, printed):
 
 
 def examine(path, build):
-    """Returns (document as it should be, differences)."""
+    """Returns the corrected document, and its differences from the present one."""
     with open(path, encoding="utf-8") as file:
         lines = file.read().split("\n")
     differences, pieces, last = [], [], 0

@@ -4,8 +4,8 @@
   sentences.py --seed 7 --count 60
   sentences.py --seed 7 --count 20 --file docs/ --file host/xray    only files whose path begins so
 
-Prints one line `NUMBER<TAB>FILE<TAB>SENTENCE` each, the same for the same seed and tree. A reader marks every
-sentence that needs a second reading (docs/testing.md, "Plain English").
+Prints one line `NUMBER<TAB>FILE<TAB>SENTENCE` per sentence; the same seed and tree give the same lines. A reader marks
+every sentence that must be read a second time (docs/testing.md, "Plain English").
 """
 
 import argparse
@@ -46,7 +46,7 @@ def split(text):
 
 
 def of_document(text):
-    """Yields sentences of paragraphs and list items, without code, tables, headings and pictures."""
+    """Yields the sentences of paragraphs and list items, without code, tables, headings and pictures."""
     text = re.sub(r"```.*?```|<!--.*?-->", "\n\n", GENERATED.sub("\n\n", text), flags=re.S)
     text = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", text)
     for paragraph in re.split(r"\n\s*\n|\n(?=- |\d+\. )", text):
@@ -55,7 +55,7 @@ def of_document(text):
 
 
 def of_source(text):
-    """Yields sentences of comments, without the examples in them."""
+    """Yields the sentences of comments, without the examples in them."""
     for comment in COMMENT.findall(text):
         lines = [re.sub(r"^[ \t]*(///?|/\*+|\*/|\*)?|\*/$|\"\"\"", "", line) for line in comment.split("\n")]
         for paragraph in re.split(r"\n\s*\n", "\n".join(line for line in lines if not line.startswith("   "))):
@@ -63,8 +63,8 @@ def of_source(text):
 
 
 def sentences(prefixes=("",)):
-    """Returns (file, sentence) of the files whose path begins with one of these, in order; without any, of the whole
-    tree."""
+    """Returns (file, sentence) in order for the files whose path begins with one of the prefixes; without prefixes, for
+    the whole tree."""
     found = []
     for path in files("*.md") + files("*.c", "*.h", "*.cpp", "*.hpp", "*.py"):
         if not path.startswith(tuple(prefixes)):

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Build the docs site from docs/ and mkdocs.yml into out/site.
+"""Builds the docs site from docs/ and mkdocs.yml into out/site.
 
   site.py                 install mkdocs-material into build/site/venv if it is not there, and build; broken links fail
   site.py --build BUILD   another build folder
   site.py --check         only look for pages that load something from another host
 
-The versions are those of tools/docs/requirements.txt. The first run needs the network (PyPI, about 12 MB); later ones
-do not.
+The versions of the packages are pinned in tools/docs/requirements.txt. The first run needs the network (PyPI, about 12
+MB); later runs do not.
 """
 
 import argparse
@@ -78,7 +78,7 @@ def build(folder):
 
 
 def from_other_hosts(text):
-    """Returns the addresses on other hosts that a page makes a browser fetch."""
+    """Returns the addresses on other hosts from which a page would make a browser fetch data."""
     return [next(filter(None, found)) for found in LOADED.findall(text)]
 
 

@@ -1,8 +1,8 @@
-"""Hooks of mkdocs, with which the site shows the same as the repository's own view of Markdown.
+"""Makes mkdocs show Markdown as the repository's own view does.
 
-Links to files outside docs/ (code, NOTICE) become the file's path in code font, since the site has no such pages.
-Python-Markdown starts a list, a table or an indented block only behind an empty line; we write them directly below
-a paragraph or a heading, so the empty line is put in here.
+A link to a file outside docs/ (code, NOTICE) becomes the file's path in code font, since the site has no page for such
+a file. Python-Markdown starts a list, a table or an indented block only behind an empty line. Our documents have lists,
+tables and blocks directly below a paragraph or a heading, so the empty line is inserted here.
 """
 
 import re
@@ -13,7 +13,7 @@ FENCE = re.compile(r"\s*(```|~~~)")
 
 
 def paths_as_code(text):
-    """Replaces a link to a file outside docs/ by that file's path."""
+    """Replaces a link to a file outside docs/ with that file's path."""
 
     def path(match):
         words, target = match.group(1), match.group(2)
@@ -38,7 +38,7 @@ def kind_of(line):
 
 
 def needs_gap(before, now, in_list):
-    """Returns whether an empty line belongs between lines of these kinds."""
+    """Returns whether Python-Markdown needs an empty line between lines of these kinds."""
     if now == "empty" or before in ("empty", now):
         return False
     if now == "item":

@@ -1,5 +1,5 @@
-"""Files for the readers: valid ones, seeded mutations of them, and files made by hand to break readers.
-The extension of a name states its kind (KINDS). importers.py uses this module.
+"""Makes the files that the readers are tested with: valid ones, seeded mutations of them, and files made by hand to
+break readers. The extension of a file's name states its kind (KINDS). importers.py uses this module.
 """
 
 import base64
@@ -189,7 +189,7 @@ def volumes_and_lines_by_hand():
 
 
 def by_hand():
-    """Returns (name, bytes) of files that must be refused: each once broke a reader, or was read as something else."""
+    """Returns (name, bytes) of files that must be refused; each of them once made a reader fail, or was misread."""
     return meshes_by_hand() + volumes_and_lines_by_hand()
 
 

@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
-"""Gives malformed meshes, TOML, scans and centrelines to the programs' readers.
+"""Gives malformed meshes, TOML files, scans and centrelines to the programs' readers.
 
-`make importers` runs it whole, and `make test` a small part of it.
+`make importers` tests all files, and `make test` a small part of them.
 
   importers.py --program build/bin/importers --files 3600 -o out/importers.tsv
 
-Files are mutations of valid ones (seeded: --seed) and a list made by hand. The program `importers` runs the real
-readers. strict.py reads each accepted file again, and both must understand the same: otherwise the program was silently
-wrong. Rows: importers.files, importers.crashes (the program ended, or a sanitizer found something in our code),
-importers.over_20s, importers.over_2GB, importers.silently_wrong. The exit code is 1 unless all but the first row are 0.
+The files are seeded mutations (--seed) of valid files, and a list of files made by hand. The program `importers` runs
+the real readers. strict.py reads each accepted file again, and both must read the same content. If the two readings
+differ, the program was silently wrong. The rows are importers.files, importers.crashes (the program ended, or a
+sanitizer found an error in our code), importers.over_20s, importers.over_2GB and importers.silently_wrong. The exit
+code is 1 unless all rows but the first are 0.
 """
 
 import argparse
@@ -32,7 +33,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 
 
 class Reader:
-    """The program, which is started again after it has ended."""
+    """Represents the program `importers`, which is started again whenever it has ended."""
 
     def __init__(self, program, folder):
         self.program, self.folder, self.process, self.MiB_before = program, folder, None, 0
@@ -61,8 +62,8 @@ class Reader:
         self.process = None
 
     def ask(self, kind, path):
-        """Returns the program's answer about a file; None when it ended, or gave no answer within three times the
-        limit.
+        """Returns the program's answer about a file, or None if the program ended or gave no answer within three times
+        the limit.
         """
         if not self.process:
             self.start()
@@ -82,7 +83,7 @@ class Reader:
 
 
 def reports(folder):
-    """Returns sanitizer reports about our code; a fault of another library's parser ends only the child."""
+    """Returns sanitizer reports about our code; an error in another library's parser ends only the child process."""
     found = []
     for path in glob.glob(os.path.join(folder, "report*")):
         with open(path, encoding="utf-8", errors="replace") as file:
@@ -113,7 +114,7 @@ def near(a, b):
 
 
 def disagreement(path, data, answer):
-    """Returns why an accepted file was misunderstood, or None."""
+    """Returns the reason why an accepted file was misread, or None."""
     try:
         expected = strict.READERS[os.path.splitext(path)[1]](data)
     except Exception as error:  # a strict reading may fail in any way
@@ -143,7 +144,7 @@ class Campaign:
         print("%s: %s\n    %s" % (row, kept, why), flush=True)
 
     def give(self, name, data, is_valid=None, folder=None):
-        """Gives one file to the program; is_valid says whether it must be accepted or refused."""
+        """Gives one file to the program; `is_valid` states whether it must be accepted or refused."""
         path = os.path.join(folder or self.folder, name)
         with open(path, "wb") as file:
             file.write(data)

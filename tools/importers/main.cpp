@@ -1,5 +1,5 @@
-// The program `importers` gives files to the readers that the programs use, and prints in one line of JSON
-// what each reader understood. The corpus runner (importers.py) compares that with its own strict reading
+// The program `importers` gives files to the readers of our programs, and prints in one line of JSON what
+// each reader has read. The script importers.py compares this output with its own strict reading
 // (docs/testing.md).
 //   importers seeds FOLDER          writes valid scans and centrelines, from which mutations begin
 //   importers read < LIST           reads a line "KIND<tab>FILE" each; KIND is mesh, toml, scan or line

@@ -1,6 +1,6 @@
-"""Strict readings of the formats, independent of the program's: each returns what a file says, or raises ValueError.
-Where the program accepts a file, they must agree with it; otherwise the program was silently wrong. importers.py
-uses this module.
+"""Reads the formats strictly and independently of the program: each function returns what a file contains, or raises
+ValueError. Where the program accepts a file, its reading must agree with these functions; otherwise the program was
+silently wrong. importers.py uses this module.
 """
 
 import base64
@@ -29,7 +29,9 @@ def single(value):
 
 
 def summed(vertices, faces):
-    """Returns the digest of a mesh; the corners of a fan match those of the polygon only for triangles."""
+    """Returns the digest of a mesh, which states its number of triangles and the sum and range of its coordinates. The
+    program splits a polygon into a fan of triangles, which repeats corners. The sum of corners is therefore returned
+    only if all faces are triangles."""
     total, low, high, triangles, other = 0.0, math.inf, -math.inf, 0, 0
     for face in faces:
         if any(not 0 <= corner < len(vertices) for corner in face):

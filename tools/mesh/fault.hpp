@@ -1,5 +1,5 @@
-// The reason why a file or an option cannot be used: one sentence with file, element and remedy. The tools'
-// main prints it and exits with 1.
+// A Fault states in one sentence why a file or an option cannot be used: file, element and remedy. The main
+// function of each tool prints this sentence and exits with 1.
 #pragma once
 #include <stdexcept>
 #include <string>
@@ -11,7 +11,7 @@ struct Fault : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-// Returns the millimetres per unit ("m", "cm", "mm", "um"); 0 for an unknown unit.
+// Returns the millimetres per unit ("m", "cm", "mm", "um"), or 0 for an unknown unit.
 inline double millimetres_per(const std::string &unit)
 {
     if (unit == "m") return 1000.0;

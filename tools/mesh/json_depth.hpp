@@ -1,4 +1,5 @@
-// The nesting depth of the brackets in a JSON text: a walk through the parsed text recurses once per level.
+// Returns how deeply the brackets in a JSON text are nested. A function that walks through the parsed text
+// calls itself once per level, so this depth must be limited.
 #pragma once
 #include <algorithm>
 #include <cstddef>

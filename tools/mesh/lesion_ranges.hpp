@@ -1,5 +1,5 @@
-// The permitted ranges of a lesion's numbers (docs/lesions.md): one definition for writers and readers of
-// scene texts.
+// Defines the permitted ranges of a lesion's numbers (docs/lesions.md) once, for writers and readers of scene
+// texts.
 #pragma once
 
 namespace crn

@@ -1,5 +1,5 @@
-// Reports progress of long work on standard error and handles the user's interrupt (Ctrl-C). It is silent for
-// work that takes less than a second.
+// Reports progress of long work on standard error and handles the user's interrupt (Ctrl-C). Nothing is
+// printed for work that takes less than a second.
 #pragma once
 #include <chrono>
 #include <cstddef>
@@ -11,14 +11,14 @@ namespace crn::bake
 class Progress
 {
   public:
-    // From this call on, Ctrl-C and SIGTERM make `step` throw a Fault, so that unfinished work is undone
-    // while the stack unwinds. A second signal ends the program.
+    // After this call, Ctrl-C and SIGTERM make `step` throw a Fault, so that unfinished work is undone while
+    // the stack unwinds. A second signal ends the program immediately.
     static void catch_interrupts();
     static bool interrupted();
 
-    // Begins a stage of `total` steps (0: unknown).
+    // Begins a stage of `total` steps; 0 means that the number is unknown.
     void stage(const std::string &name, std::size_t total);
-    // Reports that `done` steps are complete. Throws Fault when the user has interrupted.
+    // Reports that `done` steps are complete. Throws Fault when the user has interrupted the program.
     void step(std::size_t done);
     void finish();
 

@@ -18,7 +18,7 @@ using Vec3 = Eigen::Vector3d;
 
 constexpr size_t triangles_max = 4'000'000;
 
-/* One file as written: all vertices, and the faces of each body. */
+/* Holds one file with all its vertices, and with the faces of each body. */
 struct Frame {
     struct Group {
         std::string name;
@@ -33,7 +33,7 @@ struct Frame {
     throw std::runtime_error(file.string() + ":" + std::to_string(line) + ": " + what);
 }
 
-/* Reads "7", "7/1", "7//3", or "-1" for the last vertex so far. */
+/* Reads the number of a face's corner: "7", "7/1", "7//3", or "-1" for the latest vertex. */
 uint32_t corner(const std::string &word, size_t vertices, const fs::path &file, size_t line)
 {
     long long number = 0;
@@ -115,7 +115,7 @@ std::vector<fs::path> obj_files(const fs::path &folder)
     return files;
 }
 
-/* Checks that the frame has the bodies, the faces and the number of vertices of the first frame. */
+/* Checks that the frame has the same bodies, faces and number of vertices as the first frame. */
 void compare(const Frame &first, const Frame &other, const fs::path &first_file, const fs::path &file)
 {
     const std::string start = file.string() + ": ", end = " than " + first_file.filename().string() +
@@ -184,7 +184,8 @@ std::string text_of(double value)
 
 SequenceReport check_body(const SequenceBody &body)
 {
-    /* A beat that does not close jumps much farther at its end than anywhere else. */
+    /* If the last frame of a beat does not lead back to the first, the vertices jump much farther there than
+     * anywhere else. */
     constexpr double JUMP = 2.0;
     SequenceReport report;
     report.body = body.name;

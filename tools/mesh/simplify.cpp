@@ -1,4 +1,4 @@
-/* Simplification by edge collapse; simplify.hpp states its guarantees. */
+/* Simplifies a mesh by edge collapse; simplify.hpp states what is guaranteed. */
 #include "tools/mesh/simplify.hpp"
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -14,7 +14,7 @@ namespace
 
 using Vec3 = Eigen::Vector3d;
 
-/* The sum of squared distances to planes, weighted by area: x'Ax + 2b'x + c. */
+/* The sum of squared distances to planes, weighted by area, is x'Ax + 2b'x + c. */
 struct Quadric {
     Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
     Vec3 b = Vec3::Zero();
@@ -95,8 +95,8 @@ Simplifier::Simplifier(std::vector<Vec3> &vertices_mm, std::vector<Triangle> &tr
     }
 }
 
-/* Returns the point of least error where the planes determine one; otherwise the middle of the edge. A small
- * pull to the middle keeps flat neighbourhoods well posed. */
+/* Returns the point of least error if the planes determine one; otherwise it returns the middle of the edge.
+ * A small weight on the distance from the middle makes the point unique where the neighbourhood is flat. */
 Vec3 Simplifier::best_point(uint32_t keep, uint32_t drop, double &cost) const
 {
     Quadric sum = quadrics_[keep];
@@ -118,7 +118,7 @@ void Simplifier::offer(uint32_t one, uint32_t other)
     const uint32_t keep = std::min(one, other), drop = std::max(one, other);
     double cost = 0.0;
     best_point(keep, drop, cost);
-    // A slight cost on length, far below the error limit, avoids long thin triangles.
+    // A small cost on length, far below the error limit, avoids long thin triangles.
     const double length = (vertices_[keep] - vertices_[drop]).squaredNorm();
     if (cost < limit_) queue_.push({cost + 1e-5 * length, keep, drop, version_[keep], version_[drop]});
 }
@@ -157,7 +157,8 @@ bool Simplifier::turns_a_triangle(uint32_t moving, uint32_t other, const Vec3 &p
     return false;
 }
 
-/* The link condition on a closed surface: the two ends share exactly two neighbours. */
+/* Checks the link condition on a closed surface: the two ends of the edge must share exactly two
+ * neighbours. */
 bool Simplifier::may_collapse(uint32_t keep, uint32_t drop, const Vec3 &point)
 {
     constexpr size_t VALENCE_MOST = 14;

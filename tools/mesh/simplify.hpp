@@ -1,4 +1,4 @@
-/* Reduces the triangles of a closed surface by quadric error. */
+/* Reduces the number of triangles of a closed surface with a limited quadric error. */
 #pragma once
 #include <Eigen/Core>
 #include <array>
@@ -10,11 +10,11 @@ namespace crn::mesh
 
 using Triangle = std::array<uint32_t, 3>; // counter-clockwise seen from outside
 
-/* Collapses edges by quadric error (Garland and Heckbert 1997) until no collapse costs less than error_mm,
- * the root mean square distance from the planes it replaces. The surface itself may move slightly further,
- * so a caller that promises a distance must measure it. The surface must be a closed manifold; every
- * collapse keeps it one (link condition) and turns no triangle by more than a right angle. The result is
- * deterministic. */
+/* Collapses edges by quadric error (Garland and Heckbert 1997) until no collapse costs less than error_mm.
+ * The cost is the root mean square distance from the planes that the collapse replaces. The surface itself
+ * may move slightly farther, so a caller that promises a distance must measure it. The surface must be a
+ * closed manifold. Every collapse keeps the surface a closed manifold (link condition), and turns no triangle
+ * by more than a right angle. The result is deterministic. */
 void simplify(std::vector<Eigen::Vector3d> &vertices_mm, std::vector<Triangle> &triangles, double error_mm);
 
 } // namespace crn::mesh

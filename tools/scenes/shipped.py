@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Unpacks the compressed scenes that ship (`make run`), or rebuilds and compares them (`make scene`).
+"""Unpacks the compressed scenes that ship (`make run`), or makes them again and compares them (`make scene`).
 
   shipped.py unpack shared/examples/scenes/aorta.tar.xz -o out
   shipped.py make shared/examples/scenes/aorta.tar.xz --anatomy build/anatomy/aorta/scene.toml \\
       --bake build/bin/bake [--accept]
 
-`make` bakes the anatomy into a temporary folder and compares every file with the one that ships, byte for byte;
-with --accept the new files ship. The same files give the same bytes of an archive. The exit code is 1 when a file
-differs or cannot be read.
+`make` bakes the anatomy into a temporary folder and compares every file with the one that ships, byte for byte; with
+--accept the new files replace those that ship. If the files are the same, the bytes of the archive are the same. The
+exit code is 1 when a file differs or cannot be read.
 """
 
 import argparse
@@ -24,7 +24,7 @@ MEMBER_BYTES_MAX = 256 << 20
 
 
 class Fault(Exception):
-    """An error whose text gives the remedy."""
+    """Raised for an error; the text gives the remedy."""
 
 
 def read_archive(path):
@@ -44,7 +44,7 @@ def read_archive(path):
 
 
 def write_whole(path, data):
-    """Writes the file completely, or leaves it as it was."""
+    """Writes the file completely, or leaves the old file unchanged."""
     temporary = "%s.part%d" % (path, os.getpid())
     try:
         with open(temporary, "wb") as file:
@@ -71,7 +71,7 @@ def write_archive(path, files):
 
 
 def bake(program, anatomy, name):
-    """Returns name -> bytes of a newly made scene and its bodies."""
+    """Returns a table from file name to bytes, for a newly made scene and its bodies."""
     with tempfile.TemporaryDirectory() as folder:
         done = subprocess.run([program, anatomy, "-o", os.path.join(folder, name + ".scene")], check=False)
         if done.returncode != 0:

@@ -11,7 +11,7 @@ Licence = collections.namedtuple("Licence", "name holder licence words")
 
 
 class Unknown(Exception):
-    """A fact that this machine does not know; the message gives the remedy."""
+    """Raised when this machine cannot answer a question; the message gives the remedy."""
 
 
 def ask(*command):
@@ -30,7 +30,7 @@ OWNERS = {}  # file -> package
 
 
 def learn(paths):
-    """Calls dpkg-query once for many files, because it reads its whole list each time."""
+    """Calls dpkg-query once for many files, because each call reads the whole list of packages."""
     names = sorted({name for path in paths for name in names_of(path)} - set(OWNERS))
     done = (
         subprocess.run(["dpkg-query", "-S", *names], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=False)

@@ -1,5 +1,6 @@
-"""Writes the findings of supply.py as an SPDX 2.3 document (JSON, ISO/IEC 5962's successor). The same tree on the
-same machine gives the same bytes: the time is that of the commit, and the document's name space is its own hash."""
+"""Writes the findings of supply.py as an SPDX 2.3 document in JSON; SPDX 2.3 succeeds ISO/IEC 5962. The same
+tree on the same machine gives the same bytes, because the time is that of the commit and the document's name space is
+the document's own hash."""
 
 import datetime
 import hashlib

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Lists the parts of the programs that come from outside this repository: the libraries that they link, those that
-these load in turn, headers that become part of them, and libraries that they open on request. They are found in the
-programs themselves (readelf, ldd) and in the sources' #include lines, and named by the Debian package of each file.
-licences.tsv beside this file gives the licences.
+"""Lists the parts of the programs that come from outside this repository. The parts are the libraries that programs
+link, libraries that those load in turn, headers that become part of programs, and libraries that programs open on
+request. The parts are found in the programs themselves (readelf, ldd) and in the sources' #include lines, and they are
+named by the Debian package of each file. licences.tsv beside this file gives the licences.
 
   supply.py notice --build build            compare NOTICE with the findings; exit code 1 if they differ
   supply.py notice --build build --write    update NOTICE between its two marks
@@ -33,7 +33,7 @@ GROUPS = (
     ("static", "Parts of the compiler that the firmware's images hold"),
     ("loaded", "Libraries that those of the first list load in turn"),
 )
-# A library that is opened by name: the file with the name, and the package that has the library.
+# Each row is a library that is opened by name: the file with the name, and the package that has the library.
 OPENED = {"libhidapi-": "libhidapi-hidraw0", "libOSMesa.so": "libosmesa6", "libEGL.so": "libegl1"}
 # The sources of these folders become part of a program that is distributed; tests and benchmarks do not.
 SHIPPED = re.compile(r"^(host|tools|shared|firmware)/(?!.*(tests|bench)/)")
@@ -42,8 +42,8 @@ INCLUDE_FOLDERS = ("/usr/include", "/usr/include/eigen3")
 
 
 def programs_in(build, names):
-    """Returns the programs of a build by their names; without names, those of its folder bin that are not tests of
-    the rig."""
+    """Returns the programs of a build with these names; without names, it returns those of the folder bin that are not
+    tests of the rig."""
     folder = os.path.join(build, "bin")
     if not names:
         names = [n for n in sorted(os.listdir(folder)) if not n.startswith("hil")] if os.path.isdir(folder) else []
@@ -61,13 +61,13 @@ def is_elf(path):
 
 
 def needed(program):
-    """Returns the names of the libraries that this file itself needs."""
+    """Returns the names of the libraries that this file needs directly."""
     text = subprocess.run(["readelf", "-d", program], check=True, stdout=subprocess.PIPE).stdout.decode()
     return re.findall(r"\(NEEDED\).*\[(.+)\]", text)
 
 
 def loaded(program):
-    """Returns name -> file of every library that the loader gives this program."""
+    """Returns a table from name to file of every library that the loader gives this program."""
     text = subprocess.run(["ldd", program], check=True, stdout=subprocess.PIPE).stdout.decode()
     missing = re.findall(r"^\s*(\S+) => not found", text, re.M)
     if missing:
@@ -85,7 +85,7 @@ def sources_of_tree():
 
 
 def header_packages():
-    """Returns package -> sources that include a header of it from a folder below /usr/include."""
+    """Returns a table from package to the sources that include one of its headers from a folder below /usr/include."""
     found = collections.defaultdict(set)
     place = {}
     for source in sources_of_tree():
@@ -104,8 +104,8 @@ def header_packages():
 
 
 class Supply:
-    """Returns group -> Debian source package -> names of the programs, and the binary packages of each source
-    package."""
+    """Holds, for each group and Debian source package, the names of the programs that use it, and the binary packages
+    of each source package."""
 
     def __init__(self, build, names=()):
         self.programs = programs_in(build, names)
@@ -193,12 +193,13 @@ def split_notice(text):
 
 
 def without_users(lines):
-    """Returns name, holder and licence; the programs that use a library may change from day to day."""
+    """Returns only name, holder and licence of each library, because the programs that use a library may change from
+    day to day."""
     return [re.sub(r"\s{2,}", "  ", line.strip()) for line in lines if not line.startswith(USERS)]
 
 
 def notice_faults(supply, licences, text):
-    """Returns the libraries that are missing in NOTICE, and its lines whose library no program links any more."""
+    """Returns the libraries that NOTICE lacks, and the lines of NOTICE whose library no program links any more."""
     wanted, present = without_users(notice_lines(supply, licences)), without_users(split_notice(text)[1])
     for line in wanted:
         if line not in present:

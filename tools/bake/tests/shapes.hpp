@@ -1,4 +1,4 @@
-// Meshes with closed-form distances for the tests of bake, with texts and folders for them.
+// Provides meshes whose distances are known in closed form, scene texts and folders for the tests of bake.
 #pragma once
 #include "host/base/pending_file.hpp"
 #include "tools/bake/bake.hpp"
@@ -13,7 +13,8 @@
 namespace crn::bake::tests
 {
 
-// A surface over a u-v grid, closed along u when `round_u` is set, always closed along v.
+// Returns a surface over a u-v grid. The surface is always closed along v, and closed along u when `round_u`
+// is set.
 inline Mesh grid_mesh(int nu, int nv, bool round_u, const std::function<Eigen::Vector3d(double, double)> &at)
 {
     Mesh mesh;
@@ -33,7 +34,7 @@ inline Mesh grid_mesh(int nu, int nv, bool round_u, const std::function<Eigen::V
 
 constexpr double turn = 2 * 3.14159265358979323846;
 
-// A torus around the z axis: a tube of radius `r` bent to radius `R`.
+// Returns a torus around the z axis: a tube of radius `r` bent to radius `R`.
 inline Mesh torus(double R, double r, int nu, int nv)
 {
     return grid_mesh(nu, nv, true, [=](double u, double v) {
@@ -66,7 +67,7 @@ inline Mesh cube(double edge)
     return mesh;
 }
 
-// An empty folder for one test; it is removed with all its contents.
+// Makes an empty folder for one test and removes it with all its contents afterwards.
 struct Folder {
     std::filesystem::path path;
     Folder()
@@ -94,7 +95,7 @@ inline std::string scene_text_of(const std::string &mesh, const std::string &mor
            "\n[entry]\nposition_mm = " + entry + "\ndirection = [-1, 0, 0]\n";
 }
 
-// The message of the Fault that the work throws, or "" when it throws none.
+// Returns the message of the Fault that `work` throws, or "" when it throws none.
 inline std::string complaint(const std::function<void()> &work)
 {
     try {

@@ -1,5 +1,5 @@
-// Claims: centrelines in any order and direction become the tree along which blood flows; a set that makes no
-// tree is refused with the centreline's name.
+// Claims: centrelines in any order and direction become the tree along which blood flows; centrelines that
+// make no tree are refused with the name of one of them.
 #include "host/model/bodies.hpp"
 #include "tools/bake/branches.hpp"
 #include "tools/bake/container.hpp"
@@ -35,8 +35,8 @@ Centreline line(const char *file, const Eigen::Vector3d &from_mm, const Eigen::V
     return made;
 }
 
-// An aorta that was traced upwards and divides at its lower end, a renal artery traced towards it, and one
-// iliac artery in each direction.
+// The test has an aorta that was traced upwards and divides at its lower end, a renal artery traced towards
+// the aorta, and one iliac artery in each direction.
 std::vector<Centreline> four()
 {
     return {line("a/left_iliac.mrk.json", {80, -120, 0}, {1, -3, 0}, 4, 5),
@@ -74,8 +74,8 @@ void lines_in_any_order_and_direction_become_a_tree(void **)
     assert_false(tree.is_outlet(0)); // the branch divides there
 }
 
-// A fork as the centreline tool and VMTK write it: its branches begin at one place, here slightly beyond the
-// trunk's end.
+// The centreline tool and VMTK write a fork in this form: both branches begin at one place, here slightly
+// beyond the trunk's end.
 void branches_that_begin_together_leave_one_parent(void **)
 {
     const VesselTree tree = join_branches({line("trunk", {0, 0, 0}, {0, 50, 0}, 6, 5),
@@ -128,7 +128,8 @@ void a_branch_is_called_as_its_file(void **)
     assert_int_equal(branch_name(std::string(60, 'a') + ".mrk.json").size(), 31);
 }
 
-// The [tree] of a scene text becomes a section of the body file and then what the host reads.
+// The [tree] of a scene text is written as a section of the body file, and the host reads the same tree from
+// it.
 void a_tree_of_the_text_comes_back_from_the_body_file(void **)
 {
     const std::filesystem::path folder =

@@ -1,6 +1,6 @@
-// Claims: a lesion narrows tree, surface and field equally to what its text says, leaves the rest of the
-// vessel unchanged, and keeps the mesh closed with its vertices in place. A text that does not fit is refused
-// by name.
+// Claims: a lesion narrows tree, surface and field alike, as its text states. A lesion leaves the rest of the
+// vessel unchanged, and it keeps the mesh closed with its vertices in place. A text whose values do not fit
+// the vessel is refused by name.
 extern "C" {
 #include "firmware/core/lesion.h"
 }
@@ -107,8 +107,8 @@ void an_eccentric_channel_lies_away_from_the_plaque(void **)
     assert_true(tree.branches[0].points_m[tree.throat(tree.lesions[0])].x() < -1.39e-3);
 }
 
-// The wall's distance from the tree's own points equals their radii. Chords of 0.4 mm around a radius of 2 mm
-// lie 0.01 mm inside.
+// The distance from the tree's points to the wall of the mesh equals the radii at these points. Chords of 0.4
+// mm in a circle of 2 mm radius lie up to 0.01 mm inside the circle.
 void the_surface_goes_with_the_tree(void **)
 {
     for (double eccentricity : {0.0, 0.6}) {
@@ -128,7 +128,7 @@ void the_surface_goes_with_the_tree(void **)
         for (std::size_t i = lesion.first_point; i < lesion.first_point + lesion.size(); ++i) {
             const VesselBranch &lad = tree.branches[0];
             const double wall_mm = -surface.nearest(lad.points_m[i] * 1e3).distance_mm;
-            // In a tapering channel the nearest wall is nearer than the radius, by the cosine of the taper.
+            // In a tapering channel, the distance to the wall is the radius times the cosine of the taper.
             const double slope = 0.7 * radius_mm * turn / 2 / 16 * 1.001;
             assert_true(wall_mm < lad.radii_m[i] * 1e3 + 0.02);
             assert_true(wall_mm >
@@ -140,8 +140,8 @@ void the_surface_goes_with_the_tree(void **)
     }
 }
 
-// The core must feel the wall at its place all round, with a guidewire of 0.18 mm touching it. On the axis of
-// so narrow a channel the spline rounds off the ridge of the distance.
+// A guidewire of 0.18 mm radius that touches the wall must touch it in the core at the same place, all round.
+// On the axis of such a narrow channel, the spline rounds off the ridge of the distance field.
 void the_field_knows_the_narrowed_wall(void **)
 {
     VesselTree tree = tree_of_tube();
@@ -165,9 +165,9 @@ void the_field_knows_the_narrowed_wall(void **)
     assert_true(worst_mm < 0.05); // a fifth of a voxel
 }
 
-// A scene may set a coarse tolerance for its field. A channel of 0.4 mm radius must still be resolved;
-// without its fine region the channel vanishes. On the axis the spline rounds off the ridge of so narrow a
-// channel, so the field shows less than 0.4 mm of clearance.
+// A scene may set a coarse tolerance for its field. The field must still resolve a channel of 0.4 mm radius;
+// without the lesion's fine region the channel vanishes from the field. On the axis of such a narrow channel,
+// the spline rounds off the ridge of the distance, so the field shows less than 0.4 mm of clearance.
 void a_lesion_asks_more_of_the_field_than_its_scene(void **)
 {
     VesselTree tree = tree_of_tube();
@@ -197,7 +197,7 @@ void a_lesion_asks_more_of_the_field_than_its_scene(void **)
     assert_true(fine_mm > 0.15 && fine_mm < 0.41);
 }
 
-// An eccentric lesion of 70 %, baked, with its PLAQUES section as the core loads it.
+// Bakes an eccentric lesion of 70 % and loads its PLAQUES section as the core does.
 struct BakedLesion {
     VesselTree tree = tree_of_tube();
     Mesh mesh = capped_tube();
@@ -239,7 +239,8 @@ struct BakedLesion {
         lumen.lesions = &lesion;
     }
     Vector3d throat_mm() const { return tree.branches[0].points_m[tree.throat(tree.lesions[0])] * 1e3; }
-    // The core's distance at a place, in mm outside the wall, with the stations open by the given shares.
+    // Returns the core's distance at a place, in mm outside the wall, with the stations open by the given
+    // shares.
     double distance_mm(const Vector3d &place_mm, const std::vector<double> &open) const
     {
         crn_lesion_state state{};
@@ -253,8 +254,8 @@ struct BakedLesion {
     }
 };
 
-// Fully open, the lesion's wall is that of the healthy vessel; half open, its narrowing is half as large. The
-// error of the narrow field is widened with it.
+// A fully open lesion has the wall of the healthy vessel; a half-open lesion is narrowed half as much.
+// Opening the lesion also magnifies the error of the narrow field.
 void opened_it_is_the_healthy_vessel(void **)
 {
     const BakedLesion baked;
@@ -274,8 +275,8 @@ void opened_it_is_the_healthy_vessel(void **)
     }
 }
 
-// The vessel of picture and flow must have its wall where the core has it. This is checked on vertices and
-// inscribed spheres, with the stations open by 0.2 to 0.9.
+// The host's vessel, which pictures and flow use, must have its wall where the core has it. The test compares
+// vertices and inscribed spheres, with the stations open by 0.2 to 0.9.
 void the_hosts_vessel_opens_as_the_cores_does(void **)
 {
     const BakedLesion baked;
@@ -317,8 +318,9 @@ void the_hosts_vessel_opens_as_the_cores_does(void **)
     assert_true(wall_mm < 0.06 && sphere_mm < 0.06);
 }
 
-// Positions refer to the healthy vessel. Neither an eccentric lesion before, whose channel is longer than the
-// vessel, nor one that narrows the parent where a branch leaves, moves another lesion.
+// The positions of lesions refer to the healthy vessel. A lesion stays in place when another lesion is added:
+// an eccentric lesion upstream, whose channel is longer than the vessel, or a lesion that narrows the parent
+// at the branch's origin.
 void a_lesion_lies_where_it_would_lie_alone(void **)
 {
     LesionText second = plaque(0.5), ostium = plaque(), side = plaque();
@@ -340,8 +342,8 @@ void a_lesion_lies_where_it_would_lie_alone(void **)
     assert_true(alone.branches[1].points_m == both.branches[1].points_m);
 }
 
-// A vessel that turns to run forwards within its lesion: the plaque stays on one side of it. Its points are 5
-// degrees apart.
+// A vessel turns to run forwards within its lesion, and the plaque stays on one side of the vessel.
+// Neighbouring points of the vessel are 5 degrees of its bend apart.
 void plaque_stays_on_its_side_in_a_bend(void **)
 {
     VesselTree tree;
@@ -368,8 +370,8 @@ void plaque_stays_on_its_side_in_a_bend(void **)
     assert_true(before.norm() > 0);
 }
 
-// A side branch of 1 mm runs along the vessel, and both are narrowed. A wall that belongs rather to the side
-// branch moves with the side branch only.
+// A side branch of 1 mm runs along the vessel, and both have lesions. A part of the wall that lies nearer to
+// the side branch moves with the side branch only.
 void walls_go_with_their_own_vessel_when_both_are_narrowed(void **)
 {
     VesselTree tree = tree_of_tube();
@@ -385,7 +387,7 @@ void walls_go_with_their_own_vessel_when_both_are_narrowed(void **)
     assert_true((wall_mm[0] - Vector3d(3.05 - 0.3 * 0.17, 30, 0.3 * 0.985)).norm() < 5e-3);
 }
 
-// Tubes as computer-aided design writes them: the middles of their edges lie far from the lesion.
+// Computer-aided design writes tubes of long triangles: the middles of their edges lie far from the lesion.
 void triangles_as_long_as_the_vessel_are_divided(void **)
 {
     LesionText text = plaque();
@@ -401,7 +403,7 @@ void triangles_as_long_as_the_vessel_are_divided(void **)
     assert_true(wall_mm > 0.56 && wall_mm < 0.62);
 }
 
-// A chamber of the heart beside the vessel is blood too, but not blood of this vessel.
+// A chamber of the heart beside the vessel also contains blood, but its blood does not belong to this vessel.
 void blood_beside_the_vessel_keeps_its_shape(void **)
 {
     VesselTree tree = tree_of_tube();
@@ -456,8 +458,8 @@ void a_file_gives_the_lesion_back(void **)
         assert_true((lesion.healthy_points_m[i] - tree.lesions[0].healthy_points_m[i]).norm() < 1e-9);
 }
 
-// The mesh has 2 mm, and the centrelines state 2 and 2.5 mm. The minimal lumen radius of the first agrees;
-// that of the other is 0.3 mm wider in the tree.
+// The mesh has a radius of 2 mm, and the centrelines state 2 mm in one case and 2.5 mm in the other. In the
+// first case the minimal lumen radius agrees; in the second it is 0.3 mm larger in the tree than in the mesh.
 void a_mesh_that_is_not_the_trees_is_warned_of(void **)
 {
     for (const double stated_mm : {2.0, 2.5}) {
@@ -527,7 +529,7 @@ void a_text_says_where_it_is_wrong(void **)
                                 "256 bodies and the calcium of 1 lesions are more than 256"));
 }
 
-// Four lesions can yield; the report names those that cannot.
+// A balloon can open at most four lesions of a scene; the report names the others.
 void more_lesions_than_give_way_are_named(void **)
 {
     VesselTree tree = tree_of_tube();

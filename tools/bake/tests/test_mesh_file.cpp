@@ -1,6 +1,7 @@
-// Claims: no file can end the program by declaring more than it holds, naming a missing vertex, nesting
-// without end, or being no mesh at all. Each is refused with its name, the place and the remedy, in a child
-// process of limited memory, time and stack. A valid file comes back whole.
+// Claims: no file can end the program by declaring more data than it holds, by naming a missing vertex, by
+// nesting without end, or by being no mesh at all. Each such file is refused with its name, the place and the
+// remedy; it is read in a child process of limited memory, time and stack. A valid file is read without any
+// change.
 #include "host/base/guarded_read.hpp"
 #include "tools/bake/mesh.hpp"
 #include "tools/bake/tests/shapes.hpp"
@@ -35,7 +36,7 @@ void contains(const std::string &text, std::initializer_list<const char *> parts
         if (text.find(part) == std::string::npos) fail_msg("\"%s\" does not say \"%s\"", text.c_str(), part);
 }
 
-// Returns the message of a refusal, or "".
+// Returns the message of a refusal, or "" if the file was accepted.
 std::string said(const std::function<void()> &work)
 {
     try {
@@ -64,7 +65,7 @@ template <class Value> void put(std::string &bytes, Value value)
     bytes.append(reinterpret_cast<const char *>(&value), sizeof value);
 }
 
-// A tetrahedron of 20 mm whose corner number of face 2 is replaced by `corner`.
+// Returns a tetrahedron of 20 mm whose corner number of face 2 is replaced by `corner`.
 std::string binary_ply(std::int32_t corner, const std::string &vertices = "4")
 {
     std::string bytes = ply_head("binary_little_endian", vertices, "4");
@@ -89,7 +90,7 @@ void an_index_beyond_the_vertices_is_named(void **)
     contains(reading(folder, "d.obj", "v 0 0 0\nv 9 0 0\nv 0 9 0\nf 1 2 -4\n"), {"d.obj:4", "'-4'"});
 }
 
-// The check between assimp and the program must hold whatever assimp returns.
+// The check between assimp and the program must find a bad index, whatever data assimp returns.
 void pieces_with_an_index_beyond_their_vertices_are_refused(void **)
 {
     const std::vector<MeshPiece> good = {{"left", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}};
@@ -181,7 +182,7 @@ void damaged_texts_are_named_by_line(void **)
 
 // --- the child ---
 
-// The limit is 15 s of wall time, since a busy machine may make a new process wait for seconds.
+// The limit is 15 s of wall time, because on a busy machine a new process may wait for seconds.
 const crn::ReadLimits small = {std::uint64_t{64} << 20, 2, 15, std::uint64_t{8} << 20};
 
 std::string apart(const std::function<void(crn::Outbox &)> &parse, const crn::ReadLimits &limits = small)
@@ -237,7 +238,7 @@ void a_reader_has_limits_of_stack_memory_and_time(void **)
                  },
                  {std::uint64_t{64} << 20, 1, 15, std::uint64_t{8} << 20}),
              {"a.ply", "not done after"});
-    // A dead reader must not leave a file behind.
+    // A reader process that dies must not leave a file behind.
     const Folder folder;
     const std::string litter = folder.write("litter", "").string();
     apart([&](crn::Outbox &) {
@@ -249,7 +250,7 @@ void a_reader_has_limits_of_stack_memory_and_time(void **)
     assert_int_equal(std::filesystem::file_size(litter), 0);
 }
 
-// A reader that reports impossible counts or values is not believed.
+// A reader process that reports impossible counts or values is not trusted.
 void counts_from_the_child_are_bounded(void **)
 {
     contains(said([] {

@@ -1,7 +1,7 @@
-// Claims: shared/examples/real_patient.toml brings bones, heart and vessels of three sources into one
-// patient: neighbours meet as in a body, and no bone lies in the aorta. This is shown on the meshes as they
-// are loaded and placed; one bone is made whole. The test is skipped, and says so, where the anatomy is
-// missing.
+// Claims: shared/examples/real_patient.toml combines bones, heart and vessels of three sources into one
+// patient. Neighbouring organs touch as in a body, and no bone lies in the aorta. The claims are shown on the
+// meshes as they are loaded and placed; one bone goes through all steps of its preparation. The test is
+// skipped, and prints so, if the anatomy is missing.
 #include "tools/bake/centreline.hpp"
 #include "tools/bake/form.hpp"
 #include "tools/bake/tests/shapes.hpp"
@@ -108,7 +108,7 @@ void hips_turn_about_the_heads_of_the_femurs(void **)
     }
 }
 
-// Every rib begins at the spine; we check piece by piece.
+// Every connected piece of the rib meshes must begin at the spine.
 void every_rib_reaches_the_spine(void **)
 {
     skip_without_anatomy();
@@ -185,8 +185,9 @@ void hip_bone_becomes_one_solid_within_its_stated_error(void **)
     // The inner walls between ilium, ischium and pubis are gone, so only the mean distance shows that it is
     // the same bone.
     if (found.mean_mm > 1.5) fail_msg("%.2f mm from the atlas's bone on average", found.mean_mm);
-    // The atlas's own volume: shells of compact bone and the spongy bone inside, as their faces enclose it.
-    // Our solid has no gap between the two and closes the joints: one part in a hundred.
+    // The atlas's own volume consists of shells of compact bone and the spongy bone inside them, as their
+    // faces enclose it. Our solid has no gap between the two kinds of bone and closes the joints; this may
+    // change the volume by one part in a hundred.
     MeshText whole = body("hip_left").mesh;
     for (const char *name : {"ilium", "ischium", "pubis"})
         whole.parts.push_back("VH_M_" + std::string(name) + "_spongy_bone_L");

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Claims about the generated column of docs/bench.md. Prints TAP."""
+"""Claims about the column of docs/bench.md that budget_docs.py writes. Prints TAP."""
 
 import os
 import subprocess

@@ -22,7 +22,7 @@ std::vector<Eigen::Vector3d> places(const Voxels &voxels, const std::vector<std:
     return points;
 }
 
-// Records which voxels lie near a path that has already been taken.
+// Records which voxels lie near a path that is already part of the tree.
 class Cover
 {
   public:
@@ -35,7 +35,7 @@ class Cover
         double since_mm = INFINITY;
         for (std::size_t k = 0; k < way.size(); ++k) {
             if (k > 0) since_mm += (voxels_.centre_mm(way[k]) - voxels_.centre_mm(way[k - 1])).norm();
-            // Balls a fifth of their radius apart leave no gap that matters.
+            // Balls whose centres are a fifth of their radius apart leave no relevant gap.
             const double reach = cover_radii * voxels_.depth_mm(way[k]) + cover_voxels * voxels_.voxel_mm();
             if (since_mm < 0.2 * reach && k + 1 < way.size()) continue;
             since_mm = 0;
@@ -44,7 +44,8 @@ class Cover
     }
 
   private:
-    // Covers all connected voxels around `middle` within the ball, but not a vessel beside it.
+    // Covers all voxels within the ball that are connected to `middle`, but no voxel of a neighbouring
+    // vessel.
     void ball(std::size_t middle, double reach_mm)
     {
         const Eigen::Vector3d centre = voxels_.centre_mm(middle);
@@ -70,7 +71,7 @@ class Cover
     std::uint32_t stamp_ = 0;
 };
 
-// Returns the reached voxels, farthest first.
+// Returns the voxels that were reached, with the farthest first.
 std::vector<std::size_t> by_length(const Ways &ways)
 {
     std::vector<std::size_t> order;
@@ -81,7 +82,7 @@ std::vector<std::size_t> by_length(const Ways &ways)
     return order;
 }
 
-// Paths from the source to every tip that deserves a branch, the longest first.
+// Returns the paths from the source to every tip that is long enough for a branch, with the longest first.
 std::vector<std::vector<std::size_t>> ways_to_tips(const Voxels &voxels, const Ways &ways,
                                                    const AutoWish &wish, bake::Progress &progress)
 {
@@ -105,8 +106,8 @@ std::vector<std::vector<std::size_t>> ways_to_tips(const Voxels &voxels, const W
     return kept;
 }
 
-// Returns the depth of the vessel at a tip: that of the deepest voxel within a few millimetres along the
-// path.
+// Returns the depth of the vessel at a tip, which is the depth of the deepest voxel within a few millimetres
+// along the path.
 double width_at(const Voxels &voxels, const std::vector<std::size_t> &way)
 {
     double depth = 0;
@@ -147,8 +148,8 @@ std::size_t inlet_of(const Lumen &lumen, const AutoWish &wish, std::vector<std::
         notes.push_back("the inlet is the widest opening, at " + bake::place_text(widest->centre_mm));
         return static_cast<std::size_t>(near_point(lumen, widest->centre_mm));
     }
-    // The voxel farthest from the deepest one is a tip. From there we find all tips, and the widest is the
-    // inlet.
+    // The voxel farthest from the deepest voxel is a tip of the tree. From this tip we find all other tips;
+    // the widest of them is the inlet.
     std::size_t deepest = 0;
     for (std::size_t v = 0; v < voxels.size(); ++v)
         if (voxels.depth_mm(v) > voxels.depth_mm(deepest)) deepest = v;

@@ -1,4 +1,5 @@
-// Fully automatic fitting: inlet, outlets, branches and their junctions are found from the mesh alone.
+// Fits a tree fully automatically: inlet, outlets, branches and their junctions are found from the mesh
+// alone.
 #pragma once
 #include "tools/centreline/fit/grow.hpp"
 
@@ -15,9 +16,9 @@ struct AutoWish {
     double shortest_mm = 2.0; // ... and at least this far
 };
 
-// Takes the longest path first: the path to the farthest place that no branch covers yet becomes the next
-// branch, or is pruned. A branch covers what lies within 1.5 radii of its line. Branches end at junctions and
-// are named 1, 1.1, 1.2, 1.2.1 ...
+// The fit takes the longest path through the vessels first. The path to the farthest place that no branch
+// covers yet becomes the next branch, or it is pruned. A branch covers all places within 1.5 radii of its
+// line. Branches end at junctions and are named 1, 1.1, 1.2, 1.2.1 ...
 Tree fit_automatic(const Lumen &lumen, const AutoWish &wish, std::vector<std::string> &notes,
                    bake::Progress &progress);
 

@@ -1,5 +1,5 @@
-// Carries the tree of one frame through a sequence of meshes with one topology: the branches and spheres stay
-// the same, in the same order.
+// Carries the tree of one frame through a sequence of meshes with the same triangles. Branches and spheres
+// keep their number and order.
 #pragma once
 #include "tools/centreline/fit/line_fit.hpp"
 
@@ -19,8 +19,9 @@ struct Frame {
 // Fault.
 std::vector<std::filesystem::path> frames_of(const std::filesystem::path &folder);
 
-// `files` are the frames; the tree belongs to the first. Each sphere moves with the wall around it and is
-// then fitted again. Throws Fault naming the frame when its topology differs.
+// `files` are the frames of the sequence, and the tree belongs to the first of them. Each sphere moves with
+// the wall around it and is then fitted again. Throws Fault naming the frame whose triangles differ from the
+// first frame's.
 std::vector<Frame> carried(const Tree &tree, const std::vector<std::filesystem::path> &files,
                            const bake::MeshText &text, const LumenWish &wish, bake::Progress &progress);
 

@@ -1,4 +1,4 @@
-// The commands: each reads files, does its work and writes files.
+// Implements the commands of the program; each reads files, does its work and writes files.
 #include "tools/centreline/fit/commands.hpp"
 #include "host/base/output_files.hpp"
 #include "tools/bake/centreline.hpp"
@@ -30,7 +30,8 @@ bake::MeshText mesh_text(const Options &options, const std::string &file)
     return text;
 }
 
-// Loads a mesh, or the lumen that a scene's text names, and places it in the patient as `bake` does.
+// Loads a mesh, or the lumen that a scene's text names, and places it in the patient in the same way as
+// `bake`.
 bake::Mesh load(const Options &options, const std::string &file, bake::Progress &progress)
 {
     if (std::filesystem::path(file).extension() != ".toml") return bake::load_mesh(mesh_text(options, file));
@@ -88,7 +89,7 @@ int finish(const Options &options, Tree &tree, const Lumen &lumen, const std::ve
     return 0;
 }
 
-// "+x,+z,-y" names, for each axis of the output, the file's axis and its sign.
+// A text such as "+x,+z,-y" names, for each axis of the output, the file's axis and its sign.
 Eigen::Matrix3d turned_axes(const std::string &text)
 {
     Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();

@@ -1,4 +1,4 @@
-// The commands of the program, given their options.
+// Declares the commands of the program, which take parsed options.
 #pragma once
 #include "tools/centreline/fit/automatic.hpp"
 #include "tools/centreline/fit/guided.hpp"
@@ -11,7 +11,7 @@ namespace crn::centreline
 {
 
 struct Options {
-    // The mesh and its reading options.
+    // Holds the mesh and the options for reading it.
     std::string mesh, unit = "mm", cap = "any";
     std::vector<std::string> parts;
     std::string data = "../shared/anatomy", shipped = "build/anatomy/aorta";
@@ -30,7 +30,7 @@ struct Options {
     FlowSettings flow;
 };
 
-// Each returns the exit code and throws Fault, UsageError or OutputError.
+// Each command returns the exit code and throws Fault, UsageError or OutputError.
 int command_fit(const Options &options);
 int command_auto(const Options &options);
 int command_convert(const Options &options);

@@ -1,4 +1,4 @@
-// Keys and pointer change the project; the fit and the picture follow.
+// Keys and pointer change the project. The tree is then fitted and drawn again.
 #include "tools/centreline/fit/editor.hpp"
 #include "host/base/pending_file.hpp"
 #include "host/screen/screen.hpp"
@@ -49,7 +49,7 @@ class Editor
         shows_help_ = !project.was_resumed();
     }
 
-    // Returns false when a signal ended the window.
+    // Returns false when a signal has closed the editor's window.
     bool run()
     {
         for (int frame = 0; wish_.frames == 0 || frame < wish_.frames; ++frame) {
@@ -76,7 +76,7 @@ class Editor
         is_dirty_ = true;
     }
 
-    // Runs work that may be refused: the window stays open and shows the reason.
+    // Does work that may throw a Fault; the window then stays open and shows the reason.
     template <typename Work> void attempt(Work work)
     {
         try {
@@ -145,7 +145,7 @@ class Editor
 
     void take_control_key(int key)
     {
-        // We use the letter of the keyboard's layout, where GLFW reports one.
+        // Where GLFW reports it, we use the letter of the keyboard's layout.
         const char *name = glfwGetKeyName(key, 0);
         const char letter = name ? name[0] : static_cast<char>(key + ('a' - 'A'));
         if (letter == 's') attempt([&] { save(); });
@@ -208,7 +208,7 @@ class Editor
         if (kind_ == PointKind::start) kind_ = PointKind::end;
     }
 
-    // Moves the point with the pointer, at the point's own depth.
+    // Moves the chosen point with the pointer, at the point's own depth.
     void drag(double x, double y)
     {
         const Eigen::Vector3d along = view_.axes().row(2), on_plane = view_.ray_start_mm(x, y);
@@ -286,7 +286,7 @@ class Editor
         look_anew();
     }
 
-    // The place under the pointer stays there.
+    // The place under the pointer stays under the pointer.
     void zoom(double factor, double x, double y)
     {
         const Eigen::Vector3d before = view_.ray_start_mm(x, y);
@@ -301,7 +301,7 @@ class Editor
         is_dirty_ = true;
     }
 
-    // Draws lines of text on a background that dims the picture.
+    // Draws lines of text on a background that darkens the picture.
     static void panel(Sheet &sheet, int top, const std::vector<std::string> &lines, Ink ink)
     {
         int width = 0, y = top + 8;

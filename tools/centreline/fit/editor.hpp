@@ -1,4 +1,4 @@
-// The editor's window: clicks set points in a vessel, and spheres are fitted between them.
+// In the editor's window a person clicks points in a vessel, and spheres are fitted between these points.
 #pragma once
 #include "tools/centreline/fit/automatic.hpp"
 #include "tools/centreline/fit/project.hpp"
@@ -15,13 +15,14 @@ struct EditorWish {
     FlowSettings flow;
 };
 
-// The place that a click at these pixels selects: the middle of the vessel, halfway between the first two
-// walls behind the click; or nothing.
+// Returns the place that a click at these pixels selects, if any. The selected place lies in the middle of
+// the vessel, halfway between the first two walls along the line of sight.
 struct View;
 std::optional<Eigen::Vector3d> picked(const Lumen &lumen, const View &view, double x, double y);
 
-// Runs until the user ends it. The project is saved then, also after Ctrl-C. Returns 0, or 1 when a signal
-// ended it. Throws std::runtime_error where there is no display.
+// Shows the editor's window until the user closes it. When the window closes, also after Ctrl-C, the project
+// is saved. Returns 0, or 1 when a signal closed the window. Throws std::runtime_error if there is no
+// display.
 int run_editor(const Lumen &lumen, Project &project, const EditorWish &wish, bake::Progress &progress);
 
 } // namespace crn::centreline

@@ -1,4 +1,4 @@
-// Builds a tree branch by branch from rough paths, and completes its junctions and ends.
+// Builds a tree from rough paths, branch by branch, and completes the junctions and ends.
 #pragma once
 #include "tools/centreline/fit/line_fit.hpp"
 
@@ -24,11 +24,12 @@ struct Way {
 // Adds one branch to the tree and returns its number. Throws Fault when the path is too short for a branch.
 int grow_branch(Tree &tree, const Lumen &lumen, const Way &way, const GrowWish &wish);
 
-// Returns the branch along whose tube the path runs farthest before leaving it; -1 when it touches none.
+// Returns the branch along whose tube the path runs farthest before it leaves the tube; -1 if it touches no
+// branch.
 int parent_of(const Tree &tree, const std::vector<Eigen::Vector3d> &way_mm);
 
-// Completes an end of a path that was not given: the end moves to the middle of a nearby opening, or stays as
-// it is.
+// Completes the end of a path whose end the user has not placed: the end moves to the middle of a nearby
+// opening, or stays where it is.
 void finish_last(const Lumen &lumen, std::vector<Eigen::Vector3d> &points_mm);
 
 } // namespace crn::centreline

@@ -1,4 +1,4 @@
-// From points to their order, then to paths, then to branches.
+// Determines the order of points first, then the paths between them, and then the branches.
 #include "tools/centreline/fit/guided.hpp"
 
 #include <algorithm>
@@ -36,8 +36,9 @@ Placed placed(const Lumen &lumen, const Point &point, std::size_t number, std::v
     if (voxel < 0)
         throw Fault("the " + title(point, number) + " lies over 5 mm outside the vessel: move it inside");
     Placed made{&point, static_cast<std::size_t>(voxel)};
-    // A point may lie beside the middle of the vessel. Its voxel is the middle near it, found across the
-    // vessel only; the fit moves an end no other way.
+    // A point that the user has set may lie beside the middle of the vessel. We take the voxel in the middle
+    // of the vessel nearby, and search for it across the vessel only, because the fit cannot move an end
+    // along the vessel.
     made.voxel = voxels.middle_near(made.voxel);
     const double moved_mm = (voxels.centre_mm(made.voxel) - point.position_mm).norm();
     if (moved_mm > voxels.depth_mm(made.voxel))
@@ -51,8 +52,8 @@ void follow(Placed &point, int before, double length_mm)
     if (length_mm > point.length_mm) point.before = before, point.length_mm = length_mm;
 }
 
-// The path from a start to an end passes bifurcations. Their order on that path decides which point follows
-// which.
+// The path from a start to an end passes bifurcations; their order along this path decides which point
+// follows which.
 void find_order(const Lumen &lumen, std::vector<Placed> &points, const Ways &ways,
                 const std::vector<int> &starts)
 {
@@ -118,7 +119,7 @@ void check_order(const std::vector<Placed> &points)
     }
 }
 
-// Returns the path from the preceding point to this one, through the given places.
+// Returns the path from the preceding point to this point, through the given places.
 std::vector<Eigen::Vector3d> way_between(const Lumen &lumen, const Placed &from, const Placed &to)
 {
     const Voxels &voxels = lumen.voxels();
@@ -165,7 +166,8 @@ Tree fit_points(const Lumen &lumen, const std::vector<Point> &points, const Grow
     find_order(lumen, all, ways, starts);
     apply_names(all);
     check_order(all);
-    // Parents come first, by depth in the order of points, and then in the given order.
+    // A parent is made before its children, by depth in the order of points, and otherwise in the given
+    // order.
     std::vector<std::pair<std::size_t, std::size_t>> order;
     std::vector<std::size_t> children(all.size(), 0);
     for (std::size_t i = 0; i < all.size(); ++i) {
@@ -184,7 +186,8 @@ Tree fit_points(const Lumen &lumen, const std::vector<Point> &points, const Grow
         const Placed &from = all[to.before];
         Way way{
             way_between(lumen, from, to), branch_name(all, order[n].second), from.branch, true, true, true};
-        // Several ends without a bifurcation between them: their paths determine where they part.
+        // If several ends follow without a bifurcation point between them, their paths determine where the
+        // branches part.
         if (from.branch < 0 && !is_first[to.before]) {
             way.parent = parent_of(tree, way.points_mm);
             way.leaves_at_end = false;

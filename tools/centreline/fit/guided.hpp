@@ -1,5 +1,5 @@
-// Semi-automatic fitting: a person gives start, end and bifurcation points, and the tool finds everything
-// between. It can also propose such points.
+// Fits a tree semi-automatically: a person gives start, end and bifurcation points, and the tool finds the
+// branches between them. The tool can also propose such points.
 #pragma once
 #include "tools/centreline/fit/grow.hpp"
 #include "tools/centreline/fit/points.hpp"
@@ -7,8 +7,8 @@
 namespace crn::centreline
 {
 
-// Makes a tree with a branch from each point to the next. `notes` lists points that were moved or look odd.
-// Throws Fault naming the point and the remedy.
+// Makes a tree with a branch from each point to the next. `notes` lists points that were moved or whose
+// position is doubtful. Throws Fault that names the point and the remedy.
 Tree fit_points(const Lumen &lumen, const std::vector<Point> &points, const GrowWish &wish,
                 std::vector<std::string> &notes, bake::Progress &progress);
 

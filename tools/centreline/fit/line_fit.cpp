@@ -1,4 +1,5 @@
-// Repeats two steps: move each point to the middle of its cross-section, then smooth.
+// The fit repeats two steps: it moves each point to the middle of its cross-section, and then it smooths the
+// line.
 #include "tools/centreline/fit/line_fit.hpp"
 
 #include <Eigen/Geometry>
@@ -23,7 +24,7 @@ double length_of(const Points &line)
     return sum;
 }
 
-// Points about `step(p)` apart; the first and the last stay.
+// Returns points about `step(p)` apart; the first and the last point stay.
 template <typename Step> Points resampled(const Points &line, Step step)
 {
     Points made{line.front()};
@@ -37,7 +38,7 @@ template <typename Step> Points resampled(const Points &line, Step step)
         }
         left -= (line[i] - at).norm();
     }
-    // The last piece should be about as long as the others.
+    // The last piece should be about as long as the other pieces.
     if (made.size() > 1 && (made.back() - line.back()).norm() < 0.5 * step(line.back())) made.pop_back();
     made.push_back(line.back());
     return made;
@@ -52,8 +53,8 @@ void smooth(Points &line, double share, int times)
     }
 }
 
-// The direction over about a radius to either side: the immediate neighbours are too close for a stable
-// direction.
+// The direction of the line is measured over about one radius to either side, because immediate neighbours
+// are too close for a stable direction.
 Eigen::Vector3d direction_at(const Points &line, std::size_t i, double radius_mm)
 {
     std::size_t before = i, after = i;

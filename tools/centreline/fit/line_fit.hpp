@@ -1,4 +1,4 @@
-// Fits inscribed spheres in the middle of a vessel to a rough path through it (docs/centreline.md).
+// Fits inscribed spheres in the middle of a vessel along a rough path through it (docs/centreline.md).
 #pragma once
 #include "tools/centreline/fit/lumen.hpp"
 #include "tools/centreline/tree.hpp"
@@ -13,12 +13,12 @@ struct LineWish {
     bool holds_first = true, holds_last = true; // the ends stay where they are
 };
 
-// The place in the plane through p across `direction`, at most limit_mm away, where the inscribed sphere is
-// largest.
+// Returns the place, in the plane through p across `direction` and at most limit_mm away, where the inscribed
+// sphere is largest.
 Eigen::Vector3d centred(const Lumen &lumen, const Eigen::Vector3d &p_mm, const Eigen::Vector3d &direction,
                         double limit_mm);
 
-// At least two spheres along the path.
+// Returns at least two spheres along the path.
 std::vector<Sphere> fit_line(const Lumen &lumen, const std::vector<Eigen::Vector3d> &way_mm,
                              const LineWish &wish);
 

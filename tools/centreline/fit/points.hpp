@@ -1,5 +1,5 @@
-// A person's description of a vessel tree: start, end and bifurcation points, in a text (TOML) that is also
-// the editor's project.
+// A person describes a vessel tree by start, end and bifurcation points, in a text (TOML) that is also the
+// editor's project file.
 #pragma once
 #include "tools/bake/mesh.hpp"
 

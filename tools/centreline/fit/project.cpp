@@ -1,4 +1,4 @@
-// Undo keeps whole lists of points, because they are short.
+// Undo keeps whole lists of points, because the lists are short.
 #include "tools/centreline/fit/project.hpp"
 #include "host/base/pending_file.hpp"
 
@@ -33,7 +33,8 @@ Project::Project(const std::filesystem::path &file, const std::string &mesh, con
     if (was_resumed_) saved_ = points_text(text_);
 }
 
-// A drag has already changed the points since the last step, so `move` records the earlier state itself.
+// A drag has already changed the points since the last step, so `move` itself records the points before the
+// drag.
 void Project::keep()
 {
     before_.push_back(text_.points);

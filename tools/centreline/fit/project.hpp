@@ -1,4 +1,4 @@
-// The editor's data without its window: points, undo, what is saved, and the last fitted tree.
+// Holds the editor's data without its window: points, undo steps, the saved text and the last fitted tree.
 #pragma once
 #include "tools/centreline/fit/points.hpp"
 
@@ -8,17 +8,18 @@ namespace crn::centreline
 class Project
 {
   public:
-    // Continues with the file where it exists, else begins anew; `mesh` is written into the file as given.
-    // Throws Fault.
+    // Continues with the file if it exists, else begins a new project; `mesh` is written into the file as
+    // given. Throws Fault.
     Project(const std::filesystem::path &file, const std::string &mesh, const std::string &unit);
 
     const std::vector<Point> &points() const { return text_.points; }
-    // Each of these is one step of undo.
+    // Each of these functions makes one step of undo.
     void add(const Point &point);
     void move(std::size_t point, const Eigen::Vector3d &to_mm);
     void remove(std::size_t point);
     void replace(std::vector<Point> points);
-    // While a point is dragged only its last place counts: `move` ends the drag as one step.
+    // While a point is dragged, its intermediate places are not recorded; `move` ends the drag as one undo
+    // step.
     void drag(std::size_t point, const Eigen::Vector3d &to_mm) { text_.points[point].position_mm = to_mm; }
     bool undo();
     bool redo();

@@ -1,4 +1,4 @@
-// Software drawing: the glass vessel, then the spheres from far to near, then points and letters.
+// Draws in software: first the glass vessel, then the spheres from far to near, and then points and letters.
 #include "tools/centreline/fit/tree_picture.hpp"
 
 #include <Eigen/Geometry>
@@ -15,7 +15,7 @@ constexpr Ink wall_ink{96, 120, 150}, sphere_ink{40, 110, 190}, line_ink{16, 44,
     letter_ink{30, 30, 40};
 constexpr double rad_per_deg = 3.14159265358979323846 / 180;
 
-// Draws a translucent ball: its rim is darker than its middle.
+// Draws a translucent ball whose rim is darker than its middle.
 void draw_ball(Sheet &sheet, const SheetPoint &at, double radius_px, Ink ink, double share)
 {
     const double reach = radius_px + 1;
@@ -35,7 +35,7 @@ void draw_dot(Sheet &sheet, const SheetPoint &at, double radius_px, Ink ink)
     for (int y = static_cast<int>(at.y - reach); y <= at.y + reach; ++y)
         for (int x = static_cast<int>(at.x - reach); x <= at.x + reach; ++x) {
             const double distance = std::hypot(x + 0.5 - at.x, y + 0.5 - at.y);
-            // Light from the upper left makes it look round.
+            // Light from the upper left makes the ball look round.
             const double light =
                 std::hypot(x + 0.5 - at.x + 0.35 * radius_px, y + 0.5 - at.y + 0.35 * radius_px);
             const double bright = std::max(0.0, 1 - light / (0.8 * radius_px));
@@ -158,7 +158,7 @@ std::vector<float> glass_of(const bake::Mesh &mesh, const View &view)
 namespace
 {
 
-// Draws each edge once, those far from the viewer first and paler.
+// Draws each edge once; edges far from the viewer come first and are paler.
 void draw_wires(Sheet &sheet, const View &view, const bake::Mesh &mesh)
 {
     const Eigen::Matrix3d axes = view.axes();

@@ -1,5 +1,5 @@
-// A vessel as glass with the tree's spheres in it: `centreline show` writes this picture and the editor shows
-// it.
+// Draws a vessel as glass with the tree's spheres in it. `centreline show` writes this picture, and the
+// editor shows it.
 #pragma once
 #include "host/picture/canvas.hpp"
 #include "tools/centreline/fit/points.hpp"
@@ -8,8 +8,8 @@
 namespace crn::centreline
 {
 
-// A parallel view with the angles of a C-arm turned about the patient: 0, 0 looks from the front (from +z)
-// with the head (+y) up.
+// Describes a parallel view with the angles of a C-arm around the patient. Angles of 0, 0 look from the front
+// (from +z) with the head (+y) up.
 struct View {
     double turn_deg = 0; // about the head axis; above 0 the viewer moves to the patient's left
     double tilt_deg = 0; // above 0 the viewer moves towards the head
@@ -21,11 +21,11 @@ struct View {
     SheetPoint place(const Eigen::Vector3d &p_mm) const;
     Eigen::Vector3d ray_start_mm(double x, double y) const; // on the plane through the middle
 };
-// A view into which the whole mesh fits, with a margin.
+// Returns a view that shows the whole mesh with a margin.
 View view_of(const bake::Mesh &mesh, double turn_deg, double tilt_deg, int width, int height);
 
-// How much wall a line of sight grazes, 0 to 1 per pixel. A caller that draws one view many times keeps the
-// result.
+// Returns for each pixel, from 0 to 1, how much wall its line of sight passes at a grazing angle. A caller
+// that draws the same view many times should keep the result.
 std::vector<float> glass_of(const bake::Mesh &mesh, const View &view);
 
 struct TreeDrawing {

@@ -1,5 +1,5 @@
-// The inside of a closed mesh as voxels with their distance to the wall, and shortest paths through them that
-// stay in the middle.
+// Represents the inside of a closed mesh as voxels with their distance to the wall, and finds shortest paths
+// through them that stay in the vessel's middle.
 #pragma once
 #include "tools/bake/mesh.hpp"
 
@@ -20,12 +20,12 @@ class Voxels
     double depth_mm(std::size_t voxel) const { return depth_mm_[voxel]; } // distance to the wall, above 0
     // Returns the inside voxel nearest to the point, at most `reach_mm` away; -1: none.
     long nearest(const Eigen::Vector3d &p_mm, double reach_mm) const;
-    // Returns the deepest voxel that steepest ascent reaches from here: the middle of the vessel. The ascent
-    // never runs along the vessel.
+    // Returns the deepest voxel that steepest ascent from this voxel reaches; the result lies in the middle
+    // of the vessel. The ascent never runs along the vessel.
     std::size_t middle_near(std::size_t voxel) const;
-    // Calls use(neighbour, distance_mm) for those of the 26 neighbours to which the path surely stays inside.
-    // Two overlapping balls inside the vessel contain the segment between their centres, so the path crosses
-    // no thin wall.
+    // Calls use(neighbour, distance_mm) for those of the 26 neighbours to which a straight path certainly
+    // stays inside. If balls inside the vessel around both centres overlap, they contain the segment between
+    // the centres, so the path crosses no thin wall.
     template <typename Use> void each_neighbour(std::size_t voxel, Use use) const
     {
         const Eigen::Array3i &cell = cell_[voxel];
@@ -67,8 +67,8 @@ class Voxels
     std::vector<float> depth_mm_;
 };
 
-// The cheapest paths from the sources to every voxel. A millimetre costs 1 / depth^2, so paths run in the
-// middle.
+// Finds the cheapest paths from the sources to every voxel. A path of one millimetre costs 1 / depth^2, so
+// the cheapest paths run in the middle of the vessel.
 struct Ways {
     std::vector<std::int32_t> from;   // -1: not reached; a source points to itself
     std::vector<float> length_mm;     // from the source
@@ -77,7 +77,8 @@ struct Ways {
     // Returns the path from the source to the voxel.
     std::vector<std::size_t> to(std::size_t voxel) const;
 };
-// Stops early when `target` (not -1) is reached. Throws Fault when the user has interrupted.
+// Ends the search when `target` (if not -1) is reached. Throws Fault when the user has interrupted the
+// program.
 Ways find_ways(const Voxels &voxels, const std::vector<std::size_t> &sources, long target);
 
 } // namespace crn::centreline

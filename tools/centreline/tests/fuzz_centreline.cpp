@@ -1,6 +1,6 @@
-// Fuzz target: any bytes may be offered as a centreline in each of the four formats (the first byte selects
-// it), with the parsers of JSON and XML in this process. An accepted tree keeps check_tree's rules, and is
-// the same tree after it has been written and read again.
+// Fuzz target: reads any bytes as a centreline in one of the four formats, which the first byte selects. The
+// parsers of JSON and XML run in this process. An accepted tree fulfils the rules of check_tree, and is the
+// same tree after it has been written and read again.
 #include "tools/centreline/formats.hpp"
 #include <algorithm>
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Vessels with known centrelines, as meshes.
+// Makes meshes of vessels whose centrelines are known.
 #pragma once
 #include "tools/bake/centreline.hpp"
 #include "tools/centreline/tests/trees.hpp"
@@ -42,8 +42,8 @@ inline double tube_off_mm(const Eigen::Vector3d &p, double bend_mm)
     return std::hypot(std::hypot(p.x() - bend_mm, p.y()) - bend_mm, p.z());
 }
 
-// A trunk of radius 3 mm along y up to the origin, and two arcs of radius 2.4 mm from there, bent to both
-// sides with a bend radius of 30 mm.
+// Makes a trunk of radius 3 mm along y up to the origin, and two arcs of radius 2.4 mm from there, bent to
+// both sides with a bend radius of 30 mm.
 constexpr double fork_trunk_mm = 3.0, fork_branch_mm = 2.4, fork_bend_mm = 30, fork_angle = 1.0;
 
 inline std::vector<bake::Centreline> fork_lines()
@@ -68,7 +68,7 @@ inline bake::Mesh fork_mesh(double voxel_mm)
     return bake::surface_of(fork_lines(), voxel_mm, progress);
 }
 
-// The distance from the true lines, and the true radius there.
+// Returns the distance from the true lines, and the true radius there.
 struct Truth {
     double off_mm, radius_mm;
     double other_mm; // distance to the wall of the nearest other vessel; below 0 the spheres of both overlap

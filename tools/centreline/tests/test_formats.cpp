@@ -1,6 +1,6 @@
-// Claims: a tree survives every format, VTK's own encodings are read, and anything that is no tree is refused
-// in one sentence that names the place. This is shown by writing and reading, by arrays packed here as VTK
-// packs them, and by damage at random places.
+// Claims: a tree survives every format, VTK's own encodings are read, and a file that is no tree is refused
+// in one sentence that names the place. The claims are shown by writing and reading, by arrays that this file
+// packs as VTK does, and by damage at random places.
 #include "host/base/pending_file.hpp"
 #include "tools/centreline/tests/trees.hpp"
 
@@ -48,7 +48,8 @@ template <typename T> std::string bytes_of(const std::vector<T> &values)
     return std::string(reinterpret_cast<const char *>(values.data()), values.size() * sizeof(T));
 }
 
-// Packs as vtkXMLWriter does: header and data in one text, or the header and then the packed blocks.
+// Packs an array as vtkXMLWriter does: either header and data in one base64 text, or the header alone and
+// then the compressed blocks.
 std::string packed(const std::string &bytes, bool is_zlib)
 {
     if (!is_zlib) return base64(bytes_of<std::uint32_t>({static_cast<std::uint32_t>(bytes.size())}) + bytes);
@@ -69,7 +70,7 @@ std::string packed(const std::string &bytes, bool is_zlib)
     return base64(bytes_of(header)) + base64(data);
 }
 
-// A line of three points as VMTK would write it, with each array in its place.
+// Makes a line of three points as VMTK would write it, with each array in its place.
 std::string vmtk_file(bool is_zlib, bool is_appended)
 {
     std::string appended;
@@ -144,7 +145,7 @@ void faults_name_place_and_remedy(void **)
     says([] { read_tree("/etc/hostname"); }, {".csv", ".vtp"});
 }
 
-// No input may cause a crash: each damaged text is a tree that keeps the rules, or a Fault.
+// No input may cause a crash: each damaged text is either accepted as a valid tree or refused with a Fault.
 void damaged_files_are_trees_or_faults(void **)
 {
     using Read = Tree (*)(const std::string &, const std::string &);

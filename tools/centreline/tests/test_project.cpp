@@ -1,5 +1,5 @@
-// Claims: a project keeps points through saving, undo and redo, and a click selects the middle of the vessel
-// behind it.
+// Claims: a project keeps its points through saving, undo and redo, and a click selects the middle of the
+// vessel under the pointer.
 #include "host/base/pending_file.hpp"
 #include "tools/centreline/fit/editor.hpp"
 #include "tools/centreline/fit/tree_picture.hpp"
@@ -45,7 +45,7 @@ void a_project_is_saved_and_resumed(void **)
     assert_true(again.points()[1].kind == PointKind::bifurcation);
     assert_true(again.points()[1].position_mm == Eigen::Vector3d(0.25, 2, -1));
     says([&] { Project other(file, "c.obj", "mm"); }, {"belongs to the mesh a \"b\".obj", "c.obj"});
-    // A save that fails leaves the old file.
+    // If saving fails, the old file remains.
     Project lost(folder.path / "no" / "p.toml", "a.obj", "mm");
     bool is_refused = false;
     try {
@@ -82,7 +82,7 @@ void every_change_can_be_undone_and_done_again(void **)
         assert_true(project.redo());
         assert_string_equal(state().c_str(), states[n].c_str());
     }
-    // A new change discards what was undone.
+    // A new change discards the changes that were undone before.
     assert_true(project.undo());
     project.add(point(PointKind::end, 3));
     assert_true(!project.redo());
@@ -126,7 +126,7 @@ void damaged_texts_of_points_are_points_or_faults(void **)
 
 void a_click_means_the_middle_of_the_first_vessel_behind_it(void **)
 {
-    // Two tubes, one behind the other, seen from the front.
+    // The test has two tubes, one behind the other, seen from the front.
     bake::Mesh mesh = tube_mesh(2, 30, 0, 60, 32);
     const bake::Mesh back = mesh;
     for (const Eigen::Vector3d &v : back.vertices_mm)
@@ -147,8 +147,8 @@ void a_click_means_the_middle_of_the_first_vessel_behind_it(void **)
     }
 }
 
-// From the front, +x is to the right and +y up. From the patient's left (+x) one looks along -x, and +z is to
-// the left.
+// In a view from the front, +x points to the right and +y up. A view from the patient's left (+x) looks along
+// -x, and +z points to the left.
 void views_look_from_where_they_say(void **)
 {
     View view;

@@ -1,8 +1,9 @@
-// Claims, on anatomy that does not ship (the test is skipped, and says so, where it is missing): the
-// stEVE_bench curves, turned into a surface and recovered from it, keep their place (mean distance <= 0.5 mm)
-// and their width (mean error <= 5 %). The imperfect surface beside them gives a tree, or a message that
-// names what to mend (issue 6, bar 5). The whole test takes half a minute, so without CRN_WHOLE it covers
-// only the path from the iliac arteries to the arch; `make validate-centreline` covers everything.
+// Claims: curves of stEVE_bench are turned into a surface and recovered from that surface. The recovered
+// curves keep their place (mean distance <= 0.5 mm) and their width (mean error <= 5 %). The imperfect
+// surface that comes with the curves gives a tree, or a message that names what must be repaired (issue 6,
+// bar 5). This anatomy does not ship; where it is missing, the test is skipped and prints so. The whole test
+// takes half a minute. Without CRN_WHOLE the test therefore covers only the path from the iliac arteries to
+// the arch; `make validate-centreline` covers everything.
 #include "tools/centreline/fit/automatic.hpp"
 #include "tools/centreline/tests/shapes.hpp"
 
@@ -86,8 +87,8 @@ void curves_are_recovered_from_their_surface(void **)
     AutoWish wish;
     wish.inlet_mm = truth.branches[0].spheres[0].centre_mm; // curve 0 begins in the arch
     const Tree tree = fit_automatic(lumen, wish, notes, progress);
-    // Each sphere is compared with the nearest curve and weighted by length, since thin vessels have more
-    // spheres.
+    // Each sphere is compared with the nearest curve. Each sphere's weight is the length of vessel that the
+    // sphere represents, because thin vessels have more spheres.
     double off = 0, radius = 0, weight = 0, found = 0, whole = 0;
     for (std::size_t b = 0; b < tree.branches.size(); ++b)
         for (std::size_t i = first_own_sphere(tree, b); i < tree.branches[b].spheres.size(); ++i) {
@@ -103,7 +104,8 @@ void curves_are_recovered_from_their_surface(void **)
             radius += length * std::abs(sphere.radius_mm / best.radius_mm - 1);
             weight += length;
         }
-    // No curve may be lost: we measure the share of the curves that has a line of the tree nearby.
+    // We also measure the share of the curves that has a line of the tree nearby, because no curve may be
+    // lost.
     for (const Branch &curve : truth.branches)
         for (const Sphere &sphere : curve.spheres) {
             ++whole;
@@ -141,8 +143,8 @@ void the_dirty_surface_gives_a_tree_or_says_what_to_mend(void **)
         check_tree(tree, "dirty");
         double length = 0;
         for (const Branch &branch : tree.branches) length += length_mm(branch);
-        // The surface extends from the iliac arteries to the head: it must give a tree of some branches and
-        // of about its length.
+        // The surface extends from the iliac arteries to the head, so its tree must have several branches and
+        // about the surface's length.
         assert_true(tree.branches.size() > 5 && length > 500);
         assert_true(!lumen.notes().empty());
         outcome = "a tree of " + std::to_string(tree.branches.size()) + " branches and " +

@@ -1,4 +1,4 @@
-// A small tree and checks that tests of trees share.
+// Provides a small tree and checks for the tests of trees.
 #pragma once
 #include "tools/centreline/formats.hpp"
 
@@ -63,7 +63,7 @@ inline void assert_same_tree(const Tree &a, const Tree &b, bool with_speed = tru
     }
 }
 
-// Asserts that the work is refused in a sentence with all these parts.
+// Asserts that the work throws a Fault whose message contains all these parts.
 inline void says(const std::function<void()> &work, std::initializer_list<const char *> parts)
 {
     std::string text;

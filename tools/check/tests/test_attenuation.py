@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""host/xray/attenuation.cpp is, byte for byte, what its script writes from xraylib today. Prints TAP.
+"""Claims: host/xray/attenuation.cpp is, byte for byte, what its script writes today from xraylib. Prints TAP.
 
-Nothing is skipped: without the library (Debian's libxrl11, section [test] of tools/packages.txt) the test fails and
-says so.
+The test is not skipped: without the library (Debian's libxrl11, section [test] of tools/packages.txt) it fails and
+prints the reason.
 """
 
 import difflib

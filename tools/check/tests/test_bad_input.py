@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Malformed files and command lines: every program ends with the stated exit code (1 unusable input, 2 usage) and a
-message that names the cause, writes no output file, and never crashes. Prints TAP.
+"""Tests malformed files and command lines. Every program ends with the stated exit code (1 for unusable input, 2 for
+usage) and a message that names the cause; it writes no output file and never crashes. Prints TAP.
 
-Each case is made from a good input that is first shown to be accepted, so that the fault in it is what is refused."""
+Each case is made from a good input that is first shown to be accepted, so that only the fault in the case can be the
+reason for the refusal."""
 import json
 import os
 import re
@@ -23,7 +24,7 @@ SANITIZER = re.compile(r"AddressSanitizer|runtime error|terminate called|Asserti
 
 # --- meshes ---------------------------------------------------------------------------------------------------------
 def box(low, high, faces=range(12)):
-    """Returns the triangles of a closed box, counter-clockwise from outside."""
+    """Returns the triangles of a closed box, counter-clockwise as seen from outside."""
     corners = [tuple((high if i >> axis & 1 else low)[axis] for axis in range(3)) for i in range(8)]
     triangles = [(0, 2, 3), (0, 3, 1), (4, 5, 7), (4, 7, 6), (0, 1, 5), (0, 5, 4), (2, 6, 7), (2, 7, 3), (0, 4, 6),
                  (0, 6, 2),
@@ -49,7 +50,7 @@ LUMEN = box((-10, -60, -10), (10, 60, 10))
 
 
 def scene_text(**changes):
-    """Returns a good scene with parts replaced."""
+    """Returns the text of a good scene with some parts replaced."""
     parts = {"name": '"sample"', "mesh": 'mesh = "lumen.stl"', "unit": 'unit = "mm"', "more": "",
              "position": "[0, -40, 0]", "direction": "[0, 1, 0]", "body": ""}
     parts.update(changes)
@@ -68,7 +69,7 @@ def curve(radii, points=None):
 
 # --- the bench of cases ----------------------------------------------------------------------------------------------
 class Bench:
-    """Runs cases in a temporary folder and reports them."""
+    """Runs cases in a temporary folder and reports their results."""
 
     def __init__(self, folder):
         self.folder = folder
@@ -97,12 +98,13 @@ class Bench:
         return done.returncode, done.stdout.decode("utf-8", "replace")
 
     def good(self, name, command):
-        """Checks that the sample from which the bad cases are made is accepted."""
+        """Checks that the good input from which the bad cases are made is accepted."""
         code, text = self.run(command)
         self.report.check(name, [] if code == 0 else ["exit code %s, expected 0:\n%s" % (code, text[-2000:])])
 
     def bad(self, name, command, code, pattern, absent=None):
-        """Checks that a case is refused with this exit code and a message that matches; `absent` is not written."""
+        """Checks that a case is refused with this exit code and a message that matches `pattern`, and that the file
+        `absent` is not written."""
         got, text = self.run(command)
         findings = []
         if got != code:
@@ -133,7 +135,7 @@ def anatomy_cases(bench):
 
 # --- bake ------------------------------------------------------------------------------------------------------------
 def bake_scene(bench, name, pattern, text, mesh=None, mesh_name="lumen.stl"):
-    """Checks one scene text that bake must refuse."""
+    """Checks that bake refuses the text of one scene."""
     bench.write("lumen.stl", stl(LUMEN))
     if mesh is not None:
         bench.write(mesh_name, mesh)
@@ -213,12 +215,12 @@ def bake_centrelines(bench):
 
 # --- cournand --------------------------------------------------------------------------------------------------------
 def tube_sample(x, y, z):
-    """Returns the distance to a square tube 8 mm wide along y, in 1/32 voxel, at a voxel centre."""
+    """Returns the distance, in 1/32 voxel and at a voxel centre, to a square tube 8 mm wide along y."""
     return max(-127, min(127, round(32 * (max(abs(x + 0.5 - 12), abs(z + 0.5 - 12)) - 4.1))))
 
 
 def scene_file(major=1, crc_of_lumen=None):
-    """Returns a scene as docs/scene.md describes it: 3 x 4 x 3 bricks of a tube."""
+    """Returns a scene file as docs/scene.md describes it: 3 x 4 x 3 bricks of a tube."""
     bricks = [(x, y, z) for z in range(3) for y in range(4) for x in range(3)]
     samples = bytes(tube_sample(8 * bx + i - 1, 8 * by + j - 1, 8 * bz + k - 1) & 255
                     for bx, by, bz in bricks for k in range(10) for j in range(10) for i in range(10))
@@ -275,7 +277,8 @@ def cournand_command_lines(bench):
 
 
 def cournand_tools(bench):
-    """Tests sets of several tools: tools that fit, tools that a refusal names, scripts that need them."""
+    """Tests sets of several tools: tools that fit into each other, tools whose set is refused by name, and scripts that
+    need several tools."""
     two = ["--tool", CATHETER]
     bench.good("a wire and a catheter run", session_run(more=two + ["--record", "two.rec"]))
     bench.good("their recording is verified", ["cournand", "replay", "two.rec", "--verify"])
@@ -293,7 +296,7 @@ def cournand_tools(bench):
 
 
 def cournand_outputs(bench):
-    """No output may be an input, another output, or anything but a regular file."""
+    """No output may be the same file as an input or another output, or anything but a regular file."""
     before = bench.read("good.session")
     for option in ("--record", "--json", "--png", "--png16", "--mp4"):
         bench.bad("%s onto the session is refused" % option, session_run(more=[option, "./good.session"]), 2,
@@ -333,7 +336,7 @@ def cournand_outputs(bench):
 
 
 def cournand_dicom(bench):
-    """Tests folders, names and dates with which DICOM files cannot be made."""
+    """Tests folders, names and dates from which DICOM files cannot be made."""
     os.mkdir(os.path.join(bench.folder, "held"))
     bench.write("held/old.dcm", "kept")
     refuse = lambda name, pattern, more: bench.bad(name, session_run(more=more), 2, pattern, "new")

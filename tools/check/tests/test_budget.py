@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""The rules of tools/bench/budget.py catch what they are for: a row over the budget, a helper in the image, recursion
-and calls by address in the call graph; and its last scene still has a tick that is solved twice. `make budget`
-measures; this does not. Prints TAP."""
+"""Tests that tools/bench/budget.py finds what its rules forbid: a row over the budget, a helper in the image, and
+recursion or calls by address in the call graph. The last scene of the budget must still have a tick that is solved
+twice. `make budget` measures the costs of a tick; this test does not. Prints TAP."""
 
 import os
 import subprocess
@@ -24,7 +24,7 @@ GRAPHS = {
 
 
 def stack_of(text):
-    """Returns (bytes, '') or (None, reason) for the worst stack of crn_step in a C text."""
+    """Compiles a C text and returns (bytes, '') or (None, reason) for the worst stack of crn_step in it."""
     with tempfile.TemporaryDirectory() as folder:
         objects = os.path.join(folder, "m7", "obj")
         os.makedirs(objects)
@@ -72,7 +72,7 @@ def budget_rows():
 
 
 def second_solve():
-    """Changes of the rod change which ticks solve twice; the scene must still contain such a tick."""
+    """Every change of the rod may change which ticks are solved twice; the scene must still contain such a tick."""
     program = os.path.join(os.environ.get("BUILD", "build"), "bench", "budget_make")
     scenes = subprocess.run([program, "list"], stdout=subprocess.PIPE, text=True, check=True).stdout.splitlines()
     number = next(i for i, scene in enumerate(scenes) if "second_solve" in scene)

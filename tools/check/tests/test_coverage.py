@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""coverage.py counts the lines that two programs run together, by folder, and says what is missing. Prints TAP."""
+"""Claims: coverage.py counts by folder the lines that two programs execute together, and reports what is missing.
+Prints TAP."""
 
 import os
 import subprocess
@@ -35,7 +36,7 @@ def run(root, program):
 
 
 def coverage(root, *programs):
-    """Exit code, the figures by name, and what was said."""
+    """Returns the exit code, the figures by name, and the printed text."""
     words = [os.path.join(tree.ROOT, "tools/check/coverage.py"), "--root", root, "--tsv", "out/coverage.tsv"]
     words += ["--build", "build", "--profiles", "build/profiles", "--programs"] + ["build/" + name for name in programs]
     done = subprocess.run(words, cwd=root, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Every fault of shared/wire/wire_faults.def names a test, and that test exists and runs. Prints TAP."""
+"""Claims: every fault of shared/wire/wire_faults.def names a test, and that test exists and runs. Prints TAP."""
 
 import re
 
@@ -19,7 +19,7 @@ def faults_of(text):
 
 
 def tests_of(sources):
-    """Returns the names of the tests that the given sources define and list."""
+    """Returns the names of those tests that the sources both define and list."""
     names = set()
     for text in sources:
         defined = set(re.findall(r"^static void (\w+)\(void \*\*state\)", text, re.M))
@@ -34,8 +34,8 @@ def missing_tests(faults, tests):
 
 
 def slow_faults(faults):
-    """Checks the bars: 5 ms for over-force and sensor faults, 50 ms for a silent host; a broken power stage can only
-    be reported."""
+    """Checks the bars: over-force and sensor faults are safe within 5 ms, and a silent host within 50 ms. A broken
+    power stage is an exception, because it can only be reported."""
     for name, _, effect, safe_ms, _ in faults:
         limit = {"stop": 5, "fade": 50, "log": 0}[effect]
         if safe_ms > limit and name != "STAGE_STUCK":

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Files that programs write and read, as a person meets them: outputs are checked before the work they are for, a
-scene is read with its own bodies alone, a recording that was cut off is not verified, and no text from a file moves
-the terminal's cursor. Prints TAP.
+"""Tests files that programs write and read, from a user's view. Outputs are checked before the long work begins, a
+scene is read with its own bodies alone, a recording that was cut off is not verified, and no text from a file moves the
+terminal's cursor. Prints TAP.
 
-The good inputs and the bench of cases are those of test_bad_input.py."""
+The good inputs, and the class that runs the cases, are those of test_bad_input.py."""
 import os
 import re
 import resource
@@ -18,7 +18,8 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import test_bad_input as bad  # noqa: E402
 
 BODY = '[[body]]\nname = "%s"\nmesh = "lumen"\nmaterial = "cortical_bone"\n'
-# A title, a red line over the last one, a C1 control character, and a letter that turns the direction of writing.
+# The text has a title, a red line over the last line, a C1 control character, and a letter that reverses the
+# direction of writing.
 HOSTILE = "\x1b]0;owned\x07\x1b[31m\x9b2J\u202ex"
 ALLOWED = re.compile(rb"[\x00-\x09\x0b-\x1f\x7f]|\xc2[\x80-\x9f]|\xe2\x80[\xa8-\xae]|\xe2\x81[\xa6-\xa9]")
 
@@ -65,7 +66,7 @@ def outputs(bench):
 
 
 def read_only(bench):
-    """Root may write everywhere except through a file that is no folder; /proc refuses root too."""
+    """Tests paths that cannot be written: root may write to almost every path, but /proc refuses root too."""
     bench.bad("a recording where nobody may write is refused", bad.session_run(more=["--record", "/proc/x.rec"]), 1,
               "/proc/x.rec: cannot be written")
     bench.bad("a score where nobody may write is refused before the first tick",
@@ -102,7 +103,8 @@ def pairs(bench):
 
 
 def without_partner(data):
-    """Makes the body file as an older bake wrote it: without the last section and its row of the table."""
+    """Makes the body file as an older version of bake wrote it, without the last section and that section's row in the
+    table."""
     count = struct.unpack_from("<I", data, 20)[0]
     table = [list(struct.unpack_from("<4I", data, 32 + 16 * i)) for i in range(count)]
     assert table[-1][0] == 19 and table[-1][2] == 8, table
@@ -116,7 +118,7 @@ def without_partner(data):
 
 
 def full_disk(bench):
-    """The disk has room for the bodies but not for the scene: neither is replaced, and no other file is left."""
+    """The disk has room for the bodies but not for the scene: neither file is replaced, and no other file is left."""
     bench.good("the scene is baked before the disk is full", bake("one"))
     before = {name: bench.read(name) for name in ("one.scene", "one.bodies")}
     room = (len(before["one.bodies"]) + len(before["one.scene"])) // 2
@@ -138,7 +140,7 @@ def full_disk(bench):
 
 # --- recordings ------------------------------------------------------------------------------------------------------
 def chunks(data):
-    """Yields (kind, payload) of a recording: docs/session.md."""
+    """Yields (kind, payload) of every chunk of a recording (docs/session.md)."""
     at = 8
     while at < len(data):
         kind, size = struct.unpack_from("<2I", data, at)
@@ -168,7 +170,7 @@ def recordings(bench):
 
 
 def old_recordings(bench):
-    """A recording of the previous protocol is refused with its remedy, and is converted completely or not at all."""
+    """A recording of the previous protocol is refused with its remedy, and it is converted completely or not at all."""
     with open(os.path.join(bad.tree.ROOT, "host", "session", "tests", "protocol_4.rec"), "rb") as file:
         old = file.read()
     bench.write("old.rec", old)
@@ -199,7 +201,7 @@ def text_field(text):
 
 
 def hostile_recording(good):
-    """Makes the recording with a scene path, a script path and a tool's name that would move the cursor."""
+    """Makes a recording whose scene path, script path and tool's name would move the terminal's cursor."""
     (kind, head), *rest = list(chunks(good))
     at, fields = 20, []
     for _ in range(2):

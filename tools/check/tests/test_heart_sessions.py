@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""The shipped sessions of the beating heart: each reaches the end that it states, and with its turns left out it does
-not. Medium flows without pictures.
+"""Tests the shipped sessions of the beating heart: each reaches the end that its script states, and without its turns
+it does not reach this end. Medium flows without pictures.
 
-The scene is that of `make coronary`, without what is only seen; that of the angioplasty has its lesion too.
+The scene is that of `make coronary`, without the bodies that only pictures need; the scene of the angioplasty also has
+its lesion.
 """
 
 import os

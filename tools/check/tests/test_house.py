@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The rooms include each other in no circle, and no file, function or folder exceeds its limit
+"""Claims: the rooms include each other in no circle, and no file, function or folder exceeds its limit
 (docs/architecture.md). Prints TAP."""
 
 import os

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""The device's images as `make test` built them: no soft-float, no divide helper, no heap, RAM and stack within their
-limits. The same rules as `make firmware`, which also prints the figures. BUILD is the folder with the build. Prints
-TAP."""
+"""Checks the device's images as `make test` built them: they have no soft-float, no divide helper and no heap, and RAM
+and stack are within their limits. `make firmware` applies the same rules to an image and also prints the figures. BUILD
+is the build folder. Prints TAP."""
 
 import contextlib
 import io
@@ -27,7 +27,7 @@ DIVIDES = (
 
 
 def linked_sample(text):
-    """Forbidden names in a C text linked for the Cortex-M7."""
+    """Returns the forbidden names in a C text that is linked for the Cortex-M7."""
     with tempfile.TemporaryDirectory() as folder:
         image = os.path.join(folder, "sample.elf")
         subprocess.run(

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The include graph has only the arrows listed here (DESIGN: layers point one way). Prints TAP."""
+"""Claims: the include graph has only the arrows listed here, which point from higher layers to lower ones. Prints
+TAP."""
 
 import os
 import re
@@ -27,7 +28,7 @@ COMMAND_LINE = [
     "host/base/output_files.hpp",
     "host/base/terminal.hpp",
 ]
-# Tests of a room may use every other; test_usb has a bus of sim ports.
+# Tests of a room may use every other room of the host; test_usb has a USB bus of simulated ports.
 HOST_TESTS = [
     "host",
     "shared",
@@ -44,8 +45,8 @@ ALLOWED = {
         "shared",
         "firmware/port/port.h",
     ],
-    # Code that can hurt a finger uses only samples, numbers and its own memory: neither the app, nor the wire, nor
-    # the core.
+    # Code that can hurt a finger uses only samples, numbers and its own memory; it uses neither the app, nor the
+    # wire, nor the core.
     "firmware/app/safety": ["firmware/port/port.h", "shared/wire/fault_code.h"],
     "firmware/app/haptics": [
         "firmware/app/safety/arithmetic.h",
@@ -53,7 +54,8 @@ ALLOWED = {
         "firmware/app/safety/limits.h",
         "firmware/core/fixed.h",  # arithmetic
     ],
-    # The USB stack knows the controller's contract and the wire, not the app: glue in a port joins the two.
+    # The USB stack depends on the controller's contract and the wire, but not on the app; code in a port joins the
+    # stack and the app.
     "firmware/app/usb": ["firmware/port/udc.h", "shared/wire"],
     "firmware/port": [],  # port.h and udc.h, the hardware contracts that the app requires and every port fulfils
     "firmware/port/usb": ["firmware/app", "firmware/port/port.h", "firmware/port/udc.h", "shared/wire"],
@@ -99,7 +101,7 @@ ALLOWED = {
     "host/xray": ["host/xray/paths", "host/model", "host/base"],
     "host/xray/style": ["host/xray", "host/xray/paths", "host/model", "host/base"],
     "host/xray/gl": ["host/xray", "host/model", "host/base"],
-    "host/dicom": ["host/xray", "host/model", "host/base"],  # the one folder that knows DCMTK
+    "host/dicom": ["host/xray", "host/model", "host/base"],  # the only folder that uses DCMTK
     "host/effects": ["host/model", "host/base", "shared"],
     "host/room": ["host/xray"],
     "host/stent": ["host/model", "host/base"],  # and libccd
@@ -171,7 +173,7 @@ ALLOWED = {
     ]
     + CORE_PUBLIC,
     "tools/centreline": ["tools/mesh", "host/base/pending_file.hpp", "host/base/guarded_read.hpp"],
-    # The window and pictures are the host's, which know nothing of it.
+    # The window and pictures are those of the host, which does not depend on this program.
     "tools/centreline/fit": [
         "tools/centreline",
         "tools/bake",
@@ -184,7 +186,7 @@ ALLOWED = {
     ],
     "tools/centreline/tests": ["tools/centreline", "tools/bake", "tools/mesh", "host/model", "host/base"],
     "tools/anatomy": ["shared", "host/model", "host/base", "tools/mesh", "tools/bake/mesh.hpp"] + CORE_PUBLIC,
-    # The readers of all tools, asked by one program for make importers.
+    # One program calls the readers of all tools for `make importers`.
     "tools/importers": [
         "host/base/version.hpp",
         "host/base/toml.hpp",
@@ -239,7 +241,7 @@ ALLOWED = {
     "tools/lab/ct/tests": ["tools/lab/ct", "tools/lab/case", "tools/bake", "tools/mesh", "host/base/tests/folder.hpp"],
     "tools/mesh": ["host/base/guarded_read.hpp", "host/base/interrupt.hpp"],
     "tools/mesh/files": ["tools/mesh", "host/base/guarded_read.hpp"],
-    # core_hash.c owns the core's memory and looks into it; it also runs on a bare board.
+    # core_hash.c owns the core's memory and reads it; it also runs on a bare board.
     "tools/lab/validate": COMMAND_LINE
     + [
         "firmware/core",
@@ -249,7 +251,7 @@ ALLOWED = {
     "tools/check": CORE_PUBLIC + ["firmware/core/core_state.h", "firmware/port/mps2_an500"],
     "tools/docs": ["shared/version.h", "shared/wire", "firmware/app/usb/usb_table.def"],
     "tools/lab/vcsim3": ["shared/scene"] + CORE_PUBLIC,
-    # Pictures are written by the host's two files for that, which know nothing else of the host.
+    # Two files of the host write the pictures; these files use nothing else of the host.
     "tools/lab/figures": COMMAND_LINE
     + [
         "tools/lab/vcsim3",
@@ -288,7 +290,7 @@ ALLOWED = {
     "hil_tests/cases/tests": ["hil_tests", "host", "firmware/tests/reference/long_run.h"],
     "hil_tests/campaign": ["hil_tests/cases", "hil_tests/l0", "hil_tests/l1", "hil_tests/plant", "host", "shared"],
     "hil_tests/campaign/tests": ["hil_tests"],
-    # Whole commands from their command line to their exit code, with the tests' own bus in libusb's place.
+    # These tests run whole commands, from command line to exit code, with a bus of their own in place of libusb.
     "hil_tests/lies": [
         "hil_tests/campaign/faulty_pipe.hpp",
         "hil_tests/cases/conversation.hpp",
@@ -301,8 +303,8 @@ ALLOWED = {
     "hil_tests/soak/tests": ["hil_tests/soak", "host"],
     "hil_tests/l1/tests": ["host/link", "hil_tests/usb", "shared"],
     "hil_tests/plant/tests": ["hil_tests/plant"],
-    # Bytes only: reference/client.h is the smallest host, host/app the whole one; tools/bake has the exact referee.
-    # test_angioplasty has a sim whose inflator it moves.
+    # These tests exchange bytes with the device: reference/client.h is the smallest host, and host/app is the whole
+    # one. tools/bake computes exact distances, and test_angioplasty moves the inflator of a simulated rig.
     "hil_tests": [
         "shared",
         "hil_tests/usb",
@@ -352,7 +354,7 @@ def row_of(path, table):
 
 
 def includes(text):
-    """Yields (line, quoted name or None, system name or None); comments are ignored."""
+    """Yields (line, quoted name or None, system name or None) of every include; comments are ignored."""
     plain = re.sub(r"/\*.*?\*/", tree.blank_all, text, flags=re.S)
     for match in INCLUDE.finditer(plain):
         yield tree.line_of(plain, match.start(1) if match.group(1) else match.start(2)), match.group(1), match.group(2)
@@ -373,7 +375,7 @@ def check_quoted(path, line, target, row, exists):
 
 
 def check_file(path, text, exists):
-    """Yields the findings of one file."""
+    """Yields the findings of one file: includes that the table does not permit."""
     row = row_of(path, ALLOWED)
     if row is None:
         yield "%s: its folder has no row in ALLOWED (tools/check/tests/test_layers.py)" % path
@@ -393,7 +395,8 @@ def is_test(path):
 
 
 def check_cycles(graph):
-    """Yields header cycles, found by removing files whose includes are all removed, until nothing changes."""
+    """Yields header cycles. Files whose includes are all removed are removed in turn, until nothing changes; the files
+    that remain form cycles."""
     left = dict(graph)
     while True:
         free = [path for path, targets in left.items() if not any(t in left for t in targets)]

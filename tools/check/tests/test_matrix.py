@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
-"""tools/check/matrix.py in its short form finds one hash on five machines (32 and 64 bits, both byte orders). A
-machine that computes one bit differently is found, with its tick, part and node. The long form is `make matrix`.
-Prints
-TAP."""
+"""Claims: tools/check/matrix.py in its short form finds one hash on five machines (32 and 64 bits, both byte orders).
+If a machine computes one bit differently, matrix.py finds it and names its tick, part and node. `make matrix` runs all
+variants. Prints TAP."""
 
 import os
 import subprocess
@@ -17,7 +16,7 @@ BREAKS = [("1203", "feed", "0"), ("2", "solve", "7"), ("3001", "friction", "9")]
 
 
 def matrix(*arguments):
-    """Returns (exit code, table lines, all output)."""
+    """Returns the exit code, the lines of the table, and all output."""
     done = subprocess.run(
         [MATRIX] + list(arguments), cwd=tree.ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False
     )

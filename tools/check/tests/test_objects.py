@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""The compiled core, read with nm, has no library calls, no floating point, no divide helper, no global
-state; and every generated file is what its generator writes. Prints TAP.
+"""Reads the compiled core with nm: it has no library calls, no floating point, no divide helper and no global state.
+Also checks that every generated file is what its generator writes. Prints TAP.
 
-The core is compiled three ways into a temporary folder: 64-bit x86 (gcc -O3, as shipped), 32-bit x86 and Cortex-M7
-(clang, -O2), since 64-bit machines hide a division that a 32-bit one does by calling a helper."""
+The core is compiled into a temporary folder for 64-bit x86 (gcc -O3, as shipped), 32-bit x86 and Cortex-M7 (clang,
+-O2). The 32-bit machines are needed because they divide by calling a helper where a 64-bit machine uses an
+instruction."""
 
 import os
 import re
@@ -46,7 +47,7 @@ def compile_to(folder, command, sources):
 
 
 def symbols(objects):
-    """(object, letter, name) of every symbol."""
+    """Yields (object, letter, name) of every symbol."""
     for path in objects:
         text = subprocess.run(["nm", path], check=True, stdout=subprocess.PIPE).stdout.decode()
         for line in text.splitlines():

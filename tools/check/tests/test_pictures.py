@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Every picture in README and docs names the core and the command that made it, and no picture is older than its
-inputs."""
+"""Claims: every picture in README and docs states its core and the command that made it, and no picture is older than
+its inputs."""
 
 import os
 import shutil
@@ -40,7 +40,7 @@ class Tap:
 
 
 def sample(folder):
-    """A manifest with one stamped picture of a session, and its file."""
+    """Makes a manifest with one stamped picture of a session, and the picture's file."""
     session, picture = os.path.join(folder, "a.session"), os.path.join(folder, "a.jpg")
     with open(session, "w", encoding="utf-8") as file:
         file.write("advance 10 mm\n")

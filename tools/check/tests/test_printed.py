@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Program output in the documents is what the programs print, and the documents name the present versions."""
+"""Claims: program output in the documents is what the programs print today, and the documents name the present
+versions."""
 
 import os
 import re

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The board's port is, byte for byte, the one that `make registers` held against the chip's description. Prints TAP."""
+"""Claims: the board's port is, byte for byte, the one that `make registers` compared with the chip's description.
+Prints TAP."""
 
 import os
 import sys

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The test runner and the benchmark runner report what went wrong: each claim is shown with a small program that
-misbehaves in one way. Prints TAP."""
+"""Claims: the test runner and the benchmark runner report every error. Each claim is shown with a small program that
+misbehaves in one respect. Prints TAP."""
 
 import os
 import subprocess

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Every shipped session that runs in the aorta, and those without a scene: each reaches the end that it states, and
-with its turns left out it does not.
+"""Tests every shipped session that runs in the aorta or without a scene: each reaches the end that its script states,
+and without its turns it does not reach this end.
 
-Anatomy and scene are made as `make run` makes them, but for what is only seen: the scene is the same to the byte. The
-renal angioplasty has a scene of its own, with its lesion. The sessions of the heart are run by
-test_heart_sessions.py, the short angioplasties by hil_tests/test_pci.cpp.
+Anatomy and scene are made as by `make run`, except for the bodies that only pictures need; the scene file is the same
+to the byte. The renal angioplasty has its own scene with its lesion. test_heart_sessions.py runs the sessions of the
+heart, and hil_tests/test_pci.cpp runs the short angioplasties.
 """
 
 import os
@@ -26,8 +26,8 @@ CASES = {  # session: tools
     "gallery/loin": AORTA,
 }
 
-# Slightly more or less of quantities that no measurement gives to the per cent. The course of the session differs,
-# its end does not.
+# These changes are small, because no measurement gives the quantities to the per cent. The course of the session
+# changes, and its end must not.
 CHANGES = {
     "a_tenth_more_friction": {"value = 0.1,": "value = 0.11,", "value = 0.12,": "value = 0.132,"},
     "a_stiffer_shaft": {"2.9e-4,": "3.1e-4,"},

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The rules of style that a program can check: lengths, banned words and calls, recursion, layout, documents, packages,
-make targets. Each rule is first shown to object to a bad sample. Prints TAP."""
+"""Checks the rules of style that a program can check: lengths, banned words and calls, recursion, layout, documents,
+packages, make targets. Each rule is first shown to object to a bad sample. Prints TAP."""
 import ast
 import os
 import re
@@ -15,7 +15,8 @@ import tree  # noqa: E402
 FUNCTION_LINES_MAX = 70
 FILE_LINES_MAX = 600
 LINE_LETTERS_MAX = 120
-# Files whose lines may be longer, and why. So may a row of a Markdown table, which cannot continue on another line.
+# These files may have longer lines, for the stated reason. A row of a Markdown table may also be longer, because it
+# cannot continue on another line.
 LONG_LINES = {
     ".tsv": "a row is a line",
     ".csv": "a row is a line",
@@ -73,7 +74,7 @@ PACKED = (".jpg", ".png", ".xz", ".rec", ".corpus")  # four letters in a row are
 
 # --- rules: each yields findings as file:line: text ----------------------------------------------------------------
 def earlier_name(path, text):
-    """Finds the project's former name in a path or in a line."""
+    """Finds an earlier name of the project in a path or in a line."""
     if EARLIER_NAME.search(path):
         yield path + ": has the project's earlier name"
     for number, line in enumerate(text.splitlines(), 1):
@@ -108,7 +109,7 @@ def long_lines(path, text):
 
 
 def callers(path, text):
-    """Finds a list of callers, or of permitted includes, that a person would have to keep true by hand."""
+    """Finds a list of callers, or of permitted includes, that somebody would have to keep up to date by hand."""
     for number, line in enumerate(text.splitlines(), 1):
         if CALLERS.search(line):
             yield "%s:%d: lists its callers or includes: leave that to a search, or to docs/architecture.md" % (
@@ -139,7 +140,7 @@ CONSTANT = CAST + r"\s*\(*\s*(?:\d\w*|[A-Z][A-Z0-9_]*(?:_[a-z]\w*)?\b|sizeof\b)"
 
 
 def variable_division(path, text):
-    """Finds division and remainder by anything but a literal, a named constant (CRN_...) or sizeof."""
+    """Finds a division or remainder whose divisor is not a literal, a named constant (CRN_...) or sizeof."""
     code = tree.code_only(text)
     for match in re.finditer(r"[/%]=?(?!=)", code):
         if not re.match(r"\s*" + CONSTANT, code[match.end() :]):
@@ -148,7 +149,8 @@ def variable_division(path, text):
 
 
 def call_graph(sources):
-    """Returns name -> (place, names called), for functions defined in sources (path -> text)."""
+    """Returns a table from name to (place, names called) for the functions that are defined in sources (path ->
+    text)."""
     defined = {}
     for path, text in sources.items():
         for name, first, _, body in tree.functions(tree.code_only(text)):
@@ -171,7 +173,7 @@ def recursion(sources):
 
 
 def layout(paths):
-    """Checks every C and C++ file with clang-format."""
+    """Checks the layout of every C and C++ file with clang-format."""
     for start in range(0, len(paths), 50):
         done = subprocess.run(["clang-format", "--dry-run", "-Werror"] + paths[start : start + 50], cwd=tree.ROOT,
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
@@ -311,7 +313,8 @@ def self_test_documents(report):
 
 # --- the tree -------------------------------------------------------------------------------------------------------
 def exists(path):
-    """Returns a path of the tree; for a pattern, the folder before its first star."""
+    """Returns whether the path exists in the tree; for a pattern, it tests the folder before the pattern's first
+    star."""
     if "*" in path:
         path = os.path.dirname(path[: path.index("*")])
     return os.path.exists(os.path.join(tree.ROOT, path))

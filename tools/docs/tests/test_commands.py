@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Commands in the documents: they are found, markers are obeyed, and those that take seconds run
-(tools/docs/commands.py; `make test-lab` runs the rest). Prints TAP."""
+"""Claims: commands in the documents are found, and their markers are obeyed. The commands that take only seconds are
+run here (tools/docs/commands.py); `make test-lab` runs the rest. Prints TAP."""
 
 import os
 import re

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""The Wireshark dissector reads what the wire is: frames made here by another hand (COBS, CRC-32, layout as in
-docs/wire.md) go into a capture, and tshark must name their values, put split frames together and object to damaged
-ones. Prints TAP."""
+"""Claims: the Wireshark dissector reads frames correctly. This test makes the frames independently of the project's
+code (COBS, CRC-32 and layout as in docs/wire.md) and writes them to a capture. tshark must name their values, put split
+frames together and report damaged ones. Prints TAP."""
 
 import os
 import struct
@@ -16,7 +16,8 @@ USER0, USB_LINUX = 147, 220
 
 
 def stuffed(body):
-    """Encodes COBS by its definition: no zero inside, every block of at most 254 bytes behind its length."""
+    """Encodes COBS by its definition: the code contains no zero, and a length precedes every block of at most 254
+    bytes."""
     out, block = bytearray(), bytearray()
     for byte in body + b"\0":
         if byte == 0:
@@ -36,9 +37,8 @@ def frame(sequence, kind, payload, flip=0):
 
 
 def on_bus(data, device):
-    """Returns Linux's usbmon record of a bulk transfer to endpoint 2 (Documentation/usb/usbmon.rst, struct
-    mon_bin_hdr of
-    64 bytes)."""
+    """Returns the record that Linux's usbmon writes for a bulk transfer to endpoint 2 (Documentation/usb/usbmon.rst,
+    struct mon_bin_hdr of 64 bytes)."""
     header = struct.pack(
         "<QBBBBHBBqiiII8siiII",
         1,
@@ -71,7 +71,7 @@ def capture(packets, kind):
 
 
 def dissect(script, path, *fields):
-    """Returns one list of texts per packet and field."""
+    """Returns a list of texts for each packet and field."""
     command = [
         "tshark",
         "-X",
@@ -131,8 +131,8 @@ CLAIMS = [
 ]
 
 
-# A capture that began after the device was plugged in: its class is not in it. Another device of the class "vendor"
-# is not ours.
+# This capture began after the device was plugged in, so it does not contain the device's class. Another device of the
+# class "vendor" must not be taken for ours.
 def packets_of_bus():
     ours = packets_of_test()
     return [

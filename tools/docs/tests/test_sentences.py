@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Samples of sentences are the same for the same seed, and are sentences. Prints TAP."""
+"""Claims: samples of sentences are the same for the same seed, and they consist of sentences. Prints TAP."""
 
 import os
 import subprocess

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The docs site: every page is in the navigation once, versions are pinned, hooks do what they say. `make docs`
-builds it. Prints TAP."""
+"""Claims about the docs site: every page is in the navigation once, the package versions are pinned, and the hooks do
+what their comments state. `make docs` builds it. Prints TAP."""
 
 import collections
 import importlib.util
@@ -18,7 +18,7 @@ AUDIENCES = ["Home", "Trainee", "Rig builder", "Developer", "Evidence"]
 
 
 def navigation_faults(config, pages):
-    """Returns pages that are missing, listed twice, or do not exist."""
+    """Returns the pages that are missing from the navigation, listed twice, or do not exist."""
     listed = collections.Counter(PAGE.findall(config))
     for page in sorted(set(pages) - set(listed)):
         yield "docs/%s is not in the navigation of mkdocs.yml" % page

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""A part of `make importers` on the plain build: the files made by hand, and some hundred mutations. Prints TAP."""
+"""Runs a part of `make importers` on the plain build: the files made by hand, and some hundred mutations. Prints
+TAP."""
 
 import os
 import sys

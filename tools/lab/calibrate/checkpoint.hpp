@@ -1,7 +1,8 @@
-// The state of a search as a file. A search that was stopped continues from it, here or on another machine,
-// as if it had never stopped. The file is text: a head with version, hash and settings, every trial as
-// hexadecimal doubles (exact), pagmo's archive, and a last line without which the file is incomplete. It is
-// written under another name and renamed, after every generation.
+// A checkpoint is a file that holds the state of a search. A search that was stopped continues from its
+// checkpoint, here or on another machine, with the same results as if it had never stopped. The file is text.
+// The file contains a head with version, hash and settings, every trial as hexadecimal doubles (exact),
+// pagmo's archive, and a last line, without which the file counts as incomplete. After every generation the
+// checkpoint is written under another name and then renamed.
 #pragma once
 #include "tools/lab/calibrate/search.hpp"
 
@@ -15,29 +16,29 @@ class CheckpointError : public std::runtime_error
     using std::runtime_error::runtime_error;
 };
 
-// An FNV-1a hash over everything on which a search depends.
+// Computes an FNV-1a hash over everything on which a search depends.
 class Hash
 {
   public:
     void add(std::string_view bytes);
     void add(double value);
-    void
-    add_file(const std::filesystem::path &file); // hashes its bytes, not its name. Throws CheckpointError.
+    void add_file(
+        const std::filesystem::path &file); // Hashes the file's bytes, not its name. Throws CheckpointError.
     std::uint64_t value() const { return value_; }
 
   private:
     std::uint64_t value_ = 14695981039346656037u;
 };
 
-// Hashes the case with all its files, the evaluator, the judge and the search, but not the number of
-// generations, because a search may be prolonged.
+// Hashes the case with all its files, the evaluator, the judge and the search. The number of generations is
+// not hashed, because a search may be prolonged.
 std::uint64_t hash_of(const insertion::Case &c, const Evaluator &evaluator, const Judge &judge,
                       const SearchSettings &settings);
 
 // Throws OutputError.
 void write_checkpoint(const std::string &path, std::uint64_t hash, const SearchSettings &settings,
                       const SearchState &state);
-// Throws CheckpointError when the file is incomplete, of another version, or of a case or settings other than
+// Throws CheckpointError when the file is incomplete, or belongs to another version, case or settings than
 // `hash`.
 SearchState read_checkpoint(const std::string &path, std::uint64_t hash, std::size_t parameter_count);
 

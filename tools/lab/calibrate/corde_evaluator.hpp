@@ -1,8 +1,9 @@
-// The thesis' rod as an evaluator: the baseline beside our rod, fitted by the same search.
+// Makes the thesis' rod an evaluator, so that the search can fit it. The thesis' rod serves as the baseline
+// for our rod, and the same search fits both.
 //
-// Five numbers are fitted, as in the thesis (5.3.3): Young's modulus of the shaft, alpha (the tip's modulus
-// over the shaft's), radius, density and Kp. The instrument file determines how stiffness changes from tip to
-// shaft, GJ over EI and the tip's shape; the case determines friction and gravity.
+// Five numbers are fitted, as in section 5.3.3 of the thesis: Young's modulus of the shaft, alpha (the tip's
+// modulus over the shaft's), radius, density and Kp. The instrument file determines how stiffness changes
+// from tip to shaft, the ratio GJ / EI and the tip's shape; the case determines friction and gravity.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "tools/lab/calibrate/corde_rod.hpp"
@@ -11,12 +12,13 @@
 namespace crn::calibrate
 {
 
-// Returns the default settings, and those without shortcuts: elements half as long, a slow hand, a long rest.
+// Returns the default settings, or those without shortcuts: elements half as long, a slow hand and a long
+// rest.
 CordeSettings corde_settings();
 CordeSettings careful_corde_settings();
 
-// Converts the file's numbers to those of a solid round wire, with a Kp that makes the directors follow waves
-// longer than some millimetres.
+// Converts the stiffness, radius and mass of the instrument file to those of a solid round wire. Kp is chosen
+// so that the directors follow waves longer than some millimetres.
 CordeValues nominal_corde_values(const Instrument &instrument);
 
 class CordeEvaluator final : public Evaluator

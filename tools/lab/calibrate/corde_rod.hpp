@@ -1,4 +1,4 @@
-// The thesis' rod (tools/lab/vcsim3) as an instrument in a hand. The instrument's file determines the
+// Makes an instrument in a hand from the thesis' rod (tools/lab/vcsim3). The instrument's file determines the
 // stiffness along the rod and the shape of its tip; the five numbers that the thesis fits determine the rest.
 #pragma once
 #include "shared/wire/wire.h"
@@ -8,8 +8,8 @@
 namespace crn::calibrate
 {
 
-// A round wire: EI = E pi r^4 / 4 at the shaft, E of the tip over E of the shaft, mass per length = density
-// pi r^2.
+// The formulas are those of a round wire: EI = E pi r^4 / 4 at the shaft, alpha = E of the tip over E of the
+// shaft, and mass per length = density pi r^2.
 struct CordeValues {
     double young_Pa = 0.0, tip_over_shaft = 0.0, radius_mm = 0.0, density_kg_m3 = 0.0, parallel_N = 0.0;
 
@@ -17,9 +17,9 @@ struct CordeValues {
     double bend_N_m2() const;
 };
 
-// Explicit integration is stable while the steps are short compared with the fastest motion. A rod that needs
-// more than `substeps_max` steps gets more mass. All values are measured: docs/calibrate.md, "The thesis'
-// rod".
+// Explicit integration is stable while the time steps are short compared with the fastest motion. A rod that
+// would need more than `substeps_max` substeps gets more mass instead. docs/calibrate.md, "The thesis' rod",
+// gives the measurements behind all values.
 struct CordeSettings : InsertionSettings {
     double element_mm = 3.0; // with element_factor 1
     int substeps_max = 8;    // per tick of 1 ms
@@ -28,7 +28,7 @@ struct CordeSettings : InsertionSettings {
     vcsim3::Mode mode;              // the method that keeps lengths: one global iteration
 };
 
-// The parameters of such a rod for the integration.
+// Returns the parameters of the thesis' rod for the integration.
 struct CordeModel {
     vcsim3::RodProperties properties;
     int substeps = 1;
@@ -37,8 +37,9 @@ struct CordeModel {
 CordeModel corde_model(const crn_wire_instrument &table, const CordeValues &values, const insertion::Case &c,
                        const CordeSettings &settings, double length_mm);
 
-// The direction of the first axis of the instrument's frame while the hand is not turned, as in the core:
-// perpendicular to `direction` and to the world's axis that is most perpendicular to it.
+// Returns the direction of the first axis of the instrument's frame while the hand is not turned, as in the
+// core. The direction is perpendicular to `direction` and to the world's axis that is most perpendicular to
+// `direction`.
 Vector3d zero_turn_axis(const Vector3d &direction);
 
 class CordeRod final : public HeldRod

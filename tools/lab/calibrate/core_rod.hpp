@@ -1,5 +1,5 @@
-// The firmware core with one tool, as an insertion needs it. Only these two files of the folder call the
-// core.
+// Runs the firmware core with one tool, as far as an insertion needs it. Only this header and its .cpp file,
+// of all files in this folder, call the core.
 #pragma once
 #include "shared/wire/wire.h"
 #include "tools/lab/calibrate/hand.hpp"
@@ -13,11 +13,11 @@ namespace crn::calibrate
 class CoreRod final : public HeldRod
 {
   public:
-    // `lumen` must outlive this object; nullptr is free space. Throws TrialRefused when the core rejects the
-    // tool.
+    // The `lumen` must outlive this object; nullptr means free space. Throws TrialRefused when the core
+    // rejects the tool.
     CoreRod(const crn_wire_instrument &table, const crn_lumen *lumen, const Vector3d &mouth_mm,
             const Vector3d &direction, const Vector3d &gravity_m_s2, double inserted_mm);
-    // Returns the core's version: with the same version, the same inputs give the same hashes.
+    // Returns the core's version. With the same version of the core, the same inputs give the same hashes.
     static unsigned version();
     ~CoreRod() override;
 

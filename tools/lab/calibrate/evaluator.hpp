@@ -1,6 +1,6 @@
-// The fitted parameters and the result of one trial. A trial is an insertion of the virtual instrument by the
-// case's protocol. `Evaluator` hides the rod, so that another rod than ours (the thesis' CoRdE) is fitted by
-// the same search.
+// Defines the fitted parameters and the result of one trial. A trial is an insertion of the virtual
+// instrument by the case's protocol. `Evaluator` hides the rod, so that the same search can fit another rod
+// than ours, such as the thesis' CoRdE.
 #pragma once
 #include "tools/lab/case/case.hpp"
 #include <Eigen/Core>
@@ -13,8 +13,8 @@ namespace crn::calibrate
 
 using Eigen::Vector3d;
 
-// One number to fit, above 0. The search uses its share 0 .. 1 of the logarithmic range from `low` to `high`,
-// because ratios matter.
+// A parameter is one number to fit; it is above 0. The search uses the parameter's position 0 .. 1 in the
+// logarithmic range from `low` to `high`, because ratios matter more than differences.
 struct Parameter {
     std::string name, unit, text; // "bend_shaft", "N m^2", its description
     double low = 0.1, high = 10.0, nominal = 1.0;
@@ -25,7 +25,7 @@ struct Parameter {
     double share_of(double value) const; // limited to 0 .. 1
 };
 
-// The instrument at rest, and the force on the hand during the insertion.
+// The result holds the instrument at rest, and the force on the hand during the insertion.
 struct Insertion {
     std::vector<std::vector<Vector3d>>
         nodes_mm; // one list per depth: the nodes inside the vessel, tip first, at their mean places at rest
@@ -35,31 +35,31 @@ struct Insertion {
     long ticks = 0;                            // of the whole insertion
 };
 
-// The reason why an instrument cannot be tried with these numbers: the core rejects it, or it became
-// unstable.
+// Thrown when an instrument cannot be tried with these numbers: the core rejects the numbers, or the rod
+// became unstable. The text gives the reason.
 class TrialRefused : public std::runtime_error
 {
   public:
     using std::runtime_error::runtime_error;
 };
 
-// It is safe to call from several threads at once; the same values give the same bits.
+// An Evaluator is safe to call from several threads at once; the same values give the same bits.
 class Evaluator
 {
   public:
     virtual ~Evaluator() = default;
     const std::vector<Parameter> &parameters() const { return parameters_; }
-    // Throws CaseError when 0 < low < high does not hold or the nominal value lies outside.
+    // Throws CaseError when 0 < low < high does not hold, or when the nominal value lies outside this range.
     void set_bounds(std::size_t parameter, double low, double high);
 
     virtual std::string rod() const = 0; // "core": our rod; "corde": the thesis' rod
     virtual std::string instrument_name() const = 0;
-    // Inserts to the first `depth_count` depths of the case. Throws TrialRefused.
+    // Inserts the instrument to the first `depth_count` depths of the case. Throws TrialRefused.
     virtual Insertion insert(const std::vector<double> &values, std::size_t depth_count) const = 0;
-    // All settings that change its answers, as text for the checkpoint's hash.
+    // Returns all settings that change the results, as text for the checkpoint's hash.
     virtual std::string settings_text() const = 0;
-    // The instrument's file with these values and `source` after them; empty when our simulator has no such
-    // rod.
+    // Returns the text of the instrument's file with these values, each followed by `source`; empty when our
+    // simulator has no such rod.
     virtual std::string instrument_text(const std::vector<double> &values,
                                         const std::string &source) const = 0;
 

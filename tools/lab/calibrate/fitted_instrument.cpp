@@ -10,7 +10,7 @@ namespace crn::calibrate
 namespace
 {
 
-// Keys that state a fitted value in some form.
+// These keys of an instrument file state a value that a fit determines.
 const char *const replaced_keys[] = {"bend_stiffness_N_m2", "flexural_modulus_GPa", "twist_stiffness_N_m2",
                                      "twist_to_bend",       "mass_kg_per_m",        "radius_outer_mm",
                                      "friction_kinetic",    "friction_static"};
@@ -29,8 +29,8 @@ toml::table value_of(double from, double to, const std::string &source)
     return value;
 }
 
-// A whole number of the wire's small units as a decimal of the file's units: 14500 nN m^2 is 1.45e-05 exactly
-// as read.
+// Writes a whole number of the wire protocol's small units as a decimal of the file's units. 14500 nN m^2
+// becomes 1.45e-05, which is read back exactly.
 double decimal(std::uint32_t value, double units)
 {
     return static_cast<double>(value) / units;

@@ -44,7 +44,7 @@ class Hand
         }
     }
 
-    // The mean places at rest: the tip may oscillate about them.
+    // We take mean places at rest, because the tip may oscillate about them.
     std::vector<Vector3d> rest()
     {
         const double still_mm = settings_.still_um_per_tick * settings_.rest_window_ticks * 1e-3;
@@ -64,15 +64,16 @@ class Hand
     }
 
   private:
-    // The case's speed where that is faster, but never more than the normal feed.
+    // Returns the speed of the approach, or the case's speed if that is faster, but never more than the
+    // normal feed.
     double near_speed_mm_per_s() const
     {
         return std::min(settings_.speed_mm_per_s,
                         std::max(settings_.approach_mm_per_s, case_.speed_mm_per_s));
     }
 
-    // The mean place of each node over the next window; empty if the number of nodes changes, as it does
-    // while the rod still follows the hand.
+    // Returns the mean place of each node over the next window; empty if the number of nodes changes, as it
+    // does while the rod still follows the hand.
     std::vector<Vector3d> mean_over_window()
     {
         const double turn_deg = case_.turn_deg_at(hand_mm_);

@@ -1,17 +1,17 @@
-// The inserting hand: it executes the case's protocol with any rod.
+// The inserting hand executes the case's protocol with any kind of rod.
 #pragma once
 #include "tools/lab/calibrate/evaluator.hpp"
 
 namespace crn::calibrate
 {
 
-// A rod with one end in the hand, advanced in ticks of 1 ms.
+// Represents a rod with one end in the hand, advanced in ticks of 1 ms.
 class HeldRod
 {
   public:
     virtual ~HeldRod() = default;
-    // The hand's position after the next tick: the pushed-in length, counted from the introducer, and its
-    // angle, right-handed about the feed.
+    // Sets the hand's position after the next tick: the pushed-in length, counted from the introducer, and
+    // the angle, right-handed about the feed.
     virtual void tick(double hand_mm, double turn_deg) = 0;
 
     virtual double inserted_mm() const = 0;
@@ -20,16 +20,16 @@ class HeldRod
     virtual std::vector<Vector3d> nodes_mm() const = 0; // the nodes inside the vessel, tip first
 };
 
-// The hand's motion, the criterion of rest, and the resolution. The defaults are for our rod;
-// docs/calibrate.md, "Short cuts", states their cost.
+// These settings define the hand's motion, the criterion of rest, and the resolution. The defaults are for
+// our rod; docs/calibrate.md, "Short cuts", states how they change the result.
 struct InsertionSettings {
     double start_mm = 5.0;        // inserted length when the hand begins; the core may need slightly more
     double speed_mm_per_s = 40.0; // of the hand; the case's speed where that is faster
-    // Friction remembers only the last stretch of travel. The hand therefore approaches every depth at this
-    // speed, or at the case's where that is faster.
+    // Only the last stretch of travel affects the friction at rest. The hand therefore approaches every depth
+    // at this speed, or at the case's speed if that is faster.
     double approach_mm = 10.0, approach_mm_per_s = 10.0;
-    // The rod is at rest when, over three times `rest_window_ticks`, no node's mean place moves by more than
-    // this per tick. We use a mean because a soft tip on a wall may chatter for ever.
+    // The rod is at rest when no node's mean place moves by more than this per tick during three times
+    // `rest_window_ticks`. We use a mean, because a soft tip may chatter on the wall for ever.
     double still_um_per_tick = 0.2;
     int rest_window_ticks = 50;
     int settle_max_ticks = 1000;
@@ -38,8 +38,8 @@ struct InsertionSettings {
     std::string text() const; // for Evaluator::settings_text
 };
 
-// Feeds from the present position to the first `depth_count` depths, with a rest at each. Throws TrialRefused
-// when the rod is not sound.
+// Feeds from the present position to the first `depth_count` depths, and rests at each of them. Throws
+// TrialRefused when the rod's state becomes invalid.
 Insertion insert_by_hand(HeldRod &rod, const insertion::Case &c, const InsertionSettings &settings,
                          std::size_t depth_count);
 

@@ -1,5 +1,5 @@
-// How well each number is determined: the range over which it can vary while the objective rises by less than
-// noise explains. The others stay as they are, or vary as in the search's trials.
+// Determines for each number the range over which it can vary while the objective rises by no more than the
+// noise explains. The other numbers stay as they are, or vary as in the search's trials.
 #pragma once
 #include "tools/lab/calibrate/search.hpp"
 
@@ -19,8 +19,8 @@ struct Identified {
     bool is_determined = false;
 };
 
-// Returns one entry per parameter. Trials go to `evaluate` in a few batches. `trials` are those of the
-// search.
+// Returns one entry per parameter. The function `evaluate` receives the trials in a few batches. `trials` are
+// the trials that the search has made.
 std::vector<Identified> identify(const std::vector<Parameter> &parameters, const Trial &best,
                                  const std::vector<Trial> &trials, const EvaluateShares &evaluate,
                                  const IdentifySettings &settings);

@@ -1,5 +1,5 @@
-// The deviation of an insertion from the scan and from the measured force: equation 19 of the thesis at each
-// depth, and the force trace.
+// Judges how far an insertion deviates from the scan and from the measured force. The judge uses equation 19
+// of the thesis at each depth, and the force trace.
 #pragma once
 #include "tools/lab/calibrate/evaluator.hpp"
 #include <span>
@@ -7,7 +7,8 @@
 namespace crn::calibrate
 {
 
-// Distances of the simulated nodes from the nearest point of the reference, a line of straight pieces.
+// Holds statistics of the distances from the simulated nodes to the nearest point of the reference, which is
+// a line of straight pieces.
 struct Distances {
     double rms_mm = 0.0, mean_mm = 0.0, deviation_mm = 0.0, max_mm = 0.0;
     std::size_t count = 0;
@@ -16,19 +17,19 @@ double distance_to_line_mm(const Vector3d &point, std::span<const Vector3d> line
 Distances distances_of(std::span<const Vector3d> nodes_mm, std::span<const Vector3d> reference_mm);
 
 // Returns the relative RMS of the difference of two force traces: sqrt(sum (F - F_ref)^2 / sum F_ref^2) over
-// the samples of the reference from `from_mm` to `to_mm`. Both are medians over `smooth_mm` around each
-// sample, since a tip that snaps past an edge gives a peak that another model has elsewhere. Empty when there
-// is no such sample.
+// the samples of the reference from `from_mm` to `to_mm`. Both forces are medians over `smooth_mm` around
+// each sample. A tip that snaps past an edge gives a peak, which another model has at another place. Returns
+// nothing when the reference has no sample between `from_mm` and `to_mm`.
 std::optional<double> force_error(std::span<const insertion::ForceSample> simulated,
                                   std::span<const insertion::ForceSample> reference, double from_mm,
                                   double to_mm, double smooth_mm);
-// The median around one inserted length; empty where the trace has no sample.
+// Returns the median around one inserted length, or nothing if the trace has no sample there.
 std::optional<double> force_at(std::span<const insertion::ForceSample> trace, double inserted_mm,
                                double smooth_mm);
 
 // The search minimises the mean RMS over the fitted depths, in mm, plus `force_weight_mm` times the relative
-// RMS of the force. Forces scale with EI in a rigid lumen, so a scale that is 10 % off costs a tenth of the
-// weight.
+// RMS of the force. In a rigid lumen forces are proportional to EI, so an EI that is 10 % wrong costs a tenth
+// of the weight.
 struct JudgeSettings {
     std::size_t fit_depths = 2; // the first ones; the others serve for validation
     double force_weight_mm = 1.0;
@@ -49,7 +50,7 @@ class Judge
     // Reads the case's centrelines and force trace. Throws CaseError.
     Judge(const insertion::Case &c, const JudgeSettings &settings);
     Verdict judge(const Insertion &insertion) const;
-    // Inserts and judges; a refused trial also gives a verdict.
+    // Runs the insertion and judges it; a refused trial also gets a verdict.
     Verdict evaluate(const Evaluator &evaluator, const std::vector<double> &values) const;
 
     bool has_force() const { return !force_.empty(); }

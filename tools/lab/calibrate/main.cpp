@@ -82,7 +82,7 @@ std::pair<std::size_t, std::string> named(const std::string &text, const std::ve
     throw UsageError("'" + text + "': give NAME=... with one of this instrument's parameters: " + known);
 }
 
-// All data that one trial needs; they are the same on every rank.
+// Holds all data that one trial needs; these data are the same on every rank (MPI process).
 struct Setup {
     insertion::Case c;
     std::unique_ptr<vcsim3::Vessel> vessel;
@@ -136,7 +136,8 @@ struct Setup {
     }
 };
 
-// Writes nodes (tip first) as depth_N.csv of a case, which runs from the introducer to the tip.
+// Writes the nodes, which are listed tip first, as depth_N.csv of a case, which runs from the introducer to
+// the tip.
 void write_shape(const Options &options, const insertion::Case &c, std::size_t depth,
                  const std::vector<Vector3d> &nodes_mm)
 {
@@ -175,7 +176,7 @@ int evaluate_once(const Options &options, const Setup &setup)
     return 0;
 }
 
-// Runs one method to the end of its budget, with a checkpoint after every generation.
+// Runs one search method until its budget is used up, with a checkpoint after every generation.
 Finished search(const Options &options, Method method, const Setup &setup, const EvaluateShares &evaluate,
                 std::string &doing)
 {

@@ -28,8 +28,8 @@ ParameterResult judged(const Parameter &parameter, double share, const Identifie
     return result;
 }
 
-// Undetermined numbers return to the file's value, one after the other, as long as the objective stays within
-// the noise.
+// Sets undetermined numbers back to the file's value, one after the other, as long as the objective stays
+// within the noise.
 Verdict keep_nominal(std::vector<ParameterResult> &parameters, double limit, const EvaluateShares &evaluate,
                      Verdict best)
 {
@@ -52,8 +52,8 @@ Verdict keep_nominal(std::vector<ParameterResult> &parameters, double limit, con
     return best;
 }
 
-// Repeats the insertion without shortcuts, where the core's number format allows such short elements. A fit
-// is not lost when it does not.
+// Repeats the insertion without shortcuts, if the core's number format permits such short elements. If the
+// format does not permit them, the fit still counts, and only this insertion is missing.
 std::optional<Insertion> careful_insertion(const Evaluator &careful, const std::vector<double> &values,
                                            std::size_t depth_count)
 {

@@ -1,4 +1,5 @@
-// Writes a result as JSON, as a page and as pictures, using the thesis baseline's canvas, charts and tables.
+// Writes a result as JSON, as a page and as pictures, with the canvas, charts and tables of the thesis
+// baseline (vcsim3).
 #include "host/base/format.hpp"
 #include "tools/lab/calibrate/result.hpp"
 #include "tools/lab/figures/chart.hpp"

@@ -1,8 +1,8 @@
-// Our own rod as an evaluator: the firmware core, fed into the case's lumen as the device feeds it.
+// Makes our own rod an evaluator: the firmware core is fed into the case's lumen as the device feeds it.
 //
 // Four numbers are fitted: EI of the shaft, alpha (EI of the tip over EI of the shaft), the outer radius and
-// the density. The case and the instrument file give the friction, the shape and the mesh. An instrument
-// whose tip is as stiff as its shaft has no alpha.
+// the density. The case gives the friction, and the instrument file gives the shape and the mesh. An
+// instrument whose tip is as stiff as its shaft has no parameter alpha.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "tools/lab/calibrate/core_rod.hpp"
@@ -11,24 +11,24 @@
 namespace crn::calibrate
 {
 
-// Settings without shortcuts: the case's speed throughout, elements 0.35 times the file's where the core
-// accepts them, and a long rest.
+// Returns settings without shortcuts: the case's speed throughout, elements 0.35 times as long as the file's
+// where the core accepts them, and a long rest.
 InsertionSettings careful_settings();
 
-// Values of the four numbers; a missing parameter has its nominal value.
+// Holds the values of the four numbers; a missing parameter gets its nominal value.
 struct RodValues {
     double bend_shaft_N_m2 = 0.0, tip_over_shaft = 0.0, radius_mm = 0.0, density_kg_m3 = 0.0;
 };
 
-// Mass per length divided by the metal's cross-section at the shaft.
+// Returns the mass per length divided by the metal's cross-section at the shaft.
 double density_of(const crn_wire_instrument &table, double radius_mm);
 RodValues nominal_values(const crn_wire_instrument &table);
-// Returns the nominal table with these values: EI and GJ by tools/lab/case/stiffness.hpp, radius and mass by
-// a factor along the whole instrument, the case's friction everywhere.
+// Returns the nominal table with these values. tools/lab/case/stiffness.hpp gives EI and GJ, one factor
+// applies to radius and one to mass along the whole instrument, and the friction is the case's everywhere.
 crn_wire_instrument virtual_instrument(const crn_wire_instrument &nominal, const RodValues &values,
                                        const insertion::Case &c);
 
-// Returns the first `length_mm` of an instrument; the part that stays outside needs no nodes.
+// Returns the first `length_mm` of an instrument; the part that stays outside the patient needs no nodes.
 crn_wire_instrument shortened(const crn_wire_instrument &table, double length_mm);
 
 class RodEvaluator final : public Evaluator

@@ -1,11 +1,11 @@
-// The search for the best numbers by pagmo: the thesis' genetic algorithm, and beside it CMA-ES and
-// differential evolution with the same budget. Trials are shares 0 .. 1 of the parameters' ranges.
+// Searches for the best numbers with pagmo, by the thesis' genetic algorithm. CMA-ES and differential
+// evolution can be used with the same budget. A trial gives each parameter as a share 0 .. 1 of its range.
 //
-// pagmo's algorithms request one trial after the other. We therefore run each generation twice. First we
-// advance a copy of the algorithm with a problem that only records the requested trials; a whole generation
-// is drawn before any answer matters. The workers then evaluate these trials together. Finally we advance the
-// algorithm itself with a problem that answers from them. The result is what the algorithm would have done
-// alone, whatever the number of workers.
+// pagmo's algorithms request one trial after the other. To evaluate whole generations in parallel, we run
+// each generation twice. First we advance a copy of the algorithm with a problem that only records the
+// requested trials; a generation's trials do not depend on one another's results. The workers then evaluate
+// these trials together. Finally we advance the algorithm itself with a problem that returns these results.
+// The outcome is the same as if the algorithm had run alone, whatever the number of workers.
 #pragma once
 #include "tools/lab/calibrate/workers.hpp"
 #include <cstdint>
@@ -17,10 +17,10 @@ enum class Method { genetic, cmaes, differential };
 const char *method_token(Method method); // "genetic", "cmaes", "differential"
 std::optional<Method> method_of(const std::string &token);
 
-// The budget of one search, as in the thesis: 50 generations of 50.
+// By default one search has the thesis' budget: 50 generations of 50 trials.
 constexpr unsigned trial_budget = 2500;
-// Returns the number of trials per generation that suits a method. It is the thesis' 50, or a third of that
-// for CMA-ES, which learns from every generation and needs few trials for up to five numbers
+// Returns the number of trials per generation that suits a method. The number is the thesis' 50, or a third
+// of it for CMA-ES. CMA-ES learns from every generation and needs few trials for up to five numbers
 // (docs/calibrate.md, "Search").
 unsigned default_population(Method method);
 
@@ -33,8 +33,8 @@ struct SearchSettings {
         0.0; // has_converged() compares with it; 0: only the number of generations ends a search
 };
 
-// `settings` completed for a method. Without given values it takes the method's population and as many
-// generations as the budget allows, at least 50.
+// `settings` completed for a method. Where no value is given, the function takes the method's population and
+// as many generations as the budget permits, but at least 50.
 SearchSettings sized(SearchSettings settings, Method method, std::optional<unsigned> population,
                      std::optional<unsigned> generations);
 
@@ -43,7 +43,7 @@ struct Trial {
     Verdict verdict;
 };
 
-// All state on which the next generation depends.
+// Holds everything on which the next generation depends.
 struct SearchState {
     unsigned generation = 0;       // number of completed generations
     std::vector<Trial> trials;     // all trials, in the order in which they were drawn
@@ -61,16 +61,16 @@ struct GenerationFigures {
 
 using EvaluateShares = std::function<std::vector<Verdict>(const std::vector<std::vector<double>> &)>;
 
-// Runs one more generation. `late` receives the number of trials that were not in the table; it is 0 unless
-// pagmo's behaviour has changed.
+// Runs one more generation. `late` receives the number of trials that had not been recorded before; it is 0
+// unless pagmo's behaviour has changed.
 void advance(const SearchSettings &settings, std::size_t parameter_count, const EvaluateShares &evaluate,
              SearchState &state, std::size_t *late = nullptr);
 
-// Returns whether the whole population is within `stop_spread_mm` of the best. It depends on the state alone,
-// so a search that was stopped and resumed ends at the same generation.
+// Returns whether the objectives of the whole population are within `stop_spread_mm` of the best one. The
+// result depends only on the state, so a search that was stopped and resumed ends at the same generation.
 bool has_converged(const SearchSettings &settings, const SearchState &state);
 
-// Returns the first of the best trials. The state must have at least one.
+// Returns the first of the best trials of a search. The search's state must contain at least one trial.
 const Trial &best_of(const SearchState &state);
 std::vector<GenerationFigures> curve_of(const SearchState &state, unsigned population);
 

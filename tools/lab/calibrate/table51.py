@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
-"""Fits the nine instruments of the thesis' Table 5.1 and writes one page (docs/table51.md).
+"""Fits the nine instruments of the thesis' Table 5.1 and writes one page of results (docs/table51.md).
 
   table51.py -o out/table51 [--preset full|quick|fast] [--instruments NAME ...] [--page-only]
 
-For each instrument, the reference rod makes the truth with stiffness that differs from the file's. The truth goes
-through virtual scans and their segmentation, or directly as centrelines with noise. Then come fits of our rod without
-and with the force trace, and of the CoRdE baseline. Every finished step leaves a file NAME.done with its commands and
-is not repeated for the same commands. A fit that was stopped continues from its last generation. An instrument that
-fails is named on the page, and the others continue. The page is renewed after every instrument. The exit code is 0 when
-everything was made, 1 when something failed or was stopped, 2 on a usage error.
+For each instrument, the reference rod makes the true shapes, with a stiffness that differs from the instrument file's.
+These shapes go through virtual scans and segmentation, or they become centrelines with noise directly. Our rod is then
+fitted without and with the force trace, and so is the CoRdE baseline. Every finished step leaves a file NAME.done with
+its commands, and is not repeated for the same commands. A fit that was stopped continues from its last generation. An
+instrument that fails is named on the page, and the work continues with the others. The page is written again after
+every instrument. The exit code is 0 when everything was made, 1 when something failed or was stopped, and 2 for a usage
+error.
 """
 
 import argparse
@@ -25,9 +26,9 @@ import sys
 import table51_data
 import table51_page
 
-# The amount of work. `population` and `generations`: None means calibrate's own, 2,500 trials. `short_cuts` are options
-# of the insertions beside calibrate's own (docs/calibrate.md). `rangeless` lists fits that skip the question how well
-# each number is determined.
+# A preset states the amount of work. `population` and `generations` are None for calibrate's own values, which make
+# 2,500 trials. `short_cuts` are options of the insertions in addition to calibrate's own (docs/calibrate.md).
+# `rangeless` lists fits that do not determine how well each number is known.
 PRESETS = {
     "full": {
         "scans": True,
@@ -63,7 +64,7 @@ CORDE = {"full": (None, None), "quick": (12, 8), "fast": None}
 
 
 class Failed(Exception):
-    """A command failed; the message names it and quotes its last output."""
+    """Raised when a command fails; the message names the command and quotes its last output."""
 
 
 class Stopped(Exception):
@@ -96,7 +97,7 @@ def remove(path):
 
 
 def text_of(path):
-    """Returns None where there is no such file."""
+    """Returns the file's text, or None if there is no such file."""
     if not os.path.exists(path):
         return None
     with open(path, encoding="utf-8") as file:
@@ -110,7 +111,7 @@ def write(path, text):
 
 @functools.cache
 def digest(program):
-    """Identifies the build of a program; empty where there is none."""
+    """Returns a digest that identifies the build of a program; it is empty if the program does not exist."""
     if not os.path.exists(program):
         return ""
     with open(program, "rb") as file:
@@ -118,7 +119,7 @@ def digest(program):
 
 
 def step(row_folder, name, command, announce, unheard=()):
-    """Runs `command` and announces it, unless it has been run before; returns True if it ran.
+    """Runs `command` and announces it, unless the same command has been run before; returns True if it ran.
 
     A failure leaves NAME.failed. `unheard` holds arguments that do not change the result.
     """
@@ -158,7 +159,8 @@ class Chain:
         return os.path.join(self.options.build, "bin", name)
 
     def case_steps(self, row, case):
-        """Returns (name, announcement, command) for the truth and for the data that calibrate may see."""
+        """Returns (name, announcement, command) of two kinds of steps: those that make the truth, and those that make
+        the data that calibrate may see."""
         depths = [
             word
             for (inserted, name), turn in zip(self.depths, row["turns_deg"])
@@ -194,7 +196,7 @@ class Chain:
         ]
 
     def kinds(self):
-        """Returns the fits to make. An older calibrate has no baseline."""
+        """Returns the fits to make. An older version of calibrate cannot fit the baseline."""
         return [
             kind for kind in self.options.fits if kind != "corde" or (self.has_corde and CORDE[self.options.preset])
         ]
@@ -225,7 +227,8 @@ class Chain:
         return command
 
     def check_scans(self, row_folder):
-        """Measures the segmentation against the truth for the page; a missed bar does not stop the chain."""
+        """Measures the segmentation against the truth for the page; if the segmentation misses a bar, the chain
+        continues."""
         log = os.path.join(row_folder, "check.log")
         remove(log)
         try:
@@ -250,7 +253,7 @@ class Chain:
             self.check_scans(row_folder)
 
     def make_fit(self, row_folder, kind, say):
-        """Continues a search from its last state when only its length has changed."""
+        """If only the length of a search has changed, the search continues from its last state."""
         command = self.fit_command(row_folder, kind)
         begun = os.path.join(row_folder, kind + ".begun")
         search = shlex.join([word for before, word in zip([""] + command, command) if before != "--generations"]) + "\n"
@@ -285,7 +288,7 @@ class Chain:
         return good
 
     def by_other_builds(self, rows):
-        """Lists what was made before its program was rebuilt, such as "Rosen: shape"."""
+        """Lists the results that are older than the program that makes them, such as "Rosen: shape"."""
         programs = {
             "truth": "reference_rod",
             "scans": "ct",

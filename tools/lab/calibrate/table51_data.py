@@ -1,4 +1,4 @@
-"""The data of `make table51`: the rows of table51.txt, and the results of the fits in each row's folder.
+"""Provides the data of `make table51`: the rows of table51.txt, and the results of the fits in each row's folder.
 
 table51.py and table51_page.py import it.
 """
@@ -28,7 +28,7 @@ TRUE_NAMES = {"bend_shaft": "shaft_bend_stiffness_N_m2", "alpha": "tip_over_shaf
 
 
 class BadTable(Exception):
-    """An error in table51.txt; the message gives its place."""
+    """Raised for an error in table51.txt; the message gives its place."""
 
 
 def _row(cells):
@@ -49,7 +49,7 @@ def _row(cells):
 
 
 def read_table(path=TABLE):
-    """Returns (depths as (inserted_mm, name), rows). Raises BadTable with file and line."""
+    """Returns the depths, as (inserted_mm, name), and the rows. Raises BadTable with file and line."""
     depths, rows = [], []
     with open(path, encoding="utf-8") as file:
         for number, line in enumerate(file, 1):
@@ -68,7 +68,7 @@ def read_table(path=TABLE):
 
 
 def read_truth(case):
-    """Reads the numbers of CASE/truth/parameters.toml, which no fit ever sees; {} where there is none."""
+    """Reads the numbers of CASE/truth/parameters.toml, which no fit ever reads; returns {} if there is no such file."""
     truth = {}
     try:
         with open(os.path.join(case, "truth", "parameters.toml"), encoding="utf-8") as file:
@@ -82,7 +82,7 @@ def read_truth(case):
 
 
 def read_fit(folder):
-    """Reads result.json of a fit; None where the fit is not finished."""
+    """Reads the result.json of a fit; returns None if the fit is not finished."""
     try:
         with open(os.path.join(folder, "result.json"), encoding="utf-8") as file:
             return json.load(file)
@@ -98,7 +98,8 @@ def figures_of(result):
 
 
 def recovery_of(result, truth):
-    """Returns for each parameter fitted over true, and whether the fit itself calls it determined."""
+    """Returns for each parameter the fitted value over the true one, and whether the fit itself reports the parameter
+    as determined."""
     found = {}
     for parameter in result["parameters"]:
         true = truth.get(TRUE_NAMES.get(parameter["name"]))
@@ -114,7 +115,7 @@ def recovery_of(result, truth):
 
 
 def said(path):
-    """Returns a file's text without its last line end; None where there is no file."""
+    """Returns a file's text without its last line end, or None if there is no file."""
     if not os.path.exists(path):
         return None
     with open(path, encoding="utf-8") as file:
@@ -122,10 +123,10 @@ def said(path):
 
 
 def collect(rows, output):
-    """Adds to each row its results.
+    """Adds the results of the fits to each row.
 
-    They are "fits" (kind -> result.json, figures and recovery), "truth", "folder" and "notes" (kind -> reason for a
-    missing fit).
+    The added fields are "fits" (kind -> result.json, figures and recovery), "truth", "folder" and "notes" (kind ->
+    reason for a missing fit).
     """
     collected = []
     for row in rows:
@@ -147,8 +148,8 @@ def collect(rows, output):
 
 
 def averages(rows, kind):
-    """Returns means of the five figures over the rows that have them, and the number of rows. `kind`: a fit, or
-    "thesis".
+    """Returns the means of the five figures over the rows that have them, and the number of these rows. `kind`: a fit,
+    or "thesis".
     """
     sets = [
         row["thesis"] if kind == "thesis" else row["fits"][kind]["figures"]
@@ -161,13 +162,13 @@ def averages(rows, kind):
 
 
 def thesis_bend_N_m2(thesis):
-    """Computes EI of a row of Table 5.1 in the units of docs/thesis.md: E x 1e7 Pa, radius x 1e-4 m."""
+    """Computes EI from a row of Table 5.1, whose units docs/thesis.md states: E x 1e7 Pa, radius x 1e-4 m."""
     numbers = thesis["parameters"]
     return numbers["young_1e7"] * 1e7 * math.pi / 4.0 * (numbers["radius_1e3"] * 1e-4) ** 4
 
 
 def to_json(rows, settings):
-    """Returns the whole table as one object: the page's contents in numbers."""
+    """Returns the whole table as one object, which contains the page's numbers."""
     out = {"settings": settings, "rows": [], "averages": {}}
     for row in rows:
         entry = {

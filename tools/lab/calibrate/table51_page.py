@@ -1,4 +1,5 @@
-"""The page of `make table51`: Table 5.1 beside our values, recovery, identifiability, convergence and pictures.
+"""Writes the page of `make table51`: Table 5.1 beside our values, recovery of the true values, identifiability,
+convergence and pictures.
 
 The same results give the same bytes. table51.py imports it.
 """
@@ -50,7 +51,7 @@ def judged(words, is_good):
 
 
 def table(head_rows, body_rows):
-    """`rows` holds lists of whole cells, or (class, cells)."""
+    """`rows` is a list; each row is a list of whole cells, or (class, cells)."""
     out = ["<table>"]
     out += ["<tr>%s</tr>" % "".join(cells) for cells in head_rows]
     for row in body_rows:
@@ -65,7 +66,7 @@ def group(words, columns):
 
 # --- Table 5.1 ---
 def figure_cells(key, sets, bar):
-    """Formats one figure: our value, CoRdE's and the thesis'."""
+    """Formats one figure of the table: our value, CoRdE's and the thesis'."""
     ours, corde, thesis = sets
     words = millimetres(ours.get(key))
     if key in ours and bar is not None:
@@ -74,7 +75,7 @@ def figure_cells(key, sets, bar):
 
 
 def average_name(rows):
-    """States which rows an average covers where not every row has every fit."""
+    """If some rows lack a fit, the name states how many rows the average covers."""
     counts = [(words, averages(rows, kind)[1]) for kind, words in (("shape", "ours"), ("corde", "CoRdE"))]
     partial = ["%s of %d" % (words, count) for words, count in counts if 0 < count < len(rows)]
     return "Average" + (" (%s)" % ", ".join(partial) if partial else "")
@@ -110,7 +111,7 @@ def fitted_cell(parameters, name):
 
 
 def parameter_table(rows):
-    """Shows the fitted numbers, grey where the data leave them undetermined; the thesis' numbers as printed."""
+    """Shows the fitted numbers, in grey where the data leave them undetermined, and the thesis' numbers as printed."""
     corde_names = list(
         dict.fromkeys(
             p["name"]
@@ -246,7 +247,7 @@ def curve_points(curve, most, low, high, box):
 
 
 def convergence_chart(row):
-    """Draws the best objective by insertions, on a logarithmic scale, of every search of a row."""
+    """Draws for every search of a row the best objective over the number of insertions, on a logarithmic scale."""
     searches = [
         (kind, search) for kind in FITS if kind in row["fits"] for search in row["fits"][kind]["result"]["searches"]
     ]
@@ -345,7 +346,7 @@ def segmentation(rows, output):
 
 
 def searches(rows):
-    """Quotes what the fits report about themselves."""
+    """Quotes the methods and settings that the fits report."""
     found = [fit["result"] for row in rows for fit in row["fits"].values()]
     kinds = sorted(
         {
@@ -392,7 +393,7 @@ def introduction(rows, settings):
 
 
 def page(rows, settings, output):
-    """Returns the whole page; its pictures lie in the folders of the fits."""
+    """Returns the whole page; its pictures are files in the folders of the fits."""
     parts = [
         "<!DOCTYPE html>",
         '<html lang="en"><head><meta charset="utf-8">',

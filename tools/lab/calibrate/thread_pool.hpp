@@ -1,4 +1,4 @@
-// Threads that evaluate trials as they arrive and return the results in any order.
+// Runs threads that evaluate trials as they arrive and return the results in any order.
 #pragma once
 #include "tools/lab/calibrate/workers.hpp"
 #include <condition_variable>
@@ -23,9 +23,9 @@ class ThreadPool
 
     unsigned size() const { return static_cast<unsigned>(threads_.size()); }
     void give(std::size_t index, std::vector<double> values);
-    // Returns the results since the last call; waits at most `wait_ms` for the first.
+    // Returns the results since the last call; waits at most `wait_ms` for the first one.
     std::vector<Done> take(int wait_ms);
-    // Drops the trials that no thread has begun.
+    // Discards the trials that no thread has begun.
     void clear();
 
   private:

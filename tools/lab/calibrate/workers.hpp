@@ -1,5 +1,5 @@
-// The workers that evaluate the trials of a generation: threads of this process, or ranks of an MPI job. The
-// results do not depend on the worker or on the order: verdict i belongs to trial i.
+// Workers evaluate the trials of a generation; they are threads of this process, or ranks (processes) of an
+// MPI job. The results depend neither on the worker nor on the order: verdict i belongs to trial i.
 #pragma once
 #include "tools/lab/calibrate/judge.hpp"
 #include <functional>
@@ -11,18 +11,19 @@ struct Interrupted : std::exception {
     const char *what() const noexcept override { return "interrupted"; }
 };
 
-// Evaluates one trial: it takes values and returns a verdict. It must be safe to call from several threads.
+// This function evaluates one trial: it takes values and returns a verdict. The function that evaluates a
+// trial must be safe to call from several threads.
 using Evaluate = std::function<Verdict(const std::vector<double> &values)>;
-// It is called between trials; true means stop.
+// This function is called between trials; it returns true if the work must stop.
 using Stop = std::function<bool()>;
-// The leading thread calls it now and then with the number of finished trials.
+// The leading thread calls this function from time to time with the number of finished trials.
 using Progress = std::function<void(std::size_t done)>;
 
 class Workers
 {
   public:
     virtual ~Workers() = default;
-    // Throws Interrupted when a stop was requested, and passes on what a trial throws.
+    // Throws Interrupted when a stop was requested, and rethrows what a trial has thrown.
     virtual std::vector<Verdict> evaluate(const std::vector<std::vector<double>> &trials) = 0;
     virtual std::string description() const = 0; // "4 threads", "2 ranks with 1 thread each"
 };
@@ -31,10 +32,10 @@ std::unique_ptr<Workers> thread_workers(unsigned threads, Evaluate evaluate, Sto
 
 // --- MPI (workers_mpi.cpp) ---
 
-// True when mpirun or another launcher started the program; otherwise MPI is never initialised.
+// The value is true when mpirun or another launcher started the program; otherwise MPI is never initialised.
 bool is_mpi_job();
 
-// Initialises and finalises MPI. Rank 0 leads; the others serve until it dismisses them.
+// Initialises and finalises MPI. Rank 0 leads; the other ranks evaluate trials until rank 0 dismisses them.
 class MpiJob
 {
   public:
@@ -45,15 +46,15 @@ class MpiJob
 
     int rank() const { return rank_; }
     int size() const { return size_; }
-    // Ends every rank at once with this exit status. It is the only way out after a failure, since the others
-    // wait.
+    // Ends every rank at once with this exit status. After a failure only this call can end the program,
+    // because the other ranks wait for messages.
     [[noreturn]] void abort(int status);
 
-    // On rank 0: itself with `threads`, and all other ranks.
+    // Rank 0 calls this function; the workers are rank 0 itself with `threads`, and all other ranks.
     std::unique_ptr<Workers> workers(unsigned threads, Evaluate evaluate, Stop stop, Progress progress);
-    // On the other ranks: evaluates incoming trials until rank 0 sends the end.
+    // The other ranks call this function; it evaluates incoming trials until rank 0 sends the end.
     void serve(unsigned threads, const Evaluate &evaluate);
-    // On rank 0: sends the end of the trials.
+    // Rank 0 calls this function to inform the other ranks that no more trials follow.
     void dismiss();
 
   private:

@@ -1,5 +1,6 @@
-// Trials over the ranks of an MPI job. Only this file uses MPI. Only the first thread of a rank talks to the
-// others. It polls for messages and sleeps in between, since MPI's waiting calls keep a core busy.
+// Distributes trials over the ranks of an MPI job. Only this file uses MPI. Only the first thread of a rank
+// exchanges messages with other ranks. This thread polls for messages and sleeps in between, because MPI's
+// waiting calls keep a processor core busy.
 //   trial    rank 0 -> r   { index, values... }
 //   verdict  r -> rank 0   { index, objective, error, force error }
 //   threads  r -> rank 0   { how many trials r takes at a time }

@@ -14,7 +14,7 @@ namespace crn::insertion
 namespace
 {
 
-// A table of the file, with its place for error messages.
+// Holds one table of the file and its place for error messages.
 struct Reading {
     std::string file, place; // place: "" or "depth 2: "
     const toml::table &table;
@@ -215,7 +215,7 @@ Case read_case(const std::filesystem::path &folder_or_file, CaseParts wanted)
     return c;
 }
 
-// Three numbers as TOML, with the end of the line.
+// Returns three numbers as TOML, with the end of the line.
 static std::string vector_text(const Eigen::Vector3d &v)
 {
     return "[" + number_text(v.x()) + ", " + number_text(v.y()) + ", " + number_text(v.z()) + "]\n";
@@ -238,7 +238,7 @@ void complete_case(const Case &c)
     if (added.empty()) return;
     std::ifstream stream(file, std::ios::binary);
     std::string text{std::istreambuf_iterator<char>(stream), {}};
-    // The lines go after the line of `format`, a key of the first table.
+    // The lines are inserted after the line of `format`, which is a key of the first table.
     const toml::node *format = table.get("format");
     std::size_t at = 0;
     for (unsigned line = 0; format && line < format->source().begin.line; ++line)

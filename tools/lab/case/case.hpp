@@ -1,13 +1,14 @@
-// One instrument in one phantom: the data that a scan, or the virtual scanner, provides for the calibration.
-// Its folder contains
+// A case describes one instrument in one phantom. The case holds the data that a scan, or the virtual
+// scanner, provides for the calibration. Its folder contains
 //   case.toml      phantom, instrument, friction, depths, names of the files below
 //   depth_N.csv    the instrument's centreline at each depth, from the introducer to the tip
 //   force.csv      the hand's force during the insertion, where it was measured
+//
 // All places are in the scene's axes and in mm. docs/ct.md specifies the format.
 //
-// The case also states the protocol of the insertion. The hand feeds at `speed_mm_per_s` and turns evenly
-// with the feed, from the turn of one depth to that of the next; the first depth's turn holds from the
-// introducer on. The hand rests at each depth.
+// The case also states the protocol of the insertion. The hand feeds at `speed_mm_per_s`. While feeding, the
+// hand turns evenly from the angle of one depth to that of the next; before the first depth it keeps the
+// first depth's angle. The hand rests at each depth.
 #pragma once
 #include <Eigen/Core>
 #include <filesystem>
@@ -19,14 +20,14 @@
 namespace crn::insertion
 {
 
-// An error in a case's file: "FILE: field: cause; remedy".
+// Thrown for an error in a case's file; the text is "FILE: field: cause; remedy".
 class CaseError : public std::runtime_error
 {
   public:
     using std::runtime_error::runtime_error;
 };
 
-// A depth at which the insertion rests and was scanned.
+// Describes a depth at which the insertion rests and at which it was scanned.
 struct Depth {
     std::string name;                 // "iliac bifurcation"
     double inserted_mm = 0.0;         // 0 < . <= 1000, rising from depth to depth
@@ -35,7 +36,7 @@ struct Depth {
     std::filesystem::path centreline; // depth_N.csv
 };
 
-// The force on the hand (+ pushes it back out) at this inserted length.
+// Holds the force on the hand at this inserted length; a positive force pushes the instrument out.
 struct ForceSample {
     double inserted_mm = 0.0;
     double axial_mN = 0.0;
@@ -60,23 +61,23 @@ struct Case {
     std::filesystem::path force;                          // empty: no force was measured
 
     std::filesystem::path path_in(const std::filesystem::path &path) const;
-    // Returns the hand's turn at this inserted length.
+    // Returns the hand's angle at this inserted length.
     double turn_deg_at(double inserted_mm) const;
 };
 
-// Which parts a case must have: all, or those that are known from scans alone. `ct segment` then adds scene,
-// surface and mouth_mm.
+// States which parts a case must have: all parts, or only those that are known from scans alone. `ct segment`
+// later adds scene, surface and mouth_mm.
 enum class CaseParts { all, before_segmentation };
-// Reads FOLDER/case.toml, or the file itself. Throws CaseError.
+// Reads FOLDER/case.toml, or the given file itself. Throws CaseError.
 Case read_case(const std::filesystem::path &folder_or_file, CaseParts wanted = CaseParts::all);
 // Writes FOLDER/case.toml. Throws crn::OutputError.
 void write_case(const Case &c);
-// Adds scene, surface, mouth_mm and direction where FOLDER/case.toml lacks them, and keeps the rest of its
-// text as a person wrote it. Throws CaseError, crn::OutputError.
+// Adds scene, surface, mouth_mm and direction if FOLDER/case.toml lacks them, and keeps the rest of the text
+// as a person wrote it. Throws CaseError, crn::OutputError.
 void complete_case(const Case &c);
 
-// Reads ordered points in mm under the header x_mm,y_mm,z_mm; further columns are ignored. There must be at
-// least two points. Throws CaseError.
+// Reads ordered points in mm under the header x_mm,y_mm,z_mm; further columns are ignored. The file must have
+// at least two points. Throws CaseError.
 std::vector<Eigen::Vector3d> read_centreline(const std::filesystem::path &file);
 void write_centreline(const std::filesystem::path &file, const std::vector<Eigen::Vector3d> &points_mm);
 
@@ -85,7 +86,7 @@ void write_centreline(const std::filesystem::path &file, const std::vector<Eigen
 std::vector<ForceSample> read_force(const std::filesystem::path &file);
 void write_force(const std::filesystem::path &file, const std::vector<ForceSample> &samples);
 
-// Nine digits, as in all files of a case.
+// Returns the number with nine digits, as in all files of a case.
 std::string number_text(double value);
 
 } // namespace crn::insertion

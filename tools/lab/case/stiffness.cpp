@@ -1,4 +1,4 @@
-// Computes EI along an instrument from two numbers.
+// Computes EI along an instrument from two numbers: the EI of its shaft, and alpha.
 #include "tools/lab/case/stiffness.hpp"
 #include "tools/lab/case/case.hpp"
 #include <algorithm>

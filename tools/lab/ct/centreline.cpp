@@ -47,8 +47,8 @@ std::vector<Vector3d> part_of(const std::vector<Vector3d> &line, double begin_mm
     return result;
 }
 
-// Fits weighted places against third differences: (W + k D'D) x = W m, a matrix of seven diagonals, by
-// Cholesky.
+// Fits a line to weighted places with a penalty on third differences: (W + k D'D) x = W m. The matrix has
+// seven diagonals and is solved by Cholesky's method.
 std::vector<Vector3d> smooth(const std::vector<Vector3d> &places, const std::vector<double> &weights,
                              double against)
 {
@@ -86,7 +86,7 @@ std::vector<Vector3d> smooth(const std::vector<Vector3d> &places, const std::vec
     return x;
 }
 
-// Extends the line with the bend of its last three millimetres.
+// Extends the line with the curvature of its last three millimetres.
 void extrapolate(std::vector<Vector3d> &line, double by_mm)
 {
     const double length = length_of(line);
@@ -113,7 +113,7 @@ double median_height(const std::vector<LinePoint> &points)
     return *middle;
 }
 
-// Shifts every place to the middle of the section across it, a few times.
+// Moves every place to the middle of the section across it, and repeats this a few times.
 std::vector<LinePoint> refine(const LineFit &fit, std::vector<Vector3d> line, LineModel &model,
                               const Report &report)
 {
@@ -166,7 +166,7 @@ std::vector<LinePoint> to_the_tip(const LineFit &fit, const std::vector<LinePoin
     while (result.size() > 2 && length_of({result.begin()->place_mm}) == 0 &&
            static_cast<double>(result.size() - 1) * step_mm > end)
         result.pop_back();
-    // The last stretch is made again so that it ends at the tip.
+    // The last stretch is computed again so that it ends at the tip.
     double from = 0;
     for (std::size_t i = 1; i < result.size(); ++i)
         from += (result[i].place_mm - result[i - 1].place_mm).norm();
@@ -178,9 +178,10 @@ std::vector<LinePoint> to_the_tip(const LineFit &fit, const std::vector<LinePoin
     return result;
 }
 
-// The fit's residuals do not show what shifts the whole section. The blur of a bend draws the section
-// inwards, and for a line that lies in the slice only one or two slices determine the height. The weights
-// come from virtual scans of bends of 3 mm radius and 1 mm slices.
+// The residuals of the fit do not show errors that displace a whole section. In a bend, blur displaces the
+// section inwards. For a line that lies in the plane of the slice, only one or two slices determine its
+// height. The weights of these uncertainties were found with virtual scans of bends of 3 mm radius and 1 mm
+// slices.
 void doubt_bends_and_slices(std::vector<LinePoint> &points, const Volume &volume)
 {
     constexpr double bend_mm2 = 0.4, slice_share = 0.12, flat = 0.5; // flat: sine of the angle to the slice
@@ -198,8 +199,8 @@ void doubt_bends_and_slices(std::vector<LinePoint> &points, const Volume &volume
         if (doubt > doubtful_mm && points[i].why.empty())
             points[i].why = in_slice > 0.5 ? "lies in the slice" : "bends sharply";
     }
-    // The tip and the point beside it are as uncertain as the points that lead there. Along the line, a tip
-    // that lies in the slice may end anywhere within it.
+    // The tip and the point beside it are as uncertain as the points before them. In the direction along the
+    // line, a tip that lies in the slice may end anywhere within the slice.
     const double leads = points[points.size() - std::min<std::size_t>(points.size(), 3)].unsure_mm;
     const Vector3d end = points.back().place_mm - points[points.size() - 2].place_mm;
     const double in_slice = std::max(0.0, 1 - std::abs(end.normalized().dot(across_slices)) / flat);
@@ -273,7 +274,7 @@ InstrumentLine trace_instrument(const Volume &volume, const Volume &mask, const 
     const double length = length_of(path);
     if (length < 4 * trimmed_mm + 2)
         throw Fault(volume.name + ": the instrument in the scan is too short to be followed");
-    // This removes the steps of the voxels first.
+    // Smoothing first removes the stair-steps that voxels leave in the path.
     path = part_of(path, 0, length);
     path = smooth(path, std::vector<double>(path.size(), 1.0), 60);
     const bool is_cut_off =

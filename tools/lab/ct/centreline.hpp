@@ -1,4 +1,4 @@
-// The instrument in a scan: its voxels, their order, and its middle line between them (docs/ct.md, "The
+// Finds the instrument in a scan: its voxels, their order, and the middle line between them (docs/ct.md, "The
 // centreline").
 #pragma once
 #include "tools/lab/ct/scanner.hpp"
@@ -33,19 +33,20 @@ struct InstrumentLine {
     std::vector<Eigen::Vector3d> places() const;
 };
 
-// Returns the voxels of the one instrument (1 inside). Throws Fault for no instrument or two instruments.
+// Returns a volume in which the voxels of the instrument are 1. Throws Fault if the scan has no instrument,
+// or has two.
 Volume find_instrument(const Volume &volume, LineOptions &options);
 
-// Returns the whole line in the scan, including the part outside the introducer. Throws Fault for two
-// instruments that touch or an instrument that is too short.
+// Returns the whole line in the scan, including the part outside the introducer. Throws Fault if two
+// instruments touch, or if the instrument is too short.
 InstrumentLine trace_instrument(const Volume &volume, const Volume &mask, const LineOptions &options,
                                 const Report &report);
 
 // --- parts, for tests ---
 
-// Points of a line at even distances of about step_mm.
+// Returns points of a line at even distances of about step_mm.
 std::vector<Eigen::Vector3d> resampled(const std::vector<Eigen::Vector3d> &line, double step_mm);
-// The distance from a line, and the nearest place on it (arc length).
+// Returns the distance from a line, and the nearest place on the line (arc length).
 struct LineDistance {
     double distance_mm, arc_mm;
 };

@@ -35,7 +35,7 @@ struct SimulateOptions {
 };
 
 // Scans every depth of a case that has a truth/ folder, and writes the scans' names into case.toml. Throws
-// Fault, CaseError, and whatever reference::make_case throws.
+// Fault, CaseError, and any exception that reference::make_case throws.
 void command_simulate(SimulateOptions options);
 
 struct SegmentCommand {
@@ -47,7 +47,7 @@ struct SegmentCommand {
 // Throws Fault, CaseError.
 void command_segment(const SegmentCommand &command);
 
-// Distances of a case's centrelines and lumen from its truth; false where one is over its bar.
+// Compares a case's centrelines and lumen with its truth; returns false if a distance is over its bar.
 bool command_check(const std::filesystem::path &case_folder);
 
 } // namespace crn::ct

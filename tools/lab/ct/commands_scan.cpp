@@ -1,4 +1,4 @@
-// `ct scan` and `ct simulate` make volumes with the virtual scanner.
+// The commands `ct scan` and `ct simulate` make volumes with the virtual scanner.
 #include "host/base/output_files.hpp"
 #include "host/base/pending_file.hpp"
 #include "tools/lab/case/case.hpp"
@@ -119,7 +119,7 @@ void command_simulate(SimulateOptions options)
         throw Fault((c.folder / "case.toml").string() +
                     ": surface: is missing: the scanner needs the lumen as a closed mesh");
     const bake::Mesh lumen = closed_mesh(c.path_in(c.surface));
-    // The instrument that was really inserted, where it differs from the nominal file.
+    // Returns the instrument that was really inserted, if it differs from the nominal file.
     const fs::path true_instrument = c.folder / "truth" / "instrument.toml";
     const std::vector<ScanStretch> stretches = stretches_of(
         fs::exists(true_instrument) ? true_instrument.string() : c.path_in(c.instrument).string());

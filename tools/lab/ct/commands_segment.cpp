@@ -1,4 +1,5 @@
-// `ct segment` makes files from scans, and `ct check` measures their distance from the truth.
+// The command `ct segment` makes files from scans, and `ct check` measures the distance of these files from
+// the truth.
 #include "host/base/output_files.hpp"
 #include "host/base/pending_file.hpp"
 #include "tools/bake/bake.hpp"
@@ -24,7 +25,7 @@ bake::Mesh mesh_of(const fs::path &file)
     return bake::load_mesh(text);
 }
 
-// A depth at which the instrument was found.
+// Holds a depth of the case, and the instrument that was found in its scan.
 struct SegmentedDepth {
     const insertion::Depth *depth;
     Volume volume;
@@ -47,7 +48,7 @@ SegmentedDepth segment_depth(const insertion::Case &c, const insertion::Depth &d
     return result;
 }
 
-// Writes the results from the introducer on: pictures, page and the case's own depth_N.csv.
+// Writes the results from the introducer onwards: pictures, a page, and the case's own depth_N.csv.
 void finish_depth(const insertion::Case &c, SegmentedDepth &found)
 {
     const bool begins_at_mouth = begin_at_mouth(found.line, {c.mouth_mm, c.direction}, found.volume.name);
@@ -58,14 +59,15 @@ void finish_depth(const insertion::Case &c, SegmentedDepth &found)
     insertion::write_centreline(c.path_in(found.depth->centreline), found.line.places());
 }
 
-// The path relative to the case's folder, where that is above the file.
+// Returns the file's path relative to the case's folder if the file lies inside that folder; otherwise the
+// absolute path.
 fs::path path_from(const fs::path &folder, const fs::path &file)
 {
     const fs::path relative = fs::relative(file, folder.empty() ? fs::path(".") : folder);
     return relative.empty() || *relative.begin() == ".." ? fs::absolute(file) : relative;
 }
 
-// Bakes the scene for calibrate and the simulator from the lumen's mesh.
+// Bakes the lumen's mesh into the scene that calibrate and the simulator use.
 void bake_lumen(const insertion::Case &c, const bake::Mesh &lumen, const fs::path &surface,
                 const fs::path &scene)
 {
@@ -96,7 +98,7 @@ void bake_lumen(const insertion::Case &c, const bake::Mesh &lumen, const fs::pat
     std::fputs(bake::bake(options, progress).c_str(), stdout);
 }
 
-// Finds the lumen from all scans, and adds what the case lacks for calibrate: surface, scene, mouth_mm.
+// Finds the lumen from all scans. Adds what the case still lacks for calibrate: surface, scene, mouth_mm.
 void finish_case(insertion::Case &c, const std::vector<SegmentedDepth> &found, const LumenOptions &options,
                  const fs::path &folder, const Report &report)
 {

@@ -16,7 +16,8 @@ namespace
 
 constexpr double branch_mm = 6; // length of voxels off the path that show a second instrument
 
-// The instrument's voxels and the bridges of its gaps as a graph whose shortest paths follow the ridge.
+// The instrument's voxels, and bridges across gaps between them, form a graph. The graph's shortest paths
+// follow the brightest line.
 class Ways
 {
   public:
@@ -32,8 +33,8 @@ class Ways
 
     const std::vector<std::size_t> &voxels() const { return inside_; }
 
-    // The costs of all paths from a voxel; `before` gives the preceding voxel. It does not stop early, since
-    // all voxels inside are needed.
+    // Computes the costs of all paths from a voxel; `before` gives the preceding voxel. The search does not
+    // stop early, because the costs of all the instrument's voxels are needed.
     void spread(std::size_t start, std::vector<double> &cost, std::vector<std::size_t> &before) const
     {
         using Entry = std::pair<double, std::size_t>;
@@ -76,7 +77,8 @@ class Ways
     }
 
   private:
-    // Shells from the border inwards: the middle of a saturated plateau lies deepest.
+    // Numbers shells from the border inwards, so that the middle of a region at the end of the grey scale is
+    // deepest.
     std::vector<std::uint8_t> depths() const
     {
         std::vector<std::uint8_t> depth(volume_.count(), 0);
@@ -131,7 +133,7 @@ std::string middle_text(const Vector3d &p)
     return text;
 }
 
-// Voxels off the path over a certain length belong to another object.
+// Voxels that lie off the path over more than a certain length belong to another object.
 void refuse_branches(const Ways &ways, const std::vector<Vector3d> &path, const Volume &volume)
 {
     Eigen::AlignedBox3d stray;
@@ -177,8 +179,8 @@ std::vector<Vector3d> path_through(const Volume &volume, const Volume &mask, con
         if (at == one) break;
     }
     refuse_branches(ways, path, volume);
-    // The line begins at the end nearest to mouth_mm, or else at the end that leaves the picture, or else at
-    // the lower end.
+    // The line begins at the end nearest to mouth_mm if that is given, else at the end that leaves the
+    // picture, else at the lower end.
     bool begins_at_mouth = path.front().y() < path.back().y();
     if (options.mouth_mm) {
         begins_at_mouth = (path.front() - *options.mouth_mm).dot(options.direction) <

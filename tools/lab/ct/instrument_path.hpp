@@ -5,8 +5,8 @@
 namespace crn::ct
 {
 
-// Returns places (scene, mm) along the ridge from the introducer's end to the tip. Throws Fault where the
-// voxels branch.
+// Returns places (in the scene's axes, in mm) along the brightest line from the introducer's end to the tip.
+// Throws Fault if the voxels form branches.
 std::vector<Eigen::Vector3d> path_through(const Volume &volume, const Volume &mask,
                                           const LineOptions &options, std::vector<std::string> &notes);
 

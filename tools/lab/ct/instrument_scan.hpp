@@ -5,7 +5,7 @@
 namespace crn::ct
 {
 
-// Stretches of constant section, beginning at the tip, from the file's knots and layers. Throws
+// Returns stretches of constant section, from the tip onwards, made from the file's knots and layers. Throws
 // crn::FileError, Fault.
 std::vector<ScanStretch> stretches_of(const std::string &instrument_path);
 

@@ -1,4 +1,4 @@
-// Selects the instrument's voxels: bright connected voxels over a length that no streak has.
+// Selects the instrument's voxels: bright voxels that are connected over a greater length than any streak.
 #include "tools/lab/ct/centreline.hpp"
 #include "tools/mesh/fault.hpp"
 #include <Eigen/Geometry>
@@ -45,7 +45,7 @@ Vector3d place_of(const Volume &volume, std::size_t at)
     return volume.scene({double(index[0]), double(index[1]), double(index[2])});
 }
 
-// Connected voxels above the threshold, longest piece first.
+// Returns the groups of connected voxels above the threshold, with the longest first.
 std::vector<Piece> pieces_above(const Volume &volume, double threshold)
 {
     std::vector<Piece> pieces;
@@ -129,7 +129,7 @@ Volume find_instrument(const Volume &volume, LineOptions &options)
     }
     std::swap(pieces[0], pieces[chosen]);
     Piece whole = pieces[0];
-    // Pieces that continue the instrument are part of it; an equally long piece elsewhere is another
+    // A group that continues the instrument is part of it; an equally long group elsewhere is another
     // instrument.
     std::vector<bool> joined(pieces.size(), false);
     for (bool changes = true; changes;) {

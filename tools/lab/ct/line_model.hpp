@@ -1,20 +1,21 @@
-// The blurred instrument as a model of voxels, and its fit across the line at one place. Across a straight
-// round line the blurred picture is a Gaussian. Its covariance is that of the point spread plus that of the
-// instrument's own section, as seen along the line. The scale cuts it off at the top.
+// Models the blurred instrument in voxels, and fits the model across the line at one place. Across a straight
+// round line, the blurred picture is a Gaussian. The covariance of this Gaussian is that of the point spread
+// plus that of the instrument's own section, as seen along the line. The top of the Gaussian is cut off at
+// the end of the grey scale.
 #pragma once
 #include "tools/lab/ct/centreline.hpp"
 
 namespace crn::ct
 {
 
-// Values that are constant along the whole line.
+// These values of the model are constant along the whole line.
 struct LineModel {
     double blur_mm = 0.5,
            blur_slice_mm = 0.6; // sigma along the first two axes of the grid, and along the third
     double around_HU = 0, highest_HU = 3071, noise_HU = 15;
 };
 
-// A point of a line with its arc length, its tangent and two axes across.
+// Holds a point of a line with its arc length, its tangent and two axes across the line.
 struct Frame {
     Eigen::Vector3d place, tangent, across1, across2;
     double arc_mm;
@@ -33,13 +34,13 @@ class LineFit
 {
   public:
     explicit LineFit(const Volume &volume);
-    // Estimates noise, the end of the scale, and the value around the line.
+    // Estimates the noise, the end of the grey scale, and the value around the line.
     LineModel first_model(const std::vector<Eigen::Vector3d> &line) const;
     AcrossFit fit(const std::vector<Frame> &frames, std::size_t index, const LineModel &model) const;
-    // Finds the blurs that fit best at a few places.
+    // Finds the blurs that fit best at a few places of the line.
     void fit_blurs(const std::vector<Frame> &frames, LineModel &model) const;
-    // The arc length at which the instrument ends, searched between two values; `height_HU` is its height
-    // there.
+    // Returns the arc length, between the two given values, at which the instrument ends; `height_HU` is the
+    // line's height there.
     double fit_end(const std::vector<Frame> &frames, double low_mm, double high_mm, double height_HU,
                    const LineModel &model) const;
 

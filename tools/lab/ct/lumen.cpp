@@ -52,7 +52,8 @@ struct Crests {
     std::vector<double> crests, edges;
 };
 
-// Searches outwards across the line in 16 directions: the first crest well above the fluid is the wall.
+// Searches outwards across the line in 16 directions. In each direction the wall is the first peak well above
+// the fluid's value.
 void look_outwards(const Volume &volume, const std::vector<Vector3d> &line, double fluid, double from_mm,
                    Crests &found)
 {
@@ -129,8 +130,9 @@ struct Grower {
     }
 };
 
-// Takes the voxels that may be fluid and opens them with a ball, so that no gap that a streak leaves in the
-// wall leads out. It keeps what is connected to the line, and then adds what that encloses.
+// Takes the voxels that may be fluid and applies a morphological opening with a ball. No gap that a streak
+// leaves in the wall then connects the inside with the outside. Then keeps the voxels that are connected to
+// the line, and adds all voxels that these enclose.
 Volume grown(const Volume &restored, const Volume &distance, double fluid, double limit)
 {
     Volume dim = restored.like(0);
@@ -175,7 +177,7 @@ Volume grown(const Volume &restored, const Volume &distance, double fluid, doubl
     return mask;
 }
 
-// Closes cracks that streaks leave near the instrument: the mask is expanded and shrunk again.
+// Closes cracks that streaks leave near the instrument by expanding and shrinking the mask.
 void close_cracks(Volume &mask, const Volume &distance)
 {
     Volume wide = signed_distance(mask);
@@ -186,22 +188,23 @@ void close_cracks(Volume &mask, const Volume &distance)
             mask.hu[i] = 1;
 }
 
-// Places the level between voxels from their values, where they pass the limit. Enclosed bright voxels stay
-// inside.
+// Places the surface between voxels where their interpolated values pass the limit. Enclosed bright voxels
+// stay inside.
 Volume level_of(const Volume &mask, const Volume &restored, double limit, double slope_HU_per_mm)
 {
     Volume level = signed_distance(mask);
     for (std::size_t i = 0; i < level.hu.size(); ++i) {
         const double away = static_cast<double>(level.hu[i]),
                      by_value = (static_cast<double>(restored.hu[i]) - limit) / slope_HU_per_mm;
-        // `away` is the distance from the nearest voxel of the other kind; the surface lies between the two.
+        // `away` is the distance from the nearest voxel on the other side; the surface lies between the two
+        // voxels.
         if (std::abs(away) < 1.1 && (by_value < 0) == (mask.hu[i] > 0))
             level.hu[i] = static_cast<float>(std::clamp(by_value, -1.2, 1.2));
     }
     return level;
 }
 
-// The box around the mask, with `around` more voxels.
+// Returns the box around the mask, with `around` more voxels on each side.
 void box_of(const Volume &mask, int around, std::array<int, 3> &low, std::array<int, 3> &high)
 {
     low = mask.size;
@@ -258,8 +261,8 @@ Lumen find_lumen(const std::vector<LumenScan> &scans, const LumenOptions &option
     for (Volume *part : {&mask, &merged.distance, &merged.filled, &merged.hidden, &lumen.restored})
         *part = cut_out(*part, low, high);
     lumen.hidden = std::move(merged.hidden);
-    // The steepest slope of a smooth edge of this height is height / (sigma sqrt(2 pi)); half of it counts as
-    // an edge.
+    // The steepest slope of a smooth edge of this height is height / (sigma sqrt(2 pi)); a slope of half this
+    // size counts as an edge.
     const double steepest = contrast / (2.5066 * std::hypot(options.smooth_mm, 0.45));
     lumen.edge_HU_per_mm = 0.5 * steepest;
     lumen.first = level_of(mask, lumen.restored, lumen.edge_HU, steepest);
@@ -268,7 +271,7 @@ Lumen find_lumen(const std::vector<LumenScan> &scans, const LumenOptions &option
     report("lumen", 0.4);
     lumen.level = evolve_snake(lumen.first, lumen.speed, options.snake);
     report("lumen", 0.95);
-    // The place of the instrument always belongs to the lumen.
+    // The space that the instrument fills always belongs to the lumen.
     for (std::size_t i = 0; i < lumen.level.hu.size(); ++i)
         lumen.level.hu[i] =
             std::min(lumen.level.hu[i], merged.distance.hu[i] - static_cast<float>(options.instrument_mm));

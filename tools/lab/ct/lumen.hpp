@@ -1,4 +1,5 @@
-// The phantom's lumen in a scan: the space around the instrument up to the wall (docs/ct.md, "The lumen").
+// Finds the phantom's lumen in a scan, which is the space around the instrument up to the wall (docs/ct.md,
+// "The lumen").
 #pragma once
 #include "tools/lab/ct/centreline.hpp"
 #include "tools/lab/ct/snake.hpp"
@@ -6,7 +7,7 @@
 namespace crn::ct
 {
 
-// Within this distance of the line, values that neither fluid nor silicone can have are taken for streaks.
+// Within this distance of the line, values that neither fluid nor silicone can have are treated as streaks.
 inline constexpr double streak_mm = 9.0;
 
 struct LumenOptions {
@@ -19,7 +20,8 @@ struct LumenOptions {
     SnakeWeights snake{0.0, 0.15, 0.5, 15};
 };
 
-// One of the scans of the phantom, with the parts of the instrument that hide something in it.
+// Holds one of the scans of the phantom, with the parts of the instrument that hide some of the phantom in
+// it.
 struct LumenScan {
     const Volume *volume;
     std::vector<Eigen::Vector3d> line;   // the part of the instrument that lies in the lumen
@@ -27,7 +29,7 @@ struct LumenScan {
 };
 
 struct Lumen {
-    // All volumes cover the part of the scan around the lumen.
+    // All volumes of this struct cover only the part of the scan around the lumen.
     Volume level;    // mm from the wall, negative inside
     Volume restored; // the merged scans without the instrument, smoothed
     Volume hidden;   // 1 where metal hid the voxel in all scans, else 0
@@ -38,23 +40,24 @@ struct Lumen {
     std::vector<std::string> notes;
 };
 
-// The scans show the same phantom at the same place, each with the instrument elsewhere. What metal or
-// streaks hide in one scan is taken from the others. Throws Fault where no space with a wall surrounds the
-// line.
+// The scans show the same phantom at the same place, each with the instrument at another place. Where metal
+// or streaks hide the phantom in one scan, the other scans are used. Throws Fault if no space with a wall
+// surrounds the line.
 Lumen find_lumen(const std::vector<LumenScan> &scans, const LumenOptions &options, const Report &report);
 
 // --- parts, for tests ---
 
-// One picture of all scans, without the instrument, on the grid of the first.
+// Holds all scans merged into one picture without the instrument, on the grid of the first scan.
 struct Merged {
     Volume filled;   // hidden voxels are filled from their surroundings
     Volume distance; // distance from the nearest line in the lumen, cut off
     Volume hidden;   // 1 where no scan shows the voxel
 };
 Merged merge_scans(const std::vector<LumenScan> &scans, double masked_mm, double fluid_HU);
-// Fills hidden voxels from their surroundings (Laplace's equation, from `start`).
+// Fills hidden voxels from their surroundings by Laplace's equation; the iteration starts from the value
+// `start`.
 void fill_in(Volume &volume, const std::vector<std::size_t> &hidden, double start);
-// Returns the distance of every voxel from a line, cut off at `reach_mm`.
+// Returns the distance of every voxel from a line; distances above `reach_mm` become `reach_mm`.
 Volume distance_volume(const Volume &grid, const std::vector<Eigen::Vector3d> &line, double reach_mm);
 
 } // namespace crn::ct

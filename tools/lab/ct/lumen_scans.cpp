@@ -1,4 +1,4 @@
-// Merges scans of the phantom with the instrument at different places into one picture of the phantom.
+// Merges scans of the phantom, each with the instrument at another place, into one picture of the phantom.
 #include "tools/lab/ct/lumen.hpp"
 #include <algorithm>
 #include <cmath>
@@ -13,8 +13,9 @@ namespace
 
 constexpr double noise_least_HU = 4;
 
-// The standard deviation of noise and streaks, which differ from place to place. It is estimated in blocks of
-// every slice from the median difference of voxels two apart. Walls are too thin to change a median.
+// Estimates the standard deviation of noise and streaks, which differs from place to place. Each slice is
+// divided into blocks, and the estimate uses the median difference of voxels two apart. A wall is too thin to
+// change a median.
 class LocalNoise
 {
   public:

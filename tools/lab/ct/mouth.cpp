@@ -26,7 +26,7 @@ double length_of(const std::vector<Vector3d> &line)
     return length;
 }
 
-// The place this far back from the line's last point; it must lie on the line.
+// Returns the place at this distance back from the line's last point; the line must be that long.
 Vector3d before_tip(const std::vector<Vector3d> &line, double arc_mm)
 {
     for (std::size_t i = line.size() - 1; i > 0; --i) {
@@ -37,7 +37,7 @@ Vector3d before_tip(const std::vector<Vector3d> &line, double arc_mm)
     return line.front();
 }
 
-// Returns the direction of the straight line that fits the places best, pointing forwards.
+// Returns the direction of the straight line that fits the places best, pointing from the first to the last.
 Vector3d direction_of(const std::vector<Vector3d> &places)
 {
     Vector3d middle = Vector3d::Zero();
@@ -48,8 +48,8 @@ Vector3d direction_of(const std::vector<Vector3d> &places)
     return axis.dot(places.back() - places.front()) < 0 ? Vector3d(-axis) : axis;
 }
 
-// Returns the direction of the introducer, which is straight. It is taken from the part that the scan shows,
-// else from the line's first millimetres.
+// Returns the direction of the introducer, which is straight. The direction is measured on the part of the
+// introducer that the scan shows; if there is none, on the line's first millimetres.
 Vector3d direction_at(const InsertedLine &line)
 {
     const double end = length_of(line.places), mouth = end - line.inserted_mm;

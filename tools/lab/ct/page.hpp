@@ -1,4 +1,4 @@
-// A folder of pictures and the page that shows them.
+// Writes a folder of pictures, and the page that shows them.
 #pragma once
 #include "tools/lab/ct/pictures.hpp"
 
@@ -12,9 +12,9 @@ class Page
     explicit Page(const std::filesystem::path &folder);
     const std::filesystem::path &folder() const { return folder_; }
 
-    // Saves the picture under this name, and shows it with a line of text. Throws OutputError.
+    // Saves the picture under this name, and adds it to the page with a line of text. Throws OutputError.
     void show(const Picture &picture, const std::string &name, const std::string &what);
-    // Adds a link to another page, with its name.
+    // Adds to the page a link with this name to another page.
     void link(const std::string &to, const std::string &name);
     // Writes index.html with everything shown so far. Throws OutputError.
     void write(const std::string &head, const std::string &facts) const;

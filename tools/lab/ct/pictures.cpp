@@ -16,7 +16,7 @@ std::size_t at_axis(int axis)
     return static_cast<std::size_t>(axis);
 }
 
-// Projects the volume along the axis: the largest or the smallest value of every column.
+// Projects the volume along the axis: takes the largest or the smallest value of every column.
 std::vector<float> extreme_along(const Volume &volume, int axis, bool wants_largest)
 {
     const int right = axis == 0 ? 1 : 0, down = axis == 2 ? 1 : 2;
@@ -36,7 +36,7 @@ std::vector<float> extreme_along(const Volume &volume, int axis, bool wants_larg
     return result;
 }
 
-// The flat picture of a volume: one slice, or a projection of extreme values.
+// Returns a flat picture of a volume, which is either one slice or a projection of extreme values.
 struct Flat {
     int columns, rows;
     std::vector<float> values;

@@ -1,4 +1,5 @@
-// Pictures of volumes: a slice, or the brightest voxels along an axis, with outlines and lines over them.
+// Draws pictures of volumes: a slice, or the brightest voxels along an axis, with outlines and lines over
+// them.
 #pragma once
 #include "host/picture/canvas.hpp"
 #include "tools/lab/ct/volume/volume.hpp"
@@ -10,15 +11,15 @@ namespace crn::ct
 
 inline constexpr Ink red{230, 40, 40}, green{60, 200, 80}, yellow{250, 210, 60}, blue{80, 140, 250};
 
-// The view along an axis of the grid: 0 from the side, 1 from the front, 2 from below as radiologists look
-// (front up). The head is up in the first two.
+// The view is along an axis of the grid: 0 from the side, 1 from the front, 2 from below as radiologists look
+// (front up). The head is up in views 0 and 1.
 class Picture
 {
   public:
-    // The slice `index` through its middle, or the brightest of all slices (index < 0).
+    // Shows the slice `index` with each pixel's value, or the brightest value of all slices if index < 0.
     Picture(const Volume &volume, int axis, int index, double low_HU, double high_HU, double pixel_mm = 0.35);
-    // Draws where `level` (a volume on the same grid) changes its sign in that slice. In a view through all
-    // slices it outlines the places where any slice is inside.
+    // Draws the outline where `level`, a volume on the same grid, changes its sign in that slice. In a view
+    // through all slices, the function outlines the places where any slice is inside.
     void outline(const Volume &level, Ink ink);
     void line(const std::vector<Eigen::Vector3d> &scene_mm, Ink ink, double width);
     void dot(const Eigen::Vector3d &scene_mm, Ink ink, double width);

@@ -22,7 +22,8 @@ constexpr double around_mm = 3;           // margin of air in the picture
 constexpr double photons_least = 2;       // least number of photons that a starved ray counts
 constexpr double electronic_photons = 15; // standard deviation of the read-out
 
-// Returns a separate random number for every ray, whatever the order, by splitmix64's finaliser.
+// Returns an independent random number for every ray by splitmix64's finaliser; the order of the calls does
+// not matter.
 std::uint64_t mixed(std::uint64_t value)
 {
     value += 0x9e3779b97f4a7c15u;
@@ -91,16 +92,17 @@ class Scan
     }
 
   private:
-    // Covers the diagonal, with one more ray at each end for the interpolation.
+    // Returns the number of bins that cover the volume's diagonal, with some more at each end for the
+    // interpolation.
     static int bins_for(const Volume &volume, double pitch_mm)
     {
         const double x = volume.size[0] * volume.spacing_mm.x(), y = volume.size[1] * volume.spacing_mm.y();
         return static_cast<int>(std::ceil(std::hypot(x, y) / pitch_mm)) + 6;
     }
 
-    // The share of the signal on rays that meet an instrument, -1 on the others; empty where none does. The
-    // mean over aperture and slice is that of the signal, not of the lengths. This makes thin metal bloom and
-    // streak.
+    // Returns the share of the signal that remains on each ray through an instrument, and -1 for other rays;
+    // the list is empty if no ray passes an instrument. Over the aperture and the slice we average the
+    // signal, not the lengths of material. Averaging the signal makes thin metal bloom and cause streaks.
     std::vector<float> through_instruments(double height, const std::vector<float> &water) const
     {
         const std::size_t materials = beam_.material_count(), block = slice_planes * rays_per_bin * materials;
@@ -154,7 +156,7 @@ class Scan
         return std::max(photons_least, mean + sigma * normal_number(settings_.seed, number)) / photons_;
     }
 
-    // Returns the number of photons per ray in air that gives the wanted noise in the lumen's middle, in the
+    // Returns the number of photons per ray in air that gives the wanted noise at the lumen's middle in the
     // middle slice.
     double photons_for_noise() const
     {
@@ -163,8 +165,8 @@ class Scan
         planes_.edges_at(0, edges);
         add_chords(edges, rays_, 1, water);
         for (float &length : water) {
-            // The variance of -log is 1 / photons; the variance of the water length is that times the square
-            // of mm per depth.
+            // The variance of -log(signal) is 1 / (number of photons). The variance of the water length is
+            // this variance times the square of the change in length per change in -log(signal).
             const double share = beam_.water_transmission(static_cast<double>(length));
             const double slope = beam_.water_for(share * 0.99) - beam_.water_for(share * 1.01);
             length = static_cast<float>(slope * slope / (0.02 * 0.02) / share);

@@ -1,11 +1,12 @@
-// The virtual scanner: a silicone phantom with an instrument in it, as an axial CT images it (docs/ct.md,
+// The virtual scanner makes an axial CT image of a silicone phantom with an instrument in it (docs/ct.md,
 // "The scanner").
 //
-// For every slice it computes the line integrals of parallel beams exactly (chords of the cut meshes, chords
-// of the instrument's tube) and averages them over the detector's aperture and the slice's profile. It
-// attenuates a polychromatic beam, counts photons, corrects for the beam hardening by water as scanners do,
-// and reconstructs by filtered back-projection. Blooming, streaks and starved photons result from this;
-// nothing is painted. Scatter and the geometry of fan and helix are left out.
+// For every slice the scanner computes the line integrals of parallel beams exactly, from chords of the cut
+// meshes and of the instrument's tube. The integrals are averaged over the detector's aperture and the
+// slice's profile. The scanner attenuates a polychromatic beam, counts photons, corrects for the beam
+// hardening by water as scanners do, and reconstructs by filtered back-projection. Blooming, streaks and
+// photon starvation result from this computation; none of them is drawn artificially. Scatter, and the
+// geometry of fan beam and helix, are not modelled.
 #pragma once
 #include "host/xray/paths/materials.hpp"
 #include "tools/bake/mesh.hpp"
@@ -17,7 +18,8 @@
 namespace crn::ct
 {
 
-// Hounsfield units of the phantom's materials at 120 kV (xraylib's cross-sections at 70 keV: docs/ct.md).
+// Holds the Hounsfield units of the phantom's materials at 120 kV (xraylib's cross-sections at 70 keV:
+// docs/ct.md).
 struct PhantomMaterials {
     double fluid_HU = 80;     // water with 40 % glycerol, 1.10 g/cm3
     double silicone_HU = 230; // PDMS, 1.10 g/cm3
@@ -25,7 +27,8 @@ struct PhantomMaterials {
     double wall_mm = 2;       // thickness of silicone around the lumen; assumed
 };
 
-// A stretch of the instrument, counted from its tip: a round tube of layers as in instrument files.
+// Describes a stretch of the instrument, counted from its tip: a round tube with the layers of an instrument
+// file.
 struct ScanLayer {
     Material material = Material::steel;
     double fill = 1, radius_share = 1; // shares of the section and of the radius
@@ -54,11 +57,11 @@ struct ScannerSettings {
     Eigen::AlignedBox3d box_mm; // box of the gel, scene's axes; empty: the phantom with 8 mm around it
 };
 
-// Reports the completed share, 0 .. 1; it throws to stop the work.
+// Receives the completed share, 0 .. 1; it may throw to stop the work.
 using Report = std::function<void(const std::string &stage, double share)>;
 
-// `lumen` is closed, in the scene's mm. The same settings give the same volume for any number of threads.
-// Throws Fault for impossible sizes.
+// `lumen` must be closed; it is in the scene's mm. The same settings give the same volume for any number of
+// threads. Throws Fault for impossible sizes.
 Volume simulate_scan(const bake::Mesh &lumen, const PhantomMaterials &phantom,
                      const std::vector<ScanInstrument> &instruments, const ScannerSettings &settings,
                      const Report &report);

@@ -1,5 +1,6 @@
-// The parts of the virtual scanner: planes through the phantom, chords of the instrument, the beam, the
-// reconstruction. Lengths inside a part are mm in LPS, with the scanner's axis through `centre`.
+// Defines the parts of the virtual scanner: planes through the phantom, chords of the instrument, the beam
+// and the reconstruction. Lengths inside these parts are in mm in LPS axes (left, posterior, superior), with
+// the scanner's axis through `centre`.
 #pragma once
 #include "tools/lab/ct/scanner.hpp"
 #include <array>
@@ -8,8 +9,8 @@
 namespace crn::ct
 {
 
-// The parallel rays of one slice: view v looks along (-sin, cos); ray i lies at s = (i + 0.5 - bins / 2)
-// pitch along (cos, sin).
+// Describes the parallel rays of one slice: view v looks along (-sin, cos), and ray i lies at s = (i + 0.5 -
+// bins / 2) pitch along (cos, sin).
 struct Rays {
     Rays(int views, int bins, double pitch_mm);
     int views, bins;
@@ -18,13 +19,13 @@ struct Rays {
     std::size_t count() const { return static_cast<std::size_t>(views) * static_cast<std::size_t>(bins); }
 };
 
-// An edge of a closed outline in a plane; the enclosed region lies on its left.
+// Holds an edge of a closed outline in a plane; the enclosed region lies on the edge's left.
 struct Edge {
     Eigen::Vector2d a, b;
     double value; // HU / 1000 inside minus outside
 };
 
-// The outlines of lumen, wall and gel in planes of constant height.
+// Computes the outlines of lumen, wall and gel in planes of constant height.
 class PhantomPlanes
 {
   public:
@@ -32,7 +33,8 @@ class PhantomPlanes
     PhantomPlanes(const bake::Mesh &lumen, const PhantomMaterials &phantom,
                   const Eigen::AlignedBox3d &box_lps, const Eigen::Vector3d &centre);
     void edges_at(double height_mm, std::vector<Edge> &edges) const;
-    // The middle of the lumen in this plane; the axis where there is no lumen.
+    // Returns the middle of the lumen in this plane, or the scanner's axis if the plane does not cut the
+    // lumen.
     Eigen::Vector2d middle_at(double height_mm) const;
 
   private:
@@ -45,19 +47,20 @@ class PhantomPlanes
     Eigen::AlignedBox3d box_;
     std::vector<std::array<Eigen::Vector3d, 3>> triangles_;
     std::vector<std::vector<std::uint32_t>> at_height_; // triangles that reach into each millimetre of height
-    // The distance from the lumen's surface (negative inside) on a grid of 1 mm, cut off beyond the wall.
+    // Holds the distance from the lumen's surface (negative inside) on a grid of 1 mm, up to slightly beyond
+    // the wall.
     Eigen::Vector3d field_origin_;
     std::array<int, 3> field_size_;
     std::vector<float> field_;
 };
 
-// Adds the mean chords of the region enclosed by the edges, times their value, in mm.
+// Adds for each ray the mean chord, in mm, of the region that the edges enclose, times the edges' value.
 void add_chords(const std::vector<Edge> &edges, const Rays &rays, double weight, std::vector<float> &sums);
 
 inline constexpr int rays_per_bin = 3;
 inline constexpr int beam_energies = 8;
 
-// Metal and polymer of the instruments along sub-rays of one plane.
+// Holds the length of metal or polymer that one sub-ray of a plane crosses in an instrument.
 struct TubeChord {
     std::uint32_t ray; // view * bins * rays_per_bin + sub-ray
     float length_mm;   // multiplied by `fill`
@@ -87,16 +90,16 @@ class InstrumentTubes
     std::vector<Material> materials_;
 };
 
-// The beam as a few energies, weighted by the detector's response.
+// Represents the X-ray beam by a few energies, weighted by the detector's response.
 class Beam
 {
   public:
     Beam(double tube_kV, const std::vector<Material> &materials);
-    // Returns the share of the signal behind these lengths of water and of each material, mm.
+    // Returns the share of the signal that remains behind these lengths, in mm, of water and of each
+    // material.
     double transmission(double water_mm, const float *lengths_mm) const;
     double water_transmission(double water_mm) const;
-    // Returns the length of water with the same transmission, as scanners' correction of beam hardening gives
-    // it.
+    // Returns the length of water with the same transmission; scanners correct beam hardening in this way.
     double water_for(double transmission) const;
     std::size_t material_count() const { return per_mm_.size(); }
 
@@ -116,7 +119,7 @@ class Reconstruction
     void filter(std::vector<float> &lengths_mm) const;
     void project_back(const std::vector<float> &filtered, const Eigen::Vector2d &first,
                       const Eigen::Vector2d &spacing, int columns, int rows, float *out_HU) const;
-    // Returns the standard deviation in HU of a pixel at `place`, for independent rays with these variances
+    // Returns the standard deviation, in HU, of a pixel at `place`, for independent rays with these variances
     // (mm2).
     double noise_HU(const std::vector<float> &variance_mm2, const Eigen::Vector2d &place) const;
 

@@ -1,4 +1,5 @@
-// Filtered back-projection of parallel rays: a ramp with a Gaussian roll-off, and linear interpolation.
+// Reconstructs by filtered back-projection of parallel rays, with a ramp filter with a Gaussian roll-off and
+// linear interpolation.
 #include "tools/lab/ct/scanner_parts.hpp"
 #include <cmath>
 #include <complex>
@@ -25,15 +26,16 @@ Rays::Rays(int views_wanted, int bins_wanted, double pitch)
     : views(views_wanted), bins(bins_wanted), pitch_mm(pitch)
 {
     for (int view = 0; view < views; ++view) {
-        // The angles avoid the axes, where whole edges would fall between two rays.
+        // The angles avoid the axes, because a whole edge of the phantom parallel to an axis would fall
+        // between two rays.
         const double angle = pi * (view + 0.37) / views;
         cosine.push_back(std::cos(angle));
         sine.push_back(std::sin(angle));
     }
 }
 
-// The aperture (a box of one pitch) and the interpolation (a triangle) already blur; the roll-off adds the
-// rest.
+// The aperture (a box of one pitch) and the interpolation (a triangle) already blur the picture; the filter's
+// roll-off adds the rest of the wanted blur.
 Reconstruction::Reconstruction(const Rays &rays, double blur_mm) : rays_(rays)
 {
     const double pitch = rays.pitch_mm;
@@ -53,16 +55,16 @@ Reconstruction::Reconstruction(const Rays &rays, double blur_mm) : rays_(rays)
             frequency[static_cast<std::size_t>(i)].real() *
             static_cast<float>(std::exp(-2 * pi * pi * left * cycles_per_mm * cycles_per_mm)));
     }
-    // The gain of white noise: the mean of |response|^2, of which a linear interpolation at any share leaves
-    // 2/3. Neighbouring values of a ramp's noise are hardly correlated, and a test measures the resulting
-    // noise.
+    // The filter's gain for white noise is the mean of |response|^2; linear interpolation at any share leaves
+    // 2/3 of it. Neighbouring noise values behind a ramp filter are hardly correlated, and a test measures
+    // the resulting noise.
     for (const float value : response_) row_gain_ += static_cast<double>(value * value) / size;
     row_gain_ *= 2.0 / 3;
 }
 
 Reconstruction::~Reconstruction() = default;
 
-// Filters two rows at once, as real and imaginary part: the response is real and even.
+// Filters two rows at once, as real and imaginary part, because the filter's response is real and even.
 void Reconstruction::filter(std::vector<float> &lengths_mm) const
 {
     const std::size_t bins = static_cast<std::size_t>(rays_.bins);

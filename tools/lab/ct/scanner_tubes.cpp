@@ -1,4 +1,4 @@
-// The instrument in the beam: chords of rays with pieces of round tubes; and the beam itself.
+// Computes the chords of rays in pieces of round tubes, which form the instrument, and the beam itself.
 #include "host/xray/attenuation.hpp"
 #include "host/xray/spectrum.hpp"
 #include "tools/lab/ct/scanner_parts.hpp"
@@ -19,7 +19,7 @@ constexpr double piece_mm =
 constexpr double water_step_mm = 1.0;
 constexpr int water_steps = 3000;
 
-// Returns the same line in pieces of at most piece_mm.
+// Divides a line into pieces of at most piece_mm.
 std::vector<Vector3d> fine_line(const std::vector<Vector3d> &line)
 {
     std::vector<Vector3d> fine{line.front()};
@@ -38,7 +38,7 @@ struct Span {
     double length() const { return std::max(0.0, high - low); }
 };
 
-// Keeps the part of the ray p + t d that lies before or behind a plane through q.
+// Keeps the part of the ray p + t d that lies before, or behind, a plane through q.
 void clip(Span &span, double slope, double beyond, bool wants_positive)
 {
     if (!wants_positive) {
@@ -166,7 +166,7 @@ Beam::Beam(double tube_kV, const std::vector<Material> &materials)
     double below = 0;
     for (int i = 0; i < energy_count; ++i) {
         const double share = signal[static_cast<std::size_t>(i)] / all;
-        // Bins of equal signal; each has the mean attenuation of its photons.
+        // We divide the spectrum into bins of equal signal; each bin has the mean attenuation of its photons.
         const auto bin = std::min<std::size_t>(beam_energies - 1,
                                                static_cast<std::size_t>((below + share / 2) * beam_energies));
         below += share;

@@ -1,4 +1,4 @@
-// Lines, lumen and instrument of scans as files, with pictures of every step.
+// Writes lines, lumen and instrument of scans as files, with pictures of every step.
 #pragma once
 #include "tools/bake/mesh.hpp"
 #include "tools/lab/ct/centreline.hpp"
@@ -17,9 +17,9 @@ struct SegmentOptions {
 
 // Finds the instrument in one scan; writes instrument.ply and a picture into the page's folder. Throws Fault.
 InstrumentLine segment_line(const Volume &volume, LineOptions options, Page &page, const Report &report);
-// Writes centreline.csv, report.json, the line's pictures and the page, which begins with `facts`.
+// Writes centreline.csv, report.json, the line's pictures, and the page, which begins with the text `facts`.
 void write_line(const InstrumentLine &line, const Volume &volume, Page &page, const std::string &facts);
-// Returns "volume ...", "instrument ...": the findings, one line each.
+// Returns the results as lines of text, "volume ..." and "instrument ...".
 std::string line_facts(const InstrumentLine &line, const Volume &volume);
 
 struct LumenSurface {
@@ -33,7 +33,7 @@ LumenSurface segment_lumen(const std::vector<LumenScan> &scans, const LumenOptio
                            const Report &report);
 std::string lumen_facts(const LumenSurface &surface);
 
-// The line and the lumen of one scan, with the page index.html.
+// Finds the line and the lumen of one scan, and writes the page index.html.
 struct Segmentation {
     InstrumentLine line;
     bake::Mesh lumen; // closed, mm, scene's axes; empty where it was not requested
@@ -41,13 +41,14 @@ struct Segmentation {
 Segmentation segment_scan(const Volume &volume, const SegmentOptions &options,
                           const std::filesystem::path &folder, const Report &report);
 
-// The distance of a line from another: nearest distances of the first line's points.
+// Returns the distance of one line from another, from the nearest distances of the first line's points.
 struct Apart {
     double mean_mm = 0, max_mm = 0, tip_mm = 0;
     double offset_mm = 0; // for a surface: mean with its sign, + outside the reference
 };
 Apart lines_apart(const std::vector<Eigen::Vector3d> &line, const std::vector<Eigen::Vector3d> &reference);
-// Nearest distances of a surface from another, closed one; the mean is over its area.
+// Returns the nearest distances of a surface from another surface, which must be closed; the mean is over the
+// first surface's area.
 Apart surfaces_apart(const bake::Mesh &surface, const bake::Mesh &reference);
 
 } // namespace crn::ct

@@ -16,7 +16,7 @@ namespace
 using Image = itk::Image<float, 3>;
 using Mask = itk::Image<unsigned char, 3>;
 
-// An image of the grid without its position: filters need the spacing alone.
+// Makes an image of the grid without its position, because filters need the spacing alone.
 template <class Type> typename Type::Pointer empty_image(const Volume &volume)
 {
     const auto image = Type::New();
@@ -39,7 +39,7 @@ Image::Pointer image_of(const Volume &volume)
     return image;
 }
 
-// Runs a filter and copies its picture onto the volume's grid.
+// Runs a filter and copies the image that it makes onto the volume's grid.
 template <class Filter> Volume run(const Volume &grid, const Filter &filter)
 {
     try {
@@ -102,8 +102,8 @@ Volume evolve_snake(const Volume &level, const Volume &speed, const SnakeWeights
     filter->SetCurvatureScaling(static_cast<float>(weights.curvature));
     filter->SetAdvectionScaling(static_cast<float>(weights.advection));
     filter->SetMaximumRMSError(0.001);
-    // With the usual wider sigma, the speed's valleys at the two sides of one wall merge, and the snake runs
-    // into the wrong one.
+    // With the usual wider sigma, the valleys of the speed at the two sides of a wall merge, and the snake
+    // stops at the wrong side.
     filter->SetDerivativeSigma(0.3);
     filter->SetNumberOfIterations(static_cast<unsigned>(weights.iterations));
     return run(level, filter);

@@ -16,11 +16,11 @@ namespace
 
 using Eigen::Vector3d;
 
-// A cube as six tetrahedra around its diagonal from corner 0 to corner 7 (bit 0: i, 1: j, 2: k). Neighbours
-// share faces.
+// A cube is divided into six tetrahedra around its diagonal from corner 0 to corner 7 (bit 0: i, 1: j, 2: k).
+// Neighbours share faces.
 constexpr int tetrahedra[6][4] = {{0, 1, 3, 7}, {0, 3, 2, 7}, {0, 2, 6, 7},
                                   {0, 6, 4, 7}, {0, 4, 5, 7}, {0, 5, 1, 7}};
-// Vertices keep this distance from the voxels, so that no triangle has almost no area.
+// Vertices keep this distance from the voxels' middles, so that no triangle has almost no area.
 constexpr double nearest_share = 0.02;
 
 class Marching
@@ -30,7 +30,7 @@ class Marching
 
     bake::Mesh run()
     {
-        // One layer of outside voxels around the volume closes the surface at its border.
+        // A layer of outside voxels around the volume closes the surface at the volume's border.
         for (int k = -1; k < level_.size[2]; ++k)
             for (int j = -1; j < level_.size[1]; ++j)
                 for (int i = -1; i < level_.size[0]; ++i) cube(i, j, k);
@@ -103,7 +103,7 @@ class Marching
         return found->second;
     }
 
-    // The triangle is turned so that its normal points away from a corner inside.
+    // The corners are ordered so that the triangle's normal points away from a corner inside.
     void triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c, const Corner &in)
     {
         const Vector3d &p = mesh_.vertices_mm[a], &q = mesh_.vertices_mm[b], &r = mesh_.vertices_mm[c];

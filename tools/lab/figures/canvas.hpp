@@ -1,5 +1,5 @@
-// A picture into which charts are drawn: rectangles, lines, discs and letters. Drawing at twice the size
-// makes them smooth.
+// Draws charts into a picture with rectangles, lines, discs and letters. Everything is drawn at twice the
+// size and then reduced, so that edges look smooth.
 #pragma once
 #include <Eigen/Core>
 #include <cstdint>
@@ -16,8 +16,8 @@ struct Colour {
 
 enum class Align { left, centre, right };
 
-// Coordinates are pixels of the finished picture, with the origin at the top left; everything outside is
-// clipped.
+// Coordinates are pixels of the finished picture, with the origin at the top left. Anything drawn outside the
+// picture is clipped.
 class Canvas
 {
   public:
@@ -32,8 +32,8 @@ class Canvas
     void disc(double x, double y, double radius, Colour colour);
     void blend(int x, int y, Colour colour, double share); // one pixel
 
-    // Letters are 6 x 8 points of `size` pixels each; y is the top. Upward text is rotated by a quarter turn,
-    // and y is its middle.
+    // Letters have 6 x 8 points of `size` pixels each; y is their top. Upward text is rotated by a quarter
+    // turn; y is its middle.
     void text(double x, double y, std::string_view letters, double size, Colour colour,
               Align align = Align::left);
     void text_upwards(double x, double y, std::string_view letters, double size, Colour colour);

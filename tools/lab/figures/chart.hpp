@@ -1,4 +1,4 @@
-// The frame of a chart: title, axes, grid and legend, and the conversion from values to pixels.
+// Draws the frame of a chart (title, axes, grid and legend), and converts values to pixels.
 #pragma once
 #include "tools/lab/figures/canvas.hpp"
 #include <utility>
@@ -20,7 +20,7 @@ struct Axis {
     std::vector<double> ticks() const; // decades, or about six round steps
 };
 
-// A plot area in a canvas with a value axis on the left.
+// Represents a plot area in a canvas, with a value axis on the left.
 class Chart
 {
   public:
@@ -44,7 +44,7 @@ class Chart
 void draw_title(Canvas &canvas, const std::string &title, const std::vector<std::string> &lines);
 void draw_legend(Canvas &canvas, double x, double y, const std::vector<std::pair<Colour, std::string>> &rows);
 
-// Formats significant digits without an exponent: "0.00842", "7.07", "384".
+// Formats the significant digits of a number without an exponent: "0.00842", "7.07", "384".
 std::string short_number(double value, int digits = 3);
 
 } // namespace vcsim3

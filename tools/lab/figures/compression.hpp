@@ -1,6 +1,6 @@
-// The experiment of the thesis' section 5.4.2. A rod is fed into the phantom until its tip is at the closed
-// end and further feeding has compressed it; its length is then compared with its rest length. Every mode and
-// our direct solver get the same rod, vessel and hand.
+// Repeats the experiment of the thesis' section 5.4.2. A rod is fed into the phantom until its tip is at the
+// closed end and further feeding has compressed it. The length of the rod is then compared with its rest
+// length. All modes of the thesis' rod, and our direct solver, get the same rod, vessel and hand.
 #pragma once
 #include "tools/lab/vcsim3/direct.hpp"
 #include "tools/lab/vcsim3/preset.hpp"
@@ -30,9 +30,9 @@ struct ShapeNode {
     bool is_touching; // true if it touched at some tick of the last average_s of the hold
 };
 
-// Positive percentages are compression. A rod that has become unstable has is_sound false, and its other
-// values are meaningless. Unstable means that a coordinate is not finite or half a metre away, or that the
-// length is off by more than half.
+// Positive percentages are compression. If a rod has become unstable, is_sound is false and its other values
+// are meaningless. A rod is unstable if a coordinate is not finite or half a metre away, or if the length
+// error is more than half.
 struct CompressionResult {
     std::string name, token; // "25 Local", "local25"; "Direct", "direct"
     bool is_sound = true;
@@ -46,15 +46,15 @@ struct CompressionResult {
     std::vector<std::uint8_t> state; // state at the same moment, for timing: begin_at() or DirectRod::restore
 };
 
-// It is called after each tick with the completed share; if it returns false, the run stops and throws
-// Interrupted.
+// This function is called after each tick with the completed share; if it returns false, the run stops and
+// throws Interrupted.
 using Watch = std::function<bool(double)>;
 struct Interrupted : std::exception {
     const char *what() const noexcept override { return "interrupted"; }
 };
 
-// Returns the properties for our solver: the preset's stiffness, radius and friction, a real wire's mass, and
-// no weight, as in the baseline.
+// Returns the properties for our solver: the preset's stiffness, radius and friction, the mass of a real
+// wire, and no weight, as in the baseline.
 DirectProperties direct_of(const Preset &preset, const Protocol &protocol);
 inline constexpr double direct_mass_kg_per_m = 0.005;
 

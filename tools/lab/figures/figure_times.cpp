@@ -1,4 +1,5 @@
-// Figure 5.14 twice: the thesis' milliseconds on its machine, and our microseconds per step on this one.
+// Draws figure 5.14 twice: with the thesis' milliseconds on its machine, and with our microseconds per step
+// on the present machine.
 #include "tools/lab/figures/chart.hpp"
 #include "tools/lab/figures/figures.hpp"
 #include "tools/lab/figures/thesis_values.hpp"
@@ -26,7 +27,7 @@ double height_of(const Stack &stack)
     return stack.parts[0] + stack.parts[1] + stack.parts[2] + stack.parts[3] + stack.direct;
 }
 
-// Splits "25 Local" into two lines for a narrow place.
+// Splits a name such as "25 Local" into two lines that fit a narrow place.
 std::pair<std::string, std::string> two_lines(const std::string &name)
 {
     if (name == "1 Global") return {"1", "glob."};

@@ -145,7 +145,8 @@ void draw_convergence(const Study &study, const std::string &path)
             const double y = chart.y_of(values[k]);
             if (last[k][0] > 0.0) canvas.line(last[k][0], last[k][1], x, y, 2.0, colours[k]);
             canvas.disc(x, y, 5.0, colours[k]);
-            // The baseline's numbers are below its curve and the thesis' above, because the curves fall.
+            // Each of our numbers is placed below its curve and each of the thesis' above its curve, because
+            // the curves fall.
             canvas.text(x, k == 0 ? y + 10 : y - 22, short_number(values[k]), small_text, colours[k],
                         Align::centre);
             last[k][0] = x;

@@ -17,8 +17,8 @@ namespace
 
 constexpr int steps = 10;
 
-// Runs a program with standard output and error in `log`. Returns its exit code, or -1 when it could not be
-// started.
+// Runs a program whose standard output and standard error go to the file `log`. Returns the program's exit
+// code, or -1 when it could not be started.
 int run_program(const std::vector<std::string> &arguments, const std::string &log)
 {
     std::vector<char *> list;

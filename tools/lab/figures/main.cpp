@@ -55,8 +55,8 @@ struct Options {
     }
 };
 
-// Reports progress on standard error: the completed share on a terminal, otherwise only the beginning of each
-// part.
+// Reports progress on standard error. A terminal shows the completed share; a file gets only the beginning of
+// each part.
 bool report(const std::string &what, double share)
 {
     static const bool is_watched = isatty(2) != 0;

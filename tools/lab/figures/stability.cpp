@@ -42,8 +42,9 @@ bool survives_crowding(const Preset &preset, const Mode &mode, int substeps)
     SimulationSettings settings;
     settings.mode = mode;
     settings.substeps = substeps;
-    // The tube is oblique, so that the rod is bent when it meets the end. Head on, the one global iteration
-    // does not pass the wall's force on and crushes the first segment (docs/thesis.md).
+    // The tube is oblique to the axes, so that the rod is bent when it reaches the closed end. In a tube
+    // along an axis, a single global iteration does not pass on the wall's force, and the first segment is
+    // crushed (docs/thesis.md).
     const Vector direction = Vector(1.0, 0.25, 0.1).normalized();
     Simulation simulation(rod_of(preset, elements + 2, preset_element_m), Inserter(Vector::Zero(), direction),
                           tube_wall(tube_radius_m, tube_length_m), settings, start_m);

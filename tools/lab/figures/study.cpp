@@ -10,7 +10,8 @@ namespace vcsim3
 namespace
 {
 
-// Runs work(0) .. work(count - 1) on some threads; the first exception stops the rest and is thrown here.
+// Runs work(0) .. work(count - 1) on several threads; the first exception stops the other calls and is thrown
+// again here.
 void in_parallel(int count, int threads, const std::function<void(int)> &work)
 {
     std::atomic<int> next = 0;
@@ -34,7 +35,7 @@ void in_parallel(int count, int threads, const std::function<void(int)> &work)
     if (failure) std::rethrow_exception(failure);
 }
 
-// The completed share of many jobs that take different times.
+// Computes the completed share of many jobs of different duration.
 class Progress
 {
   public:
@@ -94,7 +95,7 @@ void add_runs(Study &study, const StudySettings &settings, const Vessel &vessel,
     study.runs.resize(baseline + 1);
     Progress progress("compression", weights, report);
     in_parallel(static_cast<int>(baseline) + 1, settings.threads, [&](int job) {
-        // The longest jobs run first, so that the threads end together.
+        // The longest jobs run first, so that all threads end at about the same time.
         const std::size_t i = baseline - static_cast<std::size_t>(job);
         const Preset &preset = *settings.preset;
         study.runs[i] = i == baseline ? compress_direct(preset, vessel, settings.protocol, progress.watch(i))
@@ -113,7 +114,7 @@ void add_stability(Study &study, const StudySettings &settings, const Report &re
     in_parallel(static_cast<int>(presets().size()), settings.threads, [&](int job) {
         const Preset &preset = presets()[job];
         const Watch watch = progress.watch(job);
-        // Each call does a third of this preset's work.
+        // Each of the three calls does a third of this preset's work.
         const auto measure = [&](Mode::Kind kind, int iterations, double third) {
             return smallest_stable_substeps(preset, {kind, iterations},
                                             [&](double share) { return watch((third + share) / 3.0); });

@@ -1,4 +1,4 @@
-// All results of `vcsim3 figures`, before they are drawn and written.
+// Holds all results of `vcsim3 figures` before they are drawn and written.
 #pragma once
 #include "tools/lab/figures/stability.hpp"
 #include "tools/lab/figures/timing.hpp"
@@ -6,7 +6,7 @@
 namespace vcsim3
 {
 
-// The smallest stable number of steps per millisecond of a preset, by mode.
+// Holds the smallest stable number of steps per millisecond of a preset, for each mode.
 struct StabilityRow {
     const Preset *preset;
     int penalty, local10, global;
@@ -29,18 +29,19 @@ struct StudySettings {
     int threads = 1;
 };
 
-// Reports the current work and its progress: (what, completed share, or -1 for a separate line). It is called
-// from several threads, but one at a time. If it returns false, everything stops with Interrupted.
+// Reports the current work and its progress, as (name of the work, completed share); a share of -1 prints a
+// separate line. The report function is called from several threads, but never by two at the same time. If
+// the report function returns false, all work stops and throws Interrupted.
 using Report = std::function<bool(const std::string &, double)>;
 
 Study make_study(const StudySettings &settings, const Vessel &vessel, const Report &report);
 
-// The run with this token; nullptr when there is none.
+// Returns the run with this token, or nullptr if there is none.
 const CompressionResult *find_run(const Study &study, const std::string &token);
 
-// Sentences on requirements for Figure 5.11 (bar 4 of the product) that are not met. The list is empty when
-// the order penalty > 5 > 10 > 25 > 50 local holds, no rod became unstable, and the direct solver is below
-// every mode.
+// Returns a sentence for each requirement on Figure 5.11 (bar 4 of the product) that is not met. The list is
+// empty when three things hold: the compression falls in the order penalty > 5 > 10 > 25 > 50 local, no rod
+// became unstable, and the direct solver has less compression than every mode.
 std::vector<std::string> order_faults(const Study &study);
 
 } // namespace vcsim3

@@ -1,11 +1,11 @@
-// A study as tables (TSV) and as one JSON file: the numbers of the figures.
+// Converts a study to tables (TSV) and to one JSON file, which contain the numbers of the figures.
 #pragma once
 #include "tools/lab/figures/study.hpp"
 
 namespace vcsim3
 {
 
-// Head and rows of text; every row is as long as the head.
+// Holds a table of text; every row has as many cells as the head.
 struct Table {
     std::vector<std::string> head;
     std::vector<std::vector<std::string>> rows;

@@ -11,7 +11,7 @@ namespace
 
 constexpr int rounds = 60, steps_per_round = 10;
 
-// One rod, the baseline's or ours, at the end of its run.
+// Runs a single rod, either the baseline's or ours, from the end of its compression run.
 class Runner
 {
   public:
@@ -71,7 +71,7 @@ void keep_fastest(TimingResult &best, const TimingResult &now)
 
 } // namespace
 
-// callgrind's --toggle-collect refers to this name.
+// The option --toggle-collect of callgrind uses this name.
 extern "C" __attribute__((noinline)) void vcsim3_measured_step(void *runner);
 extern "C" void vcsim3_measured_step(void *runner)
 {

@@ -1,4 +1,5 @@
-// Figure 5.14: the cost of one step, phase by phase, for every mode from the end of its own compression run.
+// Measures figure 5.14: the cost of one step, phase by phase, for every mode. Each mode starts from the end
+// of its own compression run.
 #pragma once
 #include "tools/lab/figures/compression.hpp"
 
@@ -16,13 +17,13 @@ struct TimingResult {
     double per_ms_s() const { return total_s() * steps_per_ms; }
 };
 
-// Times all runs in turn, round after round, so that a disturbance of the machine does not affect a single
-// mode. It keeps the fastest time of each phase in 600 steps. It needs the states of `runs`, made with the
-// same preset, vessel and protocol.
+// Times all runs in turn, round after round, so that a disturbance of the machine does not affect one mode
+// alone. For each phase, the fastest time in 600 steps is kept. The states of `runs` must have been made with
+// the same preset, vessel and protocol.
 std::vector<TimingResult> time_steps(const std::vector<CompressionResult> &runs, const Preset &preset,
                                      const Vessel &vessel, const Protocol &protocol, const Watch &watch);
 
-// Steps the state of one run `count` times within the function whose name callgrind receives
+// Advances the state of one run by `count` steps, within the function whose name callgrind is given
 // (vcsim3_measured_step).
 void run_measured_steps(const CompressionResult &run, int count, const Preset &preset, const Vessel &vessel,
                         const Protocol &protocol);

@@ -1,4 +1,5 @@
-// The view is from the front (from +z): patient left is on the right of the picture, as in a radiograph.
+// The view is from the front (from +z): the patient's left is on the right of the picture, as in a
+// radiograph.
 #include "tools/lab/figures/vessel_picture.hpp"
 #include <algorithm>
 #include <cmath>

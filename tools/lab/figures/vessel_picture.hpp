@@ -1,5 +1,5 @@
-// A vessel seen from the front as glass, with a rod of spheres in it: green where the rod touches the wall,
-// red where it is free.
+// Draws a vessel as glass, seen from the front, with a rod of spheres in it. A sphere is green where the rod
+// touches the wall, and red elsewhere.
 #pragma once
 #include "tools/lab/figures/canvas.hpp"
 #include "tools/lab/figures/compression.hpp"
@@ -15,11 +15,11 @@ class VesselPicture
 
     int width() const { return width_; }
     int height() const { return height_; }
-    // Returns the place of a patient's point in the picture, from its top left corner.
+    // Returns the place of a patient's point in the picture, counted from the picture's top left corner.
     Eigen::Vector2d place_of(const Vector &position_m) const;
 
-    // Draws the vessel with its top left corner at this place, and the rod's nodes as spheres: far ones
-    // first, touching ones on top.
+    // Draws the vessel with its top left corner at this place, and the rod's nodes as spheres. Far spheres
+    // are drawn first, and touching ones last.
     void draw(Canvas &canvas, double left, double top, const std::vector<ShapeNode> &shape,
               double free_radius_mm, double touching_radius_mm) const;
 

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Simulates the rod of docs/bench.md ("Peers") in PyElastica: a Cosserat rod, explicit in time, so its step follows
-from shear waves across the rod's radius.
+"""Simulates the rod of docs/bench.md ("Peers") in PyElastica: a Cosserat rod with explicit time integration, so the
+time step follows from shear waves across the rod's radius.
 
   peer_elastica.py free WARM_STEPS TIMED_STEPS [STEP_us]
 
 Prints one line of key=value pairs. Needs the package pyelastica.
 
-The step of 0.2 us is stable and 0.25 us is not (within 8,000 steps length_error_pct reaches thousands). One simulated
-second takes minutes, so the rod is timed while it starts to fall and is not brought to rest: its tip is `nan`, and
-its accuracy counts as perfect.
+A time step of 0.2 us is stable, and 0.25 us is not: length_error_pct then reaches thousands within 8,000 steps. A
+simulated second takes minutes. The rod is therefore timed while it starts to fall and is not brought to rest; its tip
+is `nan`, and its accuracy counts as perfect.
 """
 
 import importlib.metadata

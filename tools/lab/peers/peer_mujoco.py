@@ -1,15 +1,16 @@
 #!/usr/bin/env python3
-"""Simulates the rod of docs/bench.md ("Peers") in MuJoCo: a 1D flex, which is a discrete elastic rod with one twist
+"""Simulates the rod of docs/bench.md ("Peers") in MuJoCo as a 1D flex, which is a discrete elastic rod with one twist
 angle per edge.
 
   peer_mujoco.py free|tube SETTLE_TICKS TIMED_TICKS
 
 Prints one line of key=value pairs. Needs the package mujoco (4.x, or 3.17 and later for the rod's bending).
 
-Choices, all in the peer's favour: the `discrete` integrator (implicit in the bending, the only one that is stable with
-this rod at 1 ms) and the Newton solver (the fastest here); the tube is eight planes that touch it, cheaper than a mesh
-and exact for a straight tube; rest, so the solver's warm start is perfect. Length is held by edge equalities. With the
-default impedance the hanging rod is 8 % too long; with `solimp` below the error is 0.07 % at the same speed.
+All choices favour the peer. The `discrete` integrator is implicit in the bending, and the only one that is stable with
+this rod at 1 ms. MuJoCo's Newton solver is its fastest solver for this scene. The tube is made of eight planes, which
+are cheaper than a mesh and exact for a straight tube. The rod is at rest, so the solver's warm start is perfect. The
+length of the rod is kept by edge equalities. With the default impedance the hanging rod is 8 % too long; with the
+`solimp` below its error is 0.07 % at the same speed.
 """
 
 import math
@@ -22,7 +23,7 @@ import numpy
 ELEMENTS, LENGTH_M, RADIUS_M, TUBE_RADIUS_M = 256, 0.5, 0.445e-3, 1.5e-3
 YOUNG_PA, POISSON, DENSITY_KG_M3, FRICTION, DRAG_PER_S, STEP_S = 60e9, 0.3, 7850.0, 0.2, 20.0, 1e-3
 PLANES = 8
-# The first edge is clamped, so bending begins in its middle. That point is placed at x = 0.
+# The first edge is clamped, so bending begins in the middle of this edge, which is placed at x = 0.
 SPACING_M = LENGTH_M / (ELEMENTS - 0.5)
 MASS_KG_M = DENSITY_KG_M3 * math.pi * RADIUS_M**2
 EDGE = 'solref="0.002 1" solimp="0.999 0.9999 0.001 0.5 2"'
@@ -30,7 +31,7 @@ CONTACT = 'condim="3" friction="%g 0 0" solref="0.002 1"' % FRICTION
 
 
 def tube_planes():
-    """Returns planes whose normals point to the axis, the first one below the rod."""
+    """Yields planes whose normals point to the tube's axis; the first plane is below the rod."""
     for k in range(PLANES):
         angle = 2 * math.pi * k / PLANES
         normal = (0.0, math.sin(angle), math.cos(angle))

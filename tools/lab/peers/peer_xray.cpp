@@ -1,11 +1,12 @@
-// The pictures that tools/lab/peers/run_xray_peers.py compares with gVirtualXray (docs/bench.md): a patient's
-// bodies from several sides with a beam of five energies.
+// Makes the pictures that tools/lab/peers/run_xray_peers.py compares with those of gVirtualXray
+// (docs/bench.md). The pictures show a patient's bodies from several sides with a beam of five energies.
 //
 //   peer_xray BODIES FOLDER SIZE ROUNDS
 //
-// writes FOLDER/body_N.stl (binary, mm), FOLDER/scene.json (materials, geometry of each view, spectrum) and
-// FOLDER/ours_V.f32 (transmissions, row 0 on top), and prints one line of key=value pairs. Bodies within
-// bodies within the skin (marrow, vessels of the lungs) are left out: the peer knows one level.
+// The program writes FOLDER/body_N.stl (binary, mm), FOLDER/scene.json (materials, geometry of each view,
+// spectrum) and FOLDER/ours_V.f32 (transmissions, row 0 on top), and prints one line of key=value pairs.
+// Bodies that lie in other bodies within the skin (marrow, vessels of the lungs) are left out, because
+// gVirtualXray allows only one level of nesting.
 #include "host/xray/detector.hpp"
 #include "host/xray/xray.hpp"
 #include <Eigen/Geometry>
@@ -24,7 +25,8 @@ using namespace crn;
 namespace
 {
 
-// Middles of steps of the attenuation table, where it is not interpolated; shares of the energy in the beam.
+// These energies are the middles of steps of the attenuation table, where it is not interpolated; `shares`
+// are their shares of the beam's energy.
 constexpr double energies_keV[] = {36.5, 44.5, 52.5, 60.5, 68.5};
 constexpr double shares[] = {0.21, 0.28, 0.26, 0.18, 0.07};
 
@@ -147,7 +149,7 @@ std::string scene_text(const Bodies &bodies, int size)
     return text + "]}\n";
 }
 
-// Transmission of the picture that was rendered last.
+// Returns the transmission of the picture that was rendered last.
 std::string transmissions(const Xray &xray, int size)
 {
     const BeamTable beam = make_line_table(energies_keV, shares);

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""Time one rod in our core and in other simulators, in turn, and print peer/ours (docs/bench.md, "Peers").
+"""Times one rod in our core and in other simulators, in turn, and prints the ratio peer/ours (docs/bench.md, "Peers").
 
   run_peers.py --ours build/bench/peer_rod [--environment build/peers] [--repeats 5] [--output out/bench_peers.tsv]
 
-Every code is a child process on the same core that prints one line of key=value pairs; the codes alternate, so that a
-slow minute of the machine affects all of them. Ours and MuJoCo are timed per 1 ms step at rest, PyElastica per
-simulated millisecond. The peers are installed into a separate virtual environment (tools/lab/peers/peers.txt).
-Ends with 1 when a code cannot be measured, when a peer is more accurate than ours, or when a bar is missed.
+Every simulator is a child process on the same processor core that prints one line of key=value pairs. The simulators
+alternate, so that a slow minute of the machine affects all of them. Our core and MuJoCo are timed per 1 ms step at
+rest, and PyElastica per simulated millisecond. The peers are installed into a separate virtual environment
+(tools/lab/peers/peers.txt). The exit code is 1 when a simulator cannot be measured, when a peer is more accurate than
+ours, or when a bar is missed.
 """
 
 import argparse
@@ -45,7 +46,7 @@ LENGTH_mm, GRAVITY_m_s2 = 500.0, 9.81
 
 
 class CannotMeasure(Exception):
-    """An error whose text gives the cause, the place and the remedy."""
+    """Raised for an error; the text gives the cause, the place and the remedy."""
 
 
 def tail(text, lines=4):
@@ -76,8 +77,8 @@ def run(command):
 
 
 def fetch(environment, imports, announcement, packages, refusal):
-    """Returns the python of a virtual environment that can do `imports`, and makes it from the list `packages` if it
-    does not exist. `refusal` explains what this requires."""
+    """Returns the Python of a virtual environment that can import `imports`; makes the environment from the list
+    `packages` if it does not exist. `refusal` explains what this requires."""
     python = os.path.join(environment, "bin", "python")
     probe = [python, "-c", "import " + imports]
     if (
@@ -107,7 +108,7 @@ def fetch(environment, imports, announcement, packages, refusal):
 
 
 def prepare(environment):
-    """Returns the python of a virtual environment that has the peers, and fetches them if they are missing."""
+    """Returns the Python of a virtual environment that has the peers, and fetches them if they are missing."""
     return fetch(
         environment,
         "mujoco, elastica",
@@ -119,7 +120,7 @@ def prepare(environment):
 
 
 def parse(line, source):
-    """Returns the pairs of one line, numbers as float; refuses a value that is missing or not a number."""
+    """Returns the pairs of one line, with numbers as float; refuses a value that is missing or not a number."""
     pairs = dict(word.partition("=")[::2] for word in line.split())
     for key in ("code", "version", "scene") + NUMBERS:
         if not pairs.get(key):
@@ -140,7 +141,7 @@ def measure(command):
 
 
 def commands(ours, python):
-    """Returns one command per (code, scene), in the order of a round."""
+    """Returns one command per (code, scene), in the order of a round; a code is one simulator."""
     mujoco, elastica = os.path.join(FOLDER, "peer_mujoco.py"), os.path.join(FOLDER, "peer_elastica.py")
     for scene, settle in SETTLE.items():
         yield [ours, scene, str(settle), str(TIMED_TICKS)]
@@ -149,7 +150,7 @@ def commands(ours, python):
 
 
 def merge(rounds):
-    """Returns one row per (code, scene): the fastest of the minima, the median of the medians."""
+    """Returns one row per (code, scene), with the smallest of the minima and the median of the medians."""
     rows = {}
     for row in rounds:
         rows.setdefault((row["code"], row["scene"]), []).append(row)
@@ -160,7 +161,7 @@ def merge(rounds):
 
 
 def hanging_tip_mm(bend_N_m2, mass_g_per_m):
-    """Returns the tip of the inextensible elastica under its own weight, by shooting: EI k' = w (L - s)
+    """Returns the tip of the inextensible elastica under its own weight by a shooting method: EI k' = w (L - s)
     cos(angle)."""
     length, weight = LENGTH_mm * 1e-3, mass_g_per_m * 1e-3 * GRAVITY_m_s2
 
@@ -183,7 +184,8 @@ def hanging_tip_mm(bend_N_m2, mass_g_per_m):
 
 
 def add_tip_error(row):
-    """Returns the distance of the hanging tip from the closed form, % of the length; NaN if no rod hangs at rest."""
+    """Adds to the row the distance of the hanging tip from the closed form, in % of the length; it is NaN if no rod
+    hangs at rest."""
     row["tip_error_pct"] = math.nan
     if row["scene"] == "free":
         x, z = hanging_tip_mm(row["bend_N_m2"], row["mass_g_per_m"])
@@ -191,7 +193,7 @@ def add_tip_error(row):
 
 
 def same_physics(rows):
-    """Returns differences between the codes in values that must be equal."""
+    """Yields the differences between the simulators in values that must be equal."""
     for key in ("elements", "bend_N_m2", "mass_g_per_m", "friction", "drag_per_s"):
         values = {row[key] for row in rows.values() if not math.isnan(row[key])}
         if max(values) - min(values) > 1e-3 * max(values):
@@ -199,7 +201,7 @@ def same_physics(rows):
 
 
 def compare(rows):
-    """Returns (text of the ratio, finding or None) per comparison."""
+    """Returns (text of the ratio, finding or None) for each comparison."""
     for scene, peer, our_scene, bar in COMPARISONS:
         theirs, ours = rows[(peer, scene)], rows[("cournand", our_scene)]
         ratio = theirs["us_per_ms_median"] / ours["us_per_ms_median"]
@@ -282,7 +284,7 @@ def report(rows, path):
 
 
 def status_of(name, work):
-    """Returns the exit status of a measurement: that of work(), or 1 with a message when it cannot be done or is
+    """Returns the exit code of work(), or prints a message and returns 1 when the measurement cannot be made or is
     stopped."""
     try:
         return work()

@@ -1,4 +1,4 @@
-// Computes Cholesky's factor of a band, row by row.
+// Computes the Cholesky factor of a band matrix, row by row.
 #include "tools/lab/reference_rod/band.hpp"
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
-// A symmetric matrix whose entries lie within `Band::reach` of the diagonal, with its Cholesky factor and the
-// solution of a system.
+// Holds a symmetric band matrix whose entries lie within `Band::reach` of the diagonal; it can be factored by
+// Cholesky's method and solved.
 #pragma once
 #include <Eigen/Core>
 #include <vector>
@@ -25,10 +25,10 @@ class Band
         return entries_[static_cast<std::size_t>(row) * (reach + 1) + column - row + reach];
     }
 
-    // Replaces the matrix by its lower Cholesky factor. Returns false where it is not positive definite; its
-    // entries are lost then.
+    // Replaces the matrix by its lower Cholesky factor. Returns false when the matrix is not positive
+    // definite; its entries are then lost.
     bool factor();
-    // After factor(): replaces the right side by the solution.
+    // Replaces the right side by the solution; factor() must have been called before.
     void solve(Eigen::VectorXd &x) const;
 
   private:

@@ -10,7 +10,7 @@ namespace crn::reference
 namespace
 {
 
-// The profile at one place, linear between knots, as the wire format specifies.
+// Returns the profile at one place, linear between knots, as the wire format specifies.
 struct Profile {
     double bend_N_m2, twist_N_m2, radius_m, curvature1_per_m, curvature2_per_m;
 };
@@ -41,7 +41,7 @@ double curves_m(const crn_wire_instrument &table)
     return end_m;
 }
 
-// The cell acts as springs in series: their compliances add. Curvature adds over the cell.
+// Parts of a cell act as springs in series, so their compliances add up. Curvature adds over the cell.
 void fill_cell(const crn_wire_instrument &table, double from_m, double to_m, int node, Rod &rod)
 {
     constexpr int samples = 16;

@@ -1,4 +1,5 @@
-// Newton's method with a shifted band Cholesky factor and backtracking; friction lags by one iterate.
+// Finds equilibrium by Newton's method with a shifted band Cholesky factor and backtracking; the friction of
+// an iterate is that of the previous one.
 #include "tools/lab/reference_rod/equilibrium.hpp"
 #include <algorithm>
 #include <cmath>
@@ -8,7 +9,8 @@ namespace crn::reference
 namespace
 {
 
-// Energy, force and stiffness of the wall per length at a depth, divided by k.
+// Holds the energy, force and stiffness of the wall per length at a penetration depth, divided by the wall's
+// stiffness k.
 struct Press {
     double energy, force, stiffness;
 };
@@ -31,8 +33,8 @@ class Potential
     {
     }
 
-    // Moves the friction of every node by `share` towards its value in this state. Returns the largest
-    // difference that there was.
+    // Moves the friction of every node by `share` of the difference towards its value in this state. Returns
+    // the largest difference before the friction was changed.
     double renew_friction(const State &state, double share)
     {
         double most_N = 0.0;
@@ -99,7 +101,7 @@ class Potential
         const Vector u = tangential * (x - lag.at);
         const double way = u.norm();
         const bool sticks = way < e;
-        // The force divided by the displacement, and the slope of the force.
+        // `secant` is the force divided by the displacement, and `tangent` is the slope of the force.
         const double secant = lag.limit_N * (sticks ? (2.0 - way / e) / e : 1.0 / way);
         const double tangent = sticks ? lag.limit_N * 2.0 * (1.0 - way / e) / e : 0.0;
         Eigen::Matrix3d h = secant * tangential;
@@ -121,8 +123,8 @@ double residual(const Eigen::VectorXd &slope, int free)
     return most;
 }
 
-// Solves (H + shift D) d = -g for the free unknowns, where D is the size of the diagonal. The shift is the
-// least of a ladder that makes the matrix positive definite.
+// Solves (H + shift D) d = -g for the free unknowns, where D holds the magnitudes of the diagonal. The shift
+// is the smallest of a series of values that makes the matrix positive definite.
 void newton_direction(const Band &whole, const Eigen::VectorXd &slope, int unknowns, double &shift,
                       Eigen::VectorXd &direction)
 {
@@ -141,8 +143,8 @@ void newton_direction(const Band &whole, const Eigen::VectorXd &slope, int unkno
     band.solve(direction);
 }
 
-// Returns the longest permitted step along `direction`, as a factor: no node moves by more than 2 mm in one
-// iterate, and no edge turns by more than 0.7 rad.
+// Returns the longest permitted step along `direction`, as a factor. In one iterate no node moves by more
+// than 2 mm, and no edge turns by more than 0.7 rad.
 double longest(const Eigen::VectorXd &direction, int free)
 {
     constexpr double way_m = 2e-3, turn_rad = 0.7;

@@ -1,5 +1,5 @@
-// The rod at rest under its wall, friction and loads: the minimum of an incremental potential (Li et al.,
-// Incremental Potential Contact, 2020, section 5), by Newton's method.
+// Finds the rod's rest position under wall, friction and loads. The search minimises an incremental potential
+// (Li et al., Incremental Potential Contact, 2020, section 5) by Newton's method.
 //
 //   wall       k l p^2 / 2 per node; p = depth of its surface in the wall, l = its cell. The first `onset` is cubic, so
 //              that second derivatives are continuous. k per length is far above what bends the rod into the
@@ -18,7 +18,7 @@ namespace crn::reference
 
 namespace lumen = vcsim3; // we share only the baked field in doubles with that rod
 
-// The wall's distance (negative inside), gradient and second derivatives at a place.
+// Holds the wall's distance (negative inside), with its gradient and second derivatives at a place.
 using Wall = std::function<lumen::LumenField(const Vector &)>;
 
 struct Physics {
@@ -32,7 +32,7 @@ struct Physics {
     int iterations_max = 600;
 };
 
-// The memory of friction at a node.
+// Holds the state of friction at a node between two steps of the insertion.
 struct Anchor {
     Vector at = Vector::Zero();
     Vector normal = Vector::Zero(); // normal of the wall, outward
@@ -52,7 +52,7 @@ struct Outcome {
 Outcome find_rest(const Rod &rod, const Physics &physics, int free, int count, std::vector<Anchor> &anchors,
                   State &state);
 
-// Called after a step: anchors follow their nodes where those slid or left the wall.
+// Call this after a step: friction anchors then move with those nodes that slid or left the wall.
 void drag_anchors(const Rod &rod, const Physics &physics, int free, const State &state,
                   std::vector<Anchor> &anchors);
 

@@ -34,7 +34,8 @@ Insertion::Insertion(const Rod &rod, const Physics &physics, const Sheath &sheat
     step(start_m, turn_rad);
 }
 
-// The new place of a node when the line moves along itself: the place that the line in front of the node had.
+// Returns the new place of a node when the line moves along itself, which is the place that the line in front
+// of the node had before.
 Vector Insertion::followed(int node, double feed_m) const
 {
     const double arc_m = rod_.arc_m[node] - feed_m;
@@ -45,7 +46,8 @@ Vector Insertion::followed(int node, double feed_m) const
     return (1.0 - u) * state_.x[edge] + u * state_.x[edge + 1];
 }
 
-// Moves the line along itself, with its curved tip as a rigid body in front; everything turns with the hand.
+// Moves the line along itself, with its curved tip as a rigid body in front; the whole line turns with the
+// hand.
 void Insertion::place(double inserted_m, double turn_rad)
 {
     const double feed_m = inserted_m - inserted_m_;
@@ -76,8 +78,8 @@ void Insertion::place(double inserted_m, double turn_rad)
     stiffen_mouth();
 }
 
-// A joint bends its whole cell. Of the two joints beside the sheath's end only the part outside may bend;
-// otherwise the rod would be clamped up to an edge behind that end.
+// The bending of a joint acts over its whole cell. Of the two joints beside the sheath's end, only the part
+// outside the sheath may bend. Otherwise the rod would be clamped up to one edge behind that end.
 void Insertion::stiffen_mouth()
 {
     constexpr double least = 0.02; // of a cell
@@ -91,11 +93,11 @@ double Insertion::cell_front_m(int joint) const
     return rod_.arc_m[joint] - 0.5 * rod_.length_m(joint - 1);
 }
 
-// The force that holds the nodes in the sheath, plus the push EI kappa^2 / 2 of a sleeve on a rod that is
-// bent where it leaves it (Bigoni et al., Eshelby-like forces acting on elastic structures, 2015). The push
-// arises because every step frees more of the rod to bend; without it the hand's work would not equal the
-// energy that the rod stores. It covers bending alone: twist at the sheath's end would add GJ m^2 / 2 (m per
-// metre), below a millinewton here.
+// Returns the force that holds the nodes in the sheath, plus the push EI kappa^2 / 2 of a sleeve on a rod
+// that is bent where it leaves the sleeve (Bigoni et al., Eshelby-like forces acting on elastic structures,
+// 2015). The push arises because every step lets more of the rod bend. Without the push, the hand's work
+// would not equal the energy that the rod stores. The push accounts for bending alone: twist at the sheath's
+// end would add GJ m^2 / 2 (m is twist per metre), which is below a millinewton here.
 double Insertion::held_N() const
 {
     double force_N = 0.0;

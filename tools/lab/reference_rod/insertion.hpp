@@ -1,5 +1,5 @@
-// The protocol of an insertion (tools/lab/case/case.hpp) with the reference rod: it is fed through a straight
-// frictionless sheath that ends at the vessel, in small steps, and comes to rest after each.
+// Runs the protocol of an insertion (tools/lab/case/case.hpp) with the reference rod. The rod is fed in small
+// steps through a straight frictionless sheath that ends at the vessel, and comes to rest after each step.
 #pragma once
 #include "tools/lab/case/case.hpp"
 #include "tools/lab/reference_rod/equilibrium.hpp"
@@ -16,11 +16,13 @@ struct Sheath {
 class Insertion
 {
   public:
-    // The rod begins with `start_m` outside the sheath. This part is straight, so it should be short.
+    // At the beginning, `start_m` of the rod are outside the sheath. The part outside the sheath is straight
+    // at first, so it should be short.
     Insertion(const Rod &rod, const Physics &physics, const Sheath &sheath, double start_m, double turn_rad);
 
-    // Feeds to `inserted_m` with the hand at `turn_rad`, in one step, or in several where one does not come
-    // to rest. Returns false where even short steps do not: the state is then the best one found.
+    // Feeds to `inserted_m` with the hand at `turn_rad`. The feed takes one step, or several shorter steps if
+    // the rod does not come to rest. Returns false if the rod does not come to rest even with short steps;
+    // the state is then the best one found.
     bool advance(double inserted_m, double turn_rad);
 
     double inserted_m() const { return inserted_m_; }
@@ -36,7 +38,7 @@ class Insertion
     double depth_m() const { return depth_m_; }       // deepest contact of all steps so far
     double residual_N() const { return residual_N_; } // largest of all steps so far
 
-    // From the sheath's end to the tip: the part outside the sheath.
+    // Returns the part of the rod outside the sheath, from the sheath's end to the tip.
     std::vector<Vector> centreline_m() const;
 
   private:
@@ -58,8 +60,8 @@ class Insertion
     int curved_ = 0; // number of nodes from the tip that are curved at rest
 };
 
-// Returns the axis d1 at the sheath's end with the hand at turn 0: perpendicular to the direction and to the
-// axis least along it, as on the device.
+// Returns the axis d1 at the sheath's end while the hand is not turned. As on the device, d1 is perpendicular
+// to the direction and to the coordinate axis that is least parallel to the direction.
 Vector zero_turn_axis(const Vector &direction);
 
 struct Step {

@@ -1,5 +1,5 @@
-// We take derivatives in the two edges first, then spread them to nodes: rear edge = node - rear node, front
-// edge = front node - node.
+// We take derivatives with respect to the two edges first, and convert them to derivatives with respect to
+// the nodes: rear edge = node - rear node, front edge = front node - node.
 #include "tools/lab/reference_rod/joint.hpp"
 #include <Eigen/Geometry>
 
@@ -34,7 +34,8 @@ void spread(const Vector &de, const Vector &df, Slope &slope)
     slope.segment<3>(at_front) = df;
 }
 
-// Spreads second derivatives in the edges to the nodes; ef has the rear edge's component as row.
+// Converts second derivatives with respect to the edges to those with respect to the nodes; the rows of ef
+// belong to the rear edge.
 void spread(const Matrix &ee, const Matrix &ff, const Matrix &ef, Second &second)
 {
     const Matrix fe = ef.transpose();
@@ -49,7 +50,8 @@ void spread(const Matrix &ee, const Matrix &ff, const Matrix &ef, Second &second
     second.block<3, 3>(at_front, at_front) = ff;
 }
 
-// Spreads second derivatives in an angle and the two edges.
+// Converts second derivatives with respect to an angle and the two edges to those with respect to the angle
+// and the nodes.
 void spread_angle(int angle, const Vector &de, const Vector &df, Second &second)
 {
     Slope row = Slope::Zero();
@@ -58,9 +60,9 @@ void spread_angle(int angle, const Vector &de, const Vector &df, Second &second)
     second.row(angle) += row.transpose();
 }
 
-// kb . (ue + uf) / 2 for the second axes u = t x d1 of both edges gives the curvature towards d1. With u =
-// -d1 it gives the curvature towards t x d1. `ve`, `vf` are du / d(angle), negated: d1 in the first case, t x
-// d1 in the second.
+// The curvature towards d1 is kb . (ue + uf) / 2, where u = t x d1 is the second axis of each edge. The same
+// formula with u = -d1 gives the curvature towards the axis t x d1. `ve` and `vf` are -du / d(angle), which
+// is d1 in the first case and t x d1 in the second.
 void curvature(const Frame &f, const Vector &ue, const Vector &uf, const Vector &ve, const Vector &vf,
                bool with_second, Measure &out)
 {

@@ -1,11 +1,11 @@
-// Curvature and twist at a joint of a discrete rod with their first and second derivatives.
+// Computes curvature and twist at a joint of a discrete rod, with their first and second derivatives.
 #pragma once
 #include <Eigen/Core>
 
 namespace crn::reference
 {
 
-// Unknowns in order: rear node, angle of the rear edge, node, angle of the front edge, front node.
+// The unknowns are, in order: rear node, angle of the rear edge, node, angle of the front edge, front node.
 using Slope = Eigen::Matrix<double, 11, 1>;
 using Second = Eigen::Matrix<double, 11, 11>;
 
@@ -15,15 +15,15 @@ struct Measure {
     Second second = Second::Zero();
 };
 
-// Edges as vectors (forward) and their material axes d1.
+// Holds the two edges as vectors (forward), and their material axes d1.
 struct Joint {
     Eigen::Vector3d rear, front, rear_d1, front_d1;
     double twist = 0.0; // of the material frames
 };
 
-// Curvature towards d1, curvature towards t x d1, and twist. `with_second` requests second derivatives too.
-// They hold for frames that follow the smallest turn of their tangent: Bergou et al. 2010, appendix, and for
-// the twist Panetta et al., X-Shells, 2019.
+// Computes the curvature towards d1, the curvature towards t x d1, and the twist. `with_second` requests
+// second derivatives too. The formulas hold for frames that follow their tangent by the smallest rotation
+// (Bergou et al. 2010, appendix; for the twist Panetta et al., X-Shells, 2019).
 void joint_measures(const Joint &joint, bool with_second, Measure &curvature1, Measure &curvature2,
                     Measure &twist);
 

@@ -1,4 +1,4 @@
-// The rod's frames and its elastic energy.
+// Computes the rod's frames and its elastic energy.
 #include "tools/lab/reference_rod/rod.hpp"
 #include "tools/lab/reference_rod/joint.hpp"
 #include <Eigen/Geometry>
@@ -11,7 +11,8 @@ namespace
 
 constexpr double pi = 3.14159265358979323846;
 
-// `v`, perpendicular to `from`, carried to `to` by the smallest turn from one to the other (unit vectors).
+// Returns the vector `v`, perpendicular to `from`, after the smallest rotation that turns `from` into `to`
+// (unit vectors).
 Vector carry(const Vector &v, const Vector &from, const Vector &to)
 {
     const Vector b = from.cross(to);
@@ -33,11 +34,12 @@ void set_reference(State &state, int joint, double guess)
     state.reference[joint] = angle_near(carry(state.axis[joint], te, tf), state.axis[joint - 1], tf, guess);
 }
 
-// Adds weight * (measure - rest)^2 / 2.
+// Adds the energy weight * (measure - rest)^2 / 2 and its derivatives.
 double add_square(const Measure &m, double rest, double weight, int first, Eigen::VectorXd *slope,
                   Band *second)
 {
-    // The joint's unknowns among all unknowns, where front node and edge come first.
+    // Gives the places of the joint's unknowns among all unknowns, which are ordered with the front node and
+    // edge first.
     static constexpr int place[11] = {8, 9, 10, 7, 4, 5, 6, 3, 0, 1, 2};
     const double off = m.value - rest;
     if (slope)

@@ -1,6 +1,6 @@
-// An instrument as a discrete elastic rod (Bergou et al., Discrete Elastic Rods, 2008, and Discrete Viscous
-// Threads, 2010): nodes, and an angle per edge between a reference frame and the material frame. SI units,
-// doubles.
+// Models an instrument as a discrete elastic rod (Bergou et al., Discrete Elastic Rods, 2008, and Discrete
+// Viscous Threads, 2010). The rod has nodes, and per edge an angle between a reference frame and the material
+// frame. SI units, doubles.
 //
 //     tip                                     hand
 //      0 --- 1 --- 2 ---  ...  --- k --- k+1      node i, position x_i, arc s_i from the tip
@@ -20,7 +20,7 @@ namespace crn::reference
 
 using Vector = Eigen::Vector3d;
 
-// The constants of a rod. It has nodes 0 .. n-1; its joints are the nodes 1 .. n-2.
+// The constants of a rod. The nodes are numbered 0 .. n-1; the joints are the nodes 1 .. n-2.
 struct Rod {
     std::vector<double> arc_m;                            // per node, from 0
     std::vector<double> cell_m;                           // per node: half of each edge beside it
@@ -35,20 +35,20 @@ struct Rod {
     double length_m(int edge) const { return arc_m[edge + 1] - arc_m[edge]; }
 };
 
-// The division of the rod into edges.
+// States how an instrument is divided into edges.
 struct Cut {
     double tip_m = 0.25e-3, shaft_m = 0.75e-3; // longest edge at the tip, and elsewhere
     double fine_m = 0.0; // length from the tip; 0: to 5 mm behind the tip's curves, at least 20 mm
-    // EA = stretch * EI / edge^2 of the softer end. Under the force EI / R^2 of a bend of radius R an edge h
-    // shortens by (h / R)^2 / stretch, which is 3e-5 for 2 and 50 mm. A higher value only takes more
-    // iterates.
+    // EA is stretch * EI / edge^2, with the EI of the edge's softer end. In a bend of radius R the force is
+    // EI / R^2, and an edge of length h shortens by the share (h / R)^2 / stretch. This share is 3e-5 for an
+    // edge of 2 mm and a radius of 50 mm. A higher value of `stretch` only needs more iterations.
     double stretch = 64.0;
 };
 
-// Returns the instrument's first `length_m`, plus two edges for the sheath. Throws std::invalid_argument when
-// the instrument is shorter.
+// Returns the instrument's first `length_m`, plus two edges inside the sheath. Throws std::invalid_argument
+// when the instrument is shorter.
 Rod cut_rod(const crn_wire_instrument &table, double length_m, const Cut &cut);
-// Returns the outer radius of an instrument at a place from its tip, m.
+// Returns the outer radius, in m, of an instrument at a distance from its tip.
 double radius_at_m(const crn_wire_instrument &table, double arc_m);
 // Makes a uniform straight rod.
 Rod uniform_rod(double bend_N_m2, double twist_N_m2, double radius_m, double length_m, double edge_m);
@@ -68,12 +68,14 @@ struct State {
     Vector d1(int edge) const;
 };
 
-// The state with other places and angles; reference frames follow the smallest turn of each tangent.
+// Computes the state with other places and angles; reference frames follow each tangent by the smallest
+// rotation.
 void move_state(const State &from, const std::vector<Vector> &x, const std::vector<double> &angle, int nodes,
                 State &to);
 
-// The elastic energy of nodes 0 .. nodes-1 and the joints among them, J. It adds its slope (4 per node: x, y,
-// z, angle of the edge behind it) and, where requested, its second derivatives.
+// Returns the elastic energy, in J, of nodes 0 .. nodes-1 and the joints among them. The function adds the
+// energy's slope (4 per node: x, y, z, angle of the edge behind the node) and, if requested, its second
+// derivatives.
 double elastic_energy(const Rod &rod, const State &state, int nodes, Eigen::VectorXd *slope, Band *second);
 
 } // namespace crn::reference

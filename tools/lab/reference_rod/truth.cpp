@@ -1,4 +1,4 @@
-// Makes a case with a known answer.
+// Makes a calibration case with a known answer (see truth.hpp).
 #include "tools/lab/reference_rod/truth.hpp"
 #include "host/base/pending_file.hpp"
 #include "host/model/instrument.hpp"
@@ -78,8 +78,8 @@ void write_parameters(const TruthRequest &request, const Truth &truth)
     write_whole_file((request.folder / "truth" / "parameters.toml").string(), file.str());
 }
 
-// The places of a centreline as a scan without bias would give them: each has independent noise, and the
-// first place is known exactly.
+// Returns the places of a centreline as a scan without bias would give them: each place has independent
+// noise, except that the first place is known exactly.
 std::vector<Vector> noisy(const std::vector<Vector> &points_mm, double noise_mm, Noise &noise)
 {
     std::vector<Vector> out = points_mm;
@@ -158,7 +158,7 @@ std::vector<double> radii_mm(const crn_wire_instrument &table, const std::vector
 
 double Noise::even()
 {
-    // SplitMix64 (Steele, Lea and Flood, 2014).
+    // The following lines are the generator SplitMix64 (Steele, Lea and Flood, 2014).
     std::uint64_t z = (state_ += 0x9e3779b97f4a7c15u);
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;

@@ -1,6 +1,6 @@
-// Makes a case with a known answer. The reference rod, with stiffness that differs from the instrument
-// file's, is inserted into a baked lumen. The case holds the data that a scan and a hand would give, and
-// separately the truth.
+// Makes a calibration case whose answer is known. The reference rod, with a stiffness that differs from the
+// instrument file's, is inserted into a baked lumen. The case holds the data that a scan and a hand would
+// give; the truth is stored separately.
 #pragma once
 #include "tools/lab/case/stiffness.hpp"
 #include "tools/lab/reference_rod/insertion.hpp"
@@ -37,17 +37,17 @@ struct Truth {
     Run run;
 };
 
-// Inserts and writes FOLDER: case.toml, instrument.toml and scene (copies), surface, force.csv, depth_N.csv
-// where noise is requested, truth/parameters.toml, truth/depth_N.csv and truth/force.csv. `progress` receives
-// each finished depth and may be empty. The same request gives the same files. Throws std::runtime_error
-// (FileError, CaseError, OutputError) with the remedy.
+// Makes the insertion and writes into FOLDER: case.toml, instrument.toml and scene (copies), surface,
+// force.csv, depth_N.csv if noise is requested, truth/parameters.toml, truth/depth_N.csv and truth/force.csv.
+// `progress` is called after each depth; it may be empty. The same request gives the same files. Throws
+// std::runtime_error (FileError, CaseError, OutputError) with the remedy.
 Truth make_case(const TruthRequest &request, const std::function<void(const std::string &)> &progress = {});
 
-// Returns the instrument as a scanner sees it: the outer radius along `centreline_mm` (from the sheath's end
-// to the tip), in mm.
+// Returns the outer radius, in mm, that a scanner sees along `centreline_mm`, from the sheath's end to the
+// tip.
 std::vector<double> radii_mm(const crn_wire_instrument &table, const std::vector<Vector> &centreline_mm);
 
-// Independent normal deviates with standard deviation 1, identical on every machine.
+// Generates independent normally distributed numbers with standard deviation 1, identical on every machine.
 class Noise
 {
   public:

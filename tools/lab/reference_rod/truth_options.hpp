@@ -1,4 +1,4 @@
-// The command-line options of a truth, which `reference_rod` and `ct simulate --instrument` share.
+// Defines the command-line options of a truth, which `reference_rod` and `ct simulate --instrument` share.
 #pragma once
 #include "tools/lab/reference_rod/truth.hpp"
 #include <CLI/CLI.hpp>

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The programs of the evidence: each says its version, and an output that cannot be written is refused before the
-work. Prints TAP."""
+"""Tests the programs in tools/lab: each prints its version, and each refuses an output that cannot be written before it
+starts the work. Prints TAP."""
 
 import os
 import shutil

@@ -1,4 +1,5 @@
-// The cases of the validation suite. Each sets up a rod, loads it, and compares it with its reference.
+// Lists the cases of the validation suite. Each case sets up a rod, loads it, and compares the result with a
+// reference.
 #pragma once
 #include "tools/lab/validate/report.hpp"
 
@@ -13,10 +14,10 @@ struct Case {
         run; // quick: fewer figures, so that the whole suite takes seconds
 };
 
-// All cases in the order of the report.
+// Returns all cases in the order of the report.
 std::vector<Case> all_cases();
 
-// One list of cases per file.
+// Each of these functions returns the cases of one source file.
 std::vector<Case> bend_cases();
 std::vector<Case> motion_cases();
 std::vector<Case> buckle_cases();

@@ -1,4 +1,4 @@
-// Bending at rest: large deflections, weight, the three-point bench, and curved tips.
+// Tests bending at rest: large deflections, weight, three-point bending, and curved tips.
 #include "tools/lab/validate/cases.hpp"
 #include "tools/lab/validate/elastica.hpp"
 #include "tools/lab/validate/support.hpp"
@@ -12,7 +12,7 @@ namespace crn::validate
 namespace
 {
 
-// A cantilever that leaves the inserter along +x.
+// Sets up a cantilever that leaves the introducer along +x.
 struct Cantilever {
     double bend_N_m2, length_m;
     unsigned elements;
@@ -98,7 +98,8 @@ void tip_load(Result &result, bool quick)
 
 // --- weight ---
 
-// The heaviest load, in steps of 30 %, that settles within the limits of the number formats.
+// Returns the heaviest load with which the rod comes to rest within the limits of the number formats; the
+// load rises in steps of 30 %.
 double heaviest(double bend_N_m2, double from, double to)
 {
     Cantilever c(bend_N_m2, 0.5, 256);
@@ -148,9 +149,10 @@ void self_weight(Result &result, bool quick)
 
 // --- three-point bend ---
 
-// Models half of the span: by symmetry the middle of the beam is clamped and each support pushes with P / 2.
-// Returns P divided by the deflection. `mass_factor` 4 makes m / h^2 that of half a time step, which is the
-// step's only effect on a solve besides the drag.
+// Models half of the span: by symmetry the middle of the beam is clamped, and each support pushes with P / 2.
+// Returns the load P divided by the deflection. `mass_factor` multiplies the rod's mass m. With time step h,
+// a solve depends on h only through m / h^2 and the drag. A factor of 4 therefore has the same effect as half
+// the time step.
 double bench_stiffness(double bend_N_m2, double span_m, double deflection_m, double mass_factor, int ticks)
 {
     double half = span_m / 2, element = element_length(half, bend_N_m2 > 2e-3 ? 10 : 20);
@@ -201,9 +203,10 @@ void three_point(Result &result, bool)
 
 // --- curved tips ---
 
-// Solves two spans, from the base clamp to `second` (a) and on to the tip (d), of a rod with rest curvature
-// 1/R on the axis. Clapeyron's theorem of three moments gives the moment at `second` over EI/R. It is near 1,
-// but not 1, because the last span is only supported at its ends.
+// A rod with rest curvature 1/R is held straight by supports on its axis. The rod has two spans: from the
+// base clamp to the support `second` (length a), and from there to the tip (length d). Clapeyron's theorem of
+// three moments gives the moment at `second`, divided by EI/R. The result is near 1, but not 1, because the
+// last span is only supported at its ends.
 double three_moments(double a, double d)
 {
     return (3 * d + 1.5 * a) / (2 * d + 1.5 * a);

@@ -1,4 +1,4 @@
-// Buckling under thrust: Euler's four columns, and the behaviour beyond the critical load.
+// Tests buckling under thrust: Euler's four columns, and the behaviour beyond the critical load.
 #include "tools/lab/validate/cases.hpp"
 #include "tools/lab/validate/elastica.hpp"
 #include "tools/lab/validate/support.hpp"
@@ -29,11 +29,11 @@ constexpr Column columns[] = {{"K_2", End::free, 2, 8},
                               {"K_0.699", End::pinned, 0.699156, 185},
                               {"K_0.5", End::clamped, 0.5, 384}};
 
-// The clamp of a tip consists of two supports this far apart; on the springs of neighbouring nodes it would
-// turn.
+// Two supports at this distance from each other clamp the tip of a column. Supports on neighbouring nodes
+// could not clamp it, because each node's spring would let it turn.
 constexpr unsigned clamp_elements = 8;
 
-// A soft piece of one element at the inserter serves as a hinge.
+// A soft piece of one element at the introducer serves as a hinge.
 constexpr double hinge_N_m2 = 2e-6;
 
 Rig make(const Column &column)
@@ -80,9 +80,10 @@ double sag(const Rig &rig)
     return most;
 }
 
-// Side load divided by sag falls with the thrust, nearly along a straight line, to zero at the critical load
-// (Southwell). The thrust is raised by halves until the sag has grown. Each further thrust goes 7/10 of the
-// remaining distance to where the last two points extrapolate. No theory of buckling enters.
+// The ratio of side load to sag falls as the thrust rises, nearly along a straight line, and reaches zero at
+// the critical load (Southwell). The thrust is first raised by half of its value at a time, until the sag has
+// grown. From then on, the last two points are extrapolated to zero, and the thrust is raised by 7/10 of the
+// remaining distance. No theory of buckling enters.
 double measure(const Column &column, Series &series)
 {
     Rig rig = make(column);

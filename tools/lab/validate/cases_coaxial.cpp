@@ -1,4 +1,5 @@
-// Tools inside one another: stiffness adds, shapes combine, and a change of the leading tool moves nothing.
+// Tests tools inside one another: their stiffness adds up, their shapes combine, and the rod does not jump
+// when another tool takes the lead.
 #include "tools/lab/validate/cases.hpp"
 #include "tools/lab/validate/elastica.hpp"
 #include "tools/lab/validate/support.hpp"
@@ -78,7 +79,8 @@ void stiffness_adds(Result &result, bool quick)
 
 // --- a straight catheter opens a J ---
 
-// Returns the angle between the directions of the tip and of the inserter, degrees, unwrapped along the line.
+// Returns the angle, in degrees, between the directions of the tip and of the introducer, as the sum of the
+// angles between neighbouring segments.
 double opening(const Rig &rig)
 {
     std::vector<Vector3d> points = rig.shape();
@@ -159,8 +161,9 @@ void opens_hook(Result &result, bool quick)
 
 // --- change of the lead ---
 
-// A catheter is pushed over a resting wire in a bend until it leads by 20 mm, and is then drawn back. We take
-// the largest displacement per tick of any node that the catheter does not cover, less the tool's own feed.
+// A catheter is pushed over a resting wire in a bend until the catheter leads by 20 mm, and is then drawn
+// back. We take the largest displacement per tick of any node that the catheter does not cover, less the feed
+// of the tool itself.
 void lead_change(Result &result, bool quick)
 {
     result.title = "Change of the leading tool";

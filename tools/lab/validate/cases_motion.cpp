@@ -1,4 +1,4 @@
-// Motion: frequencies and damping of a cantilever.
+// Tests motion: frequencies and damping of a cantilever.
 #include "tools/lab/validate/cases.hpp"
 #include "tools/lab/validate/elastica.hpp"
 #include "tools/lab/validate/support.hpp"
@@ -14,7 +14,8 @@ namespace
 
 constexpr double step_s = 1e-3, drag_per_s = 20; // the core's tick and its mass-proportional drag
 
-// Clamped-free eigenshape at s (0 .. 1 from the clamp), 2 at the free end.
+// Returns the eigenshape of a rod with one clamped and one free end at s (0 at the clamp, 1 at the free end);
+// it is 2 at the free end.
 double eigenshape(double beta, double s)
 {
     double ratio = (std::cosh(beta) + std::cos(beta)) / (std::sinh(beta) + std::sin(beta));
@@ -26,8 +27,8 @@ struct Oscillation {
     double omega, decay; // rad/s, 1/s
 };
 
-// q[n+1] = a q[n] + b q[n-1] holds for every decaying oscillation. We fit it by least squares and take its
-// complex root.
+// q[n+1] = a q[n] + b q[n-1] holds for every decaying oscillation. We fit a and b by least squares and take
+// the complex root.
 Oscillation fit(const std::vector<double> &q, double interval_s)
 {
     double pp = 0, pr = 0, rr = 0, pq = 0, rq = 0;
@@ -44,8 +45,8 @@ Oscillation fit(const std::vector<double> &q, double interval_s)
     return {std::fabs(rate.imag()), -rate.real()};
 }
 
-// The effect of implicit Euler on omega and the drag: roots of (1 + w^2 h^2) z^2 - (2 - g h) z + (1 - g h) =
-// 0.
+// Computes how implicit Euler integration changes omega and the drag, from the roots of (1 + w^2 h^2) z^2 -
+// (2 - g h) z + (1 - g h) = 0.
 Oscillation implicit_euler(double omega)
 {
     double a = 1 + omega * omega * step_s * step_s, b = 2 - drag_per_s * step_s, c = 1 - drag_per_s * step_s;
@@ -54,7 +55,7 @@ Oscillation implicit_euler(double omega)
     return {rate.imag(), -rate.real()};
 }
 
-// Releases the rod from an eigenshape and follows the shape's amplitude.
+// Releases the rod from an eigenshape and records the amplitude of this shape.
 std::vector<double> released(double length_m, double bend, double mass, double beta, double stride_s,
                              double for_s)
 {

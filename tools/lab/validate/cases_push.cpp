@@ -1,4 +1,5 @@
-// Pushing: compression at a wall, stall, work against energy, and the range of stiffness that stays calm.
+// Tests pushing: compression at a wall, stall, work against energy, and the range of stiffness in which the
+// rod does not vibrate.
 #include "tools/lab/validate/cases.hpp"
 #include "tools/lab/validate/support.hpp"
 
@@ -19,7 +20,8 @@ struct Pressed {
     Series force_against_way;
 };
 
-// 256 elements of 3 mm in a closed straight tube; the last millimetres are pushed until the hand stalls.
+// A rod of 256 elements of 3 mm lies in a closed straight tube; its last millimetres are pushed in until the
+// hand stalls.
 Pressed press(double axial_N, double stall_N, double friction, double speed_m_s)
 {
     Path path({-0.03, 0, 0}, {1, 0, 0}, {0, 0, 1});
@@ -102,8 +104,8 @@ void stall(Result &result, bool quick)
 
 // --- work and energy ---
 
-// Returns the bending energy of the free part, from positions alone. The joint at the inserter counts with
-// the length that the core gives it (half an element or less).
+// Returns the bending energy of the free part, computed from positions alone. The joint at the introducer
+// counts with the length that the core gives it (half an element or less).
 double bending_energy(const Rig &rig, double bend_N_m2, double element_m)
 {
     double sum = 0;
@@ -169,7 +171,7 @@ struct Calm {
     bool saturated;
 };
 
-// The rod is pushed 0.55 m through three bends that do not lie in one plane at 0.1 m/s, and then rests for a
+// The rod is pushed 0.55 m at 0.1 m/s through three bends that do not lie in one plane, and then rests for a
 // second.
 Calm insert(const Tool &tool)
 {

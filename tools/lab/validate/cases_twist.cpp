@@ -1,4 +1,4 @@
-// Twist that causes buckling: the straight rod, the ring, and the localised coil of a long rod.
+// Tests twist that causes buckling: of a straight rod, of a ring, and of a long rod that forms a local coil.
 #include "tools/lab/validate/cases.hpp"
 #include "tools/lab/validate/elastica.hpp"
 #include "tools/lab/validate/support.hpp"
@@ -14,8 +14,8 @@ namespace
 
 constexpr double nu = 0.3, bend_over_twist = 1 + nu;
 
-// A rod whose tip is clamped in space by its first edge, which counts as rigid: the clamp lies in the edge's
-// middle.
+// Sets up a rod whose tip is clamped in space by its first edge. This edge counts as rigid, and the clamp
+// lies in its middle.
 struct Clamped {
     Rig rig;
     double element_m, length_m; // between the clamps
@@ -97,11 +97,11 @@ void greenhill_case(Result &result, bool)
 
 // --- ring ---
 
-// Returns the root mean square distance of the nodes from their best plane through the x axis and the
-// inserter's end.
+// Returns the root mean square distance of the nodes from the plane that fits them best and contains the x
+// axis and the introducer's end.
 double warp(const Rig &rig)
 {
-    // y = a x + b z by the normal equations, whose two columns are nearly orthogonal for a ring.
+    // We solve y = a x + b z by the normal equations, whose two columns are nearly orthogonal for a ring.
     const unsigned n = rig.free_count();
     double xx = 0, xz = 0, zz = 0, xy = 0, zy = 0;
     for (unsigned i = 0; i < n; i++) {

@@ -1,4 +1,5 @@
-// Walls: friction round a bend, on an incline and along a floor, and a pressed rod that coils in its tube.
+// Tests walls: friction round a bend, on an incline and along a floor, and a compressed rod that coils in its
+// tube.
 #include "tools/lab/validate/cases.hpp"
 #include "tools/lab/validate/support.hpp"
 
@@ -19,8 +20,9 @@ struct Capstan {
     double mean, low, high; // pull at the hand divided by the load at the tip
 };
 
-// A wire lies along the inner wall of a bend, with a load at its tip along the direction out. It is drawn
-// back by 30 mm. The inserter lies at the inner wall too, so that the wire turns by exactly the bend's angle.
+// A wire lies along the inner wall of a bend, with a load at its tip in the direction of the tube's far end.
+// The wire is drawn back by 30 mm. The introducer also lies at the inner wall, so that the wire turns by
+// exactly the bend's angle.
 Capstan draw(double angle_rad, double friction, double tip_N)
 {
     const double bend_m = 0.1, tube_m = 0.002, lead_m = 0.03, out_m = 0.07, off_m = tube_m - wire_radius_m;
@@ -94,8 +96,8 @@ struct Slope {
     double onset_deg = 0;
 };
 
-// A heavy stretch of 250 mm lies on the floor of a straight tube, tied to the inserter by 50 mm of a very
-// soft wire (4e-7 N m2). Gravity tilts towards the tip by 1 degree per second.
+// A heavy stretch of 250 mm lies on the floor of a straight tube; 50 mm of a very soft wire (4e-7 N m2)
+// connect it with the introducer. The direction of gravity tilts towards the tip by 1 degree per second.
 Slope tilt(double friction, bool skew)
 {
     Vector3d along(1, 0, 0), up(0, 0, 1);

@@ -12,7 +12,7 @@ namespace
 constexpr int steps = 2000;
 constexpr int ramp = 40;
 
-// Integrates from the tip, where the angle is `tip`, to the clamp; returns the clamp's angle.
+// Integrates from the tip, where the angle is `tip`, to the clamp; returns the angle at the clamp.
 double shoot(double tip, double tip_load, double line_load, std::vector<double> *angles)
 {
     double h = 1.0 / steps, theta = tip, moment = 0;
@@ -99,16 +99,16 @@ double euler_clamped_pinned()
     return root([](double u) { return std::sin(u) - u * std::cos(u); }, M_PI, 1.5 * M_PI);
 }
 
-// EI u^2 sin u = k L (u cos u - sin u) follows from w = A sin(u s) + D s with w(1) = 0 and EI w'' = -k w' at
-// s = 1.
+// The equation EI u^2 sin u = k L (u cos u - sin u) follows from w = A sin(u s) + D s with w(1) = 0 and EI
+// w'' = -k w' at s = 1.
 double euler_spring_pinned(double spring)
 {
     return root([&](double u) { return u * u * std::sin(u) - spring * (u * std::cos(u) - std::sin(u)); }, 2,
                 1.5 * M_PI);
 }
 
-// Slope-deflection with stability functions: s(u) / a + s''(v) / d = 0; the far ends are clamped and free to
-// turn.
+// The slope-deflection method with stability functions gives s(u) / a + s''(v) / d = 0; one far end is
+// clamped, and the other is free to turn.
 double euler_two_spans(double a, double d)
 {
     auto stiffness = [&](double q) {
@@ -127,8 +127,8 @@ double greenhill()
 
 Writhe writhe(double slack, double turn_rad, double bend_over_twist)
 {
-    // slack = sqrt(16 / t (1 - m^2 / 4t)), turn = m B/C + 4 acos(m / (2 sqrt t)); the second gives m for a
-    // given t.
+    // The equations are slack = sqrt(16 / t (1 - m^2 / 4t)) and turn = m B/C + 4 acos(m / (2 sqrt t)); the
+    // second gives m for a given t.
     auto moment = [&](double t) {
         return root(
             [&](double m) { return m * bend_over_twist + 4 * std::acos(m / (2 * std::sqrt(t))) - turn_rad; },

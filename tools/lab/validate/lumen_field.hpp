@@ -1,6 +1,6 @@
-// Lumens from closed forms: exact distance functions, and the core's sparse field made from them in memory.
-// The baker would store the same field. This one does not use the baker, so that a case depends on the core
-// alone.
+// Makes lumens from closed forms: exact distance functions, and the core's sparse field computed from them in
+// memory. The program `bake` would make the same field. This code does not use bake, so that a validation
+// case depends on the core alone.
 #pragma once
 #include <Eigen/Geometry>
 #include <functional>
@@ -14,10 +14,10 @@ namespace crn::validate
 
 using Eigen::Vector3d;
 
-// The signed distance to the wall in metres, negative inside; its slope never exceeds 1.
+// Returns the signed distance to the wall in metres, negative inside; its slope never exceeds 1.
 using Distance = std::function<double(const Vector3d &)>;
 
-// A path of straight pieces and arcs, in one or several planes, in closed form.
+// Describes a path in closed form by straight pieces and arcs, in one or several planes.
 class Path
 {
   public:
@@ -51,7 +51,8 @@ class Path
 class LumenField
 {
   public:
-    // The field of `distance` within the box; refinement level 0, 1, 2 for voxels of 1, 0.5, 0.25 mm.
+    // Makes the field of `distance` within the box; refinement levels 0, 1 and 2 have voxels of 1, 0.5 and
+    // 0.25 mm.
     LumenField(const Distance &distance, const Vector3d &low, const Vector3d &high, unsigned level);
     ~LumenField();
     LumenField(LumenField &&) noexcept;
@@ -62,8 +63,7 @@ class LumenField
     std::unique_ptr<Storage> storage_;
 };
 
-// Makes a tube of one radius around a path, with hemispheres at its ends, or closed by a plane across its
-// end.
+// Makes a tube of one radius around a path; its ends are hemispheres, or a plane closes it across its end.
 LumenField tube_field(const Path &path, double radius_m, unsigned level, bool flat_end = false);
 
 } // namespace crn::validate

@@ -1,4 +1,4 @@
-// Command line of `validate`: runs the validation suite of docs/validation.md.
+// Reads the command line of `validate`, which runs the validation suite of docs/validation.md.
 #include "host/base/command_values.hpp"
 #include "host/base/output_files.hpp"
 #include "host/base/pending_file.hpp"
@@ -50,7 +50,7 @@ Result run_case(const Case &one, bool quick)
     return result;
 }
 
-// `jobs` threads take cases from the list. Cases share nothing, so results do not depend on the number of
+// `jobs` threads take cases from the list. Cases share no data, so the results do not depend on the number of
 // threads.
 std::vector<Result> run_all(const std::vector<Case> &cases, const Options &options)
 {

@@ -1,4 +1,5 @@
-// Line plots as SVG text: plain axes with round ticks, lines for references, dots for our values.
+// Draws line plots as SVG text, with plain axes and round ticks. Lines show references, and dots show our
+// values.
 #pragma once
 #include <string>
 #include <vector>
@@ -20,10 +21,10 @@ struct Plot {
     bool x_is_logarithmic = false;
 };
 
-// Returns a complete <svg> element. Values that are not finite are omitted.
+// Returns a complete <svg> element. Values that are not finite are left out.
 std::string svg(const Plot &plot);
 
-// Returns a number for readers: four significant digits, no trailing zeros.
+// Returns a number as text for readers, with four significant digits and no trailing zeros.
 std::string short_number(double value);
 
 } // namespace crn::validate

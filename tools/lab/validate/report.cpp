@@ -61,7 +61,7 @@ std::string tolerance_text(const Row &row)
     return row.is_bar() ? short_number(row.tolerance) : "-";
 }
 
-// How close a row is to failing: 1 at its tolerance.
+// Returns how close a row is to failing; the result is 1 if the error equals the tolerance.
 double share(const Row &row)
 {
     return row.tolerance > 0 ? std::fabs(row.error) / row.tolerance : row.passed() ? 0 : 2;

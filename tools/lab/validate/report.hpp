@@ -1,5 +1,5 @@
-// The results of a case, figures against references with stated tolerances and plots; and how they are
-// written.
+// Holds the results of a case, which are figures compared with references and plots, and writes them. Every
+// comparison states its tolerance.
 #pragma once
 #include "tools/lab/validate/plot.hpp"
 
@@ -9,8 +9,8 @@
 namespace crn::validate
 {
 
-// One figure. `error` is in `error_unit` and passes when its size is within `tolerance`. A tolerance below 0
-// means that the figure is only reported.
+// One figure. `error` is in `error_unit`; the row passes when the error's magnitude is within `tolerance`. A
+// tolerance below 0 means that the figure is reported but not judged.
 struct Row {
     std::string name;    // case.what: unique and stable, because others refer to it
     std::string formula; // how the reference is computed
@@ -31,13 +31,13 @@ struct Result {
     double seconds = 0;
     std::string failure; // the error that stopped the case, or empty
 
-    // Compares value and reference: error in percent of the reference.
+    // Compares the value with the reference; the error is in percent of the reference.
     void relative(const std::string &what, const std::string &unit, double reference, double value,
                   double tolerance_pct);
-    // Compares in the value's own unit.
+    // Compares the value with the reference; the error is in the value's own unit.
     void absolute(const std::string &what, const std::string &unit, double reference, double value,
                   double tolerance);
-    // Takes an error that the case has computed, in `error_unit`.
+    // Takes an error, in `error_unit`, that the case has computed itself.
     void error(const std::string &what, const std::string &unit, double reference, double value, double error,
                const std::string &error_unit, double tolerance);
     // Checks that a value is not larger than a bar.
@@ -49,7 +49,7 @@ struct Result {
 std::string tsv(const std::vector<Result> &results);
 std::string html(const std::vector<Result> &results, const std::string &command);
 std::string tap(const std::vector<Result> &results);
-// Returns the table of docs/validation.md: one line per case with its worst figure.
+// Returns the table of docs/validation.md, which has one line per case with its worst figure.
 std::string markdown(const std::vector<Result> &results);
 
 } // namespace crn::validate

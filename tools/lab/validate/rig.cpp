@@ -129,9 +129,9 @@ void Rig::set_hold(const Hold &hold)
     crn_model_set_tip_hold(&core_->model, &h);
 }
 
-// The core holds the tip's angle against the axis carried without twist from the inserter. That axis itself
-// turns at the tip when the line coils (its writhe). To hold the tip in space, the angle must be the negative
-// of that turn.
+// The core controls the tip's angle relative to an axis that is carried without twist from the introducer to
+// the tip. When the line coils, this axis itself rotates at the tip (writhe). To keep the tip from rotating
+// in space, the controlled angle must be the negative of the axis's rotation.
 void Rig::hold_in_space()
 {
     crn_model &model = core_->model;
@@ -240,8 +240,8 @@ double Rig::base_angle(unsigned tool) const
     return core_->base_angle[tool];
 }
 
-// Frames turn about tangents that point to the hand, and hands turn about the direction of insertion, so the
-// signs are opposite.
+// Angles of frames are counted about tangents that point to the hand, and angles of the hand about the
+// direction of insertion, so the signs are opposite.
 double Rig::tip_angle(unsigned tool) const
 {
     const crn_node_state *nodes = core_->state.words.nodes;

@@ -1,7 +1,8 @@
-// The core as the cases use it: SI doubles in, SI doubles out. Only these two files of the folder call the
-// core, so that a change of its interface changes one place.
+// Provides the core to the validation cases, with SI units in double precision for input and output. Only
+// rig.hpp and rig.cpp, of all files in this folder, call the core, so that a change of its interface affects
+// one place.
 //
-// Lengths count from the tip of tool 0 (node 0 is the leading tip). The inserter ends at the origin and
+// Lengths count from the tip of tool 0 (node 0 is the leading tip). The introducer ends at the origin and
 // points along +x unless a case states otherwise.
 #pragma once
 #include "tools/lab/validate/lumen_field.hpp"
@@ -16,7 +17,8 @@ namespace crn::validate
 
 using Eigen::Vector3d;
 
-// Properties at an arc length from the tip, linear between knots; two knots at one arc length make a step.
+// Holds the properties of a tool at an arc length from the tip. Properties are linear between knots; two
+// knots at one arc length make a step.
 struct Knot {
     double arc_m = 0;
     double bend_N_m2 = 1e-3;
@@ -35,10 +37,10 @@ struct Tool {
     double element_m = 0.003; // of the whole tool
 };
 
-// Makes a tool with one set of properties over `length_m`.
+// Makes a tool with the same properties along the whole `length_m`.
 Tool uniform_tool(const Knot &knot, double length_m, double element_m);
 
-// Springs of 2e5 N/m that hold the tip at anchors: node 0, and node `second` when it is not 0.
+// Springs of 2e5 N/m hold the tip at anchors: they act on node 0, and on node `second` if it is not 0.
 struct Hold {
     Vector3d anchor_m = Vector3d::Zero();
     unsigned second = 0;
@@ -71,7 +73,7 @@ class Rig
               unsigned tool = 0); // the hand's angle, right-handed about the direction of insertion
     void step(int ticks = 1);
 
-    // Sets the shape of the free nodes, at rest.
+    // Gives the free nodes of the rig these positions and no velocity.
     void place(const std::vector<Vector3d> &positions_m);
 
     unsigned free_count() const;

@@ -1,5 +1,5 @@
-// Contact of mass points with a rigid wall. It is detected once per step and resolved on velocities after
-// every distance iteration.
+// Computes the contact of mass points with a rigid wall. Contact is detected once per step, and it changes
+// the velocities after every iteration of the distance constraints.
 #pragma once
 #include "tools/lab/vcsim3/lumen.hpp"
 #include "tools/lab/vcsim3/rod.hpp"
@@ -16,11 +16,11 @@ struct Contact {
     double depth_m; // > 0
 };
 
-// Lists the free nodes that are deeper than the wall by the rod's radius, in the order of nodes.
+// Lists, in the order of nodes, the free nodes at which the rod's surface reaches into the wall.
 void find_contacts(const Rod &rod, const Wall &wall, std::vector<Contact> &contacts);
 
-// Gives each touching node the inward velocity that it lacks, baumgarte depth / h. The node loses at most
-// `friction` times that of its tangential velocity.
+// Raises the inward velocity of each touching node to baumgarte depth / h, if it is lower. Friction then
+// reduces the node's tangential velocity by at most `friction` times this change.
 void answer_contacts(Rod &rod, const std::vector<Contact> &contacts, double baumgarte, double step_s);
 
 } // namespace vcsim3

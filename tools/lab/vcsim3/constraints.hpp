@@ -1,6 +1,6 @@
-// Distance constraints between neighbouring mass points, on velocities, with Baumgarte's term (thesis 5.4.2).
-// For segment j with e = x[j+1] - x[j], n = e/|e|, C = |e| - l the wanted relative velocity along n is -beta
-// C / h.
+// Keeps the distances between neighbouring mass points by constraints on their velocities, with Baumgarte's
+// term (thesis 5.4.2). For segment j with e = x[j+1] - x[j], n = e/|e| and C = |e| - l, the wanted relative
+// velocity along n is -beta C / h.
 //   local    one sweep of pairwise impulses (Gauss-Seidel), from the hand to the tip; N sweeps per step
 //   global   all impulses of the chain at once by one tridiagonal solve
 #pragma once
@@ -14,7 +14,7 @@ struct DistanceSettings {
     double baumgarte = 0.1; // share of the length error removed per step
 };
 
-// The directions and wanted velocities of one step, kept over its iterations.
+// The directions and wanted velocities of one step stay the same over its iterations.
 class DistanceConstraints
 {
   public:
@@ -23,13 +23,13 @@ class DistanceConstraints
     // Reads the present positions.
     void prepare(const Rod &rod, double step_s);
 
-    // Each of these changes velocities of free nodes only.
+    // Each of these functions changes velocities of free nodes only.
     void sweep_local(Rod &rod);
     void solve_global(Rod &rod);
 
     int count() const { return static_cast<int>(normal_.size()); }
 
-    // Returns the sum of this step's impulses on the first held node, N s.
+    // Returns the sum, in N s, of this step's impulses on the first held node.
     const Vector &hand_impulse() const { return hand_impulse_; }
 
   private:

@@ -1,5 +1,5 @@
-// Our own solver beside the baseline: the firmware core, fed into the same vessel by its public header. Only
-// this file of the folder calls the core.
+// Runs our own solver beside the baseline: the firmware core, which is fed into the same vessel through its
+// public header. Only this header and its .cpp file, of all files in this folder, call the core.
 #pragma once
 #include "tools/lab/vcsim3/lumen.hpp"
 #include "tools/lab/vcsim3/rod.hpp"
@@ -8,7 +8,7 @@
 namespace vcsim3
 {
 
-// The properties given to the core: uniform and straight. Ranges: firmware/core/core.h.
+// Holds the properties of a uniform, straight rod that the core receives. Ranges: firmware/core/core.h.
 struct DirectProperties {
     double length_m = 0.0;
     double element_m = 0.0;
@@ -29,7 +29,7 @@ class DirectRod
     DirectRod(DirectRod &&) noexcept;
     ~DirectRod();
 
-    // One tick of 1 ms in which the hand moves by feed_m. A tick is one step of the solver.
+    // Simulates a tick of 1 ms in which the hand moves by feed_m. A tick is one step of our solver.
     void tick(double feed_m);
 
     double inserted_m() const;
@@ -41,7 +41,8 @@ class DirectRod
     std::vector<Vector> positions() const; // free nodes and the first held one
     std::vector<bool> touching() const;    // for each of these nodes
 
-    // The state as bytes, and back; returns false when the bytes do not belong to this rod.
+    // These functions convert the state to bytes and back; restore() returns false when the bytes do not
+    // belong to this rod.
     std::vector<std::uint8_t> save() const;
     bool restore(const std::vector<std::uint8_t> &bytes);
 

@@ -32,7 +32,7 @@ std::vector<std::uint8_t> read_bytes(const std::string &path)
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// Returns the index entry of the brick that holds a point; `place` becomes the point in voxels of that
+// Returns the index entry of the brick that contains a point; `place` becomes the point in voxels of that
 // brick's level.
 std::uint32_t find_entry(const crn_lumen &lumen, Eigen::Array3d &place, int &level)
 {
@@ -61,7 +61,7 @@ struct Weights {
     }
 };
 
-// The result of one row of taps along x: value, slope and second derivative.
+// Holds the result of one row of spline coefficients along x: value, slope and second derivative.
 struct Line {
     double value, slope, bend;
 };

@@ -1,6 +1,6 @@
-// The thesis' rod (CoRdE): mass points joined by segments, a unit quaternion per segment, advanced
-// explicitly. Node 0 is the tip; segment j joins nodes j and j+1 and its third director points towards the
-// hand. SI units, doubles.
+// Models the thesis' rod (CoRdE): mass points are joined by segments, each segment has a unit quaternion, and
+// time integration is explicit. Node 0 is the tip. Segment j joins nodes j and j+1, and its third director
+// points towards the hand. SI units, doubles.
 //   Energies and forces          rod_forces.cpp
 //   Explicit integration         rod_integrate.cpp
 //   Inserter that feeds the rod  inserter.hpp
@@ -16,14 +16,14 @@ namespace vcsim3
 using Vector = Eigen::Vector3d;
 using Quaternion = Eigen::Quaterniond;
 
-// A joint of a rod that is not uniform or not straight.
+// Holds the properties of a joint; they are needed if the rod is not uniform or not straight.
 struct JointProperties {
     double bend_N_m2 = 0.0, twist_N_m2 = 0.0;
     Vector rest_strain =
         Vector::Zero(); // u of rod_forces.cpp at rest, 1/m, in the segments' axes: rest_strain()
 };
 
-// The constants of a rod. All are finite and positive unless stated otherwise.
+// The constants of a rod. All constants are finite and positive unless stated otherwise.
 struct RodProperties {
     int element_count = 0;      // 2 or more
     double element_m = 0.0;     // rest length of every segment
@@ -43,8 +43,9 @@ struct RodProperties {
     Vector weight_N_per_m = Vector::Zero();
 };
 
-// Node i has position and velocity; segment j has orientation (body to world) and angular velocity in its own
-// axes. Nodes from free_count on, and their segments, are held: nothing in this file moves them.
+// Node i has a position and a velocity. Segment j has an orientation (body to world), and an angular velocity
+// in its own axes. Nodes from free_count onwards, and their segments, are held: no function in this file
+// moves them.
 struct Rod {
     RodProperties properties;
     int free_count = 0; // 0 .. element_count + 1
@@ -52,7 +53,7 @@ struct Rod {
     std::vector<Quaternion> orientation;
     std::vector<Vector> spin, torque;
 
-    // A straight rod at rest from `tip` in direction `to_hand` (unit), with all nodes free.
+    // Makes a straight rod at rest from `tip` in direction `to_hand` (unit), with all nodes free.
     Rod(const RodProperties &given, const Vector &tip, const Vector &to_hand);
 
     int node_count() const { return static_cast<int>(position.size()); }
@@ -64,29 +65,31 @@ struct Rod {
 // Returns the smallest rotation from +z to a direction.
 Quaternion turn_from_z(const Vector &direction);
 
-// The rest strain of a joint whose segment on the hand's side is turned by `turn_rad` (axis times angle,
-// under 2 pi) relative to the segment on the tip's side.
+// Returns the rest strain of a joint whose segment on the hand's side is rotated by `turn_rad` relative to
+// the segment on the tip's side. `turn_rad` is the axis times the angle, which must be under 2 pi.
 Vector rest_strain(const Vector &turn_rad, double element_m);
 
-// Fills force and torque (in the segment's axes) from the energies of the present shape.
+// Computes force and torque (in the segment's axes) from weight and from the energies of the present shape.
 void add_elastic_forces(Rod &rod);
 
-// Energies in J, for tests and for watching stability.
+// Holds the energies in J, for tests and for monitoring stability.
 struct Energy {
     double bend_and_twist = 0.0, parallel = 0.0, stretch = 0.0, kinetic = 0.0;
     double total() const { return bend_and_twist + parallel + stretch + kinetic; }
 };
 Energy energy_of(const Rod &rod);
 
-// Semi-implicit Euler in two halves, so that constraints can change the velocities between them.
+// Semi-implicit Euler integration is divided into two functions, so that constraints can change the
+// velocities between them.
 void integrate_velocities(Rod &rod, double step_s);
 void integrate_positions(Rod &rod, double step_s);
 
-// Returns the present length of the free part divided by its rest length, minus 1: negative when compressed.
+// Returns the present length of the free part divided by its rest length, minus 1; the result is negative
+// when the rod is compressed.
 double length_error(const Rod &rod);
 
-// Returns false when a coordinate is not finite, or a node is farther than `reach_m` from the first held node
-// (or the tip).
+// Returns false when a coordinate is not finite, or when a node is farther than `reach_m` from the first held
+// node (from the tip if no node is held).
 bool is_sound_within(const Rod &rod, double reach_m);
 
 } // namespace vcsim3

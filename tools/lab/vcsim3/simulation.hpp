@@ -1,4 +1,5 @@
-// One rod of the thesis, fed into a vessel: the order of work within one step, and the time each phase takes.
+// Simulates one rod of the thesis that is fed into a vessel; defines the order of work within a step, and
+// measures the time of each phase.
 //   Cosserat     elastic forces and torques
 //   Integrator   velocities, later positions and orientations
 //   Collisions   depth of every point in the wall
@@ -23,7 +24,8 @@ struct Mode {
 };
 bool operator==(const Mode &a, const Mode &b);
 
-// Parses a token; returns false for an unknown one ("local" needs 1 .. 10000).
+// Parses the token of a mode; returns false for an unknown token. For the mode "local", the number of
+// iterations in the token must be 1 .. 10000.
 bool parse_mode(const std::string &token, Mode &mode);
 
 // Returns the nine modes of Figures 5.11 to 5.14, in the thesis' order.
@@ -46,11 +48,12 @@ class Simulation
     Simulation(const RodProperties &properties, const Inserter &inserter, const Wall &wall,
                const SimulationSettings &settings, double inserted_m);
 
-    // Simulates one millisecond during which the hand feeds `feed_m` and turns by `turn_rad` (right-handed
+    // Simulates one millisecond, during which the hand feeds `feed_m` and turns by `turn_rad` (right-handed
     // about the feed) at constant speed.
     void tick(double feed_m, double turn_rad = 0.0);
 
-    // One step of 1 ms / substeps with the hand at rest; it adds to `times` when given.
+    // Simulates one step of 1 ms / substeps with the hand at rest; adds the phases' durations to `times` if
+    // that is given.
     void step(PhaseTimes *times);
 
     const Rod &rod() const { return rod_; }
@@ -60,8 +63,8 @@ class Simulation
     double handle_axial_N() const; // of the last step, + pushes the hand back out; noisy, so take a mean
     double handle_axial_mean_N() const { return handle_mean_N_; } // over the steps of the last tick
 
-    // The rod as numbers, and back (for a rod with the same number of elements); returns false when they do
-    // not fit.
+    // These functions convert the rod to numbers and back. restore() returns false when the numbers belong to
+    // a rod with another number of elements.
     std::vector<double> save() const;
     bool restore(const std::vector<double> &numbers);
     const std::vector<Contact> &contacts() const { return contacts_; } // of the last step

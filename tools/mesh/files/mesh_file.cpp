@@ -20,7 +20,7 @@ namespace crn::bake
 namespace
 {
 
-// Each byte of a file's faces becomes parser objects with lists of their own, tens of bytes.
+// For each byte of a file's faces, assimp makes objects with lists of their own, which take tens of bytes.
 constexpr double growth = 64;
 
 std::string ending_of(const std::filesystem::path &file)
@@ -48,7 +48,7 @@ void check_name_and_size(const std::filesystem::path &file)
                     " MiB: simplify the mesh, or give it in binary");
 }
 
-// Maps the file's bytes for the life of this object.
+// Maps the file into memory for the lifetime of this object.
 class Mapped
 {
   public:
@@ -74,7 +74,8 @@ class Mapped
     std::size_t count_ = 0;
 };
 
-// A mesh of the file's node hierarchy, with the transformation from its coordinates to the file's.
+// Holds a mesh in the file's node hierarchy, with the transformation from the mesh's coordinates to the
+// file's.
 struct Part {
     std::string name;
     const aiMesh *mesh;
@@ -113,7 +114,7 @@ std::vector<Part> chosen(const std::vector<Part> &parts, const std::vector<std::
     return found;
 }
 
-// Checks face indices before assimp itself follows them.
+// Checks all face indices before assimp uses them itself.
 void check_faces(const aiScene &scene, const std::string &file)
 {
     for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
@@ -128,13 +129,13 @@ void check_faces(const aiScene &scene, const std::string &file)
     }
 }
 
-// Checks that assimp has understood as much as the file declares.
+// Checks that assimp has read as many faces and vertices as the file declares.
 void check_declared(const aiScene &scene, const Declared &declared, const std::string &file)
 {
     std::int64_t faces = 0, vertices = 0;
     for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
         const aiMesh &mesh = *scene.mMeshes[m];
-        // Lines and points of an OBJ arrive as faces of fewer corners.
+        // assimp represents the lines and points of an OBJ file as faces of fewer than three corners.
         faces += std::count_if(mesh.mFaces, mesh.mFaces + mesh.mNumFaces,
                                [](const aiFace &face) { return face.mNumIndices >= 3; });
         vertices += mesh.mNumVertices;
@@ -212,7 +213,8 @@ std::vector<MeshPiece> read_mesh_here(const std::filesystem::path &path,
     if (!scene) throw Fault(file + ": cannot be read as STL, OBJ, PLY or glTF: " + importer.GetErrorString());
     check_faces(*scene, file);
     check_declared(*scene, declared, file);
-    // We apply only steps that change no vertex. The welding is our own, so it is the same for every format.
+    // We use only those processing steps of assimp that change no vertex. Our own code merges equal vertices,
+    // so the result is the same for every format.
     scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
     if (!scene || !scene->mRootNode) throw Fault(file + ": cannot be made of triangles: export triangles");
     std::vector<Part> parts;

@@ -41,7 +41,7 @@ class Gltf
         }
     }
 
-    // The number of faces of all meshes together, when all of them are single triangles; -1 when there are
+    // Returns the number of faces of all meshes together if all of them are single triangles; -1 if there are
     // strips or fans.
     std::int64_t faces() const
     {
@@ -122,8 +122,8 @@ class Gltf
         return *found;
     }
 
-    // Reads a whole number of at least `low`. Where the key is missing, it returns `otherwise`; -1 means that
-    // the key is required.
+    // Reads a whole number that must be at least `low`. If the key is missing, the function returns
+    // `otherwise`; an `otherwise` of -1 means that the key is required.
     std::int64_t whole(const json &of, const char *key, const std::string &place, std::int64_t low = 0,
                        std::int64_t otherwise = -1) const
     {

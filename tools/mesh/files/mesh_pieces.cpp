@@ -1,4 +1,5 @@
-// Checks of a mesh that its reader returned: every index has its vertex, every coordinate is a finite number.
+// Checks a mesh that a reader returned: every index must name a vertex, and every coordinate must be a finite
+// number.
 #include "tools/mesh/fault.hpp"
 #include "tools/mesh/files/mesh_file.hpp"
 #include <cmath>

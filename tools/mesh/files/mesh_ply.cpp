@@ -1,4 +1,5 @@
-// Checks the declarations of a PLY file against its contents: the header, then the data element by element.
+// Checks the declarations of a PLY file against its contents: first the header, then the data element by
+// element.
 #include "tools/mesh/files/mesh_file.hpp"
 #include "tools/mesh/files/mesh_words.hpp"
 
@@ -182,7 +183,8 @@ class Body
 
     void check(const Element &element)
     {
-        // The least size of a record: a digit and a blank for each number of a text file.
+        // The smallest size of a record is the sum of its numbers' sizes; in a text file a number has at
+        // least a digit and a blank.
         std::size_t least = 0;
         bool has_list = false;
         for (const Property &p : element.properties) {
@@ -234,7 +236,7 @@ class Body
         at_ += bytes;
     }
 
-    // Returns whole numbers as they are; other numbers are only checked.
+    // Returns whole numbers; other numbers are only checked, and 0 is returned for them.
     std::int64_t number(const Type &type, const Element &element)
     {
         if (header_.is_ascii) return number_of_text(type, element);

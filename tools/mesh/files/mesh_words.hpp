@@ -1,4 +1,4 @@
-// Words and numbers of a mesh file's text, with the line in which they occur.
+// Provides the words and numbers of a mesh file's text, with the line in which they occur.
 #pragma once
 #include "tools/mesh/fault.hpp"
 #include <charconv>
@@ -15,8 +15,8 @@ inline bool is_blank(char c)
     return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\f' || c == '\v';
 }
 
-// Reads the whole word as a number (also "nan" and "inf", which are refused where they matter). Returns false
-// if it is none.
+// Reads the whole word as a number. The words "nan" and "inf" count as numbers; callers refuse them where
+// they need finite values. Returns false if the word is no number.
 inline bool is_number(std::string_view word, double &value)
 {
     if (!word.empty() && word.front() == '+') word.remove_prefix(1);
@@ -56,7 +56,7 @@ class Words
         while (at_ < text_.size() && !is_blank(text_[at_])) ++at_;
         return text_.substr(begin, at_ - begin);
     }
-    // The rest of the line, without its end; `is_line` is false after the last line.
+    // Returns the rest of the line, without its end; `is_line` is false after the last line.
     std::string_view rest_of_line(bool &is_line)
     {
         is_line = at_ < text_.size();

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""The shipped scene is the one that the tools make; a broken archive leaves no file behind. Prints TAP.
+"""Claims: the shipped scene is the one that the tools make today, and a broken archive leaves no file behind. Prints
+TAP.
 
-The scene is made without its bodies and with few checks, which do not change its bytes; `make scene` compares the
-bodies too.
+The scene is made without its bodies and with few checks, because neither changes the scene's bytes; `make scene` also
+compares the bodies.
 """
 
 import os
@@ -25,7 +26,7 @@ def run(*words):
 
 
 def made_scene(folder):
-    """Returns the bytes of aorta.scene as the tools make it now, or a sentence."""
+    """Returns the bytes of aorta.scene as the tools make it today, or a sentence that states the error."""
     for words in (
         ["%s/bin/anatomy" % BUILD, "aorta", "--no-bodies", "--quiet", "-o", folder + "/aorta"],
         [

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Two builds in two folders give the same bytes, and no program contains the folder in which it was built. The test
-builds a set of targets of every kind (objects of C and of C++ with debug information, archives, a linked program, a
-firmware image and its hex file) in two copies of the tree whose paths have different lengths. It also looks for this
-folder's name in all programs that are built here. Prints TAP.
+"""Claims: two builds in two folders give the same bytes, and no program contains the name of the folder in which it was
+built. The test makes two copies of the tree whose paths have different lengths. In each copy it builds targets of every
+kind: objects of C and of C++ with debug information, archives, a linked program, and a firmware image with its hex
+file. The test also searches all programs of the present build for the name of this folder. Prints TAP.
 
-Precompiled headers are left out of the copies, since they take a minute to make (what they do to the bytes is
-covered by the second part alone), and the core is compiled with -O1, which is quicker."""
+The copies are built without precompiled headers, which take a minute to make; only the second part of the test shows
+what they do to the bytes. The core is compiled with -O1, which is quicker."""
 
 import json
 import os

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""NOTICE names everything that the programs are made of, and the SBOM is a complete SPDX 2.3 document of it. The test
-checks the built programs by the loader's own answer (ldd), by dpkg, and by rules of the SPDX specification that are
-written down here. It also uses deliberately wrong programs and tables. Prints TAP."""
+"""Claims: NOTICE names all parts of the programs that come from outside, and the SBOM (software bill of materials) is a
+complete SPDX 2.3 document of them. The test checks the built programs with the loader's own answer (ldd), with dpkg,
+and with rules of the SPDX specification that are written down here. The test also uses programs and tables that are
+wrong on purpose. Prints TAP."""
 
 import collections
 import json
@@ -49,7 +50,7 @@ def loaded_files(program):
 
 
 def structure_faults(body):
-    """Checks the requirements of SPDX 2.3 for a document (clauses 6, 7, 8 and 11)."""
+    """Checks the requirements of SPDX 2.3 on a document (clauses 6, 7, 8 and 11)."""
     for key in (
         "spdxVersion",
         "dataLicense",

@@ -1,6 +1,6 @@
-// Claims: distances and forces are judged as equation 19 and the documents state (closed forms). The virtual
-// instrument and the file written from it hold the requested numbers. A search gives the same bits for any
-// number of workers and after any number of stops. Undetermined numbers are reported as such.
+// Claims: distances and forces are judged as equation 19 and the documents state; the tests use closed forms.
+// The virtual instrument, and the file written from it, have the requested numbers. A search gives the same
+// bits for any number of workers and after any number of stops. Undetermined numbers are reported as such.
 #include "host/base/tests/folder.hpp"
 #include "tools/lab/calibrate/checkpoint.hpp"
 #include "tools/lab/calibrate/fitted_instrument.hpp"
@@ -11,7 +11,7 @@
 #include <fstream>
 #include <mutex>
 
-// These headers come last because their macros (fail, ...) would change other headers.
+// These headers come last, because their macros (fail, ...) would change other headers.
 #include <csetjmp>
 #include <cstdarg>
 extern "C" {
@@ -35,7 +35,7 @@ void assert_near(double got, double expected, double tolerance)
     assert_true(false);
 }
 
-// A curved valley with its lowest point at 0.3, 0.6, ...; it is smooth and cheap.
+// The objective is a curved valley with its lowest point at 0.3, 0.6, ...; it is smooth and cheap.
 Verdict valley(const std::vector<double> &shares)
 {
     double sum = 0.0;
@@ -71,7 +71,8 @@ SearchState searched(const SearchSettings &settings, const EvaluateShares &evalu
 
 // --- judging ---
 
-// Beside a piece the distance is to the piece, beyond an end to the end. We use 3-4-5 triangles.
+// For a point beside a piece of the line, the distance is that to the piece; for a point beyond an end, it is
+// that to the end. We use 3-4-5 triangles.
 void distances_go_to_the_nearest_point_of_the_line(void **)
 {
     const std::vector<Vector3d> line = {{0, 0, 0}, {10, 0, 0}, {10, 10, 0}};
@@ -81,7 +82,7 @@ void distances_go_to_the_nearest_point_of_the_line(void **)
     assert_near(distance_to_line_mm({12, 5, 0}, line), 2.0, 1e-12);
 }
 
-// Distances 1, 1, 2, 4: RMS sqrt(22/4), mean 2, deviation sqrt(22/4 - 4).
+// The distances are 1, 1, 2 and 4, so the RMS is sqrt(22/4), the mean 2 and the deviation sqrt(22/4 - 4).
 void equation_19_is_the_rms_over_the_nodes(void **)
 {
     const std::vector<Vector3d> line = {{0, 0, 0}, {10, 0, 0}};
@@ -93,7 +94,8 @@ void equation_19_is_the_rms_over_the_nodes(void **)
     assert_near(d.max_mm, 4.0, 1e-12);
 }
 
-// A trace that is everywhere 1.2 times the reference is off by 0.2; a peak of a single sample has no effect.
+// A trace that is 1.2 times the reference everywhere has an error of 0.2; a peak of a single sample has no
+// effect.
 void the_force_error_is_relative_and_passes_over_single_peaks(void **)
 {
     std::vector<insertion::ForceSample> reference, simulated;
@@ -193,7 +195,8 @@ void a_preset_made_from_another_one_cannot_be_written(void **)
 
 // --- the search ---
 
-// Every trial that pagmo's real run requests was recorded before, so none is evaluated alone.
+// The recording run requests every trial that pagmo's real run requests later, so no trial is evaluated
+// alone.
 void all_trials_of_a_generation_are_evaluated_together(void **)
 {
     for (const Method method : methods) {
@@ -220,8 +223,8 @@ void every_method_finds_the_bottom_of_a_valley(void **)
     }
 }
 
-// First three trials made by hand that lie 0.03 apart; then a valley, where the final state is the expected
-// one.
+// The test begins with three hand-made trials that lie 0.03 apart, and continues with a valley until the
+// expected final state.
 void a_search_has_converged_when_its_population_is_equally_good(void **)
 {
     SearchState state;
@@ -245,7 +248,7 @@ void a_search_has_converged_when_its_population_is_equally_good(void **)
     assert_true(best_of(state).verdict.objective < 0.02);
 }
 
-// The nodes lie 2 mm beside the reference, and the force is twice the measured one.
+// The nodes lie 2 mm from the reference, and the force is twice the measured one.
 void without_a_weight_the_force_trace_is_not_there(void **)
 {
     const Folder folder("judge");
@@ -284,7 +287,7 @@ void without_a_size_a_search_has_the_budget_of_the_thesis(void **)
     assert_int_equal(sized({}, Method::cmaes, {}, 20).generations, 20);
 }
 
-// A rod that lies on the reference, or is refused.
+// The rod in this evaluator either lies on the reference or is refused.
 struct ScriptedEvaluator final : Evaluator {
     bool refuses = false;
 
@@ -309,7 +312,8 @@ struct ScriptedEvaluator final : Evaluator {
     }
 };
 
-// Short elements may exceed the core's number format: then only that figure is missing.
+// Short elements may exceed the core's number format; then only the figure from the careful insertion is
+// missing.
 void a_fit_is_not_lost_where_its_short_cuts_cannot_be_measured(void **)
 {
     const Folder folder("careful");
@@ -340,7 +344,7 @@ void another_seed_gives_other_trials(void **)
                       searched({Method::cmaes, 8, 3, 2}, all_of).trials));
 }
 
-// The workers return answers in any order; the search does not depend on it.
+// The workers return results in any order, and the search does not depend on this order.
 void any_number_of_threads_gives_the_same_bits(void **)
 {
     for (const Method method : methods) {
@@ -384,7 +388,7 @@ void a_wish_to_stop_ends_an_evaluation(void **)
 
 // --- checkpoints ---
 
-// Written and read back after every generation, a search proceeds exactly as it does without.
+// A search that is written and read back after every generation proceeds exactly as one that is not.
 void a_search_that_was_stopped_after_any_generation_goes_on_as_if_not(void **)
 {
     const Folder folder{"checkpoint"};
@@ -446,8 +450,8 @@ void the_hash_tells_borders_and_numbers(void **)
 
 // --- what is determined ---
 
-// The objective is |x - 0.4| + 0 y, in shares. A rise of 0.05 bounds x by 0.35 and 0.45 within a step of the
-// halving (0.04 / 16), and does not bound y.
+// The objective is |x - 0.4| + 0 y, where x and y are shares of their ranges. A permitted rise of 0.05 bounds
+// x by 0.35 and 0.45, with an error of one halving step (0.04 / 16). It does not bound y.
 void what_the_data_leave_open_is_said_to_be_undetermined(void **)
 {
     const std::vector<Parameter> parameters = {{"x", "", "", 1.0, 10.0, 3.0}, {"y", "", "", 1.0, 10.0, 3.0}};
@@ -466,8 +470,8 @@ void what_the_data_leave_open_is_said_to_be_undetermined(void **)
     assert_false(found[1].is_determined);
 }
 
-// The objective is |x - y| at x = y = 0.5. Alone each number is bounded; the search's trials along x = y show
-// that both are undetermined.
+// The objective is |x - y|, and the optimum is at x = y = 0.5. Varied alone, each number is bounded; the
+// search's trials along x = y show that both are undetermined.
 void numbers_that_make_up_for_each_other_are_undetermined(void **)
 {
     const std::vector<Parameter> parameters = {{"x", "", "", 1.0, 10.0, 3.0}, {"y", "", "", 1.0, 10.0, 3.0}};

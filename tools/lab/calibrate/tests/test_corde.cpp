@@ -1,6 +1,6 @@
 // Claims: the thesis' rod, as the baseline of `calibrate`, is the instrument that its file describes, in the
-// same frame as our rod. Its integration stays stable for any trial. The same search fits it with the same
-// bits for any number of workers.
+// same frame as our rod. The rod's integration stays stable for any trial. The same search fits this rod,
+// with the same bits for any number of workers.
 #include "host/base/tests/folder.hpp"
 #include "tools/lab/calibrate/corde_evaluator.hpp"
 #include "tools/lab/calibrate/core_rod.hpp"
@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
-// These headers come last because their macros (fail, ...) would change other headers.
+// These headers come last, because their macros (fail, ...) would change other headers.
 #include <csetjmp>
 #include <cstdarg>
 extern "C" {
@@ -38,7 +38,7 @@ crn::Instrument instrument_of(const std::string &name)
     return crn::read_instrument(std::string(instruments) + name + ".toml");
 }
 
-// A lattice of 125 mm around the origin without a wall.
+// Makes a lattice of 125 mm around the origin, without a wall.
 struct Space {
     std::vector<std::uint16_t> index = std::vector<std::uint16_t>(16 * 16 * 16, CRN_LUMEN_ENTRY_INSIDE);
     crn_lumen lumen{};
@@ -86,8 +86,8 @@ void nominal_values_make_the_files_stiffness_and_mass(void **)
     }
 }
 
-// On a wire with a soft tip, EI is alpha EI at the tip and EI on the shaft, with GJ in the file's ratio; in
-// between, values never leave this range.
+// EI is alpha times the shaft's EI at the tip, and the shaft's EI on the shaft; GJ has the file's ratio to
+// EI. Values in between lie in this range.
 void joints_have_the_stiffness_asked_for(void **)
 {
     const crn::Instrument instrument = instrument_of("amplatz_super_stiff");
@@ -106,9 +106,9 @@ void joints_have_the_stiffness_asked_for(void **)
         assert_true(joints[i].bend_N_m2 >= joints[i - 1].bend_N_m2 * (1.0 - 1e-12));
 }
 
-// Over all corners of the bounds there are no more steps than allowed and no less mass than the real one. The
-// fastest motions times the step stay within 2; their closed forms are those of a point between two springs
-// Kp/l and of a turning segment.
+// At all corners of the bounds, the number of substeps is at most the permitted one, and the mass is at least
+// the real one. The time step times the fastest angular frequency stays below 2. Closed forms give the
+// fastest frequencies, of a point between two springs Kp/l and of a turning segment.
 void every_trial_gets_a_step_that_is_stable(void **)
 {
     const Space space;
@@ -135,7 +135,8 @@ void every_trial_gets_a_step_that_is_stable(void **)
     }
 }
 
-// The unloaded tip, turned by the hand. Our rod has different elements, so the tips are compared as lines.
+// In this test the hand turns an instrument whose tip carries no load. Our rod has other elements than CoRdE,
+// so the tips are compared as lines.
 void a_bent_tip_lies_where_our_rods_tip_lies(void **)
 {
     const Space space;
@@ -166,8 +167,8 @@ void a_bent_tip_lies_where_our_rods_tip_lies(void **)
 
 // --- the fit ---
 
-// A wire that sags under its weight beyond the introducer shows EI of its tip; all other numbers are held
-// near their own values.
+// A wire that sags under its weight beyond the introducer shows the EI of its tip. All other numbers are kept
+// within 0.1 % of their nominal values.
 struct Sagging {
     Folder folder{"corde"};
     Space space;
@@ -228,7 +229,8 @@ void a_fit_finds_the_tips_stiffness_with_the_same_bits_from_any_threads(void **)
     assert_near(found, 0.5, 0.1);
 }
 
-// A checkpoint holds results of trials, so its hash must include the core that gave them, and the rod.
+// A checkpoint holds results of trials, so its hash must include the version of the core that gave them, and
+// the rod.
 void settings_name_the_rod_and_the_core(void **)
 {
     const Space space;
@@ -254,7 +256,7 @@ void bounds_without_the_nominal_value_are_refused(void **)
     assert_near(evaluator.parameters()[0].low, 1e7, 0.0);
 }
 
-// The bounds contain the file's numbers and those of the thesis' table.
+// The bounds contain the file's numbers and the numbers of the thesis' table.
 void bounds_hold_the_row_of_the_thesis_table(void **)
 {
     const Space space;
@@ -271,7 +273,7 @@ void bounds_hold_the_row_of_the_thesis_table(void **)
     assert_true(holds("kp", 377.0));
 }
 
-// This wall places every point 15 mm outside the vessel.
+// Places every point 15 mm outside the vessel, in the wall.
 void a_rod_that_leaves_the_vessel_is_refused(void **)
 {
     const insertion::Case c = free_case("bentson");

@@ -1,10 +1,10 @@
-// Claims: the hand approaches each depth slowly. It waits until the rod is at rest on average: a chattering
-// tip does not delay it, and a pause of a creeping tip does not end the wait. The force is recorded from the
-// first inserted length on.
+// Claims: the hand approaches each depth slowly. The hand waits until the rod is at rest on average: a
+// chattering tip does not prolong the wait, and a pause of a creeping tip does not end it. The force is
+// recorded from the first millimetre of insertion onwards.
 #include "tools/lab/calibrate/hand.hpp"
 #include <cmath>
 
-// These headers come last because their macros (fail, ...) would change other headers.
+// These headers come last, because their macros (fail, ...) would change other headers.
 #include <csetjmp>
 #include <cstdarg>
 extern "C" {
@@ -26,8 +26,8 @@ void assert_near(double got, double expected, double tolerance)
     assert_true(false);
 }
 
-// It follows the hand immediately; its only node is displaced sideways by `aside_mm`, a function of the
-// number of ticks since the hand stopped.
+// The scripted rod follows the hand immediately. Its only node is displaced sideways by `aside_mm`, a
+// function of the number of ticks since the hand stopped.
 struct ScriptedRod final : HeldRod {
     double (*aside_mm)(int ticks) = [](int) { return 0.0; };
     std::vector<double> places_mm;
@@ -43,7 +43,7 @@ struct ScriptedRod final : HeldRod {
     bool is_sound() const override { return true; }
     std::vector<Vector3d> nodes_mm() const override { return {{inserted_mm(), aside_mm(still_ticks), 0.0}}; }
 
-    // The fastest feed while the hand was between two places, mm/s.
+    // Returns the fastest feed, in mm/s, while the hand was between two places.
     double fastest_mm_per_s(double from_mm, double to_mm) const
     {
         double most = 0.0;
@@ -83,7 +83,7 @@ void last_way_to_each_depth_is_slow(void **)
     assert_near(rod.fastest_mm_per_s(70.1, 80.0), 10.0, 1e-6);
 }
 
-// An insertion measured at 30 mm/s is not repeated at 10.
+// If the insertion was measured at 30 mm/s, the hand does not slow down to 10 mm/s before a depth.
 void last_way_is_as_fast_as_the_cases_hand(void **)
 {
     ScriptedRod rod;
@@ -113,9 +113,9 @@ void a_still_rod_is_at_rest_after_three_windows(void **)
     assert_int_equal(made.settle_ticks.at(0), 150);
 }
 
-// The node is 25 um aside in every second tick, as a J on a wall does (docs/rod.md): a hundred times the
-// limit in each tick. In the next window it is aside in the other ticks; samples of every second tick would
-// mistake this for a displacement.
+// The node is displaced by 25 um in every second tick, as a J tip on a wall is (docs/rod.md). This
+// displacement of 25 um is a hundred times the limit per tick. In the next window the node is displaced in
+// the other ticks; a method that reads only every second tick would take this for a real displacement.
 void a_tip_that_trembles_in_its_place_is_at_rest(void **)
 {
     ScriptedRod rod;
@@ -126,7 +126,7 @@ void a_tip_that_trembles_in_its_place_is_at_rest(void **)
     assert_near(made.nodes_mm.at(0).at(0).y(), 12.5 * um, 3.0 * um); // its mean place, from ten samples
 }
 
-// It creeps by 0.3 um per tick for 400 ticks and then stops.
+// The node creeps by 0.3 um per tick for 400 ticks and then stops.
 void a_creeping_rod_is_waited_for(void **)
 {
     ScriptedRod rod;
@@ -136,7 +136,7 @@ void a_creeping_rod_is_waited_for(void **)
     assert_in_range(made.settle_ticks.at(0), 500, 600);
 }
 
-// Two windows on either side of the turning point have the same mean.
+// Two windows of equal length before and after the turning point have the same mean.
 void a_swing_is_not_at_rest_where_it_turns_back(void **)
 {
     ScriptedRod rod;
@@ -153,7 +153,8 @@ void a_rod_that_never_rests_is_said_to_be_unsettled(void **)
     assert_int_equal(made.settle_ticks.at(0), 1000);
 }
 
-// The limit is per tick, whatever the window: 0.3 um counts as rest where 0.4 um is the limit.
+// The limit applies per tick, whatever the window: a rod that moves by 0.3 um per tick is at rest if the
+// limit is 0.4 um.
 void rest_is_judged_by_the_way_per_tick(void **)
 {
     ScriptedRod rod;
@@ -165,7 +166,7 @@ void rest_is_judged_by_the_way_per_tick(void **)
 
 // --- force ---
 
-// The force is sampled as often on the slow stretch as on the fast one.
+// The force is sampled at equal lengths, on the slow stretch as well as on the fast one.
 void force_is_sampled_by_way(void **)
 {
     ScriptedRod rod;

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Tests the chain of `make table51`.
+"""Tests the chain of programs that `make table51` runs.
 
-Claims: the fast preset fits the Amplatz to a truth that its file does not have, and reports its findings. The chain of
-all nine keeps what is finished, names what fails, continues after Ctrl-C, and fills the page. The second part runs the
-chain with programs of a few lines in place of the real ones; they return the first part's results. Prints TAP.
+Claims: the fast preset fits the Amplatz to a truth whose stiffness differs from the file's, and reports its findings.
+The chain of all nine instruments keeps finished results, names failures, continues after Ctrl-C, and fills the page.
+The second part replaces the real programs with programs of a few lines, which return the first part's results. Prints
+TAP.
 """
 
 import csv
@@ -23,7 +24,8 @@ import table51_data  # noqa: E402  (after the path)
 
 BUILD = os.environ.get("BUILD", "build")
 CHAIN = os.path.join(ROOT, "tools", "lab", "calibrate", "table51.py")
-# Reached after 64 insertions each: 0.32 and 0.19 mm, 4 and 1 %. The instrument's file itself is 23 and 43 % off.
+# With 64 insertions each, the fit reaches 0.32 and 0.19 mm, and 4 and 1 %. The instrument's file itself is wrong by 23
+# and 43 %.
 FAST_DEPTH3_MAX_MM, FAST_AVERAGE_MAX_MM, FAST_BEND_MAX_SHARE, FAST_ALPHA_MAX_SHARE = 0.6, 0.6, 0.15, 0.2
 
 FAKES = {
@@ -131,7 +133,7 @@ def check_fast(tap, output):
 
 
 class Rehearsal:
-    """Runs the chain with fake programs, which record their arguments."""
+    """Runs the chain with the replacement programs, which record their arguments."""
 
     def __init__(self, work, real):
         self.folder, self.output = os.path.join(work, "fake"), os.path.join(work, "out")
@@ -178,7 +180,7 @@ class Rehearsal:
         return lines
 
     def stopped_in(self, place):
-        """Sends Ctrl-C as soon as this fit has begun."""
+        """Sends Ctrl-C to the chain as soon as this fit has begun."""
         with self.start() as child:
             deadline = time.monotonic() + 60
             while (

@@ -1,5 +1,5 @@
-// Claims: a case's folder is read back as it was written. Every error in it is refused with the file, the
-// field and the remedy. Numbers are written with 9 digits, hence the tolerance of 1e-8 of the value.
+// Claims: a case's folder is read back as it was written. Every error in the folder is refused with the file,
+// the field and the remedy. Numbers are written with 9 digits, so the tolerance is 1e-8 of the value.
 #include "host/base/tests/folder.hpp"
 #include "tools/lab/case/case.hpp"
 
@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <fstream>
 
-// This header comes last because its macros (fail, ...) would change other headers.
+// This header comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -39,7 +39,7 @@ Case shipped(const std::filesystem::path &folder)
     return c;
 }
 
-// The reader's error message, or "" when there is none.
+// Returns the reader's error message, or "" if there is none.
 template <class Read> std::string refusal(Read read)
 {
     try {
@@ -65,8 +65,8 @@ void a_case_comes_back_as_it_was_written(void **)
     assert_true(back.path_in(back.scene) == std::filesystem::path(folder.path) / "phantom.scene");
 }
 
-// A person may begin with scans alone. Scene, surface and mouth_mm are added later, and nothing else of the
-// file changes.
+// A person may begin a case with scans alone. Scene, surface and mouth_mm are added later, and nothing else
+// in the file changes.
 void a_case_of_scans_alone_is_completed_in_place(void **)
 {
     const Folder folder{"case"};

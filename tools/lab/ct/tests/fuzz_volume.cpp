@@ -1,6 +1,6 @@
-// Fuzz target: any bytes may be offered as the header of a scan (NRRD, MetaImage, NIfTI; the first byte
-// selects the format) to the strict readings before ITK. An accepted header has sizes and a finite spacing,
-// and its number of bytes is that of its voxels.
+// Fuzz target: gives any bytes as the header of a scan to the strict readings that precede ITK's. The first
+// byte selects the format (NRRD, MetaImage, NIfTI). An accepted header has sizes and a finite spacing, and
+// its number of bytes is that of its voxels.
 #include "tools/lab/ct/volume/volume_declared.hpp"
 #include "tools/lab/ct/volume/volume_io.hpp"
 #include <algorithm>

@@ -1,6 +1,7 @@
-// Claims: the virtual scanner meets its stated numbers: Hounsfield units of fluid, wall and gel at their
-// places, the requested noise and point spread, an instrument on its line, and the same volume for one seed
-// on any number of threads. The references are closed forms: areas of circles, moments of Gaussians.
+// Claims: scans by the virtual scanner have the numbers that its settings state. The tests check the
+// Hounsfield units of fluid, wall and gel at their places, the noise and point spread, and the position of
+// the instrument on its line. One seed gives the same volume on any number of threads. The references are
+// closed forms, such as areas of circles and moments of Gaussians.
 #include "tools/lab/ct/tests/tube_phantom.hpp"
 
 #include <algorithm>
@@ -10,7 +11,7 @@
 #include <cstdint>
 #include <cstdio>
 
-// This header comes last because its macros (fail, ...) would change other headers.
+// This header comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -24,7 +25,7 @@ namespace
 
 constexpr double radius_mm = 8;
 
-// The mean and standard deviation of the voxels between two distances from the axis.
+// Returns the mean and standard deviation of the voxels between two distances from the axis.
 struct Ring {
     double mean = 0, deviation = 0;
 };
@@ -58,8 +59,8 @@ void fluid_wall_and_gel_have_their_hounsfield_units(void **)
     assert_true(std::abs(fluid - 80) < 2 && std::abs(wall - 230) < 4 && std::abs(gel - 20) < 2);
 }
 
-// The profile is half-way between fluid and wall at the lumen's edge; the area of that circle gives the
-// radius.
+// The picture's value is half-way between fluid and wall at the lumen's edge; the area within this edge gives
+// the radius.
 void the_lumen_has_its_area_at_half_height(void **)
 {
     ScannerSettings settings = quick_scanner(16, -1, 1);
@@ -89,8 +90,8 @@ void the_noise_is_the_one_that_was_asked_for(void **)
     assert_true(std::abs(deviation - 15) < 2.5);
 }
 
-// A thin plastic thread images as a point: its second moments are those of the point spread plus r^2 / 4 of
-// its section.
+// A thin plastic thread images as a point. The point's second moments are those of the point spread plus
+// those of the thread's section, r^2 / 4.
 void a_thread_is_blurred_as_stated(void **)
 {
     ScannerSettings settings = quick_scanner(10, -1, 1);
@@ -122,7 +123,8 @@ void a_thread_is_blurred_as_stated(void **)
     assert_true(std::abs(sigma - expected) < 0.04);
 }
 
-// Metal saturates the scale, and the picture around it is darker and brighter than noise explains.
+// Metal reaches the end of the grey scale, and the picture around it deviates to both sides by more than the
+// noise.
 void steel_blooms_and_streaks(void **)
 {
     const std::vector<Vector3d> line = {{-6, 0.2, 1}, {6, -0.2, 1}};

@@ -1,7 +1,7 @@
 // Claims: a volume is read back from every format with its values and places. Left-handed grids keep their
-// places. Errors in a scan are refused by name: spacing, axes, values, missing, double, uneven, mixed and
-// truncated slices. No cut or damaged file crashes the readers (2 files of every format, cut and damaged at
-// places that a printed seed gives).
+// places. Errors in a scan are refused by name: wrong spacing, axes or values, and slices that are missing,
+// double, uneven, mixed or truncated. No truncated or damaged file crashes the readers; for every format 2
+// files are cut and damaged at places that a printed seed gives.
 #include "host/base/tests/folder.hpp"
 #include "tools/lab/ct/volume/volume_io.hpp"
 
@@ -17,7 +17,7 @@
 #include <limits>
 #include <random>
 
-// This header comes last because its macros (fail, ...) would change other headers.
+// This header comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -30,7 +30,8 @@ namespace fs = std::filesystem;
 namespace
 {
 
-// An oblique volume, so that no axis can be mistaken for another, with a different value in every voxel.
+// Returns an oblique volume with a different value in every voxel, so that no axis can be mistaken for
+// another.
 Volume sample()
 {
     Volume volume;
@@ -63,7 +64,7 @@ void replace_in(const fs::path &file, const std::string &what, const std::string
     put_bytes(file, bytes.replace(at, what.size(), by));
 }
 
-// Asserts that reading `path` is refused with a message that has every part.
+// Asserts that reading `path` is refused with a message that contains every part.
 void refused(const fs::path &path, const std::vector<std::string> &parts)
 {
     try {
@@ -115,7 +116,8 @@ void the_scene_looks_at_the_patient_as_lps_does(void **)
     assert_true((volume.voxel(volume.scene({2, 3, 1.5})) - Eigen::Vector3d(2, 3, 1.5)).norm() < 1e-9);
 }
 
-// A file whose third axis runs backwards holds the same scan: nothing is mirrored, and the reversal is noted.
+// A file whose third axis runs backwards holds the same scan: the scan is not mirrored, and a note states the
+// reversal.
 void mirrored_axes_keep_their_places(void **)
 {
     const Folder folder{"mirror"};
@@ -166,7 +168,8 @@ void impossible_grids_are_refused(void **)
     }
 }
 
-// ITK replaces a spacing that it does not understand by 1 mm, and would then measure at a wrong scale.
+// ITK replaces a spacing that it does not understand by 1 mm; lengths would then be measured at a wrong
+// scale.
 void a_scale_that_is_none_is_refused(void **)
 {
     const Folder folder{"scale"};
@@ -190,7 +193,7 @@ void a_scale_that_is_none_is_refused(void **)
     refused(folder.file("a.nrrd"), {"a.nrrd:7", "spacings", "finite"});
 }
 
-// The first file makes ITK search without end; the others make it take memory without end.
+// The first file would make ITK search for ever, and the others would make it reserve memory without limit.
 void absurd_numbers_of_axes_and_voxels_are_refused(void **)
 {
     const Folder folder{"axes"};
@@ -237,7 +240,7 @@ void truncated_series_are_refused(void **)
     refused(series / "0001.dcm", {"folder"});
 }
 
-// The statements of the files are not enough, so their places are compared.
+// The files do not state enough, so the places of the slices are compared.
 void missing_and_uneven_slices_are_named(void **)
 {
     const std::vector<std::string> names = {"a", "b", "c", "d", "e"};
@@ -283,7 +286,7 @@ void other_contents_are_refused(void **)
     refused(folder.file("d.nrrd"), {"d.nrrd"});
 }
 
-// Each file is either read or refused by a Fault; anything else ends the test.
+// Each file is either read or refused by a Fault; any other outcome ends the test.
 void cut_and_damaged_files_never_crash(void **)
 {
     const Folder folder{"fuzz"};

@@ -1,4 +1,5 @@
-// A straight closed tube along the head axis as a phantom for tests, and scans of it that take little time.
+// Provides a straight closed tube along the head axis as a phantom for tests, and scans of it that take
+// little time.
 #pragma once
 #include "tools/lab/ct/instrument_scan.hpp"
 #include "tools/lab/ct/scanner.hpp"

@@ -1,7 +1,7 @@
-// A CT volume: Hounsfield units on a grid with spacing, origin and direction. There are three frames: voxel
-// (whole numbers are the middles of voxels), LPS (used by scanners and ITK: +x patient left, +y back, +z
-// head, mm) and the scene's (+x left, +y head, +z front, mm). Only the two functions below convert between
-// the last two.
+// A CT volume holds Hounsfield units on a grid with spacing, origin and direction. There are three frames. In
+// the voxel frame whole numbers are the middles of voxels. LPS is used by scanners and ITK, in mm: +x patient
+// left, +y back, +z head. The scene's frame, also in mm, has +x left, +y head, +z front. Only the two
+// functions below convert between LPS and the scene's frame.
 #pragma once
 #include <Eigen/Core>
 #include <array>
@@ -55,15 +55,15 @@ struct Volume {
     {
         return (direction.transpose() * (lps_from_scene(scene_mm) - origin_mm)).cwiseQuotient(spacing_mm);
     }
-    // Converts a shift in voxels to the scene's millimetres; and its inverse.
+    // These two functions convert a displacement in voxels to the scene's millimetres, and back.
     Eigen::Matrix3d scene_per_voxel() const;
-    // Interpolates between the nearest eight voxels; outside it returns the value at the border.
+    // Interpolates between the nearest eight voxels; outside the volume it returns the value at the border.
     double value(const Eigen::Vector3d &voxel) const;
-    // Returns the same volume with all voxels set to `fill`, for masks and speeds.
+    // Returns a volume on the same grid with all voxels set to `fill`; it serves for masks and speeds.
     Volume like(float fill) const;
 };
 
-// Turns a left-handed grid into a right-handed one: the third axis is counted from its other end. Every place
+// Turns a left-handed grid into a right-handed one by counting the third axis from its other end. Every place
 // keeps its value.
 void make_right_handed(Volume &volume);
 

@@ -1,5 +1,6 @@
-// A volume is read in a separate process (host/base/guarded_read.hpp): ITK trusts headers, and Debian's GDCM
-// is built with its assertions. Only the child ends then, and the parent reports which file is damaged.
+// A volume is read in a separate process (host/base/guarded_read.hpp), because ITK trusts headers and
+// Debian's GDCM is built with its assertions. A damaged file then ends only the child process, and the parent
+// process reports which file is damaged.
 #include "host/base/guarded_read.hpp"
 #include "tools/lab/ct/volume/volume_io.hpp"
 #include <algorithm>
@@ -14,12 +15,13 @@ namespace
 
 namespace fs = std::filesystem;
 
-// A deflated byte may become a thousand bytes, so a small file may fill the memory that is allowed for any
-// file.
+// A byte of a compressed file may become a thousand bytes, so even a small file may need all the memory that
+// is permitted for one file.
 constexpr double growth = 1100;
 constexpr std::uint64_t file_bytes_max = std::uint64_t{4} << 30, files_max = 4096;
 
-// Precedes a block of values and states their number, or that a fault's text follows. 0 ends the blocks.
+// Every block is preceded by a number: the count of its values, 0 at the end of the blocks, or this value if
+// the text of a fault follows.
 constexpr std::uint64_t fault_follows = UINT64_MAX;
 
 struct Grid {
@@ -76,7 +78,7 @@ Volume receive(Inbox &in, const std::string &name)
     return volume;
 }
 
-// The size of all files that are read.
+// Returns the size of all files that a volume consists of.
 std::uint64_t bytes_of(const fs::path &path)
 {
     std::error_code ignored;

@@ -1,4 +1,4 @@
-// The conditions that a grid and a series of slices must fulfil before anything is measured in them.
+// Checks the conditions that a grid and a series of slices must fulfil before anything is measured in them.
 #include "tools/lab/ct/volume/volume_io.hpp"
 #include <Eigen/LU>
 #include <algorithm>
@@ -74,8 +74,8 @@ void check_nifti_length(const std::string &file, std::uint64_t value_bytes)
                     " or more; copy or export it again");
 }
 
-// The pixels are an element preceded by its length (explicit or implicit, little-endian). Packed pixels have
-// no length.
+// The pixel data are an element preceded by its length (explicit or implicit, little-endian). Packed pixels
+// have no length.
 void check_dicom_length(const std::filesystem::path &file)
 {
     std::ifstream stream(file, std::ios::binary);
@@ -133,7 +133,7 @@ SliceOrder order_slices(const std::vector<Eigen::Vector3d> &places_mm, const Eig
                         text(" are %.3f mm apart, others %.3f mm: reconstruct or resample the series evenly",
                              steps[i], step));
         }
-        // A slice that is shifted sideways would shear everything in the volume.
+        // If slices are displaced sideways, all shapes in the volume are sheared.
         const Eigen::Vector3d shift = places_mm[result.order[i + 1]] - places_mm[result.order[i]];
         if ((shift - shift.dot(normal) * normal).norm() > 0.05)
             throw Fault(series + ": " + after + " is shifted sideways against " + before +

@@ -1,4 +1,4 @@
-// Headers of NRRD, MetaImage and NIfTI, as specified in teem.sourceforge.net/nrrd/format.html,
+// Reads headers of NRRD, MetaImage and NIfTI, as specified in teem.sourceforge.net/nrrd/format.html,
 // itk.org/Wiki/MetaIO/Documentation and nifti1.h.
 #include "tools/lab/ct/volume/volume_declared.hpp"
 #include <algorithm>
@@ -25,7 +25,7 @@ constexpr std::size_t head_bytes_max = 1 << 20;
 constexpr double deflate_growth = 1040; // 1032 for its longest runs, and the trailer
 constexpr double bzip2_growth = 50000;
 
-// One field of a header, with the context for messages.
+// Holds one field of a header, with the place that messages name.
 struct Field {
     const std::string &file;
     std::size_t line = 0;
@@ -92,7 +92,7 @@ std::string trimmed(std::string_view text)
     return std::string(text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1));
 }
 
-// The lines of a header, each "name SEPARATOR value".
+// Holds the lines of a header; each has the form "name SEPARATOR value".
 class Fields
 {
   public:
@@ -243,7 +243,7 @@ bool is_true(const Field *field)
 
 // --- NIfTI ---
 
-// The numbers of a header in either byte order.
+// Reads the numbers of a header in either byte order.
 struct Binary {
     std::string_view head;
     bool is_swapped = false;
@@ -281,7 +281,7 @@ std::uint64_t nifti_bytes(int type)
 
 std::string first_bytes(const fs::path &path)
 {
-    // zlib returns files that are not packed unchanged.
+    // If a file is not compressed, zlib returns its bytes unchanged.
     const std::unique_ptr<gzFile_s, int (*)(gzFile)> packed(
         small(path.string()).ends_with(".gz") ? gzopen(path.c_str(), "rb") : nullptr, gzclose);
     std::string head(head_bytes_max, '\0');
@@ -296,8 +296,8 @@ std::string first_bytes(const fs::path &path)
     return head;
 }
 
-// Checks that packed values can be unpacked, are as many as declared, and match their checksum: ITK checks
-// none of this.
+// Checks that compressed values can be decompressed, that their number is the declared one, and that they
+// match their checksum; ITK does not check this.
 void check_packed(const DeclaredVolume &declared, std::uint64_t bytes, const fs::path &data,
                   const std::string &file)
 {

@@ -1,6 +1,6 @@
-// A volume file's own declarations, read strictly and without ITK. ITK replaces what it does not understand
-// by 1 mm, trusts any number of dimensions and reserves whatever is declared. Its reading is therefore
-// compared with this one.
+// Reads strictly, and without ITK, what a volume file declares about itself. ITK replaces a spacing that it
+// does not understand by 1 mm, trusts any number of dimensions, and reserves any amount of memory that is
+// declared. What ITK reads is therefore compared with this strict reading.
 #pragma once
 #include "tools/mesh/fault.hpp"
 #include <Eigen/Core>
@@ -24,12 +24,12 @@ struct DeclaredVolume {
     bool is_many_files = false;     // a list or pattern of files
 };
 
-// Reads the first bytes of a file. Throws Fault with the file, the field and the remedy.
+// Reads only the first bytes of a file. Throws Fault with the file, the field and the remedy.
 DeclaredVolume declared_nrrd(std::string_view head, const std::string &file);
 DeclaredVolume declared_meta(std::string_view head, const std::string &file);
 DeclaredVolume declared_nifti(std::string_view head, const std::string &file);
 
-// Reads a file and compares its declared values with its size.
+// Reads a file's header and compares the declared values with the file's size.
 DeclaredVolume declared_volume(const std::filesystem::path &file);
 
 // Throws Fault when ITK finds another grid than the file declares.

@@ -14,39 +14,39 @@ inline constexpr std::size_t volume_voxels_max = std::size_t{1} << 28; // 1 GiB 
 inline constexpr double spacing_min_mm = 0.01, spacing_max_mm = 10.0;
 
 // Reads a file .nrrd, .nhdr, .nii, .nii.gz, .mha or .mhd, or a folder with one DICOM series. Throws Fault
-// with the cause, the place and the remedy. Left-handed grids are turned (make_right_handed), which is noted.
-// A child process reads the file (volume_apart.cpp), so that damaged files end only the child. Call this
-// before threads start.
+// with the cause, the place and the remedy. Left-handed grids are made right-handed (make_right_handed), and
+// a note states this. A child process reads the file (volume_apart.cpp), so that damaged files end only the
+// child. Call this before threads start.
 Volume read_volume(const std::filesystem::path &path);
-// The child process delivers the grid first (a volume without values), then all values in order, in
+// The child process delivers the grid first (as a volume without values), then all values in order, in
 // blocks. Throws Fault, possibly between blocks.
 using TakeHead = std::function<void(const Volume &head)>;
 using TakeValues = std::function<void(const float *values, std::size_t count)>;
 void read_volume_here(const std::filesystem::path &path, const TakeHead &take_head,
                       const TakeValues &take_values);
 
-// The extension of the name selects the format as above; values are whole numbers of HU. A name without
-// extension becomes a folder with a DICOM series. Throws Fault.
+// The extension of the name selects one of the formats that read_volume accepts; values are whole numbers of
+// HU. A name without extension becomes a folder with a DICOM series. Throws Fault.
 void write_volume(const Volume &volume, const std::filesystem::path &path);
 
-// The checks of every reading: sizes, spacing and axes must be possible. `what` begins the message.
+// Checks every volume that is read: sizes, spacing and axes must be possible. `what` begins the message.
 void check_grid(const std::array<long, 3> &size, const Eigen::Vector3d &spacing_mm,
                 const Eigen::Vector3d &origin_mm, const Eigen::Matrix3d &direction, const std::string &what);
 
-// The first part of these checks, which needs no axes: sizes and spacing.
+// Checks only sizes and spacing, which need no axes.
 void check_plausible(const std::array<long, 3> &size, const Eigen::Vector3d &spacing_mm,
                      const std::string &what);
-// Refuses values that are not finite, all the same, or that no scanner writes.
+// Refuses values that are not finite, that are all the same, or that no scanner writes.
 void check_values(const Volume &volume);
 
-// The readers of NIfTI and DICOM accept files that end before their values do; this check refuses them.
+// The readers of NIfTI and DICOM accept files that end before all declared values; this check refuses them.
 // Throws Fault.
 void check_nifti_length(const std::string &file, std::uint64_t value_bytes);
 void check_dicom_length(const std::filesystem::path &file);
 
-// Sorts the slices of a series by their places (middle of the first pixel, LPS) along `normal`, and returns
-// the order, from the lowest on, and the distance. Throws Fault where slices are missing, double or uneven.
-// `names` serve the message.
+// Sorts the slices of a series along `normal` by the place of the first pixel's middle (LPS). Returns the
+// order of the slices, from the lowest onwards, and the distance between slices. Throws Fault if slices are
+// missing, double or unevenly spaced. `names` serve the message.
 struct SliceOrder {
     std::vector<std::size_t> order;
     double distance_mm = 0;

@@ -1,4 +1,4 @@
-// Writes NRRD, NIfTI, MetaImage, and DICOM series as a CT does, with ITK's ImageIO classes.
+// Writes NRRD, NIfTI, MetaImage, and DICOM series as a CT scanner writes them, with ITK's ImageIO classes.
 #include "host/base/pending_file.hpp"
 #include "tools/lab/ct/volume/volume_io.hpp"
 #include <algorithm>
@@ -28,7 +28,7 @@ std::vector<std::int16_t> whole_numbers(const Volume &volume)
     return values;
 }
 
-// Passes sizes and places to a writer; `slice` selects one of a series.
+// Passes sizes and places to a writer; `slice` selects one slice of a series.
 void describe(itk::ImageIOBase &io, const Volume &volume, int slice)
 {
     const bool is_slice = slice >= 0;
@@ -72,7 +72,7 @@ void write_file(const Volume &volume, const fs::path &path, const std::string &e
     describe(*io, volume, -1);
     io->SetUseCompression(ending != ".nii");
     const std::vector<std::int16_t> values = whole_numbers(volume);
-    // The writers check the extension, so the pending name has it too.
+    // ITK's writers check the extension, so the name of the pending file has the same extension.
     const OpenPending pending = open_pending(path.string(), ending);
     ::close(pending.file);
     try {
@@ -90,7 +90,8 @@ void put(itk::MetaDataDictionary &tags, const std::string &tag, const std::strin
     itk::EncapsulateMetaData<std::string>(tags, tag, value);
 }
 
-// Identifiers under the UUID arc, derived from the volume, so that the same scan has the same identifiers.
+// Identifiers lie under DICOM's UUID arc and are derived from the volume, so that the same scan always has
+// the same identifiers.
 std::string uid_of(const Volume &volume, std::uint64_t kind, std::uint64_t number)
 {
     std::uint64_t hash = 1469598103934665603u;

@@ -1,6 +1,6 @@
-// Claims: the derivatives of the rod's energy are correct, and its band solver solves. A cantilever is
-// Euler's elastica (an independent shooting solution). A curved tip rests in its circle, in the plane that
-// the hand's turn determines.
+// Claims: the derivatives of the rod's energy are correct, and its band solver solves its systems. A
+// cantilever takes the shape of Euler's elastica, which an independent shooting method computes. A curved tip
+// at rest lies on its circle, in the plane that the hand's angle determines.
 #include "tools/lab/reference_rod/insertion.hpp"
 #include "tools/lab/validate/elastica.hpp"
 #include <Eigen/Dense>
@@ -12,7 +12,7 @@
 #include <cstdint>
 #include <cstdio>
 
-// This header comes last because its macros (fail, ...) would change other headers.
+// This header comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -31,7 +31,7 @@ void assert_near(const char *what, double value, double expected, double allowed
     assert_true(std::abs(value - expected) <= allowed);
 }
 
-// A rod of six nodes, bent, twisted and stretched by fixed numbers of order 0.1.
+// Makes a rod of six nodes, which is bent, twisted and stretched by fixed numbers of order 0.1.
 struct Crooked {
     Rod rod = uniform_rod(3e-4, 2e-4, 4e-4, 0.01, 0.002);
     State state;
@@ -60,7 +60,7 @@ struct Crooked {
     }
 };
 
-// Central differences with steps of 1e-7 m and rad; their error is about 1e-6 of the largest value.
+// We take central differences with steps of 1e-7 m and rad; their error is about 1e-6 of the largest value.
 void forces_are_the_slope_of_the_energy(void **)
 {
     const Crooked c;
@@ -75,9 +75,9 @@ void forces_are_the_slope_of_the_energy(void **)
     }
 }
 
-// We take the slope at a moved state with the frames carried there, so second derivatives are not quite
-// symmetric. Their antisymmetric part is the turn of frames carried around a loop. We compare the mean of
-// both.
+// At the displaced state the frames have been carried along, so the differences of the energy's slope are not
+// quite symmetric. The antisymmetric part is the rotation of frames that are carried around a closed loop. We
+// therefore compare the symmetric part, which is the mean of the matrix and its transpose.
 void stiffness_is_the_slope_of_the_forces(void **)
 {
     const Crooked c;
@@ -146,8 +146,9 @@ void cantilever_is_the_elastica(void **)
     }
 }
 
-// A curve of 180 degrees and radius 3 mm: the tip lies 6 mm beside the shaft, towards d1, level with the
-// beginning of the curve. Edges of 0.5 mm make the circle 0.1 % larger.
+// The tip has a curve of 180 degrees with a radius of 3 mm. The curve's end lies 6 mm beside the shaft,
+// towards d1, level with the beginning of the curve. Edges of 0.5 mm length make the circle of the curve 0.1
+// % larger.
 void curved_tip_rests_in_its_circle_where_the_hand_turned_it(void **)
 {
     crn_wire_instrument table{};

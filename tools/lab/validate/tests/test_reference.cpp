@@ -1,6 +1,7 @@
-// Claims: the references of the validation suite are right, without the core. They reproduce published values
-// of the elastica, of Euler, of Greenhill and of the localised coil. The lumen field made for the cases lies
-// where its distance function says. The report states which rows passed.
+// Claims: the reference solutions of the validation suite are correct; the tests do not use the core. The
+// solutions reproduce published values for the elastica, Euler's columns, Greenhill's rod and the localised
+// coil. The lumen field made for the cases has its wall where its distance function states it. The report
+// states which rows passed.
 extern "C" {
 #include "firmware/core/lumen.h"
 }
@@ -33,7 +34,7 @@ struct Known {
     double load, shortening, deflection, angle;
 };
 
-// Bisshopp and Drucker's table of the tip-loaded elastica, to its sixth digit.
+// The values are those of Bisshopp and Drucker's table of the tip-loaded elastica, to its sixth digit.
 void tip_loaded_elastica_has_the_published_values(void **)
 {
     for (Known k : {Known{0.5, .015919, .162144, .244534},
@@ -61,8 +62,8 @@ void heavy_elastica_has_the_published_values(void **)
     }
 }
 
-// Timoshenko and Gere, table 2-4: alpha 60 degrees at 1.152 Pcr with x / L 0.741, y / L 0.593; alpha 120
-// at 1.884.
+// The values are those of Timoshenko and Gere, table 2-4: alpha is 60 degrees at 1.152 Pcr, with x / L 0.741
+// and y / L 0.593; alpha is 120 degrees at 1.884 Pcr.
 void buckled_cantilever_has_the_published_values(void **)
 {
     const double euler = M_PI * M_PI / 4;
@@ -94,8 +95,8 @@ void coil_has_the_published_moment_and_tension(void **)
     check_near("tension", coil.tension, 2900.993205792, 1e-4);
 }
 
-// Along a bent tube the wall of the field lies within 0.03 mm of the exact one, and normals point inward
-// within 2 degrees.
+// Along a bent tube, the wall of the field lies within 0.03 mm of the exact wall, and its normals are within
+// 2 degrees of the exact inward direction.
 void field_lies_where_its_distance_says(void **)
 {
     Path path({0, 0, 0}, {1, 0, 0}, {0, 0, 1});
@@ -121,8 +122,8 @@ void field_lies_where_its_distance_says(void **)
     }
 }
 
-// Rows pass within their tolerance and fail beyond it, and also for a value that is not a number; rows that
-// are only reported never fail.
+// Rows pass within their tolerance. Rows fail beyond their tolerance, and also for a value that is not a
+// number; rows that are only reported never fail.
 void report_says_what_passed(void **)
 {
     Result good, bad;

@@ -1,8 +1,8 @@
-// Claims: the baseline is the rod that docs/thesis.md describes. Its forces are the gradient of its energies.
-// Its static shape is that of a beam, also when one end is stiffer, when the rod is curved at rest, and when
-// the hand turns it. Its constraints conserve momentum and never add energy. One global iteration gives exact
-// lengths, and many local ones converge to it. This is shown against closed forms and against an alternative
-// computation of the same quantity.
+// Claims: the baseline is the rod that docs/thesis.md describes. The rod's forces are the gradient of its
+// energies. The rod's static shape is that of a beam. The shape is also right when one end is stiffer, when
+// the rod is curved at rest, and when the hand turns it. The rod's constraints conserve momentum and never
+// add energy. One global iteration gives exact lengths, and the result of many local iterations converges to
+// it. The claims are shown against closed forms and against an alternative computation of the same quantity.
 #include "tools/lab/figures/stability.hpp"
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 #include <cstdint>
 #include <random>
 
-// This header comes last because its macros (fail, ...) would change other headers.
+// This header comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -118,7 +118,8 @@ void forces_and_torques_are_the_gradient_of_the_energies(void **)
 
 void bending_strain_is_the_curvature(void **)
 {
-    // Segments turn by a constant angle a about x: u = 4/l tan(a/4), and the energy per joint is l/2 EI u^2.
+    // Neighbouring segments differ by a constant rotation a about x, so u = 4/l tan(a/4), and the energy per
+    // joint is l/2 EI u^2.
     const int elements = 20;
     const double a = 0.3;
     Rod rod(soft_rod(elements), Vector::Zero(), Vector::UnitZ());
@@ -167,8 +168,8 @@ void cantilever_sags_by_PL3_over_3EI(void **)
            0.005 * 0.01 * length);
 }
 
-// A soft front of length a on a stiff rear up to L sags by P a^3 / 3 EI_front + P (L^3 - a^3) / 3 EI_rear.
-// The joint between them bends half as each.
+// A soft front part of length a on a stiff rear part, of total length L, sags by P a^3 / 3 EI_front + P (L^3
+// - a^3) / 3 EI_rear. The joint between the two parts bends half like the one and half like the other.
 void a_cantilever_of_two_stiffnesses_sags_by_both(void **)
 {
     const int elements = 32, soft = 20;
@@ -196,15 +197,15 @@ void a_cantilever_sags_under_its_weight_by_qL4_over_8EI(void **)
     p.weight_N_per_m = Vector(0.0, 0.01 * length / per_N_per_m, 0.0);
     Rod rod = Inserter(Vector::Zero(), Vector::UnitX()).make_rod(p, length);
     settle(rod, 0.0);
-    // Every node carries the weight of a whole element, the tip too. The extra half element at the tip adds a
-    // sag of P L^3 / 3 EI.
+    // Every node carries the weight of a whole element; so does the tip. The extra half element at the tip
+    // adds a sag of P L^3 / 3 EI.
     const double tip_N = 0.5 * p.element_m * p.weight_N_per_m.y();
     within("sag in m", rod.position[0].y(),
            p.weight_N_per_m.y() * per_N_per_m + tip_N * std::pow(length, 3) / (3 * p.bend_N_m2),
            0.01 * 0.01 * length);
 }
 
-// 10 joints of 12 degrees each at the tip, towards the first axis, form chords of a circle.
+// At the tip, 10 joints of 12 degrees each, towards the first axis, form chords of a circle.
 constexpr int hook_joints = 10;
 constexpr double hook_step_rad = 12.0 * 3.14159265358979323846 / 180.0;
 
@@ -222,8 +223,8 @@ Rod rod_with_hook(const Inserter &inserter, double turn_rad)
     return rod;
 }
 
-// The rod starts straight and takes its own shape: the polygon whose segments turn by 12 degrees at each
-// joint.
+// The rod starts straight and takes its rest shape, which is a polygon whose segments turn by 12 degrees at
+// each joint.
 void a_free_hook_takes_its_own_shape(void **)
 {
     const Vector forward = Vector(0.6, 0.0, 0.8), axis = Vector(0.8, 0.0, -0.6);
@@ -250,8 +251,8 @@ void turning_the_hand_turns_the_hook(void **)
 
 void twisted_rod_springs_back_at_the_frequency_of_a_shaft(void **)
 {
-    // The first torsional mode of a free-free chain: w = 2 sqrt(k/J) sin(pi/(2 n)), k = GJ/l, J = inertia per
-    // length * l.
+    // For the first torsional mode of a chain with free ends, w = 2 sqrt(k/J) sin(pi/(2 n)), where k = GJ/l
+    // and J = inertia per length * l.
     const int n = 16;
     Rod rod(soft_rod(n), Vector::Zero(), Vector::UnitZ());
     const double pi = std::acos(-1.0);
@@ -362,7 +363,7 @@ void one_global_iteration_with_baumgarte_1_makes_small_errors_exact(void **)
     distances.solve_global(rod);
     integrate_positions(rod, 1e-3);
     after = worst();
-    // The remainder is of second order in the error.
+    // After the iteration, the remaining error is of second order in the error before it.
     at_most("length error in m", after, 20.0 * before * before / rod.properties.element_m);
     at_most("share that stays", after / before, 0.02);
 }

@@ -1,7 +1,8 @@
-// Claims: the thesis' experiment in short form. In one lumen the baseline's modes come in the order of Figure
-// 5.11, and our direct solver is compressed least. The presets are stable at their steps and fail not far
-// below. The limits of the method that docs/thesis.md states are real. Everything is deterministic. The lumen
-// is a straight tube closed at both ends.
+// Claims: the thesis' experiment can be repeated in a short form. In one lumen, the compression of the
+// baseline's modes has the order of Figure 5.11, and our direct solver has the least compression. The presets
+// are stable with their number of steps, and become unstable with slightly fewer. The rod shows the limits of
+// the method that docs/thesis.md states. Everything is deterministic. The lumen is a straight tube closed at
+// both ends.
 #include "tools/lab/figures/study.hpp"
 #include "tools/lab/figures/thesis_values.hpp"
 
@@ -16,7 +17,7 @@ extern "C" {
 #include "firmware/tests/reference/tube_lumen.h"
 }
 
-// This header comes last because its macros (fail, ...) would change other headers.
+// This header comes last, because its macros (fail, ...) would change other headers.
 extern "C" {
 #include <cmocka.h>
 }
@@ -42,7 +43,7 @@ int free_tube(void **)
     return 0;
 }
 
-// The rod enters at an angle, so that it is bent when it meets the end.
+// The rod enters at an angle, so that it is bent when it reaches the tube's end.
 Vessel vessel()
 {
     return {tube->lumen, Vector::Zero(), Vector(1.0, 0.25, 0.1)};
@@ -149,7 +150,7 @@ void lumen_in_doubles_is_the_cores_lumen(void **)
         const crn_lumen_sample core = crn_lumen_contact(&tube->lumen, &q);
         const LumenSample ours = sample_lumen(tube->lumen, p);
         worst_m = std::max(worst_m, std::abs(ours.distance_m - std::ldexp(core.distance_m_q30, -30)));
-        // The direction is meaningless where the field saturates.
+        // The direction of the normal has no meaning where the field's value is at its limit.
         if (std::abs(ours.distance_m) > 0.003) continue;
         for (int k = 0; k < 3; k++)
             worst_normal =
@@ -169,7 +170,7 @@ void presets_are_table_5_1_and_keep_the_step_ratio(void **)
             fail_msg("%s: step ratio %.3f with %d steps, %.3f with one less; allowed 1.5", preset.token,
                      ratio, preset.substeps, fewer);
     }
-    // E I of the first row, as docs/instruments.md reads it.
+    // The expected value is EI of the table's first row in the units of docs/instruments.md.
     const double bend = find_preset("amplatz")->bend_N_m2();
     if (std::abs(bend - 1.8e-5) > 1e-7) fail_msg("EI = %g, expected 1.80e-5", bend);
     assert_null(find_preset("lunderquist"));
@@ -187,9 +188,10 @@ void preset_is_stable_at_its_steps_and_bursts_with_half(void **)
     }
 }
 
-// The parallel constraint resists transverse motion of a segment of length |e| with the frequency 2/|e|
-// sqrt(Kp l/m), so compressed segments need shorter steps. With a step ratio r the limit is a compression of
-// 1 - r/2. Beyond it the rod becomes unstable, so a mode's compression cannot grow without limit.
+// The parallel constraint gives the transverse motion of a segment of length |e| the frequency 2/|e| sqrt(Kp
+// l/m), so compressed segments need shorter time steps. With a step ratio r, the rod is stable up to a
+// compression of 1 - r/2 of its length. Beyond this limit the rod becomes unstable, so the compression of a
+// mode cannot grow without limit.
 bool stays_straight_when_squeezed(double compression)
 {
     const Preset &preset = *find_preset("amplatz");
@@ -221,9 +223,9 @@ void squeezed_segments_burst_where_the_step_ratio_says(void **)
     if (!(std::abs(burst - limit) < 0.05)) fail_msg("bursts at %.3f, predicted %.3f +- 0.05", burst, limit);
 }
 
-// When a straight rod is pushed head on into a wall, the wall stops its tip after the distances were solved.
-// The next solve sets the tip in motion again with the whole rod, so the wall's force never travels along the
-// rod.
+// When a straight rod is pushed straight into a wall, the wall stops the tip after the distance constraints
+// have been solved. The next solution of the constraints sets the tip in motion again with the whole rod, so
+// the wall's force never reaches the rest of the rod.
 void one_global_iteration_does_not_pass_the_walls_force_on(void **)
 {
     const Preset &preset = *find_preset("amplatz");
@@ -257,7 +259,7 @@ void modes_have_names_and_tokens(void **)
     for (const char *wrong : {"", "local", "local0", "local10001", "local5x", "globally", "direct"})
         assert_false(parse_mode(wrong, mode));
     assert_string_equal(thesis_modes()[5].name().c_str(), "25 Local");
-    // 50 local, less the two gains that the text states.
+    // The expected values are that of 50 local less the two gains that the thesis' text states.
     assert_true(std::abs(*thesis_compression_pct("local100") - 0.99) < 1e-12);
     assert_true(std::abs(*thesis_compression_pct("local200") - 0.61) < 1e-12);
     assert_false(thesis_compression_pct("penalty").has_value());

@@ -1,6 +1,6 @@
-// Fuzz target: any bytes may be offered as a mesh. It covers the strict readings before assimp, and the check
-// of assimp's result. The first byte selects the format. tools/importers gives assimp itself whole corpora in
-// its child process.
+// Fuzz target: reads any bytes as a mesh. The target tests the strict readings that precede assimp, and the
+// check of assimp's result. The first byte selects the format. tools/importers tests assimp itself, with
+// whole sets of files in a child process.
 #include "tools/mesh/fault.hpp"
 #include "tools/mesh/files/mesh_file.hpp"
 #include <algorithm>
@@ -33,7 +33,7 @@ const char *const texts[] = {
     "],"
     "\"buffers\":[{\"byteLength\":12,\"uri\":\"data:;base64,AAAAAAAAAAAAAAAA\"}]}"};
 
-// Builds the three numbers of a vertex or of a triangle from any bytes.
+// Builds vertices and triangles, of three numbers each, from any bytes.
 void offer_pieces(const std::uint8_t *bytes, std::size_t count)
 {
     std::vector<MeshPiece> pieces(1 + count % 3);
@@ -65,7 +65,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t *bytes, std::size_t count)
     try {
         const Declared declared =
             check_mesh_bytes({exact.data(), exact.size()}, "fuzz", endings[bytes[0] % 4], "/nonexistent");
-        // No file can declare more than its bytes hold.
+        // An accepted file cannot declare more items than it has bytes.
         if (declared.vertices > static_cast<std::int64_t>(count) ||
             declared.faces > static_cast<std::int64_t>(count))
             std::abort();
