@@ -27,7 +27,7 @@ help: ## this list
 	@awk -F':.*## ' '/^##@ /{printf "\n%s\n",substr($$0,5)} \
 	    /^[a-z0-9%-]+:.*## /{printf "  make %-20s %s\n",$$1,$$2}' $(MAKEFILE_LIST)
 
-run: packages-build+run$(if $(DISPLAY),+window) ## build, run the demo into out/, and open the window where there is a display
+run: packages-build+run$(if $(DISPLAY),+window) ## build, run the demo into out/, open the window if there is a display
 	$(call build,release,run$(if $(DISPLAY),$(comma)window),cournand)
 	$(again) $(DEMO_OUT)
 	@echo "Written: $(DEMO_OUT)"

@@ -6,8 +6,8 @@
 #include "host/base/interrupt.hpp"
 #include "host/base/terminal.hpp"
 #include "host/command/cli.hpp"
-#include "host/screen/screen.hpp"
 #include "host/report/session_summary.hpp"
+#include "host/screen/screen.hpp"
 #include <algorithm>
 #include <chrono>
 #include <cstdio>

@@ -1,7 +1,7 @@
 // Defines the meaning of the window's keys: one table serves their actions and the help panel.
 #pragma once
-#include "host/screen/screen.hpp"
 #include "host/room/room_screen.hpp"
+#include "host/screen/screen.hpp"
 #include "host/script/hand_motion.hpp"
 #include "host/script/rhythm.hpp"
 #include <span>

@@ -388,7 +388,8 @@ int command_line(int argc, char **argv, const RunWindow &run_window)
         if (app.got_subcommand("replay")) return command_replay(replay);
         if (app.got_subcommand("surface")) return command_surface(surface);
         if (app.got_subcommand("view")) {
-            if (!run_window) throw UsageError("view: this program was built without its window, since the machine had no "
+            if (!run_window)
+                throw UsageError("view: this program was built without its window, since the machine had no "
                                  "display: `make window` builds it");
             return run_window(window);
         }
