@@ -63,7 +63,8 @@ std::string kept_recording()
     return file.string();
 }
 
-// Returns "runs", "runs.2", ...: for a later session the first folder that holds no files yet.
+// Returns the folder for the DICOM files of a session: "runs" for the first, and for a later one the first of
+// "runs.2", "runs.3", ... that holds no files yet.
 std::string export_folder(DicomSettings settings, int number)
 {
     const std::string wanted = settings.folder;
@@ -78,7 +79,7 @@ std::string export_folder(DicomSettings settings, int number)
     }
 }
 
-// Counts the ticks due, from the wall clock or from the number of screens.
+// Counts the ticks that are due, either from the wall clock or, in tests, from the number of screens shown.
 class Pace
 {
   public:
@@ -96,7 +97,8 @@ class Pace
         ticks_ += given;
         return static_cast<std::uint32_t>(given);
     }
-    // Waits, if the display does not wait for its own refresh, so that the loop does not spin.
+    // Waits up to 2 ms when the display does not wait for its refresh, because otherwise the loop would use a
+    // whole processor.
     void wait() const
     {
         if (is_counted_) return;
@@ -130,8 +132,8 @@ class Window
         start();
     }
 
-    // Returns the exit code: not 0 when a signal ended it, or the session is in a fault; every written file
-    // is whole in any case.
+    // Returns the exit code, which is not 0 when a signal ended the window or the session is in a fault.
+    // Every file that was written is whole in any case.
     int run()
     {
         Pace pace(options_.frames > 0);
@@ -162,7 +164,7 @@ class Window
     }
 
   private:
-    // Returns true when the session is in a fault; reports it once, when it comes.
+    // Returns true when the session is in a fault, and prints the fault once, when it occurs.
     bool tell_fault()
     {
         if (session_->fault().empty()) return false;

@@ -20,7 +20,7 @@ constexpr std::int32_t blade_step_permille = 100, store_ms = 10'000;
 constexpr double shift_step_px = 0.5;
 constexpr std::int32_t injection_rates_ul_s[] = {1000, 2000, 4000, 8000, 15000, 25000};
 constexpr std::int32_t fields_um[] = {420'000, 320'000, 250'000, 200'000, 150'000};
-// F2, F3 ... select these views; with Shift the second one if there is one.
+// F2, F3 and so on select these views; with Shift they select the second view of a key, if there is one.
 struct PresetKey {
     std::string_view plain, shifted;
 };
@@ -291,7 +291,8 @@ void WindowKeys::take_rhythm(int key)
     }
 }
 
-// Without the focus no key counts as down: a window that loses it in mid-push must not go on pushing.
+// While the window does not have the focus, every key counts as released: a window that loses the focus
+// during a push must not go on pushing.
 void WindowKeys::hold(const Screen &screen)
 {
     auto difference = [&](int plus, int minus) {
@@ -365,7 +366,7 @@ void WindowKeys::turn(const RoomScreen &screen, double primary_deg, double secon
                    secondary_max_mdeg));
 }
 
-// Moving the table by hand ends following the tip.
+// When the user moves the table by key, the table no longer follows the tip.
 void WindowKeys::move_table(const RoomScreen &screen, int axis, double step_m)
 {
     GantryPose target = screen.room().gantry().target();
@@ -406,7 +407,8 @@ void WindowKeys::go_to(std::size_t preset)
 
 // --- review ---
 
-// From a held picture or a loop, too, it shows the frame beside the one on the screen as a still.
+// Shows, as a still, the frame before or after the one on the screen, also when the screen shows a held
+// picture or a loop.
 void WindowKeys::step_frame(const RoomScreen &screen, int step)
 {
     const RoomStatus status = screen.status();

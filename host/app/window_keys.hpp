@@ -17,14 +17,15 @@ class WindowKeys
   public:
     WindowKeys(std::size_t tool_count, bool shows_help) : tool_count_(tool_count), shows_help_(shows_help) {}
 
-    // Handles presses for C-arm, table, field, switches; `screen` shows the room's present state, which most
-    // keys change.
+    // Handles key presses for C-arm, table, field and switches. Most keys change the room's present state,
+    // which comes from `screen`.
     void take(const Screen::KeyEvent &event, const RoomScreen &screen);
     void hold(const Screen &screen); // handles keys held down: hand and pedal; call once per screen
     void
     lead(std::span<LiveHand> hands) const; // the demanded speeds; hands that are not selected come to rest
 
-    // Returns the tool that the hand keys move, counted from the innermost, and whether they move all.
+    // These return the tool that the keys of the hand move, counted from the innermost, and whether those
+    // keys move all tools.
     std::size_t chosen_tool() const { return chosen_tool_; }
     bool moves_all() const { return moves_all_; }
 

@@ -86,7 +86,7 @@ void LiveSession::order(const crn_wire_order &order)
     }
 }
 
-// In LOCKSTEP a rig reports its pedals only on request.
+// In LOCKSTEP a rig reports its pedals only when the host requests them.
 void LiveSession::look_at_pedals()
 {
     if (!choice_.is_usb) return;
@@ -184,7 +184,8 @@ void LiveSession::advance_rig(std::uint32_t ticks)
     if (figures_.range.is_left()) stop_out_of_range();
 }
 
-// The recording ends with the last tick that was done; a rig in FREE_RUN gets no more power.
+// The recording ends with the last tick that the device finished. A rig in FREE_RUN is stopped, and its
+// motors get no more power.
 void LiveSession::stop_out_of_range()
 {
     fault_ = range_notice(*figures_.range.left());
@@ -193,7 +194,8 @@ void LiveSession::stop_out_of_range()
         has_stopped_ = true;
         figures_.range.find_place(device_.link());
     } catch (const LinkError &) {
-        // If the device has disappeared too, the recording ends at that tick.
+        // If the device has disappeared too, the place where physics left its range stays unknown, and the
+        // recording ends at that tick.
     }
 }
 
@@ -258,8 +260,8 @@ void LiveSession::finish()
         if (fault_.empty()) throw; // after a fault the recording ends where the device disappeared
     }
     recorder_.reset();
-    // The final state is that of the last finished tick with the last received shape: a device that
-    // disappeared gives no other.
+    // The final state combines the last finished tick with the last shape received, because a device that
+    // disappeared sends no later shape.
     frame_.wire.tick = std::max(frame_.wire.tick, state_.tick);
     patient_->look(frame_.wire);
     pictures_.frame(frame_);

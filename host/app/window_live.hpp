@@ -1,6 +1,6 @@
-// Controls a session by hand: it has one device, its recording and its pictures. One object is one session; a
-// reset makes a new one. A device in FREE_RUN sets its own pace: its encoders are the hands; the pedals of a
-// rig work in addition to the keys.
+// Controls a session by hand: it has one device, its recording and its pictures. One object is one session;
+// after a reset the window makes a new object. A device in FREE_RUN sets its own pace, and its encoders give
+// the motion of the hands. The pedals of a rig work in addition to the keys.
 #pragma once
 #include "host/model/order_queue.hpp"
 #include "host/picture/session_pictures.hpp"
@@ -22,24 +22,26 @@ namespace crn
 class LiveSession final : private FreeRunSink
 {
   public:
-    // `tools` are given from the innermost out. `begin` holds the commands for the room at the start. An
-    // empty `record` means no recording. Throws what Device, Recorder and SessionPictures throw.
+    // `tools` are given from the innermost out. `begin` holds the commands that the X-ray room receives at
+    // the start. An empty `record` means no recording. Throws what Device, Recorder and SessionPictures
+    // throw.
     LiveSession(const SceneFile &scene, const std::vector<Instrument> &tools, const crn_wire_entry &entry,
                 const std::string &record, const PictureSettings &pictures,
                 const std::vector<RoomCommand> &begin, const DeviceChoice &choice = {});
 
     std::span<LiveHand> hands() { return hands_; } // one per tool
-    // Sets the rate from now on; 0 keeps the pressure. Without a balloon the display reports that there is
-    // none.
+    // Sets the rate at which the inflator's pressure changes from now on; 0 keeps the pressure. When no tool
+    // has a balloon, the display reports it.
     void inflate(std::int32_t kPa_per_s);
     void choose_tool(std::size_t tool, bool all); // marked in the display
     void command(const RoomCommand &command);     // in force from the next tick on; recorded
     void order(const crn_wire_order &order);      // for the next tick
-    // Advances by `ticks` ticks; pictures are made when they are due. Returns false when the device stopped;
-    // fault() gives the reason.
+    // Advances by `ticks` ticks and makes the pictures that become due. Returns false when the device
+    // stopped; fault() gives the reason.
     bool advance(std::uint32_t ticks);
     const std::string &fault() const { return fault_; }
-    // A session whose physics left its range stops: fault() has the notice, and this the details.
+    // A session stops when its physics leaves its range: fault() then returns the notice, and range() returns
+    // the details.
     const RangeWatch &range() const { return figures_.range; }
     void annotate(const std::string &notice, const std::vector<std::string> &panel);
     const Image &image() const { return pictures_.image(); }

@@ -1,4 +1,4 @@
-// Checks the values of options on a command line before any of them is used.
+// Checks the values of command-line options before any of them is used.
 #pragma once
 #include <CLI/CLI.hpp>
 #include <string>
@@ -6,8 +6,8 @@
 namespace crn
 {
 
-// `--json ""` comes from a script's empty variable and does not mean "no file": it is wrong usage, here and
-// in every command below.
+// A script with an empty variable produces `--json ""`, which does not mean "no file". It is refused as wrong
+// usage, as is every empty value below this command.
 inline void refuse_empty_values(CLI::App &app)
 {
     for (CLI::Option *option : app.get_options())

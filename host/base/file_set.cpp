@@ -1,4 +1,4 @@
-// Gives several files their names together: see pending_file.hpp.
+// Renames several pending files to their final names together: see pending_file.hpp.
 #include "host/base/pending_file.hpp"
 #include <cerrno>
 #include <csignal>
@@ -13,7 +13,7 @@ namespace
 
 namespace fs = std::filesystem;
 
-// While this exists, no signal ends the program between two names.
+// While an object of this class exists, no signal can end the program between two renames.
 class SignalsWait
 {
   public:
@@ -32,7 +32,7 @@ class SignalsWait
     sigset_t before_;
 };
 
-// The former file of a name, kept under another name until all files have theirs.
+// The previous file of a name. It is kept under another name until all new files have been renamed.
 class Former
 {
   public:
@@ -46,7 +46,8 @@ class Former
         kept_ = kept.name;
         const std::string named = fs::canonical(path, failed).string();
         if (::link(named.c_str(), kept_.c_str()) == 0) return;
-        // A file system without links: the name is free for a moment.
+        // On a file system without hard links the previous file is renamed, so for a moment no file has its
+        // name.
         const int moved = std::rename(named.c_str(), kept_.c_str());
         const int error_number = errno;
         forget_pending(kept_); // it is the only copy now

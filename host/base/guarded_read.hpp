@@ -1,6 +1,6 @@
-// Files that third-party parsers read are read in a child process with limits on memory, time and stack. The
-// parsed data come back through a pipe as plain data, which the caller checks. A damaged file ends only the
-// child, and the message says how.
+// Files that third-party parsers read are parsed in a child process with limits on memory, time and stack.
+// The parsed data come back through a pipe as plain data, which the caller checks. A damaged file ends only
+// the child, and the message says how.
 //
 //   caller                       child
 //   read_apart -> fork ------->  limits, signals back to their defaults, no output but the pipe
@@ -36,12 +36,12 @@ struct ReadLimits {
 inline constexpr std::uint64_t read_memory_bytes_max = std::uint64_t{1900}
                                                        << 20; // with the parent below 2 GB
 
-// Returns limits for the size of the file: 18 s and, beyond 8 MiB, 2 s more per MiB; `growth` is how much
-// memory a byte of the file may need.
+// Returns limits for a file of this size. The time is 18 s plus 2 s for each MiB beyond 8 MiB; `growth` is
+// the memory that a byte of the file may need.
 ReadLimits read_limits(std::uint64_t file_bytes, double growth);
 
-// The child's end of the pipe. Until the first call the child may still fail with its own message (a
-// std::exception).
+// The child's end of the pipe to the parent. If the child fails before its first call of a method here, it
+// may still send its own message (a std::exception).
 class Outbox
 {
   public:
@@ -66,8 +66,8 @@ class Outbox
     bool is_begun_ = false;
 };
 
-// The parent's end of the pipe. Every call throws GuardedReadError when the child ends, or its time is over,
-// before it has sent enough.
+// The parent's end of the pipe. Every call throws GuardedReadError when the child ends, or exceeds its time,
+// before it has sent enough data.
 class Inbox
 {
   public:
@@ -84,7 +84,7 @@ class Inbox
         bytes(&value, sizeof value);
         return value;
     }
-    // Reads at most so many letters or values: a child that announces more is not trusted.
+    // Reads at most this many letters or values: the parent does not trust a child that announces more.
     std::string text(std::uint64_t most = 1 << 20);
     template <class Value> std::vector<Value> list(std::uint64_t most)
     {
@@ -111,13 +111,14 @@ class Inbox
     int child_ = -1, pipe_ = -1, noise_ = -1, status_ = 0;
 };
 
-// Runs `parse` in the child and `take` here. Throws GuardedReadError, or what `take` throws; in both cases
-// the child has ended.
+// Runs `parse` in the child and `take` in the parent. Throws GuardedReadError, or what `take` throws; in both
+// cases the child has ended.
 void read_apart(const std::string &file, const ReadLimits &limits, const std::function<void(Outbox &)> &parse,
                 const std::function<void(Inbox &)> &take);
 
-// `is_wanted` is called when a signal came while the parent waits for a child: true ends it with the message
-// "interrupted". A program whose Ctrl-C handler only sets a flag registers this.
+// The parent calls `is_wanted` when a signal arrives while it waits for a child. If it returns true, the read
+// ends with the message "interrupted". A program whose Ctrl-C handler only sets a flag should register such a
+// function.
 void stop_reading_when(bool (*is_wanted)());
 
 // Returns the size of a regular file, for read_limits. Throws GuardedReadError when the file does not exist,

@@ -18,8 +18,8 @@ void on_signal(int number)
     }
     remove_pending();
     std::signal(number, SIG_DFL);
-    // The signal is blocked while its handler runs, and the parent process may have blocked it too:
-    // unblocked, it ends the program here.
+    // The signal is blocked while its handler runs, and the parent process may have blocked it too. The call
+    // below unblocks it, and so the signal ends the program here.
     sigset_t both;
     ::sigemptyset(&both);
     ::sigaddset(&both, number);

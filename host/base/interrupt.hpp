@@ -1,12 +1,12 @@
-// Ctrl-C and SIGTERM are handled alike in all our programs. Loops check the flag, close their files and end;
-// the second signal ends code that does not check it.
+// Ctrl-C and SIGTERM have the same effect in all programs of this repository. Long loops check the flag that
+// the first signal sets, close their files and end. A second signal ends code that does not check the flag.
 #pragma once
 
 namespace crn
 {
 
-// From now on the first Ctrl-C or SIGTERM only sets the flag. The second one removes pending files and ends
-// the program by that signal, wherever it is.
+// Installs handlers: from now on the first Ctrl-C or SIGTERM only sets the flag. The second one removes
+// pending files and ends the program by that signal, whatever the program is doing.
 void watch_for_interrupt();
 bool is_interrupted();
 

@@ -1,5 +1,5 @@
-// Checks the files that a program is to write, before it writes any and before the work for them. None of
-// them may be one of its inputs, another output, or anything but a regular file, and each must be writable.
+// Checks the paths of all output files before a program begins its work. No output may be one of the
+// program's inputs, another output, or anything but a regular file, and each must be writable.
 #pragma once
 #include <stdexcept>
 #include <string>
@@ -14,19 +14,19 @@ struct NamedPath {
     std::string path;
 };
 
-// A command line that makes no sense: exit code 2.
+// The command line contradicts itself; the exit code is 2.
 class UsageError : public std::runtime_error
 {
   public:
     using std::runtime_error::runtime_error;
 };
 
-// Throws UsageError that names both options, or OutputError for a name that cannot be written: its folder is
-// missing, full or not writable for us. To find out, it creates a file beside each name and removes it at
-// once.
+// Throws UsageError that names both options, or OutputError for a file that cannot be written because its
+// folder is missing, full or not writable for the user. To test this, it creates a temporary file beside each
+// output and removes it at once.
 void check_outputs(const std::vector<NamedPath> &inputs, const std::vector<NamedPath> &outputs);
 
-// Checks a folder likewise; the folder will be made if it is missing.
+// Checks an output folder in the same way; the folder will be created later if it is missing.
 void check_output_folder(const NamedPath &output);
 
 } // namespace crn

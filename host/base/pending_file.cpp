@@ -18,7 +18,7 @@ namespace
 
 namespace fs = std::filesystem;
 
-// Signal handlers read this list: an entry is filled before it is marked as used.
+// Signal handlers read this list, so each entry is filled before it is marked as used.
 struct Place {
     std::atomic<bool> is_taken = false;
     char path[PATH_MAX] = {};
@@ -33,7 +33,8 @@ void on_signal(int number)
     std::raise(number);
 }
 
-// A program with its own handler calls remove_pending() itself.
+// Handlers are installed only for signals with the default action. A program with handlers of its own must
+// call remove_pending() from them.
 void handle_signals()
 {
     for (int number : {SIGINT, SIGTERM, SIGHUP}) {
@@ -42,7 +43,8 @@ void handle_signals()
         if (::sigaction(number, nullptr, &present) == 0 && present.sa_handler == SIG_DFL)
             std::signal(number, on_signal);
     }
-    // A file over the user's limit is an error with a message; it must not end the program.
+    // A file that exceeds the user's size limit is an error with a message; without this line SIGXFSZ would
+    // end the program.
     std::signal(SIGXFSZ, SIG_IGN);
 }
 
@@ -67,7 +69,8 @@ std::string reason(int error_number)
     }
 }
 
-// Returns the file at the end of a chain of links: renaming onto a link would replace the link.
+// Returns the file at the end of a chain of symbolic links, because renaming a file onto a link would replace
+// the link.
 fs::path end_of_links(const std::string &path)
 {
     std::error_code failed;
@@ -76,8 +79,8 @@ fs::path end_of_links(const std::string &path)
     return failed ? fs::path(path) : target;
 }
 
-// Returns "path.part1234-9f3a60c2d81b": the process number identifies the program that made it, and the rest
-// cannot be guessed. A name that would become too long is cut at its end.
+// Returns "path.part1234-9f3a60c2d81b". The process number identifies the program that made the file, and
+// nobody can guess the rest. A name that would become too long is cut at its end.
 std::string pending_name(const fs::path &path)
 {
     std::uint64_t random = 0;
@@ -89,7 +92,8 @@ std::string pending_name(const fs::path &path)
     return (path.parent_path() / (path.filename().string().substr(0, room) + ending)).string();
 }
 
-// Throws OutputError when the path is a folder, a device or a pipe: renaming would put a file in its place.
+// Throws OutputError when the path is a folder, a device or a pipe, because the final rename would put a
+// regular file in its place.
 void check_kind(const std::string &path)
 {
     std::error_code failed;
@@ -116,8 +120,8 @@ int sync_file(const std::string &path)
     return sync_path(path, O_RDONLY | O_NOFOLLOW);
 }
 
-// Flushes the name itself: otherwise a crash of the machine may bring the old file back. A folder that is
-// writable but not readable cannot be flushed.
+// Flushes the folder, because otherwise the previous file might be back under its name after a crash of the
+// machine. A folder that is writable but not readable cannot be flushed, and this is ignored.
 void sync_folder_of(const fs::path &path)
 {
     const fs::path folder = path.parent_path();
@@ -225,7 +229,7 @@ void PendingFile::close()
 {
     if (!stream_) return;
     if (std::fflush(stream_) != 0) throw OutputError(path_, errno);
-    // A network disk may report only now that it is full.
+    // A network disk may report only now, at closing, that it is full.
     const int closed = std::fclose(stream_);
     stream_ = nullptr;
     if (closed != 0) throw OutputError(path_, errno);

@@ -1,5 +1,5 @@
-// A pending file is written beside the wanted name and gets that name when it is whole. So a name never
-// refers to half a file, and the former file is kept until then.
+// An output is written to a pending file beside the wanted name, and is renamed when it is complete. So a
+// name never refers to half a file, and the previous file is kept until then.
 #pragma once
 #include <cstdio>
 #include <memory>
@@ -11,7 +11,8 @@
 namespace crn
 {
 
-// The message is like "path: cannot be written: No space left on device; ...": the cause, and the remedy.
+// The message is like "path: cannot be written: No space left on device; ...": it states the cause and the
+// remedy.
 class OutputError : public std::runtime_error
 {
   public:
@@ -19,32 +20,33 @@ class OutputError : public std::runtime_error
     using std::runtime_error::runtime_error;
 };
 
-// A file beside the wanted one (beside the end of a link) until it is whole: "path.partPID-RANDOM". It did
-// not exist before, and no link was followed; signal handlers remove it as described below. `ending` is
-// appended to the name, for writers that check it. Throws OutputError; also when the wanted name is empty or
-// that of a folder, a device or a pipe.
+// Opens a file "path.partPID-RANDOM" beside the wanted one, or beside the file at the end of a link. It has
+// this name until it is complete. The file did not exist before, and no link is followed to it. Signal
+// handlers remove it as described below. `ending` is appended to the temporary name, for libraries that check
+// a file's extension. Throws OutputError, also when the wanted name is empty or is that of a folder, a device
+// or a pipe.
 struct OpenPending {
     std::string name;
     int file; // descriptor for writing, owned by the caller; child processes do not inherit it
 };
 OpenPending open_pending(const std::string &path, const std::string &ending = "");
 
-// Throws what open_pending would throw, and leaves no file.
+// Throws whatever open_pending would throw for this path, and leaves no file behind.
 void probe_output(const std::string &path);
 
-// Gives a whole and closed file its name: the bytes reach the disk before the name does, and the name reaches
-// it before this returns. Throws OutputError; the pending file is then removed. With `keeps_unsynced` a file
-// that a full disk could not flush completely still gets its name.
+// Renames a complete, closed file to its final name. The bytes reach the disk before the name does, and the
+// name reaches the disk before this function returns. Throws OutputError, after it has removed the pending
+// file. With `keeps_unsynced` a file is renamed even if a full disk prevented the flush.
 void commit_pending(const std::string &pending, const std::string &path, bool keeps_unsynced = false);
 void discard_pending(const std::string &pending) noexcept;
 
-// Files that must not be left behind are listed: a signal that ends the program (SIGINT, SIGTERM, SIGHUP)
-// removes them first. There are at most pending_max at a time; further files are written too, but a signal
-// leaves them behind.
+// Pending files are listed here, so that a signal that ends the program (SIGINT, SIGTERM, SIGHUP) removes
+// them first. The list has pending_max entries. Further files are written too, but a signal leaves them
+// behind.
 inline constexpr int pending_max = 32;
 void watch_pending(const std::string &pending);
 void forget_pending(const std::string &pending) noexcept;
-// For the program's own signal handlers: it only calls unlink.
+// Removes the listed files. The program's own signal handlers may call it, because it only calls unlink.
 void remove_pending() noexcept;
 
 class PendingFile
@@ -59,9 +61,9 @@ class PendingFile
 
     void write(const void *bytes, std::size_t count); // throws OutputError
     void write(std::string_view text) { write(text.data(), text.size()); }
-    // Ends writing, and reports a full disk. Throws OutputError.
+    // Ends writing, and throws OutputError when the disk is full. Throws OutputError.
     void close();
-    // Flushes the file to disk and gives it its name. Throws OutputError.
+    // Flushes the file to disk and renames it to its final name. Throws OutputError.
     void commit();
     const std::string &path() const { return path_; }
     std::FILE *stream() { return stream_; } // for libraries that write by themselves; null after close()
@@ -72,15 +74,16 @@ class PendingFile
     bool has_name_ = false;
 };
 
-// Files that belong together, such as a scene and its bodies: either all of them get their names, or all
-// former files stay.
+// Writes files that belong together, such as a scene and its bodies: either all of them are renamed, or all
+// previous files stay.
 class FileSet
 {
   public:
-    // Writes a file beside its name. Throws OutputError.
+    // Writes a pending file beside its final name. Throws OutputError.
     void add(const std::string &path, std::string_view bytes);
-    // Throws OutputError; names already given are then taken back. Only a program that is killed in between
-    // (SIGKILL, a crash of the machine) leaves a mixture, which readers have to detect.
+    // Throws OutputError; files that were already renamed are then replaced by the previous ones. Only a
+    // program that dies in the middle of this (SIGKILL, a crash of the machine) leaves a mixture of old and
+    // new files, which readers have to detect.
     void commit();
 
   private:

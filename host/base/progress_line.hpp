@@ -1,5 +1,5 @@
-// The progress of long work, on standard error: on a terminal a bar that is redrawn, else a plain line
-// whenever another file begins.
+// Shows the progress of long work on standard error. On a terminal it redraws a bar; elsewhere it prints a
+// line whenever another file begins.
 #pragma once
 #include <chrono>
 #include <cstddef>
@@ -17,7 +17,8 @@ class ProgressLine
     ProgressLine(const ProgressLine &) = delete;
     ProgressLine &operator=(const ProgressLine &) = delete;
 
-    // "writing out/dicom/run_01.dcm (1 of 3)  [#####-----]  52 %"; redrawn ten times a second at most.
+    // Shows "writing out/dicom/run_01.dcm (1 of 3) [#####-----] 52 %" and redraws it at most ten times a
+    // second.
     void show(const std::string &what, std::size_t done, std::size_t total);
 
   private:

@@ -1,4 +1,4 @@
-// Error messages with a place, and suggestions for misspelt words.
+// Error messages with a place in a file, and suggestions for misspelt words.
 #pragma once
 #include <stdexcept>
 #include <string>
@@ -8,7 +8,8 @@
 namespace crn
 {
 
-// The message is "file:line:column: what is wrong"; line 0 means the whole file, column 0 the whole line.
+// The message is "file:line:column: what is wrong". Line 0 refers to the whole file, and column 0 to the
+// whole line.
 class FileError : public std::runtime_error
 {
   public:

@@ -1,10 +1,11 @@
-// toml++, made safe for texts from any source. Its assertions are meant for its own developers, but some fail
-// on texts that it would then refuse properly (a lone '['), and they would end the program.
+// Includes toml++ in a form that is safe for texts from any source. The assertions of toml++ would end the
+// program. Some of them fail on texts, such as a lone '[', that the parser would refuse properly a moment
+// later, so they are off.
 //
-// toml++ recurses once for each table within a table, and so does every traversal of its result: a header of
-// 400,000 dotted names ends the program. So a text is checked first. With at most 32 names in a key and 32
-// nested brackets no table is deeper than 32 + 33 * 32, about 1,100: a hundred times less than the stack
-// holds. The size limit bounds the memory.
+// toml++ recurses once for each table within a table, and so does every traversal of its result. A header of
+// 400,000 dotted names would overflow the stack. So every text is checked before it is parsed. With at most
+// 32 names in a key and 32 nested brackets, no table is deeper than 32 + 33 * 32, about 1,100. The stack can
+// hold a hundred times as many. The limit on the text's size bounds the memory.
 #pragma once
 #define TOML_ASSERT(expr) static_cast<void>(0)
 #define TOML_HEADER_ONLY 0 // toml.cpp alone compiles it
@@ -12,9 +13,9 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-// toml++ 3.3 looks up blanks in a table with gaps, and declares the gaps unreachable. A letter outside ASCII
-// between two values does reach them, which is undefined behaviour. Here the answer for a gap is "no blank".
-// Upstream's macro is restored below.
+// toml++ 3.3 looks up blanks in a table with gaps, and declares that no look-up reaches a gap. A letter
+// outside ASCII between two values does reach a gap, which is undefined behaviour. With the macro below the
+// answer for a gap is "no blank". Upstream's macro is restored below.
 #include <toml++/impl/preprocessor.h>
 #undef TOML_UNREACHABLE
 #define TOML_UNREACHABLE return false
@@ -29,7 +30,7 @@ namespace crn
 inline constexpr std::size_t toml_bytes_max = std::size_t{4} << 20; // the largest legitimate text has 11 kB
 inline constexpr int toml_key_names_max = 32, toml_brackets_max = 32;
 
-// The fault in a text, without the file's name; line 0 means the whole file.
+// The fault in a TOML text, without the file's name; line 0 refers to the whole file.
 struct TomlError : std::runtime_error {
     TomlError(int line_, int column_, const std::string &text)
         : std::runtime_error(text), line(line_), column(column_)
@@ -38,10 +39,10 @@ struct TomlError : std::runtime_error {
     int line, column;
 };
 
-// Throws TomlError. `file` is the name given in the nodes' places.
+// Throws TomlError. `file` is the file name that the source positions of nodes contain.
 toml::table parse_toml(std::string_view text, const std::string &file);
 
-// Does only the checks: size, names of a key, nested brackets. Throws TomlError.
+// Checks only the size, the names of a key and the nested brackets, without parsing. Throws TomlError.
 void check_toml(std::string_view text);
 
 } // namespace crn

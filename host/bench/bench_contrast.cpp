@@ -1,6 +1,7 @@
-// Measures the cost of a millisecond of contrast medium, and of its columns in a picture: docs/contrast.md.
-// One case is a tree of 2,000 cells with medium in every one, a beating heart and an injection in every step;
-// the other is the shipped aorta with its renal arteries filled.
+// Measures the time that one simulated millisecond of contrast medium takes, and the time to draw the
+// medium's columns into a picture: docs/contrast.md. The first case is a tree of 2,000 cells that all contain
+// medium, with a beating heart and an injection in every step. The second is the shipped aorta with its renal
+// arteries filled.
 #include "firmware/bench/bench.h"
 #include "host/effects/contrast_flow.hpp"
 #include "host/patient/contrast.hpp"
@@ -29,7 +30,7 @@ VesselBranch straight(int index, const Eigen::Vector3d &from_m, const Eigen::Vec
     return branch;
 }
 
-// Makes an aorta with side branches all along it, with as many cells as wanted.
+// Makes an aorta with side branches along its whole length, until the tree has cells_wanted cells.
 VesselTree tree_of_cells()
 {
     VesselTree tree{{straight(0, {0, 0.3, 0}, {0, -0.3, 0}, 0.01)}};
@@ -88,7 +89,7 @@ double step_instructions(const bench_case *)
     return 0.0;
 }
 
-// Puts a catheter up the aorta to above the renal arteries.
+// Places a catheter in the aorta with its tip above the renal arteries.
 WireFrame catheter_at(std::uint32_t tick)
 {
     WireFrame wire;
@@ -104,7 +105,8 @@ WireFrame catheter_at(std::uint32_t tick)
     return wire;
 }
 
-// Returns the fastest of many pictures in the view of renal.session, with or without columns of medium.
+// Returns the time of the fastest of many pictures in the view of renal.session, drawn with or without
+// columns of medium.
 double frame_ms(const bench_case *self)
 {
     Bodies bodies;

@@ -1,5 +1,5 @@
-// Measures the cost of a stent with a thousand struts per picture in a beating artery, and how well the
-// shipped stent stays in the shipped heart's LAD for a minute: docs/stent.md.
+// Measures the time per picture of a stent with a thousand struts in a beating artery. It also measures how
+// well the shipped stent stays in place in the LAD of the shipped heart during a minute: docs/stent.md.
 #include "firmware/bench/bench.h"
 #include "host/stent/tests/stent_heart.hpp"
 #include "host/stent/tests/stent_vessel.hpp"
@@ -27,7 +27,7 @@ StentDesign thousand_struts()
     return design;
 }
 
-// The stent is inflated for two and a half beats, deployed, then beats with the artery.
+// The stent is inflated for two and a half beats and deployed; then it moves with the beating artery.
 class Bench
 {
   public:
@@ -70,7 +70,8 @@ extern "C" BENCH_MEASURED void measured_stent_step()
     bench->step();
 }
 
-// Returns the mean over the pictures of a beat, or the slowest of them; each is the fastest over many beats.
+// Returns the mean time over the pictures of a beat, or the time of the slowest one. The time of each picture
+// is its fastest over many beats.
 double step_us(const bench_case *self)
 {
     bench = std::make_unique<Bench>();
@@ -110,9 +111,10 @@ double step_instructions(const bench_case *)
     return 0.0;
 }
 
-// The shipped stent lies at 22 mm of the shipped heart's LAD. It is opened to the artery's own width for two
-// seconds; the test lasts 60 s at 70 /min and 15 pictures a second. The results are 0: largest distance of a
-// crown from where the wall carries it, mm; 1: deepest strut, mm; 2: least apposition, %.
+// The shipped stent lies at 22 mm of the shipped heart's LAD, and a balloon opens it to the artery's own
+// width for two seconds. The test lasts 60 s at 70 beats per minute and 15 pictures per second. Result 0 is
+// the largest distance of a crown from the place to which the wall moves it, mm; result 1 is the depth of the
+// deepest strut in the wall, mm; result 2 is the least apposition, %.
 double in_the_heart(const bench_case *self)
 {
     Bodies bodies;

@@ -1,5 +1,5 @@
-// Measures the cost of a stent's struts in an X-ray picture. It also makes that picture: the shipped stent in
-// the shipped heart's LAD, crimped and deployed, with and without contrast medium.
+// Measures the time that the struts of a stent take in an X-ray picture. It also makes that picture: the
+// shipped stent in the shipped heart's LAD, crimped and deployed, with and without contrast medium.
 //
 //   build/bench/bench_stent_picture picture out/stent.png      all four side by side (docs/stent.md)
 #include "firmware/bench/bench.h"
@@ -54,7 +54,7 @@ class Theatre
         lay_wire();
     }
 
-    // The stent is crimped on its folded balloon, or opened to the artery's width and deployed.
+    // The stent is either crimped on its folded balloon, or opened to the artery's width and deployed.
     void place_stent(bool is_deployed)
     {
         Stent stent(read_stent("shared/examples/stents/coronary_3_0x18.toml"), at_mm);
@@ -113,7 +113,7 @@ class Theatre
         return curves;
     }
 
-    // The wire runs from 90 mm down the LAD back to the left main and up the aorta.
+    // The guidewire runs from a point 90 mm down the LAD back through the left main and up the aorta.
     void lay_wire()
     {
         std::vector<Vector3d> path_m;
@@ -176,7 +176,8 @@ double frame_ms(const bench_case *self)
     return fastest_ms;
 }
 
-// Writes the middles of the four pictures: crimped, crimped in medium, deployed, deployed in medium.
+// Writes the central part of four pictures: the crimped stent, without and with contrast medium, and the
+// deployed stent, without and with it.
 int write_picture(const char *path)
 {
     Theatre theatre;

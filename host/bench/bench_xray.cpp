@@ -1,6 +1,6 @@
-// Measures how long a picture takes: docs/bench.md and docs/xray.md. The patient is out/aorta.bodies (`make
-// run` makes it) or, where that is missing, one made here; both have at least 300,000 triangles and four
-// materials.
+// Measures how long an X-ray picture takes: docs/bench.md and docs/xray.md. The patient is out/aorta.bodies,
+// which `make run` makes, or a model made here where that file is missing. Both have at least 300,000
+// triangles and four materials.
 #include "firmware/bench/bench.h"
 #include "host/xray/chain.hpp"
 #include "host/xray/gl/gl_paths.hpp"
@@ -24,7 +24,7 @@ constexpr int rounds = 12; // the fastest counts, since the machine does other w
 const char *const bodies_file = "out/aorta.bodies";
 const char *const heart_name = "heart that beats";
 
-// Common views of chest and belly: angles and table.
+// Common views of chest and belly: the C-arm's angles and the table's position.
 struct Look {
     double primary_deg, secondary_deg, y_m;
 };
@@ -51,7 +51,8 @@ Bodies made_here()
     return bodies;
 }
 
-// Maps to the four materials for which docs/xray.md states its limits; the shipped anatomy has eight.
+// Maps every material to one of the four for which docs/xray.md states its limits; the shipped anatomy has
+// eight.
 const char *one_of_four(const std::string &name)
 {
     const Material material = material_from_name(name).value_or(Material::soft_tissue);
@@ -87,7 +88,8 @@ Bodies patient(const Scene &scene)
     return bodies;
 }
 
-// The wire goes from the groin up the aorta: 700 mm in 2.5 mm steps, with a bend, moved by `shift_m`.
+// The guidewire goes from the groin up the aorta: 700 mm in steps of 2.5 mm, with a bend, all displaced by
+// `shift_m`.
 WireFrame wire_at(double shift_m)
 {
     WireFrame wire;
@@ -112,7 +114,7 @@ class Bench
         while (scene.beats && patient_.bodies[heart_].name != heart_name) ++heart_;
         xray_ = std::make_unique<Xray>(scene_, threads);
     }
-    // From now on a heart beats, and a stent of 400 struts moves with it.
+    // From this call on the heart beats, and a stent of 400 struts moves with it.
     void start_heart()
     {
         moves_ = true;
@@ -127,7 +129,7 @@ class Bench
             curves_.push_back(strut);
         }
     }
-    // Finds the technique on which automatic exposure settles in each view, and locks it, so that frames
+    // Finds the technique on which automatic exposure settles in each view, and fixes it, so that frames
     // differ in nothing else.
     void settle(int size)
     {
@@ -147,7 +149,7 @@ class Bench
         settings_.carm.isocentre_m = {0.0, at.y_m, 0.0};
         settings_.size = size;
     }
-    // Renders the next picture of a sequence, lag included.
+    // Renders the next picture of a sequence, including the detector's lag.
     void render(int frame)
     {
         const std::vector<Eigen::Vector3i> heart = moves_ ? heart_at(frame) : std::vector<Eigen::Vector3i>();
@@ -193,7 +195,7 @@ double processor_ms()
     return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
 }
 
-// Returns the mean over the views of each view's fastest frame.
+// Takes the fastest frame of each view, and returns the mean of these times over the views.
 double frame_ms(const bench_case *self)
 {
     const int size = self->argument & 0xffff;
@@ -247,8 +249,8 @@ double frame_instructions(const bench_case *self)
     return 0.0;
 }
 
-// Compares path lengths alone by the rasteriser and by OpenGL on OSMesa, with two threads each, in turn; the
-// fastest of each view counts.
+// Compares the rasteriser and OpenGL on OSMesa in computing path lengths alone. The two run in turn, with two
+// threads each, and the fastest time of each view counts.
 struct PathTimes {
     double raster_ms = 0.0, osmesa_ms = 0.0; // means over the views
     double difference_mm = 0.0;              // mean over all pixels that have any material, all materials

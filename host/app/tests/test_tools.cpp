@@ -1,6 +1,6 @@
-// Claims about several tools in the host: the device's refusal names the tools by the names in their files. A
-// session of three replays bit for bit. Each tool is drawn over its own part of the line, with its own layers
-// and lumen. The report and the keys cover each of them.
+// Claims about sessions with several tools: when the device refuses a tool, the message names the tool as its
+// file does. A session with three tools replays bit for bit. Each tool is drawn over its own part of the
+// line, with its own layers and lumen. The report and the window's keys cover each tool.
 #include <algorithm>
 #include <cmath>
 #include <csetjmp>
@@ -145,7 +145,8 @@ void a_refused_tool_is_named_with_place_and_rule(void **)
     expect_refusal({tools[0], tools[0], tools[0], tools[0]}, {}, "a line holds 1 to 3 tools, not 4");
 }
 
-// In free space there are no contact forces; the answer belongs to the tick of the request.
+// Contact forces are requested in free space, where there are none; the reply names the tick at which the
+// host requested them.
 void contact_forces_are_read_at_any_tick(void **)
 {
     const std::vector<crn::Instrument> tools = three_tools();
@@ -179,7 +180,7 @@ void a_session_of_three_tools_replays_bit_for_bit(void **)
     }
 }
 
-// A change of only one hand is found at its tick.
+// The recording is changed for only one hand at one tick, and the replay must report that tick.
 void a_changed_input_of_any_tool_is_found(void **)
 {
     for (std::size_t k = 0; k < 3; k++) {
@@ -197,8 +198,8 @@ void a_changed_input_of_any_tool_is_found(void **)
 
 // --- the line as the picture sees it ---
 
-// The frame of a device whose tools have different lengths: tips are at the right arc, and the radius is the
-// outermost tool's.
+// The tools on the line have different lengths. Each tip must lie at its own arc length, and the line's
+// radius must be that of the outermost tool.
 void each_tool_covers_the_line_from_its_own_tip(void **)
 {
     const std::vector<crn::Instrument> tools = three_tools();
@@ -217,8 +218,8 @@ void each_tool_covers_the_line_from_its_own_tip(void **)
     }
 }
 
-// A straight line along x with 4 mm nodes, 200 mm above the table; the tips of three tools lie inside
-// elements.
+// A straight line along x with nodes every 4 mm, 200 mm above the table; the tips of three tools lie between
+// nodes.
 crn::WireFrame line_frame()
 {
     crn::WireFrame wire;
@@ -237,8 +238,8 @@ crn::XraySettings close_view()
     return settings;
 }
 
-// Returns the volume of a material, mm^3: chords summed over the picture, at the magnification of the
-// isocentre's plane.
+// Returns the volume of a material, mm^3. It sums the path lengths of all pixels, with the magnification of
+// the plane through the isocentre.
 double volume_mm3(const std::vector<crn::RadiopaqueInstrument> &tools, const crn::WireFrame &wire,
                   crn::Material material)
 {
@@ -260,9 +261,9 @@ void expect_volume(const char *what, double value_mm3, double expected_mm3)
         fail_msg("%s: %.3f mm3, expected %.3f (2 %% allowed)", what, value_mm3, expected_mm3);
 }
 
-// Three materials distinguish the three tools. Each has the volume of its own length and cross-section: from
-// its own tip (inside an element) to the end of the line. Its layers are counted from its own tip, and its
-// lumen is empty.
+// The three tools have three different materials, so that the picture tells them apart. Each tool must show
+// the volume of its own length and cross-section, from its own tip (between two nodes) to the end of the
+// line. The layers of a tool are counted from its own tip, and the lumen is empty.
 void each_tool_is_drawn_over_its_own_part_with_its_own_layers(void **)
 {
     const double pi = std::acos(-1.0);
@@ -304,7 +305,7 @@ void a_lumen_is_seen_as_a_brighter_middle(void **)
     assert_in_range(largest, 2900, 3300);
 }
 
-// Tips coincide with nodes, lie beyond the line, or are not numbers: nothing is lost, and nothing crashes.
+// Tips may coincide with nodes, lie beyond the line, or be NaN. No tool may be lost, and nothing may crash.
 void tips_anywhere_are_drawn_or_left_out(void **)
 {
     const std::vector<crn::RadiopaqueInstrument> tools = {
@@ -397,7 +398,7 @@ void pedals_of_a_rig_are_commands_when_they_change(void **)
                                                                {RoomAction::acquire_pedal, {0, 0, 0}}}));
 }
 
-// A standard view is three commands: distance, angles, field.
+// The key of a standard view sends three commands: table distance, angles and field.
 void every_standard_view_has_a_key(void **)
 {
     using crn::RoomAction, crn::RoomCommand;
@@ -422,7 +423,8 @@ void every_standard_view_has_a_key(void **)
     }
 }
 
-// Each key becomes a command to the room; steps start from the motors' targets and end at the limits.
+// Each key becomes a command to the room. A key's step is counted from the target of the motors, and ends at
+// the limit of travel.
 void keys_are_commands_to_the_room(void **)
 {
     using crn::RoomAction, crn::RoomCommand;

@@ -1,5 +1,5 @@
 // Fuzz target: any text may be given as TOML. An accepted text can be traversed, copied and destroyed, and
-// its tables are no deeper than the check before the parser promises; a refused one has a message.
+// its tables are no deeper than the check before the parser promises. A refused text has a message.
 #include "host/base/toml.hpp"
 #include <algorithm>
 #include <cstdint>
@@ -12,7 +12,8 @@ extern "C" std::size_t fuzz_seed(unsigned index, std::uint8_t *bytes, std::size_
 namespace
 {
 
-// 32 nested brackets, each with a key of 32 names, below a header of 32; and the values themselves.
+// This is the depth of 32 nested brackets, each with a key of 32 names, below a header of 32 names; the
+// values themselves add one level.
 constexpr int depth_max =
     crn::toml_brackets_max + (crn::toml_brackets_max + 2) * (crn::toml_key_names_max + 1);
 

@@ -1,6 +1,6 @@
-// Claims: the first Ctrl-C or SIGTERM only sets a flag. The second one ends the program by that signal
-// wherever it is and removes pending files, even where a parent had blocked or ignored the signal. Every
-// program of ours uses the same helper.
+// Claims: the first Ctrl-C or SIGTERM only sets a flag. The second one removes pending files and ends the
+// program by that signal, even where the parent process had blocked or ignored the signal. All programs of
+// this repository use the same helper.
 #include <csetjmp>
 #include <csignal>
 #include <cstdarg>
@@ -25,7 +25,8 @@ namespace
 
 namespace fs = std::filesystem;
 
-// Starts a program that never checks the flag, with a pending file; `before` sets what it inherits.
+// Starts a program that never checks the flag and has a pending file; `before` sets the signal state that the
+// program inherits.
 pid_t start_deaf(const std::string &file, void (*before)())
 {
     int ends[2];
@@ -87,7 +88,8 @@ void what_a_parent_blocked_or_ignored_does_not_matter(void **)
     });
 }
 
-// A file that handles SIGINT or SIGTERM itself could make a program that the second Ctrl-C does not end.
+// No source file may install a handler of its own for SIGINT or SIGTERM, because the second Ctrl-C might then
+// not end the program.
 void no_program_has_a_handler_of_its_own(void **)
 {
     unsigned files = 0;
@@ -103,8 +105,8 @@ void no_program_has_a_handler_of_its_own(void **)
                  {"signal(SIGINT", "signal(SIGTERM", "sigaction(SIGINT", "sigaction(SIGTERM"}) {
                 for (std::size_t at = text.find(taken); at != std::string::npos;
                      at = text.find(taken, at + 1)) {
-                    // Restoring a signal's default, or ignoring it for the owner of the job, does not count
-                    // as a handler.
+                    // A line that restores the default action, or ignores the signal for the group's leader,
+                    // is no handler.
                     const std::string line = text.substr(at, text.find('\n', at) - at);
                     if (line.find("SIG_DFL") == std::string::npos &&
                         line.find("SIG_IGN") == std::string::npos)

@@ -1,6 +1,6 @@
-// Claims: a name never refers to half a file. The new file appears only when whole, the former one stays
-// until then, and errors and signals leave nothing behind. Bytes reach the disk before their name does: this
-// program has its own fsync and rename, which log their calls.
+// Claims: a file name never refers to half a file. The new file appears only when it is complete, and the
+// previous file stays until then. Errors and signals leave nothing behind. Bytes reach the disk before their
+// name does. To check this, the test replaces fsync and rename by functions that log their calls.
 #include "host/base/pending_file.hpp"
 #include "host/base/tests/folder.hpp"
 #include <cerrno>
@@ -62,7 +62,7 @@ extern "C" int rename(const char *from, const char *to)
 namespace
 {
 
-// Each test has its own folder.
+// Each test works in its own folder.
 struct Folder : tests::Folder {
     Folder() : tests::Folder("pending") {}
 };
@@ -83,7 +83,7 @@ template <class Work> std::string message_of(const Work &work)
     return "nothing was thrown";
 }
 
-// Runs the work in a child process and returns its status from waitpid.
+// Runs `work` in a child process and returns the child's status from waitpid.
 template <class Work> int status_of_child(const Work &work)
 {
     const pid_t child = fork();
@@ -134,7 +134,8 @@ static void a_link_is_followed_to_its_file(void **)
     assert_string_equal(text_of(folder.file("deep/target")).c_str(), "after");
 }
 
-// Renaming would put a regular file in their place, for root even over /dev/null.
+// A final rename would put a regular file in the place of a device, pipe or folder; for root it would even
+// replace /dev/null.
 static void devices_pipes_and_folders_are_refused_and_stay(void **)
 {
     Folder folder;
@@ -162,7 +163,8 @@ static void a_folder_that_is_missing_is_told(void **)
             .c_str());
 }
 
-// The process may write 1,000 bytes into a file; the system refuses 2,000 as on a full disk.
+// The process may write only 1,000 bytes into a file, so the system refuses 2,000 bytes, as it does on a full
+// disk.
 static void a_full_disk_is_told_and_leaves_what_was_there(void **)
 {
     Folder folder;
@@ -210,7 +212,8 @@ static void a_signal_leaves_the_files_that_are_whole(void **)
     assert_string_equal(text_of(folder.file("a")).c_str(), "whole");
 }
 
-// Another user of the folder has planted a link under a guessable name: it is neither followed nor emptied.
+// Another user of the folder has created a link under a name that can be guessed. The program must neither
+// follow it nor empty its target.
 static void a_planted_link_is_not_followed(void **)
 {
     Folder folder;
@@ -280,7 +283,8 @@ static void files_of_a_set_get_their_names_together(void **)
     assert_int_equal(folder.count(), 2);
 }
 
-// The disk fills up between two names: the first one is taken back, whether or not a file existed there.
+// The disk becomes full between two renames: the first rename is undone, whether or not a file existed under
+// that name before.
 static void a_set_whose_second_name_fails_is_taken_back(void **)
 {
     for (bool is_new : {false, true}) {

@@ -1,5 +1,5 @@
-// Claims: a text that would recurse too deeply in its parser is refused with line and column before parsing.
-// Everything within the limits is read, traversed and destroyed without a deep stack.
+// Claims: a text whose parser would recurse too deeply is refused, with line and column, before it is parsed.
+// Every text within the limits is parsed, traversed and destroyed without a deep stack.
 #include "host/base/toml.hpp"
 
 #include <csetjmp>
@@ -48,7 +48,7 @@ void brackets_without_end_are_refused(void **)
 {
     begins_with(refusal("a = " + std::string(1000000, '[')), "1:37 over 32 brackets");
     begins_with(refusal("a = " + repeated("{b = ", 100000)), "1:");
-    // Five quotes end a string of three quotes: what follows is outside the string.
+    // Five quotes contain the three that end the string, so what follows is outside the string.
     begins_with(refusal("a = [\"\"\"x\"\"\"\"\", " + std::string(1000, '[')), "1:");
 }
 
@@ -81,8 +81,8 @@ void the_deepest_text_that_is_allowed_is_read(void **)
     assert_int_equal(depth, 32 + 32 * 32);
 }
 
-// toml++ tests whether such a letter is a blank, which ended the sanitized program for most of them
-// (host/base/toml.hpp).
+// toml++ looks such a letter up in its table of blanks. This was undefined behaviour, which ended the
+// sanitized program for most of these letters (host/base/toml.hpp).
 void a_letter_outside_ascii_is_no_blank(void **)
 {
     begins_with(refusal("\xEF\xBB\x9F\x07"), "1:1 ");
