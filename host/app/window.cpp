@@ -97,7 +97,7 @@ class Pace
         ticks_ += given;
         return static_cast<std::uint32_t>(given);
     }
-    // Waits up to 2 ms when the display does not wait for its refresh, because otherwise the loop would use a
+    // Waits 2 ms per screen, because the display may not wait for its refresh, and the loop would then use a
     // whole processor.
     void wait() const
     {

@@ -1,4 +1,4 @@
-// The command line `cournand`: exit codes 0 done, 1 failed, 2 wrong usage, 3 physics left its range
+// The command line `cournand`. Its exit codes are: 0 done, 1 failed, 2 wrong usage, 3 physics left its range
 // (range_watch.hpp).
 #pragma once
 #include "host/base/output_files.hpp"
@@ -50,7 +50,7 @@ struct InstrumentsOptions {
 int command_run(const RunOptions &options);
 int command_replay(const ReplayOptions &options);
 int command_surface(const SurfaceOptions &options);
-// Prints the OpenGL that --xray opengl would find; returns 1 when there is none.
+// Prints which OpenGL --xray opengl would use; returns 1 when there is none.
 int command_info_opengl();
 int command_info(const std::string &path);
 int command_instruments(const InstrumentsOptions &options);
@@ -58,35 +58,36 @@ int command_instruments(const InstrumentsOptions &options);
 // Returns the tools from the innermost to the outermost: --instrument first, then every --tool. Throws
 // UsageError for no tool or for more tools than a line can hold, and FileError for a bad file.
 std::vector<Instrument> read_tools(const std::string &instrument, const std::vector<std::string> &tools);
-// Returns where the tools enter, with their inserted lengths: none given (the default), one for all, or one
-// each. Throws UsageError for more lengths than tools.
+// Returns where the tools enter, with their inserted lengths. The user gives no length (the default), one
+// length for all tools, or one for each. Throws UsageError for more lengths than tools.
 crn_wire_entry entry_with(const SceneFile &scene, std::size_t tool_count,
                           const std::vector<double> &inserted_mm);
-// Places the table over the entry, and makes it follow the tip.
+// Returns the commands that place the table so that the entry is in view, and make the table follow the tip.
 std::vector<RoomCommand> entry_commands(const SceneFile &scene);
-// Returns the device for a session in FREE_RUN. With `motors` it shows what will be powered and asks for
-// confirmation, unless `yes`; throws RigStopped when that is not confirmed.
+// Returns the device for a session in FREE_RUN. With `motors` it prints which motors will be powered and
+// requests a confirmation, unless `yes` is set. Throws RigStopped when the user does not confirm.
 DeviceChoice free_run_device(const std::string &device, bool motors, bool yes);
-// Puts stents for these tools into the settings of a session's pictures. Throws FileError.
+// Reads stents for these tools into the settings of a session's pictures. Throws FileError.
 void take_stents(PictureSettings &settings, const std::vector<std::string> &paths,
                  const std::vector<Instrument> &tools);
-// The first stent is on its balloon when the session begins.
+// With this command the first stent is on its balloon when the session begins.
 inline constexpr RoomCommand first_stent{RoomAction::load_stent, {}};
-// Returns the paths of a set of tools as inputs for check_outputs.
+// Returns the paths of a set of tools, as inputs for check_outputs.
 std::vector<NamedPath> tool_inputs(const std::string &instrument, const std::vector<std::string> &tools);
 
-// Find the exact scene of a recording, from the path in it or the user's path, and a core that can replay it.
-// Both throw std::runtime_error.
+// The first function finds the exact scene of a recording, at the path in the recording or at the user's
+// path. The second checks that the device's core can replay the recording. Both throw std::runtime_error.
 SceneFile recorded_scene(const RecordingHeader &header, const std::string &given_path);
 void check_core(const RecordingHeader &header, const crn_wire_hello_reply &identity);
 
-// Adds the branch, from the scene's bodies, to the place where physics left its range; does nothing when it
-// did not, or when the bodies cannot be read.
+// Adds, from the scene's bodies, the name of the branch to the place where physics left its range. Does
+// nothing when physics did not leave its range, or when the bodies cannot be read.
 void name_range_branch(RangeWatch &range, const std::string &bodies_path);
-// Reports on stderr that physics left its range and returns the exit code for it; 0: it did not.
+// Prints on stderr that physics left its range and returns the exit code for that; returns 0 when it did not.
 int exit_of_range(const RangeWatch &range);
 
-// Returns the bodies beside a scene: "x.scene" -> "x.bodies" when that file exists, otherwise empty.
+// Returns the bodies beside a scene: for "x.scene" it returns "x.bodies" when that file exists, otherwise an
+// empty path.
 std::string bodies_beside(const std::string &scene);
 
 // Without `run_window` the command `view` is refused.

@@ -1,4 +1,4 @@
-// How run and replay treat a session whose physics left its range.
+// Defines how run and replay end a session whose physics left its range.
 #include "host/base/terminal.hpp"
 #include "host/command/cli.hpp"
 #include "host/model/bodies.hpp"

@@ -84,8 +84,8 @@ int print_result(const Recording &recording, const ReplayOptions &options, const
         std::printf("verified: %u ticks and %u full hashes agree\n", unsigned{result.ticks_compared},
                     unsigned{result.hashes_compared});
     }
-    // A missing part cannot be verified: a script that checks the exit code must not take this for a whole
-    // session.
+    // A missing part cannot be verified, so the exit code must not tell a script that the session is
+    // complete.
     if (options.verify && !recording.is_complete) {
         say(stderr,
             "cournand: %s: verified up to tick %zu, but the recording was cut off there: how the session "

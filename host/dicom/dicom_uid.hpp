@@ -1,5 +1,5 @@
-// Makes unique identifiers from content: the same content gets the same UID, other content another one. They
-// have form 2.25 of PS3.5 B.2, a 128-bit number without a registered root.
+// Makes unique identifiers from content: equal content gets equal UIDs, and different content different ones.
+// The UIDs have the form of PS3.5 B.2: 2.25 and a 128-bit number, without a registered root.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -8,7 +8,7 @@
 namespace crn
 {
 
-// FNV-1a with 128 bits (draft-eastlake-fnv) of everything added to it, in order.
+// FNV-1a hash with 128 bits (draft-eastlake-fnv) of everything that was added, in order.
 class Digest
 {
   public:
@@ -16,8 +16,8 @@ class Digest
     void add(std::string_view text); // adds its length too, so that "ab", "c" differs from "a", "bc"
     // Returns 32 hexadecimal digits.
     std::string hex() const;
-    // Returns "2.25." and the decimal number of a UUID of version 8 (RFC 9562) made of the digest; at most 44
-    // characters.
+    // Returns "2.25." and a decimal number, which is a UUID of version 8 (RFC 9562) made of the digest; at
+    // most 44 characters.
     std::string uid() const;
 
   private:

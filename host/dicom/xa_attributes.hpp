@@ -1,4 +1,4 @@
-// The attributes of a run, module by module, as PS3.3 A.14 lists them. Needs DCMTK.
+// Puts the attributes of a run, module by module, as PS3.3 A.14 lists them. Needs DCMTK.
 #pragma once
 #include "host/dicom/xa_file.hpp"
 #include <dcmtk/config/osconfig.h>
@@ -7,7 +7,7 @@
 namespace crn
 {
 
-// Throws std::invalid_argument, with the contradiction, when the run is not consistent.
+// Throws std::invalid_argument when the run contradicts itself; the message names the contradiction.
 void check_run(const XrayRun &run);
 
 // Puts everything but the pixels.

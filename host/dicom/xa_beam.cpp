@@ -1,4 +1,4 @@
-// Tube, dose, filter, collimator, table and C-arm of a run: PS3.3 C.8.7.2 to C.8.7.5.
+// Puts tube, dose, filter, collimator, table and C-arm of a run: PS3.3 C.8.7.2 to C.8.7.5.
 #include "host/dicom/xa_put.hpp"
 #include "host/xray/run.hpp"
 #include <algorithm>
@@ -30,13 +30,14 @@ std::vector<double> each_of(const XrayRun &run, double RunFrame::*value)
     return values;
 }
 
-// Returns the offsets from the first frame, by C.8.7.5.1.3 one value per frame.
+// Returns the offset of each frame from the first one; C.8.7.5.1.3 requires one value per frame.
 template <class Value> std::vector<double> offsets(const XrayRun &run, const Value &value)
 {
     std::vector<double> all;
     const double first = value(run.frames.front().carm);
     for (const RunFrame &frame : run.frames) {
-        // Values are rounded to a thousandth: a DS per frame has to stay short, and no C-arm is more precise.
+        // Values are rounded to a thousandth, because the text of each number (DICOM type DS) has to be
+        // short, and no C-arm is more precise.
         all.push_back(std::round((value(frame.carm) - first) * 1e3) / 1e3);
     }
     return all;
@@ -60,7 +61,8 @@ std::string upper(std::string text)
     return text;
 }
 
-// Puts the dose: 1 Gy cm2 = 10 dGy cm2; entrance dose is in mGy.
+// Puts the dose. DICOM uses dGy cm2 (1 Gy cm2 = 10 dGy cm2) for the kerma-area product, and mGy for the
+// entrance dose.
 void put_dose(XaItem &item, const XrayRun &run)
 {
     const double kap_Gy_cm2 = sum_of(run, &RunFrame::kap_Gy_cm2);
@@ -89,7 +91,7 @@ void put_filters(XaItem &item, const XrayRun &run)
     item.decimals(DCM_FilterThicknessMaximum, thickness_mm);
 }
 
-// The pixel pitch at the detector; also at the isocentre if it is the same in every frame.
+// Puts the pixel pitch at the detector, and also at the isocentre if the latter is the same in every frame.
 void put_spacing(XaItem &item, const XrayRun &run)
 {
     const CArm &carm = run.frames.front().carm;
@@ -139,8 +141,8 @@ void put_acquisition(XaItem &item, const XrayRun &run)
     put_dose(item, run);
 }
 
-// C.8.7.3: rows and columns counted from 1. The named edges are the last columns and rows behind the blades:
-// 0 and size+1 where the blades cover nothing.
+// Puts the collimator (C.8.7.3), whose rows and columns are counted from 1. An edge is given as the last
+// column or row that a blade covers: 0 or size+1 where the blade covers nothing.
 void put_collimator(XaItem &item, const XrayRun &run)
 {
     const RunCollimator &shape = run.collimator;
@@ -159,9 +161,10 @@ void put_collimator(XaItem &item, const XrayRun &run)
     item.whole(DCM_CollimatorLowerHorizontalEdge, shape.bottom + 1);
 }
 
-// C.8.7.4: longitudinal is toward LAO (patient's left), lateral toward cranial, for a patient on the back
-// with the head at the head end. The patient point at the isocentre moves opposite to the table. Down is
-// positive (as in C.8.19.6.11; the classic module leaves the sign open).
+// Puts the table's motion (C.8.7.4). The patient lies on the back with the head at the table's head end:
+// longitudinal is towards LAO (the patient's left), and lateral is towards cranial. When the table moves one
+// way, the patient's point at the isocentre moves the opposite way. Down is positive, as in C.8.19.6.11,
+// because the classic module does not define the sign.
 void put_table(XaItem &item, const XrayRun &run)
 {
     const std::vector<double> left_mm = offsets(run, [](const CArm &c) { return -c.isocentre_m.x() * 1e3; });
@@ -177,7 +180,7 @@ void put_table(XaItem &item, const XrayRun &run)
     item.decimals(DCM_TableLateralIncrement, head_mm);
 }
 
-// C.8.7.5 has the angles of the first frame, and the offsets of the other frames from it.
+// Puts the C-arm's angles in the first frame, and the offsets of the other frames from them (C.8.7.5).
 void put_positioner(XaItem &item, const XrayRun &run)
 {
     const CArm &carm = run.frames.front().carm;

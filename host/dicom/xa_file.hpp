@@ -27,28 +27,30 @@ struct XaStudy {
     std::string description;  // description of the study
 };
 
-// Largest number of frames and bytes in one file; longer runs continue in the next file. Vectors with one
-// number per frame have at most 65,534 characters, and viewers load a whole file.
+// The largest number of frames and of bytes in one file; a longer run continues in the next file. An
+// attribute with one number per frame has at most 65,534 characters, and viewers load a whole file into
+// memory.
 inline constexpr std::size_t xa_frames_max = 2000;
 inline constexpr std::size_t xa_bytes_max = std::size_t{1} << 31;
 
-// The export calls it repeatedly with the bytes done and the total; a return of false stops the export.
+// The export calls this function repeatedly with the bytes done and the total; if the function returns false,
+// the export stops.
 using XaProgress = std::function<bool(std::size_t done, std::size_t total)>;
 
-// Thrown when the progress function stops the export; nothing is left behind.
+// Thrown when the progress function stops the export; no file of the export is left behind.
 class XaInterrupted : public std::runtime_error
 {
   public:
     using std::runtime_error::runtime_error;
 };
 
-// The pixels of a whole export, kept on disk instead of in memory until their files are written. One spool
-// serves many runs.
+// The spool is a file that holds the pixels of a whole export, instead of memory, until the DICOM files are
+// written. One spool serves many runs.
 class XaSpool
 {
   public:
-    // The spool is written beside `path` and never gets that name. Throws OutputError when it cannot be
-    // written.
+    // The spool is a temporary file beside `path`, and is never renamed to it. Throws OutputError when it
+    // cannot be written.
     explicit XaSpool(const std::string &path);
     ~XaSpool(); // removes it
     XaSpool(const XaSpool &) = delete;
@@ -65,7 +67,7 @@ class XaSpool
     std::size_t size_bytes_ = 0;
 };
 
-// The place of one file's frames in the spool, one after the other, and their format.
+// Describes where the consecutive frames of one file lie in the spool, and their format.
 struct XaPixels {
     std::size_t offset_bytes = 0;
     std::size_t frame_count = 0, pixels_per_frame = 0;
@@ -74,16 +76,17 @@ struct XaPixels {
     bool has_room_for_another() const;
 };
 
-// Appends a frame to those of `pixels`, which must be the last ones in the spool. Throws OutputError, and
-// std::invalid_argument when the frames differ in size.
+// Appends a frame to those of `pixels`, which must be the last frames in the spool. Throws OutputError when
+// the spool cannot be written, and std::invalid_argument when the frames differ in size.
 void add_frame(XaSpool &spool, XaPixels &pixels, const RunFrame &frame);
 
-// `run` describes the added frames in order (its own pixels are not used). `instance` counts the files of the
-// study from 1. Throws OutputError, XaInterrupted, and std::invalid_argument when the run contradicts itself.
+// `run` describes the added frames in order; the pixels in `run` are not used. `instance` counts the files of
+// the study from 1. Throws OutputError, XaInterrupted, and std::invalid_argument when the run contradicts
+// itself.
 void write_xa(const std::string &path, const XrayRun &run, XaSpool &spool, const XaPixels &pixels,
               const XaStudy &study, int instance, const XaProgress &progress);
 
-// Writes a whole run from memory.
+// Writes a whole run whose pixels are in memory.
 void write_xa(const std::string &path, const XrayRun &run, const XaStudy &study, int instance = 1,
               const XaProgress &progress = nullptr);
 

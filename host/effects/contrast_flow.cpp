@@ -35,7 +35,8 @@ void ContrastFlow::take_volumes()
     for (std::size_t i = 0; i < cells_.size(); ++i) {
         const double radius_mm = cells_[i].radius_mm;
         per_volume_[i] = 2.0 / volume_ml_[i];
-        // Mean speed over the length on which layers mix: (Q / (pi r^2)) / (mixing_radii r).
+        // This is the rate at which the layers mix: the mean speed Q / (pi r^2), divided by the mixing length
+        // mixing_radii r.
         mixing_[i] = 1e3 / (pi * radius_mm * radius_mm * radius_mm * settings_.mixing_radii);
     }
     network_.set_volumes(volume_ml_);
@@ -87,8 +88,8 @@ void ContrastFlow::step(const FlowDrive &drive, const InjectedFluid &fluid)
     mix(step_s);
 }
 
-// A cell that widens takes blood from its neighbours, and one that narrows gives blood to them. This is a
-// source of pure volume, spread evenly over the remaining steps.
+// A cell that widens takes blood from its neighbours, and one that narrows gives blood to them. The exchange
+// is a source of volume without an iodine content of its own, spread evenly over the remaining steps.
 void ContrastFlow::find_widening()
 {
     if (widening_steps_ == 0) return;
@@ -111,8 +112,8 @@ void ContrastFlow::end_widening()
     network_.set_volumes(volume_ml_);
 }
 
-// The layers got their shares of the flows, but each grows by half of the volume: one passes the difference
-// to the other.
+// The layers received their shares of the flows, but each layer grows by half of the added volume. One layer
+// therefore passes the difference to the other.
 void ContrastFlow::widen(double dt_s)
 {
     const double core_share = settings_.core_flow_share;
@@ -130,7 +131,7 @@ void ContrastFlow::widen(double dt_s)
     }
 }
 
-// The faster layer must not give away more than it holds; if it would, the step is divided.
+// The faster layer must not lose more than it holds in a step; if it would, the step is divided.
 double ContrastFlow::parts_of_step()
 {
     const std::vector<FlowRun> &runs = network_.runs();
@@ -147,9 +148,9 @@ double ContrastFlow::parts_of_step()
     return std::max(std::ceil(emptied * faster * step_s / emptied_max), 1.0);
 }
 
-// Each layer is transported separately and upwind: a flow carries the concentration of the cell that it
-// leaves. Both layers have half of the volume and fixed shares of every flow, injected fluid included, so
-// that flow into a layer equals flow out of it.
+// Each layer is transported separately by the upwind rule: a flow has the concentration of the cell that it
+// leaves. Both layers have half of the volume and a fixed share of every flow, including injected fluid. So
+// the flow into a layer equals the flow out of it.
 void ContrastFlow::transport(double dt_s, const InjectedFluid &fluid)
 {
     const double core = settings_.core_flow_share * dt_s, wall = (1.0 - settings_.core_flow_share) * dt_s;
@@ -164,8 +165,8 @@ void ContrastFlow::transport(double dt_s, const InjectedFluid &fluid)
     }
 }
 
-// Transports one layer, given the seconds times its share of the flows, and its contents. All flows carry the
-// concentrations from before the step.
+// Transports one layer with these contents; `share_s` is the step in seconds times the layer's share of the
+// flows. All flows have the concentrations from before the step.
 void ContrastFlow::carry(double share_s, std::vector<double> &layer_mg)
 {
     const std::vector<FlowRun> &runs = network_.runs();
@@ -182,7 +183,7 @@ void ContrastFlow::carry(double share_s, std::vector<double> &layer_mg)
         } else {
             for (std::size_t i = begin; i < end; ++i) in[i] = k * per_volume[i] * mg[i];
         }
-        // A widening vessel draws blood without medium back from its bed.
+        // When a vessel widens, blood without medium flows back into it from its bed.
         out_mg_[r] = share_s * std::max(network_.outflow_ml_s(r), 0.0) * per_volume[end - 1] * mg[end - 1];
     }
     for (std::size_t r = 0; r < runs.size(); ++r) {
@@ -198,8 +199,8 @@ void ContrastFlow::carry(double share_s, std::vector<double> &layer_mg)
     }
 }
 
-// The layers' difference falls as exp(-k t), k in proportion to the speed; the step is implicit, so that it
-// never overshoots.
+// The difference of concentration between the layers falls as exp(-k t), with k in proportion to the speed.
+// The step is implicit, so that the difference never changes sign.
 void ContrastFlow::mix(double dt_s)
 {
     double *core = core_mg_.data(), *wall = wall_mg_.data();
@@ -228,8 +229,8 @@ double ContrastFlow::held_mg() const
     return sum;
 }
 
-// Sums, for each branch, the medium that entered at its beginning and that was injected downstream; branches
-// come after their parents.
+// Sums, for each branch, the medium that entered at its beginning and the medium that was injected in it or
+// downstream of it. Branches come after their parents.
 std::vector<double> ContrastFlow::received_mg() const
 {
     const std::size_t count = cells_.branch_count();

@@ -6,8 +6,9 @@
 //   contrast.step(flow_drive(phase), {4.0, 350.0});
 //   contrast.iodine_mg_per_ml(cell);
 //
-// Iodine is conserved: injected = in the vessels + out + reflux. The result is a pure function of the inputs,
-// in a fixed order and without libm, so that every machine gives the same bits.
+// Iodine is conserved: the injected amount equals the amount in the vessels plus the amounts that left
+// through the beds and by reflux. The result depends on nothing but the inputs. The work has a fixed order
+// and uses no libm, so that every machine gives the same bits.
 #pragma once
 #include "host/effects/flow_network.hpp"
 #include <cstdint>
@@ -20,19 +21,19 @@ namespace crn
 
 struct ContrastSettings {
     double viscosity_mPa_s = 3.5; // of blood
-    // Blood moves in two layers of equal area: the layer around the axis carries this share of the flow. 0.75
-    // is laminar flow (Poiseuille's parabola), 0.5 is plug flow.
+    // Blood moves in two layers of equal area, and this is the share of the flow in the layer around the
+    // axis. 0.75 is laminar flow (Poiseuille's parabola), 0.5 is plug flow.
     double core_flow_share = 0.75;
     double mixing_radii = 30.0; // over a distance of so many radii the layers' difference falls to 1/e
 };
 
-// A place where fluid leaves the catheter, with its share of the flow; shares add up to 1.
+// An opening through which fluid leaves the catheter, with its share of the flow; the shares add up to 1.
 struct CatheterMouth {
     Eigen::Vector3d place_m;
     double share = 1.0;
 };
 
-// A tool at a place of its length.
+// A sphere that represents a tool at one place along its length.
 struct ToolBall {
     Eigen::Vector3d place_m;
     double radius_m = 0.0;
@@ -57,19 +58,21 @@ class ContrastFlow
 
     const FlowCells &cells() const { return cells_; }
     void place(const VesselTree &moved) { cells_.place(moved); }
-    // Applies the new shape after lesions have yielded (FlowCells::reshape). Resistances change at once.
-    // Volumes change within that many steps: a cell takes what is missing from its neighbours and gives them
-    // its excess, at the concentration of the source. With 0 steps every cell keeps its iodine.
+    // Applies the new shape of the vessels after lesions have yielded (FlowCells::reshape). Resistances
+    // change at once. Volumes change within this many steps: a cell takes missing volume from its neighbours,
+    // or gives excess volume to them. The flow has the concentration of the cell that it leaves. With 0 steps
+    // every cell keeps its iodine at the new volume.
     void reshape(const VesselTree &opened, int steps);
 
     void set_tools(std::span<const ToolBall> balls);
     void set_mouths(std::span<const CatheterMouth> mouths);
 
-    // Advances by one millisecond. Fluid is injected only when the catheter's openings are known.
+    // Advances by one millisecond. Fluid is injected only after set_mouths() has given the catheter's
+    // openings.
     void step(const FlowDrive &drive, const InjectedFluid &fluid);
 
-    // Returns concentrations of a cell, mg/ml: of both layers, of the layer around the axis and of the layer
-    // along the wall.
+    // These return concentrations of a cell, mg/ml: the mean of both layers, that of the layer around the
+    // axis, and that of the layer along the wall.
     double iodine_mg_per_ml(std::size_t cell) const;
     double core_mg_per_ml(std::size_t cell) const { return 2.0 * core_mg_[cell] / volume_ml_[cell]; }
     double wall_mg_per_ml(std::size_t cell) const { return 2.0 * wall_mg_[cell] / volume_ml_[cell]; }
@@ -77,13 +80,13 @@ class ContrastFlow
 
     double held_mg() const; // in the vessels
     const IodineBudget &budget() const { return budget_; }
-    // Returns the medium that entered each branch and did not flow back: injected into it, or carried in from
-    // the vessel upstream or from a branch downstream. Medium that it passes on to its own branches counts
-    // for both.
+    // Returns for each branch the medium that entered it and did not flow back. Medium may be injected into
+    // the branch, or come from the vessel upstream or from a branch downstream. Medium that a branch passes
+    // on to its own branches counts for both.
     std::vector<double> received_mg() const;
 
-    // Returns all state on which the next step depends besides the vessels' shape, as bytes: open lesions
-    // must be reshaped before restoring. A snapshot of other vessels is refused.
+    // Returns, as bytes, all state on which the next step depends, except the shape of the vessels. A caller
+    // with open lesions must reshape them before restoring. A snapshot of other vessels is refused.
     std::vector<std::uint8_t> snapshot() const;
     bool restore(std::span<const std::uint8_t> bytes);
 
@@ -109,7 +112,7 @@ class ContrastFlow
     std::vector<double> core_mg_, wall_mg_;
     IodineBudget budget_;
     std::vector<double> branch_injected_mg_, branch_out_mg_; // of each branch: into it, and from it into beds
-    // Working memory of a step, kept to avoid allocation.
+    // Working memory of a step, kept as members to avoid allocation in every step.
     std::vector<CellSource>
         sources_; // cells of `injecting_` that give fluid, then cells that widen or narrow
     std::size_t injecting_ = 0;

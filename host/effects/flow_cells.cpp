@@ -14,7 +14,7 @@ constexpr double pi = 3.14159265358979323846;
 constexpr double length_per_radius = 0.5, length_min_mm = 1.0, length_max_mm = 3.0;
 constexpr double wall_shear_per_s = 500.0; // gives 1.75 Pa at 3.5 mPa s, about as in medium arteries
 
-// A branch as a line with arc lengths.
+// A branch as a polyline with the arc length of each point.
 struct Line {
     const VesselBranch &branch;
     std::vector<double> arc_m;
@@ -43,8 +43,8 @@ Vector3d between(const std::vector<Vector3d> &points_m, const FlowCell::Place &p
     return points_m[place.point] + place.share * (points_m[place.point + 1] - points_m[place.point]);
 }
 
-// Integrates over a cell's stretch of its branch, whose radius is linear between its points: length,
-// integrals of pi r^2 ds and of ds / r^4.
+// Integrates along the part of a branch that a cell covers; the radius is linear between points. The results
+// are the length, the integral of pi r^2 ds and that of ds / r^4.
 void measure(FlowCell &cell, const VesselBranch &branch)
 {
     double volume_mm3 = 0.0;
@@ -94,7 +94,8 @@ void FlowCells::cut(const VesselTree &tree, std::size_t index)
     const VesselBranch &branch = tree.branches[index];
     const Line line(branch);
     const double begin_m = vessel_start_m(tree, index), length_m = line.length_m() - begin_m;
-    // Faces have the wanted distances, then are stretched to end at the branch's end.
+    // Faces are first placed at the wanted distances; then all distances are stretched so that the last face
+    // is at the end of the branch.
     std::vector<double> faces_m = {0.0};
     while (faces_m.back() < length_m)
         faces_m.push_back(faces_m.back() + wanted_length_m(line.radius_m(

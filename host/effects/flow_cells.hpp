@@ -1,5 +1,5 @@
-// The tree of vessels cut into cells of blood: position, radius, length and volume of each, and the cell that
-// feeds it.
+// Divides the tree of vessels into cells of blood. Each cell has a position, radius, length and volume, and
+// the index of the cell that feeds it.
 //
 //   FlowCells cells(tree);        // cells of a branch are consecutive; a cell comes after the one that feeds it
 //   cells.reshape(opened);        // the same vessels after lesions have yielded: other radii, volumes and places
@@ -20,7 +20,7 @@ struct FlowCell {
     double per_r4_mm3 = 0.0;  // integral of ds / r^4: in proportion to the resistance
     double outlet_ml_s = 0.0; // mean flow into the bed behind it; 0: no bed begins here
     VesselBed bed = VesselBed::systemic;
-    // The place of its middle between two points of its branch, and likewise of its two faces.
+    // The place of the cell's middle, between two points of its branch, and those of its two faces.
     struct Place {
         std::size_t point = 0;
         double share = 0.0;
@@ -41,29 +41,29 @@ class FlowCells
   public:
     FlowCells() = default;
     // `tree` has passed check_vessel_tree. Cells are half a radius long, 1 to 3 mm. A branch begins at
-    // vessel_start_m. Outlets without a stated flow get the flow that Murray's law gives for their radius.
+    // vessel_start_m. An outlet without a stated flow gets the flow that Murray's law gives for its radius.
     explicit FlowCells(const VesselTree &tree);
 
     std::size_t size() const { return cells_.size(); }
     const FlowCell &operator[](std::size_t i) const { return cells_[i]; }
-    // Return the cells of one branch: the first, and one behind the last.
+    // These return the first cell of a branch, and the index one behind its last cell.
     std::size_t branch_begin(std::size_t branch) const { return branch_begin_[branch]; }
     std::size_t branch_count() const { return branch_begin_.empty() ? 0 : branch_begin_.size() - 1; }
 
     const std::vector<FlowThroat> &throats() const { return throats_; } // one for each lesion
 
-    // Takes other points and radii within the tree's lesions, in the pose that the tree had. The flow into
-    // the beds stays as it was.
+    // Replaces points and radii within the tree's lesions; the points are in the pose of the constructor's
+    // tree. The flow into the beds stays as it was.
     void reshape(const VesselTree &opened);
-    // Takes other places for the tree's points: it must have as many branches, points and lesions as before.
-    // Any other tree is ignored.
+    // Moves the tree's points: `moved` must have as many branches, points and lesions as the constructor's
+    // tree. Any other tree is ignored.
     void place(const VesselTree &moved);
     const Eigen::Vector3d &middle_m(std::size_t i) const { return middle_m_[i]; }
     Eigen::Vector3d first_face_m(std::size_t i) const { return at(i, cells_[i].first); }
     Eigen::Vector3d last_face_m(std::size_t i) const { return at(i, cells_[i].last); }
 
-    // Finds the nearest cell by power distance, |p - middle|^2 - radius^2: of overlapping vessels the one in
-    // which p lies deeper.
+    // Finds the nearest cell by power distance, |p - middle|^2 - radius^2. Where vessels overlap, this is the
+    // vessel in which p lies deeper.
     std::size_t nearest(const Eigen::Vector3d &place_m) const;
 
   private:
@@ -79,8 +79,8 @@ class FlowCells
     std::vector<Eigen::Vector3d> middle_m_;
 };
 
-// Returns the mean flow out of a vessel of this radius by Murray's law: wall shear rate 500/s, so pi/4 500/s
-// r^3.
+// Returns the mean flow out of a vessel of this radius by Murray's law: with a wall shear rate of 500/s it is
+// pi/4 500/s r^3.
 double murray_flow_ml_s(double radius_mm);
 
 } // namespace crn

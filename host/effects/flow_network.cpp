@@ -15,9 +15,9 @@ constexpr double blood_kg_m3 = 1060.0;
 constexpr double expansion_loss = 1.5; // K_t, approximately (Young and Tsai 1973)
 constexpr int settle_rounds = 60;      // each round at least halves the remaining error
 
-// Returns the pressure lost behind a stenosis, K_t rho/2 (A0/As - 1)^2 v0^2, per square of the flow. Format:
-// mm and ml/s -> mmHg s^2/ml^2 (1 ml/s through 1 mm^2 is 1 m/s). It is 0 where the lesion's narrowest place
-// is no narrower than the vessel.
+// Returns the pressure lost behind a stenosis, K_t rho/2 (A0/As - 1)^2 v0^2, divided by the square of the
+// flow. Format: mm and ml/s -> mmHg s^2/ml^2 (1 ml/s through 1 mm^2 is 1 m/s). The loss is 0 where the
+// lesion's narrowest place is no narrower than the vessel.
 double loss_of(const FlowThroat &throat, double tool_radius_mm)
 {
     const double area = throat.healthy_radius_mm * throat.healthy_radius_mm;
@@ -28,7 +28,8 @@ double loss_of(const FlowThroat &throat, double tool_radius_mm)
     return expansion_loss * 0.5 * blood_kg_m3 * widening * widening / (area_mm2 * area_mm2) * mmHg_per_Pa;
 }
 
-// Logarithm of x >= 1 by square roots and a series, so that every machine gives the same bits.
+// Returns the logarithm of x >= 1. It uses square roots and a series, so that every machine gives the same
+// bits.
 double logarithm(double x)
 {
     double scale = 2.0;
@@ -70,7 +71,8 @@ FlowNetwork::FlowNetwork(const FlowCells &cells, double viscosity_mPa_s) : visco
     divide({});
 }
 
-// Applies Hagen-Poiseuille: 8 mu/pi times the integral of ds/r^4, converted from Pa s/m^3 to mmHg s/ml.
+// Computes the cells' resistances by Hagen-Poiseuille: 8 mu/pi times the integral of ds/r^4, converted from
+// Pa s/m^3 to mmHg s/ml.
 void FlowNetwork::take_shape(const FlowCells &cells)
 {
     open_.resize(cells.size());
@@ -129,7 +131,8 @@ void FlowNetwork::settle(const FlowDrive &drive)
     for (int round = 0; round < settle_rounds; ++round) solve(drive, {});
 }
 
-// Divides the cells into runs: a run ends where flow divides or fluid is injected.
+// Divides the cells into runs, which are rows of consecutive cells: a run ends where the flow divides or
+// fluid is injected.
 void FlowNetwork::divide(std::span<const CellSource> sources)
 {
     source_cells_.clear();
@@ -162,7 +165,8 @@ void FlowNetwork::set_ways()
     }
 }
 
-// Adds to Poiseuille's resistance of a run the losses of its stenoses at the last known flows.
+// Adds the losses of a run's stenoses, at the flows of the last solution, to its resistance by Poiseuille's
+// law.
 void FlowNetwork::add_throats()
 {
     for (Row &row : rows_) row.way = row.open_way;
@@ -184,9 +188,9 @@ double FlowNetwork::pressure_mmHg(std::size_t cell) const
     return rows_[run].pressure_mmHg + (flow_ml_s == 0.0 ? 0.0 : flow_ml_s * resistance);
 }
 
-// Behind a run's last cell there are conductances c to the veins and sources s. The cell's pressure is p, and
-// the path into it from pressure u has conductance g: g (u - p) + s = c p. Seen from upstream, the run has
-// the conductance g c / (g + c) and the source g s / (g + c).
+// Behind a run's last cell, c is the conductance to the veins and s is the injected flow. With the pressure p
+// in the last cell, and the conductance g of the path into it from the pressure u, the balance is g (u - p) +
+// s = c p. Seen from upstream, the run has the conductance g c / (g + c) and the source g s / (g + c).
 void FlowNetwork::solve(const FlowDrive &drive, std::span<const CellSource> sources)
 {
     const bool is_divided =
@@ -225,14 +229,15 @@ void FlowNetwork::solve(const FlowDrive &drive, std::span<const CellSource> sour
         flows_[r].out_ml_s *= row.pressure_mmHg;
         flows_[r].in_ml_s = flows_[r].out_ml_s - row.injected_ml_s;
     }
-    // The flow into a run is set to the flow out of it. This is exact, whereas differences of nearly equal
-    // pressures are not.
+    // The flow into a run is computed from the flows out of it. This sum is exact, whereas a difference of
+    // nearly equal pressures is not.
     for (std::size_t r = runs_.size(); r-- > 0;) {
         if (!(rows_[r].way > 0.0)) flows_[r].in_ml_s = 0.0; // no flow passes, not even a rounding error
         if (runs_[r].upstream >= 0)
             flows_[static_cast<std::size_t>(runs_[r].upstream)].in_ml_s += flows_[r].in_ml_s;
     }
-    // The step goes halfway to the new flow, since a full step would oscillate about it for ever.
+    // Each iteration goes only halfway to the new flow, since full steps would oscillate about the solution
+    // for ever.
     for (std::size_t k = 0; k < throats_.size(); ++k)
         throat_flows_[k] += 0.5 * (std::fabs(flows_[run_of_[throats_[k].cell]].in_ml_s) - throat_flows_[k]);
 }

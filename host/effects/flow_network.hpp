@@ -1,8 +1,8 @@
-// Solves the blood flow in the cells of a tree at one moment. Its inputs are Poiseuille's resistance of every
-// cell, narrowed by the tools in it, a pressure at the inlet, conductances behind the outlets, and injected
-// fluid. The system is linear: one elimination from the outlets to the inlet and one pass back solve it
-// exactly. Cells in a row form one resistance, so that the cost depends only on the places where flow
-// divides.
+// Solves the blood flow in the cells of a tree at one moment. The inputs are the pressure at the inlet, the
+// conductances behind the outlets, the injected fluid, and every cell's resistance by Poiseuille's law. A
+// tool in a cell raises that resistance. The system is linear: an elimination from the outlets to the inlet,
+// and a pass back to the outlets, solve it exactly. Consecutive cells form one resistance, so that the cost
+// depends only on the number of places where flow divides.
 #pragma once
 #include "host/effects/beat.hpp"
 #include "host/effects/flow_cells.hpp"
@@ -13,9 +13,9 @@
 namespace crn
 {
 
-// Returns the share of its conductance that a round tube keeps with a concentric round rod of `share` of its
-// radius. It is 1 - k^4 - (1 - k^2)^2 / ln(1/k), and 0 from 0.98 on (Bird, Stewart, Lightfoot, Transport
-// Phenomena, flow through an annulus).
+// Returns the share of its conductance that a round tube keeps with a concentric round rod in it; k is the
+// rod's radius over the tube's. The share is 1 - k^4 - (1 - k^2)^2 / ln(1/k), and 0 from k = 0.98 on (Bird,
+// Stewart, Lightfoot, Transport Phenomena, flow through an annulus).
 double annulus_share(double share);
 
 struct CellSource {
@@ -23,7 +23,7 @@ struct CellSource {
     double flow_ml_s = 0.0;
 };
 
-// Consecutive cells with no source or outlet between them: the same flow passes all of them.
+// Consecutive cells with no source or outlet between them, so that the same flow passes through all of them.
 struct FlowRun {
     std::size_t begin = 0, end = 0; // cells
     int upstream = -1;              // the run whose last cell feeds the first cell of this one; -1: the inlet
@@ -36,29 +36,29 @@ class FlowNetwork
     FlowNetwork() = default;
     FlowNetwork(const FlowCells &cells, double viscosity_mPa_s);
 
-    // Takes the shape after lesions have yielded: the same cells with other radii. Tools are given as in
-    // set_tools.
+    // Takes the shape of the vessels after lesions have yielded: the same cells with other radii.
+    // `tool_radius_mm` is as in set_tools.
     void reshape(const FlowCells &cells, std::span<const double> tool_radius_mm);
     void set_volumes(std::span<const double> volume_ml); // of the cells
-    // Sets the radius of the thickest tool in each cell, mm; 0: none.
+    // Sets the radius of the thickest tool in each cell, mm; 0 means no tool.
     void set_tools(std::span<const double> tool_radius_mm);
     void solve(const FlowDrive &drive, std::span<const CellSource> sources);
-    // Solves until the flows through the stenoses agree with their resistance.
+    // Solves repeatedly until the flows through the stenoses agree with the resistances that depend on them.
     void settle(const FlowDrive &drive);
 
-    // Runs of the last solution: every cell is in one run, and a run comes after the one that feeds it. A
+    // The runs of the last solution. Every cell is in one run, and a run comes after the run that feeds it. A
     // cell that has an outlet, receives fluid or feeds a cell other than the next one is the last of its run.
     const std::vector<FlowRun> &runs() const { return runs_; }
     std::size_t run_of(std::size_t cell) const { return run_of_[cell]; }
-    // Flows in ml/s: into the run from upstream (below 0: out of it), and out of its last cell into the bed
-    // behind it.
+    // These return flows in ml/s: the flow into the run from upstream (negative: out of it), and the flow out
+    // of its last cell into the bed behind it.
     double inflow_ml_s(std::size_t run) const { return flows_[run].in_ml_s; }
     double outflow_ml_s(std::size_t run) const { return flows_[run].out_ml_s; }
 
     double pressure_mmHg(std::size_t cell) const; // above the veins
 
-    // Returns the flows that determine the stenoses' resistance, ml/s: the only state of the next solution
-    // besides its arguments.
+    // Returns the flows that determine the stenoses' resistance, ml/s. They are the only state, besides its
+    // arguments, on which the next solution depends.
     const std::vector<double> &throat_flows_ml_s() const { return throat_flows_; }
     void set_throat_flows(std::span<const double> flows_ml_s); // as many as there are stenoses
 

@@ -1,5 +1,5 @@
-// The injections ordered from the syringe, tick by tick, in whole nanolitres: the same on every machine and
-// in every replay.
+// Gives the fluid of all ordered injections tick by tick, in whole nanolitres, so that it is the same on
+// every machine and in every replay.
 #pragma once
 #include "host/effects/contrast_flow.hpp"
 #include <cstdint>
@@ -15,14 +15,14 @@ class Injector
     // add up. Returns the number that cancel() takes.
     std::uint64_t inject(std::uint32_t tick, std::int32_t volume_ul, std::int32_t rate_ul_s,
                          double iodine_mg_per_ml);
-    // Ends all injections ordered so far at `tick`.
+    // Ends, at `tick`, all injections ordered so far.
     void stop(std::uint32_t tick);
     void cancel(std::uint64_t injection); // the rest of it is not given
     bool is_empty() const { return injections_.empty(); }
     std::uint32_t first_tick() const; // of the remaining injections; only when there are any
-    // Drops the fluid due before `tick`, for a session that is viewed from its middle.
+    // Drops the fluid that is due before `tick`, for a session that is viewed from its middle on.
     void skip_to(std::uint32_t tick);
-    // Returns the fluid of the tick that ends at `tick`.
+    // Returns the fluid of one tick, the one that ends at time `tick`.
     InjectedFluid take(std::uint32_t tick);
     double injected_ml() const { return static_cast<double>(injected_nl_) * 1e-6; }
 

@@ -1,10 +1,11 @@
-// The pressure that an injection needs to pass a tool's lumen, including the tools inside that lumen.
+// Computes the pressure that an injection needs to pass through a tool's lumen, when other tools may lie in
+// that lumen.
 //
 // Laminar flow Q of viscosity mu through a lumen of radius R needs dp/ds = 8 mu Q / (pi R^4). A concentric
 // wire of radius k R in it leaves the annulus's share of the conductance, 1 - k^4 - (1 - k^2)^2 / ln(1/k)
 // (Bird, Stewart, Lightfoot, Transport Phenomena, 2.4). A wire that lies on the wall leaves at most 2.5 times
 // as much (narrow gap: 1 + 1.5 e^2, Snyder and Goldstein 1965). The functions return the least pressure that
-// the tools can need, so a refusal is never too strict.
+// the injection can need, so a refusal is never too strict.
 #pragma once
 #include "host/model/instrument.hpp"
 #include <span>
@@ -12,23 +13,23 @@
 namespace crn
 {
 
-// Injectors stop at 1200 psi, which is also the limit of high-pressure catheters.
+// The pressure limit of injectors is 1200 psi, which is also the limit of high-pressure catheters.
 inline constexpr double injection_pressure_max_kPa = 8274.0;
 
 // Returns the viscosity of iohexol at 37 degrees C, in mPa s (label of Omnipaque: 1.5, 2.0, 3.4, 6.3 and 10.4
-// at 140, 180, 240, 300 and 350 mg iodine per ml). The logarithm is linear between those, and from water's
-// 0.69 at 0.
+// at 140, 180, 240, 300 and 350 mg iodine per ml). The logarithm of the viscosity is linear between these
+// strengths, and from the 0.69 of water at 0 mg/ml.
 double contrast_viscosity_mPa_s(double iodine_mg_per_ml);
 
-// A tool inside the lumen, and the distance of its tip behind the tip of the outer tool; negative: ahead of
-// it.
+// A tool inside the lumen, and the distance of its tip behind the tip of the outer tool; a negative distance
+// means ahead of that tip.
 struct InnerTool {
     const Instrument *tool = nullptr;
     double tip_behind_m = 0.0;
 };
 
-// Returns the pressure from hub to tip of `tool`, in kPa; infinite where the lumen is closed. `flow_ml_s` >
-// 0.
+// Returns the pressure difference between hub and tip of `tool`, in kPa; it is infinite where the lumen is
+// closed. `flow_ml_s` > 0.
 double injection_pressure_kPa(const Instrument &tool, std::span<const InnerTool> inside, double flow_ml_s,
                               double iodine_mg_per_ml);
 

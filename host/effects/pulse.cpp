@@ -7,8 +7,8 @@ namespace crn
 namespace
 {
 
-// The values are those of a resting adult; the windkessel is after Westerhof et al., Med Biol Eng Comput
-// 2009;47:131.
+// The values are those of a resting adult; the windkessel model is that of Westerhof et al., Med Biol Eng
+// Comput 2009;47:131.
 constexpr double resistance_mmHg_s_ml = 1.05, compliance_ml_mmHg = 1.35, impedance_mmHg_s_ml = 0.045;
 constexpr double venous_mmHg = 6.0;
 constexpr double stroke_ml = 72.0;          // after a diastole of 470 ms, as at 70 /min
@@ -41,7 +41,7 @@ double ecg_mV(double phase, double beat_ms, double interval_ms, std::uint8_t bit
         (bits & CRN_WIRE_RHYTHM_WANTS_ASYSTOLE) == 0)
         mV += 0.14 * bell(to_next_ms - 118.0, 20.0); // P
     if ((bits & CRN_WIRE_RHYTHM_IS_RESTING) != 0) return mV;
-    // T peaks at four fifths of systole and ends soon after it.
+    // The T wave peaks at four fifths of systole and ends soon after systole.
     const double t = bell(phase / phase_systole_end - 0.8, 0.105);
     if ((bits & CRN_WIRE_RHYTHM_IS_PREMATURE) != 0)
         return mV + 1.5 * bell(beat_ms - 62.0, 24.0) - 0.5 * bell(beat_ms - 128.0, 26.0) - 0.42 * t;
@@ -49,7 +49,7 @@ double ecg_mV(double phase, double beat_ms, double interval_ms, std::uint8_t bit
            0.28 * bell(beat_ms - 60.0, 8.0) + 0.30 * t;
 }
 
-// The curve rises fast and falls slowly, like flow in the aortic root: s^a (1-s)^b of area 1.
+// The curve is s^a (1-s)^b with area 1: it rises fast and falls slowly, like the flow in the aortic root.
 double ejection_shape(double share)
 {
     if (share <= valve_opens_share || share >= valve_closes_share) return 0.0;

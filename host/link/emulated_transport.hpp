@@ -1,4 +1,5 @@
-// Transfers bytes to and from the emulated device through the rings of the rig page.
+// Exchanges bytes with the emulated device through two ring buffers in the rig page, which is memory shared
+// with it.
 #pragma once
 #include "host/link/emulator.hpp"
 #include "host/link/transport.hpp"
@@ -10,11 +11,11 @@ namespace crn
 class EmulatedTransport final : public Transport
 {
   public:
-    // `pass_time` advances the board by milliseconds; without it pass_time_ms() does nothing.
+    // `pass_time` advances the board by some milliseconds; without it pass_time_ms() does nothing.
     explicit EmulatedTransport(Emulator &emulator, std::function<void(std::uint32_t)> pass_time = {});
 
     void write(std::span<const std::uint8_t> bytes) override;
-    // Returns 0 when the device has processed all its input and sent all its output.
+    // Returns 0 only when the device has processed all its input and sent all its output.
     std::size_t read(std::span<std::uint8_t> bytes) override;
     void pass_time_ms(std::uint32_t milliseconds) override;
     bool has_own_clock() const override { return false; }
@@ -27,9 +28,9 @@ class EmulatedTransport final : public Transport
     std::uint32_t boot_count_;
 };
 
-// The image in its own emulator, with a rig whose sensors are healthy and whose hands are at rest.
-// pass_time_ms() advances its milliseconds. Throws EmulatorError with the remedy when image or emulator are
-// missing.
+// The device's image in an emulator of its own, with a rig whose sensors are healthy and whose hands are at
+// rest. pass_time_ms() advances it by milliseconds. Throws EmulatorError with the remedy when the image or
+// the emulator is missing.
 class EmulatedDevice final : public Transport
 {
   public:

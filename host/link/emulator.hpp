@@ -1,10 +1,12 @@
-// Runs the device's image on an emulated Cortex-M7: one QEMU process and the memory that it shares with us.
+// Runs the device's image on an emulated Cortex-M7: one QEMU process, and memory that it shares with the
+// host.
 //
 // With -icount every instruction takes 2^shift ns of the board's time, so a run depends only on its inputs:
 //   shift 7   counts instructions exactly (3.2 counts of the board's clock each); a millisecond holds 7,812 of them
 //   shift 1   500 instructions per us; shift 0   1,000 instructions per us: for anything with milliseconds in it
 //
-// Every wait has a deadline, and the process ends with us, whatever happens.
+// Every wait has a deadline, and the emulator's process ends when the host's process ends, for whatever
+// reason.
 #pragma once
 #include "firmware/port/mps2_an500/rig_page.h"
 #include "host/link/link.hpp"
@@ -16,7 +18,8 @@
 namespace crn
 {
 
-// The emulator did not start, ended, or missed a deadline; the text ends with its console output.
+// Thrown when the emulator did not start, ended, or missed a deadline; the text ends with the emulator's
+// console output.
 class EmulatorError : public LinkError
 {
   public:
@@ -34,7 +37,8 @@ struct EmulatorOptions {
 class Emulator
 {
   public:
-    // Starts and waits until the device is ready; the page reports a rig and advances milliseconds.
+    // Starts the emulator and waits until the device is ready. The shared page then contains a rig, and its
+    // clock advances in milliseconds.
     explicit Emulator(const EmulatorOptions &options);
     ~Emulator();
     Emulator(const Emulator &) = delete;
@@ -44,15 +48,16 @@ class Emulator
     std::uint8_t *memory() { return memory_; } // RIG_MEMORY_BYTES
     std::string memory_path() const { return folder_ + "/memory"; }
 
-    // These pause and continue, as under a debugger. No instruction runs in between.
+    // These pause and continue the emulated processor, as a debugger does. No instruction runs in between.
     void pause();
     void resume();
 
-    // Cuts the power at once, wherever the device is, and restores it with the memory unchanged.
+    // Cuts the device's power immediately, whatever the device is doing, and restores it with the memory
+    // unchanged.
     void power_cycle();
 
-    // Waits until `is_done`. Throws EmulatorError after the deadline or when the process ends; `what`
-    // completes "waited for".
+    // Waits until `is_done`. Waits until `is_done` returns true. Throws EmulatorError after the deadline, or
+    // when the emulator's process ends; its message is "waited for" and then the text `what`.
     void wait(const std::function<bool()> &is_done, const char *what, double deadline_s = deadline_default_s);
     static constexpr double deadline_default_s = 20.0;
 

@@ -1,9 +1,9 @@
-// The HID interface of a rig through hidapi: state every millisecond, commands, settings (docs/usb.md,
-// "Reports").
+// Uses the HID interface of a rig through hidapi: its state every millisecond, commands, and settings
+// (docs/usb.md, "Reports").
 //
-// Debian has hidapi twice, over the kernel's hidraw and over libusb, with the same function names. Both are
-// opened at run time, so that either can be chosen and all other functions work on a machine without them.
-// Thread rules: one caller at a time per rig.
+// Debian has two builds of hidapi with the same function names: one uses the kernel's hidraw, the other
+// libusb. Both are loaded at run time. So the caller can choose one, and everything else works on a machine
+// without them. Thread rule: only one thread at a time may call a rig.
 #pragma once
 #include "host/link/link.hpp"
 #include "shared/wire/hid.h"
@@ -21,7 +21,7 @@ namespace crn
 
 enum class HidBackEnd { hidraw, libusb };
 
-// The used functions of hidapi from one back end; tests provide their own.
+// The functions of hidapi that are used here, from one of the two builds; tests provide their own.
 struct HidApi {
     std::string name; // "hidraw", "libusb"
     int (*init)() = nullptr;
@@ -38,7 +38,7 @@ struct HidApi {
     const wchar_t *(*error)(hid_device_ *device) = nullptr;
 };
 
-// Throws LinkError that names the missing library and its package. A loaded library stays until the program
+// Throws LinkError that names the missing library and its package. A library stays loaded until the program
 // ends.
 const HidApi &hid_api(HidBackEnd back_end);
 
@@ -51,8 +51,8 @@ class HidRig
   public:
     static std::vector<HidEntry> list(const HidApi &api);
 
-    // An empty `serial` means the only rig. Throws LinkError; a rig whose reports have another definition is
-    // refused with both hashes.
+    // An empty `serial` selects the only rig there is. Throws LinkError. A rig whose reports have another
+    // definition is refused, and the message contains both hashes.
     HidRig(const HidApi &api, const std::string &serial);
     ~HidRig();
     HidRig(const HidRig &) = delete;
@@ -60,20 +60,20 @@ class HidRig
 
     const crn_hid_identity &identity() const { return identity_; }
     const std::string &serial() const { return serial_; }
-    // Returns the next state report, or nothing within the time. Throws DeviceLost when the rig was
-    // disconnected, LinkError for data that is not a report.
+    // Returns the next state report, or nothing if none arrives within the time. Throws DeviceLost when the
+    // rig was disconnected, and LinkError for data that is not a report.
     std::optional<crn_hid_state> read_state(std::uint32_t milliseconds);
     std::uint32_t reports_bad() const { return reports_bad_; } // too short, or with another id: ignored
-    // Sends a command and waits for the state report that answers it. Throws LinkError with the device's
-    // reason.
+    // Sends a command and waits for the state report that answers it. Throws LinkError with the reason that
+    // the device gives for a refusal.
     crn_hid_state command(std::uint8_t action, std::int32_t value1, std::int32_t value2,
                           std::uint32_t milliseconds = 1000);
 
     crn_hid_capabilities read_capabilities();
     crn_hid_calibration read_calibration();
     crn_hid_limits read_limits();
-    // Returns the device's calibration afterwards, as read back. Throws LinkError when it refuses or keeps
-    // another value.
+    // Writes the calibration, and returns the calibration that it then reads back from the device. Throws
+    // LinkError when the device refuses it or keeps another value.
     crn_hid_calibration write_calibration(const crn_hid_calibration &calibration);
     crn_hid_limits write_limits(const crn_hid_limits &limits);
 

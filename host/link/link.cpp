@@ -24,7 +24,7 @@ Link::Link(Transport &transport, Patience::Span patience)
 
 // --- frames out (link_receive.cpp: frames in) ---
 
-// A device that accepts bytes slowly is treated like one that answers slowly.
+// The time that a device takes to accept bytes counts like the time that it takes to answer.
 void Link::write(std::span<const std::uint8_t> bytes)
 {
     patience_.begin();
@@ -55,7 +55,8 @@ void Link::send(std::uint16_t type, const crn_wire_writer &payload)
 
 // --- handshake and set-up ---
 
-// Returns true when answered. Every other frame, complete or cut, belongs to an earlier conversation.
+// Returns true when answered. Every other frame received here, complete or cut, belongs to an earlier
+// conversation.
 bool Link::ask_hello(const crn_wire_hello &hello)
 {
     const std::uint8_t end_of_frame = 0; // ends a frame that an earlier host, or a cut cable, left unfinished
@@ -78,8 +79,8 @@ bool Link::ask_hello(const crn_wire_hello &hello)
     return false;
 }
 
-// Both sides start again, whatever was lost or cut before. If the device restarted in the middle of a frame,
-// the reply follows half a frame and is lost; then the host requests it once more.
+// Both sides start again, whatever bytes were lost or cut before. If the device restarted in the middle of a
+// frame, its reply follows half a frame and is lost; the host then sends HELLO once more.
 crn_wire_hello_reply Link::hello_once()
 {
     const crn_wire_hello hello = {CRN_WIRE_PROTOCOL_MAJOR, CRN_WIRE_PROTOCOL_MINOR, crn_wire_schema_hash()};
@@ -101,8 +102,8 @@ crn_wire_hello_reply Link::hello_once()
     return hello_reply_;
 }
 
-// An interrupted upload of the same scene continues where it stopped; a scene that the device already has is
-// not sent again.
+// If an upload of the same scene was interrupted, it continues where it stopped. A scene that the device
+// already has is not sent again.
 void Link::load_scene(std::span<const std::uint8_t> scene)
 {
     if (scene.size() > UINT32_MAX) throw LinkError("the scene is larger than 4 GiB");
@@ -201,7 +202,8 @@ crn_wire_status Link::use_free_run()
     return command(CRN_WIRE_ACTION_FREE_RUN);
 }
 
-// There are two steps, so that no stray frame powers a motor: CONFIRM must return the device's code.
+// Powering the motors takes two commands, so that no stray frame powers a motor: CONFIRM must return the code
+// that the device sent.
 crn_wire_status Link::arm_motors()
 {
     const crn_wire_status asked = command(CRN_WIRE_ACTION_ARM_MOTORS);
@@ -267,8 +269,8 @@ void Link::give_orders(const crn_wire_order_list &orders)
     receive_answer(CRN_WIRE_TYPE_status);
 }
 
-// Sends a heartbeat, unless the host has sent something since the last call. The answer is filed with the
-// other frames.
+// Sends a heartbeat, unless the host has sent something since the last call. The device's reply is stored
+// with other frames that nobody waits for.
 void Link::beat()
 {
     const crn_wire_get request = {CRN_WIRE_GET_STATUS};
@@ -290,7 +292,8 @@ void Link::say_present()
     beat();
 }
 
-// Drops the ticks of the last call. Ticks that arrived since then, with the answers to other requests, stay.
+// Removes the ticks that the last call returned. Ticks that arrived since then, together with replies to
+// other requests, stay.
 void Link::drop_given()
 {
     const auto given = static_cast<std::ptrdiff_t>(ticks_given_);

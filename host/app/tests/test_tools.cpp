@@ -145,8 +145,7 @@ void a_refused_tool_is_named_with_place_and_rule(void **)
     expect_refusal({tools[0], tools[0], tools[0], tools[0]}, {}, "a line holds 1 to 3 tools, not 4");
 }
 
-// Contact forces are requested in free space, where there are none; the reply names the tick at which the
-// host requested them.
+// Contact forces are requested in free space, where there are none, and the reply must name the current tick.
 void contact_forces_are_read_at_any_tick(void **)
 {
     const std::vector<crn::Instrument> tools = three_tools();
@@ -398,7 +397,7 @@ void pedals_of_a_rig_are_commands_when_they_change(void **)
                                                                {RoomAction::acquire_pedal, {0, 0, 0}}}));
 }
 
-// The key of a standard view sends three commands: table distance, angles and field.
+// The key of a standard view sends three commands: for the detector's distance, the angles and the field.
 void every_standard_view_has_a_key(void **)
 {
     using crn::RoomAction, crn::RoomCommand;

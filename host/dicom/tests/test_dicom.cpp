@@ -1,6 +1,6 @@
-// Claims: a run becomes a valid DICOM file. DCMTK reads it back pixel for pixel, and dciodvfy and dctopnm
-// accept it (both of dicom3tools, which shares no code with DCMTK). Attributes equal the inputs, and no
-// failure leaves half a file.
+// Claims: a run becomes a valid DICOM file. DCMTK reads it back pixel for pixel. dciodvfy and dctopnm accept
+// it; both are from dicom3tools, which shares no code with DCMTK. The attributes equal the inputs, and a
+// failure never leaves half a file.
 #include "host/base/tests/folder.hpp"
 #include "host/dicom/xa_file.hpp"
 #include "host/xray/tests/xray_runs.hpp"
@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 namespace
 {
 
-// Each test has its own folder.
+// Each test works in its own folder.
 struct Folder : tests::Folder {
     Folder() : tests::Folder("dicom") {}
 };
@@ -109,7 +109,7 @@ std::string output_of(const std::string &command, int *exit_code = nullptr)
     return text;
 }
 
-// Fails for lines of dciodvfy that say Error. A missing program is a failure too.
+// Fails when a line of dciodvfy's output contains "Error". It also fails when dciodvfy is missing.
 void assert_valid(const std::string &path)
 {
     const std::string said = output_of("dciodvfy " + path);
@@ -118,7 +118,7 @@ void assert_valid(const std::string &path)
     if (said.find("Error") != said.npos) fail_msg("%s", said.c_str());
 }
 
-// Returns the message of a call that must throw.
+// Returns the message of the exception that this call must throw.
 template <class Error, class Work> std::string message_of(const Work &work)
 {
     try {
@@ -153,7 +153,8 @@ static void pixels_of_every_kind_read_back_as_they_were(void **)
     }
 }
 
-// The pixels are the last bytes of the file, frame after frame, little-endian: no library is needed.
+// The pixels are the last bytes of the file, frame after frame, little-endian, so the test reads them without
+// a library.
 static void pixels_lie_in_the_file_as_in_memory(void **)
 {
     Folder folder;
@@ -232,8 +233,8 @@ static void angles_distances_and_spacing_are_those_of_the_c_arm(void **)
     assert_text(reader, DCM_FieldOfViewDimensions, "320\\320");
     assert_text(reader, DCM_ImagerPixelSpacing, "5\\5"); // 320 mm / 64
     assert_near("pixel at the isocentre", reader.number(DCM_PixelSpacing), 5.0 / 1.4, 1e-8);
-    // At 40 LAO 30 CAU the patient's left is to the right, then back; the feet are down, then back, then
-    // right (docs/frames.md).
+    // At 40 LAO 30 CAU the right of the picture is mainly the patient's left, and then the back. The bottom
+    // is mainly the feet, then the back, then the patient's right (docs/frames.md).
     assert_text(reader, DCM_PatientOrientation, "LP\\FPR");
 }
 
@@ -246,9 +247,9 @@ static void a_moving_arm_and_table_have_an_offset_per_frame(void **)
     assert_text(reader, DCM_PositionerPrimaryAngle, "10");
     assert_text(reader, DCM_PositionerPrimaryAngleIncrement, "0\\2.5\\5\\7.5");
     assert_text(reader, DCM_PositionerSecondaryAngleIncrement, "0\\-1.25\\-2.5\\-3.75");
-    // The isocentre moves 1 mm right, 2 mm to the head and 3 mm to the front per frame. So the table moves 1
-    // mm left, 2 mm to the feet and 3 mm down. Longitudinal is toward LAO, lateral toward cranial
-    // (C.8.7.4.1).
+    // In each frame the isocentre moves in the patient by 1 mm to the right, 2 mm to the head and 3 mm to the
+    // front. The table therefore moves 1 mm left, 2 mm to the feet and 3 mm down. In DICOM the longitudinal
+    // axis points towards LAO, and the lateral axis towards cranial (C.8.7.4.1).
     assert_text(reader, DCM_TableMotion, "DYNAMIC");
     assert_text(reader, DCM_TableLongitudinalIncrement, "0\\1\\2\\3");
     assert_text(reader, DCM_TableLateralIncrement, "0\\-2\\-4\\-6");
@@ -267,7 +268,7 @@ static void tube_and_dose_are_sums_and_means_in_the_units_of_the_standard(void *
     assert_near("exposure time, us", reader.number(DCM_ExposureTimeInuS), 25000.0, 0.0); // 5 pulses of 5 ms
     assert_near("exposure, uAs", reader.number(DCM_ExposureInuAs), 2525.0, 0.0);         // 101 mA x 25 ms
     assert_near("pulse, ms", reader.number(DCM_AveragePulseWidth), 5.0, 0.0);
-    // Expected: 5 x 0.004 Gy cm2 = 0.02 Gy cm2 = 0.2 dGy cm2; 20 + .. + 24 uGy = 0.11 mGy.
+    // Five frames of 0.004 Gy cm2 give 0.02 Gy cm2 = 0.2 dGy cm2; their kerma is 20 + .. + 24 uGy = 0.11 mGy.
     assert_near("KAP, dGy cm2", reader.number(DCM_ImageAndFluoroscopyAreaDoseProduct), 0.2, 1e-9);
     assert_near("kerma, mGy", reader.number(DCM_EntranceDoseInmGy), 0.11, 1e-9);
     assert_text(reader, DCM_FilterMaterial, "ALUMINUM\\COPPER");
@@ -277,8 +278,8 @@ static void tube_and_dose_are_sums_and_means_in_the_units_of_the_standard(void *
     assert_text(fluoro, DCM_RadiationSetting, "SC");
 }
 
-// Rows and columns are counted from 1 and name the last covered ones: columns 2 to 63 and rows 3 to 62 are
-// open.
+// Rows and columns are counted from 1, and the attributes name the last covered ones. So columns 2 to 63 and
+// rows 3 to 62 are open.
 static void collimator_edges_are_the_last_covered_columns_and_rows(void **)
 {
     Folder folder;
@@ -329,7 +330,7 @@ static void a_dsa_run_names_its_mask_shift_and_contrast(void **)
     assert_text(reader, DCM_ContrastBolusVolume, "12");
     assert_text(reader, DCM_ContrastFlowRate, "6");
     assert_text(reader, DCM_ContrastBolusIngredientConcentration, "350");
-    // A mask in the middle, as after re-masking, is subtracted from every frame.
+    // A mask frame in the middle of the run, as after re-masking, is subtracted from every frame.
     XrayRun late = sample_run(RunKind::dsa, 6);
     late.mask->frames = {4};
     write_xa(folder.file("b.dcm"), late, study_of("a"));
@@ -340,8 +341,8 @@ static void a_dsa_run_names_its_mask_shift_and_contrast(void **)
     assert_text(other, DCM_ApplicableFrameRange, "absent");
 }
 
-// After make_logarithmic() a plain difference is the logarithm of the ratio, and the table inverts the
-// conversion.
+// After make_logarithmic() the difference of two pixels is the logarithm of their ratio, and the table in the
+// file inverts the conversion.
 static void logarithmic_runs_subtract_plainly_and_lead_back_to_linear(void **)
 {
     XrayRun run = sample_run(RunKind::dsa, 2);
@@ -408,7 +409,7 @@ static void files_are_anonymous_unless_a_patient_is_named(void **)
     assert_text(other, DCM_PatientID, "P7");
     assert_text(other, DCM_StudyDate, "20200229");
     assert_text(other, DCM_PatientIdentityRemoved, "absent");
-    // Another patient's files are another study.
+    // The files of another patient belong to another study.
     assert_true(other.text(DCM_StudyInstanceUID) != reader.text(DCM_StudyInstanceUID));
 }
 
@@ -433,7 +434,7 @@ static void the_same_run_gives_the_same_bytes_and_another_one_other_uids(void **
     assert_int_equal(studies.size(), 1);
 }
 
-// The form is 2.25. and a decimal number below 2^128 that does not begin with 0, PS3.5 B.2.
+// A UID is "2.25." and a decimal number below 2^128 that does not begin with 0 (PS3.5 B.2).
 static void uids_have_the_form_of_the_standard(void **)
 {
     std::set<std::string> all;
@@ -524,7 +525,7 @@ static void an_interrupted_export_leaves_nothing_and_keeps_what_was_there(void *
     assert_int_equal(folder.count(), 1);
 }
 
-// A limit of the process simulates a full disk: a write fails in the middle.
+// A limit on the process's file size simulates a full disk: a write fails in the middle of the file.
 static void a_full_disk_is_told_and_leaves_nothing(void **)
 {
     Folder folder;

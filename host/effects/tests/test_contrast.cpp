@@ -1,6 +1,6 @@
-// Claims: contrast medium in a tree of vessels moves with the blood and divides in proportion to the
-// conductances. None is lost or created. It flows back when more is injected than flows away, and it stops
-// where the catheter fills the lumen. Each test states its closed form.
+// Claims: contrast medium in a tree of vessels moves with the blood, and at a fork it divides in proportion
+// to the conductances. None is lost or created. Medium flows back when more is injected than flows away, and
+// it stops where the catheter fills the lumen. Each test compares with a formula that it states.
 #include "host/effects/contrast_flow.hpp"
 #include <cmath>
 #include <csetjmp>
@@ -39,7 +39,7 @@ VesselTree tube(double flow_ml_s)
     return {{straight("tube", {0, 0, 0}, {400, 0, 0}, 3.0, flow_ml_s)}};
 }
 
-// Makes a trunk along x that ends in two branches of different width.
+// Makes a trunk along x that divides at its end into a wide and a thin branch.
 VesselTree fork()
 {
     VesselTree tree{{straight("trunk", {0, 0, 0}, {60, 0, 0}, 4.0, 0.0),
@@ -83,7 +83,7 @@ void within(const char *what, double value, double expected, double tolerance)
     fail_msg("%s = %.9g, expected %.9g (allowed %.3g %%)", what, value, expected, tolerance * 100);
 }
 
-// Returns the place along x, mm, where the concentration falls to half of that in the first cell.
+// Returns the position along x, mm, at which the concentration falls to half of that in the first cell.
 double front_mm(const ContrastFlow &contrast)
 {
     const double half = 0.5 * contrast.iodine_mg_per_ml(0);
@@ -103,7 +103,7 @@ double out_of_the_last(const ContrastFlow &contrast)
     return contrast.network().outflow_ml_s(contrast.network().runs().size() - 1);
 }
 
-// One velocity: a front in a straight tube moves by flow / area. 10 ml/s in 28.3 mm^2 give 354 mm/s.
+// With plug flow a front in a straight tube moves by flow / area: 10 ml/s in 28.3 mm^2 give 354 mm/s.
 void a_front_moves_with_flow_over_area(void **)
 {
     ContrastFlow contrast(tube(10.0), {3.5, 0.5, 30.0});
@@ -117,8 +117,8 @@ void a_front_moves_with_flow_over_area(void **)
     within("front speed, mm/s", (front_mm(contrast) - first_mm) / 0.6, flow_ml_s * 1e3 / (pi * 9.0), 0.01);
 }
 
-// In laminar flow the layers move at 1.5 and 0.5 of the mean speed. The replaced volume of blood, which is
-// the front's mean place over the section, grows by exactly the flow.
+// In laminar flow the two layers move at 1.5 and 0.5 times the mean speed. The volume of blood that medium
+// has replaced grows by exactly the flow; it is the mean position of the front times the area.
 void a_laminar_front_is_long_and_its_mean_moves_with_the_flow(void **)
 {
     ContrastFlow contrast(tube(10.0), {3.5, 0.75, 1e9});
@@ -135,8 +135,9 @@ void a_laminar_front_is_long_and_its_mean_moves_with_the_flow(void **)
     within("core over wall", core_ml / wall_ml, 3.0, 1e-6);
 }
 
-// Two layers at U(1 +- 1/2) whose difference falls by U/lambda per second spread a pulse with D = U lambda /
-// 4. Upwind cells of length L add U L / 2 less the part that the time step removes (L = 1.5 mm: 3 % in all).
+// The layers move at U(1 +- 1/2), and their difference falls by U/lambda per second. A pulse then spreads
+// with the dispersion D = U lambda / 4. The upwind rule with cells of length L adds U L / 2, less a part that
+// the time step removes; with L = 1.5 mm the sum is 3 %.
 void a_pulse_spreads_as_the_two_layers_say(void **)
 {
     const VesselTree tree{{straight("tube", {0, 0, 0}, {1900, 0, 0}, 3.0, 10.0)}};
@@ -162,7 +163,7 @@ void a_pulse_spreads_as_the_two_layers_say(void **)
            0.03);
 }
 
-// The blood that flows past dilutes the injected fluid: to S / Q of the injected concentration.
+// Blood that flows past dilutes the injected fluid to S / Q of its concentration.
 void injected_fluid_is_diluted_by_the_blood_that_flows(void **)
 {
     ContrastFlow contrast(tube(10.0));
@@ -172,8 +173,8 @@ void injected_fluid_is_diluted_by_the_blood_that_flows(void **)
     within("mg/ml", contrast.iodine_mg_per_ml(contrast.cells().size() - 1), iodine * 2.0 / flow_ml_s, 1e-6);
 }
 
-// Each path behind the fork has the conductance 1 / (R + 1/G) of its vessel's Poiseuille resistance and the
-// bed behind it.
+// Each path behind the fork has the conductance 1 / (R + 1/G), where R is the Poiseuille resistance of its
+// vessel and G the conductance of the bed behind it.
 void a_fork_divides_iodine_as_its_conductances(void **)
 {
     ContrastFlow contrast(fork());
@@ -188,14 +189,14 @@ void a_fork_divides_iodine_as_its_conductances(void **)
             8 * 3.5e-3 * length_mm * 1e-3 / (pi * std::pow(radius_mm * 1e-3, 4)) * 1e-6 / 133.322;
         return 1.0 / (vessel + mean_pressure_mmHg / flow_ml_s);
     };
-    // Hardly any medium has left yet, so all that went in is still there.
+    // Hardly any medium has left the tree yet, so each branch still holds all medium that entered it.
     assert_true(contrast.budget().out_mg < 1e-6 * contrast.budget().injected_mg);
     within("wide over thin", held_in(contrast, 1) / held_in(contrast, 2),
            conductance(1, 3.0, 6.0) / conductance(2, 1.0, 3.0), 0.01);
 }
 
-// The test lasts 60 s of a beating heart, with injections of which one refluxes, and a catheter that enters
-// the renal artery and leaves it again.
+// The heart beats for 60 s. There are several injections, one of which refluxes, and the catheter enters the
+// renal artery and leaves it again.
 void iodine_is_conserved_and_stays_between_none_and_injected(void **)
 {
     ContrastFlow contrast(aorta());
@@ -233,8 +234,8 @@ void more_than_flows_away_goes_back_upstream(void **)
         for (int tick = 0; tick < 150; ++tick) contrast->step({}, {contrast == &gentle ? 4.0 : 20.0, iodine});
     }
     assert_true(held_in(gentle, 0) == 0.0);
-    // The medium that the bed behind the renal artery does not take is in the aorta and in the vessels
-    // towards it.
+    // The medium that the bed of the renal artery does not take has flowed back into the artery before the
+    // tip and into the aorta.
     const FlowCells &cells = forced.cells();
     double back_mg = held_in(forced, 0);
     for (std::size_t i = cells.branch_begin(1); i < cells.size(); ++i)
@@ -242,8 +243,8 @@ void more_than_flows_away_goes_back_upstream(void **)
     within("mg back", back_mg, iodine * (20.0 - out_of_the_last(forced)) * 0.15, 0.03);
 }
 
-// A catheter as wide as the vessel blocks the flow: no blood comes, so the injected fluid goes down
-// undiluted, and none comes back.
+// A catheter as wide as the vessel blocks the flow: no blood comes past it. So the injected fluid flows
+// downstream undiluted, and none of it flows back.
 void a_wedged_catheter_lets_nothing_past(void **)
 {
     ContrastFlow contrast(aorta());
@@ -258,7 +259,7 @@ void a_wedged_catheter_lets_nothing_past(void **)
     assert_true(held_in(contrast, 1) > 300.0); // no flow: nothing washes it out
 }
 
-// The reference is the concentric annulus, the textbook formula by libm.
+// The reference is the textbook formula for a concentric annulus, computed by libm.
 void a_tool_in_the_lumen_leaves_an_annulus(void **)
 {
     for (double k = 0.02; k < 0.97; k += 0.01) {
@@ -286,8 +287,8 @@ void side_holes_share_the_flow(void **)
     within("thin over wide", held_in(contrast, 2) / held_in(contrast, 1), 3.0, 1e-9);
 }
 
-// By power distance, a tip at the renal artery's ostium that is nearer to the renal centreline than to the
-// wall is in that artery.
+// Power distance decides the vessel of a tip: at the renal ostium, a tip that is nearer to the renal
+// centreline than to the wall counts as in the renal artery.
 void the_cell_is_that_of_the_vessel_in_which_the_tip_lies_deepest(void **)
 {
     const FlowCells cells(aorta());
@@ -310,7 +311,7 @@ void aorta_flows_in_systole_and_left_coronary_in_diastole(void **)
         }
     }
     for (double bed : sum) within("mean openness", bed / 60000, 1.0, 1e-3);
-    // Systole is 0.34 of the beat.
+    // Systole takes 0.34 of the beat.
     assert_true(systolic[0] / sum[0] > 0.55 && systolic[1] / sum[1] < 0.2 && systolic[2] / sum[2] < 0.34);
     BeatPhase none;
     none.is_beating = false;
@@ -333,7 +334,7 @@ void a_snapshot_goes_on_bit_for_bit(void **)
     assert_true(first.snapshot() == second.snapshot());
 }
 
-// A beating heart carries its vessels: cells move with them and keep their contents.
+// A beating heart moves its vessels: the cells move with them and keep their contents.
 void cells_follow_their_vessels(void **)
 {
     VesselTree tree = tube(10.0);

@@ -1,6 +1,6 @@
 // Claims: the traces of the heart follow the beats that the core reports: rate, pressures of a resting adult,
-// the effects of a premature beat and of asystole. The host's lattice of a moving vessel is the one in the
-// scene: pushing undoes pulling, and bodies move with it.
+// and the effects of a premature beat and of asystole. The host reads the lattice of a moving vessel as it is
+// in the scene. Undoing a displacement returns to the reference pose, and bodies move with the lattice.
 #include "host/effects/pulse.hpp"
 #include "host/model/motion.hpp"
 #include "shared/scene/tests/scene_sample.h"
@@ -20,7 +20,7 @@ using namespace crn;
 namespace
 {
 
-// A monitor fed by the core's own rhythm.
+// A monitor that receives the beats of the core's own rhythm.
 struct Patient {
     crn_rhythm rhythm{};
     PulseMonitor monitor;
@@ -43,8 +43,8 @@ struct Patient {
     }
 };
 
-// Expects systolic 110 to 130 and diastolic 70 to 85 mmHg at 70 /min; the rate from the intervals is exact to
-// 0.2 /min.
+// At 70 /min the systolic pressure must be 110 to 130 mmHg, and the diastolic 70 to 85 mmHg. The rate,
+// computed from the intervals, must be exact to 0.2 /min.
 void a_resting_adult_has_the_usual_pressures(void **)
 {
     Patient patient;
@@ -56,7 +56,8 @@ void a_resting_adult_has_the_usual_pressures(void **)
     assert_true(std::abs(patient.monitor.rate_per_min() - 70) < 0.2);
 }
 
-// The early beat ejects less: systolic pressure is lower, and so is diastolic pressure after its long pause.
+// The premature beat ejects less, so its systolic pressure is lower. The diastolic pressure after the long
+// pause that follows is lower too.
 void a_premature_beat_is_weak_and_the_pause_after_it_long(void **)
 {
     Patient patient;
@@ -74,8 +75,8 @@ void a_premature_beat_is_weak_and_the_pause_after_it_long(void **)
     assert_true(patient.monitor.diastolic_mmHg() < diastolic - 5);
 }
 
-// Without beats the windkessel empties: P - 6 falls by e within R C = 1.42 s, and the electrocardiogram is
-// flat.
+// Without beats the windkessel empties: P - 6 mmHg falls by a factor of e in R C = 1.42 s, and the
+// electrocardiogram is flat.
 void asystole_is_a_flat_line_and_a_falling_pressure(void **)
 {
     Patient patient;
@@ -93,7 +94,7 @@ void asystole_is_a_flat_line_and_a_falling_pressure(void **)
     assert_true(patient.monitor.rate_per_min() == 0);
 }
 
-// R comes 36 ms after the QRS begins, T at four fifths of systole, P before the next QRS, also at 150 /min.
+// R comes 36 ms after the QRS begins, T at four fifths of systole, and P before the next QRS, up to 150 /min.
 void the_waves_stand_where_the_beat_says(void **)
 {
     for (std::uint32_t rate : {50u, 70u, 150u}) {
@@ -129,9 +130,9 @@ MotionMoment moment(double heart, double breath)
             static_cast<std::uint32_t>(breath * 4294967296.0)};
 }
 
-// The middle node lies at (0, 7.8125, 7.8125) mm. Its coefficients rise by 44 units a keyframe from 44 at
-// keyframe 0, and a quadratic spline of a straight line is that line; breath is 262 units along y at its
-// deepest.
+// The middle node lies at (0, 7.8125, 7.8125) mm. The coefficients of that node are 44 units at keyframe 0
+// and rise by 44 units per keyframe, and a quadratic spline of a straight line is that line. The deepest
+// breath moves the node by 262 units along y.
 void the_lattice_is_read_as_it_was_written(void **)
 {
     const Sample sample;
@@ -156,8 +157,8 @@ void pushing_undoes_pulling(void **)
     }
 }
 
-// A body has eight vertices, and one of two bodies moves: at the keyframes its vertices are where the lattice
-// pushes them, to 2 um.
+// Each body has eight vertices, and one of two bodies moves. At the keyframes its vertices are where the
+// lattice moves them, to 2 um.
 void bodies_that_move_go_where_the_lattice_takes_them(void **)
 {
     const Sample sample;
@@ -182,8 +183,9 @@ void bodies_that_move_go_where_the_lattice_takes_them(void **)
     }
 }
 
-// Places go where the lattice pushes them. They are exact to 1 um at the keyframes, of which the spline is
-// made, and to 50 um between them and in a deep breath. Places outside the lattice stay to the last bit.
+// Places move with the lattice. The spline passes through the keyframes, so places are exact to 1 um there;
+// between keyframes, and in a deep breath, they are exact to 50 um. Places outside the lattice do not move,
+// to the last bit.
 void points_that_move_go_where_the_lattice_takes_them(void **)
 {
     const Sample sample;

@@ -1,7 +1,8 @@
-// Claims: a lesion costs the pressure that Poiseuille's law and the jet behind its narrowest place predict.
-// It takes flow from the vessels behind it, more so in hyperaemia and with a wire in it, and it delays
-// contrast medium. Its state is part of a snapshot; after it yields it costs what remains, and no iodine is
-// lost. Each test states its closed form.
+// Claims: the pressure drop of a lesion is the sum of the drop by Poiseuille's law and of the loss of the jet
+// behind its narrowest place. A lesion reduces the flow in the vessels behind it, more so in hyperaemia and
+// with a guidewire in it, and it delays contrast medium. Its state is part of a snapshot. After it yields,
+// the drop is that of the remaining stenosis, and no iodine is lost. Each test compares with a formula that
+// it states.
 #include "host/effects/contrast_flow.hpp"
 #include "host/effects/lesion_figures.hpp"
 #include "host/model/lesion_opening.hpp"
@@ -32,8 +33,8 @@ double out_of_the_last(const FlowNetwork &network)
     return network.outflow_ml_s(network.runs().size() - 1);
 }
 
-// Makes a vessel of 70 mm along x with a radius of 1.5 mm. It is narrowed to `throat_mm` from 22 to 40 mm,
-// with a taper of 1 mm at either end.
+// Makes a vessel of 70 mm along x with a radius of 1.5 mm, narrowed to the radius `throat_mm` from 22 to 40
+// mm. The lesion has a taper of 1 mm at either end.
 VesselTree vessel(double throat_mm)
 {
     VesselBranch branch;
@@ -85,7 +86,8 @@ LesionFigures figures_of(const VesselTree &tree)
     return lesion_figures(tree, viscosity_mPa_s).at(0);
 }
 
-// The cells before and behind also include up to 4 mm of healthy vessel: below 1 % of the lesion's drop.
+// The pressures are taken in the cells next to the lesion, so the drop includes up to 4 mm of healthy vessel:
+// below 1 % of it.
 void a_lesion_costs_what_wall_and_jet_take(void **)
 {
     for (double throat_mm : {0.375, 0.6, 0.9}) {
@@ -98,7 +100,8 @@ void a_lesion_costs_what_wall_and_jet_take(void **)
         print_message("# %.2f mm: %.1f mmHg at %.2f ml/s, FFR %.2f\n", 2 * throat_mm, f.rest_drop_mmHg, q,
                       f.ffr);
     }
-    // 60 ml/min through 0.75 mm x 18 mm cost 61 mmHg by the wall and about 30 mmHg by the jet.
+    // A flow of 60 ml/min through a lesion of 0.75 mm x 18 mm loses 61 mmHg to wall friction and about 30
+    // mmHg to the jet.
     within("61 mmHg", 8 * viscosity_mPa_s * 18 / (pi * std::pow(0.375, 4)) * mmHg_per_Pa, 61, 0.02);
     within("about 30 mmHg", jet_mmHg(0.375, 1.0), 30, 0.15);
 }
@@ -113,7 +116,8 @@ void percent_by_diameter_and_by_area(void **)
     assert_string_equal(f.branch.c_str(), "lad");
 }
 
-// Without a narrowing, 88 mmHg less the Poiseuille drop of 70 mm reach the bed, also at four times the flow.
+// Without a narrowing, the bed gets 88 mmHg minus the Poiseuille drop of the 70 mm vessel, also at four times
+// the flow.
 void flow_reserve_falls_with_the_stenosis(void **)
 {
     double before = 1;
@@ -126,8 +130,7 @@ void flow_reserve_falls_with_the_stenosis(void **)
     assert_true(before < 0.5); // 75 % by diameter: clearly worth treating (0.80 is the usual limit)
 }
 
-// Returns the flow that satisfies both the bed and the lesion, by bisection: independent of the network's
-// method.
+// Bisection finds the flow that satisfies both the bed and the lesion; it does not use the network's method.
 void the_flow_is_the_one_at_which_drops_add_up(void **)
 {
     const double throat_mm = 0.375,
@@ -157,8 +160,8 @@ void a_wire_in_the_throat_takes_flow(void **)
     within("ml/s", out_of_the_last(network), free_ml_s, 1e-9);
 }
 
-// Returns the milliseconds from the start of an injection before the lesion until half of the injected
-// concentration reaches the last cell.
+// Returns the time, in ms, from the start of an injection upstream of the lesion until the last cell has half
+// of the injected concentration.
 int arrival_ms(double throat_mm)
 {
     ContrastFlow contrast(vessel(throat_mm));
@@ -199,7 +202,8 @@ void a_snapshot_goes_on_as_the_original_does(void **)
 
 // --- lesions that yield ---
 
-// Returns the same vessel fully or partly open: points stay (it is concentric), radii change in proportion.
+// Returns the same vessel with its lesion open by `share`. The lesion is concentric, so its points stay, and
+// its radii change in proportion.
 VesselTree opened(const VesselTree &tree, double share)
 {
     const LesionStations stations{21, 1e-3};
@@ -220,7 +224,8 @@ void opened_wholly_it_costs_what_the_healthy_vessel_does(void **)
     assert_true(std::fabs(f.diameter_percent()) < 1e-9);
 }
 
-// The radius is 0.375 + 0.6 (1.5 - 0.375) mm: the drop is that of a vessel baked with this radius.
+// The opened radius is 0.375 + 0.6 (1.5 - 0.375) mm, and the drop must be that of a vessel baked with this
+// radius.
 void opened_partly_it_costs_what_is_left(void **)
 {
     const VesselTree tree = vessel(0.375), now = opened(tree, 0.6);
@@ -232,8 +237,8 @@ void opened_partly_it_costs_what_is_left(void **)
     within("ffr", f.ffr, as_baked.ffr, 1e-9);
 }
 
-// Stations lie evenly about the lesion's middle; the opening is linear between two of them. The stations
-// cover 20 mm in 7 gaps of 4 mm: from -4 to 24 mm.
+// Stations are evenly spaced about the lesion's middle, and the opening is linear between two stations. With
+// 8 stations at 4 mm they cover 28 mm, from -4 to 24 mm.
 void a_place_is_open_as_the_stations_beside_it(void **)
 {
     const VesselTree tree = vessel(0.375);
@@ -254,9 +259,9 @@ double lost_mg(const ContrastFlow &contrast)
     return std::fabs(budget.injected_mg - contrast.held_mg() - budget.out_mg - budget.reflux_mg);
 }
 
-// The lesion is opened under a balloon that blocks the flow, recoils by a third after deflation, and is
-// opened again, while medium is injected before it. No iodine is lost, the concentration nowhere exceeds the
-// injected one, and cells hold the volumes of their shape.
+// While medium is injected upstream, the lesion is opened by a balloon that blocks the flow, recoils by a
+// third after deflation, and is opened again. No iodine is lost, no concentration exceeds the injected one,
+// and each cell ends with the volume of its shape.
 void iodine_is_conserved_while_the_wall_gives_way(void **)
 {
     const VesselTree tree = vessel(0.375);
@@ -291,8 +296,8 @@ void iodine_is_conserved_while_the_wall_gives_way(void **)
     assert_true(strongest < 350.0 * (1 + 1e-9));
 }
 
-// A vessel full of medium at the injected concentration stays full when it opens: the missing volume comes
-// from the cell before, which has the same concentration.
+// A vessel full of medium at the injected concentration stays full when it opens, because the added volume
+// comes from the cell upstream, which has the same concentration.
 void what_a_widening_cell_takes_has_its_neighbours_strength(void **)
 {
     const VesselTree tree = vessel(0.9);

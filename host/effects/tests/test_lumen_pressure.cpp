@@ -1,6 +1,6 @@
-// Claims: the pressure of an injection follows from the label's viscosity: in an empty lumen it is Hagen and
-// Poiseuille's, beside a wire that of the annulus. An injection that needs more than 1200 psi is refused at
-// its tick, given the tools in the lumen then, and nothing of it is given.
+// Claims: the pressure of an injection follows from the viscosity on the label, by Hagen and Poiseuille's law
+// in an empty lumen, and by that of the annulus beside a guidewire. An injection that needs more than 1200
+// psi, with the tools that lie in the lumen at its tick, is refused at that tick, and no part of it is given.
 #include "host/effects/lumen_pressure.hpp"
 #include "host/model/units.hpp"
 #include "host/patient/contrast.hpp"
@@ -43,7 +43,8 @@ void check_psi(double kPa, double expected_psi, double tolerance_psi)
         fail_msg("%.2f psi, expected %.2f (allowed %.2f)", psi, expected_psi, tolerance_psi);
 }
 
-// Tests the values of the label, and the geometric mean in the middle between them.
+// At the strengths on the label the viscosity must be that of the label; half-way between two of them it must
+// be their geometric mean.
 void viscosity_is_the_labels(void **)
 {
     for (const auto &[strength, mPa_s] : {std::pair{140.0, 1.5}, {240.0, 3.4}, {300.0, 6.3}, {350.0, 10.4}})
@@ -52,8 +53,8 @@ void viscosity_is_the_labels(void **)
     assert_true(contrast_viscosity_mPa_s(400.0) == contrast_viscosity_mPa_s(350.0));
 }
 
-// The pressure is 8 mu L Q / (pi R^4); a 0.42 mm lumen of 1.4 m needs some 11,000 psi for 4 ml/s. The
-// tolerance is for rounding only.
+// The pressure is 8 mu L Q / (pi R^4); a lumen of 0.42 mm diameter and 1.4 m length needs some 11,000 psi for
+// 4 ml/s. The tolerance allows for rounding only.
 void an_empty_lumen_needs_hagen_and_poiseuilles_pressure(void **)
 {
     const double expected_kPa = 8.0 * 10.4e-3 * 1.4 * 4e-6 / (pi * std::pow(0.21e-3, 4)) * 1e-3;
@@ -62,8 +63,9 @@ void an_empty_lumen_needs_hagen_and_poiseuilles_pressure(void **)
     check_psi(found_kPa, 11'000.0, 150.0);
 }
 
-// A 6F guide of 1.8 mm beside a concentric wire of 0.36 mm takes 55 psi for 4 ml/s. In any position of the
-// wire it takes at least 1/2.5 of that, but never less than the empty guide.
+// A 6F guiding catheter with a lumen of 1.8 mm needs 55 psi for 4 ml/s beside a concentric guidewire of 0.36
+// mm. In any other position of the guidewire the pressure is at least 1/2.5 of that, and never less than that
+// of the empty catheter.
 void a_wire_in_the_lumen_leaves_the_annulus(void **)
 {
     const double k = 178.0 / 900.0, open = 1.0 - k * k;
@@ -78,7 +80,8 @@ void a_wire_in_the_lumen_leaves_the_annulus(void **)
                           1.0) < 1e-9);
 }
 
-// A wire whose tip lies half-way back narrows the half behind its tip. Cells of 1 mm are exact for 1 m.
+// A guidewire whose tip is half-way back in the lumen narrows only the half behind its tip. The integration
+// uses steps of 1 mm, so it is exact for 1 m.
 void only_the_stretch_behind_its_tip_is_narrowed(void **)
 {
     const InnerTool half[] = {{&balloon_shaft, 0.5}}, whole[] = {{&balloon_shaft, 0.0}};
@@ -112,8 +115,8 @@ crn_wire_tick_state state_at(std::uint32_t tick, double wire_m, double catheter_
     return state;
 }
 
-// 4 ml/s through the balloon's 0.42 mm are refused with any tool in it, and the message gives the pressure
-// that they would take.
+// An injection of 4 ml/s through the balloon catheter's 0.42 mm lumen is refused with any tool in it, and the
+// message gives the pressure that it would need.
 void a_lumen_that_is_too_narrow_is_refused_before_the_session(void **)
 {
     const RoomCommand inject{RoomAction::inject, {8000, 4000, 2}};
@@ -124,8 +127,9 @@ void a_lumen_that_is_too_narrow_is_refused_before_the_session(void **)
     assert_string_equal(injection_refusal({wire_014, balloon_shaft, guide_6f}, by_guide, 350.0).c_str(), "");
 }
 
-// 0.2 ml/s of 350 mg/ml pass the empty 0.42 mm lumen at 550 psi and need 60,000 psi or more beside the wire.
-// The lengths at the injection's own tick decide: the wire is pulled out in the tick before.
+// 0.2 ml/s of 350 mg/ml need 550 psi through the empty 0.42 mm lumen, and 60,000 psi or more beside the
+// guidewire. Only the inserted lengths at the injection's own tick count: here the guidewire is pulled out
+// one tick earlier.
 void a_wire_in_the_lumen_decides_at_the_tick_of_the_injection(void **)
 {
     const RoomCommand inject{RoomAction::inject, {1000, 200, 2}};
