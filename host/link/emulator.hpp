@@ -37,8 +37,8 @@ struct EmulatorOptions {
 class Emulator
 {
   public:
-    // Starts the emulator and waits until the device is ready. The shared page then contains a rig, and its
-    // clock advances in milliseconds.
+    // Starts the emulator and waits until the device is ready. The shared page then describes a rig, and the
+    // host advances its clock by milliseconds.
     explicit Emulator(const EmulatorOptions &options);
     ~Emulator();
     Emulator(const Emulator &) = delete;
@@ -57,7 +57,7 @@ class Emulator
     void power_cycle();
 
     // Waits until `is_done`. Waits until `is_done` returns true. Throws EmulatorError after the deadline, or
-    // when the emulator's process ends; its message is "waited for" and then the text `what`.
+    // when the emulator's process ends; the message contains `what`, which names the awaited event.
     void wait(const std::function<bool()> &is_done, const char *what, double deadline_s = deadline_default_s);
     static constexpr double deadline_default_s = 20.0;
 

@@ -9,7 +9,8 @@
 //   auto states = link.step(inputs, true);         // one tick per input, at most Link::steps_max
 //   link.nodes();                                  // the shape after the last of them
 //
-// Every refusal becomes a LinkError whose text names the refused request, the cause and the remedy.
+// Every refusal by the device becomes a LinkError, whose text names the refused request, the cause and the
+// remedy.
 #pragma once
 #include "host/link/patience.hpp"
 #include "host/link/transport.hpp"
@@ -23,7 +24,8 @@
 namespace crn
 {
 
-// `reject` is the device's refusal; its code is 0 when there was none (silence, other version, fault).
+// `reject` is the device's refusal. Its code is 0 when the error has another cause, such as silence, another
+// version or a fault.
 class LinkError : public std::runtime_error
 {
   public:
@@ -43,18 +45,18 @@ class Link
 {
   public:
     static constexpr std::size_t steps_max = CRN_WIRE_MAX_step_inputs;
-    // Limits that no correct device exceeds: other frames before an answer, bytes of a snapshot, and notices
-    // not yet taken.
+    // Limits that no correct device exceeds: the frames that arrive before an answer, the bytes of a
+    // snapshot, and the notices that nobody has fetched yet.
     static constexpr std::uint32_t frames_at_once_max = 10000, snapshot_bytes_max = 1 << 20,
                                    notices_max = 4096, live_ticks_max = 1 << 16;
 
     static constexpr std::size_t bytes_without_frame_max = 1 << 18; // a frame has 10 kB at most
 
-    // `patience` is the total time that the device may keep us waiting (patience.hpp).
+    // `patience` is the total time for which the device may keep the host waiting (patience.hpp).
     explicit Link(Transport &transport, Patience::Span patience = Patience::budget_default);
 
-    // The device refuses it while another program controls powered motors. It forgets a program that has
-    // disconnected within 50 ms.
+    // Begins a conversation. The device refuses this while another program controls powered motors. A program
+    // that has disconnected loses this control after at most 50 ms.
     crn_wire_hello_reply hello();
     void load_scene(std::span<const std::uint8_t> scene);
     void load_tools(std::span<const crn_wire_instrument> tools);
@@ -70,23 +72,23 @@ class Link
     crn_wire_status use_lockstep();
     crn_wire_status use_free_run();
 
-    // LOCKSTEP: advances one tick per input. The result is valid until the next call. A fault makes it
-    // shorter; it throws after taking over the finished ticks (tick() gives the last one).
+    // LOCKSTEP: advances one tick per input. The returned ticks are valid until the next call. If a fault
+    // stops the device, this stores the ticks that were finished and throws; tick() returns the last of them.
     std::span<const crn_wire_tick_state> step(std::span<const crn_wire_tick_input> inputs, bool want_nodes);
     std::uint32_t tick() const { return tick_; }
 
-    // FREE_RUN: sends the newest input, lets time pass and receives what the device sends meanwhile. During
-    // that time the host sends a heartbeat with the last input at least every heartbeat_ms, because the
-    // device fades the forces after 30 ms of silence.
+    // FREE_RUN: sends the newest input, waits for this time and receives what the device sends meanwhile.
+    // During the wait the host sends a heartbeat with the last input at least every heartbeat_ms, because
+    // after 30 ms of silence the device reduces the forces to zero.
     static constexpr std::uint32_t heartbeat_ms = 10;
     void send_input(const crn_wire_tick_input &input); // without orders
     void say_present();                                // one heartbeat; nothing is received
     std::vector<crn_wire_tick_state> free_run(std::uint32_t milliseconds);
-    // FREE_RUN: the next tick without orders carries out these; in LOCKSTEP a tick's input contains its
-    // orders. The list has at least one order. Throws LinkError.
+    // FREE_RUN: the device carries out these orders in the next tick that has none. In LOCKSTEP the orders
+    // are part of a tick's input. `orders` must contain at least one order. Throws LinkError.
     void give_orders(const crn_wire_order_list &orders);
-    // These return the same ticks with their inputs, sensors and flags, also after an exception, and the
-    // events since the last call.
+    // These return the ticks of the last call with their inputs, sensors and flags, also after an exception,
+    // and the events since that call.
     const std::vector<crn_wire_live_tick> &live_ticks() const { return live_ticks_; }
     std::uint32_t ticks_lost() const { return live_.ticks_lost; }
     std::uint32_t ticks_missing() const
@@ -123,8 +125,8 @@ class Link
     bool is_late_refusal() const;
     bool ask_hello(const crn_wire_hello &hello);
     crn_wire_hello_reply hello_once();
-    // Receives until a frame of this type comes, after `ticks` of work. Other frames are filed, and refusals
-    // throw.
+    // Receives until a frame of this type arrives; `ticks` is the number of ticks that the device has to
+    // compute first. Other frames are stored, and a refusal is thrown.
     void receive_answer(std::uint16_t type, std::size_t ticks = 0);
     void file_frame();
     void file_stream();

@@ -1,4 +1,5 @@
-// The first message of a conversation, repeated while another program still controls the rig.
+// Sends HELLO, the first message of a conversation, and repeats it while another program still controls the
+// rig.
 #include "host/link/link.hpp"
 
 namespace crn

@@ -1,6 +1,6 @@
-// Frames from the device are found in its bytes and filed by their type, and refusals are thrown. No device
-// can keep the host here for ever: the bytes without a frame, the frames without an answer and the time are
-// limited.
+// Finds the frames in the bytes from the device, stores them by their type, and throws refusals. No device
+// can keep the host here for ever, because three things have limits: bytes without a frame, frames without an
+// answer, and the time.
 #include "host/base/interrupt.hpp"
 #include "host/link/link.hpp"
 #include "host/link/link_text.hpp"
@@ -22,7 +22,7 @@ void Link::silent() const
     throw LinkError(transport_.name() + " does not answer" + wait + "; check cable, power and port");
 }
 
-// Throws for a device that is silent, slow, or sends everything except the answer.
+// Throws when a device is silent, slow, or sends everything except the answer.
 void Link::check_patience()
 {
     if (!transport_.has_own_clock() || !patience_.is_over()) return;
@@ -35,8 +35,8 @@ void Link::check_patience()
                waits_for_ != 0 ? crn_wire_message_name(waits_for_) : ""));
 }
 
-// A device that sends without end is an error like a silent one: `frames` counts down from a number that no
-// correct device sends at once.
+// A device that sends without end is an error, as is a silent one. `frames` counts down from a number that no
+// correct device sends in one go.
 bool Link::receive_one_of(std::uint32_t &frames)
 {
     if (!receive()) return false;
@@ -70,7 +70,8 @@ bool Link::receive()
     }
 }
 
-// Keeps the contents of a frame. A refusal is an error of the request that is being answered.
+// Stores the contents of a frame. A refusal becomes an error of the request whose answer the host is waiting
+// for.
 void Link::file_frame()
 {
     const std::uint8_t *payload = decoder_.payload;
@@ -122,7 +123,8 @@ void Link::file_frame()
     }
 }
 
-// Files a batch of consecutive ticks. A repeated batch is ignored, and a missing one is counted.
+// Stores a batch of consecutive ticks. A repeated batch is ignored, and the ticks of a missing one are
+// counted.
 void Link::file_live()
 {
     crn_wire_live live;
@@ -146,7 +148,7 @@ void Link::file_live()
     }
 }
 
-// Files what a device sends without a request or in several frames.
+// Stores messages that a device sends without a request, or in several frames.
 void Link::file_stream()
 {
     const std::uint8_t *payload = decoder_.payload;
@@ -192,8 +194,8 @@ void Link::file_stream()
     }
 }
 
-// Returns whether a refusal concerns an earlier request whose answer came too late, or a command that did not
-// arrive in a frame.
+// Returns true if a refusal belongs to an earlier request, whose time had run out, or to a command that did
+// not arrive as a frame.
 bool Link::is_late_refusal() const
 {
     if (decoder_.header.type != CRN_WIRE_TYPE_reject) return false;

@@ -1,4 +1,5 @@
-// The sim port as a Transport: firmware in this process, reached only by bytes.
+// Makes the sim port a Transport: the firmware runs in this process, and the host reaches it through bytes
+// only.
 #pragma once
 #include "host/link/transport.hpp"
 #include <memory>
@@ -17,7 +18,7 @@ class SimTransport final : public Transport
     std::size_t read(std::span<std::uint8_t> bytes) override;
     void pass_time_ms(std::uint32_t milliseconds) override;
     bool has_own_clock() const override { return false; }
-    // Attaches a rig with three tracks, every sensor healthy and every hand at rest.
+    // Attaches a rig with three tracks, whose sensors are healthy and whose hands are at rest.
     void attach_rig();
 
   private:

@@ -14,14 +14,16 @@ class Transport
     virtual ~Transport() = default;
     // Sends all bytes, or throws LinkError.
     virtual void write(std::span<const std::uint8_t> bytes) = 0;
-    // Returns the bytes received, at most bytes.size(); 0 when none come within the transport's time limit.
+    // Returns the number of bytes received, at most bytes.size(); 0 when none arrive within the transport's
+    // time limit.
     virtual std::size_t read(std::span<std::uint8_t> bytes) = 0;
-    // Lets device time pass where the host controls it (sim port); real devices have their own clock.
+    // Lets the device's time pass where the host controls that time (sim port); a real device has its own
+    // clock.
     virtual void pass_time_ms(std::uint32_t milliseconds) = 0;
-    // The name in messages to the user: "the rig 'RIG-0001'".
+    // The name of the device in messages to the user, such as "the rig 'RIG-0001'".
     virtual std::string name() const { return "the device"; }
-    // False if it computes as fast as this machine allows (sim port, emulator), so a slow answer is not its
-    // fault.
+    // Returns false if the device computes as fast as this machine allows (sim port, emulator), because a
+    // slow answer is then not the device's fault.
     virtual bool has_own_clock() const { return true; }
 };
 

@@ -16,7 +16,7 @@ namespace
 using Clock = std::chrono::steady_clock;
 constexpr std::uint32_t look_again_ms = 200;
 
-// libusb's list of devices, freed at the end.
+// The list of devices from libusb, which is freed in the destructor.
 class DeviceList
 {
   public:
@@ -52,8 +52,8 @@ std::string place_of(libusb_device *device)
     return text;
 }
 
-// libusb's own helper waits a second for each of its requests; USB 2.0 gives a device half a second
-// (9.2.6.4).
+// The library's own function waits 1 s for each of these requests, although USB 2.0 allows a device only half
+// a second (9.2.6.4).
 int string_descriptor(libusb_device_handle *handle, std::uint8_t index, std::uint16_t language,
                       std::span<unsigned char> bytes)
 {
@@ -92,8 +92,8 @@ Opened open_one(libusb_device *device)
     opened.rig.serial = usb_text(handle, descriptor.iSerialNumber, error);
     if (error != LIBUSB_ERROR_TIMEOUT) opened.rig.product = usb_text(handle, descriptor.iProduct, error);
     if (error != LIBUSB_ERROR_TIMEOUT && error != LIBUSB_ERROR_INTERRUPTED) return opened;
-    // A device that does not answer with its name will not answer other requests either, and each would wait
-    // as long.
+    // A device that does not answer the request for its name will not answer other requests either, and each
+    // of them would take the same time.
     opened.error = error;
     opened.rig.trouble = usb_trouble(error, "the rig at " + opened.rig.place);
     return opened;
@@ -206,7 +206,8 @@ UsbHandle usb_open(libusb_context *context, const std::string &serial)
         if (!is_rig(device)) continue;
         Opened opened = open_one(device);
         rigs.push_back(opened.rig);
-        // If none of the other rigs is the wanted one, it could be a rig that this user may not open.
+        // A rig that this user may not open has no known serial number. If no other rig is the wanted one,
+        // this rig could be it.
         if (serial.empty() || opened.rig.serial == serial) found.push_back(std::move(opened));
     }
     if (found.size() == 1 && found[0].error == 0) return std::move(found[0].handle);
@@ -244,7 +245,8 @@ void UsbWatch::wait_ms(std::uint32_t milliseconds)
         std::this_thread::sleep_for(std::chrono::milliseconds(std::min(milliseconds, look_again_ms)));
         return;
     }
-    // Events that came between two waits are reported at once. Waits are short, so that Ctrl-C works soon.
+    // Events that arrived between two waits end the next wait at once. Each wait is short, so that Ctrl-C
+    // works soon.
     const std::uint32_t wait = std::min(milliseconds, look_again_ms);
     timeval time{0, static_cast<suseconds_t>(wait * 1000)};
     libusb_handle_events_timeout_completed(context_.get(), &time, &changed_);
@@ -256,8 +258,8 @@ bool UsbWatch::wait_for(const std::string &serial, std::uint32_t milliseconds,
 {
     const Clock::time_point end = Clock::now() + std::chrono::milliseconds(milliseconds);
     for (;;) {
-        // A context gets new devices from the system's device manager, and a container may have none: a fresh
-        // context scans the bus itself.
+        // A libusb context learns of new devices from the system's device manager, which a container may not
+        // have. A new context scans the bus itself.
         const UsbContext fresh = usb_context();
         for (const UsbRig &rig : usb_rigs(fresh.get())) {
             if (rig.trouble.empty() && (serial.empty() || rig.serial == serial)) return true;

@@ -38,7 +38,7 @@ int error_of(libusb_transfer_status status)
     }
 }
 
-// The bulk endpoints of a vendor interface; 0 where there is none.
+// The bulk endpoints of a vendor interface; 0 means that there is none.
 struct Pair {
     std::uint8_t in = 0, out = 0;
 };
@@ -151,8 +151,8 @@ void UsbTransport::submit(Slot &slot)
     if (error != 0 && failure_ == 0) failure_ = error;
 }
 
-// Submits as many reads as the ring can hold: a host that does not read holds the device back, and nothing is
-// lost. Transfers end in the order of submission, so any free slot may be used next.
+// Submits as many reads as the ring has space for. When the host does not read, the device must wait, and
+// nothing is lost. Transfers finish in the order of submission, so any free slot may be used next.
 void UsbTransport::submit_reads()
 {
     const auto flying = std::count_if(reads_.begin(), reads_.end(),
@@ -172,7 +172,8 @@ void UsbTransport::on_read_done(Slot &slot)
     slot.is_flying = false;
     const int error = error_of(slot.transfer->status);
     if (error != 0 && failure_ == 0) failure_ = error;
-    // Bytes that arrived before the end count too; their space was reserved.
+    // Bytes that arrived before the transfer ended with an error are kept too; the ring has space reserved
+    // for them.
     const std::size_t count =
         static_cast<std::size_t>(std::clamp<int>(slot.transfer->actual_length, 0, transfer_bytes));
     for (std::size_t i = 0; i < count && ring_count_ < ring_.size(); i++)
@@ -191,7 +192,8 @@ void UsbTransport::on_write_done(Slot &slot)
     changed_.notify_all();
 }
 
-// Only a failing lock could throw here. The caller is C code, so the program then ends (noexcept).
+// Only a failure to lock the mutex could throw here. The caller is C code, through which no exception may
+// pass, so the program would end (noexcept).
 void UsbTransport::read_done(libusb_transfer *transfer) noexcept
 {
     Slot &slot = *static_cast<Slot *>(transfer->user_data);
@@ -204,8 +206,8 @@ void UsbTransport::write_done(libusb_transfer *transfer) noexcept
     slot.owner->on_write_done(slot);
 }
 
-// The thread receives the cancelled transfers and then ends. The memory of a transfer that never came
-// back is not freed, because the system could still write there.
+// The thread that serves libusb receives the cancelled transfers and then ends. The memory of a transfer that
+// was never returned is not freed, because the system could still write into it.
 void UsbTransport::end()
 {
     bool all_are_back = true;
@@ -259,7 +261,7 @@ void UsbTransport::throw_failure() const
     throw LinkError(usb_trouble(failure_, who));
 }
 
-// The caller waits in slices, because a signal does not wake a condition variable.
+// The caller waits in short slices, because a signal does not wake up a condition variable.
 bool UsbTransport::wait(std::unique_lock<std::mutex> &hold, std::chrono::milliseconds limit,
                         const std::function<bool()> &is_done)
 {
@@ -289,7 +291,8 @@ void UsbTransport::write(std::span<const std::uint8_t> bytes)
             free = slot == writes_.end() ? nullptr : slot->get();
             return free != nullptr || failure_ != 0;
         };
-        // libusb ends each transfer after write_ms; if twice that time passes, the thread does not run.
+        // libusb ends each transfer after write_ms. If twice that time passes, the thread that serves libusb
+        // is not running.
         if (!wait(hold, std::chrono::milliseconds(2 * limits_.write_ms), find))
             failure_ = LIBUSB_ERROR_TIMEOUT;
         if (failure_ != 0) throw_failure();

@@ -1,9 +1,10 @@
-// A rig on USB as a Transport: the bulk pair of docs/usb.md through libusb, with several transfers pending
-// each way.
+// A rig on USB as a Transport. It uses the pair of bulk endpoints of docs/usb.md through libusb, with several
+// pending transfers in each direction.
 //
-// One thread of its own serves libusb; callers see blocking reads and writes with time limits. Every wait
-// ends: when bytes arrive, at its limit, when the device disappears (DeviceLost), or after_interrupt_ms after
-// Ctrl-C. The destructor cancels all transfers and ends the thread. Thread rules: one caller at a time.
+// A thread of its own serves libusb. To callers, reads and writes block, with time limits. Every wait ends:
+// when bytes arrive, at its time limit, when the device disappears (DeviceLost), or after_interrupt_ms after
+// Ctrl-C. The destructor cancels all transfers and ends the thread. Thread rule: only one thread at a time
+// may call it.
 #pragma once
 #include "host/link/transport.hpp"
 #include "host/link/usb_devices.hpp"
@@ -29,16 +30,17 @@ struct UsbLimits {
 class UsbTransport final : public Transport
 {
   public:
-    // An empty `serial` means the only rig. Throws LinkError with the remedy, DeviceLost when it is not
-    // there.
+    // An empty `serial` selects the only rig there is. Throws LinkError with the remedy, and DeviceLost when
+    // the rig is not there.
     explicit UsbTransport(const std::string &serial = "", const UsbLimits &limits = {});
     ~UsbTransport() override;
     void write(std::span<const std::uint8_t> bytes) override;
     std::size_t read(std::span<std::uint8_t> bytes) override;
-    // Sleeps. Afterwards, until the next write, a read returns the received bytes without waiting.
+    // Sleeps. After this call and until the next write, read() returns the bytes received so far without
+    // waiting.
     void pass_time_ms(std::uint32_t milliseconds) override;
     std::string name() const override { return "the rig '" + serial_ + "'"; }
-    // Waits until the device has accepted everything that was written.
+    // Waits until the device has accepted every byte that was written.
     void flush();
     const std::string &serial() const { return serial_; } // as the device reports it
 

@@ -1,7 +1,7 @@
-// The closed meshes that make the picture of the patient: skin, lungs, bones, heart, vessels. A body names
-// the body in which it lies; its volume is then subtracted from that parent, so that nothing is counted
-// twice. They are read from the BODY sections of an `X.bodies` file (docs/frames.md for the axes), with the
-// tree of its vessels.
+// The closed meshes from which the picture of the patient is made: skin, lungs, bones, heart and vessels. A
+// body names the body in which it lies, its parent. Its volume is subtracted from the parent, so that nothing
+// is counted twice. Bodies are read from the BODY sections of an `X.bodies` file, together with the tree of
+// their vessels; docs/frames.md describes the axes.
 #pragma once
 #include "host/model/vessel_tree.hpp"
 #include <Eigen/Core>
@@ -23,7 +23,7 @@ struct Body {
     bool moves = false;                                  // moves with the scene's motion (motion.hpp)
 };
 
-// The name of a scene file, as in a recording.
+// Identifies a scene file by size and checksum, as in a recording.
 struct SceneName {
     std::size_t size_bytes = 0;
     std::uint32_t crc32 = 0; // checksum of the whole file
@@ -36,18 +36,18 @@ struct Bodies {
     std::optional<SceneName> baked_with = {};
 };
 
-// Reads a body file. On failure it returns false and says in `error` which file, which section and what to
-// do; `bodies` is then unchanged.
+// Reads a body file. On failure it returns false, and `error` names the file, the section and the remedy;
+// `bodies` is then unchanged.
 bool read_bodies(const std::string &path, Bodies &bodies, std::string &error);
 
-// Reads bodies that are shown together with a scene, which must be the one with which they were baked. `bake`
-// writes both at once, and a tree of vessels over another lumen would be wrong without any sign of it.
-// Without a scene (no path) any bodies are accepted.
+// Reads bodies that are shown together with a scene, which must be the scene with which they were baked.
+// `bake` writes the two files at once. A tree of vessels from another scene would be wrong, and nobody could
+// see that. Without a scene (no path) any bodies are accepted.
 bool read_bodies_of(const std::string &scene_path, const std::string &path, Bodies &bodies,
                     std::string &error);
 
-// Checks what reading alone cannot guarantee: parents in range and without a cycle, vertex indices in range,
-// at most 8 million triangles in all, coordinates within 2 m.
+// Checks what reading alone cannot guarantee: parents exist and form no cycle, vertex indices are in range,
+// there are at most 8 million triangles in all, and coordinates are within 2 m.
 bool check_bodies(const Bodies &bodies, std::string &error);
 
 } // namespace crn

@@ -1,4 +1,5 @@
-// Reads the file as a whole: head, sources, presets; and makes the preset from the thesis' table.
+// Reads an instrument file as a whole: head, sources and presets. It also makes the preset that the thesis'
+// table describes.
 #include "host/model/instrument.hpp"
 #include "host/base/text.hpp"
 #include "host/model/instrument_parts.hpp"
@@ -86,8 +87,9 @@ Range scaled(const Range &range, double factor, Bounds bounds)
             std::clamp(range.to * factor, bounds.low, bounds.high)};
 }
 
-// See docs/instruments.md, "vcsim3-fit". The shaft gets the table's E and radius; along the instrument the
-// ratios of the base stay, because the table has no tip. Mass and friction stay too.
+// See docs/instruments.md, "vcsim3-fit". The shaft gets E and radius from the table. Along the instrument all
+// values keep their ratio to the shaft's, as in the base preset, because the table has no tip. Mass and
+// friction stay too.
 void apply_thesis(const Place &place, const ThesisRow &thesis, std::vector<Section> &sections)
 {
     const double factor = thesis.bend_stiffness_N_m2() / sections.back().bend_N_m2.to;
@@ -95,7 +97,7 @@ void apply_thesis(const Place &place, const ThesisRow &thesis, std::vector<Secti
     for (Section &section : sections) {
         section.bend_N_m2 = scaled(section.bend_N_m2, factor, stiffness_bounds);
         section.twist_N_m2 = scaled(section.twist_N_m2, factor, stiffness_bounds);
-        // The metal is unchanged, so its share of the fitted radius changes.
+        // The metal core keeps its size, so its share of the new outer radius changes.
         const double share = section.radius_outer_mm.from / radius_mm;
         for (InstrumentLayer &layer : section.layers)
             layer.radius_share = std::min(1.0, layer.radius_share * share);
@@ -144,7 +146,8 @@ std::map<std::string, Preset> read_presets(const Place &place, const toml::table
     const toml::table &table = require_table(place, root, "preset");
     std::map<std::string, Preset> presets;
     require_table(place.inside("preset"), table, default_preset);
-    // Presets with their own sections come first, so that others may be based on them in any order.
+    // Presets with sections of their own are read first, so that the other presets can be based on them
+    // whatever the order in the file.
     for (const bool is_based : {false, true}) {
         for (const auto &[key, node] : table) {
             const std::string name(key.str());

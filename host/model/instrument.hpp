@@ -1,9 +1,9 @@
-// Reads instrument files (TOML, docs/instruments.md) into the numbers of the wire's record `instrument`, the
-// unloaded shape and the X-ray layers.
+// Reads instrument files (TOML, docs/instruments.md). The results are the numbers of the byte protocol's
+// record `instrument`, the unloaded shape and the X-ray layers.
 //
-// One file describes one instrument from its tip to its hub, by one or more presets; "file.toml" is its
-// preset `physical`, and "file.toml:vcsim3-fit" another one. Every value has its unit in the key and a source
-// beside it. Errors name file, line, preset, section and key.
+// One file describes one instrument from its tip to its hub, in one or more presets. "file.toml" selects the
+// preset `physical`, and "file.toml:vcsim3-fit" another one. Every value has its unit in the key, and its
+// source beside it. Error messages name file, line, preset, section and key.
 #pragma once
 #include "shared/wire/wire.h"
 #include <Eigen/Core>
@@ -15,7 +15,7 @@
 namespace crn
 {
 
-// The X-ray's view of one stretch: a share of the cross-section filled with a material.
+// One stretch of the instrument as X-rays see it: the share of the cross-section that a material fills.
 struct InstrumentLayer {
     double arc_begin_m = 0.0; // from the distal tip
     double arc_end_m = 0.0;
@@ -24,8 +24,8 @@ struct InstrumentLayer {
     double radius_share = 1.0; // of the outer radius, 0 .. 1
 };
 
-// A stretch of constant rest curvature. Component 1 turns the tip towards the material axis d1, component 2
-// towards d2.
+// A stretch with a constant curvature in the unloaded shape. Component 1 turns the tip towards the material
+// axis d1, component 2 towards d2.
 struct InstrumentArc {
     std::string name;
     double arc_begin_m = 0.0; // from the distal tip
@@ -34,8 +34,8 @@ struct InstrumentArc {
 };
 
 // One row of Table 5.1 of the VCSim3 thesis, with the powers of ten of its header applied. The thesis does
-// not state the numbers' SI units; docs/instruments.md says how they are read, and why they are no physical
-// truth.
+// not state the SI units of these numbers; docs/instruments.md explains how they are interpreted, and why
+// they are not physical values.
 struct ThesisRow {
     std::string row;
     double young_modulus = 0.0;         // "Eb (1x10^7)", read as Pa
@@ -45,14 +45,14 @@ struct ThesisRow {
     double bend_stiffness_N_m2() const; // E pi r^4 / 4
 };
 
-// Round holes in a catheter's wall, evenly spaced from the first to the last.
+// Round holes in a catheter's wall, evenly spaced from the first to the last one.
 struct SideHoles {
     double arc_begin_m = 0.0, arc_end_m = 0.0; // of the first and the last, from the distal tip
     std::uint32_t count = 0;
     double diameter_m = 0.0;
 };
 
-// Data of a balloon's label besides its table of pressures and diameters.
+// Data from a balloon's label, without its table of pressures and diameters.
 struct BalloonLabel {
     double nominal_kPa = 0.0, rated_burst_kPa = 0.0;
     double crossing_profile_m = 0.0;   // largest diameter when folded
@@ -75,23 +75,24 @@ struct Instrument {
     std::optional<ThesisRow> thesis;     // for a preset that was made from the table
 };
 
-// `path` may end in ":preset". It reads and checks every preset of the file, whichever is requested. Throws
-// FileError.
+// `path` may end in ":preset". It reads and checks every preset of the file, even if another one is
+// requested. Throws FileError.
 Instrument read_instrument(const std::string &path);
 
-// Splits "a.toml:b" into {"a.toml", "b"}; without a preset the second is empty.
+// Splits "a.toml:b" into {"a.toml", "b"}; without a preset the second string is empty.
 std::pair<std::string, std::string> split_preset(const std::string &path);
 
-// Number of nodes of the core's mesh (docs/rod.md) for one instrument, or for one line of several: the line
-// takes the finest tip and shaft, the longest fine part and the longest instrument. It is at most
-// CRN_NODE_MAX of the core.
+// Number of nodes of the core's mesh (docs/rod.md), for one instrument or for a line of several. A line uses
+// the finest tip and shaft, the longest fine part and the longest instrument of its tools. The number is at
+// most CRN_NODE_MAX of the core.
 inline constexpr int line_nodes_max = 384;
 int line_node_count(std::span<const crn_wire_instrument *const> tools);
 int line_node_count(const crn_wire_instrument &tool);
 
-// Returns the unloaded centreline, tip first, every `step_m` and at every change of curvature, from the tip
-// to `straight_m` behind the last arc. The straight part lies on the x axis and ends (towards the hand) at
-// the origin. It enters along +x; d1 is +y and d2 = t x d1 with t towards the hand, which is -z.
+// Returns points of the unloaded centreline, tip first, from the tip to `straight_m` behind the last arc.
+// There is a point every `step_m` and at every change of curvature. The straight part lies on the x axis, and
+// its end at the hand is the origin. The instrument enters along +x; d1 is +y, and d2 = t x d1 is -z, where t
+// points towards the hand.
 struct ShapePoint {
     double arc_m = 0.0;
     Eigen::Vector3d position_m = Eigen::Vector3d::Zero();

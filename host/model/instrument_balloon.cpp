@@ -10,7 +10,7 @@ namespace
 
 constexpr double mm = 1e-3, um_per_mm = 1e3, kPa_per_bar = 100.0;
 
-// Reads the rows of [[balloon.at]]: { pressure_bar, diameter_mm }, increasing in both.
+// Reads the rows of [[balloon.at]]: { pressure_bar, diameter_mm }. Both values must increase from row to row.
 void read_rows(const Place &place, const toml::table &table, crn_wire_instrument &wire)
 {
     const auto rows = tables_of(place, table, "at");

@@ -1,5 +1,5 @@
-// The parts of an instrument file: sections of uniform construction, arcs of the rest shape, elements; and
-// the profile that they give.
+// The parts of an instrument file: sections of uniform construction, arcs of the unloaded shape, elements;
+// and the profile that follows from them.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/model/instrument_toml.hpp"
@@ -7,8 +7,8 @@
 namespace crn::instrument_file
 {
 
-// A stretch between two arc lengths from the tip. Stiffness changes geometrically from its distal to its
-// proximal end, all else linearly.
+// A part of the instrument between two arc lengths from the tip. Stiffness changes geometrically from the
+// section's distal to its proximal end; all other values change linearly.
 struct Section {
     std::string name;
     const toml::node *node = nullptr; // for error messages
@@ -36,10 +36,11 @@ std::vector<Section> read_sections(const Place &place, const toml::table &preset
 // Reads [[shape]] from the tip.
 std::vector<InstrumentArc> read_shape(const Place &place, const toml::table &root);
 
-// Reads [[side_holes]]; none where the key is missing.
+// Reads [[side_holes]]; returns none if the key is missing.
 std::vector<SideHoles> read_side_holes(const Place &place, const toml::table &root, InstrumentKind kind);
 
-// Reads [balloon] into the wire's table and the label; nothing where the key is missing.
+// Reads [balloon]: its table goes into `wire`, and its label is returned. Returns nothing if the key is
+// missing.
 std::optional<BalloonLabel> read_balloon(const Place &place, const toml::table &root, InstrumentKind kind,
                                          crn_wire_instrument &wire);
 
@@ -48,7 +49,7 @@ void add_markers(Instrument &instrument);
 
 void read_elements(const Place &place, const toml::table &root, crn_wire_instrument &wire);
 
-// Adds the knots of sections and arcs together to the instrument's table.
+// Adds a knot to the instrument's table wherever a section or an arc changes.
 void add_profile(const Place &place, const std::vector<Section> &sections, Instrument &instrument);
 
 } // namespace crn::instrument_file

@@ -30,7 +30,7 @@ std::vector<std::string> with(const std::vector<std::string> &more)
     return keys;
 }
 
-// A section's own values, with those of [all] as the fallback.
+// The values of a section; where one is missing, the value of [all] applies.
 class Values
 {
   public:
@@ -81,7 +81,7 @@ class Values
     const toml::table *all_;
 };
 
-// Returns pi/4 (R^4 - r^4) of a tube or, with r = 0, of a round wire; mm -> m^4.
+// Returns pi/4 (R^4 - r^4), the second moment of area of a tube or, with r = 0, of a round wire; mm -> m^4.
 double area_moment_m4(double outer_mm, double inner_mm)
 {
     return std::numbers::pi / 4.0 * (std::pow(outer_mm, 4) - std::pow(inner_mm, 4)) * 1e-12;
@@ -110,7 +110,7 @@ Range read_twist(const Values &values, const Section &section)
     if (key == "twist_stiffness_N_m2") return values.read(key, stiffness_bounds);
     const Range ratio = values.read(key, twist_ratio_bounds);
     const Range twist = {ratio.from * section.bend_N_m2.from, ratio.to * section.bend_N_m2.to};
-    // The softest tips would be softer than the core allows in torsion; its limit applies there.
+    // The softest tips would be softer in torsion than the core allows, so they get the core's limit.
     return {std::max(twist.from, stiffness_bounds.low), std::max(twist.to, stiffness_bounds.low)};
 }
 
@@ -197,8 +197,8 @@ Section read_section(const Place &place, const toml::table &table, const toml::t
     return section;
 }
 
-// A straight arc has a length. A bent one has an angle, with the radius of the centreline or the length over
-// which it bends.
+// A straight piece of [[shape]] has a length. A bent piece has an angle, and either the radius of its
+// centreline or the length over which it bends.
 InstrumentArc read_arc(const Place &place, const toml::table &table, double begin_m)
 {
     check_keys(place, table, {"name", "length_mm", "radius_mm", "angle_deg", "plane_deg", "source"});

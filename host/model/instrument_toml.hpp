@@ -1,4 +1,5 @@
-// Reads instrument files: tables with known keys, values with a source, errors with a place.
+// Helps to read instrument files: tables with known keys, values with a source, errors with their place in
+// the file.
 #pragma once
 #include "host/base/toml.hpp"
 
@@ -9,7 +10,7 @@
 namespace crn::instrument_file
 {
 
-// A value along a section, from its distal to its proximal end.
+// A value that changes along a section, from its distal to its proximal end.
 struct Range {
     double from = 0.0, to = 0.0;
     bool is_constant() const { return from == to; }
@@ -36,7 +37,7 @@ class Sources
     std::map<std::string, Entry> entries_;
 };
 
-// The place of an error. `where` is empty, or like "preset 'physical', section 2 'taper'".
+// The place of an error. `where` is empty, or a text like "preset 'physical', section 2 'taper'".
 struct Place {
     const std::string &file;
     Sources &sources;

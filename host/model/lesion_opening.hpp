@@ -1,4 +1,4 @@
-// How far the core's lesions have yielded, applied to the host's tree of vessels (docs/lesions.md).
+// Applies to the host's tree of vessels how far the core's lesions have yielded (docs/lesions.md).
 //
 //   const auto stations = read_lesion_stations("lad.scene", error);
 //   const LesionOpening opening(tree, stations);
@@ -14,18 +14,18 @@ struct crn_scene;
 namespace crn
 {
 
-// The stations of one lesion that yields: their number and their distance along the healthy vessel; the
-// lesion lies in their middle.
+// The stations of one lesion that yields: their number, and the distance between two of them along the
+// healthy vessel. The lesion lies in the middle of its stations.
 struct LesionStations {
     std::size_t count = 0;
     double spacing_m = 0.0;
 };
 
-// Returns the stations of each yielding lesion of a validated scene, in the order of the tree's lesions, of
-// which they are the first.
+// Returns the stations of each lesion that yields, from a validated scene. They are in the order of the
+// tree's lesions, of which the lesions that yield come first.
 std::vector<LesionStations> lesion_stations(const crn_scene &scene);
-// Reads the PLAQUES section of a scene file. Returns nothing when there is none, or, with a message in
-// `error`, when it cannot be read.
+// Reads the same from the PLAQUES section of a scene file. Returns nothing when there is no such section.
+// When it cannot be read, `error` has a message too.
 std::vector<LesionStations> read_lesion_stations(const std::string &scene_path, std::string &error);
 
 class LesionOpening
@@ -41,25 +41,26 @@ class LesionOpening
         return lesions_.size();
     } // number of lesions that yield: the tree's first ones
 
-    // A place between two stations of WireFrame::lesions_open.
+    // A place between two stations, as an index into WireFrame::lesions_open.
     struct Place {
         std::size_t station = 0;
         double share = 0.0; // share of the next one
     };
-    // Returns the place at this distance along the healthy lesion, from its first point.
+    // Returns the place at this distance from the lesion's first point, measured along the healthy vessel.
     Place place(std::size_t lesion, double arc_m) const;
-    // Returns 0 as it was baked .. 1 healthy. It returns 0 if the list is too short.
+    // Returns how far the lesion is open at a place: 0 means as it was baked, 1 means healthy. Returns 0 if
+    // the list `lesions_open` is too short.
     static double at(const Place &place, std::span<const double> lesions_open);
     bool is_open(std::size_t lesion, std::span<const double> lesions_open) const;
     bool is_any_open(std::span<const double> lesions_open) const;
-    // Returns how far a point of a lesion is open.
+    // Returns how far a lesion is open at one of its points.
     double at_point(std::size_t lesion, std::size_t point, std::span<const double> lesions_open) const
     {
         return at(lesions_[lesion].points[point], lesions_open);
     }
 
-    // Moves points and radii of `now` within the lesions from those of `tree`, for which this object was
-    // made, towards the healthy ones.
+    // Moves the points and radii of `now` inside lesions, from their values in `tree` towards the healthy
+    // values. `tree` must be the one for which this object was made.
     void open(const VesselTree &tree, std::span<const double> lesions_open, VesselTree &now) const;
 
   private:

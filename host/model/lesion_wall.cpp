@@ -12,8 +12,8 @@ using Eigen::Vector3d;
 constexpr double unmoved_m = 1e-6;
 constexpr int share_rounds = 24;
 
-// Returns the stretches of a branch that may be nearer, in their own radii, to a wall in the box than the
-// lesion is.
+// Adds those stretches of a branch that may be nearer to a wall inside the box than the lesion is; distances
+// count in radii of each vessel.
 void add_near_stretches(const VesselBranch &branch, const Eigen::AlignedBox3d &reach_m,
                         std::vector<VesselBranch> &stretches)
 {
@@ -109,8 +109,8 @@ LesionFoot LesionWall::foot(const Vector3d &place_m) const
     return foot;
 }
 
-// Returns the share of the displacement that a wall takes: all of it near the vessel; none far from it, or
-// where the wall belongs rather to another vessel.
+// Returns the share of the lesion's displacement that applies to a wall. It is 1 near the vessel, and 0 far
+// from it or where the wall is nearer to another vessel.
 double LesionWall::share_of_way(const LesionFoot &foot, const Vector3d &place_m) const
 {
     const double fade =
@@ -129,10 +129,10 @@ Vector3d LesionWall::way_m(const Vector3d &healthy_m) const
     return share_of_way(at, healthy_m) * (there - healthy_m);
 }
 
-// Inverts the map for a known share s. A place with its foot at h on the healthy line was moved to the
-// neighbourhood of m = h + s (c - h), and kept its direction across the line. So its foot is where x - m is
-// perpendicular to the line, or at a corner where it is perpendicular to neither side. Then v = h + (x - m) /
-// (1 - s (1 - left)).
+// Inverts the map of a wall whose share s of the displacement is known. Let h be the point on the healthy
+// line that is nearest to a place v, its foot. The map moved v to x, in the neighbourhood of m = h + s (c -
+// h), and kept its direction across the line. So the foot is where x - m is perpendicular to the line, or at
+// a corner where x - m is perpendicular to neither side. Then v = h + (x - m) / (1 - s (1 - left)).
 LesionWall::Healthy LesionWall::back(const Vector3d &narrowed_m, double share) const
 {
     Healthy healthy{narrowed_m, 0};
@@ -159,8 +159,8 @@ LesionWall::Healthy LesionWall::back(const Vector3d &narrowed_m, double share) c
     return healthy;
 }
 
-// A wall that was farther out took a smaller share of the displacement, so exactly one share is consistent
-// with its own place.
+// A wall that was farther out took a smaller share of the displacement. So for each narrowed place exactly
+// one share is consistent with the healthy place that it implies.
 bool LesionWall::healthy_of(const Vector3d &narrowed_m, Healthy &healthy) const
 {
     if (!reach_m_.contains(narrowed_m)) return false;

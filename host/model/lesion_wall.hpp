@@ -1,5 +1,6 @@
-// The wall of a lesion, healthy and narrowed: one map and its inverse (docs/lesions.md). The baker maps
-// healthy walls to narrowed ones, and the host maps them back as far as the core's lesion has yielded.
+// The map from the healthy wall of a lesion to the narrowed wall, and its inverse (docs/lesions.md). The
+// baker maps healthy walls to narrowed ones. The host maps the narrowed walls back, as far as the lesion has
+// yielded in the core.
 //
 //   const LesionWall wall(tree, 0);
 //   x += wall.way_m(x);                       // from the healthy vessel to the narrowed one
@@ -11,14 +12,15 @@
 namespace crn
 {
 
-// A wall moves fully with the lesion up to the first number of radii from the healthy centreline; beyond the
-// second it stays.
+// A wall moves fully with the lesion up to lesion_near_radii radii from the healthy centreline, and beyond
+// lesion_far_radii it does not move.
 constexpr double lesion_near_radii = 1.6, lesion_far_radii = 2.4;
 
 // Returns the tree as it was before disease narrowed it.
 VesselTree healthy_tree(const VesselTree &tree);
 
-// The nearest place of the healthy centreline within a lesion, and the place to which the lesion moved it.
+// The place on the healthy centreline inside a lesion that is nearest to a point, and the place to which the
+// lesion moved it.
 struct LesionFoot {
     double radii = std::numeric_limits<double>::infinity(); // distance over the healthy radius
     Eigen::Vector3d healthy_m = Eigen::Vector3d::Zero(), channel_m = Eigen::Vector3d::Zero();
@@ -31,20 +33,20 @@ class LesionWall
   public:
     LesionWall(const VesselTree &tree, std::size_t lesion); // requires a checked tree
 
-    // Returns the displacement of a place of the healthy vessel's wall to the narrowed one. It is 0 far away,
-    // and where the wall belongs rather to another vessel.
+    // Returns the displacement from a place on the healthy vessel's wall to its place on the narrowed one. It
+    // is 0 far from the lesion, and where the wall is nearer to another vessel.
     Eigen::Vector3d way_m(const Eigen::Vector3d &healthy_m) const;
 
     struct Healthy {
         Eigen::Vector3d place_m = Eigen::Vector3d::Zero();
         double arc_m = 0; // of its foot
     };
-    // Finds the place whose displacement ends at `narrowed_m`. Returns false if the map leaves that place
-    // unchanged.
+    // Finds the healthy place that the map moves to `narrowed_m`. Returns false if the map does not move that
+    // place.
     bool healthy_of(const Eigen::Vector3d &narrowed_m, Healthy &healthy) const;
 
     LesionFoot foot(const Eigen::Vector3d &place_m) const;
-    // Box around everything that moves with the lesion.
+    // The box that contains everything that moves with the lesion.
     const Eigen::AlignedBox3d &reach_m() const { return reach_m_; }
 
   private:
@@ -57,7 +59,7 @@ class LesionWall
     Eigen::AlignedBox3d reach_m_;
 };
 
-// Returns the box around everything within so many radii of a lesion's healthy centreline.
+// Returns the box around everything within this many radii of a lesion's healthy centreline.
 Eigen::AlignedBox3d lesion_box_m(const VesselLesion &lesion, double radii);
 
 } // namespace crn

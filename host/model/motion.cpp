@@ -41,8 +41,9 @@ MotionWeights motion_weights(const MotionMoment &moment)
 
 double motion_plane_weight(int corner, const Eigen::Vector3d &place)
 {
-    // A corner is on the path when the axes towards it have larger fractions than the other axes. Its weight
-    // is the difference between the smallest of the former and the largest of the latter.
+    // Each tetrahedron follows a path of edges from corner 0. This corner is on the path if every axis that
+    // leads to it has a larger fraction than the other axes. The weight is the smallest fraction of the axes
+    // that lead to the corner, minus the largest fraction of the other axes.
     double least = 1, most = 0;
     for (int k = 0; k < 3; ++k) {
         if ((corner >> k & 1) != 0)
@@ -130,8 +131,8 @@ Eigen::Vector3d Motion::pull(const Eigen::Vector3d &x_m, const MotionMoment &mom
 namespace
 {
 
-// Solves x = X - w(x) by fixed-point iteration. It converges because w changes less from place to place than
-// the places themselves; each round reduces the error by the lattice's gradient, a third in a heart.
+// Solves x = X - w(x) for x by fixed-point iteration. It converges because the displacement w changes by less
+// than x itself does. Each round multiplies the error by the gradient of w, a third in a heart.
 template <typename Way> Eigen::Vector3d undo(const Eigen::Vector3d &X_m, const Way &way)
 {
     constexpr int rounds_max = 40;

@@ -30,8 +30,8 @@ struct MotionMoment {
     bool operator==(const MotionMoment &) const = default;
 };
 
-// Three keyframe columns of a row and their weights (quadratic B-spline, periodic), and the depth of breath 0
-// .. 1.
+// The weights of three consecutive keyframe columns in a row (quadratic B-spline, periodic), and the depth of
+// breath, 0 .. 1.
 struct MotionWeights {
     int first = 0;
     double weights[3] = {0.125, 0.75, 0.125};
@@ -40,12 +40,12 @@ struct MotionWeights {
 MotionWeights motion_weights(const MotionMoment &moment);
 
 // Computes coefficients c, one per keyframe, of the periodic spline that passes through w: (c[k-1] + 6 c[k] +
-// c[k+1]) / 8 = w[k]. It uses Gauss-Seidel, which gains a factor of 9 in each of 20 rounds.
+// c[k+1]) / 8 = w[k]. It uses Gauss-Seidel with 20 rounds, each of which reduces the error by a factor of 9.
 void motion_prefilter(const double *w, double *c);
 
-// Returns the weight of a corner of a cell (bits x, y, z) at a place in the cell (0 .. 1), where the
-// displacement is linear in each of the cell's six tetrahedra. The path from corner 0 goes along the axis of
-// the largest fraction first (Kuhn; used for the breath's field).
+// Returns the weight of a cell's corner (bits x, y, z) at a place in the cell (0 .. 1). The displacement is
+// linear in each of the six tetrahedra into which the cell is divided. The path from corner 0 follows first
+// the axis with the largest fraction (Kuhn's division; the breath's field uses it).
 double motion_plane_weight(int corner, const Eigen::Vector3d &place);
 
 class Motion
@@ -54,18 +54,18 @@ class Motion
     explicit Motion(const crn_scene &scene); // requires a checked scene with motion; copies its lattices
     bool breathes() const { return breath_.has_value(); }
 
-    // Returns the place in the reference pose of the material that is at x now.
+    // Returns where the material that is at x now lies in the reference pose.
     Eigen::Vector3d pull(const Eigen::Vector3d &x_m, const MotionMoment &moment) const;
-    // Returns the present place of the material that the reference pose has at X; the error is below 1 um
-    // where the lattice does not fold over.
+    // Returns where the material at X in the reference pose is now. The error is below 1 um where the lattice
+    // does not fold over itself.
     Eigen::Vector3d push(const Eigen::Vector3d &X_m, const MotionMoment &moment) const;
 
   private:
-    // One lattice: nodes with `row` numbers for each of three components.
+    // One lattice of nodes; each node has `row` numbers for each of three components.
     struct Lattice {
         explicit Lattice(const crn_scene_motion &scene, std::size_t row);
-        // Finds the node of the cell's corner 0, the strides to the other corners and the place in the cell;
-        // false outside.
+        // Finds the node at corner 0 of the cell that contains a place, the strides to the other corners, and
+        // the place inside the cell. Returns false outside the lattice.
         bool find(const Eigen::Vector3d &x_m, std::size_t &node, Eigen::Vector3d &place) const;
         std::size_t corner(std::size_t node, unsigned corner) const;
 
@@ -81,20 +81,20 @@ class Motion
     std::optional<Lattice> breath_;
 };
 
-// Reads the MOTION section of a scene file. Returns nothing when there is none, or, with a message in
-// `error`, when it cannot be read.
+// Reads the MOTION section of a scene file. Returns nothing when there is no such section. When it cannot be
+// read, `error` has a message too.
 std::optional<Motion> read_motion(const std::string &scene_path, std::string &error);
 
-// Places that move with it: each is evaluated once at all keyframes, at rest and inhaled; then a moment costs
-// a few products. Between keyframes the result is the spline of the moved places, within 0.05 mm of the
-// lattice's own map.
+// Places that move with the lattice. The lattice is evaluated at each place only once, for all keyframes, at
+// rest and inhaled. Afterwards the place at a moment costs a few products. Between keyframes the result is a
+// spline through the moved places; it is within 0.05 mm of the lattice's own map.
 class MovingPoints
 {
   public:
     MovingPoints(const Motion &motion, std::vector<Eigen::Vector3d> reference_m);
     std::size_t size() const { return reference_m_.size(); }
     bool moves(std::size_t i) const { return moves_[i]; }
-    // Displacement of place i from the reference pose, um; 0 0 0 for one that never moves.
+    // Returns the displacement of place i from the reference pose, um; 0 0 0 for a place that never moves.
     Eigen::Vector3f way_um(std::size_t i, const MotionWeights &weights) const;
     Eigen::Vector3d at(std::size_t i, const MotionWeights &weights) const
     {
@@ -107,12 +107,13 @@ class MovingPoints
     std::vector<Eigen::Vector3d> reference_m_;
     std::vector<bool> moves_;
     bool breathes_;
-    // For each place and keyframe 23, 0 .. 23, 0: its displacement at rest, and if it moves with breath what
-    // a full breath adds to that. They are adjacent in memory, because a moment needs three neighbours.
+    // The displacements of each place at keyframes 23, 0 .. 23, 0: at rest and, if the place moves with
+    // breath, the difference that a full breath adds. The keyframes of one place are adjacent in memory,
+    // because a moment needs three neighbouring ones.
     std::vector<float> coefficients_um_;
 };
 
-// Bodies that move with it, by their vertices.
+// Bodies whose vertices move with the lattice.
 class MovingBodies
 {
   public:
@@ -123,7 +124,7 @@ class MovingBodies
         int body = 0; // index in Bodies
         std::span<const Eigen::Vector3i> vertices_um;
     };
-    // The result is valid until the next call.
+    // The returned list is valid until the next call.
     const std::vector<Moved> &at(const MotionMoment &moment);
 
   private:

@@ -1,5 +1,5 @@
-// Orders to the core that wait for the coming ticks. A tick's list accepts one order of each kind, as the
-// core does (shared/wire/wire_orders.def); an order that does not fit waits for the next tick.
+// Holds orders to the core until a tick can accept them. Like the core, a tick's list accepts only one order
+// of each kind (shared/wire/wire_orders.def). A second order of a kind waits for the next tick.
 //
 //   OrderQueue orders;
 //   orders.add(crn_wire_order_of_rhythm({CRN_WIRE_RHYTHM_HEART_RATE, 90}));
@@ -15,7 +15,7 @@
 namespace crn
 {
 
-// Returns the orders of a tick.
+// Returns the orders in the list of a tick.
 inline std::span<const crn_wire_order> orders_of(const crn_wire_order_list &list)
 {
     return {list.items, list.items_count};
@@ -34,7 +34,7 @@ class OrderQueue
     void add(const crn_wire_order &order) { waiting_.push_back(order); }
     void clear() { waiting_.clear(); }
     bool is_empty() const { return waiting_.empty(); }
-    // Moves the oldest order of each kind that the list does not have yet.
+    // Moves into the list the oldest order of each kind that the list does not have yet.
     void move_into(crn_wire_order_list &list);
 
   private:

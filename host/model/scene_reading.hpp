@@ -1,4 +1,4 @@
-// Reads a baked scene to take one thing out of it.
+// Reads a baked scene in order to extract one thing from it.
 #pragma once
 #include "host/base/text.hpp"
 #include "shared/scene/scene.h"
@@ -8,8 +8,8 @@
 namespace crn
 {
 
-// `use` receives the checked scene, whose bytes are released afterwards. Returns the result of `use`; without
-// a scene (no path, or an error that names file and byte) it returns `{}`.
+// `use` receives the checked scene, and the scene's bytes are released afterwards. Returns the result of
+// `use`. Returns `{}` when there is no path, or when an error occurs, which names file and byte.
 template <typename Result, typename Use>
 Result from_scene(const std::string &scene_path, std::string &error, Use use)
 {

@@ -1,5 +1,6 @@
-// Converts physical numbers to the wire's number formats and back: the only host file that depends on Q30. It
-// rounds to nearest; values outside a format's range throw, so that nothing wraps silently.
+// Converts physical values to the number formats of the byte protocol and back. No other host file depends on
+// Q30. Values are rounded to nearest. A value outside a format's range throws, so that nothing wraps
+// silently.
 #pragma once
 #include <Eigen/Core>
 #include <cmath>

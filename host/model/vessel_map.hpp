@@ -1,15 +1,15 @@
-// Names and distances in a tree of vessels: the vessel in which a place lies, its position along that vessel,
-// and its distance to another place along the vessels. Places are in the reference pose; places that move
-// with heart and breath are first pulled back to it (motion.hpp).
+// Names and distances in a tree of vessels: in which vessel a place lies, how far along that vessel, and how
+// far from another place along the vessels. All places are in the reference pose; a place that moves with
+// heart and breath must first be converted to that pose (motion.hpp).
 //
 //   VesselMap map(bodies.vessels);
 //   const std::optional<std::size_t> goal = map.find("left main");
 //   const VesselPlace place = map.at(tip_m);
 //
-// A vessel of the map is a branch of the tree, named like its file with spaces for underscores. An aorta
-// whose tree has the brachiocephalic and the left subclavian artery counts as three vessels, as in anatomy.
-// They are the ascending aorta (to the origin of the brachiocephalic), the aortic arch (to that of the left
-// subclavian) and the descending aorta.
+// Each branch of the tree is a vessel of this map; its name is that of the branch's file, with spaces for
+// underscores. An aorta from which a brachiocephalic and a left subclavian artery leave counts as three
+// vessels, as in anatomy. They are the ascending aorta (to the origin of the brachiocephalic), the aortic
+// arch (to that of the left subclavian) and the descending aorta.
 #pragma once
 #include "host/model/vessel_tree.hpp"
 #include <cstdint>
@@ -21,7 +21,7 @@
 namespace crn
 {
 
-// A vessel: its own stretch of a branch of the tree.
+// A vessel, which is a whole branch of the tree or a stretch of one.
 struct MappedVessel {
     std::string name;
     std::size_t branch = 0;
@@ -32,14 +32,14 @@ struct MappedVessel {
     double length_m() const { return to_m - from_m; }
 };
 
-// A place in a vessel, measured from the vessel's beginning in the direction of blood flow.
+// A place in a vessel, measured from the beginning of the vessel in the direction of blood flow.
 struct VesselPlace {
     std::size_t vessel = 0;
     double along_m = 0.0;
     double radii = 0.0; // distance from the centreline in radii of the lumen: above 1 the place lies outside
 };
 
-// A place relative to a tool's route from a start to a goal along the vessels.
+// Describes a place relative to the route of a tool along the vessels from a start to a goal.
 struct VesselWay {
     std::int64_t ahead_um = 0; // on the route: distance to the goal's ostium
     std::int64_t astray_um =
@@ -57,23 +57,24 @@ class VesselMap
     const std::vector<MappedVessel> &vessels() const { return vessels_; }
     std::vector<std::string> names() const;
 
-    // Case, spaces, underscores and hyphens are ignored, and so is "artery" at the end; the usual long names
-    // of coronary arteries are known.
+    // Ignores case, spaces, underscores and hyphens, and "artery" at the end, and accepts the usual long
+    // names of coronary arteries.
     std::optional<std::size_t> find(std::string_view name) const;
-    // Returns ", did you mean ...?" or the list of all names.
+    // Returns ", did you mean ...?" with the nearest name, or else the list of all names.
     std::string suggestion(std::string_view name) const;
 
     // Returns the vessel in which a place lies, or the nearest one. The map must not be empty.
     VesselPlace at(const Eigen::Vector3d &reference_m) const;
-    // Returns how far inside its vessel a place lies, measured from where the route from `start` enters: the
-    // vessel's beginning, or the branch from which the route comes.
+    // Returns how far inside its vessel a place lies. The distance is measured from where the route from
+    // `start` enters the vessel: at its beginning, or at the branch from which the route comes.
     double inside_m(const VesselPlace &place, const VesselPlace &start) const;
     VesselWay way(const VesselPlace &place, const VesselPlace &start, std::size_t goal) const;
-    // Returns the radius of the lumen at the goal's ostium.
+    // Returns the radius of the lumen at the ostium of the goal.
     double mouth_radius_m(const VesselPlace &start, std::size_t goal) const;
     double distance_m(const VesselPlace &from, const VesselPlace &to) const; // along the vessels
 
-    // Returns the vessel of a place on a branch, given in metres along the branch's centreline.
+    // Returns the vessel to which a place on a branch belongs; the place is given in metres along the
+    // branch's centreline.
     std::size_t vessel_of(std::size_t branch, double arc_m) const;
 
   private:

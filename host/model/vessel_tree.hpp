@@ -1,6 +1,6 @@
-// Vessels as a tree of centrelines with inscribed radii: the paths of blood, and of contrast medium with it.
-// It is read from the TREE section of an `X.bodies` file with the bodies (bodies.hpp), which bake writes.
-// Coordinates are in the patient frame, in SI units.
+// Vessels as a tree of centrelines with inscribed radii, along which blood and contrast medium flow. The tree
+// is read together with the bodies (bodies.hpp) from the TREE section of an `X.bodies` file, which bake
+// writes. Coordinates are in the patient frame, in SI units.
 #pragma once
 #include <Eigen/Core>
 #include <cstddef>
@@ -11,7 +11,8 @@
 namespace crn
 {
 
-// The tissue that a vessel feeds; it decides when in the beat blood flows there. Files contain these numbers.
+// The kind of tissue that a vessel feeds; it determines when in the beat blood flows there. Files contain
+// these numbers.
 enum class VesselBed { systemic = 0, left_coronary = 1, right_coronary = 2 };
 
 struct VesselBranch {
@@ -24,7 +25,8 @@ struct VesselBranch {
     double flow_ml_s = 0.0; // mean flow out of its end, as stated; 0: not stated
 };
 
-// A stretch of a branch that disease has narrowed: the branch's own points are those of the narrowed lumen.
+// A stretch of a branch that disease has narrowed. The points of the branch itself are those of the narrowed
+// lumen.
 struct VesselLesion {
     std::string name;
     std::size_t branch = 0, first_point = 0; // first of the branch's points ...
@@ -40,14 +42,15 @@ struct VesselTree {
     std::vector<VesselBranch> branches; // branch 0 is the only root; empty: no vessels are known
     std::vector<VesselLesion> lesions = {};
 
-    // Returns the point of a lesion's branch with the smallest share of the healthy radius.
+    // Returns the point of the branch at which the lesion leaves the smallest share of the healthy radius.
     std::size_t throat(const VesselLesion &lesion) const;
 
-    // Blood leaves at the last point of such a branch, because no other branch continues from there.
+    // Returns true if no other branch continues from the branch's last point, so that blood leaves the tree
+    // there.
     bool is_outlet(std::size_t branch) const;
 };
 
-// The place of a branch that is nearest to a point, measured in the branch's radii.
+// The place on a branch that is nearest to a point; distances are measured in the branch's radii.
 struct VesselFoot {
     double radii = std::numeric_limits<double>::infinity(); // distance over the radius there
     std::size_t point = 0;                                  // between this point and the next ...
@@ -55,13 +58,14 @@ struct VesselFoot {
 };
 VesselFoot vessel_foot(const VesselBranch &branch, const Eigen::Vector3d &place_m);
 
-// Returns how far along a branch it leaves its parent: where its centreline leaves the parent's lumen, or
-// half of the parent's radius behind a division; at most 0.8 of the branch. The branch's own blood, and
-// millimetres from its ostium, begin there. It is 0 for the root.
+// Returns how far along its centreline a branch leaves its parent. This is where the centreline leaves the
+// parent's lumen or, after a division, half of the parent's radius; at most 0.8 of the branch. The blood that
+// belongs to the branch begins there, and so does the distance from its ostium. For the root the result is 0.
 double vessel_start_m(const VesselTree &tree, std::size_t branch);
 
-// Checks what reading alone cannot guarantee: parents before children, places that exist, points and radii in
-// range, lesions where there is a vessel. Returns false with a sentence that names the branch.
+// Checks what reading alone cannot guarantee: parents come before children, places exist, points and radii
+// are in range, and lesions lie on vessels. Returns false and a sentence that names the branch if a check
+// fails.
 bool check_vessel_tree(const VesselTree &tree, std::string &error);
 
 } // namespace crn

@@ -1,5 +1,5 @@
-// The tools at one tick for one picture: the view that effects and X-ray have of the core. It holds SI units
-// in Eigen doubles; host/model fills it from bytes, never from the core directly.
+// The tools at one tick, for one picture: this is all that effects and X-ray see of the core. Lengths are
+// Eigen doubles in SI units. host/model fills the frame from received bytes, never from the core's memory.
 #pragma once
 #include <Eigen/Core>
 #include <cstdint>
@@ -21,14 +21,16 @@ struct WireFrame {
     std::uint32_t heart_phase32 = 0, breath_phase32 = 0; // 2^-32 cycle: docs/heart.md
     std::vector<WireNode>
         nodes{}; // node 0 is the leading tip; only nodes beyond the introducer and the first one inside it
-    // The position of each tool's own tip on the line, from the innermost tool out; the leading one's is 0. A
-    // tool covers the line from there to the last node. If empty, there is one tool from node 0.
+    // The position of each tool's own tip on the line, from the innermost tool outwards; it is 0 for the
+    // leading tool. A tool covers the line from its tip to the last node. If the list is empty, there is one
+    // tool, which begins at node 0.
     std::vector<double> tip_arc_m{};
-    // The balloon of one of the tools, as radii of its balls; the first is `balloon_arc_m` from the leading
-    // tip, and they are `balloon_spacing_m` apart. It is empty if there is none.
+    // The balloon of one of the tools, as the radii of its balls. The first ball is at `balloon_arc_m` from
+    // the leading tip, and neighbouring balls are `balloon_spacing_m` apart. The list is empty if no tool has
+    // a balloon.
     std::vector<double> balloon_radii_m{};
     double balloon_arc_m = 0.0, balloon_spacing_m = 0.0;
-    // How far lesions that yield are open, 0 .. 1, station by station, lesion by lesion (docs/lesions.md).
+    // How far each station of each yielding lesion is open, 0 .. 1, lesion after lesion (docs/lesions.md).
     std::vector<double> lesions_open{};
 };
 

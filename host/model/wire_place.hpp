@@ -1,4 +1,4 @@
-// Computes places of the line between its nodes.
+// Computes places on the line between its nodes.
 #pragma once
 #include "host/model/wire_frame.hpp"
 #include <algorithm>

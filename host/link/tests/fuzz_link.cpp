@@ -1,5 +1,5 @@
-// Fuzz target: the host's side of the wire against any device. The input is a list of the host's requests,
-// each followed by the device's messages:
+// Fuzz target: the host's side of the byte protocol, with a device that may send anything. The input is a
+// list of the host's requests, each followed by the device's messages:
 //
 //   call u8 modulo 21, then answers until the call ends:
 //     0     silence: the call under way fails
@@ -11,7 +11,7 @@
 //     6 ..  an unasked message of type u8: length u8, payload
 //
 // Whatever a device sends, each call ends with a result or with a LinkError that has a text, and the host's
-// counters agree.
+// counters remain consistent.
 #include "host/link/link.hpp"
 #include <algorithm>
 #include <cstdlib>
@@ -55,7 +55,7 @@ class Input
     std::size_t left_;
 };
 
-// Returns the answer that a host expects to a request `type`.
+// Returns the type of the answer that a host expects to a request of type `type`.
 std::uint16_t answer_of(std::uint16_t type, std::uint8_t what)
 {
     static constexpr std::uint16_t gets[] = {0,
@@ -80,7 +80,8 @@ class FuzzedDevice final : public crn::Transport
   public:
     explicit FuzzedDevice(Input &in) : in_(in) {}
 
-    // The host's frames are valid: their first bytes, without COBS, show the expected answer.
+    // The host's frames are valid. Their first bytes, after COBS is decoded, show which answer the host
+    // expects.
     void write(std::span<const std::uint8_t> bytes) override
     {
         std::uint8_t body[9] = {};

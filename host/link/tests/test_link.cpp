@@ -1,6 +1,6 @@
-// Claims: after any loss, tear or repetition of bytes, HELLO begins a working conversation without unplugging
-// the cable. A late answer is not taken for the present one. A device that sends without end or without limit
-// produces an error. No received tick is missing in the recording.
+// Claims: whatever bytes were lost, cut or repeated, HELLO begins a working conversation without unplugging
+// the cable. A late answer is not taken for the answer to the present request. A device that sends without
+// end causes an error. Every tick that was received is in the recording.
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -24,7 +24,7 @@ extern "C" {
 namespace
 {
 
-// A device that sends prepared messages, as answers to the host's last frame or unasked.
+// A device that sends prepared messages, either as answers to the host's last frame or without a request.
 class TalkingDevice final : public crn::Transport
 {
   public:
@@ -111,8 +111,8 @@ bool contains(const std::string &text, const char *part)
     return text.find(part) != std::string::npos;
 }
 
-// The device restarted within a frame: our decoder holds its first half, and the reply follows without a
-// zero.
+// The device restarted in the middle of a frame. The host's decoder holds the first half of it, and the reply
+// follows without a zero, which would have ended that frame.
 void hello_finds_the_device_behind_half_a_frame(void **)
 {
     TalkingDevice device;
@@ -125,7 +125,7 @@ void hello_finds_the_device_behind_half_a_frame(void **)
     assert_string_equal(error_of([&] { link.hello(); }).c_str(), "");
 }
 
-// Answers, refusals and broken messages of the earlier conversation do not disturb the new one.
+// Answers, refusals and damaged messages of an earlier conversation do not disturb the new one.
 void hello_is_deaf_to_what_was_before(void **)
 {
     TalkingDevice device;
@@ -143,8 +143,9 @@ void hello_is_deaf_to_what_was_before(void **)
     assert_true(contains(error_of([&] { link.hello(); }), "WRONG_STATE"));
 }
 
-// A refusal that comes after its request was given up is not the answer to the next request. A refusal of the
-// present request is its answer, even when it concerns an earlier frame of that request.
+// A refusal may arrive after the host gave its request up; it must not be taken for the answer to the next
+// request. A refusal of the present request is its answer, even when it names an earlier frame of the same
+// request.
 void a_late_refusal_is_not_taken_for_an_answer(void **)
 {
     TalkingDevice device;
@@ -172,7 +173,7 @@ void a_device_that_talks_without_end_is_left_with_an_error(void **)
     TalkingDevice device;
     crn::Link link(device);
     device.on_silence = [&] { device.say(CRN_WIRE_TYPE_notice, 0, crn_wire_notice{}, crn_wire_put_notice); };
-    // On a slow machine the time runs out before the number of frames is exceeded; both are errors.
+    // On a slow machine the time limit is reached before the limit on frames; both cause an error.
     const auto is_left = [&](const std::string &error) {
         return contains(error, "without end") ||
                (REFERENCE_RUN(10) < 10 && contains(error, "kept the host waiting"));
@@ -183,8 +184,8 @@ void a_device_that_talks_without_end_is_left_with_an_error(void **)
     assert_true(link.take_notices().size() == crn::Link::notices_max);
 }
 
-// A device sends endless zeros, endless noise, or one byte now and then. None is a message, and each call
-// ends after a bounded number of bytes or a bounded time.
+// The device sends zeros without end, noise without end, or one byte now and then. None of these is a
+// message, and each call must end after a bounded number of bytes or a bounded time.
 void a_device_that_never_frames_is_left_with_an_error(void **)
 {
     for (const unsigned char byte : {0x00, 0x55, 0xff}) {
@@ -203,7 +204,7 @@ void a_device_that_never_frames_is_left_with_an_error(void **)
     }
 }
 
-// The budget is 60 ms here, and requests share it: the second one gets what the first one leaves.
+// The budget is 60 ms here, and all requests share it: the second request gets what the first one has left.
 void a_device_that_keeps_its_host_waiting_is_left_with_an_error(void **)
 {
     TalkingDevice device;
@@ -216,11 +217,11 @@ void a_device_that_keeps_its_host_waiting_is_left_with_an_error(void **)
     const std::string text = error_of([&] { link.read_status(); });
     if (!contains(text, "kept the host waiting") || !contains(text, "status")) fail_msg("'%s'", text.c_str());
     for (int i = 0; i < 5; i++) assert_false(error_of([&] { link.read_status(); }).empty());
-    // 0.26 s for the first and 0.2 s for each other one; a busy machine may take longer.
+    // The first call takes 0.26 s, and each of the others 0.2 s; a busy machine may take longer.
     assert_true(std::chrono::steady_clock::now() - begin < std::chrono::seconds(5));
 }
 
-// A snapshot has its announced size, which must not exceed that of any device.
+// A snapshot must have the size that the device announced, which must not exceed that of any correct device.
 void a_snapshot_beyond_its_size_is_refused(void **)
 {
     TalkingDevice device;
@@ -237,8 +238,8 @@ void a_snapshot_beyond_its_size_is_refused(void **)
     assert_true(contains(error_of([&] { link.read_snapshot(); }), "snapshot_begin"));
 }
 
-// The answer to STOP comes before the ticks that were still in the device's queue. Those ticks come later,
-// and are the recording's last ones.
+// The answer to STOP arrives before the ticks that were still in the device's queue. Those ticks arrive
+// later, and are the last ones of the recording.
 void ticks_that_come_behind_the_answer_to_stop_are_recorded(void **)
 {
     TalkingDevice device;
@@ -262,9 +263,9 @@ void ticks_that_come_behind_the_answer_to_stop_are_recorded(void **)
     assert_int_equal(link.free_run(0).size(), 0);
 }
 
-// A host takes longer for a picture than the 30 ms after which a device fades its forces. It sends heartbeats
-// meanwhile, but not for ever. The test counts instead of timing: three frames come while Presence exists,
-// and none after its limit.
+// Making a picture can take the host longer than the 30 ms of silence after which a device reduces its forces
+// to zero. Meanwhile the host sends heartbeats, but not for ever. The test counts frames instead of measuring
+// time: three frames arrive while Presence exists, and none after its limit.
 void a_busy_host_is_present_for_half_a_second(void **)
 {
     TalkingDevice device;

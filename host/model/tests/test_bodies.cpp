@@ -1,5 +1,5 @@
-// Claims: body files are read as they were written, and a file that is not a body file is refused with file,
-// place and remedy.
+// Claims: body files are read as they were written. A file that is not a body file is refused with a message
+// that names the file, the place and the remedy.
 #include "host/model/bodies.hpp"
 #include "host/xray/tests/xray_shapes.hpp"
 #include "shared/scene/scene_write.h"
@@ -101,7 +101,8 @@ static void missing_file_is_named(void **)
     assert_true(error.find("/nowhere/a.bodies") != error.npos);
 }
 
-// Every truncation and a flipped bit in every 37th byte are refused, and no part is read.
+// Every shortened file, and a flipped bit in every 37th byte, must be refused, and no part of the file may be
+// read.
 static void damaged_file_is_refused_and_leaves_the_old_bodies(void **)
 {
     const std::vector<std::uint8_t> whole = body_file(two_bodies());
@@ -121,7 +122,7 @@ static void damaged_file_is_refused_and_leaves_the_old_bodies(void **)
     unlink(path.c_str());
 }
 
-// "123456789" has the CRC-32 cbf43926: the check value of the algorithm's catalogue.
+// The CRC-32 of "123456789" is cbf43926, which is the check value in catalogues of CRC algorithms.
 static void bodies_are_read_with_the_scene_they_were_baked_with_alone(void **)
 {
     const std::string scene = path + ".scene", other = path + ".other";

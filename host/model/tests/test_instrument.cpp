@@ -1,5 +1,5 @@
-// Claims: instrument files give the numbers that they state; a wrong file is refused with file, line, place
-// and key.
+// Claims: reading an instrument file gives the numbers that it states. A wrong file is refused with file,
+// line, place and key.
 #include <algorithm>
 #include <cmath>
 #include <csetjmp>
@@ -37,7 +37,7 @@ std::string temporary_path()
     return "/tmp/cournand_test_" + std::to_string(getpid()) + ".toml";
 }
 
-// Returns the error message of reading a text; empty when it is read.
+// Returns the error message of reading a text; empty when the text is accepted.
 std::string message_of(const std::string &text, const std::string &preset = "")
 {
     const std::string path = temporary_path();
@@ -60,7 +60,7 @@ void expect_in(const std::string &message, const std::string &expected)
     }
 }
 
-// Reads a shipped file with one piece replaced.
+// Reads a shipped file in which one piece of text was replaced.
 void expect_error_in(const std::string &file, const std::string &old_piece, const std::string &new_piece,
                      const std::string &expected)
 {
@@ -89,7 +89,8 @@ void expect_bend(const Instrument &instrument, double arc_mm, double expected_N_
                 crn::stiffness_at(instrument, Stiffness::bend, arc_mm * 1e-3), expected_N_m2, 0.01);
 }
 
-// The figures of docs/instruments.md and of their sources are repeated here independently.
+// The expected figures are copied by hand from docs/instruments.md and its sources, so that they do not
+// depend on the files.
 void the_shipped_instruments_have_the_documented_stiffness(void **)
 {
     struct Expected {
@@ -142,7 +143,7 @@ void hydrophilic_coats_have_a_third_of_the_friction_of_ptfe(void **)
                 ptfe.table.knots[0].friction_kinetic_milli, 0.02);
 }
 
-// Table 5.1 of the thesis is repeated here independently: Eb (1e7), radius (1e3), density (1e5), Kp (1e3).
+// The values of Table 5.1 of the thesis are copied by hand: Eb (1e7), radius (1e3), density (1e5), Kp (1e3).
 void the_fits_hold_the_table_of_the_thesis(void **)
 {
     struct Row {
@@ -184,7 +185,7 @@ void the_fits_hold_the_table_of_the_thesis(void **)
     assert_int_equal(crn::list_instruments({}, "vcsim3-fit").size(), std::size(rows));
 }
 
-// Half way along a taper from a to b the value is their geometric mean.
+// Half-way along a taper the stiffness is the geometric mean of those at its two ends.
 void tapers_change_by_equal_ratios(void **)
 {
     expect_bend(crn::read_instrument(folder + "bentson.toml"), 250, 2.449e-5);
@@ -199,7 +200,7 @@ void a_shape_is_that_of_its_arcs(void **)
     expect_near("J, length of arc", wire.shape.back().arc_end_m, 3e-3 * std::numbers::pi, 1e-9);
     assert_true((half_circle.front().position_m - Eigen::Vector3d(0.02, 0.006, 0.0)).norm() < 1e-9);
     assert_true((half_circle.front().forward + Eigen::Vector3d::UnitX()).norm() < 1e-9);
-    // Angles add up along a shape: -90 + 180 - 35.
+    // The angles of a shape add up along it: -90 + 180 - 35 degrees.
     const Eigen::Vector3d left =
         crn::unloaded_shape(crn::read_instrument(folder + "guide_jl4_6f.toml"), 1e-3, 0.0).front().forward;
     expect_near("JL4, direction of the tip", std::atan2(left.y(), left.x()), 55.0 * std::numbers::pi / 180.0,
@@ -247,7 +248,7 @@ void a_list_has_text_json_and_picture(void **)
     assert_string_equal(json[1]["table_5_1"]["row"].get<std::string>().c_str(), "Beacon 5FR");
     const crn::Image one = crn::instruments_picture({list[0]}), two = crn::instruments_picture(list);
     assert_true(two.height > one.height && two.width == one.width);
-    // The picture has content: every row adds dark pixels.
+    // Every row of the picture must add dark pixels, so none is empty.
     auto dark = [](const crn::Image &image) {
         return std::count_if(image.bytes.begin(), image.bytes.end(),
                              [](std::uint8_t byte) { return byte < 100; });
@@ -322,7 +323,7 @@ void wrong_presets_are_refused(void **)
                  "preset 'vcsim3-fit': there is no preset 'fysical', did you mean 'physical'?");
     expect_error("radius_1e3 = 7.5", "radius_1e3 = 75", "table_5_1: 'radius_1e3' = 75 is outside 1 .. 20");
     expect_error("kp_1e3", "kp", "table_5_1: unknown key 'kp'");
-    // The fit is not requested here, but its fault is found nevertheless.
+    // The fitted preset is not requested here, but the error in it must be found nevertheless.
     expect_error_in("beacon_5f.toml", "radius_1e3 = 7.4", "radius_1e3 = 4.0",
                     "wider than the table's radius");
     expect_in(
@@ -354,8 +355,8 @@ void wrong_shapes_are_refused(void **)
            "knots, at most 32");
 }
 
-// The values are those that the maker prints, in the wire's units, and the marker bands are among the X-ray
-// layers.
+// The values are those that the maker prints, in the units of the byte protocol, and the marker bands are
+// among the X-ray layers.
 void a_balloon_has_its_makers_table(void **)
 {
     const Instrument one = crn::read_instrument(folder + "balloon_3x20.toml");

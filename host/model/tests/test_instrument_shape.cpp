@@ -1,6 +1,6 @@
-// Claims: the device accepts every shipped instrument by every preset. In free space without gravity the
-// core's rod takes the shape that the file intends. Every wire works with every catheter that it fits into,
-// and both with a guide.
+// Claims: the device accepts every preset of every shipped instrument. In free space without gravity the
+// core's rod takes the shape that the instrument's file describes. Every guidewire can be simulated in every
+// catheter into which it fits, and both together in a guiding catheter.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -164,8 +164,8 @@ double angle_deg(const Vector3d &a, const Vector3d &b)
     return std::atan2(a.cross(b).norm(), a.dot(b)) * 180.0 / std::numbers::pi;
 }
 
-// The rod goes from straight to rest in 4 s. Positions are compared node by node; the tip's direction is that
-// of its first element.
+// The rod starts straight and comes to rest within 4 s. The test compares positions node by node; the
+// direction of the tip is that of the first element.
 void expect_rest_shape(const Instrument &instrument)
 {
     constexpr double allowed_deg = 2.5, allowed_strain = 1e-3;
@@ -200,7 +200,8 @@ void every_physical_instrument_rests_in_its_shape(void **)
     for (const std::string &file : shipped_files()) expect_rest_shape(crn::read_instrument(file));
 }
 
-// The curve lies in two planes, unlike all shipped ones: a quarter circle up, then one to the side.
+// Unlike the shipped instruments, this curve lies in two planes: it has a quarter circle upwards, and then
+// one to the side.
 void a_shape_out_of_its_plane_rests_in_it(void **)
 {
     std::string text = crn::read_text_file(folder + "simmons_2_5f.toml");
@@ -267,8 +268,9 @@ void expect_line(const std::vector<const Instrument *> &tools)
     }
 }
 
-// A wire is tested alone, in each catheter, and both in each guide. Fits of the thesis describe one
-// instrument and are thicker than the catheters' lumens, so they are not combined.
+// Each guidewire is tested alone, in each catheter, and together with the catheter in each guiding catheter.
+// The thesis' fits describe one instrument alone and are thicker than the lumens of catheters, so they are
+// not combined.
 void every_wire_goes_with_every_catheter(void **)
 {
     std::vector<Instrument> all;
