@@ -31,7 +31,8 @@ constexpr double stream_radii =
     1.5; // radii of the vessel over which the stream from the tip spreads to fill it
 constexpr double stream_fades = 0.01; // fading per ms, after the injection
 
-// A piece of a curve is drawn as a cylinder: a piece that widens is divided, so that its edge has no steps.
+// Each piece of a curve is drawn as a cylinder. A piece whose width changes is divided, so that its edge has
+// no visible steps.
 void go_to(SweptCurve &curve, const SweptPoint &point)
 {
     const SweptPoint from = curve.points.back();
@@ -51,7 +52,8 @@ bool has_lumen(const Instrument &tool)
     return tool.table.knots_count > 0 && tool.table.knots[0].radius_inner_um > 0;
 }
 
-// Returns the place of the line at an arc length from its leading tip; beyond its ends it returns the end.
+// Returns the place on the line at an arc length from its leading tip; beyond an end of the line it returns
+// that end.
 Vector3d place_at(const WireFrame &wire, double arc_m)
 {
     if (arc_m < wire.nodes.front().arc_m) return wire.nodes.front().position_m;
@@ -71,7 +73,7 @@ std::vector<ToolBall> balls_of(const WireFrame &wire)
                 {from.position_m + (static_cast<double>(k) / pieces) * (to.position_m - from.position_m),
                  from.radius_m});
     }
-    // A balloon blocks the flow where it fills the vessel.
+    // The balls of a balloon count as a tool too, so that a balloon that fills the vessel blocks the flow.
     for (std::size_t j = 0; j < wire.balloon_radii_m.size() && !wire.nodes.empty(); ++j) {
         const double arc_m = wire.balloon_arc_m + static_cast<double>(j) * wire.balloon_spacing_m;
         balls.push_back({place_at(wire, arc_m), wire.balloon_radii_m[j]});
@@ -83,7 +85,7 @@ constexpr double kPa_per_psi = 6.894757;
 constexpr double taken_out_m =
     1e-3; // a tool that reaches no farther beyond the introducer also counts as outside the lumens
 
-// Returns why the flow does not pass; empty if it does.
+// Returns the reason why this flow cannot pass through the tool; empty if it can.
 std::string flow_refusal(const Instrument &tool, std::span<const InnerTool> inside, double flow_ml_s,
                          double iodine_mg_per_ml)
 {
@@ -159,7 +161,7 @@ PatientContrast::PatientContrast(const VesselTree &vessels, const std::vector<In
     moved_ = vessels;
 }
 
-// Considers the tools inside the injecting one, up to the length that is in the line.
+// Considers the tools that lie inside the injecting one, as far as they are inserted.
 std::string PatientContrast::pressure_refusal(const Asked &asked, const crn_wire_tick_state &state) const
 {
     std::vector<InnerTool> inside;
@@ -179,7 +181,8 @@ void PatientContrast::tick(const crn_wire_tick_state &state)
                                             (state.rhythm_bits & CRN_WIRE_RHYTHM_IS_RESTING) != 0)});
 }
 
-// Decides by the tools' places at the injection's own tick; before the first tick these are not known.
+// Decides with the places of the tools at the injection's own tick; before the first tick these are not
+// known.
 void PatientContrast::judge_asked()
 {
     while (!asked_.empty() && last_.tick > 0 && asked_.front().tick <= last_.tick) {
@@ -192,7 +195,7 @@ void PatientContrast::judge_asked()
     }
 }
 
-// `next` advances through the beats, which are in order.
+// `next` is the index of the next beat; it only increases, because the calls are in order of time.
 BeatPhase PatientContrast::beat_at(std::uint32_t tick, std::size_t &next) const
 {
     while (next < beats_.size() && beats_[next].tick < tick) ++next;
@@ -200,7 +203,7 @@ BeatPhase PatientContrast::beat_at(std::uint32_t tick, std::size_t &next) const
     return steady_beat(tick, beats_per_min);
 }
 
-// Places the centrelines as heart and breath move them in this frame.
+// Places the centrelines where heart and breath have moved them in this frame.
 void PatientContrast::place_vessels(const WireFrame &wire)
 {
     if (!points_) return;
@@ -227,7 +230,7 @@ VesselTree PatientContrast::opened_vessels() const
     return opened;
 }
 
-// Vessels open only at looks, because the medium must not depend on which pictures were requested.
+// Vessels widen only at looks, because the medium must not depend on which pictures were requested.
 bool PatientContrast::open_vessels(const WireFrame &wire)
 {
     if (opening_.is_empty() || wire.lesions_open == flow_open_) return false;
@@ -274,15 +277,15 @@ std::uint32_t PatientContrast::next_tick() const
     return static_cast<std::uint32_t>(std::max<std::int64_t>(look_due(), seen_tick_ + 1));
 }
 
-// Looks are at multiples of look_every_ticks, independent of other frames.
+// A look at the line's shape is due at multiples of look_every_ticks, whatever other frames there are.
 std::uint32_t PatientContrast::look_due() const
 {
     if (state_ == State::flows) return (look_tick_ / look_every_ticks + 1) * look_every_ticks;
     return (injector_.first_tick() + look_every_ticks - 1) / look_every_ticks * look_every_ticks;
 }
 
-// Advances to the frame's tick with the tools at their last known places, then reads this frame if a look is
-// due.
+// Advances to the frame's tick with the tools at their last known places. Then reads this frame's shape if a
+// look is due.
 void PatientContrast::advance(const WireFrame &wire)
 {
     const std::uint32_t now = wire.tick;
@@ -309,7 +312,7 @@ void PatientContrast::advance(const WireFrame &wire)
     ++cost_.frames;
 }
 
-// Notes the volume of the tick that ends now.
+// Adds the volume that was injected during the tick that ends now.
 void PatientContrast::note_given(std::uint32_t tick)
 {
     if (fluid_.flow_ml_s <= 0.0) return;
@@ -364,8 +367,8 @@ void PatientContrast::look(const WireFrame &wire)
     stream_.share = mouths[0].share;
 }
 
-// Returns how little of the vessel the stream from the tip fills at a cell: 1 at the tip, 0 where it fills
-// the vessel.
+// Returns how narrow the stream of medium from the tip is at a cell: 1 at the tip, 0 where it fills the
+// vessel.
 double PatientContrast::stream_at(std::size_t cell, double &behind_tip_mm) const
 {
     const FlowCells &cells = flow_.cells();
@@ -376,7 +379,8 @@ double PatientContrast::stream_at(std::size_t cell, double &behind_tip_mm) const
            std::max(1.0 - behind_tip_mm / (stream_radii * cells[cell].radius_mm), 0.0);
 }
 
-// Returns the cell's iodine as a thinner column beside the axis, just wide enough to hold it undiluted.
+// Shows the iodine of a cell as a column that is thinner than the vessel and lies to the tip's side of the
+// axis. It is just wide enough to hold the iodine undiluted.
 SweptPoint PatientContrast::stream_point(std::size_t cell, double narrowness) const
 {
     const FlowCells &cells = flow_.cells();
@@ -391,9 +395,10 @@ SweptPoint PatientContrast::stream_point(std::size_t cell, double narrowness) co
             contrast_share(mean / (width * width))};
 }
 
-// Makes two columns per vessel: the concentration common to both layers over the whole width, and the inner
-// layer's excess around the axis. An excess along the wall is shown as if it were mixed. Where medium streams
-// from the tip there is one thinner column.
+// Makes two columns per vessel. One has the vessel's width and the concentration that both layers share; the
+// other lies around the axis and has the additional concentration of the inner layer. If the layer along the
+// wall has the higher concentration, the two layers are shown as if they were mixed. Where medium streams
+// from the tip, there is only one, thinner column.
 void PatientContrast::make_curves()
 {
     curves_.clear();
@@ -402,8 +407,9 @@ void PatientContrast::make_curves()
         for (bool is_core : {false, true}) make_curves_of(branch, is_core);
 }
 
-// A column begins at its cell's face. Where a vessel divides, its branches' cells begin outside of it. Their
-// columns begin at the vessel's end, because otherwise there would be a gap.
+// A column begins at the upstream face of its first cell. Where a vessel divides, the first cells of its
+// branches begin outside of it. The columns of those branches begin at the end of the parent vessel, because
+// otherwise the picture would show a gap.
 Vector3d PatientContrast::column_begin_m(std::size_t cell) const
 {
     const FlowCells &cells = flow_.cells();
@@ -438,7 +444,7 @@ void PatientContrast::make_curves_of(std::size_t branch, bool is_core)
         const double radius_m = cells[i].radius_mm * 1e-3 * (is_core ? std::sqrt(0.5) : 1.0);
         SweptPoint point{cells.middle_m(i), radius_m, contrast_share(shown)};
         if (narrowness > 0.0) point = stream_point(i, narrowness);
-        // A column begins and ends at the faces of its cells.
+        // A column begins and ends at faces of cells, and not at their middles.
         if (curve.points.empty()) {
             SweptPoint first = point;
             first.at_m += column_begin_m(i) - cells.middle_m(i);

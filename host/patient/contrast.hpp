@@ -1,7 +1,7 @@
-// Contrast medium in a session: the ordered injections, the places of the tools, and the medium for the
-// X-ray. It depends only on the commands and on the line's shape at its own ticks (next_tick), so a replay
-// shows the same, whatever pictures were requested. While there is no medium in the vessels nothing is
-// computed.
+// Contrast medium in a session: the injections that were ordered, the places of the tools, and the medium
+// that the X-ray shows. The medium depends only on the commands and on the line's shape at fixed ticks
+// (next_tick). So a replay shows the same medium, whatever pictures were requested. While the vessels contain
+// no medium, nothing is computed.
 #pragma once
 #include "host/effects/injector.hpp"
 #include "host/model/instrument.hpp"
@@ -21,19 +21,21 @@ namespace crn
 inline constexpr double iodine_default_mg_per_ml =
     350.0; // strength of the injected medium until a command changes it
 
-// Returns the injecting tool, counted from the innermost: the requested one (1 ...), or for 0 the outermost
-// with a lumen. It is empty if there is none.
+// Returns the tool that injects, counted from the innermost. `asked` is its number from 1; 0 selects the
+// outermost tool with a lumen. The result is empty if there is no such tool.
 std::optional<std::size_t> injecting_tool(const std::vector<Instrument> &tools, std::int32_t asked);
-// Returns why these tools cannot carry out a command to the syringe, wherever they are; empty if they can, or
-// if the command is not for the syringe. `iodine_mg_per_ml` is the strength of the injected medium.
+// Returns the reason why these tools cannot carry out a command to the syringe, wherever they are. It is
+// empty if they can, or if the command is not for the syringe. `iodine_mg_per_ml` is the strength of the
+// injected medium.
 std::string injection_refusal(const std::vector<Instrument> &tools, const RoomCommand &command,
                               double iodine_mg_per_ml);
 
-// Returns where medium leaves a tool whose tip is at that arc length of the line: the end hole first, then
-// the side holes. Shares are by area: the lumen's resistance between the holes is neglected.
+// Returns the openings of a tool whose tip is at that arc length of the line: the end hole first, then the
+// side holes. Each opening gets a share by its area, because the resistance of the lumen between the holes is
+// neglected.
 std::vector<CatheterMouth> catheter_mouths(const Instrument &tool, const WireFrame &wire, double tip_arc_m);
 
-// The cost in seconds of this machine: kept apart from the session's results.
+// The computing time on this machine, in seconds; it is kept apart from the session's results.
 struct ContrastCost {
     std::uint64_t steps = 0, frames = 0; // steps of 1 ms; frames in which medium was visible
     double step_s = 0.0, frame_s = 0.0;  // for the columns
@@ -45,34 +47,35 @@ class PatientContrast
     static constexpr std::uint32_t look_every_ticks =
         40; // ticks between looks at the tools, while medium is in the vessels
 
-    // `motion` moves the vessels with heart and breath; nullptr: they do not move. `opening` gives the
-    // lesions that yield.
+    // `motion` moves the vessels with heart and breath; with nullptr they do not move. `opening` describes
+    // the lesions that yield.
     PatientContrast(const VesselTree &vessels, const std::vector<Instrument> &tools,
                     const Motion *motion = nullptr, LesionOpening opening = {});
 
-    // Returns why a command cannot be carried out with medium of this strength; empty if it can.
+    // Returns the reason why a command cannot be carried out with medium of this strength; empty if it can.
     std::string refusal(const RoomCommand &command, double iodine_mg_per_ml) const;
-    // Does the same with the last ordered strength, and carries the command out. Call it when its tick is
-    // over, so that the tools are where they were then.
+    // Checks the command in the same way, with the strength ordered last, and carries it out. Call it when
+    // the command's tick is over, so that the tools are where they were at that tick.
     std::string command(std::uint32_t tick, const RoomCommand &command);
-    // Takes the core's heart, every tick before the frame of that tick. Without it the heart beats regularly,
-    // 70 times a minute. An injection is refused at its tick when the tools inside the lumen then leave too
-    // little of it.
+    // Takes the core's heart phase; call it for every tick before the frame of that tick. Without these calls
+    // the heart beats regularly, 70 times a minute. At the tick of an injection, this refuses it when the
+    // tools inside the lumen leave too little of the lumen free.
     void tick(const crn_wire_tick_state &state);
     // The injections of the session that were refused.
     const std::vector<Refusal> &refusals() const { return refusals_; }
     std::uint32_t next_tick() const; // UINT32_MAX: no look is needed
     void advance(const WireFrame &wire);
 
-    // Return for the X-ray the columns of medium, and the iodine in the blood around the line.
+    // The first returns the columns of medium for the X-ray. The second adds to the line the iodine in the
+    // blood around it.
     const std::vector<SweptCurve> &curves() const { return curves_; }
     void colour(WireFrame &wire) const;
 
     bool was_used() const { return injector_.injected_ml() > 0.0; }
     double injected_ml() const { return injector_.injected_ml(); }
     double flow_ml_s() const { return fluid_.flow_ml_s; } // present flow of the injection
-    // Returns the medium injected after tick `from` up to tick `to`, as in files: total volume and time, mean
-    // flow and strength.
+    // Returns the medium injected after tick `from` up to tick `to`, as DICOM files state it: total volume
+    // and time, mean flow and strength.
     std::optional<RunContrast> given(std::uint32_t from, std::uint32_t to) const;
     const ContrastFlow &flow() const { return flow_; }
     double received_mg(std::size_t branch) const { return flow_.received_mg()[branch]; } // iodine

@@ -1,15 +1,16 @@
 // The patient of a session: vessels with blood and contrast medium, stents, lesions that yield, heart and
-// breath, and the applied X-ray with its dose. The runner of a session (script, window, rig, replay) advances
-// the patient tick by tick, and the patient gives the orders to the core for the next tick. Pictures, reports
-// and scores read the state and change nothing, so a session does not depend on which of them are requested.
+// breath, and the applied X-ray with its dose. Whatever runs the session (script, window, rig or replay)
+// advances the patient tick by tick, and passes the patient's orders for the next tick to the core. Pictures,
+// reports and scores read the state and change nothing, so a session does not depend on which of them are
+// requested.
 //
 //   patient.command(tick, {RoomAction::inject, {...}});        in force from that tick on
 //   patient.give_orders(input.orders);                        for every tick before it is done
 //   patient.tick(input, state);                               for every tick that was done
 //   patient.look(shape of the line at that tick);             no later than patient.next_look()
 //
-// Everything follows from the commands, from what went into the core and came out of it, and from the line's
-// shape at ticks of the patient's own.
+// The state follows only from the commands, from the inputs and results of the core, and from the line's
+// shape at ticks that the patient chooses.
 #pragma once
 #include "host/effects/pulse.hpp"
 #include "host/model/instrument.hpp"
@@ -37,8 +38,8 @@ struct PatientSettings {
 class Patient
 {
   public:
-    // `tools` are given from the innermost out. An empty anatomy is air without vessels. Throws
-    // std::runtime_error for a body of unknown material.
+    // `tools` are given from the innermost out. With an empty anatomy the patient consists of air without
+    // vessels. Throws std::runtime_error if a body has an unknown material.
     Patient(const SceneAnatomy &anatomy, const std::vector<Instrument> &tools,
             const PatientSettings &settings = {});
     ~Patient();
@@ -46,25 +47,26 @@ class Patient
     Patient &operator=(const Patient &) = delete;
 
     // --- what happens to the patient ---
-    // The command is in force from that tick on; call this before the look at that tick. A command that
-    // cannot be carried out now is kept in refusals() or stents()->refusals(), and notice() reports it.
-    // Throws std::runtime_error for a command that no room can carry out.
+    // The command is in force from its tick on; call this before the look at that tick. A command that cannot
+    // be carried out now is kept in refusals() or stents()->refusals(), and notice() reports it. Throws
+    // std::runtime_error for a command that the X-ray room does not have.
     void command(std::uint32_t tick, const RoomCommand &command);
     // Takes every tick in order, with its input and its result.
     void tick(const crn_wire_tick_input &input, const crn_wire_tick_state &state);
-    // The next tick at which look() is needed; UINT32_MAX: none.
+    // Returns the next tick at which look() is needed; UINT32_MAX if no look is needed.
     std::uint32_t next_look() const;
-    // Advances to the frame's tick. A rig in FREE_RUN sends its shapes at its own times: pulses between two
-    // of them are made with the later one.
+    // Advances to the frame's tick. A rig in FREE_RUN sends the line's shape at times of its own. An X-ray
+    // pulse between two shapes is made with the later one.
     void look(const WireFrame &wire);
-    // Does the same for vessels only; a replay that begins later calls this until its beginning.
+    // Does the same for the vessels only; a replay with a later start calls this until its start.
     std::uint32_t next_vessel_look() const;
     void look_at_vessels(const WireFrame &wire);
-    // The state depends on every tick since the first: a replay that begins later must simulate all of them.
+    // Returns true if the state depends on every tick since the first, so that a replay with a later start
+    // must simulate all of them.
     bool needs_beginning() const { return stents_ != nullptr; }
 
-    // --- orders to the core for the next tick; to be requested before each. A replay does not need them:
-    // they are in the recording. ---
+    // --- orders to the core for the next tick; call this before each tick. A replay does not need them: they
+    // are in the recording. ---
     void give_orders(crn_wire_order_list &orders);
 
     // --- state ---
@@ -74,12 +76,12 @@ class Patient
     const PatientStents *stents() const { return stents_.get(); }
     const PulseMonitor &monitor() const { return monitor_; }
     const crn_wire_tick_state &state() const { return state_; } // of the last tick
-    // The requests that were refused, by ticks: runs and injections.
+    // The requests that were refused, in order of their ticks: runs and injections.
     std::vector<Refusal> refusals() const;
     const RoomNotice &notice() const { return notice_; } // the last notice of syringe and stents
     const XrayScene &scene() const { return scene_; }
-    // Returns the bodies that heart, breath and open lesions have moved, at a moment. The result is valid
-    // until the next call.
+    // Returns the bodies that heart, breath and open lesions move, at the moment of this shape. The returned
+    // list is valid until the next call.
     std::span<const MovedBody> bodies_at(const WireFrame &wire);
 
   private:

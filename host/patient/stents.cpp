@@ -32,8 +32,8 @@ std::string millimetres(double mm)
     return text;
 }
 
-// Returns the diameter of the free balloon at its nominal pressure; without a label, that of its table's
-// first row.
+// Returns the diameter of the free balloon at its nominal pressure. Without a label it is the diameter in the
+// first row of the table.
 double nominal_diameter_mm(const Instrument &tool)
 {
     const crn_wire_instrument &table = tool.table;
@@ -47,7 +47,8 @@ double nominal_diameter_mm(const Instrument &tool)
     return table.balloon[table.balloon_count - 1].diameter_um * 1e-3;
 }
 
-// Returns the distance between the inner edges of its bands, or its working length.
+// Returns the distance between the inner edges of the balloon's marker bands; without bands it returns the
+// working length.
 double mount_length_mm(const Instrument &tool)
 {
     const double working = (double{1} * tool.table.balloon_proximal_um - tool.table.balloon_distal_um) * 1e-3;
@@ -88,7 +89,7 @@ crn_wire_strut ring_of(const StentCircle &circle, std::uint8_t number, bool is_j
             static_cast<std::uint16_t>(std::clamp(micrometres(design.strut_thickness_mm), 10, 1000))};
 }
 
-// The change is large enough for a new order to the core.
+// Returns true if a ring has changed enough for a new order to the core.
 bool has_changed(const crn_wire_strut &known, const crn_wire_strut &now)
 {
     if (known.inside_um == 0 || now.inside_um == 0) return known.inside_um != now.inside_um;
@@ -161,7 +162,8 @@ void PatientStents::command(std::uint32_t tick, const RoomCommand &command)
     if (command.action == RoomAction::load_stent) load(tick);
 }
 
-// Before the first tick the balloon may be anywhere, because it was brought there with its stent.
+// Before the first tick the balloon may be anywhere in the patient, because it was brought there with its
+// stent.
 void PatientStents::load(std::uint32_t tick)
 {
     const std::string at = " (at " + std::to_string(tick) + " ms)";
@@ -194,7 +196,7 @@ void PatientStents::tick(const crn_wire_tick_input &input, const crn_wire_tick_s
     }
 }
 
-// The orders that the core has carried out.
+// Remembers a ring whose order the core has carried out.
 void PatientStents::note(const crn_wire_strut &ring)
 {
     if (ring.number >= 1 && ring.number <= struts_max) known_struts_[ring.number - 1u] = ring;
@@ -210,7 +212,7 @@ void PatientStents::note(const crn_wire_scaffold &hold)
 
 // --- walls ---
 
-// A wall is made when a stent first comes there, since most branches never get one.
+// The wall of a branch is made when a stent first comes there, since most branches never get a stent.
 std::size_t PatientStents::vessel_of(std::size_t branch)
 {
     for (std::size_t i = 0; i < walls_.size(); ++i)
@@ -225,8 +227,8 @@ std::size_t PatientStents::vessel_of(std::size_t branch)
     return walls_.size() - 1;
 }
 
-// Returns the branch around the middle of the balloon, by the distance from its centreline in radii; empty
-// where no stent of this size could be held.
+// Returns the branch around the middle of the balloon; it is the one whose centreline is nearest, in radii.
+// The result is empty if no branch there could hold a stent of this size.
 std::optional<std::size_t> PatientStents::vessel_at(const BalloonPose &pose, const MotionMoment &moment)
 {
     if (pose.points.empty()) return {};
@@ -252,7 +254,8 @@ std::optional<std::size_t> PatientStents::vessel_at(const BalloonPose &pose, con
     }
 }
 
-// Sets the width of the passage at each ball; a ball outside the vessel gets none.
+// Sets at each ball of the balloon the radius that the vessel's wall leaves it. A ball outside the vessel
+// gets no limit.
 void PatientStents::give_room(BalloonPose &pose, std::optional<std::size_t> vessel) const
 {
     if (!vessel) return;
@@ -286,7 +289,8 @@ void PatientStents::advance(const WireFrame &wire)
     next_look_ = (wire.tick / look_every_ticks + 1) * look_every_ticks;
     BalloonPose pose = tool_ ? balloon_pose(wire, *tool_) : BalloonPose{};
     const Stent &last = stents_[stents_.size() - 1];
-    // Once a ring has been opened the stent stays in its vessel, even if another one comes nearer.
+    // Once a ring of the stent has been opened, the stent stays in its vessel, even if another vessel comes
+    // nearer.
     if (last.is_on_balloon() && !stories_.back().opened_tick && !pose.points.empty())
         stories_.back().vessel = vessel_at(pose, moment_of(wire));
     move_walls(wire);
@@ -310,8 +314,8 @@ void PatientStents::note_stages(std::uint32_t tick)
     }
 }
 
-// Queues the orders that the core does not have yet. Orders that a device has not confirmed by a tick's input
-// are queued again.
+// Queues the orders for whatever the core does not hold yet. Orders that no tick's input has confirmed are
+// queued again.
 void PatientStents::ask_for_holds(const WireFrame &wire)
 {
     const std::vector<std::vector<double>> opened = opened_lists(wire, stations_);
@@ -338,7 +342,8 @@ void PatientStents::ask_for_holds(const WireFrame &wire)
     }
 }
 
-// Every stent of the shelf has its own ring numbers. A ring that no longer exists is removed.
+// Every stent on the shelf has ring numbers of its own. A ring that no longer exists is removed from the
+// core.
 void PatientStents::ask_for_struts(const WireFrame &wire)
 {
     const std::size_t share = struts_max / std::max<std::size_t>(shelf_.size(), 1);

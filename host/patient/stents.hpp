@@ -1,8 +1,8 @@
-// Stents in a session: they are mounted on the balloon, opened by it, deployed and held by the wall. This
-// class gives the orders about them to the core, and their struts to the X-ray. Everything follows from the
-// commands and from the line's shape at fixed ticks, multiples of look_every_ticks, whatever pictures were
-// requested. The orders to the core go through give_orders(), become part of a tick's input and are recorded.
-// A replay gives the recorded orders to the core, and computes stents again for pictures and reports.
+// Stents in a session: a stent is mounted on the balloon, opened by it, deployed, and held by the wall. This
+// class gives the orders about them to the core, and their struts to the X-ray. The state follows only from
+// the commands and from the line's shape at multiples of look_every_ticks, whatever pictures were requested.
+// The orders to the core are fetched by give_orders(), become part of a tick's input, and are recorded. A
+// replay sends the recorded orders to the core, and computes the stents again for pictures and reports.
 //
 //   PatientStents stents(shelf, bodies.vessels, motion, stations, tools);
 //   stents.command(tick, {RoomAction::load_stent, {}});       the next one of the shelf onto the balloon
@@ -30,9 +30,10 @@ namespace crn
 inline constexpr std::size_t stents_max = 8;  // largest number in a session
 inline constexpr std::size_t struts_max = 64; // rings of struts that a core keeps (docs/wire.md)
 
-// Returns why a stent cannot be mounted on a balloon of these tools; empty if it can.
+// Returns the reason why a stent cannot be mounted on a balloon of these tools; empty if it can.
 std::string mount_refusal(const StentDesign &stent, const std::vector<Instrument> &tools);
-// Reads stent files for these tools. Throws FileError with the name of a file whose stent cannot be mounted.
+// Reads stent files for these tools. Throws FileError if a stent cannot be mounted; the message names its
+// file.
 std::vector<StentDesign> read_stents(const std::vector<std::string> &paths,
                                      const std::vector<Instrument> &tools);
 
@@ -61,12 +62,13 @@ class PatientStents
   public:
     static constexpr std::uint32_t look_every_ticks = 40;
 
-    // `stations` are those of every lesion that yields, in the tree's order. `motion` may be null: vessels do
-    // not move.
+    // `stations` are those of all lesions that yield, in the order of the tree's lesions. `motion` may be
+    // null; the vessels then do not move.
     PatientStents(std::vector<StentDesign> shelf, const VesselTree &vessels, const Motion *motion,
                   std::vector<LesionStations> stations, const std::vector<Instrument> &tools);
 
-    // Only load_stent has an effect here. A command that cannot be carried out is kept in refusals().
+    // Carries out load_stent and ignores all other commands. A command that cannot be carried out is kept in
+    // refusals().
     void command(std::uint32_t tick, const RoomCommand &command);
     void tick(const crn_wire_tick_input &input, const crn_wire_tick_state &state);
     std::uint32_t next_tick() const
@@ -77,7 +79,7 @@ class PatientStents
     // Adds the orders to the core for the next tick.
     void give_orders(crn_wire_order_list &orders) { orders_.move_into(orders); }
 
-    // Returns the struts' places at this frame, which may lie between two looks. Nothing else changes.
+    // Returns the struts where they are at this frame, which may lie between two looks. Nothing else changes.
     std::vector<SweptCurve> curves_at(const WireFrame &wire);
 
     const std::vector<StentDesign> &shelf() const { return shelf_; }

@@ -16,7 +16,8 @@ double distance(const SheetPoint &a, const SheetPoint &b, double x, double y)
     return std::hypot(a.x + u * dx - x, a.y + u * dy - y);
 }
 
-// Returns the inked parts of a line when `dash` pixels of ink alternate with `dash` pixels of gap.
+// Returns the drawn parts of a dashed line, in which `dash` pixels of ink alternate with gaps of `dash`
+// pixels.
 std::vector<std::vector<SheetPoint>> dashes(const std::vector<SheetPoint> &points, double dash)
 {
     std::vector<std::vector<SheetPoint>> parts(1);
@@ -87,7 +88,7 @@ void Sheet::stroke(const std::vector<SheetPoint> &points, double width, Ink ink,
     for (const std::vector<SheetPoint> &part : dashes(points, dash)) cover(part, width, ink);
 }
 
-// Every pixel gets the ink once, according to its distance from the line.
+// Every pixel is inked only once, by an amount that depends on its distance from the line.
 void Sheet::cover(const std::vector<SheetPoint> &points, double width, Ink ink)
 {
     if (points.empty()) return;

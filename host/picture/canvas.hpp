@@ -1,4 +1,4 @@
-// Draws on a white sheet for charts: boxes, smooth lines of any width, letters of the display's font.
+// Draws charts on a white sheet: boxes, smooth lines of any width, and text in the display's font.
 #pragma once
 #include "host/picture/picture.hpp"
 #include <string_view>
@@ -24,10 +24,10 @@ class Sheet
     void clip(int x0, int y0, int x1, int y1); // until the next call; [x0, x1) x [y0, y1)
     void unclip();
     void box(int x0, int y0, int x1, int y1, Ink ink);
-    // Draws one stroke with round ends and joints; where it crosses itself the ink does not get darker. With
-    // dash 0 it is unbroken.
+    // Draws one line with round ends and joints. Where the line crosses itself, the ink does not get darker.
+    // With `dash` 0 the line is unbroken.
     void stroke(const std::vector<SheetPoint> &points, double width, Ink ink, double dash = 0.0);
-    // Draws letters of 5 x 7 times scale; (x, y) is the top left corner.
+    // Draws letters of 5 x 7 pixels times `scale`; (x, y) is the top left corner.
     void text(int x, int y, std::string_view text, int scale, Ink ink);
     static int text_width(std::string_view text, int scale);
     void blend(int x, int y, Ink ink,

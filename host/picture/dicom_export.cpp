@@ -18,7 +18,7 @@ std::string kind_word(RunKind kind)
     return kind == RunKind::fluoro ? "fluoro" : kind == RunKind::cine ? "cine" : "dsa";
 }
 
-// Returns the bytes of the character that begins here (RFC 3629): 0 when none begins.
+// Returns the number of bytes of the UTF-8 character that begins here (RFC 3629); 0 when none begins here.
 std::size_t utf8_length(const std::string &text, std::size_t at)
 {
     const auto byte = [&](std::size_t k) {
@@ -49,7 +49,8 @@ bool is_utf8(const std::string &text)
     return true;
 }
 
-// Requires text by PS3.5 6.2: no backslash, no control characters; at most 64 characters.
+// Throws unless the text is allowed by PS3.5 6.2: no backslash, no control characters, and at most 64
+// characters.
 void check_text(const std::string &option, const std::string &text)
 {
     const bool has_bad = std::any_of(text.begin(), text.end(), [](char letter) {
@@ -73,7 +74,8 @@ void check_date(const std::string &date)
     if (year < 1 || month < 1 || month > 12 || day < 1 || day > days[month - 1]) throw error;
 }
 
-// Counts every third value of the open field, away from its edges, which are in half shadow.
+// Counts the values of every third pixel in the open field. It leaves out the field's edges, which are in the
+// blades' half shadow.
 void count_values(const XrayRun &run, const RunFrame &frame, std::vector<std::uint32_t> &histogram)
 {
     const RunCollimator &field = run.collimator;
@@ -89,7 +91,7 @@ void count_values(const XrayRun &run, const RunFrame &frame, std::vector<std::ui
             histogram[frame.raw[static_cast<std::size_t>(y) * run.size + x]]++;
 }
 
-// Returns the value below which this share of the counted values lies.
+// Returns the pixel value below which this share of the counted values lies.
 double value_at(const std::vector<std::uint32_t> &histogram, std::uint64_t count, double share)
 {
     const auto wanted = static_cast<std::uint64_t>(static_cast<double>(count) * share);
@@ -101,8 +103,9 @@ double value_at(const std::vector<std::uint32_t> &histogram, std::uint64_t count
     return static_cast<double>(histogram.size() - 1);
 }
 
-// The window spans the run except its darkest and brightest hundredth. Saturated pixels beside the patient
-// (the largest value, one in 200 or more) are not counted.
+// The display window spans the values of the run, except the darkest and the brightest hundredth of them. If
+// the largest value occurs in at least one pixel of 200, it is that of saturated pixels beside the patient,
+// and these are not counted.
 void set_window(XrayRun &run, std::vector<std::uint32_t> histogram)
 {
     if (run.window_width > 0.0) return;
@@ -192,7 +195,7 @@ void DicomExport::add(RunFrame frame)
     if (frame.raw.size() != static_cast<std::size_t>(header_.size) * header_.size)
         throw std::invalid_argument("run: a frame of " + std::to_string(frame.raw.size()) + " pixels, not " +
                                     std::to_string(header_.size) + " x " + std::to_string(header_.size));
-    // Another field has another pixel size, so it cannot be in the same file.
+    // A field of another size has another pixel size, so its frames cannot be in the same file.
     const bool fits = part_of_run_ > 0 && parts_.back().pixels.has_room_for_another() &&
                       parts_.back().run.frames.front().carm.field_m == frame.carm.field_m;
     if (!fits) {

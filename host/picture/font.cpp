@@ -1,4 +1,4 @@
-// Letters of the display, designed for it: codes 32 to 127, rows from the top.
+// The bitmap letters of the display: codes 32 to 127, each with its rows from the top.
 #include "host/picture/font.hpp"
 
 namespace crn

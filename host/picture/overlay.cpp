@@ -1,5 +1,5 @@
-// Draws the display around the picture. Letter sizes are for a picture of 512 pixels and grow with larger
-// pictures.
+// Draws the text and the traces of the display over the picture. Letter sizes are stated for a picture of 512
+// pixels, and are larger in larger pictures.
 #include "host/picture/overlay.hpp"
 #include "host/base/format.hpp"
 #include "host/picture/font.hpp"
@@ -31,7 +31,7 @@ void fill_box(Image &rgb, int x0, int y0, int x1, int y1, Colour colour)
         for (int x = x0; x < x1; ++x) put(rgb, x, y, colour);
 }
 
-// Leaves a third of the picture's brightness, as background for text.
+// Reduces the picture's brightness to a third, as a background for text.
 void dim_box(Image &rgb, int x0, int y0, int x1, int y1)
 {
     for (int y = std::max(y0, 0); y < std::min(y1, rgb.height); ++y)
@@ -60,7 +60,7 @@ double finite_or_zero(double value)
     return std::isfinite(value) ? value : 0.0;
 }
 
-// Rounds to 1/steps; never to "-0.00".
+// Rounds to 1/steps, and never returns a negative zero, which would be printed as "-0.00".
 double rounded(double value, double steps)
 {
     return std::round(finite_or_zero(value) * steps) / steps + 0.0;
@@ -80,7 +80,7 @@ const char *name_of(RunKind kind)
     return kind == RunKind::fluoro ? "FLUORO" : kind == RunKind::cine ? "CINE" : "DSA";
 }
 
-// Returns the state of the screen: the largest text of the display.
+// Returns the state of the screen, which is the largest text of the display.
 std::string state_of(const RoomStatus &room)
 {
     switch (room.source) {
@@ -98,7 +98,7 @@ std::string state_of(const RoomStatus &room)
     return room.is_beam_on ? "X-RAY ON" : "NO IMAGE YET";
 }
 
-// Returns the lines for mask and roadmap, one each.
+// Returns a line of text about the mask and a line about the roadmap, if they are in use.
 std::vector<std::string> processing_of(const RoomStatus &room)
 {
     std::vector<std::string> lines;
@@ -171,7 +171,8 @@ class Display
         draw_balloon(y);
     }
 
-    // Shows pressure and diameter; two diameters while the balloon has a waist.
+    // Shows the balloon's pressure and diameter; while it has a waist, shows its largest and smallest
+    // diameter.
     void draw_balloon(int y)
     {
         const OverlayBalloon &balloon = info_.balloon;
@@ -192,7 +193,8 @@ class Display
             left(y + 2 * line_, "STENT " + balloon.stent, balloon.stent.starts_with("lost") ? red : white);
     }
 
-    // Shows reference air kerma with its rate, kerma-area product and time, as IEC 60601-2-43 requires.
+    // Shows the reference air kerma and its rate, the kerma-area product and the fluoroscopy time, as IEC
+    // 60601-2-43 requires.
     void draw_dose()
     {
         const RoomStatus &room = info_.room;
@@ -224,7 +226,7 @@ class Display
             right(margin_ + 7 * line_, formatted("FLUOROSCOPY %u MIN", info_.fluoro_reminder_min), amber);
     }
 
-    // Draws the bottom line: the session's time on the right, the forces on the hands on the left.
+    // Draws the bottom line: the session's time on the right, and the forces on the hands on the left.
     void draw_tools()
     {
         const int y = rgb_.height - margin_ - 8 * scale_;
@@ -242,7 +244,8 @@ class Display
         draw_force_bar(y + scale_, tool.axial_N);
     }
 
-    // Draws one of several tools, in columns; the force has the colour that its bar would have.
+    // Draws the values of one tool in columns, when there are several tools; the force has the colour that
+    // its bar would have.
     void draw_line(int y, const OverlayTool &tool)
     {
         const int letter = 6 * scale_;
@@ -303,7 +306,8 @@ class Display
         if (info_.tools.size() < 2) centred(bottom, patient_side(-view.up)); // otherwise tools fill the line
     }
 
-    // Draws electrocardiogram and aortic pressure above the clock, from left to right over the old traces.
+    // Draws electrocardiogram and aortic pressure above the clock; new values overwrite the old traces from
+    // left to right.
     void draw_pulse()
     {
         const PulseMonitor &pulse = *info_.pulse;
@@ -330,7 +334,8 @@ class Display
                    [](const PulseMonitor::Sample &s) { return (s.pressure_mmHg - 30.0) / 120.0; });
     }
 
-    // Each column covers the range of its samples; there is a gap ahead of the newest.
+    // Each pixel column covers the range of its samples, and a gap separates the newest column from the old
+    // trace.
     template <class Height>
     void draw_trace(int x, int y, int width, int height, Colour colour, Height share_of)
     {

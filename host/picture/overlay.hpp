@@ -1,5 +1,5 @@
-// The angiography display around a picture: geometry, mode, dose, instrument, orientation and heart, in its
-// own bitmap font.
+// The angiography display drawn over a picture: geometry, mode, dose, instrument, orientation and heart, in a
+// bitmap font of its own.
 #pragma once
 #include "host/effects/pulse.hpp"
 #include "host/picture/picture.hpp"
@@ -11,7 +11,7 @@
 namespace crn
 {
 
-// One tool's lines in the display.
+// The values that the display shows for one tool.
 struct OverlayTool {
     std::string name;
     double inserted_mm = 0.0;
@@ -21,7 +21,7 @@ struct OverlayTool {
     bool is_chosen = false; // the one that the keys move
 };
 
-// The balloon, if a tool has one, and its stent.
+// The values that the display shows for the balloon and its stent, if a tool has a balloon.
 struct OverlayBalloon {
     bool is_shown = false, is_burst = false;
     double pressure_bar = 0.0, diameter_max_mm = 0.0, diameter_min_mm = 0.0;
@@ -50,8 +50,8 @@ struct OverlayInfo {
 // Returns the grey picture as RGB with the display drawn over it. Letters grow with the picture.
 Image compose_display(const XrayPicture &picture, const OverlayInfo &info);
 
-// Text in white with a dark rim; scale 1 is 5x7 points, 6 per letter. Text that does not fit is cut off at
-// the picture's edge.
+// Draws text in the given colour with a dark rim; at scale 1 a letter has 5x7 pixels and takes 6 pixels of
+// the line. Text that does not fit is cut off at the picture's edge.
 struct Colour {
     std::uint8_t red, green, blue;
 };

@@ -1,4 +1,4 @@
-// The back end for the X-ray's path lengths, as named on the command line.
+// Chooses the back end that computes the X-ray's path lengths, by its name on the command line.
 #pragma once
 #include "host/xray/gl/gl_paths.hpp"
 #include "host/xray/xray.hpp"
@@ -8,14 +8,16 @@
 namespace crn
 {
 
-// raster is the integer rasteriser. opengl uses the window's own context, else OSMesa, else EGL without a
-// surface.
+// "raster" is the integer rasteriser. "opengl" uses the OpenGL context of the window or, without a window,
+// OSMesa or else EGL without a surface.
 inline const std::vector<std::string> path_choices = {"raster", "opengl", "opengl-osmesa", "opengl-egl"};
-// A thread has only one context: another library's would replace the window's.
+// The window allows only these two, because a thread has only one OpenGL context, and that of another library
+// would replace the window's.
 inline const std::vector<std::string> path_choices_window = {"raster", "opengl"};
 
-// `window_context` is empty when there is no window. The maker throws GlError, and reports on standard error
-// which OpenGL it found.
+// `window_context` is empty when there is no window. The returned function throws GlError if there is no
+// OpenGL, and prints on standard error which OpenGL it found. Prints on standard output, one line for each
+// library, which OpenGL the library provides, or why it provides none.
 BodyPathsMaker paths_maker(const std::string &choice, const GlOpener &window_context);
 
 // Prints on standard output which OpenGL each library provides or why it does not, a line each. Returns false

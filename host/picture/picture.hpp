@@ -1,4 +1,4 @@
-// Writes pictures as files: PNG, and MP4 through the ffmpeg program.
+// Writes pictures as files: as PNG, and as MP4 with the program ffmpeg.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -7,7 +7,7 @@
 namespace crn
 {
 
-// 8-bit grey or RGB, row 0 on top.
+// A grey or RGB picture with 8 bits per channel; row 0 is the top row.
 struct Image {
     int width = 0;
     int height = 0;
@@ -15,19 +15,20 @@ struct Image {
     std::vector<std::uint8_t> bytes;
 };
 
-// Writes beside the wanted name and renames at the end, so that the name never refers to half a file. On
-// failure it returns false with a message that names the file and the cause.
+// Writes to a temporary file beside the wanted name and renames it at the end, so that the name never refers
+// to half a file. On failure it returns false, and `error` names the file and the cause.
 bool write_png(const std::string &path, const Image &image, std::string &error);
 // Encodes a PNG in memory. Throws std::runtime_error with the cause.
 std::vector<std::uint8_t> encode_png(const Image &image);
-// Writes grey with 16 bits per pixel: unchanged values, width*height, row 0 on top.
+// Writes a grey picture with 16 bits per pixel. `values` has width*height unchanged values, with row 0 on
+// top.
 bool write_png16(const std::string &path, int width, int height, const std::vector<std::uint16_t> &values,
                  std::string &error);
 
-// Writes H.264 in yuv420p; every picture is RGB of the same even size. The file gets its name only after a
-// successful finish(), and the destructor removes an unfinished one. After SIGKILL "name.partPID-RANDOM"
-// stays, never a half "name", and ffmpeg ends with us. Open it in the thread that lives longest, because the
-// kernel ends ffmpeg when that thread ends.
+// Writes a film as H.264 in yuv420p; every picture must be RGB and have the same even size. The file gets its
+// name only after a successful finish(); the destructor removes an unfinished file. After SIGKILL a file
+// "name.partPID-RANDOM" stays, but never half a file "name", and ffmpeg ends when this process ends. Open the
+// writer in the thread that lives longest, because the kernel ends ffmpeg when that thread ends.
 class VideoWriter
 {
   public:
@@ -36,7 +37,7 @@ class VideoWriter
     VideoWriter(const VideoWriter &) = delete;
     VideoWriter &operator=(const VideoWriter &) = delete;
 
-    // All three return false on failure, with a message that gives the cause and the remedy.
+    // These functions return false on failure, and `error` then gives the cause and the remedy.
     bool open(const std::string &path, int width, int height, int pictures_per_s, std::string &error);
     bool add(const Image &image, std::string &error);
     bool finish(std::string &error);

@@ -1,4 +1,4 @@
-// Reads and writes PNG by libpng's simplified interface.
+// Reads and writes PNG files with libpng's simplified interface.
 #include "host/base/pending_file.hpp"
 #include "host/picture/picture.hpp"
 #include <cerrno>
@@ -71,7 +71,8 @@ std::vector<std::uint8_t> encode_png(const Image &image)
     return bytes;
 }
 
-// libpng treats 16 bits as linear in light: values stay unchanged, and the file says a gamma of 1.0.
+// libpng treats 16-bit values as linear in light. It stores them unchanged, and the file states a gamma of
+// 1.0.
 bool write_png16(const std::string &path, int width, int height, const std::vector<std::uint16_t> &values,
                  std::string &error)
 {

@@ -118,7 +118,8 @@ void SessionPictures::show_refusal(std::uint32_t tick, const std::string &why)
     refused_ = {why, tick};
 }
 
-// The display shows it only with a balloon; the stent's text is its stage.
+// The display shows these values only when a tool has a balloon; the stent's text is its stage, such as "on
+// its balloon".
 OverlayBalloon SessionPictures::balloon_display() const
 {
     OverlayBalloon display;
@@ -137,7 +138,7 @@ std::uint32_t SessionPictures::next_tick() const
     return std::min(patient_.next_look(), picture_tick(count_, settings_.pictures_per_second));
 }
 
-// Takes the room's events up to this frame; returns true when there is a new X-ray.
+// Processes the room's events up to this frame, and returns true when there is a new X-ray picture.
 bool SessionPictures::see_events(const WireFrame &wire)
 {
     bool is_new = false;
@@ -150,7 +151,7 @@ bool SessionPictures::see_events(const WireFrame &wire)
     return is_new;
 }
 
-// Makes the picture of a pulse with the technique that the measuring chamber has chosen.
+// Makes the picture of an X-ray pulse, with the technique that automatic exposure control has chosen.
 void SessionPictures::expose(const RoomEvent &pulse, const WireFrame &wire)
 {
     XraySettings xray;
@@ -169,7 +170,7 @@ void SessionPictures::expose(const RoomEvent &pulse, const WireFrame &wire)
     if (thesis_look_) thesis_look_->draw(xray, seen, settings_.seed, pulse_);
 }
 
-// Returns curves for the medium in the vessels and in the balloon, and for the struts.
+// Returns the curves to be drawn: the medium in the vessels and in the balloon, and the struts of stents.
 std::vector<SweptCurve> SessionPictures::curves_at(const WireFrame &shape)
 {
     std::vector<SweptCurve> curves = balloon_filling(shape, tools_, settings_.balloon_iodine_mg_per_ml);
@@ -196,7 +197,7 @@ void SessionPictures::frame(const SessionFrame &frame)
     }
 }
 
-// A failing graphics driver does not end a session: the rasteriser takes over.
+// If a graphics driver fails, the session goes on, and the rasteriser computes the path lengths.
 void SessionPictures::tell_failure()
 {
     if (told_failure_ || xray_->back_end_error().empty()) return;
@@ -204,7 +205,7 @@ void SessionPictures::tell_failure()
     say(stderr, "cournand: %s; the rasteriser draws from here on\n", xray_->back_end_error().c_str());
 }
 
-// A run is the result of one press of a pedal.
+// All pulses of one press of a pedal form a run.
 void SessionPictures::export_pulse(const RoomEvent &pulse)
 {
     const bool shows_display = settings_.dicom.values == "display";
@@ -254,8 +255,8 @@ void SessionPictures::finish()
     if (export_) finish_export();
 }
 
-// After Ctrl-C in the session, the runs made so far are written nevertheless; Ctrl-C from now on stops
-// between two pieces.
+// After Ctrl-C during the session, the runs made so far are written nevertheless. Another Ctrl-C stops the
+// export between two pieces of a file.
 void SessionPictures::finish_export()
 {
     export_->end();
@@ -265,7 +266,7 @@ void SessionPictures::finish_export()
         export_.reset();
         return;
     }
-    // Masks may be changed while a run is reviewed: the last ones count.
+    // The user may change a mask while reviewing a run, and the files get the last one.
     const std::vector<Irradiation> &presses = patient_.room().dose().irradiations();
     for (std::size_t i = 0; i < exported_presses_.size(); i++) {
         const int kept = presses[exported_presses_[i]].run;

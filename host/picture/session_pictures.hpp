@@ -1,7 +1,7 @@
-// Pictures of a session: makes, draws and writes the X-ray pictures of the patient's X-ray room. Pictures
-// read the patient and change nothing in it. They depend only on the patient, the shapes at the requested
-// ticks, and the seed. In a replay that starts later (--from S), C-arm and table still apply all earlier
-// commands; dose, runs and following of the tip begin at S.
+// Makes, draws and writes the pictures of a session, which are those of the patient's X-ray room. Making
+// pictures only reads the patient and changes nothing in it. The pictures depend only on the patient, on the
+// line's shapes at the requested ticks, and on the seed. In a replay that starts later (--from S), C-arm and
+// table still apply all earlier commands; dose, runs and following of the tip begin at S.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/model/scene_anatomy.hpp"
@@ -21,7 +21,7 @@
 namespace crn
 {
 
-// Throws std::runtime_error naming the section and the known materials when a material is unknown.
+// Throws std::runtime_error for an unknown material; the message names the section and the known materials.
 RadiopaqueInstrument instrument_look(const Instrument &instrument);
 
 struct PictureSettings {
@@ -44,19 +44,19 @@ struct PictureSettings {
     double balloon_iodine_mg_per_ml = 175.0; // filling of balloons
 };
 
-// Returns the anatomy that the settings name, and a patient in it with the settings' stents. Throws
-// std::runtime_error.
+// The first returns the anatomy in the files that the settings name. The second returns a patient with that
+// anatomy and with the settings' stents. Throws std::runtime_error.
 SceneAnatomy read_anatomy(const PictureSettings &settings);
 std::unique_ptr<Patient> make_patient(const PictureSettings &settings, const SceneAnatomy &anatomy,
                                       const std::vector<Instrument> &tools);
 
-// Returns whether any picture file is to be written.
+// Returns true if the settings request any picture file.
 bool writes_pictures(const PictureSettings &settings);
 
 class SessionPictures final : public FrameSink
 {
   public:
-    // `tools` are given from the innermost out. The patient must outlive the pictures. Throws
+    // `tools` are given from the innermost out. `patient` must live longer than this object. Throws
     // std::runtime_error.
     SessionPictures(const PictureSettings &settings, const std::vector<Instrument> &tools, Patient &patient,
                     const SceneAnatomy &anatomy);
@@ -73,9 +73,9 @@ class SessionPictures final : public FrameSink
         return was_stopped_;
     }                                             // Ctrl-C came while finish() wrote runs: some are missing
     const Image &image() const { return image_; } // the last picture with its display
-    // Sets the notice and the help panel from the next picture on; empty for none.
+    // Sets the notice and the help panel for the following pictures; empty texts remove them.
     void annotate(const std::string &notice, const std::vector<std::string> &panel);
-    // Marks the tool that the keys move, or all tools, in the display from the next picture on.
+    // In the following pictures, marks the tool that the keys move, or all tools.
     void choose_tool(std::size_t tool, bool all)
     {
         chosen_tool_ = tool;

@@ -28,7 +28,7 @@ std::string line(const char *format, double a, double b, double c)
     return text;
 }
 
-// Returns the place of the line at an arc length from its leading tip, and its direction there.
+// Returns the place on the line at an arc length from its leading tip, and the direction of the line there.
 bool place_at(const WireFrame &wire, double arc_m, Vector3d &place_m, Vector3d &along)
 {
     for (std::size_t i = 0; i + 1 < wire.nodes.size(); ++i) {
@@ -82,8 +82,8 @@ std::uint32_t SurfaceSink::next_tick() const
     return at_ < ticks_.size() ? ticks_[at_] : std::numeric_limits<std::uint32_t>::max();
 }
 
-// Tests whether a place is within the requested distance along the healthy vessel, and nearer to this vessel
-// than to another one.
+// Returns true if a place is within the requested distance along the healthy vessel, and nearer to this
+// vessel than to any other.
 bool SurfaceSink::is_near(const Vector3d &place_m) const
 {
     const VesselLesion &lesion = bodies_.vessels.lesions[lesion_];
@@ -101,7 +101,8 @@ bool SurfaceSink::is_near(const Vector3d &place_m) const
     return here_m >= begin_m - settings_.around_mm * 1e-3 && here_m <= end_m + settings_.around_mm * 1e-3;
 }
 
-// Keeps the triangles whose corners are all near in the baked pose, so that every moment has the same ones.
+// Keeps the triangles whose corners are all near the lesion in the pose of the baked scene, so that all
+// moments show the same triangles.
 SurfaceMesh SurfaceSink::mesh_of(int body, std::span<const Eigen::Vector3i> vertices_um) const
 {
     const Body &of = bodies_.bodies[static_cast<std::size_t>(body)];
@@ -131,7 +132,7 @@ SurfaceMesh SurfaceSink::mesh_of(int body, std::span<const Eigen::Vector3i> vert
     return mesh;
 }
 
-// Makes a surface of revolution about the line through the balls.
+// Makes the balloon's surface by rotating its profile about the line through its balls.
 SurfaceMesh SurfaceSink::balloon_of(const WireFrame &wire) const
 {
     SurfaceMesh mesh;
@@ -189,7 +190,8 @@ void SurfaceSink::frame(const SessionFrame &frame)
     while (at_ < ticks_.size() && ticks_[at_] <= frame.wire.tick) ++at_;
 }
 
-// Views the lesion with its beginning at the top and its end at the bottom, plaque and channel side by side.
+// Views the lesion from the side, with its beginning at the top and its end at the bottom. The plaque and the
+// channel lie side by side.
 SurfaceView SurfaceSink::side_view() const
 {
     const VesselLesion &lesion = bodies_.vessels.lesions[lesion_];

@@ -1,5 +1,5 @@
-// Writes the walls round a lesion at moments of a session as an OBJ file: it shows how the polygons change
-// from stenosed to healthier.
+// Writes the walls around a lesion at several moments of a session as an OBJ file, which shows how the
+// polygons change when the lesion is treated.
 //
 //   SurfaceSink sink(settings, ticks);
 //   replay_recording(device, recording, &sink, {});         // writes the file at its end
@@ -22,7 +22,8 @@ struct SurfaceSettings {
 class SurfaceSink final : public FrameSink
 {
   public:
-    // `ticks` are those of the moments, in order. Throws std::runtime_error for a scene without that lesion.
+    // `ticks` are the ticks of these moments, in ascending order. Throws std::runtime_error if the scene does
+    // not have that lesion.
     SurfaceSink(const SurfaceSettings &settings, std::vector<std::uint32_t> ticks);
     ~SurfaceSink() override;
 
@@ -30,7 +31,7 @@ class SurfaceSink final : public FrameSink
     void frame(const SessionFrame &frame) override;
     void finish() override; // throws FileError
 
-    // There is one panel for each moment that was reached, in the scene's reference pose.
+    // There is one panel for each moment that the session reached, in the reference pose of the scene.
     const std::vector<SurfacePanel> &panels() const { return panels_; }
 
   private:

@@ -22,7 +22,7 @@ constexpr double touching_mm = 0.25;  // a wall would hide a balloon that fills 
 const Vector3d paper(255, 255, 255), edge_colour(96, 24, 24);
 const Vector3d light = Vector3d(-0.4, 0.5, 0.8).normalized(); // in the view: right, up, towards the eye
 
-// The look of a kind: its colour, and its transparency.
+// How a kind of surface looks: its colour and its transparency.
 struct Look {
     Vector3d colour;
     double glass;
@@ -41,7 +41,7 @@ Look look_of(SurfaceKind kind)
     return {{222, 120, 108}, 0.62};
 }
 
-// The frame common to all moments, in the view's own axes, mm.
+// The part of space that all panels show, in the axes of the view, mm.
 struct Frame {
     Vector3d middle_mm;
     double pixels_per_mm = 1.0;
@@ -57,7 +57,8 @@ class Panel
         axes_ << view.right.transpose(), view.up.transpose(), view.right.cross(view.up).transpose();
     }
 
-    // Draws opaque meshes and the far side of walls first, then the near side of walls as glass over them.
+    // Draws opaque meshes and the far sides of walls first, and then the near sides of walls as glass over
+    // them.
     void draw(const SurfacePanel &panel)
     {
         for (const SurfaceMesh &mesh : panel.meshes)
@@ -128,8 +129,8 @@ class Panel
             }
     }
 
-    // The far wall writes its depth, so that objects inside it are drawn in front of it; the near wall covers
-    // only what is behind it.
+    // The far side of a wall writes its depth, so that objects inside the vessel are drawn in front of it.
+    // The near side covers only what is behind it.
     void paint(int x, int y, double depth, SurfaceKind kind, Side side, double shade, bool is_edge)
     {
         const std::size_t i = static_cast<std::size_t>(y) * samples_ + x;

@@ -1,5 +1,5 @@
-// Draws the walls round a lesion: the lumen's polygons as glass with calcium and balloon inside, one panel
-// for each moment side by side.
+// Draws the walls around a lesion: the polygons of the lumen as glass, with calcium and balloon inside. There
+// is one panel for each moment, side by side.
 #pragma once
 #include "host/picture/picture.hpp"
 #include <Eigen/Core>
@@ -30,7 +30,7 @@ struct SurfaceView {
                     up = Eigen::Vector3d::UnitY(); // unit vectors, at right angles
 };
 
-// Draws panels of size * size pixels, all on one scale.
+// Draws panels of size * size pixels, all at the same scale.
 Image draw_surfaces(const std::vector<SurfacePanel> &panels, const SurfaceView &view, int size);
 
 } // namespace crn

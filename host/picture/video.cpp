@@ -1,7 +1,7 @@
-// Writes MP4 by a pipe into the ffmpeg program. The child leaves our process group: Ctrl-C reaches only us,
-// and we close the pipe or remove the file, so that ffmpeg always ends in an orderly way. When we are killed,
-// the kernel kills it too. It gets the file as a descriptor, and its messages go into memory: no name of ours
-// is opened a second time.
+// Writes MP4 files through a pipe into the program ffmpeg. The child process leaves our process group, so
+// Ctrl-C reaches only our program. Our program then closes the pipe or removes the file, so that ffmpeg
+// always ends in an orderly way. When our program is killed, the kernel kills ffmpeg too. ffmpeg gets the
+// file as an open descriptor, and its messages go into memory. So no file name is opened a second time.
 #include "host/base/pending_file.hpp"
 #include "host/picture/picture.hpp"
 #include <algorithm>
@@ -25,14 +25,15 @@ constexpr int exit_no_program = 127;
 
 constexpr int output_of_ffmpeg = 3;
 
-// Between fork and exec only system calls are allowed.
+// Between fork and exec the child may make only system calls.
 [[noreturn]] void become_ffmpeg(pid_t parent, int input, int output, int log, const char *size,
                                 const char *rate)
 {
     ::setpgid(0, 0);
-    // The parent may have ended before the kernel registers this request.
+    // The parent may have ended before the kernel registered the request, so the child checks its parent
+    // afterwards.
     if (::prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || ::getppid() != parent) ::_exit(1);
-    // The copies lie above the numbers now in use, so that none is closed by another one.
+    // The copies have descriptor numbers above those now in use, so that no dup2 below closes one of them.
     const int from[] = {::fcntl(input, F_DUPFD_CLOEXEC, 10), ::fcntl(log, F_DUPFD_CLOEXEC, 10),
                         ::fcntl(output, F_DUPFD_CLOEXEC, 10)};
     if (::dup2(from[0], 0) < 0 || ::dup2(from[1], 1) < 0 || ::dup2(from[1], 2) < 0 ||
@@ -58,13 +59,13 @@ std::string last_line(int log)
     return last.substr(last.rfind('\n') + 1); // npos + 1: the whole text
 }
 
-// Opens memory into which a program can write as if it were a file.
+// Opens a block of memory into which a program can write as if it were a file.
 int open_log()
 {
     return ::memfd_create("ffmpeg's messages", MFD_CLOEXEC);
 }
 
-// Writing to a pipe whose reader died must be an error, and must not end this process.
+// Writing to a pipe whose reader has died must return an error, and must not end this process.
 class IgnoreBrokenPipe
 {
   public:
@@ -115,7 +116,7 @@ bool VideoWriter::open(const std::string &path, int width, int height, int pictu
     return is_started || fail("cannot start ffmpeg: " + std::string(std::strerror(error_number)), error);
 }
 
-// On failure it returns false with errno.
+// On failure it returns false and sets errno.
 bool VideoWriter::start(int output, int pictures_per_s)
 {
     log_ = open_log();
@@ -178,7 +179,7 @@ bool VideoWriter::finish(std::string &error)
     return true;
 }
 
-// Reports what happened, with ffmpeg's own last line, and removes the unfinished file.
+// Reports what failed, together with the last line that ffmpeg printed, and removes the unfinished file.
 bool VideoWriter::fail(const std::string &what, std::string &error)
 {
     int status = 0;

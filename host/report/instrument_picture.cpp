@@ -143,7 +143,7 @@ void draw_grid(Sheet &sheet, const Column &column, const Row &row, double px_per
     }
 }
 
-// Bounds of the distal part of a shape, with half the tool's width around it, in mm.
+// The bounding box of the distal part of a shape, including half the tool's width around it, in mm.
 struct Bounds {
     double x_min = 1e9, x_max = -1e9, y_min = 1e9, y_max = -1e9;
 };
@@ -161,8 +161,8 @@ Bounds bounds_of(const std::vector<ShapePoint> &shape, double from_tip_mm, doubl
     return bounds;
 }
 
-// Returns the part of the shape to centre in a window: all of it when it fits, otherwise the longest distal
-// part that fits.
+// Returns the bounding box of the part to show in a window: the whole shape if it fits, otherwise the longest
+// distal part that fits.
 Bounds fitting(const std::vector<ShapePoint> &shape, double wide_mm, double high_mm, double radius_mm)
 {
     double length_mm = shape.back().arc_m * 1e3;
@@ -173,8 +173,8 @@ Bounds fitting(const std::vector<ShapePoint> &shape, double wide_mm, double high
     }
 }
 
-// Draws the shape seen along d2: forward to the right, d1 upwards; its farthest point near the right edge,
-// centred in height.
+// Draws the shape as seen along d2, with the forward direction to the right and d1 upwards. Its farthest
+// point is near the right edge, and it is centred in height.
 void draw_shape(Sheet &sheet, const Instrument &instrument, const Column &column, const Row &row,
                 double px_per_mm)
 {

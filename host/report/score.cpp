@@ -15,7 +15,7 @@ using Value = std::optional<double>;
 
 constexpr double narrow_pct = 50.0; // by diameter: a lesion that needs treatment
 
-// Returns a number of the report by its path of keys; empty where the path ends early.
+// Returns a number of the report, found by its path of keys; empty if the path does not exist.
 Value number(const Json &from, const std::vector<std::string> &way)
 {
     const Json *at = &from;
@@ -32,7 +32,8 @@ const Json &list(const Json &from, const char *key)
     return from.is_object() && from.contains(key) && from[key].is_array() ? from[key] : none;
 }
 
-// Takes a figure over the lesions that were narrow; `pick` chooses between two values.
+// Returns the largest or smallest value of a figure over all lesions that were narrow; `pick` chooses between
+// two values.
 template <typename Pick> Value over_lesions(const Json &report, const char *figure, Pick pick)
 {
     Value found;
@@ -45,7 +46,7 @@ template <typename Pick> Value over_lesions(const Json &report, const char *figu
     return found;
 }
 
-// Takes a figure over the stents that were opened in the patient.
+// Returns the largest or smallest value of a figure over all stents that were opened in the patient.
 template <typename Pick> Value over_stents(const Json &report, const char *figure, Pick pick)
 {
     Value found;
@@ -66,8 +67,8 @@ double smaller(double a, double b)
     return std::min(a, b);
 }
 
-// Returns the length of the narrow lesions that no stent covers, all of them together. With several stents on
-// one lesion it is the least that any of them leaves at either end.
+// Returns the total length of narrow lesions that no stent covers. If several stents lie in one lesion, each
+// end counts with the stent that leaves the least of it uncovered.
 Value geographic_miss_mm(const Json &report)
 {
     Value sum;
@@ -92,7 +93,7 @@ Value geographic_miss_mm(const Json &report)
     return sum;
 }
 
-// Counts burst balloons, lost stents, and deployed stents that hold nothing.
+// Counts mishaps: burst balloons, lost stents, and deployed stents that hold nothing.
 Value mishaps(const Json &report)
 {
     if (!report.contains("balloon") || report["balloon"].is_null()) return {};
@@ -142,7 +143,7 @@ std::vector<Metric> metrics_of(const Json &report)
     };
 }
 
-// Gives full weight up to `full_at`, nothing from `none_at` on, and in proportion between.
+// Returns full points up to the value `full_at`, none from `none_at` on, and a proportional number between.
 double points_of(const Metric &metric)
 {
     const double way = (*metric.value - metric.full_at) / (metric.none_at - metric.full_at);
@@ -173,7 +174,7 @@ Json score_of(const Json &report)
         entry["remark"] = metric.remark;
         metrics.push_back(entry);
     }
-    // Without a lesion there is nothing to treat: 100 % for low X-ray dose alone would be misleading.
+    // Without a lesion nothing was treated, and 100 % for a low X-ray dose alone would be misleading.
     if (!report.contains("lesions") || report["lesions"].empty()) points = of = 0.0;
     return {{"points", points},
             {"of", of},

@@ -1,5 +1,6 @@
-// Scores an angioplasty: metrics with marks between two stated limits, from a session's report
-// (docs/score.md). A metric without a value in the report is shown without marks and does not affect the sum.
+// Scores an angioplasty from the report of its session (docs/score.md): each metric gives marks in proportion
+// between two stated limits. A metric whose value is missing in the report is shown without marks and does
+// not change the sum.
 //   Json score = score_of(report);    write_score_page("score.html", report, score, pictures);
 #pragma once
 #include "host/picture/picture.hpp"
@@ -20,10 +21,11 @@ struct ScorePicture {
     Image image;
 };
 
-// Writes one page without scripts or links: score, tools, pictures, curves over time. Throws OutputError.
+// Writes the score as one page without scripts or links, with the score, the tools, pictures, and curves over
+// time. Throws OutputError.
 void write_score_page(const std::string &path, const nlohmann::ordered_json &report,
                       const nlohmann::ordered_json &score, const std::vector<ScorePicture> &pictures);
-// Returns the page's text, for tests. Throws std::runtime_error when a picture cannot be encoded.
+// Returns the text of the same page, for tests. Throws std::runtime_error when a picture cannot be encoded.
 std::string score_page(const nlohmann::ordered_json &report, const nlohmann::ordered_json &score,
                        const std::vector<ScorePicture> &pictures);
 

@@ -1,4 +1,4 @@
-// Writes the score as one self-contained HTML page.
+// Writes the score as one HTML page that needs no other file.
 #include "host/base/format.hpp"
 #include "host/base/pending_file.hpp"
 #include "host/report/score.hpp"
@@ -70,7 +70,7 @@ std::string pictures_of(const std::vector<ScorePicture> &pictures)
     return html.empty() ? "" : "<h2>Pictures</h2>\n" + html;
 }
 
-// Returns a step of 1, 2 or 5 times a power of ten that divides a range into at most five.
+// Returns a step that divides a range into at most five parts; the step is 1, 2 or 5 times a power of ten.
 double step_for(double range)
 {
     const double power = std::pow(10.0, std::floor(std::log10(range / 5.0)));
@@ -92,7 +92,7 @@ std::vector<double> numbers(const Json &from, const char *key)
     return values;
 }
 
-// A gap in time longer than a second interrupts the line.
+// The line is interrupted where two samples are more than a second apart.
 std::string line_of(const std::vector<double> &time_s, const Curve &curve, double begin_s, double end_s,
                     double top)
 {

@@ -116,7 +116,7 @@ void print_medium(const PatientContrast &contrast)
                         100.0 * received_mg[b] / budget.injected_mg);
 }
 
-// Returns the frame of a run in which the medium is most visible: the darkest one.
+// Returns the darkest frame of a run, in which the medium is most visible.
 Image darkest_frame(const StoredRun &stored)
 {
     const auto sum = [](const std::vector<std::uint8_t> &grey) {
@@ -127,7 +127,7 @@ Image darkest_frame(const StoredRun &stored)
     return {stored.run.size, stored.run.size, 1, *darkest};
 }
 
-// Puts the score into the report, onto the page and onto the screen.
+// Writes the score's page with a picture of each cine run, and prints the score.
 void give_score(const std::string &path, const nlohmann::ordered_json &report, const RoomScreen *screen)
 {
     std::vector<ScorePicture> pictures;

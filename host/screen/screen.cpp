@@ -32,7 +32,7 @@ std::string glfw_reason()
     return text ? text : "no reason given";
 }
 
-// It stays current, because the window's thread has no other context.
+// The context stays current all the time, because the window's thread has no other context.
 class WindowContext final : public GlContext
 {
   public:
@@ -118,7 +118,7 @@ std::unique_ptr<GlContext> Screen::context() const
 void Screen::on_pointer(PointerHandler handler)
 {
     pointer_handler_ = std::move(handler);
-    // The callbacks are C functions, which get only the window.
+    // GLFW's callbacks are C functions, whose only connection to this object is the window.
     struct Of {
         Screen *operator()(GLFWwindow *window) const
         {
@@ -184,8 +184,8 @@ void Screen::show(const Image &rgb)
     glfwSwapBuffers(window_);
 }
 
-// The framebuffer's size is read every time, so that resizing and moving to a denser screen need no other
-// code.
+// The size of the framebuffer is read for every drawing, so that resizing, or moving the window to a denser
+// screen, needs no other code.
 void Screen::draw()
 {
     int width = 0, height = 0;
@@ -202,7 +202,7 @@ void Screen::draw()
     gl_.DrawArrays(gl::triangle_strip, 0, 4);
 }
 
-// Draws once more and reads the back buffer before it is shown; rows come from the bottom.
+// Draws once more and reads the back buffer before it is shown; OpenGL returns the rows from the bottom.
 Image Screen::read_back()
 {
     draw();

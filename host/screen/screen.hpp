@@ -1,5 +1,5 @@
-// A GLFW window that shows one square picture in the middle, as large as fits. Every OpenGL function is
-// loaded by name: no OpenGL library is linked.
+// A window (by GLFW) that shows one square picture in its middle, as large as fits. Every OpenGL function is
+// loaded by its name at run time, so that the program links no OpenGL library.
 #pragma once
 #include "host/picture/picture.hpp"
 #include "host/xray/gl/gl_context.hpp"
@@ -21,7 +21,7 @@ class Screen
         bool is_press = false, is_repeat = false, is_release = false;
     };
     using KeyHandler = std::function<void(const KeyEvent &)>;
-    // The pointer, in pixels of the last shown picture; y grows downwards.
+    // The position of the mouse pointer, in pixels of the picture shown last; y increases downwards.
     struct PointerEvent {
         enum class Kind { press, release, move, wheel } kind = Kind::move;
         int button = 0; // GLFW_MOUSE_BUTTON_*, of press and release
@@ -30,7 +30,8 @@ class Screen
     };
     using PointerHandler = std::function<void(const PointerEvent &)>;
 
-    // Throws std::runtime_error that names what is missing: display or OpenGL 3.3.
+    // Throws std::runtime_error if there is no display or no OpenGL 3.3; the message names which of them is
+    // missing.
     Screen(const std::string &title, int edge);
     ~Screen();
     Screen(const Screen &) = delete;
@@ -44,7 +45,8 @@ class Screen
     bool has_focus() const;
     void show(const Image &rgb); // uploads, draws, swaps
     Image read_back();           // the whole window as last shown
-    // Returns the window's own context, for drawing path lengths in it. The window must outlive it.
+    // Returns the window's own OpenGL context, in which path lengths can be drawn. The window must outlive
+    // it.
     std::unique_ptr<GlContext> context() const;
 
   private:

@@ -1,6 +1,6 @@
-// Claims about balloon and stents in a session, with shapes of the line made here. They concern which stents
-// may be mounted, the ticks of the looks, the orders to the core and how often they are repeated, pictures
-// (which change nothing), the filled balloon in the X-ray, and the contents of a recording.
+// Claims about balloon and stents in a session, whose shapes of the line are made in this file. They concern
+// which stents may be mounted, when looks are due, which orders the core gets and when they are repeated,
+// that pictures change nothing, the X-ray of a filled balloon, and the contents of a recording.
 #include "host/base/tests/folder.hpp"
 #include "host/base/text.hpp"
 #include "host/patient/balloon.hpp"
@@ -35,9 +35,9 @@ std::vector<Instrument> wire_and_balloon()
             read_instrument("shared/examples/instruments/balloon_3x20.toml")};
 }
 
-// The line lies along the middle of the artery with its lesion, with nodes a millimetre apart; the balloon's
-// middle is that of the lesion. The wire is 20 mm ahead of the catheter. `radius_mm` is the balloon's radius
-// over its whole length.
+// The line lies in the middle of an artery with a lesion and has a node every millimetre. The middle of the
+// balloon is at the middle of the lesion. The tip of the guidewire is 20 mm ahead of that of the catheter.
+// `radius_mm` is the radius of the balloon along its whole length.
 WireFrame line_at(std::uint32_t tick, double radius_mm, double open)
 {
     static const VesselTree tree = beating_artery(false);
@@ -68,8 +68,8 @@ PatientStents session_stents(std::size_t count = 1)
 
 constexpr RoomCommand load{RoomAction::load_stent, {}};
 
-// The test lasts 800 ms: crimped up to 200, under pressure up to 500, then the balloon folds. Some frames are
-// looks, others lie in between.
+// The test lasts 800 ms: up to 200 ms the stent is crimped, up to 500 ms the balloon is under pressure, and
+// then the balloon folds. Some of the frames are looks; others lie between two looks.
 void carry_out(PatientStents &stents, std::uint32_t frame_ticks)
 {
     stents.command(0, load);
@@ -113,7 +113,7 @@ void nothing_is_looked_at_before_a_stent_is_loaded(void **)
     assert_true(stents.next_tick() == 80);
 }
 
-// Frames between the looks change no bit of the result, and neither do pictures.
+// Neither frames between the looks nor pictures may change any bit of the result.
 void other_pictures_do_not_change_it(void **)
 {
     PatientStents often = session_stents(), seldom = session_stents(), seen = session_stents();
@@ -136,7 +136,7 @@ crn_wire_order_list next_orders(PatientStents &stents)
     return orders;
 }
 
-// Returns the order of the next tick; empty if the tick has no such order.
+// Returns the scaffold order of the next tick; empty if the tick has none.
 std::optional<crn_wire_scaffold> next_hold(PatientStents &stents)
 {
     const crn_wire_order_list orders = next_orders(stents);
@@ -151,8 +151,8 @@ std::optional<crn_wire_strut> next_ring(PatientStents &stents)
     return order ? std::optional(order->strut) : std::nullopt;
 }
 
-// The whole lesion lies in the stent and is open. The orders cover every station, the middle one completely,
-// and stop once the core has carried them out.
+// The whole lesion lies inside the stent and is open. The orders must cover every station, and the middle one
+// completely. They must stop when the core has carried them out.
 void the_core_is_asked_once_for_what_it_does_not_know(void **)
 {
     PatientStents stents = session_stents();
@@ -180,7 +180,7 @@ void the_core_is_asked_once_for_what_it_does_not_know(void **)
     }
 }
 
-// Carries out all orders about struts, and returns the rings.
+// Carries out all orders about struts, and returns their rings.
 std::vector<crn_wire_strut> take_struts(PatientStents &stents)
 {
     std::vector<crn_wire_strut> rings;
@@ -193,8 +193,9 @@ std::vector<crn_wire_strut> take_struts(PatientStents &stents)
     return rings;
 }
 
-// There is no order while the balloon carries the stent. Once deployed, each ring becomes one circle of its
-// own width, from end to end; the orders stop once the core has carried them out.
+// There must be no order about struts while the stent is on the balloon. When the stent has been deployed,
+// each ring from end to end becomes one circle of its own width in the core. The orders must stop when the
+// core has carried them out.
 void struts_are_told_once_the_stent_is_deployed(void **)
 {
     PatientStents stents = session_stents();
@@ -228,8 +229,8 @@ void struts_are_told_once_the_stent_is_deployed(void **)
     }
 }
 
-// Another stent's balloon inside the stent opens it farther. The wider rings are ordered again, and without a
-// confirmation once more at the next look.
+// The balloon of a second stent widens the first stent from inside. The widened rings must be ordered again;
+// if the core does not confirm, they must be ordered once more at the next look.
 void struts_that_are_widened_are_told_again(void **)
 {
     PatientStents stents = session_stents(2);
@@ -256,8 +257,8 @@ void struts_that_are_widened_are_told_again(void **)
     assert_true(take_struts(stents).empty());
 }
 
-// Stents on the shelf share the core's rings evenly. For a stent with more rings than its share, circles are
-// chosen from end to end.
+// All stents on the shelf have an equal share of the rings that the core can hold. If a stent has more rings
+// than its share, the rings for the core are chosen evenly from end to end.
 void stents_share_the_rings_of_the_core(void **)
 {
     PatientStents stents = session_stents(8);
@@ -271,7 +272,7 @@ void stents_share_the_rings_of_the_core(void **)
     assert_true(all.front().x_um == rings.front().x_um && all.back().y_um == rings.back().y_um);
 }
 
-// An order that a device did not carry out is given again.
+// An order that a device did not carry out must be given again.
 void what_the_core_did_not_confirm_is_asked_for_again(void **)
 {
     PatientStents stents = session_stents();
@@ -282,7 +283,7 @@ void what_the_core_did_not_confirm_is_asked_for_again(void **)
     assert_true(first && again && first->first == again->first && first->open_q15 == again->open_q15);
 }
 
-// A stent opens nothing: it holds no more than the balloon has opened.
+// A stent itself opens nothing: it holds a lesion no farther open than the balloon has opened it.
 void a_stent_holds_no_more_than_is_open(void **)
 {
     PatientStents stents = session_stents();
@@ -317,8 +318,8 @@ void another_one_is_loaded_outside_only(void **)
     assert_true(results[0].was_taken_out && !results[1].was_taken_out);
 }
 
-// The iodine in the column is compared with that of the cylinder, the cones (each of volume pi h / 3 (R^2 + R
-// r + r^2) less the shaft) and the waist.
+// The iodine in the column is compared with that of the balloon's parts: the cylinder, the cones (each of
+// volume pi h / 3 (R^2 + R r + r^2) less the shaft) and the waist.
 void the_filling_holds_as_much_as_the_balloon(void **)
 {
     const std::vector<Instrument> tools = wire_and_balloon();
@@ -405,7 +406,8 @@ std::vector<std::uint8_t> recorded(const std::string &path, const StentDesign &s
     return {bytes.begin(), bytes.end()};
 }
 
-// A recording stores a stent exactly to the last bit, and refuses one that no file could describe.
+// A recording must store a stent exactly to the last bit. A stent that no stent file could describe must be
+// refused.
 void a_recording_keeps_its_stents(void **)
 {
     const tests::Folder folder("stents");

@@ -1,5 +1,5 @@
-// Tests a session's runs as a folder of files: which frames go into which file, how their values are
-// converted, and what is left when the export is stopped. Pixels are read back by DCMTK; the frames are tiny.
+// Tests the export of a session's runs as a folder of files: which frames go into which file, how values are
+// converted, and what is left when the export is stopped. DCMTK reads the pixels back; the frames are tiny.
 #include "host/base/output_files.hpp"
 #include "host/base/tests/folder.hpp"
 #include "host/picture/dicom_export.hpp"
@@ -132,7 +132,7 @@ static void a_press_without_a_frame_is_no_run(void **)
     assert_names(folder, {"run_01_fluoro.dcm"});
 }
 
-// Frames whose rows and columns have another size on the detector cannot share a file.
+// Frames whose pixels have different sizes on the detector cannot share a file.
 static void another_field_begins_another_file_of_the_same_run(void **)
 {
     Folder folder;
@@ -172,7 +172,7 @@ static void a_run_of_more_than_2000_frames_goes_on_in_the_next_file(void **)
     assert_int_equal(second.pixel(2 * tiny * tiny), 2002);
 }
 
-// log2(1 + 255) = 8 is half of the range of 16 octaves.
+// log2(1 + 255) = 8, which is half of the scale's range of 16 octaves.
 static void values_are_logarithmic_unless_asked_otherwise(void **)
 {
     for (const char *values : {"log", "linear"}) {
@@ -184,14 +184,14 @@ static void values_are_logarithmic_unless_asked_otherwise(void **)
         out.add_run(run);
         Read read(out.finish(go_on)[0]);
         const bool is_log = std::string(values) == "log";
-        // The logarithm is exact to 2e-5: one step here.
+        // The logarithm is exact to 2e-5, which is one step of the stored value here.
         assert_in_range(read.pixel(0), is_log ? 32767 : 255, is_log ? 32769 : 255);
         assert_string_equal(read.text(DCM_PixelIntensityRelationship).c_str(), is_log ? "LOG" : "LIN");
     }
 }
 
-// There are 1,000 frames of 1, 2, .. 1,000: the hundredth at either end is left out. A saturated detector is
-// not counted.
+// There are 1,000 frames with the values 1, 2, .. 1,000, of which the window leaves out a hundredth at either
+// end. Values of a saturated detector are not counted.
 static void the_window_spans_the_run(void **)
 {
     for (bool is_bright : {false, true}) {
@@ -208,7 +208,7 @@ static void the_window_spans_the_run(void **)
     }
 }
 
-// Pixels behind the blades are dark and do not count.
+// Pixels behind the collimator blades are dark and are not counted.
 static void the_window_looks_inside_the_collimator(void **)
 {
     Folder folder;
@@ -226,8 +226,8 @@ static void the_window_looks_inside_the_collimator(void **)
     assert_string_equal(read.text(DCM_WindowWidth).c_str(), "1");
 }
 
-// The files once lacked volume, flow and strength of the medium injected between a file's first and last
-// frame.
+// This test covers a former error: the files did not state volume, flow and strength of the medium injected
+// between their first and last frame.
 static void each_file_names_the_medium_given_during_its_frames(void **)
 {
     Folder folder;
@@ -287,7 +287,8 @@ static void an_export_given_up_leaves_no_folder(void **)
     assert_names(folder, {});
 }
 
-// Bytes that are no character once made a file with unreadable text, without a message.
+// This test covers a former error: bytes that form no UTF-8 character produced a file with unreadable text,
+// without a message.
 static void a_name_that_is_not_utf8_is_refused(void **)
 {
     const auto is_refused = [](const char *name) {
@@ -302,8 +303,8 @@ static void a_name_that_is_not_utf8_is_refused(void **)
     };
     for (const char *good : {"", "Phantom^Aorta", "M\xc3\xbcller^\xe5\xb1\xb1", "\xf0\x9f\x98\x80"})
         if (is_refused(good)) fail_msg("'%s' is refused", good);
-    // The cases: no lead byte, cut short, a longer form than needed, half of a pair, beyond the last
-    // character.
+    // The cases are: no lead byte, a character cut short, a longer form than needed, half of a surrogate
+    // pair, and a code beyond the last character.
     for (const char *bad : {"a\xff", "\x80", "\xc3", "\xe5\xb1", "\xc0\x80", "\xe0\x80\x80", "\xed\xa0\x80",
                             "\xf4\x90\x80\x80", "\xf8\x88\x80\x80\x80"})
         if (!is_refused(bad)) fail_msg("'%s' is taken", bad);

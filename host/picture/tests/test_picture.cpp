@@ -1,5 +1,5 @@
-// Tests pictures as files: libpng reads PNG back, ffprobe reads MP4; failures leave nothing behind; the
-// display is drawn.
+// Tests pictures as files. libpng reads the PNG files back, and ffprobe the MP4 files. Failures leave nothing
+// behind, and the display is drawn.
 #include "host/base/tests/folder.hpp"
 #include "host/picture/overlay.hpp"
 #include <csetjmp>
@@ -24,7 +24,7 @@ using namespace crn;
 namespace
 {
 
-// One folder for all tests, removed at the end.
+// All tests share one folder, which is removed at the end.
 const tests::Folder &all_files()
 {
     static const tests::Folder files("picture");
@@ -145,7 +145,8 @@ static void film_without_ffmpeg_says_what_to_install(void **)
     assert_int_equal(files_in_folder(), 0);
 }
 
-// ffmpeg must not be in the group that Ctrl-C reaches: only the program decides what happens to the film.
+// ffmpeg must not be in the process group that receives Ctrl-C, because only our program decides what happens
+// to the film.
 static void film_survives_an_interrupt_of_the_foreground_group(void **)
 {
     std::fflush(stdout);
@@ -172,7 +173,7 @@ static void film_survives_an_interrupt_of_the_foreground_group(void **)
     assert_int_equal(files_in_folder(), 0);
 }
 
-// A fake ffmpeg that never reads and never ends by itself: only the death of its parent ends it.
+// A fake ffmpeg that never reads and never ends by itself, so that only the death of its parent can end it.
 static void film_program_ends_when_we_are_killed(void **)
 {
     const std::string program = folder() + "/ffmpeg", number = folder() + "/number";
@@ -201,7 +202,7 @@ static void film_program_ends_when_we_are_killed(void **)
     assert_true(ffmpeg > 1);
     kill(child, SIGKILL);
     assert_int_equal(waitpid(child, nullptr, 0), child);
-    // The process is gone, or a zombie that has not been reaped yet.
+    // The process has disappeared, or is a zombie whose parent has not collected it yet.
     const bool is_gone = wait_until([&] {
         std::ifstream stat("/proc/" + std::to_string(ffmpeg) + "/stat");
         const std::string text{std::istreambuf_iterator<char>(stat), {}};

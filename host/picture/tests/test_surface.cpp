@@ -1,4 +1,4 @@
-// Claims: a picture of surfaces shows every panel on one scale, nearer objects hide those behind them, and a
+// Claims: a picture of surfaces shows all panels at one scale, nearer objects hide those behind them, and a
 // wall looks like glass over its contents.
 #include "host/picture/surface_picture.hpp"
 #include <csetjmp>
@@ -17,7 +17,7 @@ namespace
 
 constexpr int size = 100;
 
-// Makes a box about the z axis; faces are anticlockwise from outside.
+// Makes a box about the z axis; the corners of its faces are anticlockwise as seen from outside.
 SurfaceMesh box(SurfaceKind kind, double half_mm, double z_mm)
 {
     SurfaceMesh mesh;
@@ -42,8 +42,8 @@ std::array<int, 3> pixel(const Image &image, int x, int y)
 
 constexpr std::array<int, 3> white = {255, 255, 255};
 
-// The boxes are 20 mm and 10 mm wide: 92 pixels are 20 mm, so the second box ends 23 pixels from its panel's
-// middle.
+// The boxes are 20 mm and 10 mm wide. 92 pixels correspond to 20 mm, so the second box ends 23 pixels from
+// the middle of its panel.
 void panels_are_side_by_side_on_one_scale(void **)
 {
     const Image image = draw_surfaces(
@@ -66,8 +66,8 @@ void what_is_nearer_hides_what_is_behind(void **)
     }
 }
 
-// Beside the balloon the wall is red; over the balloon its blue shows through, but less than without the
-// wall.
+// Beside the balloon the wall is red. Over the balloon its blue is visible through the wall, but less than
+// without the wall.
 void a_wall_is_glass(void **)
 {
     const SurfaceMesh balloon = box(SurfaceKind::balloon, 3, 0);

@@ -1,4 +1,5 @@
-// Tests the score of an angioplasty from a session's report: marks between stated limits, and the page.
+// Tests the score of an angioplasty, computed from a session's report: marks between stated limits, and the
+// page.
 #include "host/report/score.hpp"
 #include <csetjmp>
 #include <cstdarg>
@@ -15,7 +16,7 @@ namespace
 
 using Json = nlohmann::ordered_json;
 
-// A good result: one lesion is opened, and one stent on the wall covers all of it.
+// The report of a good result: one lesion is opened, and one well-apposed stent covers all of it.
 Json good_report()
 {
     return Json::parse(R"({
@@ -55,7 +56,7 @@ void a_good_result_has_full_marks(void **)
     assert_float_equal(score["percent"].get<double>(), 100.0, 1e-9);
 }
 
-// Marks fall in proportion between the limits: 20 % is half way from 10 to 30.
+// Marks change in proportion between the limits: a value of 20 % is half-way from 10 to 30 %.
 void marks_fall_in_proportion_between_the_limits(void **)
 {
     Json report = good_report();
@@ -67,7 +68,7 @@ void marks_fall_in_proportion_between_the_limits(void **)
     assert_float_equal(points(report, "apposition_pct"), 10.0, 1e-9);
 }
 
-// Each fault lowers its own metric and no other.
+// Each fault must lower its own metric and no other.
 void a_fault_is_seen_by_the_metric_that_should_notice(void **)
 {
     const struct {
@@ -100,7 +101,8 @@ void a_fault_is_seen_by_the_metric_that_should_notice(void **)
     }
 }
 
-// A value that is not known gets no marks and leaves the rest unchanged: here a balloon without a stent.
+// A metric without a value gets no marks and leaves the others unchanged; here there is a balloon but no
+// stent.
 void what_is_not_known_is_not_judged(void **)
 {
     Json report = good_report();
@@ -115,7 +117,7 @@ void what_is_not_known_is_not_judged(void **)
     assert_true(crn::score_of(report)["percent"].is_null());
 }
 
-// Two stents cover one end each: nothing is left between their best coverages.
+// Each of two stents covers one end of a lesion, so that no part of the lesion counts as uncovered.
 void stents_cover_a_lesion_together(void **)
 {
     Json report = good_report();
