@@ -1,6 +1,6 @@
-// cournand rig calibrate: guided motion determines the meaning of one count. Everything is measured first and
-// written in one message, which the device accepts as a whole or not at all; so stopping in the middle
-// changes nothing.
+// The command cournand rig calibrate: motion that the user makes as instructed determines what one count
+// means. All measurements come first, and then one message writes them all, which the device accepts as a
+// whole or not at all. So stopping in the middle changes nothing.
 #include "host/base/output_files.hpp"
 #include "host/base/pending_file.hpp"
 #include "host/rig/rig.hpp"
@@ -21,7 +21,7 @@ constexpr double counts_min = 100.0; // fewer would be noise
 constexpr int force_samples = 50;
 constexpr double gravity_m_per_s2 = 9.80665;
 
-// The calibrated fields, by their names on the wire.
+// The fields that are calibrated, with their names in the byte protocol.
 struct Field {
     const char *name;
     std::uint32_t crn_wire_track::*value;
@@ -119,7 +119,7 @@ class Guide
         const crn_wire_track_sensors end = sample();
         if (!good(begin) || !good(end))
             throw LinkError("the " + what + " gives no good signal. Remedy: cournand rig selftest");
-        // Absolute counts may wrap; their 32-bit difference is the displacement.
+        // Absolute counts may wrap, but their 32-bit difference is the displacement.
         const auto counts = static_cast<std::int32_t>(static_cast<std::uint32_t>(read(end)) -
                                                       static_cast<std::uint32_t>(read(begin)));
         if (std::abs(static_cast<double>(counts)) < counts_min) {
@@ -191,7 +191,8 @@ bool is_same(const crn_wire_rig &a, const crn_wire_rig &b)
     return true;
 }
 
-// Writes one message and reads it back; if it differs from what was written, the change is undone.
+// Writes one message and reads the settings back; if they differ from what was written, it restores the
+// former settings.
 void write(Link &link, const crn_wire_rig &before, const crn_wire_rig &after)
 {
     link.set_rig(after);

@@ -1,4 +1,5 @@
-// Implements cournand rig force, and the powered trial that it shares with selftest.
+// Implements the command cournand rig force, and the trial with powered motors that cournand rig selftest
+// uses too.
 #include "host/rig/rig.hpp"
 #include <algorithm>
 #include <cstdlib>
@@ -13,7 +14,8 @@ constexpr std::uint32_t round_ms = 10;          // forces fade when the host is 
 constexpr std::uint32_t coupling_N_per_m = 500; // half a millimetre for 250 mN
 constexpr std::uint32_t inserted_um = 50000;
 
-// Makes straight tools that fit into each other, all 300 mm, in free space: only the seal holds them.
+// Makes straight tools of 300 mm that fit into each other. They lie in free space, so only the friction of
+// the sheath's valve holds them.
 std::vector<crn_wire_instrument> straight_tools(unsigned count)
 {
     static constexpr struct {
@@ -62,8 +64,8 @@ MotorTrial::MotorTrial(Link &link, unsigned track, unsigned force_mN, double dam
                         " is not known, so no safe spring can be chosen. Remedy: give --damping N s/m as "
                         "measured (docs/rig.md)");
     }
-    // The coupling is passive by the device's own rule: stiffness x (half a tick + lag of the actuator) <=
-    // damping.
+    // The coupling obeys the device's own rule for passivity: stiffness x (half a tick + lag of the actuator)
+    // <= damping.
     const std::uint64_t stiffest =
         std::uint64_t{driven.damping_mN_s_per_m} * 1000 / (500 + driven.actuator_lag_us);
     driven.coupling_N_per_m = static_cast<std::uint32_t>(std::min<std::uint64_t>(coupling_N_per_m, stiffest));
@@ -116,7 +118,7 @@ MotorTrial::~MotorTrial()
     try {
         end();
     } catch (const std::exception &) {
-        // Silence removes the forces within 50 ms, whatever happens to the link.
+        // After 50 ms of silence the device removes the forces, whatever happens to the link.
     }
 }
 

@@ -1,4 +1,5 @@
-// Pedals and syringe of a rig: converts button bits and counts to commands for the room.
+// Pedals and syringe of a rig: converts bits of buttons and counts of the plunger to commands for the X-ray
+// room.
 #pragma once
 #include "host/room/command.hpp"
 #include "shared/wire/wire.h"
@@ -12,7 +13,7 @@ namespace crn
 class RigPedals
 {
   public:
-    // Returns the changes since the last call: bit 0 is the X-ray pedal, bit 1 the cine pedal (docs/wire.md,
+    // Returns the changes since the last call. Bit 0 is the X-ray pedal, bit 1 the cine pedal (docs/wire.md,
     // `encoders`).
     std::vector<RoomCommand> changes(std::uint32_t buttons)
     {
@@ -30,14 +31,14 @@ class RigPedals
     std::uint32_t buttons_ = 0;
 };
 
-// The syringe's plunger: the volume of 20 ms is injected during the next 20 ms. A count is 1 ul. Drawing back
-// fills the syringe.
+// Follows the plunger of the syringe: the volume that it gives in 20 ms is injected during the next 20 ms. A
+// count is 1 ul. Drawing back fills the syringe.
 class RigSyringe
 {
   public:
     static constexpr std::uint32_t window_ticks = 20;
 
-    // Takes the counts at `tick`, which may wrap; the first ones are the zero.
+    // Takes the plunger's counts at `tick`. The counts may wrap, and the first ones are the zero.
     std::optional<RoomCommand> change(std::uint32_t tick, std::int32_t counts)
     {
         const auto moved = static_cast<std::int32_t>(static_cast<std::uint32_t>(counts) -
@@ -48,7 +49,7 @@ class RigSyringe
             window_ = tick / window_ticks;
             return {};
         }
-        // No hand is faster than this limit; a sensor that jumps injects nothing.
+        // No hand can inject faster than this limit, so a sensor that jumps injects nothing.
         if (moved > 0 && moved <= inject_rate_max_ul_s) volume_ul_ += moved;
         if (tick / window_ticks == window_) return {};
         window_ = tick / window_ticks;

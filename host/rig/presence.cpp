@@ -19,7 +19,7 @@ Presence::~Presence()
     thread_.join();
 }
 
-// The next caller that uses the device finds out that it is disconnected.
+// An error here is ignored: the next function that uses the device notices when it is disconnected.
 void Presence::say(Link &link)
 {
     const auto end = std::chrono::steady_clock::now() + limit;

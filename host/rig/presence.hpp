@@ -1,6 +1,7 @@
-// Keeps the rig informed, from another thread, that a host busy with a picture is alive. So the forces in the
-// hand do not fade with every picture that takes longer than 30 ms. It does so for half a second at most: a
-// host that hangs does not count as alive. Nothing else may use the link while such an object exists.
+// From another thread, tells the rig that the host is alive while it is busy with a picture. Otherwise the
+// forces in the hand would fade with every picture that takes longer than 30 ms. It does this for half a
+// second at most, because a host that hangs must not count as alive. Nothing else may use the link while an
+// object of this class exists.
 #pragma once
 #include "host/link/link.hpp"
 #include <chrono>

@@ -1,4 +1,4 @@
-// Implements cournand rig: the commands that only read, and the dispatch of all commands.
+// Implements the commands of cournand rig that only read, and calls the functions of all commands.
 #include "host/rig/rig.hpp"
 #include "host/base/interrupt.hpp"
 #include "host/base/output_files.hpp"
@@ -29,7 +29,7 @@ std::string RigTalk::ask(const std::string &question) const
 namespace
 {
 
-// Reads by read(2) after poll(2), so that Ctrl-C works while nobody types.
+// Reads by read(2) after poll(2), so that Ctrl-C works while the user types nothing.
 bool read_line_console(std::string &line)
 {
     line.clear();
@@ -99,7 +99,7 @@ void require_ready(Link &link, bool may_reset)
 namespace
 {
 
-// A list contacts every connected rig, and ends in time whatever they do.
+// A list contacts every connected rig, and these limits end it in time whatever the rigs do.
 constexpr auto list_patience = std::chrono::milliseconds(1500);
 constexpr auto list_limit = std::chrono::seconds(6);
 
@@ -264,7 +264,7 @@ int rig_log(Link &link, const RigTalk &talk)
     return 0;
 }
 
-// A second of silence is waited for in slices, so that Ctrl-C works soon.
+// The function waits for a second of silence in short slices, so that Ctrl-C works soon.
 int rig_monitor_hid(const HidApi &api, const std::string &serial, const RigOptions &options,
                     const RigTalk &talk)
 {

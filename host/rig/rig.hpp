@@ -1,4 +1,4 @@
-// The commands of cournand rig find, inspect, test and calibrate a rig, and let a hand feel its forces.
+// The commands of cournand rig: they find, inspect, test and calibrate a rig, and let a hand feel its forces.
 #pragma once
 #include "host/link/hid_rig.hpp"
 #include "host/link/link.hpp"
@@ -27,35 +27,36 @@ struct RigOptions {
 // Carries out options.command and returns the exit code.
 int command_rig(const RigOptions &options);
 
-// A command's dialogue with its user; tests provide their own.
+// How a command talks to its user; tests provide their own functions.
 struct RigTalk {
     std::FILE *out = stdout;
     bool is_terminal = false;
     std::function<bool(std::string &)> read_line; // an answer; false: end of input, or Ctrl-C
     std::function<bool()> is_interrupted;
-    // Prints a question, reads the answer. Throws RigStopped for end of input and Ctrl-C.
+    // Prints a question and returns the answer. Throws RigStopped for end of input and Ctrl-C.
     std::string ask(const std::string &question) const;
 };
 RigTalk console_talk();
 
-// The user ended the dialogue; what() says what was left unchanged.
+// Thrown when the user ended the dialogue; what() states what was left unchanged.
 class RigStopped : public std::runtime_error
 {
   public:
     using std::runtime_error::runtime_error;
 };
 
-// Each gets a link after the greeting; 0 means done, 1 failed.
+// Each of these commands gets a link on which HELLO has been answered. It returns 0 when done, and 1 when it
+// failed.
 int rig_info(Link &link, const crn_wire_hello_reply &hello, const RigOptions &options, const RigTalk &talk);
 int rig_log(Link &link, const RigTalk &talk);
 int rig_selftest(Link &link, const crn_wire_hello_reply &hello, const RigOptions &options,
                  const RigTalk &talk);
 int rig_calibrate(Link &link, const RigOptions &options, const RigTalk &talk);
 int rig_force(Link &link, const RigOptions &options, const RigTalk &talk);
-// `next` returns the next state report; none: the rig is silent.
+// `next` returns the next state report, or nothing while the rig is silent.
 using StateSource = std::function<std::optional<crn_hid_state>()>;
 int rig_monitor(const StateSource &next, const RigOptions &options, const RigTalk &talk);
-// Does the same from a rig's HID interface.
+// Prints the same state, read from the HID interface of a rig.
 int rig_monitor_hid(const HidApi &api, const std::string &serial, const RigOptions &options,
                     const RigTalk &talk);
 
@@ -64,13 +65,14 @@ int rig_monitor_hid(const HidApi &api, const std::string &serial, const RigOptio
 std::string state_name(unsigned state);
 std::string sensor_name(unsigned status);
 std::string serial_of(const crn_wire_hello_reply &hello);
-// Brings the rig to READY, so that settings may change: with `may_reset` by RESET. Throws LinkError that
-// names the activity under way.
+// Brings the rig to the state READY, in which settings may change; with `may_reset` it may send RESET. Throws
+// LinkError that names the activity under way.
 void require_ready(Link &link, bool may_reset);
 
-// A trial on one track with a spring between hand and a straight tool in free space, whose seal has the
-// friction `force_mN`. The hand feels at most that force when it moves slowly, and none when it rests. Motors
-// are powered between begin() and end(); end() restores the rig's configuration, and the destructor calls it.
+// A trial on one track. A spring connects the hand with a simulated straight tool in free space, and the
+// valve around the tool has the friction `force_mN`. The hand feels at most that force while it moves slowly,
+// and none while it rests. The motors are powered from begin() to end(). end() restores the configuration of
+// the rig, and the destructor calls end().
 class MotorTrial
 {
   public:
@@ -79,7 +81,7 @@ class MotorTrial
     MotorTrial(const MotorTrial &) = delete;
     MotorTrial &operator=(const MotorTrial &) = delete;
     void begin(); // ARM, ARM_MOTORS, CONFIRM, START
-    // Runs 10 ms of FREE_RUN and returns the received ticks. Throws LinkError with cause and remedy when the
+    // Runs 10 ms in FREE_RUN and returns the ticks received. Throws LinkError with cause and remedy when the
     // rig went into FAULT.
     const std::vector<crn_wire_live_tick> &run();
     void end();

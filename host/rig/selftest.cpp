@@ -1,4 +1,5 @@
-// cournand rig selftest: prints one line for every sensor, line and limit on which the rig can report.
+// The command cournand rig selftest: prints one line for every sensor, line and limit on which the rig can
+// report.
 #include "host/rig/rig.hpp"
 #include <cmath>
 #include <cstdlib>
@@ -101,7 +102,7 @@ void check_track(Lines &lines, unsigned number, const crn_wire_track_sensors &fi
                 "a limit of 0 was written; power the rig off and on");
 }
 
-// A request for a limit one above the present one must be refused and leave it unchanged.
+// Requests a limit that is larger by one than the present one. The device must refuse it and keep its limit.
 void check_limits_hold(Lines &lines, Link &link, const crn_wire_rig &rig)
 {
     for (std::uint16_t k = 0; k < rig.tracks_count; k++) {

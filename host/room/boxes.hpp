@@ -1,6 +1,6 @@
-// Computes the gap between two boxes at any angle, by separating axes (Gottschalk 1996): the largest gap
-// between their projections on fifteen axes. It never exceeds the true distance; it is negative when they
-// overlap.
+// Computes the gap between two boxes at any angle by the method of separating axes (Gottschalk 1996): the
+// largest gap between their projections on fifteen axes. The result never exceeds the true distance; it is
+// negative when the boxes overlap.
 #pragma once
 #include <Eigen/Geometry>
 #include <algorithm>

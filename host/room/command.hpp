@@ -1,6 +1,6 @@
-// The actions of a person in the X-ray room: pedals, geometry, modes, review. A session is a list of these
-// with their ticks, and nothing else determines what the room does: docs/room.md. Values are whole numbers,
-// so that a recording holds them exactly.
+// The actions of a person in the X-ray room: pedals, geometry, modes and review. For the room a session is a
+// list of these commands with their ticks, and nothing else determines what the room does: docs/room.md.
+// Values are whole numbers, so that a recording holds them exactly.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -8,7 +8,7 @@
 namespace crn
 {
 
-// Recordings contain these numbers, so their meaning never changes.
+// Recordings contain these numbers, so the meaning of a number must never change.
 enum class RoomAction : std::uint16_t {
     fluoro_pedal = 1,  // 1 down, 0 up
     acquire_pedal = 2, // 1 down, 0 up: acquires a run of the selected program
@@ -30,7 +30,7 @@ enum class RoomAction : std::uint16_t {
     review = 18,   // 0 off, 1 loop, 2 one frame; run number (0: the last); frame from 0
     acknowledge = 19, // the dose alert was acknowledged
     halt = 20,        // every motor stops where it is
-    // Commands for the syringe, which the room passes on: host/patient/contrast.hpp.
+    // These commands for the syringe are passed on by the room: host/patient/contrast.hpp.
     inject = 21, // ul (0: stop), ul/s, tool from the innermost 1 ... (0: the outermost with a lumen)
     contrast_strength = 22, // mg iodine per ml of the fluid injected from now on
     load_stent = 23,        // loads the next one onto the balloon: host/patient/stents.hpp
@@ -43,17 +43,18 @@ struct RoomCommand {
     bool operator==(const RoomCommand &) const = default;
 };
 
-// A request that was not carried out, with the tick from which it applied and the reason.
+// A request that was not carried out, with its tick and the reason.
 struct Refusal {
     std::uint32_t tick = 0;
     std::string why;
 };
 
-// Returns an empty string, or why no room can do this: an unknown action or a value out of range. A command
-// that passes may still be refused in a situation (no run to review): Room reports that then.
+// Returns an empty string, or the reason why the command is impossible in any state of the room: an unknown
+// action, or a value out of range. The room may refuse other commands in some states, for example when there
+// is no run to review; class Room reports that at the time.
 std::string refusal(const RoomCommand &command);
 
-// Limits that scripts, keys and recordings share.
+// Limits that scripts, keys and recordings have in common.
 inline constexpr std::int32_t primary_max_mdeg = 120'000, secondary_max_mdeg = 50'000;
 inline constexpr std::int32_t table_max_um = 1'900'000;
 inline constexpr std::int32_t field_min_um = 100'000, field_max_um = 450'000;

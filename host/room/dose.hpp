@@ -1,5 +1,5 @@
-// Dose of a session as IEC 60601-2-43 requires: reference air kerma, kerma-area product and time, per
-// irradiation and in total.
+// Measures the dose of a session as IEC 60601-2-43 requires: reference air kerma, kerma-area product and
+// time, for each irradiation and in total.
 #pragma once
 #include "host/xray/run.hpp"
 #include "host/xray/xray.hpp"
@@ -29,8 +29,8 @@ struct Irradiation {
     Dose dose;
 };
 
-// Levels of reference air kerma at which the room raises an alert: 2 Gy (skin may redden), 5 Gy (follow the
-// patient up); ICRP 120.
+// The reference air kerma at which the room raises an alert: 2 Gy (the skin may redden) and 5 Gy (the patient
+// needs a follow-up); ICRP 120.
 inline constexpr double dose_alert_levels_Gy[] = {2.0, 5.0};
 inline constexpr std::uint32_t fluoro_reminder_ticks = 300'000; // every five minutes of fluoroscopy
 
@@ -38,7 +38,7 @@ class DoseMeter
 {
   public:
     void begin(const Irradiation &irradiation);
-    // Adds one pulse of the current irradiation. `tick` is the tick of the pulse.
+    // Adds the dose of one pulse to the current irradiation. `tick` is the tick of the pulse.
     void add(std::uint32_t tick, double air_kerma_uGy, double kap_Gy_cm2);
     void note_pulse(const CArm &carm, double tube_voltage_kV, double tube_current_mA, double pulse_ms);
     void end(std::uint32_t tick, int kept_as_run); // drops an irradiation without a pulse
@@ -50,11 +50,11 @@ class DoseMeter
     std::uint32_t fluoro_ticks() const { return fluoro_ticks_; } // pedal time of fluoroscopy only
     // kerma of the last pulse times its rate; 0 when the beam is off
     double kerma_rate_mGy_min() const { return kerma_rate_mGy_min_; }
-    // The highest alert that is not acknowledged: index into dose_alert_levels_Gy.
+    // Returns the highest alert that the user has not acknowledged, as an index into dose_alert_levels_Gy.
     std::optional<int> unseen_alert() const { return unseen_; }
     int alerts_passed() const { return alerts_passed_; }
     std::uint32_t fluoro_reminders() const { return fluoro_ticks_ / fluoro_reminder_ticks; }
-    // Returns whether a reminder is not acknowledged.
+    // Returns true if the user has not acknowledged the last reminder.
     bool has_unseen_reminder() const { return fluoro_reminders() > reminders_seen_; }
 
   private:

@@ -1,6 +1,6 @@
-// Motors: trapezoidal speed in steps of 1 ms. Before each step the interlock checks the path on which all
-// axes would come to rest. It uses only sums, products, quotients and square roots, so that every compiler
-// gives the same bytes.
+// The motors of C-arm and table. Their speed has the shape of a trapezium and changes in steps of 1 ms.
+// Before each step the interlock checks the path along which all axes would come to rest. The computation
+// uses only sums, products, quotients and square roots, so that every compiler gives the same bytes.
 #include "host/room/gantry.hpp"
 #include "host/room/boxes.hpp"
 #include <algorithm>
@@ -13,16 +13,17 @@ namespace
 
 constexpr double tick_s = 1e-3;
 
-// Housings, in metres. The table top is 42 cm wide and 6 cm thick with its mattress. Its upper face lies 13
-// cm behind the patient's origin; it reaches from the head end 85 cm above the origin to the pedestal 120 cm
-// below it.
+// Housings, in metres. The table top is 42 cm wide and 6 cm thick with its mattress. The upper face of the
+// table lies 13 cm behind the patient's origin. The table reaches from its head end, 85 cm above the origin,
+// to its pedestal, 120 cm below it.
 constexpr double table_half_width_m = 0.21, table_top_z_m = -0.13, table_thickness_m = 0.06;
 constexpr double table_foot_y_m = -1.20, table_head_y_m = 0.85;
-// The tube is 32 x 32 cm, from 20 cm behind the focal spot to 10 cm in front of it; its collimator is 20 x 20
-// cm, up to 25 cm.
+// The tube housing is 32 x 32 cm and reaches from 20 cm behind the focal spot to 10 cm in front of it. Its
+// collimator is 20 x 20 cm and reaches to 25 cm in front of the focal spot.
 constexpr double tube_half_m = 0.16, tube_behind_m = 0.20, tube_front_m = 0.10;
 constexpr double collimator_half_m = 0.10, collimator_front_m = 0.25;
-// The detector is 40 x 40 cm, its cover 2 cm in front of the image plane, 22 cm deep behind it.
+// The detector housing is 40 x 40 cm. It reaches from its cover, 2 cm in front of the image plane, to 22 cm
+// behind that plane.
 constexpr double detector_half_m = 0.20, detector_front_m = 0.02, detector_behind_m = 0.22;
 
 Box along_beam(const View &view, double from_source_m, double to_source_m, double half_m)
@@ -63,7 +64,8 @@ GantryPose held(const GantryPose &pose)
     return result;
 }
 
-// Returns the speed from which an axis can stop within `gap` when it loses acceleration x 1 ms per tick.
+// Returns the highest speed from which an axis can stop within the distance `gap`, if it loses acceleration x
+// 1 ms of speed per tick.
 double braking_speed(double gap, double acceleration)
 {
     const double half_step = 0.5 * acceleration * tick_s;
@@ -131,8 +133,8 @@ CArm Gantry::carm(double field_m) const
     return carm_of(pose_, field_m);
 }
 
-// Returns the smallest gap along the path when this tick moves at `speed` and every axis then brakes for its
-// own time.
+// Returns the smallest gap between C-arm and table if the axes move at `speed` during this tick and then all
+// brake, each for its own time.
 double Gantry::clearance_while_braking_m(const GantryPose &speed) const
 {
     constexpr int looks = 6;
@@ -152,7 +154,7 @@ double Gantry::clearance_while_braking_m(const GantryPose &speed) const
     return gap_m;
 }
 
-// Returns the speed towards the target, or towards rest.
+// Returns the speed of each axis for the next tick: towards its target or, with `brakes`, towards rest.
 GantryPose Gantry::wanted_speed(bool brakes) const
 {
     GantryPose wanted = speed_;
@@ -171,7 +173,7 @@ void Gantry::tick()
     if (!is_moving() && pose_ == target_) return;
     GantryPose next = wanted_speed(is_halting_);
     const double gap_m = clearance_while_braking_m(next);
-    // When the gap is too narrow already, every motion is allowed that widens it.
+    // When the gap is already too narrow, only motions that widen it are allowed.
     if (gap_m < clearance_min_m && gap_m < table_clearance_m(pose_)) {
         is_blocked_ = is_halting_ = true;
         next = wanted_speed(true);

@@ -1,5 +1,6 @@
-// Coronary angles are the middle of the ranges in docs/room.md. Fields are 20 cm for coronaries, 25 for
-// renals, 32 for arch and pelvis. SID is 105 cm, more where the detector would come near the chest.
+// The angles of coronary views are the middle of the ranges in docs/room.md. The field is 20 cm for coronary
+// arteries, 25 cm for renal arteries, and 32 cm for arch and pelvis. The SID is 105 cm, or more where the
+// detector would come near the chest.
 #include "host/room/presets.hpp"
 #include <algorithm>
 #include <iterator>

@@ -1,4 +1,4 @@
-// Standard views by name. docs/room.md lists the sources of the angles.
+// The standard views, by name. docs/room.md lists the sources of the angles.
 #pragma once
 #include <cstdint>
 #include <span>

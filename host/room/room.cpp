@@ -14,8 +14,8 @@ constexpr std::uint32_t look_every_ticks = 50; // how often the tip is checked, 
 constexpr double follow_zone =
     0.22; // distance of the tip from the middle that is allowed, share of the field's width
 
-// Returns the dose behind patient and grid per frame, nGy: in the middle of the usual range
-// (host/xray/xray.hpp).
+// Returns the dose at the detector, behind patient and grid, for each frame, nGy; it is in the middle of the
+// usual range (host/xray/xray.hpp).
 double frame_dose_nGy(RunKind kind)
 {
     return kind == RunKind::fluoro ? 40.0 : kind == RunKind::cine ? 170.0 : 1200.0;
@@ -86,7 +86,7 @@ void Room::advance(std::uint32_t tick, const Eigen::Vector3d *tip)
     }
 }
 
-// Processes one millisecond: commands, then motors, then pedals and pulses.
+// Processes one millisecond: first the commands, then the motors, then the pedals and pulses.
 void Room::process(std::uint32_t tick, const Eigen::Vector3d *tip)
 {
     tick_ = tick;
@@ -96,7 +96,7 @@ void Room::process(std::uint32_t tick, const Eigen::Vector3d *tip)
         carry_out(tick, command);
     }
     if (follows_tip_ && tip && tick % look_every_ticks == 0 && !is_acquire_waiting_) follow(tick, *tip);
-    // The table does not move during a run of DSA, since the patient must not move relative to the mask.
+    // The table does not move during a run of DSA, because the patient must not move between mask and frame.
     if (!(beam_.is_on && beam_.kind == RunKind::dsa)) gantry_.tick();
     if (gantry_.is_blocked() && !was_blocked_) notify(tick, "TABLE IN THE WAY - motion stopped");
     was_blocked_ = gantry_.is_blocked();
@@ -195,7 +195,7 @@ void Room::carry_out_geometry(std::uint32_t tick, const RoomCommand &command)
     }
 }
 
-// The room is set up at the first tick: a pose ordered during that tick applies at once, without motion.
+// The room is set up at the first tick: a pose ordered at that tick applies at once, without motion.
 void Room::move(std::uint32_t tick, const GantryPose &pose)
 {
     if (tick > 0) return gantry_.aim(pose);
@@ -204,8 +204,8 @@ void Room::move(std::uint32_t tick, const GantryPose &pose)
         notify(tick, "THE TABLE IS IN THE WAY HERE - only ways out are free");
 }
 
-// Works like a hand on the table: nothing happens while the tip is well inside the field, then the table
-// brings it back to the middle.
+// Moves the table as a person does who follows the tip: the table stays at rest while the tip is well inside
+// the field. Otherwise the table brings the tip back to the middle.
 void Room::follow(std::uint32_t tick, const Eigen::Vector3d &tip)
 {
     if (tick == 0) return move(tick, with_table(gantry_.target(), tip));
@@ -223,12 +223,13 @@ void Room::follow(std::uint32_t tick, const Eigen::Vector3d &tip)
 
 // --- pedals ---
 
-// Only a new press begins a run: a pedal held over the end of another run does nothing until it is released.
+// Only a new press of the pedal begins a run. A pedal that was already down when another run ended does
+// nothing until it is released and pressed again.
 void Room::press_pedals(std::uint32_t tick)
 {
     if (beam_.is_on && beam_.is_acquired) return;
-    // All frames of a run have one geometry, so the run waits for the motors. Fluoroscopy continues
-    // meanwhile.
+    // All frames of a run must have the same geometry, so the run waits until the motors are at rest.
+    // Fluoroscopy continues meanwhile.
     const bool waits = is_acquire_armed_ && gantry_.is_moving();
     if (waits && !is_acquire_waiting_)
         notify(tick, name_of_program() + " WAITS - the C-arm or the table is moving");
@@ -241,7 +242,7 @@ void Room::press_pedals(std::uint32_t tick)
     }
 }
 
-// The pedal was released before the motors stopped: there is no run, and the user must be informed.
+// The pedal was released before the motors came to rest, so there is no run, and the user must be informed.
 void Room::release_acquisition(std::uint32_t tick)
 {
     if (is_acquire_waiting_) {

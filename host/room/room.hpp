@@ -1,6 +1,6 @@
-// The X-ray room as a state machine: pedals, geometry, pulses, runs by number, dose. It has no window, no
-// clock, no X-ray and no pictures of its own: commands and ticks go in, requests for pulses and events come
-// out.
+// The X-ray room as a state machine: pedals, geometry, pulses, numbered runs, and dose. The room has no
+// window, no clock, no X-ray and no pictures of its own. It receives commands and ticks, and returns requests
+// for pulses and events.
 //
 //   room.give(tick, command);                    // before that tick is processed; in force from then on
 //   room.advance(tick, &tip);                    // every millisecond up to `tick`
@@ -8,8 +8,8 @@
 //   for (const RoomEvent &event : room.events()) ...      // for whatever makes pictures of it: room_screen.hpp
 //   room.forget_events();
 //
-// Stop at next_tick() at the latest, or pulses are missed. The same commands and bodies give the same pulses
-// and the same dose, whether or not pictures are made. See docs/room.md.
+// The caller must stop at next_tick() at the latest, because otherwise pulses are missed. The same commands
+// and bodies give the same pulses and the same dose, whether or not pictures are made. See docs/room.md.
 #pragma once
 #include "host/room/command.hpp"
 #include "host/room/dose.hpp"
@@ -32,7 +32,7 @@ struct PulseRequest {
     bool settles_at_once = false; // test exposures have found the technique: render without generator memory
 };
 
-// An action of the room; events come in the order in which they happened.
+// Something that happened in the room; events are in order of time.
 struct RoomEvent {
     enum class Kind { command, beam_on, pulse, beam_off, fluoro_kept };
     Kind kind = Kind::command;
@@ -48,7 +48,7 @@ struct RoomEvent {
     XrayExposure exposure; // for pulse
 };
 
-// A finished run as the room counts it. Its pictures, if any are made, belong to the screen.
+// The room's record of a finished run. The pictures of a run, if any are made, are kept by the screen.
 struct RoomRun {
     int number = 0;
     RunKind kind = RunKind::fluoro;
@@ -56,7 +56,7 @@ struct RoomRun {
     std::uint32_t frames = 0;
 };
 
-// The state of the room itself for the display.
+// The state of the room that the display shows.
 struct RoomState {
     std::uint32_t tick = 0;
     CArm carm;
@@ -71,7 +71,7 @@ struct RoomState {
     std::string notice; // notice of the last four seconds
 };
 
-// A sentence shown on the screen for four seconds.
+// A sentence that the screen shows for four seconds.
 struct RoomNotice {
     std::string text;
     std::int64_t from = -1; // tick of its appearance
@@ -81,19 +81,20 @@ struct RoomNotice {
 class Room
 {
   public:
-    // Commands come in the order of their ticks; one for a tick already passed takes effect at the next one.
-    // Returns why a command cannot be carried out at all, otherwise an empty string.
+    // Commands must come in the order of their ticks. A command for a tick that has already been processed
+    // takes effect at the next tick. Returns the reason why a command cannot be carried out in any state of
+    // the room, otherwise an empty string.
     std::string give(std::uint32_t tick, const RoomCommand &command);
-    // Returns the next tick at which the room needs attention: a command, a pulse, or a check of the tip.
+    // Returns the next tick at which the room needs attention, for a command, a pulse, or a check of the tip.
     // UINT32_MAX:
     // none.
     std::uint32_t next_tick() const;
-    // `tip` is the place of the leading tip at `tick`; nullptr: not known.
+    // `tip` is the place of the leading tip at `tick`; nullptr means that it is not known.
     void advance(std::uint32_t tick, const Eigen::Vector3d *tip);
 
     bool is_pulse_due() const { return is_pulse_due_; }
     PulseRequest pulse() const;
-    // Reports the exposure of pulse(); its dose is counted from now on.
+    // Passes the exposure of the pulse that pulse() requested to the room, which from now on counts its dose.
     void expose(const XrayExposure &exposure);
 
     // Returns the events since forget_events().
@@ -105,7 +106,7 @@ class Room
     const Gantry &gantry() const { return gantry_; }
     const DoseMeter &dose() const { return dose_; }
     const std::vector<RoomRun> &runs() const { return runs_; }
-    // Presses of a pedal that produced no run.
+    // The presses of a pedal that produced no run.
     const std::vector<Refusal> &refusals() const { return refusals_; }
     bool is_beam_on() const { return beam_.is_on; }
     double field_m() const { return field_um_ * 1e-6; }

@@ -1,4 +1,5 @@
-// Handles pictures: they are kept in runs, subtracted from masks, collected into roadmaps, and reviewed.
+// Handles the pictures of the room: stores them in runs, subtracts masks, collects roadmaps, and serves the
+// review.
 #include "host/room/room_screen.hpp"
 #include "host/room/subtraction.hpp"
 #include "host/xray/detector.hpp"
@@ -10,9 +11,9 @@ namespace crn
 namespace
 {
 
-// The largest of many differences includes the noise of a frame, so that noise is subtracted from a roadmap.
-// The amount is the median (the background) plus a fixed multiple of the distance from the median to the
-// lowest tenth.
+// A roadmap keeps the largest of many differences, and so the noise of every frame adds to it. Therefore an
+// amount for noise is subtracted from the roadmap. The amount is the median, which is the background, plus a
+// fixed multiple of the distance from the lowest tenth to the median.
 constexpr float roadmap_noise_steps = 2.0f;
 
 float background_of(const std::vector<float> &peak)
@@ -50,8 +51,8 @@ RunCollimator collimator_of(const XrayBeam &beam, int size)
     return open;
 }
 
-// Sets the window in which a viewer first shows raw values: from the darkest to the brightest hundredth of
-// the exposed values.
+// Sets the window in which a viewer first shows the raw values: it reaches from the darkest to the brightest
+// hundredth of the exposed values.
 void set_window(XrayRun &run, const std::vector<std::uint16_t> &raw)
 {
     std::vector<std::uint16_t> open;
@@ -68,7 +69,7 @@ void set_window(XrayRun &run, const std::vector<std::uint16_t> &raw)
     run.window_width = std::max(*high - dark, 1.0);
 }
 
-// Fills in the description for files, from the run's first frame.
+// Fills in the description that files contain, from the first frame of the run.
 void describe_beam(XrayRun &run, const XrayBeam &beam, const XrayPicture &picture)
 {
     run.collimator = collimator_of(beam, picture.size);
@@ -161,7 +162,7 @@ void RoomScreen::end_beam(const RoomEvent &event)
     ++version_;
 }
 
-// Keeps the picture of a pulse; from now on it is the last image held.
+// Stores the picture of a pulse, which from now on is the last image held.
 void RoomScreen::keep(const RoomEvent &event, const XrayPicture &picture)
 {
     RunFrame frame = frame_of(event, picture);
@@ -185,7 +186,7 @@ void RoomScreen::keep(const RoomEvent &event, const XrayPicture &picture)
         held_index_ = static_cast<int>(stored.run.frames.size()) - 1;
         return;
     }
-    // The beam stays on: dose and runs do not depend on the size of pictures.
+    // The beam stays on, because dose and runs must not depend on the size of the pictures.
     notify(event.tick, "IMAGE MEMORY IS FULL - the rest of the run is not kept");
 }
 
@@ -250,7 +251,7 @@ void RoomScreen::roadmap_from_run(StoredRun &stored)
     finish_roadmap();
 }
 
-// The first frame of the press is the reference for the others.
+// The first frame after the press of the pedal is the reference for the others.
 void RoomScreen::collect_roadmap(const RunFrame &frame, int size)
 {
     std::vector<float> live, density;

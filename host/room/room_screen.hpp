@@ -1,6 +1,6 @@
-// The screen of the X-ray room: live picture, last image hold, loops, subtraction, roadmap, and the runs'
-// pictures. It only reads the room: the room's events arrive in order, and the picture of every pulse comes
-// from its maker.
+// The screen of the X-ray room: live picture, last image hold, loops, subtraction, roadmap, and the pictures
+// of runs. The screen only reads the room. It receives the room's events in order, and the picture of every
+// pulse from whatever makes the pictures.
 //
 //   RoomScreen screen(room);
 //   for (const RoomEvent &event : room.events())
@@ -27,7 +27,7 @@ enum class RoadmapState {
     moved
 }; // moved: the geometry has changed, so the roadmap is not laid over
 
-// The values for the display: the room's state, and what is on the screen.
+// The values that the display shows: the state of the room, and a description of what is on the screen.
 struct RoomStatus : RoomState {
     RunKind kind = RunKind::fluoro; // of the beam, or of the shown picture
     double pulses_per_s = 0.0;      // likewise
@@ -43,20 +43,21 @@ struct RoomStatus : RoomState {
 class RoomScreen
 {
   public:
-    // Limits the memory for the pictures of runs: see RunStore. The room must outlive the screen.
+    // `store_bytes_max` limits the memory for the pictures of runs: see RunStore. `room` must live longer
+    // than the screen.
     explicit RoomScreen(const Room &room, std::size_t store_bytes_max = std::size_t{512} << 20);
 
-    // `picture` belongs to a pulse; it is null for every other event.
+    // `picture` is the picture of a pulse; it is null for every other event.
     void take(const RoomEvent &event, const XrayPicture *picture);
-    // Returns the run to which the picture of a pulse belongs, as described in files, without frames; and the
-    // picture's frame.
+    // The first returns the description of the run to which a pulse's picture belongs, as files contain it,
+    // without frames. The second returns the picture's frame.
     static XrayRun describe(const RoomEvent &pulse, const XrayPicture &picture);
     static RunFrame frame_of(const RoomEvent &pulse, const XrayPicture &picture);
 
     const Room &room() const { return room_; }
     RoomStatus status() const;
-    // Writes the picture on the screen, size*size; black before the first pulse. Returns false when the
-    // picture equals that of the last call.
+    // Writes the picture that is on the screen, size*size; it is black before the first pulse. Returns false
+    // when the picture is the same as in the last call.
     bool compose(int size, std::vector<std::uint8_t> &grey);
     const RunStore &store() const { return store_; }
 
@@ -66,7 +67,7 @@ class RoomScreen
         int run = 0, frame = 0;
         std::uint32_t tick_begin = 0;
     };
-    // The frame on the screen before mask and roadmap are applied.
+    // The frame that the screen shows, before mask and roadmap are applied.
     struct Source {
         const std::vector<std::uint16_t> *raw = nullptr;
         const std::vector<std::uint8_t> *grey = nullptr;
@@ -104,7 +105,8 @@ class RoomScreen
     bool is_beam_on_ = false, is_acquired_ = false;
     Review review_;
     Roadmap roadmap_;
-    // The last frame of the beam: first live, then held. A frame of a kept run stays in the store.
+    // The last frame made by the beam, which is first live and then held. If the run is stored, its frame
+    // stays in the store.
     RunFrame held_frame_;
     std::vector<std::uint8_t> held_grey_;
     int held_run_ = 0, held_index_ = 0, held_size_ = 0;
@@ -112,10 +114,10 @@ class RoomScreen
     double held_pulses_per_s_ = 0.0;
     bool has_held_ = false;
     RoomNotice notice_;
-    // The version that the last compose() showed.
+    // The version of the picture that the last call of compose() showed.
     std::uint64_t version_ = 0, composed_version_ = ~std::uint64_t{0};
     int composed_frame_ = -1;
-    // The mask of the last shown run, ready for subtraction.
+    // The mask of the run shown last, prepared for subtraction.
     struct MaskCache {
         const StoredRun *run = nullptr;
         RunMask mask;
@@ -123,7 +125,8 @@ class RoomScreen
     } mask_cache_;
 };
 
-// If they are half a millimetre or a tenth of a degree apart, a roadmap of one would mislead on the other.
+// Returns false if the two poses differ by more than half a millimetre or a tenth of a degree, because a
+// roadmap of one would then be misleading in the other.
 bool is_same_geometry(const CArm &a, const CArm &b);
 
 } // namespace crn

@@ -1,5 +1,5 @@
-// The pictures that the screen keeps: acquired runs, and the last seconds of fluoroscopy. Their memory is
-// limited: when it is full, the oldest run's pictures are dropped.
+// The pictures that the screen stores: acquired runs, and the last seconds of fluoroscopy. Their memory is
+// limited. When it is full, the pictures of the oldest run are dropped.
 #pragma once
 #include "host/xray/run.hpp"
 #include <cstddef>
@@ -11,7 +11,7 @@
 namespace crn
 {
 
-// A kept run: raw values for files and masks, and each frame as it was shown.
+// A stored run: its raw values for files and masks, and each frame as the screen showed it.
 struct StoredRun {
     XrayRun run;
     std::vector<std::vector<std::uint8_t>> grey; // parallel to run.frames
@@ -28,18 +28,18 @@ class RunStore
   public:
     explicit RunStore(std::size_t bytes_max) : bytes_max_(bytes_max) {}
 
-    // Begins a new run; frames are added to it until finish(). The caller that adds the first frame fills in
-    // the rest of its description.
+    // Begins a new run, to which frames are added until finish(). The caller that adds the first frame also
+    // fills in the rest of the run's description.
     void begin(int number, RunKind kind);
-    // Returns false when this run alone fills the memory.
+    // Returns false when this run alone has filled the memory.
     bool add(RunFrame frame, std::vector<std::uint8_t> grey);
-    // A run without a frame is dropped. A run that was made, but for whose pictures there was no memory,
-    // stays without them.
+    // Drops a run that has no frame. A run that the room made, but for whose pictures there was no memory,
+    // stays in the list without them.
     void finish(bool was_made);
 
-    // Fluoroscopy of the last `store_max_ms` is held back, in up to half the memory.
+    // Fluoroscopy of the last `store_max_ms` stays available; it takes up to half of the memory.
     void pass(const XrayRun &header, RunFrame frame, std::vector<std::uint8_t> grey);
-    // Makes a run of the fluoroscopy in the last `milliseconds` before `tick`.
+    // Makes a run from the fluoroscopy in the last `milliseconds` before `tick`.
     void keep_passed(int number, std::uint32_t tick, std::uint32_t milliseconds);
 
     StoredRun *open_run() { return is_open_ ? runs_.back().get() : nullptr; }

@@ -16,7 +16,7 @@ struct Neighbour {
     float share; // of `high`
 };
 
-// Returns the source of pixel `i` in a picture moved by `shift`.
+// Returns the place in the original picture that appears at pixel `i` when the picture is moved by `shift`.
 Neighbour source_of(int i, double shift, int size)
 {
     const double place = std::clamp(i - shift, 0.0, size - 1.0);
@@ -24,7 +24,7 @@ Neighbour source_of(int i, double shift, int size)
     return {low, low + 1, static_cast<float>(place - low)};
 }
 
-// Behind the blades the live picture is black.
+// Returns true if a pixel is near the collimator blades, behind which the live picture is black.
 bool is_near_blades(const std::vector<std::uint8_t> &grey, int size, int x, int y)
 {
     const auto is_black = [&](int at_x, int at_y) {

@@ -37,7 +37,8 @@ double bound(LineParser &line, Expectation::Kind kind)
     return line.quantity("share", percent_units, -100.0, 100.0);
 }
 
-// Reads "at least", "at most" or "below"; at least one of them must be there if `needs_one`.
+// Reads the bounds "at least", "at most" or "below"; with `needs_one` the line must have at least one of
+// them.
 void parse_bounds(LineParser &line, Expectation &expectation, bool needs_one)
 {
     while (!line.is_at_end() || needs_one) {
@@ -140,7 +141,7 @@ std::optional<double> EffectsWitness::iodine_pct(std::size_t vessel) const
     return 100.0 * contrast.received_mg(map_.vessels()[vessel].branch) / injected_mg;
 }
 
-// Returns the worst remaining stenosis of the lesions that were narrow.
+// Returns the largest remaining stenosis of the lesions that were narrow at the start.
 std::optional<double> EffectsWitness::residual_stenosis_pct() const
 {
     const PatientContrast &contrast = patient_.contrast();

@@ -25,7 +25,7 @@ struct Expectation {
     Kind kind = Kind::tip;
     std::size_t tool = 0; // for tip, inserted and turned
     VesselName vessel;    // for tip and iodine
-    // Limits in mm, percent or degrees; `below` excludes the limit itself.
+    // The limits are in mm, percent or degrees; `below` means that the limit itself is excluded.
     double least = -std::numeric_limits<double>::infinity(), most = std::numeric_limits<double>::infinity();
     bool is_below = false;
 
@@ -34,10 +34,10 @@ struct Expectation {
     std::string text() const; // as a script would write it
 };
 
-// Parses the rest of a line after "expect". Throws FileError with the line's place.
+// Parses the rest of a line that begins with "expect". Throws FileError with the place of the line.
 Expectation parse_expectation(LineParser &line, const ToolChoice &selected);
 
-// The known figures of medium, lesions and stents, in percent; empty if not known.
+// Gives the figures of medium, lesions and stents, in percent; a figure is empty if it is not known.
 class SessionWitness
 {
   public:
@@ -47,7 +47,7 @@ class SessionWitness
     virtual std::optional<double> apposition_pct() const = 0;
 };
 
-// The witness that reads a patient.
+// Takes these figures from a patient.
 class EffectsWitness final : public SessionWitness
 {
   public:
@@ -61,8 +61,8 @@ class EffectsWitness final : public SessionWitness
     Patient &patient_;
 };
 
-// The state that a script checks. Each span has one entry per tool, from the innermost; an empty one means
-// not known.
+// The state against which a script's conditions are checked. Each span has one entry per tool, from the
+// innermost; an empty span means that the values are not known.
 struct SessionView {
     std::span<const double> inserted_m;
     std::span<const TipPlace> tips;
@@ -79,7 +79,8 @@ struct ExpectationResult {
     std::string found; // the measured value, and where it was not held, a remedy
 };
 
-// `vessel` is the vessel that the expectation names. `turned_deg` belongs to its tool's hand.
+// `vessel` is the vessel that the expectation names. `turned_deg` is the angle of the hand of the
+// expectation's tool.
 ExpectationResult judge(const Expectation &expectation, int line, std::size_t vessel, const VesselMap &map,
                         const SessionView &view, double turned_deg);
 

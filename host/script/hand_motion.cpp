@@ -14,8 +14,8 @@ std::int64_t divide_rounded(std::int64_t a, std::int64_t b)
     return a >= 0 ? (a + b / 2) / b : -((-a + b / 2) / b);
 }
 
-// Returns the ticks of steady motion that equal the first t ticks of a ramp of r, times 2 r^3: t^3 (2 r - t),
-// from the integral of the smoothstep 3u^2 - 2u^3.
+// In the first t ticks of a ramp of r ticks, a hand moves as far as in some time of steady motion. Returns
+// that time, in ticks, times 2 r^3: t^3 (2 r - t), the integral of the smoothstep 3u^2 - 2u^3.
 std::int64_t ramp_numerator(std::int64_t t, std::int64_t r)
 {
     return t * t * t * (2 * r - t);
@@ -70,7 +70,7 @@ void LiveHand::set_speed(std::int64_t translation_counts_per_s, std::int64_t rot
     rotation_.target = rotation_counts_per_s;
 }
 
-// 60 mm/s and one turn per second are reached in about 150 ms.
+// With these steps the hand reaches 60 mm/s and one turn per second in about 150 ms.
 void LiveHand::advance_tick()
 {
     translation_.advance(400);

@@ -1,5 +1,5 @@
-// The motion of a hand: smooth start, steady speed, smooth stop. It uses only integers, so that a session
-// gives the same encoder counts on every machine.
+// The motion of a hand: it starts smoothly, moves at a steady speed, and stops smoothly. The computation uses
+// only integers, so that a session gives the same encoder counts on every machine.
 //
 //   speed      ______________
 //             /              \        ramps are smoothsteps of R = 200 ms (or shorter for short moves);
@@ -11,12 +11,12 @@
 namespace crn
 {
 
-// 1 um and 1/65 536 turn per count: the rig of host sessions.
+// The rig of host sessions has 1 um and 1/65 536 turn per count.
 inline constexpr std::int64_t counts_per_m = 1'000'000;
 inline constexpr std::int64_t counts_per_turn = 65'536;
 inline constexpr std::int64_t ramp_ticks_max = 200;
 
-// A move of known distance. |distance| <= 2^26 counts, 1 <= speed <= 2^26 counts/s.
+// A move over a known distance. |distance| <= 2^26 counts, 1 <= speed <= 2^26 counts/s.
 class Move
 {
   public:
@@ -28,7 +28,8 @@ class Move
     std::int64_t distance_, cruise_, ramp_, ticks_;
 };
 
-// A move at a steady speed until it is stopped; it comes to rest one ramp after that. speed may be negative.
+// A move at a steady speed. After it has been stopped, it comes to rest within one ramp. The speed may be
+// negative.
 class SteadyMove
 {
   public:
@@ -43,8 +44,8 @@ class SteadyMove
     std::int64_t stop_tick_ = -1;
 };
 
-// A live hand has target speeds that may change at any time (keyboard); its speed changes by a limited step
-// per tick.
+// The hand of a user at the keyboard. Its target speeds may change at any time, and its speed changes by a
+// limited step per tick.
 class LiveHand
 {
   public:

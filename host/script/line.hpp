@@ -1,4 +1,4 @@
-// Reads one line of a session script: words, numbers with units, choices; mistakes are reported with their
+// Reads one line of a session script: words, numbers with units, and choices. A mistake is reported with its
 // place and a suggestion.
 #pragma once
 #include "host/base/text.hpp"
@@ -28,10 +28,11 @@ inline const std::vector<Unit> turn_speed_units = {
     {"deg/s", 1.0}, {"°/s", 1.0}, {"turn/s", 360.0}, {"turns/s", 360.0}};
 inline const std::vector<Unit> time_units = {{"s", 1.0}, {"ms", 1e-3}, {"min", 60.0}};
 
-// Splits a line into words and numbers. "90deg" is two tokens, commas count as spaces, and '#' ends the line.
+// Splits a line into words and numbers. "90deg" gives two tokens, commas count as spaces, and the line ends
+// at '#'.
 std::vector<Token> split_line(std::string_view line);
 
-// One line that is being read.
+// The rest of a line that is being read.
 class LineParser
 {
   public:
@@ -45,7 +46,7 @@ class LineParser
 
     [[noreturn]] void fail(const std::string &text) const { throw FileError(file_, line_, column(), text); }
 
-    // Column of the next word, or of the end of the line.
+    // Returns the column of the next word, or that of the end of the line.
     int column() const
     {
         if (tokens_.empty()) return 1;
@@ -92,7 +93,7 @@ class LineParser
         return value;
     }
 
-    // Reads a number and a unit, and returns it in the base unit, checked against low .. high.
+    // Reads a number and a unit, and returns the number in the base unit; it must lie within low .. high.
     double quantity(const std::string &what, const std::vector<Unit> &units, double low, double high)
     {
         const std::size_t begin = position_;

@@ -22,11 +22,12 @@ std::int32_t rounded(double value)
 
 std::int32_t micrometres(LineParser &line, const std::string &what, std::int32_t low_um, std::int32_t high_um)
 {
-    // The value is divided, because 450000 * 1e-6 is less than 0.45 and would put "45 cm" out of range.
+    // The limits are divided by 1e6, because 450000 * 1e-6 is less than 0.45, so that "45 cm" would be out of
+    // range.
     return rounded(line.quantity(what, length_units, low_um / 1e6, high_um / 1e6) * 1e6);
 }
 
-// Reads one of the rates that the room has, in 1/100 per s.
+// Reads a rate, which must be one of `rates`, in 1/100 per s.
 template <std::size_t count> std::int32_t rate(LineParser &line, const std::int32_t (&rates)[count])
 {
     const LineParser before = line;
@@ -133,7 +134,7 @@ void RoomParser::pedal(LineParser &line, const std::string &verb)
         if (what == "on") add(RoomAction::program, verb == "dsa" ? 1 : 0);
         add(RoomAction::acquire_pedal, what == "on" ? 1 : 0);
     } while (!line.is_at_end());
-    // A rate applies to the press on the same line.
+    // A rate applies to the press on the same line, so commands for rates come before those for pedals.
     std::stable_sort(commands_.begin(), commands_.end(), [](const RoomCommand &a, const RoomCommand &b) {
         const auto is_pedal = [](RoomAction action) {
             return action == RoomAction::fluoro_pedal || action == RoomAction::acquire_pedal;

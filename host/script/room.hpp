@@ -9,11 +9,11 @@ namespace crn
 
 const std::vector<std::string> &room_verbs();
 
-// Keeps the requested settings from line to line, because a statement may leave some of them unchanged.
+// Keeps the settings of the previous lines, because a statement may leave some of them unchanged.
 class RoomParser
 {
   public:
-    // Parses the rest of a line after its verb. Throws FileError with the line's place.
+    // Parses the rest of a line that begins with `verb`. Throws FileError with the place of the line.
     std::vector<RoomCommand> parse(LineParser &line, const std::string &verb);
 
   private:

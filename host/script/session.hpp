@@ -1,11 +1,11 @@
-// Session scripts (docs/session.md): the actions of hands and C-arm as text become encoder counts per tick
-// and commands to the room.
+// Session scripts (docs/session.md): a text describes the actions of hands and C-arm. It is converted to
+// encoder counts per tick and commands to the X-ray room.
 //
 //   Session session = read_session("aorta.session");
 //   SessionPlayer player(session, tool_count);
 //   while (!player.is_done()) { input = player.next(); ...; player.observe({inserted_m, tips}); }
 //
-// Errors give file, line and column and suggest a spelling.
+// Error messages give file, line and column, and suggest a spelling.
 #pragma once
 #include "host/model/order_queue.hpp"
 #include "host/room/command.hpp"
@@ -35,13 +35,13 @@ struct HandMove {
     std::optional<std::int64_t> until_inserted_um;
 };
 
-// The inflator changes to a pressure at a steady rate.
+// A change of the inflator's pressure to a stated value at a steady rate.
 struct Inflation {
     std::int32_t kPa = 0, kPa_per_s = 100;
 };
 
-// One line of the script: simultaneous moves of hands, a tool to steer, a pause, a change of the inflator's
-// pressure, commands to the room, orders to heart and breath, or an expectation.
+// One line of the script. It is a set of simultaneous moves of hands, a tool to steer, a pause, a change of
+// the inflator's pressure, commands to the room, orders to heart and breath, or an expectation.
 struct Statement {
     int line = 0;
     std::vector<HandMove> moves;
@@ -55,7 +55,8 @@ struct Statement {
 
 struct Session {
     std::string file;
-    // Inserted length at the start, per tool; `begin inserted` sets it for tools that are not named.
+    // The inserted length of each tool at the start. `begin inserted` sets that of all tools that no other
+    // line names.
     std::uint32_t inserted_um[session_tools_max] = {20000, 20000, 20000};
     std::vector<Statement> statements;
     std::size_t tools_named = 1; // number of tools that the script needs ...
@@ -68,31 +69,32 @@ Session read_session(const std::string &path);                         // throws
 class SessionPlayer
 {
   public:
-    // Conditions are checked only on ticks that are multiples of this, independent of batches and pictures.
+    // Conditions are checked only on ticks that are multiples of this, so that they do not depend on batches
+    // and pictures.
     static constexpr std::uint32_t observe_every_ticks = 16;
     static constexpr std::uint32_t until_limit_ticks = 60000;
 
     // Throws FileError when the script names a tool or a vessel that does not exist. `vessels` are those of
-    // the scene; nullptr: none is known.
+    // the scene; nullptr means that none is known.
     SessionPlayer(const Session &session, std::size_t tool_count, const VesselMap *vessels = nullptr);
     bool is_done() const { return statement_ == session_.statements.size(); }
     crn_wire_tick_input next(); // input of the next tick
-    // Takes the state after each tick that is a multiple of observe_every_ticks. Tips and witness are needed
-    // only when wants_tips() returns true.
+    // Takes the state after each tick that is a multiple of observe_every_ticks. The tips and the witness are
+    // needed only while wants_tips() returns true.
     void observe(const SessionView &view);
     void observe(std::span<const double> inserted_m) { observe(SessionView{inserted_m, {}, nullptr}); }
-    // Returns whether the present statement needs the places of the tips, or is an expectation.
+    // Returns true if the present statement needs the places of the tips, or is an expectation.
     bool wants_tips() const;
     bool expects() const { return !is_done() && session_.statements[statement_].expectation.has_value(); }
     // Returns the room's commands since the last call; before the first next() these are the commands at the
-    // beginning.
+    // start of the session.
     std::vector<RoomCommand> take_commands() { return std::exchange(commands_, {}); }
-    // Lines whose `until` was not reached within until_limit_ticks of pushing.
+    // Returns the lines whose `until` condition did not become true within until_limit_ticks of pushing.
     const std::vector<int> &given_up_lines() const { return given_up_lines_; }
     const std::vector<SteeringResult> &steered() const { return steered_; }
     const std::vector<ExpectationResult> &expected() const { return expected_; }
-    // The messages "FILE:LINE: what was not reached or not held, what was found; remedy". The script ends at
-    // the first of them. If empty, every expectation held.
+    // Each message is "FILE:LINE: what was not reached or did not hold, what was found; remedy". The script
+    // ends at the first statement that fails. If empty, every expectation held.
     const std::vector<std::string> &failures() const { return failures_; }
 
   private:
@@ -144,7 +146,7 @@ class SessionPlayer
     std::vector<std::string> failures_;
 };
 
-// Returns whether the script steers by vessels or has expectations of them.
+// Returns true if the script steers into vessels, or has expectations about them.
 bool names_vessels(const Session &session);
 
 } // namespace crn

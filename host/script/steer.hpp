@@ -1,11 +1,11 @@
-// Statements that steer as a person does (docs/session.md): push, observe the tip, turn, pull back and try
-// again, until the tip lies inside the named vessel.
+// Statements that steer a tool as a person does (docs/session.md): push, observe the tip, turn, pull back and
+// try again, until the tip lies in the named vessel.
 //
 //   steer wire into ascending aorta at 60 mm/s until 30 mm within 90 s
 //   engage catheter left main ostium
 //
-// Every decision uses integers, on the ticks of a script's observations, so one session gives the same counts
-// whatever pictures are made; the output is plain motion of a hand.
+// Every decision uses integers, at the ticks at which the script observes. So a session gives the same
+// counts, whatever pictures are made. The result is ordinary motion of a hand.
 #pragma once
 #include "host/script/hand_motion.hpp"
 #include "host/script/tip_places.hpp"
@@ -26,10 +26,11 @@ struct Steering {
     std::int64_t limit_ticks = 0;
 };
 
-// Parses the rest of a line after "steer" or "engage". Throws FileError with the line's place.
+// Parses the rest of a line that begins with "steer" or "engage". Throws FileError with the place of the
+// line.
 Steering parse_steering(LineParser &line, bool engages, const ToolChoice &selected);
 
-// The result of one steering statement: for the report and the lines at the end of a run.
+// The result of one steering statement, for the report and for the text printed at the end of a run.
 struct SteeringResult {
     int line = 0;
     std::size_t tool = 0;
@@ -48,13 +49,13 @@ class Steerer
         std::int64_t translation = 0, rotation = 0;
     };
     Counts next(); // counts of the hand since the statement began, one tick later
-    // Called at the ticks that are multiples of SessionPlayer::observe_every_ticks. `inserted_um` belongs to
-    // the steered tool.
+    // To be called at the ticks that are multiples of SessionPlayer::observe_every_ticks. `inserted_um` is
+    // the inserted length of the steered tool.
     void observe(const TipPlace &tip, std::int64_t inserted_um);
 
     bool is_done() const { return stage_ == Stage::done; }
     bool has_failed() const { return stage_ == Stage::failed; }
-    // Returns the reason, with the place of the tip and a remedy.
+    // Returns the reason of the failure, with the place of the tip and a remedy.
     std::string failure() const;
     int tries() const { return tries_; }
     std::int64_t ticks() const { return tick_; }

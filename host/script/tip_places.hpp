@@ -1,5 +1,5 @@
-// The places of the tools' tips in the vessels, for steering scripts and the report. Heart and breath are
-// removed first, so that a tip that moves with its artery keeps its place.
+// Computes the places of the tools' tips in the vessels, for scripts that steer and for the report. The
+// motion of heart and breath is removed first, so that a tip that moves with its artery keeps its place.
 #pragma once
 #include "host/model/motion.hpp"
 #include "host/model/vessel_map.hpp"
@@ -23,14 +23,14 @@ struct TipPlace {
 class TipPlaces
 {
   public:
-    // `motion` is empty where the vessels do not move.
+    // `motion` is empty if the vessels do not move.
     TipPlaces(const VesselTree &vessels, std::optional<Motion> motion)
         : map_(vessels), motion_(std::move(motion))
     {
     }
     const VesselMap &map() const { return map_; }
-    // Returns the place of every tool's tip, from the innermost. It is unknown without vessels or without a
-    // shape.
+    // Returns the place of the tip of every tool, from the innermost. A place is unknown if there are no
+    // vessels or the line's shape is not known.
     std::vector<TipPlace> at(const WireFrame &wire) const;
 
   private:
@@ -38,8 +38,8 @@ class TipPlaces
     std::optional<Motion> motion_;
 };
 
-// Reads the vessels of a scene's bodies and their motion in the scene; with an empty path, or bodies without
-// a tree, no vessel is known. Throws std::runtime_error.
+// Reads the vessels from a scene's bodies, and their motion from the scene. If the path is empty, or the
+// bodies have no tree, no vessel is known. Throws std::runtime_error.
 std::unique_ptr<TipPlaces> read_tip_places(const std::string &bodies_path, const std::string &scene_path);
 
 } // namespace crn

@@ -1,4 +1,4 @@
-// The tool that a line of a session script names, and words up to the next one of the grammar
+// Reads the tool that a line of a session script names, and the words up to the next one of the grammar
 // (docs/session.md).
 #pragma once
 #include "host/script/line.hpp"
@@ -8,28 +8,28 @@
 namespace crn
 {
 
-// Tools are numbered from the innermost, 0, as on the wire; a script calls them wire, catheter, guide, or
-// tool 1 to 3.
+// Tools are numbered from the innermost, 0, as in the byte protocol. A script calls them wire, catheter and
+// guide, or tool 1 to 3.
 inline constexpr std::size_t session_tools_max = CRN_WIRE_TOOL_MAX;
 
-// The tools that a statement moves.
+// The tool, or all tools, that a statement moves.
 struct ToolChoice {
     std::size_t tool = 0;
     bool is_all = false;
 };
 
-// Reads "wire", "catheter", "guide", "tool N" or "together"; returns nothing when the line continues with
-// another word.
+// Reads "wire", "catheter", "guide", "tool N" or "together"; returns nothing if the next word is another one.
 std::optional<ToolChoice> accept_tool(LineParser &line);
-// Reads the same where one must follow; a bare number is accepted.
+// Reads such words where the grammar requires them; a number alone is accepted too.
 ToolChoice require_tool(LineParser &line);
-// Reads the tool of a statement about one tool: the named one, else the selected one, but not all together.
+// Reads the tool of a statement that concerns a single tool. Without a name it is the selected tool;
+// "together" is refused.
 std::size_t accept_one_tool(LineParser &line, const ToolChoice &selected);
 
 // Returns "wire", "catheter" or "guide" for a tool counted from 0.
 const std::string &tool_name(std::size_t tool);
 
-// A vessel as written in the script; it is looked up when the scene is known.
+// The name of a vessel as the script spells it; it is looked up when the scene is known.
 struct VesselName {
     std::string text;
     int column = 0;

@@ -1,6 +1,6 @@
-// Collects figures of a balloon in a session: pressure, diameter, contact force and duration; and the same
-// over time, for curves. They come from every tick's state, so that they are the same in a run, in FREE_RUN
-// and in a replay.
+// Collects figures of a balloon in a session: pressure, diameter, contact force and duration. It also stores
+// their values over time, for curves. The figures come from the state of every tick, so they are equal in a
+// run, in FREE_RUN and in a replay.
 #pragma once
 #include "shared/wire/wire.h"
 #include <cstdint>

@@ -1,4 +1,5 @@
-// A device that is ready for a session: handshake done, scene, tools, entry and rig set, armed and started.
+// A device that is ready for a session: it has answered HELLO, has its scene, tools, entry and rig settings,
+// and is armed and started.
 #pragma once
 #include "host/effects/pulse.hpp"
 #include "host/link/link.hpp"
@@ -18,7 +19,8 @@
 namespace crn
 {
 
-// The rig that scripts and keyboard drive: 1 um and 1/65 536 turn per count, true force.
+// Returns the settings of the rig that scripts and keyboard control: 1 um and 1/65 536 turn per count, and
+// forces without amplification.
 crn_wire_rig host_rig();
 
 // Receives the ticks of a session in FREE_RUN.
@@ -27,7 +29,8 @@ class FreeRunSink
   public:
     virtual ~FreeRunSink() = default;
     virtual void tick(const crn_wire_live_tick &tick) = 0;
-    // The state after the last given tick. After `resumed` the session continues from this one.
+    // The first receives the state after the tick that was passed on last. The second reports that the
+    // session continues from this state after the device came back.
     virtual void snapshot(std::uint32_t tick, std::span<const std::uint8_t> bytes) = 0;
     virtual void resumed(std::uint32_t tick, std::span<const std::uint8_t> bytes) = 0;
 };
@@ -39,7 +42,7 @@ class Device
     // remedy, and the name of the tool at fault.
     Device(const SceneFile &scene, std::vector<Instrument> tools, const crn_wire_entry &entry,
            const crn_wire_rig &rig, const DeviceChoice &choice = {});
-    // A rig gets its former configuration back.
+    // A rig gets back the configuration that it had before.
     ~Device();
     Device(const Device &) = delete;
     Device &operator=(const Device &) = delete;
@@ -51,30 +54,30 @@ class Device
     // Continues from a snapshot of the same session.
     void restore(std::span<const std::uint8_t> snapshot);
 
-    // Steps like Link::step, but the session survives an unplugged cable (docs/rig.md, "Unplugged in a
-    // session"). When the device disappears and comes back within the choice's `return_limit_ms`, the last
-    // snapshot is restored. The inputs since then are repeated and their results compared with the former
-    // ones, and the session continues bit for bit. Throws LinkError when the device does not come back or
-    // differs.
+    // Advances like Link::step, but the session survives an unplugged cable (docs/rig.md, "Unplugged in a
+    // session"). If the device disappears and comes back within `return_limit_ms` of the choice, its last
+    // snapshot is restored. The inputs since that snapshot are sent again, and the results are compared with
+    // the former ones. Then the session continues bit for bit. Throws LinkError when the device does not come
+    // back, or when its results differ.
     std::span<const crn_wire_tick_state> step(std::span<const crn_wire_tick_input> inputs, bool want_nodes);
-    // Makes any other request of the link with the same protection.
+    // Makes any other request to the link, with the same protection against an unplugged cable.
     void ask(const std::function<void(Link &)> &request);
-    // These return the contents of a recording besides the ticks. For a rig they are first compared with this
-    // machine's core (witness.hpp), as are the ticks themselves. Each function throws LinkError when they
-    // differ.
+    // These return what a recording contains besides the ticks. If the device is a rig, they are first
+    // compared with the results of this machine's core (witness.hpp), and so are the ticks. Each function
+    // throws LinkError when the results differ.
     Hash64 read_hash64();                      // hash of the last tick given or stepped
     std::optional<Hash64> last_hash64();       // last one that came without a request
     std::vector<std::uint8_t> read_snapshot(); // LOCKSTEP
     std::uint32_t resumes() const { return resumes_; }
-    // The device runs on its own clock and applies a host time-out.
+    // Returns true if the device runs on its own clock, and stops forces when the host is silent too long.
     bool has_its_own_clock() const { return choice_.is_usb && pipe_ != nullptr; }
 
-    // FREE_RUN (the choice's free_run): lets `milliseconds` pass, of the session or of a disconnected cable.
-    // Every tick is given once and in order. After an unplug the session continues from the last received
-    // tick, with the hands where they are then (FreeRunSink::resumed). Throws LinkError with the cause when
-    // the device stopped, or does not come back.
+    // FREE_RUN (`free_run` of the choice): lets `milliseconds` pass, even while the cable is disconnected.
+    // Every tick is passed to `sink` once and in order. After a disconnection the session continues from the
+    // last tick received, and the positions of the hands at that moment become the new reference
+    // (FreeRunSink::resumed). Throws LinkError with the cause when the device stopped, or does not come back.
     void run_free(std::uint32_t milliseconds, FreeRunSink &sink);
-    // Stops the ticks; the last ones are still given.
+    // Stops the device; the ticks that it had already computed are still passed to `sink`.
     void stop_free(FreeRunSink &sink);
 
     static constexpr std::uint32_t resumes_max = 5; // within this many ticks of the session:
@@ -127,17 +130,19 @@ class Device
     std::uint32_t snapshot_tick_ = 0, silent_ms_ = 0;
 };
 
-// Returns the scene's entry with one length per tool; lengths that are not given have a session's default.
+// Returns the scene's entry with one inserted length per tool; a length that is not given gets the default of
+// a session.
 crn_wire_entry entry_of(const SceneFile &scene, std::size_t tool_count,
                         std::span<const std::uint32_t> inserted_um);
 inline constexpr std::uint32_t inserted_default_um = 20000;
 
-// Returns the moment after a batch of steps, from the link's last nodes, the last tick's result and the input
-// that led to it. Before the first tick `state` is empty: there are no forces yet.
+// Returns the line and the tools after a batch of steps. They come from the nodes that the link received
+// last, the result of the last tick, and its input. Before the first tick `state` is empty, and there are no
+// forces yet.
 SessionFrame session_frame(Device &device, const crn_wire_tick_state &state,
                            const crn_wire_tick_input &input);
 
-// The largest values of one tool.
+// The largest values of one tool in a session.
 struct ToolFigures {
     double inserted_m = 0.0;
     double inserted_max_m = 0.0;
@@ -145,13 +150,13 @@ struct ToolFigures {
     double torque_max_N_m = 0.0;
 };
 
-// The values of the heart monitor.
+// The values that the heart monitor collects in a session.
 struct HeartFigures {
     PulseMonitor monitor;
     double pressure_max_mmHg = 0.0, pressure_min_mmHg = 1e3;
 };
 
-// The largest values of a session, over every tick.
+// The largest values over all ticks of a session.
 struct SessionFigures {
     std::uint32_t ticks = 0;
     double penetration_max_m = 0.0;

@@ -1,10 +1,11 @@
-// Sessions in FREE_RUN: the device's timer makes the ticks, and its encoders are the hands. Every tick comes
-// with its input, so that the recording replays in LOCKSTEP bit for bit.
+// Sessions in FREE_RUN: the timer of the device makes the ticks, and its encoders give the motion of the
+// hands. The device sends every tick together with its input, so that the recording replays in LOCKSTEP bit
+// for bit.
 //
-// After an unplug the device has continued without us, and part of its ticks is lost. So the session returns
-// to the last received tick: set-up, snapshot, the inputs since then again in LOCKSTEP with every hash
-// compared, then FREE_RUN with a new reference of the hands. The state at that point is part of the
-// recording.
+// After a disconnection the device has continued without the host, and some of its ticks are lost. So the
+// session returns to the last tick received. The host sets the device up, restores a snapshot, and repeats
+// the inputs since then in LOCKSTEP, comparing every hash. Then FREE_RUN continues with a new reference of
+// the hands. The recording contains the state at that point.
 #include "host/base/interrupt.hpp"
 #include "host/link/usb_devices.hpp"
 #include "host/session/device.hpp"
@@ -20,11 +21,12 @@ namespace
 constexpr std::uint32_t look_ms = 5;         // the device has read its rig by then
 constexpr std::uint32_t silent_max_ms = 500; // without a tick
 constexpr std::uint32_t stop_ahead_ticks = 40, stop_limit_ms = 2000;
-// With this coupling all five situations of docs/haptics.md were quiet.
+// With this coupling the motors were quiet in all five situations of docs/haptics.md.
 constexpr std::uint32_t coupling_N_per_m = 800, coupling_uN_m_per_rad = 2000;
 
-// Returns at most four fifths of the stiffest spring that the device accepts. Its rule is: gain above one x
-// stiffness x (half a tick + lag of the actuator) <= own damping.
+// Returns the wanted stiffness, or four fifths of the largest stiffness that the device accepts, if that is
+// less. The device's rule is: (gain, if above one) x stiffness x (half a tick + lag of the actuator) <= own
+// damping.
 std::uint32_t passive(std::uint32_t damping, const crn_wire_track &track, std::uint32_t wanted)
 {
     const std::uint64_t gain_milli = std::max<std::uint32_t>(track.force_gain_milli, 1000);
@@ -33,7 +35,7 @@ std::uint32_t passive(std::uint32_t damping, const crn_wire_track &track, std::u
     return static_cast<std::uint32_t>(std::min<std::uint64_t>(wanted, stiffest * 4 / 5));
 }
 
-// A coupling that the rig already has is kept.
+// Gives a track a coupling, unless the rig has already set one.
 void couple(crn_wire_track &track)
 {
     if (track.coupling_N_per_m > 0 || track.coupling_uN_m_per_rad > 0) return;
@@ -106,7 +108,7 @@ void Device::give(const crn_wire_live_tick &tick, FreeRunSink &sink)
     hashes_.clear();
 }
 
-// Gives the received ticks. Returns false if ticks are missing after the last given one.
+// Gives the received ticks. Returns false if ticks are missing after the one that was passed on last.
 bool Device::take_live(FreeRunSink &sink)
 {
     std::uint32_t expected = given_tick_ + static_cast<std::uint32_t>(without_hands_.size()) + 1;
@@ -120,7 +122,8 @@ bool Device::take_live(FreeRunSink &sink)
             without_hands_.push_back(tick);
             continue;
         }
-        // Before its first reading nothing moves, and a replay takes the first reading as the reference.
+        // Before the first reading of the encoders nothing moves. A replay takes the first reading as the
+        // reference, so the earlier ticks get that reading too.
         for (crn_wire_live_tick &early : without_hands_) {
             early.input = tick.input;
             give(early, sink);
@@ -131,7 +134,7 @@ bool Device::take_live(FreeRunSink &sink)
     return true;
 }
 
-// Waits for a snapshot that is being received.
+// Waits for a snapshot that the device is sending.
 void Device::ask_snapshot()
 {
     if (!choice_.may_return() || inputs_.size() < free_run_kept_max || !snapshot_to_come_.empty()) return;

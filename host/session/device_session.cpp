@@ -1,5 +1,5 @@
-// Runs a Device's session: opens and sets up the device, steps it, and continues after it disappeared and
-// came back.
+// Runs the session of a Device: opens and sets up the device, steps it, and continues after the device
+// disappeared and came back.
 #include "host/base/interrupt.hpp"
 #include "host/link/usb_devices.hpp"
 #include "host/session/device.hpp"
@@ -12,7 +12,7 @@ namespace crn
 namespace
 {
 
-// Limits can only be lowered, so the host requests no limit above the device's own.
+// A limit can only be lowered, so the host requests none above the device's own.
 crn_wire_rig within_limits(crn_wire_rig rig, const crn_wire_rig &present)
 {
     for (std::uint16_t k = 0; k < std::min(rig.tracks_count, present.tracks_count); k++) {
@@ -49,7 +49,8 @@ void Device::open()
     }
 }
 
-// A recording names core and schema as the device reports them, and only this host's version can replay it.
+// A recording contains the core and schema that the device reports, and only a host of the same version can
+// replay it.
 void Device::check_identity(const crn_wire_hello_reply &reply) const
 {
     if (!choice_.may_return()) return;
@@ -63,7 +64,7 @@ void Device::check_identity(const crn_wire_hello_reply &reply) const
         "on both");
 }
 
-// A device in this process is this machine's core, so it needs no witness.
+// A device in this process already uses this machine's core, so no witness has to compare it.
 void Device::call_witness()
 {
     if (!choice_.may_return()) return;
@@ -94,7 +95,7 @@ Device::~Device()
         }
         link_->set_rig(rig_before_);
     } catch (const std::exception &) {
-        // The device is gone or refuses; its next user sets it up anyway.
+        // The device has disappeared or refuses; its next user will set it up anyway.
     }
 }
 
@@ -128,7 +129,7 @@ std::optional<Hash64> Device::last_hash64()
 {
     const std::optional<Hash64> hash = link_->last_hash64();
     if (!witness_ || !hash || (hash_ && hash_->tick == hash->tick && hash_->hash == hash->hash)) return hash;
-    // In FREE_RUN the hash may come before the ticks to which it belongs.
+    // In FREE_RUN a hash may arrive before the ticks to which it belongs.
     if (choice_.free_run && hash->tick > witness_->tick()) return hash_;
     witness_->hash(*hash);
     hash_ = hash;
@@ -145,7 +146,7 @@ std::vector<std::uint8_t> Device::read_snapshot()
 
 // --- resuming ---
 
-// A device in this process cannot disappear, so nothing is kept for it.
+// A device in this process cannot disappear, so no snapshot or input is kept for it.
 void Device::keep_up()
 {
     if (!choice_.may_return() || inputs_.size() < inputs_kept_max) return;

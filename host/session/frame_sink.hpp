@@ -1,5 +1,5 @@
-// An observer of a session that does not affect the session, such as pictures or referees. It receives the
-// line at the ticks that it names, after the patient has reached that tick.
+// Observes a session without affecting it: pictures and checks of a session are observers. An observer
+// receives the line at the ticks that it requests, after the patient has reached that tick.
 #pragma once
 #include "host/model/wire_frame.hpp"
 #include "shared/wire/wire.h"
@@ -9,7 +9,7 @@
 namespace crn
 {
 
-// The motion and forces of one tool as its hand perceives them.
+// The motion of one tool's hand, and the forces on that hand.
 struct ToolReading {
     double inserted_m = 0.0;
     double turned_deg = 0.0; // of the hand since the start
@@ -17,7 +17,7 @@ struct ToolReading {
     double torque_N_m = 0.0;
 };
 
-// All data of one moment for a picture and its display.
+// All data of one moment that a picture and its display need.
 struct SessionFrame {
     WireFrame wire;
     std::vector<ToolReading> tools; // from the innermost
@@ -27,9 +27,9 @@ class FrameSink
 {
   public:
     virtual ~FrameSink() = default;
-    // Takes every tick in order, with its input and its result; before the frame of that tick.
+    // Receives every tick in order, with its input and its result, before the frame of that tick.
     virtual void tick(const crn_wire_tick_input &, const crn_wire_tick_state &) {}
-    // Returns the next tick at which frame() is wanted, given everything received so far.
+    // Returns the next tick at which frame() must be called, given everything received so far.
     virtual std::uint32_t next_tick() const = 0;
     virtual void frame(const SessionFrame &frame) = 0;
     virtual void finish() {
@@ -43,7 +43,7 @@ inline std::uint32_t picture_tick(std::uint32_t index, std::uint32_t per_second)
                                       per_second);
 }
 
-// A sink that wants its frames at a steady rate, independent of the room.
+// A sink that requests frames at a steady rate, whatever the X-ray room does.
 class SteadySink : public FrameSink
 {
   public:

@@ -1,8 +1,8 @@
-// The grip of a hand that a script or the keys move: rigid up to the force that fingers can hold, then the
-// tool slips through it. The device receives the wanted hand less the slip, in encoder counts, so that a
-// recording includes the slip and a replay does not need this code. It uses only integers, and the ticks at
-// which it reads forces depend only on forces. So the same script slips alike with and without pictures, in
-// batches of any size, on every machine.
+// The grip of a hand that a script or the keys move. It is rigid up to the force that fingers can hold;
+// beyond that, the tool slips. The device receives the position of the hand minus the slip, in encoder
+// counts. So a recording includes the slip, and a replay does not need this code. The computation uses only
+// integers, and the ticks at which it reads forces depend only on the forces. So a script's tools slip
+// equally with and without pictures, in batches of any size, and on every machine.
 #pragma once
 #include "shared/wire/wire.h"
 #include <array>
@@ -13,7 +13,7 @@
 namespace crn
 {
 
-// How far one tool slipped through its hand, both directions added up.
+// How far one tool slipped in the grip, summed over both directions.
 struct GripFigures {
     double slipped_mm = 0.0, slipped_deg = 0.0;
     std::optional<std::uint32_t> first_tick;
@@ -23,16 +23,16 @@ class HandGrip
 {
   public:
     static constexpr std::int64_t force_limit_N = 25, torque_limit_mN_m = 50;
-    // Above a fifth of a limit every tick is checked; below it, one tick in this many.
+    // If a force is above a fifth of its limit, every tick is checked; below that, one tick in this number.
     static constexpr std::uint32_t look_every_ticks = 16;
     static constexpr std::size_t tools_max = 3;
 
-    // Returns the counts for the device from those of the wanted hands.
+    // Returns the encoder counts for the device from the counts of hands without slip.
     crn_wire_tick_input hold(crn_wire_tick_input wanted) const;
-    // If true, the next ticks must be stepped one by one, and each result given to feel() before the next
-    // input is made.
+    // If true, ticks must be stepped one by one, and the result of each must be given to feel() before the
+    // next input is made.
     bool is_tense() const { return is_tense_; }
-    // Returns how many ticks may be stepped from this one on.
+    // Returns how many ticks from this one on may be stepped in one batch.
     std::uint32_t batch_max(std::uint32_t tick) const
     {
         return is_tense_ ? 1 : look_every_ticks - tick % look_every_ticks;

@@ -1,6 +1,7 @@
-// Watches whether the physics stays in its range. It checks every tick of a session. The range is left when a
-// number of the core is at its format's limit, a tool is too deep in the wall, or a line is too long or too
-// short. Then the shape is no longer that of the tools, and the session must not continue.
+// Watches whether the physics stays in the range for which it is valid. It checks every tick of a session.
+// The range is left when a number in the core reaches the limit of its format, a tool is too deep in the
+// wall, or a line is too long or too short. The shape of the line is then no longer that of the tools, and
+// the session must not continue.
 #pragma once
 #include "shared/wire/wire.h"
 #include <Eigen/Core>
@@ -22,8 +23,8 @@ struct RangeBreak {
     bool is_saturated = false;  // CRN_FAULT_SATURATED of the core
     double penetration_m = 0.0; // deepest contact
     double length_error = 0.0;  // of the free part of the line
-    // The node that the wall presses hardest, soon after it, on a tick that every run and replay reads; none:
-    // the line touches nowhere.
+    // The node with the largest wall force, read shortly after the range was left, at a tick that every run
+    // and replay reads. It is empty if the line touches no wall.
     std::optional<Eigen::Vector3d> place_m{};
     std::string branch{}; // branch of the vessel around it; empty: not known
 };
@@ -41,12 +42,12 @@ class RangeWatch
         return is_placed_;
     } // the range was left and its place has been looked up: nothing remains to be done
     const std::optional<RangeBreak> &left() const { return left_; }
-    // Returns whether the range was left and its place must be read now. `is_last` means that no later tick
-    // will be read.
+    // Returns true if the range was left and the place of this must be read now. `is_last` means that no
+    // later tick will be read.
     bool wants_place(std::uint32_t tick, bool is_last) const;
-    // Reads the place from the device. Throws LinkError.
+    // Reads that place from the device. Throws LinkError.
     void find_place(Link &link);
-    // Names the branch, if the vessels are known.
+    // Adds the name of the branch at that place, if the vessels are known.
     void name_branch(const VesselTree &vessels);
 
   private:
@@ -54,11 +55,11 @@ class RangeWatch
     bool is_placed_ = false;
 };
 
-// Returns "physics left its range at 00:12.3".
+// Returns a text like "physics left its range at 00:12.3".
 std::string range_notice(const RangeBreak &left);
-// Returns the same with tick, quantity, place, limit and remedy.
+// Returns the same text with tick, quantity, place, limit and remedy.
 std::string range_text(const RangeBreak &left);
-// For the report; null if it stayed in its range.
+// Returns the same for the report; null if the physics stayed in its range.
 nlohmann::ordered_json range_report(const std::optional<RangeBreak> &left);
 
 } // namespace crn

@@ -1,6 +1,6 @@
-// Claims: every `cournand rig` command reports what the device reports, and writes only what was confirmed
-// and read back. It powers a motor only after a typed yes, and leaves the rig as it was when it is stopped.
-// The HID side survives a rig that lies.
+// Claims: every `cournand rig` command prints what the device reports, and writes only what the user
+// confirmed, which it then reads back. A command powers a motor only after the user has typed yes, and when
+// it is stopped it leaves the rig as it was. The HID side survives a rig that sends false reports.
 #include <cmath>
 #include <csetjmp>
 #include <cstdarg>
@@ -27,7 +27,7 @@ extern "C" {
 namespace
 {
 
-// A rig whose sensors the test moves.
+// A simulated rig whose sensors the test moves.
 class Rig final : public crn::Transport
 {
   public:
@@ -64,7 +64,8 @@ class Rig final : public crn::Transport
     unsigned powered_ms = 0, stop_after_ms = ~0u; // then the emergency stop is pressed
 };
 
-// A user with prepared answers; each may first do something to the rig. The command's output is in `text`.
+// A user with prepared answers. Before an answer, a function may do something to the rig. `text` collects the
+// output of the command.
 struct User {
     std::deque<std::pair<std::string, std::function<void()>>> answers;
     bool is_interrupted = false;
@@ -257,8 +258,8 @@ void a_fault_in_the_trial_is_told_and_logged(void **)
 
 // --- calibration ---
 
-// The motion gives 4 000 counts for 100 mm in the opposite direction, 2 turns of 1 024 counts, zero at -120,
-// and 1 000 counts for 100 g.
+// The motion gives 4 000 counts for 100 mm in the opposite direction, and 1 024 counts for each of 2 turns.
+// The zero is at -120, and 100 g give 1 000 counts.
 void script_motion(Bench &b)
 {
     b.options.turns = 2.0;

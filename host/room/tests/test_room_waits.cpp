@@ -1,6 +1,7 @@
-// Claims: a run of cine or DSA begins when C-arm and table have reached their ordered pose, and the room says
-// so while it waits. A pedal released before that makes no run, and the room says why. Every five minutes of
-// fluoroscopy bring a reminder until it is acknowledged.
+// Claims: a run of cine or DSA begins when C-arm and table have reached the ordered pose, and the screen
+// shows a notice while the run waits. If the pedal is released before that, there is no run, and a notice
+// gives the reason. Every five minutes of fluoroscopy, a reminder appears and stays until the user
+// acknowledges it.
 #include "host/room/room_screen.hpp"
 #include <csetjmp>
 #include <cstdarg>
@@ -21,7 +22,7 @@ struct Bench {
     {
         assert_string_equal(room.give(now, {action, {a, b, c}}).c_str(), "");
     }
-    // Runs up to tick `end`, not included.
+    // Runs until tick `end`, which is not processed.
     void run_to(std::uint32_t end, const Eigen::Vector3d *tip = nullptr)
     {
         for (; now < end; ++now) {
@@ -45,8 +46,8 @@ struct Bench {
     std::uint32_t now = 0, begin_tick = 0; // of the first run
 };
 
-// 30 degrees at 25 degrees/s and 40 degrees/s^2 take 1.2 s + 0.625 s. The order comes at tick 1, so the run
-// begins at tick 1826 or 1827.
+// A turn of 30 degrees at 25 degrees/s and 40 degrees/s^2 takes 1.2 s + 0.625 s. The turn is ordered at tick
+// 1, so the run must begin at tick 1826 or 1827.
 void check_waits(std::int32_t program)
 {
     Bench bench;
@@ -98,7 +99,7 @@ static void a_pedal_that_goes_up_too_early_makes_no_run_and_the_room_says_why(vo
     assert_non_null(std::strstr(bench.room.refusals()[0].why.c_str(), "hold the pedal longer"));
 }
 
-// A run that was made, and one requested while the motors were at rest, are no refusals.
+// Neither a run that was made, nor one requested while the motors were at rest, may count as refused.
 static void a_pedal_on_a_room_that_stands_is_never_refused(void **)
 {
     Bench bench;
@@ -127,8 +128,8 @@ static void fluoroscopy_goes_on_while_a_run_waits(void **)
     assert_true(bench.room.is_beam_on() && bench.screen.status().kind == RunKind::cine);
 }
 
-// A tip that keeps moving would keep the table moving for ever: the table follows it again during the cine
-// run.
+// A tip that keeps moving would keep the table moving for ever. So the table stops for the start of a cine
+// run, and follows the tip again during the run.
 static void a_table_that_follows_a_tip_comes_to_rest_for_a_run(void **)
 {
     Bench bench;

@@ -1,5 +1,5 @@
-// Claims: scripts become exactly the motion that they state, and smoothly; a mistake is reported with its
-// place.
+// Claims: a script becomes exactly the motion that it states, and the motion is smooth. A mistake in a script
+// is reported with its place.
 #include <array>
 #include <cmath>
 #include <csetjmp>
@@ -44,7 +44,7 @@ void expect_error(const std::string &text, const std::string &expected)
     fail_msg("'%s' was accepted", text.c_str());
 }
 
-// 120 mm are 120 000 counts; 120 mm / 40 mm/s = 3 s and one ramp of 0.2 s.
+// A move of 120 mm is 120 000 counts. It takes 120 mm / 40 mm/s = 3 s and one ramp of 0.2 s.
 void advance_goes_exactly_the_distance_in_the_stated_time(void **)
 {
     const auto inputs = play("advance 120 mm at 40 mm/s");
@@ -52,8 +52,8 @@ void advance_goes_exactly_the_distance_in_the_stated_time(void **)
     assert_int_equal(inputs.back().hands[0].translation_counts, 120000);
 }
 
-// Speed never exceeds the stated one (by more than a count of rounding) and never reverses. It changes per
-// tick by no more than a smoothstep's steepest, 1.5 x speed / ramp, plus two counts of rounding.
+// The speed may not exceed the stated one by more than a count of rounding, and may not change its sign. Per
+// tick it may change by the steepest slope of a smoothstep, 1.5 x speed / ramp, plus two counts of rounding.
 void motion_is_smooth_and_never_faster_than_stated(void **)
 {
     const struct {
@@ -81,7 +81,7 @@ void withdraw_and_negative_turns_go_the_other_way(void **)
     assert_int_equal(inputs.back().hands[0].rotation_counts, -16384);
 }
 
-// The move has three strokes and two pauses of 150 ms.
+// The move consists of three strokes with two pauses of 150 ms.
 void strokes_add_up_to_the_whole(void **)
 {
     const auto whole = play("advance 100 mm at 50 mm/s"),
@@ -97,7 +97,7 @@ void moves_joined_by_while_run_together(void **)
     assert_int_equal(both[1300].hands[0].translation_counts, 40000);
 }
 
-// The condition is met at 100 mm; after it the hand may continue for one ramp: 30 mm/s x 0.1 s = 3 mm.
+// The condition is met at 100 mm. After that the hand may move on for one ramp: 30 mm/s x 0.1 s = 3 mm.
 void until_stops_within_one_ramp(void **)
 {
     const crn::Session session = crn::parse_session("advance until inserted 100 mm at 30 mm/s", "test");
@@ -146,7 +146,7 @@ void views_change_between_moves(void **)
                                                                     {RoomAction::field, {200000, 0, 0}}}));
 }
 
-// Words of a script are compared with the room's commands.
+// Each line of a script must give the stated commands to the room.
 void the_room_is_asked_in_words(void **)
 {
     using crn::RoomAction, crn::RoomCommand;
@@ -167,7 +167,7 @@ void the_room_is_asked_in_words(void **)
           {RoomAction::field, {200000, 0, 0}}}},
         {"c-arm SID 120 cm RAO 20",
          {{RoomAction::distance, {1200000, 750000, 0}}, {RoomAction::angles, {-20000, 0, 0}}}},
-        // The values are both ends of what docs/session.md allows.
+        // These values are the smallest and largest that docs/session.md allows.
         {"field 45 cm", {{RoomAction::field, {450000, 0, 0}}}},
         {"field 100 mm", {{RoomAction::field, {100000, 0, 0}}}},
         {"c-arm SID 130 cm SOD 60 cm", {{RoomAction::distance, {1300000, 600000, 0}}}},
@@ -196,7 +196,8 @@ void the_room_is_asked_in_words(void **)
     expect_error("store fluoro 1 min", "time is out of range");
 }
 
-// Each order is in one tick's input. If a script gives two at once, the second one comes a tick later.
+// Each order must be in the input of one tick. If a script gives two orders at once, the second one must come
+// a tick later.
 void heart_and_breath_are_asked_at_their_ticks(void **)
 {
     const auto inputs =
@@ -220,8 +221,8 @@ void heart_and_breath_are_asked_at_their_ticks(void **)
     expect_error("hart rate 90 /min\n", "did you mean 'heart'");
 }
 
-// At two bar a second, 8 bar take four seconds; deflating releases four bar in a second. The hands are at
-// rest meanwhile.
+// At 2 bar/s, a pressure of 8 bar is reached in four seconds; deflating releases 4 bar in a second. Meanwhile
+// the hands must be at rest.
 void the_inflator_goes_to_its_pressure_at_its_rate(void **)
 {
     const auto inputs = play("inflate to 8 bar at 2 bar/s\nwait 0.5 s\ndeflate\nadvance 10 mm\n");
@@ -277,7 +278,7 @@ void comments_commas_and_joined_units_are_understood(void **)
     assert_int_equal(inputs.back().hands[0].rotation_counts, 16384);
 }
 
-// Every hand has its own counts; hands that are not named are at rest.
+// Every hand has encoder counts of its own; a hand that no statement names is at rest.
 std::vector<crn_wire_tick_input> play(const std::string &text, std::size_t tool_count)
 {
     const crn::Session session = crn::parse_session(text, "test");
@@ -303,8 +304,8 @@ void a_move_names_its_tool_or_moves_the_selected_one(void **)
     assert_int_equal(end.hands[2].rotation_counts, 16384);
 }
 
-// The wire takes 3 s and a ramp, the catheter 1 s and a ramp: after 1.2 s the catheter is at rest and the
-// wire still moves.
+// The guidewire moves for 3 s and a ramp, the catheter for 1 s and a ramp. So after 1.2 s the catheter is at
+// rest, and the guidewire still moves.
 void two_tools_move_at_once(void **)
 {
     const auto inputs = play("advance wire 60 mm at 20 mm/s while withdraw catheter 10 mm at 10 mm/s", 2);
@@ -326,7 +327,7 @@ void together_moves_every_tool_of_the_line(void **)
     }
 }
 
-// The condition uses the named tool's own length.
+// The condition must use the inserted length of the tool that it names.
 void until_looks_at_its_own_tool(void **)
 {
     const crn::Session session = crn::parse_session("withdraw wire until inserted 100 mm at 30 mm/s", "test");
@@ -354,7 +355,7 @@ void every_tool_may_begin_at_its_own_length(void **)
     assert_int_equal(each.tools_named, 3);
 }
 
-// A script that needs more tools than it gets reports the line and the remedy.
+// If a script needs more tools than there are, the message must give the line and the remedy.
 void a_tool_that_is_not_there_is_named_with_its_line(void **)
 {
     const crn::Session session =
@@ -369,7 +370,7 @@ void a_tool_that_is_not_there_is_named_with_its_line(void **)
     }
 }
 
-// With the keyboard the speed rises and falls in steps, and the counters follow.
+// A hand moved by keyboard changes its speed in steps, and its counters follow the speed.
 void a_live_hand_comes_to_rest(void **)
 {
     crn::LiveHand hand;

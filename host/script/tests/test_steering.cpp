@@ -1,8 +1,9 @@
-// Claims: places in a tree of vessels have anatomists' names. A script that steers reaches its vessel
-// although the tip usually turns into another one, whatever the share of angles that lead there and wherever
-// they lie. If it fails, it says where the tip was. Expectations are judged with their line. The world of
-// these tests is a tube with one wrong branch. The vessel into which the tip goes depends only on the angle
-// of the hand, which is the hardest case of a bent tip.
+// Claims: places in a tree of vessels have the names that anatomists use. A script that steers reaches its
+// vessel although the tip usually turns into another one. This holds for any share of hand angles that lead
+// into the vessel, and wherever these angles lie. If the script fails, the message states where the tip was.
+// Each expectation is reported with its line. These tests simulate only a tube with one wrong branch. Which
+// of the two vessels the tip enters depends only on the angle of the hand, and this is the hardest case for a
+// bent tip.
 #include <algorithm>
 #include <cmath>
 #include <csetjmp>
@@ -26,8 +27,8 @@ namespace
 
 using Eigen::Vector3d;
 
-// The root goes up along y; "brachiocephalic" leaves it at 80 mm and "left subclavian" at 120; the root ends
-// at 300. Tools enter at its far end.
+// The root vessel goes up along y from 0 to 300 mm; "brachiocephalic" leaves it at 80 mm, and "left
+// subclavian" at 120 mm. Tools enter at the end of the root at 300 mm.
 crn::VesselTree tree()
 {
     crn::VesselTree tree;
@@ -48,9 +49,9 @@ crn::VesselTree tree()
     return tree;
 }
 
-// The tip is `pushed_m` beyond the sheath at y = 290 mm. At the left subclavian it goes on into the aorta
-// only when the hand's angle is within `window_deg` of `open_deg`; beyond the branching it stays in its
-// vessel until it is pulled back.
+// The tip is `pushed_m` beyond the sheath, which ends at y = 290 mm. At the left subclavian artery the tip
+// stays in the aorta only if the angle of the hand is within `window_deg` of `open_deg`. Once beyond the
+// branching, it stays in its vessel until it is pulled back.
 struct World {
     double open_deg, window_deg;
     bool is_astray = false, was_beyond = false;
@@ -119,7 +120,7 @@ void an_aorta_is_three_vessels(void **)
     assert_string_equal(map.vessels()[map.at({0.05, 0.12, 0}).vessel].name.c_str(), "left subclavian artery");
 }
 
-// The tolerance is 1 um, for rounding.
+// The tolerance of 1 um is for rounding.
 void inside_is_measured_from_where_the_tools_come_in(void **)
 {
     const crn::VesselMap map(tree());
@@ -147,7 +148,7 @@ void an_unknown_vessel_is_refused_with_its_place_and_a_suggestion(void **)
     assert_non_null(strstr(error_of("expect tip in spleen\n").c_str(), "known: ascending aorta"));
 }
 
-// The window is a twelfth or a third of all angles, wherever it lies.
+// The window is a twelfth or a third of all angles, and its position varies.
 void a_tip_that_goes_astray_is_brought_back_and_tried_again(void **)
 {
     for (const double window_deg : {15.0, 60.0})
