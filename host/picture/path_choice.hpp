@@ -16,12 +16,11 @@ inline const std::vector<std::string> path_choices = {"raster", "opengl", "openg
 inline const std::vector<std::string> path_choices_window = {"raster", "opengl"};
 
 // `window_context` is empty when there is no window. The returned function throws GlError if there is no
-// OpenGL, and prints on standard error which OpenGL it found. Prints on standard output, one line for each
-// library, which OpenGL the library provides, or why it provides none.
+// OpenGL, and prints on standard error which OpenGL it found.
 BodyPathsMaker paths_maker(const std::string &choice, const GlOpener &window_context);
 
-// Prints on standard output which OpenGL each library provides or why it does not, a line each. Returns false
-// when none does.
+// Prints on standard output, one line for each library, which OpenGL the library provides, or why it provides
+// none. Returns false if no library provides OpenGL.
 bool print_opengl();
 
 } // namespace crn

@@ -19,8 +19,8 @@
 namespace crn
 {
 
-// Returns the settings of the rig that scripts and keyboard control: 1 um and 1/65 536 turn per count, and
-// forces without amplification.
+// Returns the settings of the rig that scripts and keyboard control: 1 um and 1/65 536 turn per count, and a
+// force gain of 1.
 crn_wire_rig host_rig();
 
 // Receives the ticks of a session in FREE_RUN.

@@ -1,12 +1,14 @@
-// Recordings: everything that decides a session, tick by tick (docs/session.md gives every byte).
+// Recordings contain everything that determines a session, tick by tick (docs/session.md describes every
+// byte).
 //
 //   file   = "CRN-REC4" | chunk ...
 //   chunk  = kind u32 | bytes u32 | payload | CRC-32 u32 over kind, bytes and payload
 //   order  = HEAD, SIDE_HOLES, BALLOON and STENT; then TICKS, HASH, SNAPSHOT, RESUMED and ROOM as they happen;
 //            END when the session was closed properly
 //
-// A recorder writes chunk by chunk, so that a recording cut off by a crash is readable up to its last whole
-// chunk. A reader refuses what is not a recording, is of another version, or is damaged in the middle.
+// A recorder writes chunk by chunk, so that a recording that a crash cut off is readable up to its last
+// complete chunk. A reader refuses what is not a recording, is of another version, or is damaged in the
+// middle.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/room/command.hpp"
@@ -101,9 +103,9 @@ class Recorder
     static constexpr std::uint32_t ticks_per_chunk = 500;
     static constexpr std::uint32_t snapshot_every_ticks = 5000;
 
-    // Throws RecordingError when the file cannot be written, now or later. Until the recording is finished or
-    // given up, its file is called "path.partPID-RANDOM". A killed program leaves this file, and it can be
-    // replayed.
+    // The constructor and all later calls throw RecordingError when the file cannot be written. Until the
+    // recording is finished or abandoned, its file is called "path.partPID-RANDOM". A killed program leaves
+    // this file behind, and it can be replayed.
     Recorder(const std::string &path, const RecordingHeader &header);
     ~Recorder(); // closes as a cut-off recording unless finish() was called
 

@@ -1,4 +1,4 @@
-// Reads the chunks of a recording one after the other, for the reader and for the conversion of older
+// Reads the chunks of a recording one after the other, both for the reader and for the conversion of older
 // versions.
 #pragma once
 #include "host/session/recording.hpp"
@@ -9,15 +9,16 @@
 namespace crn::recording_format
 {
 
-// Returns whether a chunk of this kind can have so many bytes. An impossible length means that the file is
-// damaged, not that it was cut off. `is_known`: the version has chunks of this kind.
+// `is_size_of` returns true if a chunk of this kind can have this number of bytes. An impossible length means
+// that the file was damaged, and not that it was cut off. `is_known` returns true if the version has chunks
+// of this kind.
 struct ChunkRules {
     bool (*is_known)(std::uint32_t kind);
     bool (*is_size_of)(std::uint32_t kind, std::size_t bytes, std::size_t tool_count);
 };
 extern const ChunkRules present_rules;
 
-// The bytes before the first chunk: magic and version.
+// What the bytes before the first chunk state: the magic text and the version.
 struct VersionMark {
     bool is_recording = false;
     char version = 0;
@@ -32,14 +33,14 @@ std::vector<std::uint8_t> sealed_chunk(std::uint32_t kind, std::span<const std::
 class ChunkReader
 {
   public:
-    // `bytes` and `name` must outlive it.
+    // `bytes` and `name` must live longer than this object.
     ChunkReader(std::span<const std::uint8_t> bytes, const std::string &name) : bytes_(bytes), name_(name) {}
 
-    // Throws RecordingError that names file and byte.
+    // Throws RecordingError; the message names the file and the byte.
     [[noreturn]] void fail(RecordingFault fault, const std::string &text) const;
-    // Reads the first chunk, which is the head. Throws RecordingError.
+    // Reads the first chunk, which is the head of the recording. Throws RecordingError.
     void read_head(const ChunkRules &rules);
-    // Returns false at the end, or where the file was cut off. Throws if the file is damaged.
+    // Returns false at the end of the file, or where it was cut off. Throws if the file is damaged.
     bool next(const ChunkRules &rules, std::size_t tool_count);
     bool is_at_end() const { return position_ == bytes_.size(); }
     void check_used_up(const char *what) const;

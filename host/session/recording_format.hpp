@@ -1,4 +1,5 @@
-// The parts that recorder and reader share: chunk kinds, their sizes and the header's codec.
+// The parts that recorder and reader have in common: the kinds of chunks, their sizes, and the encoding of
+// the header.
 #pragma once
 #include "host/session/recording.hpp"
 #include <bit>
@@ -7,8 +8,8 @@
 namespace crn::recording_format
 {
 
-// The digit is the version. Versions 2 and 3 had the fields of all orders in every tick, and version 2 had
-// VIEW instead of ROOM: recording_upgrade.hpp converts them.
+// The digit is the version. In versions 2 and 3 every tick had the fields of all orders, and version 2 had
+// VIEW chunks instead of ROOM. recording_upgrade.hpp converts these versions.
 inline constexpr char magic[9] = "CRN-REC4";
 inline constexpr char oldest_version = '2';
 
@@ -34,8 +35,8 @@ inline constexpr std::size_t stent_bytes_max = 1024;
 inline constexpr std::size_t recorded_stents_max = 64;
 inline constexpr double side_holes_end_max_m = 2.0, side_hole_diameter_max_m = 0.01;
 inline constexpr std::size_t head_bytes_max = 1 << 17;
-// Bytes of one tick: the record `tick_input` with that many hands, and two hash lanes. The first is with all
-// orders that a tick may have, the second without any.
+// The number of bytes of one tick, which has the record `tick_input` with this number of hands, and two hash
+// lanes. The first function counts all orders that a tick may have, the second none.
 constexpr std::size_t tick_bytes_max(std::size_t tool_count)
 {
     return CRN_WIRE_BYTES_tick_input - (CRN_WIRE_TOOL_MAX - tool_count) * CRN_WIRE_BYTES_hand + 8;
@@ -45,8 +46,8 @@ constexpr std::size_t tick_bytes_min(std::size_t tool_count)
     return tick_bytes_max(tool_count) -
            static_cast<std::size_t>(CRN_WIRE_MAX_order_list_items) * CRN_WIRE_BYTES_order;
 }
-// The same for protocol 4: hands, buttons, syringe, inflator, the fields of every kind of order, and the
-// lanes.
+// The same number for protocol 4: hands, buttons, syringe, inflator, the fields of every kind of order, and
+// the hash lanes.
 constexpr std::size_t old_tick_bytes(std::size_t tool_count)
 {
     return 2 + tool_count * 8 + 3 * 4 + 26 + 8;
@@ -64,8 +65,8 @@ inline constexpr double balloon_max_kPa = 1e4, balloon_profile_max_m = 0.05, bal
 inline constexpr std::size_t hash_bytes = 4 + 8; // HASH and END
 inline constexpr std::size_t state_bytes_max = 4 + (1 << 20);
 
-// Returns whether a chunk of this kind can have so many bytes. An impossible length means that the file is
-// damaged, not that it was cut off.
+// Returns true if a chunk of this kind can have this number of bytes. An impossible length means that the
+// file was damaged, and not that it was cut off.
 constexpr bool is_size_of(std::uint32_t kind, std::size_t bytes, std::size_t tool_count)
 {
     switch (kind) {

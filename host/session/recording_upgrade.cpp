@@ -75,7 +75,7 @@ class Upgrade
         bytes_.insert(bytes_.end(), chunk.begin(), chunk.end());
     }
 
-    // Everything except the schema hash stays as it is.
+    // Everything in the header except the schema hash stays as it is.
     void take_head()
     {
         crn_wire_reader &payload = chunks_.payload();
@@ -152,7 +152,7 @@ class Upgrade
         return input;
     }
 
-    // If a tick has no order of a kind, all fields of that kind are 0.
+    // In protocol 4, a tick without an order of some kind has zeros in all fields of that kind.
     void read_orders(crn_wire_order_list &orders)
     {
         const auto take = [&](bool is_there, const crn_wire_order &order) {
@@ -179,7 +179,8 @@ class Upgrade
         take(strut.number != 0, crn_wire_order_of_strut(strut));
     }
 
-    // Version 2 stored the whole view at once. Only the differences from the previous view become commands.
+    // Version 2 stored the whole view of the C-arm whenever a part of it changed. Only its differences from
+    // the previous view become commands.
     void take_view()
     {
         const std::uint32_t tick = chunks_.read_u32();

@@ -83,7 +83,8 @@ class Replayer
         }
     }
 
-    // Medium that was injected earlier may still be in the vessels, so the patient starts at that injection.
+    // Medium that was injected before the start of the replay may still be in the vessels, so the patient is
+    // computed from the first injection on.
     std::uint32_t first_injection() const
     {
         for (const RecordedCommand &recorded : recording_.commands)
@@ -112,7 +113,7 @@ class Replayer
         return count;
     }
 
-    // Returns when patient or sink need the line; UINT32_MAX: never.
+    // Returns the next tick at which patient or sink need the line; UINT32_MAX if neither needs it again.
     std::uint32_t next_stop() const
     {
         return std::min(patient_ ? patient_->next_look() : UINT32_MAX,
@@ -129,7 +130,8 @@ class Replayer
         look_when_due(false);
     }
 
-    // Where the device disappeared and came back, the session continued from another state.
+    // Where the device disappeared and came back, the session continued from another state, which the
+    // recording contains.
     void go_on_from_resume()
     {
         const RecordedSnapshot *resumed = recording_.resumed_at(link_.tick());
@@ -214,7 +216,7 @@ class Replayer
         return command_ < recording_.commands.size() && recording_.commands[command_].tick <= tick;
     }
 
-    // The commands that were given up to the present tick.
+    // Passes on the commands that the recording has up to the present tick.
     void pass_commands()
     {
         for (; is_command_due(link_.tick()); command_++) {

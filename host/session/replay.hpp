@@ -1,4 +1,4 @@
-// Replays a recording on a fresh device and compares every hash.
+// Replays a recording on a newly started device and compares every hash.
 #pragma once
 #include "host/patient/patient.hpp"
 #include "host/script/tip_places.hpp"
@@ -10,7 +10,7 @@
 namespace crn
 {
 
-// The speed of ticks: 1 is real time, 0 is as fast as the machine allows.
+// The speed of the replay: 1 is real time, and 0 is as fast as the machine allows.
 struct ReplaySpeed {
     double factor = 0.0;
     bool is_paused = false; // one tick at a time around every full second, with a pause there
@@ -43,7 +43,7 @@ struct ReplayResult {
 };
 
 // `patient` and `sink` may be nullptr, because the orders to the core are in the recording. Throws LinkError.
-// When it verifies, it stops at the first difference.
+// If `verifies` is set, the replay stops at the first difference.
 ReplayResult replay_recording(Device &device, const Recording &recording, Patient *patient, FrameSink *sink,
                               const ReplaySettings &settings);
 

@@ -58,7 +58,7 @@ class Runner
     }
 
   private:
-    // Returns the ticks until something other than stepping is due.
+    // Returns the number of ticks until something other than a step is due.
     std::uint32_t batch_size() const
     {
         const std::uint32_t tick = link_.tick();
@@ -69,7 +69,7 @@ class Runner
         return std::min(count, Recorder::snapshot_every_ticks - tick % Recorder::snapshot_every_ticks);
     }
 
-    // Returns when patient or sink need the line.
+    // Returns the next tick at which patient or sink need the line.
     std::uint32_t next_stop() const
     {
         return std::min(patient_.next_look(), sink_ ? sink_->next_tick() : UINT32_MAX);
@@ -105,8 +105,8 @@ class Runner
         look_when_due();
     }
 
-    // Reads the state on which the script decides. Its expectations of medium and stents refer to this very
-    // tick, whatever pictures are made.
+    // Reads the state on which the script's decisions depend. The script's expectations about medium and
+    // stents refer to exactly this tick, whatever pictures are made.
     void look(bool has_nodes)
     {
         const std::vector<double> lengths_m = inserted();
@@ -119,8 +119,8 @@ class Runner
         player_.observe({lengths_m, tips, settings_.witness, link_.tick()});
     }
 
-    // Passes on the script's commands to the room, in force from this tick on; returns true when there were
-    // any.
+    // Passes on the script's commands to the X-ray room, which are in force from this tick on; returns true
+    // if there were any.
     bool pass_commands(std::uint32_t tick)
     {
         const std::vector<RoomCommand> commands = player_.take_commands();

@@ -1,5 +1,5 @@
-// Carries out a session on a device and its patient: a script in LOCKSTEP, as fast as the machine allows, or
-// hands at a rig in FREE_RUN. The session is recorded and pictured meanwhile.
+// Runs a session on a device and its patient: a script in LOCKSTEP, as fast as the machine allows, or hands
+// at a rig in FREE_RUN. Meanwhile the session is recorded, and its pictures are made.
 #pragma once
 #include "host/patient/patient.hpp"
 #include "host/script/session.hpp"
@@ -38,29 +38,29 @@ struct RunResult {
     crn_wire_fault_log faults{};
 };
 
-// FREE_RUN: passes on the patient's orders to the core, those of one tick per round, because a device keeps
-// few. Orders that the device does not carry out are given again at the next look.
+// FREE_RUN: passes on the patient's orders to the core. Each call sends the orders of one tick, because a
+// device can store only a few. At its next look the patient repeats orders that the device did not carry out.
 void send_orders(Link &link, Patient &patient);
 
 // `recorder` and `sink` may be nullptr. Throws LinkError, RecordingError.
 RunResult run_session(Device &device, Patient &patient, const Session &session, Recorder *recorder,
                       FrameSink *sink, const RunSettings &settings);
 
-// FREE_RUN: runs `seconds` of a session that the device leads, or with 0 until Ctrl-C, which ends it
-// properly. The rig's first button is the X-ray pedal, its second the cine pedal. `begin` has the room's
-// commands at the start. The session ends when the rig stops; `stopped_by` gives the reason, and everything
-// up to that tick is valid.
+// FREE_RUN: runs a session of `seconds` on the device's own clock; with 0 it runs until Ctrl-C, which ends
+// the session properly. The first button of the rig is the X-ray pedal, and the second is the cine pedal.
+// `begin` holds the commands to the X-ray room at the start. If the rig stops, the session ends, and
+// `stopped_by` gives the reason. Everything up to that tick is valid.
 RunResult run_free_session(Device &device, Patient &patient, const std::vector<RoomCommand> &begin,
                            double seconds, Recorder *recorder, FrameSink *sink, const RunSettings &settings);
 
-// Returns the figures of a session: the same for the same session, whatever other outputs are requested and
-// whatever machine it runs on.
+// Returns the figures of a session. They do not depend on other outputs that are requested, or on the
+// machine.
 nlohmann::ordered_json report_of(const RunResult &result, const std::string &scene,
                                  const std::vector<Instrument> &tools, const std::string &session,
                                  Patient &patient);
-// Returns the session's cost on this machine, which differs from run to run.
+// Returns the computing time of the session on this machine, which differs from run to run.
 nlohmann::ordered_json timing_of(const RunResult &result, const Patient &patient);
-// Writes either of them as a file. Throws OutputError.
+// Writes one of these two reports as a file. Throws OutputError.
 void write_report(const std::string &path, const nlohmann::ordered_json &report);
 
 } // namespace crn

@@ -1,4 +1,4 @@
-// A session in FREE_RUN: its ticks are recorded and its pictures shown as they come.
+// A session in FREE_RUN: its ticks are recorded, and its pictures shown, as they arrive.
 #include "host/base/interrupt.hpp"
 #include "host/link/usb_devices.hpp"
 #include "host/rig/pedals.hpp"
@@ -19,7 +19,7 @@ void send_orders(Link &link, Patient &patient)
     try {
         link.give_orders(orders);
     } catch (const DeviceLost &) {
-        // The next round also finds that the device is gone, and waits for it.
+        // The next round will also find that the device has disappeared, and will wait for it.
     }
 }
 
@@ -105,7 +105,8 @@ class FreeRunner final : private FreeRunSink
         if (recorder_) recorder_->resumed(tick, bytes);
     }
 
-    // A hash may come before the ticks to which it belongs, and those may never come.
+    // A hash may arrive before the ticks to which it belongs, and those may never arrive, so it is recorded
+    // only with its ticks.
     void record_hash()
     {
         const auto hash = device_.last_hash64();
@@ -126,7 +127,7 @@ class FreeRunner final : private FreeRunSink
         if (sink_) sink_->frame(frame);
     }
 
-    // The last received shape is used, because a rig that is gone gives no other.
+    // The last shape received is used, because a rig that has disappeared sends no other.
     void look_at_the_end()
     {
         SessionFrame frame = session_frame(device_, state_, input_);
@@ -147,7 +148,7 @@ class FreeRunner final : private FreeRunSink
         try {
             result_.faults = device_.link().read_fault_log();
         } catch (const LinkError &) {
-            // The log of a rig that is gone cannot be read.
+            // If the rig has disappeared, its log cannot be read.
         }
     }
 

@@ -1,4 +1,5 @@
-// A baked scene for the host: its bytes for the device, and the place where the instrument enters.
+// A baked scene as the host uses it: its bytes, which the device receives, and the place where the
+// instruments enter.
 #pragma once
 #include "host/model/instrument.hpp"
 #include <cstdint>
@@ -16,8 +17,8 @@ struct SceneFile {
     std::string name;
 };
 
-// Throws FileError with the validator's message when the file is not a valid scene. An empty path gives free
-// space with the entry at the origin, towards the head.
+// Throws FileError with the validator's message if the file is not a valid scene. With an empty path the
+// scene is free space, and the entry is at the origin and points towards the head.
 SceneFile read_scene(const std::string &path);
 
 } // namespace crn

@@ -129,7 +129,8 @@ void Witness::snapshot(std::uint32_t tick, std::span<const std::uint8_t> bytes, 
         if (told != ours) differ("snapshot", tick, place_of_difference(told, ours), "its own");
         return;
     }
-    // The snapshot's head holds the rig's own hands and motors; the coming hashes verify their effect.
+    // The head of the snapshot describes the rig's own hands and motors, which this core does not have. The
+    // hashes of the following ticks verify their effect.
     const std::uint64_t before = link_.read_hash64().hash;
     restore(bytes);
     const std::uint64_t after = link_.read_hash64().hash;

@@ -1,6 +1,7 @@
-// Repeats a rig's session on this machine's core in parallel, and accepts the rig's results only where both
-// agree. So no hash, snapshot or picture of a device that lies, is broken, or computes with damaged memory
-// gets into a recording. The witness finds before writing what `replay --verify` would find later.
+// Computes a rig's session on this machine's core at the same time, and accepts the rig's results only if
+// both agree. So the recording cannot contain a hash, snapshot or picture from a device that is broken, sends
+// false data, or computes with damaged memory. `replay --verify` would find the same differences later; the
+// witness finds them before they are recorded.
 #pragma once
 #include "host/link/link.hpp"
 #include "host/link/sim_transport.hpp"
@@ -17,21 +18,23 @@ namespace crn
 class Witness
 {
   public:
-    // Sets up a core as replay sets its device up. `who` is the rig's name in messages. Throws LinkError.
+    // Sets up a core in the same way in which a replay sets up its device. `who` is the name of the rig in
+    // messages. Throws LinkError.
     Witness(const SceneFile &scene, const std::vector<Instrument> &tools, const crn_wire_entry &entry,
             const crn_wire_rig &rig, const std::string &who);
 
-    // Each throws LinkError with tick, both values and the remedy when the rig reports something else. In
-    // LOCKSTEP whole results are compared, and the line's shape where it was requested (`nodes`, else
-    // nullptr).
+    // These functions throw LinkError if the rig's results differ; the message gives the tick, both values
+    // and the remedy. In LOCKSTEP the whole results are compared, and also the line's shape if it was
+    // requested (`nodes`, else nullptr).
     void step(std::span<const crn_wire_tick_input> inputs, std::span<const crn_wire_tick_state> states,
               const crn_wire_nodes *nodes);
-    // In FREE_RUN the hashes are compared; forces of motors are the rig's own.
+    // In FREE_RUN only the hashes are compared, because the forces of the motors are computed by the rig
+    // alone.
     void tick(const crn_wire_tick_input &input, const crn_wire_tick_state &state);
-    // Compares the hash of the present tick, or of one of the last multiples of 100 ticks.
+    // Compares the hash of the present tick, or of one of the last ticks that are multiples of 100.
     void hash(const Hash64 &told);
-    // Compares the snapshot of the present tick, from which the session may continue. In LOCKSTEP every byte
-    // counts; otherwise the core's state in it.
+    // Compares the snapshot of the present tick, from which the session may continue later. In LOCKSTEP every
+    // byte is compared, otherwise only the core's state in it.
     void snapshot(std::uint32_t tick, std::span<const std::uint8_t> bytes, bool is_lockstep);
     void restore(std::span<const std::uint8_t> bytes);
     std::uint32_t tick() const { return link_.tick(); }
@@ -49,7 +52,7 @@ class Witness
     std::deque<Hash64> hashes_;
 };
 
-// Returns the core's version on this machine.
+// Returns the version of the core on this machine.
 std::uint32_t own_core_version();
 
 } // namespace crn

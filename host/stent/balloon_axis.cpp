@@ -13,8 +13,8 @@ using Eigen::Vector3d;
 
 constexpr double shortest_mm = 1e-6;
 
-// Returns `v` without its part along `tangent`, scaled to length 1; any direction across when nothing
-// remains.
+// Returns the part of `v` perpendicular to `tangent`, scaled to length 1. If that part is zero, returns any
+// perpendicular direction.
 Vector3d across_of(const Vector3d &v, const Vector3d &tangent)
 {
     const Vector3d rest = v - v.dot(tangent) * tangent;

@@ -10,8 +10,8 @@ namespace
 
 using Eigen::Vector3d;
 
-// Returns the crowns of a ring: of the first ring those at the stent's tip, of the last ring those at its
-// hub.
+// Returns crowns of a ring: those towards the tip in the stent's first ring, those towards the hub in its
+// last ring, and all crowns in other rings.
 std::vector<std::size_t> crowns_of(const Stent &stent, int ring)
 {
     const StentLattice &lattice = stent.lattice();

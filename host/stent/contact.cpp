@@ -9,7 +9,7 @@ namespace
 
 using Eigen::Vector3d;
 
-// Both bodies are given relative to the strut's middle, where doubles are most precise.
+// Both bodies are described relative to the middle of the strut, where doubles are most precise.
 struct Capsule {
     Vector3d half;
     double radius;
@@ -81,9 +81,9 @@ StrutContact strut_contact(const StrutCapsule &strut, const std::array<Vector3d,
     StrutContact contact{0.0, -outward};
     if (ccdGJKPenetration(&capsule, &prism, &ccd, &depth, &direction, &position) != 0) return contact;
     contact.depth_mm = depth;
-    // libccd gives the displacement of the second body; the strut moves in the opposite direction. Pushed out
-    // through the side of a small triangle, the strut would meet the neighbour: that contact belongs to the
-    // neighbour.
+    // libccd gives the displacement of the second body, and the strut must move in the opposite direction. If
+    // the strut were pushed out through a side of a small triangle, it would meet the next triangle, whose
+    // own contact covers this case.
     const Vector3d way = -from_ccd(&direction);
     if (-way.dot(outward) > 0.5) {
         contact.direction = way;

@@ -1,5 +1,5 @@
-// Computes contact of struts with the wall's triangles, by libccd. A strut is a capsule, and a triangle has
-// the depth of some tissue behind it, so that a strut is always pushed back towards the blood.
+// Computes the contact of struts with the triangles of the wall, by libccd. A strut is a capsule. A triangle
+// has a depth of tissue behind it, so that a strut is always pushed back towards the blood.
 #pragma once
 #include <Eigen/Core>
 #include <array>
@@ -19,7 +19,8 @@ struct StrutContact {
 
 inline constexpr double tissue_depth_mm = 1.0;
 
-// `outward` is the triangle's unit normal, away from the blood. A depth of 0 means no contact.
+// `outward` is the unit normal of the triangle, which points away from the blood. A depth of 0 means that
+// there is no contact.
 StrutContact strut_contact(const StrutCapsule &strut, const std::array<Eigen::Vector3d, 3> &corners_mm,
                            const Eigen::Vector3d &outward);
 

@@ -1,13 +1,13 @@
-// Reads stent files (TOML, docs/stent.md) into a stent's design, and derives what follows from its geometry
-// alone: height of a ring, foreshortening.
+// Reads the design of a stent from its file (TOML, docs/stent.md), and derives what follows from the geometry
+// alone: the height of a ring, and the foreshortening.
 //
 //      tip <-- axis ----------------------------->      a ring is a zigzag of 2 N struts with N crowns on either side;
 //        /\  /\  /\        /\  /\  /\                   some crowns of neighbouring rings are joined by links:
 //       /  \/  \/  \ link /  \/  \/  \                  `facing`  crown to the crown opposite, rings mirrored
 //                                                       `offset`  crown to the same crown of the next ring, rings alike
 //
-// Lengths are in mm, forces in N. Radii are those of the struts' axis: a balloon of radius r carries struts
-// at r + thickness / 2.
+// Lengths are in mm, and forces in N. A radius is that of the middle of the struts: on a balloon of radius r
+// it is r + thickness / 2.
 #pragma once
 #include <span>
 #include <string>
@@ -37,19 +37,20 @@ struct StentDesign {
     double radius_on_mm(double balloon_radius_mm) const { return balloon_radius_mm + strut_thickness_mm / 2; }
     double nominal_radius_mm() const { return radius_on_mm(diameter_mm / 2); }
 
-    // Returns the chord between the two crowns of a strut, round the axis: 2 r sin(pi / 2 N).
+    // Returns the straight distance around the axis between the two ends of a strut: 2 r sin(pi / 2 N).
     double chord_mm(double radius_mm) const;
-    // Height of a ring along the axis when struts keep their length: sqrt(strut^2 - chord^2).
+    // Returns the height of a ring along the axis, if the struts keep their length: sqrt(strut^2 - chord^2).
     double ring_height_mm(double radius_mm) const;
-    // Distance between two crowns that a link joins: the length that is left for links when crimped.
+    // Returns the distance between two crowns that a link joins, which is the length that the rings of a
+    // crimped stent leave for links.
     double link_length_mm() const;
-    // Length of a straight and evenly opened stent.
+    // Returns the length of the stent when it is straight and evenly opened.
     double length_at_mm(double radius_mm) const;
     double foreshortening(double radius_mm) const { return 1 - length_at_mm(radius_mm) / length_mm; }
 };
 
-// The numbers of a stent with their keys in files and their allowed ranges; a file's number is `per_file` of
-// the design's (percent: 100).
+// The numbers of a stent, with their keys in files and their allowed ranges. The file's number is the
+// design's number times `per_file` (percent: 100).
 struct StentNumber {
     const char *key;
     double StentDesign::*value;
@@ -64,14 +65,14 @@ struct StentCount {
 };
 std::span<const StentCount> stent_counts();
 
-// A fault of values that are each allowed but not all together: the key at fault and the reason. An empty key
-// means no fault.
+// Describes values that are each allowed but impossible together: the key of one of them, and the reason. If
+// the key is empty, there is no such fault.
 struct StentFault {
     std::string key, text;
 };
 StentFault stent_fault(const StentDesign &stent);
-// Returns true when all values are in their ranges and possible together. It is for designs that do not come
-// from a file; reading a file makes the same checks.
+// Returns true if all values are in their ranges and possible together. It is needed for designs that do not
+// come from a file; reading a file includes the same checks.
 bool is_possible(const StentDesign &stent);
 
 // Throws FileError with file, line, key, the cause and the remedy.

@@ -1,5 +1,5 @@
-// The reported figures of a stent: its apposition, its width, its coverage, and how far it has stretched the
-// vessel; and its struts as lines with a radius, for the X-ray.
+// The figures of a stent for the report: apposition, width, coverage, and how far it has stretched the
+// vessel. It also gives the struts as lines with a radius, for the X-ray.
 #pragma once
 #include "host/stent/stent.hpp"
 #include <string>
@@ -10,7 +10,7 @@ namespace crn
 
 inline constexpr double apposed_mm = 0.1; // a strut this near the wall counts as apposed
 
-// A strut that is not apposed.
+// A strut that does not touch the wall, with its gap.
 struct StentGap {
     int ring = 0;
     std::size_t strut = 0;    // of the lattice
@@ -40,11 +40,11 @@ struct StentFigures {
     double bedded_share = 0.0; // of the crowns
 };
 
-// Without a wall no strut is apposed.
+// If there is no wall, no strut counts as apposed.
 StentFigures stent_figures(const Stent &stent, const StentWall *wall);
 
-// The place of a stent along a centreline, and the parts of a lesion (from .. to, mm along it) that it does
-// not cover.
+// The position of a stent along a centreline, and the lengths of a lesion (from .. to, mm along that line)
+// that the stent does not cover.
 struct StentCoverage {
     double from_mm = 0.0, to_mm = 0.0;
     double missed_before_mm = 0.0, missed_behind_mm = 0.0; // of the lesion, at either end
@@ -52,26 +52,28 @@ struct StentCoverage {
 };
 StentCoverage stent_coverage(const Stent &stent, std::span<const Eigen::Vector3d> centreline_mm,
                              double lesion_from_mm, double lesion_to_mm);
-// Returns the same along the healthy branch of a moving vessel: mm from the branch's first point.
+// Returns the same for a moving vessel, in mm along its healthy branch from the branch's first point.
 class VesselWall;
 StentCoverage stent_coverage(const Stent &stent, const VesselWall &vessel, std::size_t lesion);
 
-// Returns the largest outside diameter that a ring has had on a balloon, divided by the healthy vessel's
-// diameter there, less 1. It is 0 for a stent that was not opened.
+// Returns the largest overstretch: the outside diameter that a ring had on a balloon, divided by the healthy
+// vessel's diameter there, minus 1. The result is 0 for a stent that was never opened.
 double stent_stretch(const Stent &stent, std::span<const Eigen::Vector3d> centreline_mm,
                      std::span<const double> healthy_radius_mm);
 
-// Returns the length, mm along both, over which an inner stent lies in an outer one.
+// Returns the length, in mm along the stents, over which an inner stent lies inside an outer one.
 double stent_overlap_mm(const Stent &inner, const StentSleeve &outer);
 
-// A line of metal: every ring as one closed line over the middles of its struts, and every link.
+// A line of metal. Every ring is one closed line through the middles of its struts, and every link is another
+// line.
 struct StentLine {
     std::vector<Eigen::Vector3d> points_mm;
     double radius_mm = 0.0; // of a round wire with the same amount of metal
 };
 std::vector<StentLine> stent_lines(const Stent &stent);
 
-// Returns the two marker bands of the balloon on either side of the crimped stent: short pieces of its axis.
+// Returns the balloon's two marker bands, one on either side of the crimped stent, as short pieces of the
+// balloon's axis.
 std::vector<StentLine> stent_markers(const StentDesign &design, double mount_arc_mm, const BalloonPose &pose);
 
 std::string_view stent_stage_text(StentStage stage); // for displays and reports

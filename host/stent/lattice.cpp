@@ -9,13 +9,14 @@ namespace crn
 namespace
 {
 
-// Forces between points are hundredths of a newton, and struts change by some micrometres. Real struts are
-// fifty times stiffer: nobody would see the difference, and the relaxation would cost more. Links are bent
-// wires that yield along the axis.
+// Forces between points are hundredths of a newton, so struts change their length by some micrometres. Real
+// struts are fifty times stiffer, but nobody would see the difference, and the relaxation would need more
+// rounds. Links are bent wires, which give way along the axis of the stent.
 constexpr double strut_stiffness_N_per_mm = 20.0, link_stiffness_N_per_mm = 2.0;
-// Stiffness of a brace relative to a hinge: a stent is soft in bending.
+// The stiffness of a brace divided by that of a hinge; it is low because a stent is soft in bending.
 constexpr double brace_share = 0.5;
-// Stiffness of hinges to farther neighbours relative to the nearest: they keep a ring round.
+// The stiffness of hinges to farther neighbours divided by that of hinges to the nearest; these hinges keep a
+// ring round.
 constexpr double wide_share = 0.5;
 
 struct Builder {
@@ -27,7 +28,7 @@ struct Builder {
         lattice.springs.push_back({{a, b}, stiffness, kind});
     }
 
-    // Points are made ring by ring, so that neighbours in space are neighbours in memory.
+    // The points are made ring by ring, so that neighbours in space are near each other in memory.
     void ring(int ring) const
     {
         const int n = lattice.crowns;
@@ -45,7 +46,8 @@ struct Builder {
     void links_behind(int ring) const
     {
         for (int link = 0; link < design.links; ++link) {
-            // Links are spaced evenly round the ring, and move by one crown from gap to gap.
+            // Links are evenly spaced around the ring, and from one gap between rings to the next they are
+            // shifted by one crown.
             const int crown = (link * lattice.crowns / design.links + ring) % lattice.crowns;
             int place = 2 * crown;
             if (lattice.side_of(lattice.point(ring, place)) < 0) ++place;
@@ -77,7 +79,8 @@ struct Builder {
     }
 };
 
-// Returns (d length / d R)^2 of a chord between two points of one side: 4 sin^2(half the angle between them).
+// Returns (d length / d R)^2 of a chord between two points of one side, which is 4 sin^2(half the angle
+// between them).
 double chord_share(const StentLattice &lattice, const StentSpring &spring)
 {
     const double half = (lattice.angle(spring.ends[1]) - lattice.angle(spring.ends[0])) / 2;
@@ -95,7 +98,8 @@ StentLattice::StentLattice(const StentDesign &design)
         builder.ring(ring);
         if (ring + 1 < rings) builder.links_behind(ring);
     }
-    // Stiffnesses of hinges were relative so far: they are scaled so that their sum is the design's.
+    // So far the stiffnesses of hinges have been relative to each other. Here they are scaled so that the
+    // stiffness of a ring is that of the design.
     const double scale = design.ring_stiffness_N_per_mm / hinge_ring_stiffness(*this);
     for (StentSpring &spring : springs)
         if (spring.yields()) spring.stiffness_N_per_mm *= scale;

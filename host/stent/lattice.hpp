@@ -1,7 +1,8 @@
-// The points of a stent and the springs between them, made from its design (docs/stent.md, "Springs").
+// The points of a stent and the springs between them, which are made from its design (docs/stent.md,
+// "Springs").
 //
-// Point (ring j, place k), k = 0 .. 2N-1 round the axis, lies at the angle k pi / N; even places of an even
-// ring are its crowns towards the tip. The springs are
+// The point (ring j, place k), with k = 0 .. 2N-1 around the axis, lies at the angle k pi / N. The even
+// places of an even ring are its crowns towards the tip. The springs are
 //   struts    k to k+1 of a ring                              keep their length
 //   hinges    k to k+2, k+4, k+N of a ring, of one side       bending of a crown; yield
 //   links     a crown to a crown of the next ring             keep their length
@@ -36,7 +37,7 @@ struct StentLattice {
     int ring_of(std::size_t point) const { return static_cast<int>(point) / (2 * crowns); }
     int place_of(std::size_t point) const { return static_cast<int>(point) % (2 * crowns); }
     double angle(std::size_t point) const; // rad
-    // Returns -1 for a point towards the tip, +1 towards the hub.
+    // Returns -1 for a point on the ring's side towards the tip, and +1 for one towards the hub.
     int side_of(std::size_t point) const;
 
     int rings = 0, crowns = 0;
@@ -45,7 +46,7 @@ struct StentLattice {
     bool mirrors = false; // every second ring: crowns that face each other
     std::vector<StentSpring> springs;
     std::vector<std::array<std::uint32_t, 2>> struts, links;
-    // For each point its springs, as a list of (spring, other end).
+    // The springs of each point, as a list of (spring, point at its other end).
     struct Bar {
         std::uint32_t spring, other;
         double stiffness_N_per_mm;
@@ -54,8 +55,8 @@ struct StentLattice {
     std::vector<Bar> bars;
 };
 
-// Returns d F / d R of a ring around its circumference by its hinges: the sum over them of k (d length / d
-// R)^2.
+// Returns the stiffness d F / d R of a ring, with F = d energy / d R, as far as its hinges cause it: the sum
+// of k (d length / d R)^2 over all hinges.
 double hinge_ring_stiffness(const StentLattice &lattice);
 
 } // namespace crn

@@ -101,7 +101,7 @@ void StentRelaxation::load_balloons()
 namespace
 {
 
-// A symmetric 3 x 3 matrix as its six numbers; it is the innermost loop.
+// A symmetric 3 x 3 matrix, stored as six numbers because the innermost loop uses it.
 struct Symmetric {
     double xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
     void add(double k, const Vector3d &v) // k v v^T
@@ -133,8 +133,8 @@ struct Symmetric {
 
 } // namespace
 
-// Newton's step of one point with all others fixed: forces divided by the part of their derivative that is
-// never negative.
+// Returns Newton's step of one point while all others are fixed: the force divided by the part of its
+// derivative that is never negative.
 Vector3d StentRelaxation::newton_step(std::size_t i) const
 {
     const StentLattice &lattice = stent_.lattice_;
@@ -189,8 +189,8 @@ double StentRelaxation::sweep()
 
 // --- struts against triangles ---
 
-// The triangles that a strut can meet before it has slid far are found once, with a grid, and kept by index:
-// the wall carries them along.
+// A grid finds, once per picture, the triangles that a strut can touch before it has slid far. They are kept
+// by index, so that they move with the wall.
 void StentRelaxation::list_near()
 {
     const StentLattice &lattice = stent_.lattice_;
@@ -237,7 +237,7 @@ void StentRelaxation::push_struts()
     }
 }
 
-// Returns the deepest contact of one capsule with the triangles near its strut.
+// Returns the deepest contact of one capsule with the triangles in its strut's list.
 StrutContact StentRelaxation::deepest(std::size_t strut, const StrutCapsule &capsule) const
 {
     StrutContact worst;
@@ -246,8 +246,8 @@ StrutContact StentRelaxation::deepest(std::size_t strut, const StrutCapsule &cap
         const Plane &plane = planes_[state_.near[k]];
         const double from = plane.out.dot(capsule.from_mm) - plane.offset_mm;
         const double to = plane.out.dot(capsule.to_mm) - plane.offset_mm;
-        // Skips a capsule that lies fully in front of the triangle's plane, or fully deeper than the tissue
-        // reaches.
+        // Skips a capsule that lies entirely in front of the triangle's plane, or entirely deeper than the
+        // tissue behind it.
         if (std::max(from, to) <= reach || std::min(from, to) > tissue_limit_mm) continue;
         const std::size_t triangle = state_.patch[state_.near[k]];
         const StrutContact contact = strut_contact(
@@ -259,8 +259,8 @@ StrutContact StentRelaxation::deepest(std::size_t strut, const StrutCapsule &cap
     return worst;
 }
 
-// A strut is two capsules, which meet at its middle. Each capsule is moved out of the triangle in which it is
-// deepest. Returns true when one was moved.
+// A strut consists of two capsules, which meet at its middle. Each capsule is moved out of the triangle in
+// which it lies deepest. Returns true if one of the capsules was moved.
 bool StentRelaxation::push_strut(std::size_t strut)
 {
     if (state_.near_begin[strut] == state_.near_begin[strut + 1]) return false;
@@ -276,8 +276,8 @@ bool StentRelaxation::push_strut(std::size_t strut)
         const Vector3d middle = (ends[0]->place_mm + ends[1]->place_mm) / 2 + bulge;
         const StrutContact worst = deepest(strut, {ends[half]->place_mm, middle, radius});
         if (worst.depth_mm <= slop_mm) continue;
-        // The capsule's middle lies at a quarter of the strut: shares 3/4 and 1/4 of its ends, of length
-        // 10/16.
+        // The middle of the capsule lies at a quarter of the strut. So the ends move by 3/4 and 1/4 of the
+        // displacement, divided by (3/4)^2 + (1/4)^2 = 10/16.
         const Vector3d way = (worst.depth_mm - slop_mm / 2) * worst.direction / 0.625;
         ends[half]->place_mm += 0.75 * way;
         ends[1 - half]->place_mm += 0.25 * way;
@@ -289,8 +289,8 @@ bool StentRelaxation::push_strut(std::size_t strut)
 
 // --- permanent changes ---
 
-// A spring that is longer or shorter than its elastic range allows yields: without a load it would return by
-// the recoil alone.
+// A spring that is longer or shorter than its elastic range allows yields permanently. Without a load it
+// would then change its length only by the recoil.
 void StentRelaxation::yield()
 {
     const double recoil = stent_.design_.recoil;
@@ -305,7 +305,7 @@ void StentRelaxation::yield()
     }
 }
 
-// Updates the place to which each point is carried from now on.
+// Updates the place on the wall that each point follows from now on.
 void StentRelaxation::bed()
 {
     for (std::size_t i = 0; i < loads_.size(); ++i) {
@@ -323,8 +323,8 @@ void StentRelaxation::bed()
             point.offset_mm = off;
             continue;
         }
-        // A point that slides, is pushed or lies free moves its foot to the wall next to it, or to the place
-        // where it leaves the load.
+        // If a point slides, is pushed or touches nothing, its foot moves to the nearest place of the wall. A
+        // sliding point stops where the load on its spring no longer exceeds the limit.
         const bool slides = point.is_bedded && !is_pushed;
         const Vector3d place =
             slides ? Vector3d(point.place_mm - off * (bed_limit_N / pull_N)) : point.place_mm;

@@ -1,5 +1,6 @@
-// Finds the equilibrium of a deployed stent for one picture: springs, bedding, wall, balloons inside; libccd
-// for the struts. Afterwards yielding and sliding are permanent.
+// Finds the equilibrium of a deployed stent for one picture. The forces are those of springs, bedding, wall
+// and balloons inside; libccd computes the contacts of struts. After the equilibrium is found, yielding and
+// sliding become permanent.
 #pragma once
 #include "host/stent/contact.hpp"
 #include "host/stent/stent.hpp"
@@ -19,7 +20,7 @@ class StentRelaxation
     void run();
 
   private:
-    // The loads on a point besides springs.
+    // The loads on a point, except those of springs between points.
     struct Load {
         Eigen::Vector3d carried_mm;        // place to which the wall has carried it
         Eigen::Vector3d anchor_mm;         // place of the spring that holds it

@@ -1,5 +1,5 @@
-// A stent's state as bytes in the machine's own order: for a replay on the same machine, like the snapshot of
-// the contrast medium.
+// Stores the state of a stent as bytes in the machine's own byte order, for a replay on the same machine; the
+// snapshot of the contrast medium is similar.
 #include "host/stent/stent.hpp"
 #include <cmath>
 #include <cstring>
@@ -61,7 +61,7 @@ class Reader
     std::size_t at_ = 0;
 };
 
-// Writing and reading use the same list.
+// The functions that write and read a snapshot both use this list of members.
 template <typename State, typename Visit> void visit_state(State &state, Visit &visit)
 {
     visit(state.stage);

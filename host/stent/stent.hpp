@@ -1,12 +1,13 @@
-// A balloon-expandable stent in a moving vessel: crimped, opened by its balloon, deployed, held by the wall.
-// One step per picture.
+// A balloon-expandable stent in a moving vessel. It is first crimped, then opened by its balloon, deployed,
+// and held by the wall. One step per picture.
 //
 //   Stent stent(read_stent("coronary_3_0x18.toml"), mount_arc_mm);
 //   stent.step({&wall, &pose, others, sleeves});     every picture, 15 to 60 a second
 //   stent.points(), stent.stage(), stent_lines(stent), stent_figures(stent, wall)
 //
-// Nothing depends on time except through the order of pictures: masses of micrograms follow at once. The same
-// pictures give the same bits. Lengths are in mm, forces in N, in the patient frame: docs/stent.md.
+// The state depends on the order of pictures and not on time, because masses of micrograms reach their
+// equilibrium at once. The same pictures give the same result, bit for bit. Lengths are in mm and forces in
+// N, in the patient frame: docs/stent.md.
 #pragma once
 #include "host/stent/balloon_axis.hpp"
 #include "host/stent/design.hpp"
@@ -37,7 +38,7 @@ struct StentPoint {
     bool is_bedded = false; // held in the wall's lining
 };
 
-// An outer stent around another one: the inner one lies on it.
+// An outer stent, as a sleeve on whose inner side another stent lies.
 struct StentSleeve {
     std::vector<Eigen::Vector3d> centres_mm; // of its rings
     double overhang_mm = 0.0;                // beyond the first and the last
@@ -45,13 +46,13 @@ struct StentSleeve {
     bool covers(const Eigen::Vector3d &place_mm) const;
 };
 
-// A balloon inside, and the stent that lies on it.
+// A balloon inside the stent, and the thickness of another stent on that balloon.
 struct StentBalloon {
     const BalloonPose *pose = nullptr;
     double layer_mm = 0.0;
 };
 
-// The inputs of a step. Any of them may be missing.
+// The inputs of a step. Any of the three may be missing.
 struct StentSurroundings {
     const StentWall *wall = nullptr;
     const BalloonPose *own = nullptr;            // the balloon that carries it
@@ -59,7 +60,7 @@ struct StentSurroundings {
     std::span<const StentSleeve> sleeves = {};
 };
 
-// All state on which the next step depends.
+// The whole state on which the next step depends.
 struct StentState {
     StentStage stage = StentStage::on_balloon;
     bool was_placed = false;
@@ -76,7 +77,7 @@ struct StentState {
 class Stent
 {
   public:
-    // `mount_arc_mm` is the place of the stent's middle on its tool, from the tool's tip.
+    // `mount_arc_mm` is the position of the stent's middle on its tool, measured from the tool's tip.
     Stent(const StentDesign &design, double mount_arc_mm);
     void step(const StentSurroundings &around);
 
@@ -89,20 +90,21 @@ class Stent
     double mount_arc_mm() const { return mount_arc_mm_ + state_.slip_mm; }
     double slip_mm() const { return state_.slip_mm; }
 
-    // Returns the radius that a point keeps when nothing holds it.
+    // Returns the radius that a point of the stent has when nothing presses on it.
     double free_radius_mm(const StentPoint &point) const;
     bool is_opened(int ring) const;
-    // Return the middle of a ring, and its direction towards the hub (unit).
+    // These return the middle of a ring, and the direction of its axis towards the hub, as a unit vector.
     Eigen::Vector3d ring_centre_mm(int ring) const;
     Eigen::Vector3d ring_axis(int ring) const;
-    // Returns the middle of a strut, which its balloon has bent round.
+    // Returns the middle of a strut, which the balloon has bent around itself.
     Eigen::Vector3d strut_middle_mm(std::size_t strut) const;
     StentSleeve sleeve() const;
-    // Returns the sum over all springs of k/2 (length - rest)^2, N mm.
+    // Returns the elastic energy, the sum of k/2 (length - rest)^2 over all springs, N mm.
     double energy_N_mm() const;
 
     const StentState &state() const { return state_; }
-    // Returns all state on which the next step depends, as bytes. A snapshot of another design is refused.
+    // Returns, as bytes, the whole state on which the next step depends. A snapshot of another design is
+    // refused.
     std::vector<std::uint8_t> snapshot() const;
     bool restore(std::span<const std::uint8_t> bytes);
 

@@ -18,7 +18,7 @@ void Stents::step(const StentWall *wall, const BalloonPose *balloon)
     step(std::vector<const StentWall *>(stents_.size(), wall), balloon);
 }
 
-// Older stents are stepped first: a stent deployed in this picture lies on their present places.
+// Older stents are stepped first, because a stent deployed in this picture lies on them where they are now.
 void Stents::step(std::span<const StentWall *const> walls, const BalloonPose *balloon)
 {
     std::vector<StentSleeve> sleeves;
@@ -37,12 +37,12 @@ void Stents::step(std::span<const StentWall *const> walls, const BalloonPose *ba
 namespace
 {
 
-// A ring that holds the surrounding wall by its outside.
+// A ring whose outside holds the surrounding wall open.
 struct HoldingRing {
     double along_mm = 0.0, radius_mm = 0.0;
 };
 
-// Opened rings of a stent that lie in the vessel.
+// Returns the rings of a stent that are open and lie in this vessel.
 std::vector<HoldingRing> holding_rings(const Stent &stent, const VesselWall &vessel)
 {
     std::vector<HoldingRing> rings;

@@ -17,7 +17,8 @@ using Eigen::Vector3d;
 constexpr std::size_t around = 24; // vertices of a row: facets cut off 0.9 % of the circle's radius
 constexpr double row_mm = 0.5;     // from row to row
 
-// A branch with and without its lesions, by the same parameter: millimetres along the healthy one.
+// A branch as it is with and without its lesions; both use the distance along the healthy branch, in mm, as
+// their parameter.
 struct Line {
     std::vector<double> along_mm;
     std::vector<Vector3d> healthy_m, narrow_m;
@@ -86,7 +87,8 @@ std::vector<WallTriangle> VesselWall::triangles_of(std::size_t rows)
             const auto a = static_cast<std::uint32_t>(row * around + k);
             const auto b = static_cast<std::uint32_t>(row * around + (k + 1) % around);
             constexpr auto next = static_cast<std::uint32_t>(around);
-            // Every second row is turned by half a step, so that triangles have no long edges.
+            // Every second row is shifted by half a step around the tube, so that triangles have no long
+            // edges.
             if (row % 2 == 0) {
                 triangles.push_back({a, b, a + next});
                 triangles.push_back({b, b + next, a + next});
@@ -98,7 +100,8 @@ std::vector<WallTriangle> VesselWall::triangles_of(std::size_t rows)
     return triangles;
 }
 
-// The middles of facets lie on the stated circle. The frame follows the line without twist.
+// The middles of facets lie on a circle with the stated radius. The frame of directions follows the line
+// without twist.
 void VesselWall::add_points(const std::vector<Row> &rows, const Motion *motion)
 {
     const double out = 1 / std::cos(std::numbers::pi / around);
@@ -161,7 +164,7 @@ Vector3d VesselWall::at_m(std::size_t point, std::size_t row, double share,
     return place + (narrow + share * (healthy - narrow)) * 1e-6;
 }
 
-// Interpolates linearly between the places to which a lesion's list refers.
+// Interpolates linearly between the places for which a lesion's list has values.
 double VesselWall::opened_at(std::size_t row, std::span<const std::vector<double>> opened) const
 {
     const Row &at = rows_[row];

@@ -1,13 +1,15 @@
-// Makes a stretch of a vessel into a wall for stents: a tube of fine triangles round a branch of the tree. It
-// is narrowed by the branch's lesions as far as no balloon has opened them, and moves with the heart.
+// Makes a wall for stents from a stretch of a vessel: a tube of fine triangles around a branch of the tree.
+// The branch's lesions narrow the tube as far as no balloon has opened them, and the tube moves with the
+// heart.
 //
 //   VesselWall vessel(tree, branch, 5, 45, motion);      mm along the branch
 //   vessel.move(moment, opened);                         every picture
 //   stent.step({&vessel.wall(), ...});
 //
-// The bodies' meshes are made for pictures: their facets cut off a tenth of a millimetre of a coronary
-// artery, which is as large as the gaps that decide a stent's apposition. The tree has every inscribed sphere
-// to some micrometres, and the healthy vessel's place. Openings of side branches are closed.
+// The meshes of bodies are too coarse for this: their facets cut off a tenth of a millimetre of a coronary
+// artery. Gaps of that size decide whether a strut counts as apposed. The tree has the radius of every
+// inscribed sphere to some micrometres, and also the place of the healthy vessel. The openings of side
+// branches in the tube are closed.
 #pragma once
 #include "host/model/motion.hpp"
 #include "host/model/vessel_tree.hpp"
@@ -24,27 +26,29 @@ namespace crn
 class VesselWall
 {
   public:
-    // The tube begins at the branch's ostium at the earliest. `motion` may be null: the tube then stays at
-    // rest. Throws std::invalid_argument, with the reason, for a stretch that the branch does not have.
+    // The tube never begins before the ostium of the branch. `motion` may be null; the tube then stays at
+    // rest. Throws std::invalid_argument, with the reason, if the branch does not have this stretch.
     VesselWall(const VesselTree &tree, std::size_t branch, double from_mm, double to_mm,
                const Motion *motion);
 
-    // `opened` gives for each lesion of the tree how far it is open at places evenly from its beginning to
-    // its end (the core's stations; one: everywhere). The values are 0 as it is .. 1 healthy; above 1 it is
-    // stretched beyond. Where lists are shorter or empty, the rest stays as it is.
+    // `opened` has a list for each lesion of the tree: how far the lesion is open at places that are evenly
+    // spaced from its beginning to its end, such as the core's stations. A list with one value applies
+    // everywhere. The value 0 means as baked, 1 means healthy, and above 1 the vessel is overstretched.
+    // Lesions without a list, or with an empty one, are as baked.
     void move(const MotionMoment &moment, std::span<const std::vector<double>> opened = {});
 
     const StentWall &wall() const { return wall_; }
-    // Return the present middle line of the stretch, and its radii, at every row of vertices.
+    // These return the present middle line of the stretch, and its radii, at every row of vertices.
     std::span<const Eigen::Vector3d> line_mm() const { return line_mm_; }
     std::span<const double> radius_mm() const { return radius_mm_; }
     std::span<const double> healthy_radius_mm() const { return healthy_radius_mm_; }
-    // Returns the position on the healthy branch, from its first point.
+    // Returns the position of a row along the healthy branch, from the branch's first point.
     double along_mm(std::size_t row) const { return rows_[row].along_mm; }
-    // Sets the distance between the first and the last place of `opened`, centred in the lesion, when they
-    // differ from the lesion's ends.
+    // Sets the distance between the first and the last place of `opened`, whose middle is that of the lesion.
+    // It is needed if the places do not end at the lesion's ends.
     void set_places(std::size_t lesion, double span_mm);
-    // The beginning and end of a lesion on the stretch; empty when the branch has no lesion of that number.
+    // The beginning and end of a lesion on the stretch; the stretch is empty if the branch has no lesion with
+    // that number.
     struct Stretch {
         double from_mm = 0.0, to_mm = 0.0;
         bool is_empty() const { return !(to_mm > from_mm); }
@@ -53,23 +57,23 @@ class VesselWall
     {
         return lesion < lesions_.size() ? lesions_[lesion] : Stretch{};
     }
-    // Does the same for the places of `opened`.
+    // Returns the same for the places to which `opened` refers.
     Stretch places_mm(std::size_t lesion) const
     {
         return lesion < places_.size() ? places_[lesion] : Stretch{};
     }
-    // Return the baked and the healthy radius at a place along the branch; beyond its ends, those of the
-    // ends.
+    // These return the baked and the healthy radius at a position along the branch; beyond an end they return
+    // the radius there.
     double narrow_radius_mm(double along_mm) const;
     double healthy_radius_mm(double along_mm) const;
-    // The place along the branch that is nearest to a place of the patient, and its distance from the middle
-    // line.
+    // The position along the branch that is nearest to a place in the patient, and the distance of that place
+    // from the middle line.
     struct Foot {
         double along_mm = 0.0, off_mm = 0.0;
     };
     Foot foot_of(const Eigen::Vector3d &place_mm) const;
     double along_of(const Eigen::Vector3d &place_mm) const { return foot_of(place_mm).along_mm; }
-    // Returns the radius with the present opening.
+    // Returns the radius with the opening that the lesions have now.
     double radius_at_mm(double along_mm) const;
 
   private:

@@ -50,8 +50,8 @@ Vector3d StentWall::place(const WallFoot &foot) const
     return on_plane(foot) - foot.height_mm * normal(static_cast<std::size_t>(foot.triangle));
 }
 
-// Finds the closest point of a triangle by the regions of its corners, edges and face (Ericson, Real-Time
-// Collision Detection, 5.1.5).
+// Finds the closest point of a triangle by testing the regions of its corners, edges and face (Ericson,
+// Real-Time Collision Detection, 5.1.5).
 StentWall::Closest StentWall::closest(const Vector3d &p, std::size_t triangle) const
 {
     const Vector3d &a = corner_mm(triangle, 0), &b = corner_mm(triangle, 1), &c = corner_mm(triangle, 2);
@@ -101,7 +101,8 @@ WallFoot StentWall::walk(const Vector3d &place_mm, std::int32_t from) const
         for (std::uint32_t vertex : triangles_[best])
             for (std::uint32_t k = fan_begin_[vertex]; k < fan_begin_[vertex + 1]; ++k) {
                 const Closest candidate = closest(place_mm, fan_[k]);
-                // The face of a triangle is preferred to its neighbour's edge at the same distance.
+                // At equal distances, a point inside a triangle's face is preferred to a point on a
+                // neighbour's edge.
                 const bool is_nearer = candidate.squared < next_at.squared - 1e-12;
                 const bool is_as_near = candidate.squared <= next_at.squared + 1e-12;
                 if (!is_nearer && !(is_as_near && candidate.is_inside && !next_at.is_inside)) continue;

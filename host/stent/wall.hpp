@@ -1,13 +1,13 @@
-// The wall on which a stent lies: a closed mesh around blood, whose vertices move from picture to picture
-// while its triangles stay.
+// The wall on which a stent lies: a closed mesh around the blood. Its vertices move from picture to picture,
+// and its triangles keep their vertices.
 //
 //   StentWall wall(triangles, vertex_count);
 //   wall.move(vertices_um);                        every picture: that of the motion (host/model/motion.hpp)
 //   WallFoot foot = wall.walk(place, foot);        nearest place of the wall, searched from the previous one
 //   place = wall.place(foot);                      where the wall has carried it
 //
-// A foot is a place that moves with the material: a triangle, the place in its plane, and the height over it
-// towards the blood. Lengths in mm.
+// A foot is a place that moves with the wall: it has a triangle, a point in the plane of that triangle, and a
+// height above the plane towards the blood. Lengths in mm.
 #pragma once
 #include <Eigen/Core>
 #include <array>
@@ -32,9 +32,9 @@ struct WallFoot {
 class StentWall
 {
   public:
-    // Triangles that name nonexistent vertices are left out.
+    // Triangles that refer to vertices that do not exist are left out.
     StentWall(std::span<const WallTriangle> triangles, std::size_t vertex_count);
-    // Requires as many vertices as it has; otherwise nothing happens.
+    // Moves the wall to these vertices. Their number must be that of the wall, otherwise nothing happens.
     void move(std::span<const Eigen::Vector3i> vertices_um);
     bool is_placed() const { return is_placed_; } // has been given its vertices
 
@@ -47,17 +47,20 @@ class StentWall
     Eigen::Vector3d
     normal(std::size_t triangle) const; // unit, away from the blood; 0 for a triangle without area
 
-    // Returns the present place of a foot; the second one in the triangle's plane, without its height.
+    // The first returns the present place of a foot; the second returns it without its height, in the plane
+    // of its triangle.
     Eigen::Vector3d place(const WallFoot &foot) const;
     Eigen::Vector3d on_plane(const WallFoot &foot) const;
 
-    // Returns the nearest place that can be reached from `from` over neighbouring triangles, where each step
-    // must come nearer.
+    // Returns the nearest place that can be reached from the triangle `from` by steps to neighbouring
+    // triangles, if every step must come nearer.
     WallFoot walk(const Eigen::Vector3d &place_mm, std::int32_t from) const;
-    // Returns the nearest of these triangles within a distance; if there is none, the foot has no triangle.
+    // Returns the nearest place on these triangles within `reach_mm`; if there is none, the returned foot has
+    // no triangle.
     WallFoot nearest(const Eigen::Vector3d &place_mm, std::span<const std::uint32_t> among,
                      double reach_mm) const;
-    // Returns the triangles nearer than `reach` to any of these places, as a patch in ascending order.
+    // Returns, in ascending order, the triangles that are nearer than `reach_mm` to any of these places; this
+    // list is called a patch.
     std::vector<std::uint32_t> near(std::span<const Eigen::Vector3d> places_mm, double reach_mm) const;
 
   private:
@@ -74,14 +77,14 @@ class StentWall
     bool is_placed_ = false;
 };
 
-// Finds the triangles of a patch that may touch a box: cells of a grid list the triangles whose own boxes
-// reach into them.
+// Finds the triangles of a patch that may touch a box. Each cell of a grid lists the triangles whose bounding
+// boxes reach into it.
 class WallGrid
 {
   public:
     void build(const StentWall &wall, std::span<const std::uint32_t> patch, const Eigen::Vector3d &low_mm,
                const Eigen::Vector3d &high_mm);
-    // Appends each triangle once, as its index in the patch.
+    // Appends each triangle once, by its index in the patch.
     void query(const Eigen::Vector3d &low_mm, const Eigen::Vector3d &high_mm,
                std::vector<std::uint32_t> &found);
 

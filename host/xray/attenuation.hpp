@@ -1,4 +1,4 @@
-// Linear attenuation of every material in steps of 1 keV; written by tools/check/make_attenuation.py.
+// Linear attenuation of every material in steps of 1 keV; tools/check/make_attenuation.py writes this table.
 #pragma once
 #include "host/xray/paths/materials.hpp"
 
@@ -14,11 +14,12 @@ constexpr double energy_keV(int index)
 
 extern const float attenuation_per_cm[material_count][energy_count];
 
-// Highest K edge of the material between iodine's (33.2 keV) and the end of the table; 0 if it has none.
+// The highest K edge of the material between that of iodine (33.2 keV) and the end of the table; 0 if it has
+// none.
 extern const float edge_keV[material_count];
 
-// Data of the filters, the scintillator (density of the crystal), the anode, and air's mass energy absorption
-// for kerma.
+// Data of the filters, the scintillator (at the density of the crystal) and the anode, and the mass energy
+// absorption of air for the kerma.
 extern const float aluminium_per_cm[energy_count];
 extern const float copper_per_cm[energy_count];
 extern const float caesium_iodide_per_cm[energy_count];

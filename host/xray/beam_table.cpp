@@ -1,6 +1,6 @@
-// Applies Gauss's quadrature to a spectrum. Stieltjes' recurrence gives the orthogonal polynomials of the
-// discrete weights. Bisection between the roots of the previous polynomial gives the roots, and Christoffel's
-// sum gives the weights.
+// Computes Gauss's quadrature for a spectrum. Stieltjes' recurrence gives the polynomials that are orthogonal
+// under the discrete weights of the spectrum. Each root is found by bisection between two roots of the
+// previous polynomial, and Christoffel's sum gives the weights.
 #include "host/xray/beam_table.hpp"
 #include "host/xray/float_math.hpp"
 #include <cmath>
@@ -17,7 +17,7 @@ constexpr int first_high = 18;                            // 33.5 keV
 constexpr double reference_tissue_cm = 10.0, reference_contrast_cm = 0.1;
 constexpr double log2_q10mm_per_cm = 1.44269504088896340736 / 10240.0;
 
-// Polynomials p_0 .. p_n, orthogonal under the weights w at the places x.
+// The polynomials p_0 .. p_n that are orthogonal under the weights w at the points x.
 class Orthogonal
 {
   public:
@@ -64,7 +64,7 @@ class Orthogonal
         return 1.0 / sum;
     }
 
-    // Returns the roots in ascending order; all lie between `low` and `high`.
+    // Returns the roots in ascending order; all of them must lie between `low` and `high`.
     std::vector<double> roots(double low, double high) const
     {
         std::vector<double> found;
@@ -92,7 +92,8 @@ class Orthogonal
     std::vector<double> a_, b_, norm_;
 };
 
-// Returns the attenuation between the table's energies [first, last] in 1/cm: linear between the logarithms.
+// Returns the attenuation at an energy between the table's energies first .. last, in 1/cm; its logarithm is
+// linear in that of the energy.
 double attenuation_at(int material, double energy, int first, int last)
 {
     int i = static_cast<int>(energy - energy_keV(0));
@@ -109,8 +110,9 @@ struct Part {
     std::vector<double> signal; // of the reference thickness, per table energy
 };
 
-// Materials with an edge among these energies have no smooth curve. Each table energy is assigned to the
-// nearest beam energy, and the attenuation is averaged over that cell, weighted by the signal.
+// A material with an edge among these energies has no smooth curve. For such a material each energy of the
+// table is assigned to the nearest energy of the beam, and the attenuation is averaged over these energies,
+// weighted by the signal.
 void average_cells(const Part &part, int material, BeamTable &table, const std::vector<double> &weights)
 {
     double sum = 0.0, mass = 0.0, border = 0.0, passed = 0.0;

@@ -1,10 +1,10 @@
-// A beam as pictures use it: a few energies with their shares of the detector's signal, and the signal that
-// each photon contributes.
+// A beam as pictures use it: a few energies, their shares of the detector's signal, and the signal of each
+// photon.
 //
-// Gauss's quadrature replaces the sum over the spectrum of exp(-mu L) by a sum over two energies below
-// iodine's K edge and four above it. It is exact for polynomials of degree 3 and 7 in 1/sqrt(energy). The
-// weight is the spectrum behind 10 cm of tissue and 1 mm of iohexol-350, so that the relative error is even
-// from nothing to thick patients. docs/xray.md lists the errors.
+// The sum of exp(-mu L) over the spectrum is replaced, by Gauss's quadrature, by a sum over two energies
+// below the K edge of iodine and four above it. The quadrature is exact for polynomials of degree 3 and 7 in
+// 1/sqrt(energy). Its weight is the spectrum behind 10 cm of tissue and 1 mm of iohexol-350, so that the
+// relative error is similar for all patients, from thin to thick. docs/xray.md lists the errors.
 #pragma once
 #include "host/xray/spectrum.hpp"
 #include <array>
@@ -17,14 +17,14 @@ inline constexpr int beam_energy_count = 6;
 
 struct BeamTable {
     std::array<double, beam_energy_count> energy_keV{};
-    // Shares of the open beam's signal; they add up to 1 within the quadrature's error (0.6 %). A photon's
-    // signal is the energy that it leaves in the scintillator.
+    // The share of each energy in the open beam's signal; the shares add up to 1, except for the quadrature's
+    // error (0.6 %). The signal of a photon is the energy that it leaves in the scintillator.
     std::array<float, beam_energy_count> share{};
-    // log2(1/transmission) of 1/1024 mm of each material at each energy.
+    // For each material and energy, log2(1/transmission) of 1/1024 mm.
     std::array<std::array<float, beam_energy_count>, material_count> log2_per_q10mm{};
 
-    // The signal is counted in quanta. A quantum is a photon of the energy at which the signal's variance
-    // equals its mean behind 20 cm of tissue: (sum of E^2)/(sum of E) over the photons absorbed there.
+    // The signal is counted in quanta. A quantum is a photon of the energy at which the variance of the
+    // signal behind 20 cm of tissue equals its mean: (sum of E^2)/(sum of E) over the photons absorbed there.
     double quantum_keV = 0.0;
     double quanta_mm2_mAs = 0.0;          // of the open beam at 1 m, absorbed by the scintillator
     double air_kerma_uGy_mAs = 0.0;       // of the open beam at 1 m
@@ -33,8 +33,8 @@ struct BeamTable {
 
 BeamTable make_beam_table(double tube_voltage_kV, double copper_mm);
 
-// Makes a beam of given lines, at most beam_energy_count, with their shares of the signal; for comparisons
-// with other programs.
+// Makes a beam of given lines, at most beam_energy_count, with their shares of the signal. It serves for
+// comparisons with other programs.
 BeamTable make_line_table(std::span<const double> energies_keV, std::span<const double> shares);
 
 } // namespace crn

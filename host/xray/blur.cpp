@@ -1,4 +1,4 @@
-// Fits kernels to MTF curves and applies them.
+// Fits kernels to the curves of modulation transfer functions (MTF), and applies them.
 #include "host/xray/blur.hpp"
 #include "host/xray/float_math.hpp"
 #include "host/xray/paths/lanes.hpp"
@@ -16,7 +16,7 @@ constexpr double fitted_band = 0.45; // cycles per pixel: 0.9 of half the sampli
                                      // of a short kernel must be flat
 constexpr double kernel_error = 0.01;
 
-// Returns sin(pi x)/(pi x) up to its first zero, 0 beyond it.
+// Returns sin(pi x)/(pi x) up to its first zero, and 0 beyond it.
 double sinc(double x)
 {
     x = std::fabs(x);
@@ -47,7 +47,7 @@ double mtf_of_kernel(const BlurKernel &kernel, double cycles_per_pixel)
 using Square =
     std::array<std::array<double, blur_radius_max + 1>, blur_radius_max>; // with the right-hand side
 
-// Solves by Gaussian elimination; the matrix is symmetric and positive.
+// Solves a system of linear equations by Gaussian elimination; the matrix must be symmetric and positive.
 void solve(Square &rows, int count)
 {
     for (int i = 0; i < count; ++i)
@@ -61,7 +61,8 @@ void solve(Square &rows, int count)
     }
 }
 
-// Fits kernels of sum 1 by least squares over the band; the radius grows until the curve is near enough.
+// Fits a kernel with sum 1 by least squares over the frequencies; its radius is increased until the fit is
+// near enough to the curve.
 template <class Curve> BlurKernel fit_kernel(Curve curve)
 {
     BlurKernel kernel;

@@ -7,10 +7,10 @@
 //   scintillator  1/(1 + H f^2), H = 0.5 mm2: Lorentzian fit of CsI, about .67/.33/.18
 //                 at 1/2/3 per mm, as measured for panels after division by their pixel's share
 //
-// Focal spot and pixel blur the expected signal before photons are drawn. The scintillator's light spreads
-// the contribution of each photon afterwards, so that noise has the scintillator's texture. All blurs are
-// symmetric kernels along rows and columns. Their MTF follows the curve up to 0.9 of half the sampling
-// frequency.
+// The focal spot and the pixel blur the expected signal, before photons are drawn at random. Afterwards the
+// light in the scintillator spreads the contribution of each photon, so that the noise has the scintillator's
+// texture. All blurs are symmetric kernels, applied along rows and then along columns. Their MTF follows the
+// stated curve up to 0.9 of half the sampling frequency.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -20,7 +20,8 @@ namespace crn
 
 inline constexpr int blur_radius_max = 12;
 
-// tap[0] is in the middle, tap[k] at k pixels to both sides; all of them together sum to 1.
+// tap[0] is the weight of the middle pixel, and tap[k] that of the pixels k to either side; the weights sum
+// to 1.
 struct BlurKernel {
     int radius = 0;
     std::array<float, blur_radius_max + 1> tap{1.0f};
@@ -38,15 +39,15 @@ double mtf_before_photons(const BlurGeometry &geometry, double frequency_per_mm)
 double mtf_of_scintillator(double frequency_per_mm);
 double mtf_of_system(const BlurGeometry &geometry, double frequency_per_mm); // the product
 
-// Kernels of these curves: within 0.01 of the curve from 0 to 0.9/(2 pixel), or as near as blur_radius_max
-// allows.
+// These return kernels whose MTF is within 0.01 of the stated curve from 0 to 0.9/(2 pixel), or as near to it
+// as blur_radius_max allows.
 BlurKernel kernel_before_photons(const BlurGeometry &geometry);
 BlurKernel
 kernel_of_focal_spot(const BlurGeometry &geometry); // for signals that are already averaged over each pixel
 BlurKernel kernel_of_scintillator(double pixel_mm);
 
-// Computes one row of a blurred picture of size*size; beyond its edges the picture continues with its edge
-// values. `scratch` has size + 2 blur_radius_max values. Size is a multiple of 16.
+// Computes one row of a blurred picture of size*size pixels. Beyond an edge of the picture its edge values
+// continue. `scratch` must have size + 2 blur_radius_max values. `size` must be a multiple of 16.
 void blur_row(const float *picture, int size, int row, const BlurKernel &kernel, float *scratch, float *out);
 void blur_row(const std::uint32_t *picture, int size, int row, const BlurKernel &kernel, float *scratch,
               float *out);

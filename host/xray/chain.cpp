@@ -1,4 +1,4 @@
-// From path lengths to the signal at the detector: attenuation, blur, scatter and the measurement for
+// Computes the signal at the detector from path lengths: attenuation, blur, scatter, and the measurement for
 // automatic exposure.
 #include "host/xray/chain.hpp"
 #include "host/xray/float_math.hpp"
@@ -13,7 +13,8 @@ namespace crn
 namespace
 {
 
-// Each job has whole cells of the coarse grid, so that one thread adds a cell's rows in order.
+// Each job consists of whole cells of the coarse grid, so that a single thread adds the rows of a cell, in
+// order.
 constexpr int rows_at_once = 4 * coarse_cell;
 
 double pixel_mm(const XrayChain &chain)
@@ -21,7 +22,8 @@ double pixel_mm(const XrayChain &chain)
     return chain.paths.view().pixel_m * 1e3;
 }
 
-// Computes each pixel's transmission, and adds it to the cells of the coarse grid while the row is in cache.
+// Computes the transmission of each pixel. While a row is in the processor's cache, its values are also added
+// to the cells of the coarse grid.
 CoarseSums attenuate(XrayChain &chain)
 {
     CoarseSums sums(chain.size / coarse_cell);
@@ -39,7 +41,8 @@ CoarseSums attenuate(XrayChain &chain)
     return sums;
 }
 
-// Scatter comes from sums over cells, which the blur of focal spot and pixel does not change.
+// Computes scatter from the sums of cells before blur, because the blur of focal spot and pixel does not
+// change these sums.
 void scatter(XrayChain &chain, const CoarseSums &transmitted, bool is_on)
 {
     const int cells = chain.size / coarse_cell;
@@ -60,7 +63,8 @@ CRN_WIDE void add_row(int size, float *primary, float *signal, float *logarithm)
     }
 }
 
-// Returns the columns of a row that automatic exposure measures: open, and in the round measuring field.
+// Returns the columns of a row that automatic exposure measures: those that are open and inside the round
+// measuring field.
 OpenColumns measured_columns(const XrayChain &chain, int row)
 {
     const double half = 0.5 * chain.size, reach = half * measuring_field_share, y = row + 0.5 - half;
@@ -71,7 +75,7 @@ OpenColumns measured_columns(const XrayChain &chain, int row)
             std::min(static_cast<int>(std::floor(half + width - 0.5)) + 1, chain.open[row].end)};
 }
 
-// Adds logarithms in units of 1/65536, so that their sum is exact in any order.
+// Adds logarithms as whole multiples of 1/65536, so that their sum is exact in any order.
 CRN_WIDE std::int64_t sum_of_logarithms(const float *logarithm, int count)
 {
     std::int64_t sum = 0;
@@ -117,7 +121,8 @@ void blur_add_and_measure(XrayChain &chain)
     chain.log_slow = slow_part(std::move(logarithms), chain.size / coarse_cell);
 }
 
-// Returns the transmission of the middle pixel in each of cells x cells squares, where that pixel is open.
+// Divides the picture into cells x cells squares, and returns the transmission of the middle pixel of each
+// square where that pixel is open.
 CoarseSums sample_cells(const XrayChain &chain, const BeamTable &beam, int cells)
 {
     const int cell = chain.size / cells, padded = (cells + 15) / 16 * 16;
@@ -146,7 +151,8 @@ CoarseSums sample_cells(const XrayChain &chain, const BeamTable &beam, int cells
     return samples;
 }
 
-// Estimates the result of blur_add_and_measure from about 32 x 32 pixels: log2 of the share.
+// Estimates the result of blur_add_and_measure, which is log2 of the measured share, from about 32 x 32
+// pixels.
 double sampled_log_mean(const XrayChain &chain, const BeamTable &beam, bool with_scatter)
 {
     int cell = coarse_cell;
@@ -184,7 +190,7 @@ SignalKey key_of(const XraySettings &settings, const XrayTechnique &technique)
 
 using Exponents = std::array<float, beam_energy_count>;
 
-// Returns -log2 of the share that the bodies transmit.
+// Returns, for each energy, -log2 of the share that the bodies transmit.
 Exponents behind_bodies(const XrayChain &chain, std::int32_t pixel)
 {
     Exponents exponent{};
@@ -204,13 +210,13 @@ float transmitted(const BeamTable &beam, const Exponents &exponent)
     return sum;
 }
 
-// Rays whose exponents differ by less than this count as one ray: the mean of the powers and the power of the
-// mean then differ by 1e-4 of it.
+// Rays whose exponents differ by less than this count as equal. The mean of the powers then differs from the
+// power of the mean by only 1e-4 of it.
 constexpr float ray_spread_max = 0.1f;
 
-// Several rays pass through each pixel. Their transmissions are averaged, because averaged path lengths would
-// make thin metal too dark. Inside a wide column of contrast medium the rays are nearly equal, and one
-// transmission of their mean length is enough.
+// Several rays pass through each pixel. The transmissions of these rays are averaged, because averaged path
+// lengths would make thin metal too dark. Inside a wide column of contrast medium the rays are nearly equal,
+// and one transmission, of their mean length, is enough.
 float behind_tools(const XrayChain &chain, std::size_t touched)
 {
     const ToolPaths &tools = chain.paths.tools();
@@ -228,7 +234,7 @@ float behind_tools(const XrayChain &chain, std::size_t touched)
         const std::int32_t *length = tools.q10mm.data() + touched * tools.ints_per_pixel() + slot * tool_rays;
         float low = 0.0f, high = 0.0f, sum = 0.0f;
         for (int ray = 0; ray < tool_rays; ++ray) {
-            // A tool cannot displace more material than there is on the ray.
+            // A tool cannot displace more material than there is on the ray, so a negative length is limited.
             const auto added = static_cast<float>(std::max(length[ray], -there));
             low = ray == 0 ? added : std::min(low, added);
             high = ray == 0 ? added : std::max(high, added);
@@ -340,13 +346,13 @@ void attenuate_tools(XrayChain &chain)
         const RowRange range =
             count > 500 ? rows_of_thread(thread, chain.threads, count) : RowRange{0, count};
         for (int i = range.begin; i < range.end; ++i) {
-            // The floor keeps a pixel black that the bodies make black.
+            // This lower limit avoids a division by zero, and a pixel that the bodies make black stays black.
             const float body = std::max(chain.transmission[tools.pixels[i]], 1e-12f);
             chain.tool_gain[i] = std::min(behind_tools(chain, i) / body, 1e3f) - 1.0f;
         }
     });
-    // Averaging several rays per pixel already includes the pixel's blur, and the bodies' signal is already
-    // blurred. Only the focal spot's blur of the shadow is still missing.
+    // The average over several rays per pixel already includes the blur by the pixel, and the signal of the
+    // bodies is already blurred. So only the blur of the tools' shadow by the focal spot is still missing.
     chain.tool_blur.run(chain.size, tools.pixels, chain.tool_gain, chain.focal_kernel);
     const std::vector<std::int32_t> &pixels = chain.tool_blur.pixels();
     chain.tool_signal.resize(pixels.size());

@@ -1,4 +1,5 @@
-// The signal chain's state between frames: from path lengths (paths.hpp) to the signal at the detector.
+// The state of the signal chain between frames. The chain converts path lengths (paths.hpp) to the signal at
+// the detector.
 //
 //    paths ─> transmission ─┬─> focal spot, pixel ─┬─> signal ─> photons ─> scintillator ─> lag ─> raw
 //                           └─> scatter ───────────┘   (here)    (detector)                    ─> shown ─> grey
@@ -17,7 +18,7 @@ struct XrayScene::Meshes {
     BodyMeshes bodies;
 };
 
-// The inputs, besides the paths, for which a signal of the bodies was made.
+// The inputs for which a signal of the bodies was computed, except the paths.
 struct SignalKey {
     XrayTechnique technique; // only voltage, copper and focal spot
     bool scatter = true;
@@ -43,13 +44,14 @@ struct XrayChain {
     BeamTable beam;
     int size = 0;
 
-    // Returns whether the exposure is the one on which a single picture of these paths settles.
+    // True if `settled` is the exposure at which automatic exposure settles for a single picture of these
+    // paths.
     bool is_settled = false;
     ExposureDemand settled_demand;
     SignalKey settled_key;
     ExposureChoice settled;
 
-    // The kept signal of the bodies, as shares of the open beam behind the grid.
+    // The signal of the bodies, kept between frames, as shares of the open beam behind the grid.
     std::vector<OpenColumns> open;
     std::vector<float> transmission;  // of each pixel's middle
     std::vector<float> primary;       // the same after blur by focal spot and pixel
@@ -59,35 +61,36 @@ struct XrayChain {
     double log_mean = 0.0;            // log2(signal) over the measuring field
     BlurKernel focal_kernel;          // of the focal spot alone
 
-    // For the tools of this frame: their gain on what the bodies transmit, minus one; then the same after
-    // blur by the focal spot.
+    // The values of this frame's tools: their gain on the signal behind the bodies, minus one; and then the
+    // same after the focal spot's blur.
     std::vector<float> tool_gain;
     SparseBlur tool_blur;
     std::vector<float> tool_signal; // at the pixels of tool_blur
 };
 
-// Diameter of the round field that automatic exposure measures, as a share of the picture.
+// The diameter of the round field that automatic exposure measures, as a share of the picture's width.
 inline constexpr double measuring_field_share = 0.65;
 
-// Limits settings to what the chain can do, and returns the demand that they make on a pulse.
+// The first limits settings to what the chain can do. The second returns the demand that settings make on a
+// pulse.
 XraySettings held_settings(const XraySettings &settings);
 ExposureDemand demand_of(const XraySettings &settings);
 
-// Draws the paths. All kept results are dropped when the paths or the field have changed.
+// Draws the paths. If the paths or the field have changed, all results kept from earlier frames are dropped.
 void see_paths(XrayChain &chain, const XraySettings &settings, const XrayFrame &frame);
 
-// Returns the technique on which automatic exposure settles in this view, independent of its history.
+// Returns the technique at which automatic exposure settles in this view, whatever pulses came before.
 ExposureChoice settle_exposure(XrayChain &chain, const XraySettings &settings, const ExposureDemand &demand);
 
-// Makes the bodies' signal for this technique; does nothing when that signal already exists.
+// Computes the signal of the bodies for this technique, unless it has already been computed.
 void see_signal(XrayChain &chain, const XraySettings &settings, const XrayTechnique &technique);
 
-// Does both as one pulse. The technique is the fixed one, if there is one, else the one that the control
-// takes from `state`; the state then follows the measured signal. Without a state it is the technique on
+// Does both as one pulse. The technique is the fixed one if there is one. Otherwise the control takes it from
+// `state`, and then updates `state` from the measured signal. If `state` is null, it is the technique at
 // which the control settles.
 ExposureChoice expose_bodies(XrayChain &chain, const XraySettings &settings, ExposureState *state);
 
-// Computes the signal behind the tools for each pixel that their shadow touches: chain.tool_signal.
+// Computes chain.tool_signal, the signal behind the tools, for each pixel that their shadow touches.
 void attenuate_tools(XrayChain &chain);
 
 } // namespace crn

@@ -1,4 +1,4 @@
-// Sums, blurs and interpolation on the coarse grid.
+// Sums, blurs and interpolates values on the coarse grid.
 #include "host/xray/coarse.hpp"
 #include "host/xray/paths/lanes.hpp"
 #include <algorithm>
@@ -8,7 +8,7 @@ namespace crn
 namespace
 {
 
-// Sums five neighbours along one axis; cells outside the grid have no weight.
+// Computes the mean of five neighbours along one axis; cells outside the grid are not counted.
 void blur_five(std::vector<float> &grid, int cells, int dx, int dy)
 {
     std::vector<float> pass(grid.size());
@@ -26,7 +26,7 @@ void blur_five(std::vector<float> &grid, int cells, int dx, int dy)
 
 } // namespace
 
-// Adds a cell's part of a row, pixel by pixel in order.
+// Adds the part of a row that lies in each cell, pixel by pixel in order.
 CRN_WIDE static void add_cells(const float *values, int cells, float *sum)
 {
     for (int c = 0; c < cells; ++c) {

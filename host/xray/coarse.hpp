@@ -1,5 +1,5 @@
-// Quantities that change slowly over a picture (scatter and the display's slow part), on a grid of cells of
-// 8x8 pixels.
+// Quantities that change slowly over a picture (scatter, and the slow part of the display), on a grid whose
+// cells have 8x8 pixels.
 #pragma once
 #include <cstddef>
 #include <vector>
@@ -9,12 +9,13 @@ namespace crn
 
 inline constexpr int coarse_cell = 8; // pixels
 
-// The open part of the field: columns [begin, end) of a row.
+// The part of a row that the collimator leaves open: columns [begin, end).
 struct OpenColumns {
     int begin = 0, end = 0;
 };
 
-// Each cell has the sum over its open pixels and their number. Both vectors have (size/8)^2 values.
+// Each cell has the sum over its open pixels, and the number of these pixels. Both vectors have (size/8)^2
+// values.
 struct CoarseSums {
     std::vector<float> sum, count;
 
@@ -22,16 +23,16 @@ struct CoarseSums {
         : sum(static_cast<std::size_t>(cells) * cells, 0.0f), count(sum.size(), 0.0f)
     {
     }
-    // Adds a row of a picture; one thread must add the rows of a cell, in order.
+    // Adds a row of a picture. A single thread must add the rows of a cell, in order.
     void add_row(const float *values, int size, int row, const OpenColumns &open);
 };
 CoarseSums coarse_sums(const std::vector<float> &values, int size, const std::vector<OpenColumns> &open);
 
-// Means over about a tenth of the picture: two passes of five cells along both axes. Closed pixels have no
-// weight.
+// Returns means over about a tenth of the picture, computed by two passes over five cells along both axes.
+// Closed pixels have no weight.
 std::vector<float> slow_part(CoarseSums sums, int cells);
 
-// Interpolates a grid bilinearly and returns one row at full size.
+// Interpolates a grid bilinearly, and computes one row of the result at full size.
 void slow_row(const std::vector<float> &grid, int size, int row, float *out);
 
 } // namespace crn

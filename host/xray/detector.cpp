@@ -12,7 +12,7 @@ namespace
 constexpr int lanes = 16; // pixels that are processed together; sizes are multiples of it
 constexpr float small_mean = 12.0f;
 
-// A well mixed 32-bit hash (two rounds of multiply and xor-shift).
+// A 32-bit hash that mixes all bits well, by two rounds of multiply and xor-shift.
 inline std::uint32_t mix32(std::uint32_t x)
 {
     x ^= x >> 16;
@@ -23,8 +23,8 @@ inline std::uint32_t mix32(std::uint32_t x)
     return x;
 }
 
-// Returns a bell-shaped number of mean 0 and variance 1 within +-3.46: the sum of four 16-bit uniform
-// numbers.
+// Returns a random number of mean 0 and variance 1 within +-3.46, with a bell-shaped distribution: the sum of
+// four uniform 16-bit numbers.
 inline float bell(std::uint32_t key, std::uint32_t pixel)
 {
     const std::uint32_t a = mix32(pixel * 0x9e3779b9u + key), b = mix32(a ^ 0x85ebca6bu);
@@ -32,7 +32,7 @@ inline float bell(std::uint32_t key, std::uint32_t pixel)
     return static_cast<float>(sum - 2 * 65535) * 2.6428970e-5f; // sqrt(12/4)/65536
 }
 
-// Draws a Poisson number by inversion of one 32-bit uniform number.
+// Draws a random number with Poisson's distribution by inversion of one uniform 32-bit number.
 std::uint32_t count_few(float expected, std::uint32_t key, std::uint32_t pixel)
 {
     if (!(expected > 0.0f)) return 0;
@@ -74,15 +74,15 @@ namespace
 
 constexpr int block = 64; // columns whose materials are tested together
 
-// The materials that occur in some columns of a row, and no others.
+// The path lengths of those materials that occur in these columns of a row.
 struct PresentPaths {
     const std::int32_t *path[material_count];
     const float *factor[material_count]; // of each energy
     int count = 0;
 };
 
-// Computes exp2_negative for eight values at a time. The vector is passed by reference, because passing
-// vectors by value depends on the processor.
+// Computes exp2_negative for eight values at the same time. The vector is passed by reference, because how a
+// vector is passed by value depends on the processor.
 inline __attribute__((always_inline)) void exp2_negative_lanes(Lanes_f &x)
 {
     x = x < 126.0f ? x : 126.0f - Lanes_f{};
@@ -98,7 +98,7 @@ inline __attribute__((always_inline)) void exp2_negative_lanes(Lanes_f &x)
     x = sum * 1.41421356f * scale;
 }
 
-// Returns nonzero when any of the values is nonzero.
+// Returns a number that is not zero if any of the values is not zero.
 CRN_WIDE std::int32_t any_of(const std::int32_t *from, int count)
 {
     std::int32_t any = 0;
@@ -106,7 +106,7 @@ CRN_WIDE std::int32_t any_of(const std::int32_t *from, int count)
     return any;
 }
 
-// Processes all energies at once, so that each path is read once.
+// Computes all energies in one pass, so that each path length is read only once.
 CRN_WIDE void pass_block(const PresentPaths &present, const float *weight, int columns, float *share)
 {
     for (int i = 0; i < columns; i += lane_count) {

@@ -1,4 +1,4 @@
-// Implements the exposure curves and their control.
+// Implements the curves of automatic exposure, and the control that uses them.
 #include "host/xray/exposure.hpp"
 #include "host/xray/float_math.hpp"
 #include <algorithm>
@@ -19,7 +19,7 @@ constexpr double fluoro_filters[] = {0.9, 0.6, 0.3, 0.2, 0.1};
 constexpr double cine_filters[] = {0.6, 0.3, 0.2, 0.1};
 constexpr double dsa_filters[] = {0.3, 0.2, 0.1};
 
-// From the lowest voltage to `knee_kV`, current and pulse width grow in proportion to the voltage's rise.
+// From the lowest voltage to `knee_kV`, current and pulse width increase linearly with the voltage.
 struct Curve {
     double knee_kV;
     double current_low_mA, current_high_mA, pulse_low_ms, pulse_high_ms;
@@ -40,7 +40,7 @@ double square(double value)
     return value * value;
 }
 
-// Returns the signal behind water as a share of the open beam's.
+// Returns the signal behind water, divided by that of the open beam.
 double signal_behind(const BeamTable &table, double water_cm)
 {
     const auto &tissue = table.log2_per_q10mm[static_cast<int>(Material::soft_tissue)];
@@ -113,7 +113,8 @@ const BeamTable &Exposure::table(double tube_voltage_kV, double copper_mm)
     return place->second;
 }
 
-// Returns the curve's point at this voltage, lowered to the demanded dose where it gives more than enough.
+// Returns the point of the curve at this voltage. If it gives more than the demanded dose, current and pulse
+// width are lowered to that dose.
 Exposure::Candidate Exposure::on_curve(const ExposureDemand &demand, double water_cm, double copper_mm,
                                        int kV)
 {
@@ -142,7 +143,7 @@ Exposure::Candidate Exposure::on_curve(const ExposureDemand &demand, double wate
     return candidate;
 }
 
-// Bisection works because more voltage always brings more dose to the detector.
+// Finds the voltage by bisection, because a higher voltage always brings more dose to the detector.
 Exposure::Candidate Exposure::lowest_voltage(const ExposureDemand &demand, double water_cm, double copper_mm)
 {
     int low = voltage_min_kV, high = voltage_max_kV;

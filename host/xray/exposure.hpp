@@ -1,20 +1,25 @@
-// The generator and automatic exposure control choose the tube voltage, current, pulse and copper filter of a
-// picture.
+// The generator and automatic exposure control, which choose the tube voltage, current, pulse width and
+// copper filter of a picture.
 //
-// Control works as angiography systems do (AAPM Report 125; Rauch, Lin et al., Med. Phys. 39 (2012) 2826).
-// From the last pulse's signal it estimates the patient's thickness as centimetres of water, and takes the
-// technique from a fixed curve.
-// - Curve ("anti-isowatt"): voltage, current and pulse width rise together. At the current's limit or the
-//   tube's power limit ("isowatt") only the voltage rises further, to 125 kV.
-// - Filter: the control takes the thickest copper at which the voltage stays low enough for iodine (80 kV in
-//   fluoroscopy, 75 kV otherwise). The thinnest filter has the rest of the curve. A thicker filter comes back
-//   only when it needs 4 kV less than that limit.
-// - Limit: fluoroscopy never exceeds 88 mGy/min at the reference point (21 CFR 1020.32). At the limit
-//   pictures are underexposed, as in real systems.
-// - Speed: the estimate follows half of the difference in thickness per pulse, at most 3 cm, so that a new
-//   view settles within about five pulses.
-// Manufacturers do not publish their curves with numbers; those below are an assumption within the limits of
-// such tubes.
+// The control works as angiography systems do (AAPM Report 125; Rauch, Lin et al., Med Phys 39 (2012) 2826).
+// From the signal of the last pulse it estimates the patient's thickness as centimetres of water, and takes
+// the technique for this thickness from a fixed curve.
+//
+// On the curve ("anti-isowatt") voltage, current and pulse width increase together. At the limit of the
+// current, or at the power limit of the tube ("isowatt"), only the voltage increases further, to 125 kV.
+//
+// The control takes the thickest copper filter with which the voltage stays low enough for iodine (80 kV in
+// fluoroscopy, 75 kV otherwise). With the thinnest filter the voltage may be higher. The control returns to a
+// thicker filter only if that filter needs 4 kV less than this limit.
+//
+// Fluoroscopy never exceeds 88 mGy/min at the reference point (21 CFR 1020.32). At this limit pictures are
+// underexposed, as in real systems.
+//
+// With each pulse the estimate changes by half of the difference in thickness, and by at most 3 cm, so that a
+// new view settles within about five pulses.
+//
+// Manufacturers do not publish the numbers of their curves. The curves below are an assumption within the
+// limits of such tubes.
 #pragma once
 #include "host/xray/beam_table.hpp"
 #include <cstdint>
@@ -60,30 +65,31 @@ struct ExposureChoice {
     bool is_limited = false; // the curve ends below the demanded dose
 };
 
-// Distance of the reference point from the isocentre toward the tube (IEC 60601-2-54).
+// The distance of the reference point from the isocentre towards the tube (IEC 60601-2-54).
 inline constexpr double reference_point_m = 0.15;
 
-// Share of primary photons that an anti-scatter grid transmits (scatter.hpp has the share of scattered ones).
+// The share of primary photons that an anti-scatter grid transmits; scatter.hpp has the share for scattered
+// photons.
 inline constexpr double grid_primary = 0.706;
 
-// The grid, the curves and the tables of the beams used so far.
+// Holds the curves of the control, and the tables of the beams used so far.
 class Exposure
 {
   public:
-    // Chooses the technique for the next pulse; the chosen copper is stored in the state.
+    // Chooses the technique for the next pulse, and stores the chosen copper filter in `state`.
     ExposureChoice choose(const ExposureDemand &demand, ExposureState &state);
 
-    // Updates the estimate from the last pulse's signal behind patient and grid, given as a share of the open
-    // beam's.
+    // Updates the estimated thickness from the signal of the last pulse behind patient and grid; the signal
+    // is divided by that of the open beam.
     void follow(const XrayTechnique &technique, double signal_share, ExposureState &state);
-    // Does the same without delay, for a single picture.
+    // Does the same without delay, as a single picture requires.
     void jump(const XrayTechnique &technique, double signal_share, ExposureState &state);
 
-    // Returns the quanta per mm2 of this beam that give as much signal as `dose_nGy` gives in the calibration
-    // beam of detector and control: 75 kV, 0.2 mm copper, behind 20 cm of tissue.
+    // Returns the quanta per mm2 in this beam that give the signal of `dose_nGy` in the calibration beam. The
+    // calibration beam of detector and control has 75 kV and 0.2 mm copper, behind 20 cm of tissue.
     double wanted_quanta_mm2(double dose_nGy, const BeamTable &beam);
 
-    // The voltage is rounded to whole kilovolts, as in generators.
+    // The voltage is rounded to whole kilovolts, as real generators do.
     const BeamTable &table(double tube_voltage_kV, double copper_mm);
 
   private:
@@ -98,19 +104,20 @@ class Exposure
     std::map<std::pair<int, int>, BeamTable> tables_; // by kV and 0.01 mm copper
 };
 
-// Returns the copper filters of a mode, thickest first.
+// Returns the thicknesses of the copper filters of a mode, thickest first.
 std::span<const double> copper_filters_mm(ExposureMode mode);
 
-// Returns current and pulse width at a voltage of the curve, before they are lowered to the demanded dose.
+// Returns current and pulse width at a voltage on the curve, before they are lowered to the demanded dose.
 XrayTechnique curve_point(ExposureMode mode, double tube_voltage_kV);
 
-// Returns the quanta per mm2 of detector that a technique brings without a patient, behind the grid.
+// Returns the quanta per mm2 that a technique brings to the detector behind the grid, when there is no
+// patient.
 double open_quanta_mm2(const BeamTable &table, const XrayTechnique &technique, double source_detector_m);
 
 // Limits a technique to the ranges of tube and generator.
 XrayTechnique held_technique(const XrayTechnique &technique);
 
-// Returns the air kerma at the reference point, uGy per pulse.
+// Returns the air kerma at the reference point, in uGy per pulse.
 double reference_kerma_uGy(const BeamTable &table, const XrayTechnique &technique, double source_isocentre_m);
 
 } // namespace crn

@@ -1,5 +1,5 @@
-// Computes powers and logarithms of two from sums and products only, so that every compiler gives equal bytes
-// and loops over them vectorise.
+// Computes powers and logarithms of two with sums and products only, so that every compiler gives equal
+// bytes, and so that loops over them can be vectorised.
 #pragma once
 #include <bit>
 #include <cstdint>
@@ -7,7 +7,8 @@
 namespace crn
 {
 
-// Returns 2^f on [0, 1): a minimax-like polynomial (Taylor of degree 6 about 1/2), relative error 1.2e-7.
+// Returns 2^f on [0, 1) with a relative error of 1.2e-7. The polynomial is nearly minimax (Taylor of degree 6
+// about 1/2).
 inline float exp2_fraction(float f)
 {
     const float x = (f - 0.5f) * 0.69314718f;
@@ -17,7 +18,7 @@ inline float exp2_fraction(float f)
     return sum * 1.41421356f;
 }
 
-// Returns 2^-x for x >= 0 (from 126 on: 2^-126); relative error <= 4e-6.
+// Returns 2^-x for x >= 0, and 2^-126 from x = 126 on; relative error <= 4e-6.
 inline float exp2_negative(float x)
 {
     x = x < 126.0f ? x : 126.0f;
@@ -28,8 +29,8 @@ inline float exp2_negative(float x)
     return exp2_fraction(fraction) * scale;
 }
 
-// Returns log2(x) for normal x > 0; absolute error <= 2e-5. The mantissa m in [1, 2) goes through atanh: s =
-// (m - q)/(m + q), q = sqrt 2.
+// Returns log2(x) for normal x > 0; absolute error <= 2e-5. The logarithm of the mantissa m in [1, 2) is
+// computed as an atanh: s = (m - q)/(m + q), q = sqrt 2.
 inline float log2_positive(float x)
 {
     const auto bits = std::bit_cast<std::int32_t>(x);
@@ -39,8 +40,8 @@ inline float log2_positive(float x)
     return exponent + 0.5f + s * (2.8853901f + s2 * (0.96179669f + s2 * (0.57707802f + s2 * 0.41219859f)));
 }
 
-// Return the same in double precision for tables, relative error <= 1e-12: 2^x for -1000 < x < 1000, log2(x)
-// for normal x > 0.
+// These return the same in double precision, for tables, with a relative error <= 1e-12: 2^x for -1000 < x <
+// 1000, and log2(x) for normal x > 0.
 inline double exp2_double(double x)
 {
     const auto whole = static_cast<std::int64_t>(x < 0.0 ? x - 1.0 : x); // floor, or one less
@@ -68,7 +69,7 @@ inline double exp_double(double x)
     return exp2_double(x * 1.44269504088896340736);
 }
 
-// Return sin(pi x) and cos(pi x) for |x| <= 1; absolute error <= 1e-13.
+// These return sin(pi x) and cos(pi x) for |x| <= 1; absolute error <= 1e-13.
 inline double sin_pi(double x)
 {
     const double a = x * 3.14159265358979323846 / 8.0, a2 = a * a; // three doublings of the angle

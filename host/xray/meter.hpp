@@ -1,6 +1,6 @@
-// The measuring chamber behind the patient decides, without a picture, which technique automatic exposure
-// takes for a pulse, and computes the dose of that pulse. Its measuring picture has a fixed size, so that the
-// dose of a session does not depend on the pictures made of it.
+// The measuring chamber behind the patient. Without a picture, it determines the technique that automatic
+// exposure takes for a pulse, and the dose of that pulse. The chamber measures a small picture of fixed size,
+// so that the dose of a session does not depend on the pictures made of it.
 //
 //   XrayMeter meter(scene);
 //   const XrayExposure exposure = meter.expose(settings, bodies, MeterPace::follows);
@@ -15,7 +15,7 @@
 namespace crn
 {
 
-// How the control uses the previous pulse.
+// How automatic exposure uses the previous pulse.
 enum class MeterPace {
     follows, // from pulse to pulse, as a generator does
     settles  // as after test exposures, until the control has settled: the first frame of DSA
@@ -29,7 +29,7 @@ struct XrayExposure {
     double kap_Gy_cm2 = 0.0;      // kerma times the area of the open field there
 };
 
-// Returns the area of the open field at the reference point, in cm2. The kerma there multiplied by this area
+// Returns the area of the open field at the reference point, in cm2. The kerma at that point times this area
 // is the kerma-area product, which is the same at every distance.
 double reference_area_cm2(const CArm &carm, const XrayBeam &beam);
 
@@ -43,8 +43,8 @@ class XrayMeter
     XrayMeter(const XrayMeter &) = delete;
     XrayMeter &operator=(const XrayMeter &) = delete;
 
-    // Exposes one pulse through the bodies in their present places; tools and medium are too small to change
-    // it. The settings' display and size are ignored.
+    // Exposes one pulse through the bodies where they are now. Tools and medium are too small to change the
+    // exposure. The display window and the picture size in the settings are ignored.
     XrayExposure expose(const XraySettings &settings, std::span<const MovedBody> bodies, MeterPace pace);
 
   private:

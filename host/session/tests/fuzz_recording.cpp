@@ -1,7 +1,7 @@
-// Fuzz target: any bytes may be offered as a recording. Each input is tried as it is, and then with correct
-// checksums and schema hash, so that the fuzzer reaches the code behind those checks. It is tried as a
-// recording of this version, and as one of the previous version that is to be converted. An accepted
-// recording keeps the promises of recording.hpp, and a refusal has a text.
+// Fuzz target: a file with any bytes may be given as a recording. Each input is tried unchanged, and then
+// with corrected checksums and schema hash, so that the fuzzer reaches the code behind those checks. Each
+// input is read as a recording of this version, and as one of the previous version that is to be converted.
+// An accepted recording must have the properties that recording.hpp promises, and a refusal must have a text.
 #include "host/session/recording_chunks.hpp"
 #include "host/session/recording_format.hpp"
 #include "host/session/recording_upgrade.hpp"
@@ -68,7 +68,7 @@ void put(std::uint8_t *place, std::uint64_t value, int bytes)
     for (int i = 0; i < bytes; i++) place[i] = static_cast<std::uint8_t>(value >> (8 * i));
 }
 
-// Corrects the checksums of all chunks, the version, and the schema hash of the first chunk.
+// Corrects the checksums of all chunks, the version number, and the schema hash in the first chunk.
 void seal(std::vector<std::uint8_t> &bytes, char version = magic[7])
 {
     if (bytes.size() < 8) return;
@@ -175,7 +175,7 @@ std::vector<std::uint8_t> old_ticks(unsigned tools, std::uint32_t first, std::ui
     return bytes;
 }
 
-// For version 2: one chunk of each kind that only version 2 had.
+// Makes a recording of version 2 that includes one chunk of the kind that only that version had.
 std::vector<std::uint8_t> old_file(unsigned tools)
 {
     Writer file;

@@ -1,6 +1,6 @@
-// Claims: physics that leaves its range is detected in the same tick and reported with its values and limits,
-// and no session that stays in range is ended. A scripted hand is rigid up to the force that fingers hold,
-// slips beyond it, and slips alike whatever the batches are.
+// Claims: physics that leaves its range is detected in the same tick and reported with its values and limits.
+// No session that stays in range is ended. The grip of a scripted hand is rigid up to the force that fingers
+// can hold and slips beyond it. The slip does not depend on the batches.
 #include <cmath>
 #include <csetjmp>
 #include <cstdarg>
@@ -45,8 +45,8 @@ bool says(const RangeWatch &watch, const std::string &what)
     return watch.is_left() && range_text(*watch.left()).find(what) != std::string::npos;
 }
 
-// The limits themselves are in range; stalled feeds, limited steps and tools at their end (fault bits 1 to 3)
-// are normal.
+// The limits themselves are in range. Stalled feeds, limited steps, and tools at the end of their travel
+// (fault bits 1 to 3) are normal.
 void what_stays_within_the_limits_is_no_error(void **)
 {
     RangeWatch watch;
@@ -87,8 +87,8 @@ void a_line_too_long_or_too_short_and_a_saturated_core_are_out_of_range(void **)
     assert_true(watch.left()->is_saturated && says(watch, "CORE_SATURATED"));
 }
 
-// A run and its replay have other batches: both read the place on the same tick, the next multiple of 16 or
-// the last one.
+// A run and its replay have different batches. Both must read the place at the same tick, which is the next
+// multiple of 16 or the last tick.
 void where_it_happened_is_looked_at_on_a_tick_that_every_run_has(void **)
 {
     RangeWatch watch;
@@ -127,9 +127,10 @@ void below_its_limits_the_grip_is_rigid(void **)
     assert_false(grip.figures(0).first_tick.has_value());
 }
 
-// A hand pushes against a wall of 20 N/mm at 20 mm/s: 1 s rigid would give 400 N. It slips where its force is
-// 25 N. It holds the tool there within the 0.2 N that a tick's 20 um add, and once the same again before the
-// slip acts. The test repeats it backwards; counts wrap as in encoders.
+// A hand pushes at 20 mm/s against a wall of 20 N/mm: without slip, 1 s would give 400 N. It must slip when
+// the force reaches 25 N. The force may exceed this by the 0.2 N that a tick's 20 um add, and by the same
+// again before the slip takes effect. The test is repeated in the other direction, and the counts wrap as
+// those of encoders do.
 void beyond_its_force_the_tool_stays_behind_and_the_hand_slips(void **)
 {
     for (int sign : {1, -1}) {
@@ -154,8 +155,8 @@ void beyond_its_force_the_tool_stays_behind_and_the_hand_slips(void **)
     }
 }
 
-// A stuck tool has 1 N m/rad: 50 mN m are 0.05 rad, 2.9 degrees. The hand turns one turn a second and checks
-// the torque from tick 16 on.
+// A stuck tool has a stiffness of 1 N m/rad, so 50 mN m turn it by 0.05 rad, or 2.9 degrees. The hand turns
+// once per second, and the test checks the torque from tick 16 on.
 void beyond_its_torque_it_slips_as_well(void **)
 {
     HandGrip grip;
@@ -169,7 +170,7 @@ void beyond_its_torque_it_slips_as_well(void **)
     assert_true(std::fabs(grip.figures(0).slipped_deg - 354.0) < 1.0);
 }
 
-// Single ticks and the largest batches that it allows give the device the same counts.
+// Single ticks, and the largest batches that the grip allows, must give the device the same counts.
 void what_slips_does_not_depend_on_the_batches(void **)
 {
     const auto run = [](std::uint32_t batch_most) {

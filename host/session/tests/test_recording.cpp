@@ -1,5 +1,5 @@
-// Claims: a session replays bit for bit at any speed and from any snapshot; a cut-off recording is readable
-// up to its last whole chunk; a damaged one is refused, whichever byte is damaged.
+// Claims: a session replays bit for bit at any speed and from any snapshot. A recording that was cut off is
+// readable up to its last complete chunk. A damaged one is refused, whichever byte is damaged.
 #include <algorithm>
 #include <csetjmp>
 #include <cstdarg>
@@ -120,7 +120,7 @@ crn::Instrument catheter()
     return crn::read_instrument("shared/examples/instruments/pigtail_5f.toml");
 }
 
-// Makes one straight vessel along the line.
+// Makes a scene of one straight vessel along the line.
 crn::SceneAnatomy vessel()
 {
     crn::VesselBranch branch;
@@ -153,8 +153,8 @@ void a_replay_from_later_on_knows_what_was_injected_before(void **)
     }
 }
 
-// If two premature beats are ordered at once, the second one comes a tick later, and only these two ticks are
-// longer.
+// If two premature beats are ordered at once, the second one must be ordered a tick later. Only these two
+// ticks need more bytes in the recording.
 void orders_are_recorded_in_their_ticks_and_replay(void **)
 {
     const Recorded recorded = record("heart rate 120 /min\nbreath hold on\nwait 1 s");
@@ -201,8 +201,8 @@ void commands_to_the_room_are_recorded_with_their_ticks(void **)
     assert_true(recording.commands[1].command == (crn::RoomCommand{crn::RoomAction::angles, {20000, 0, 0}}));
 }
 
-// The file is cut at every length in its tail and at many lengths before. It is either readable with fewer
-// ticks, or refused as truncated.
+// The file is cut at every length in its last part, and at many lengths before that. Each cut file must be
+// either readable, with fewer ticks, or refused as truncated.
 void a_recording_cut_off_anywhere_keeps_its_whole_chunks(void **)
 {
     const std::vector<std::uint8_t> &whole = session().bytes;
@@ -223,8 +223,8 @@ void a_recording_cut_off_anywhere_keeps_its_whole_chunks(void **)
     assert_int_equal(ticks_before, session().result.figures.ticks);
 }
 
-// A chunk whose stated length exceeds that of any chunk of its kind means that the file is damaged, not that
-// it was cut off.
+// If the stated length of a chunk exceeds that of any chunk of its kind, the file must count as damaged, and
+// not as cut off.
 void a_flipped_high_bit_of_a_length_is_no_cut(void **)
 {
     std::vector<std::uint8_t> bytes = session().bytes;
@@ -246,8 +246,8 @@ void a_flipped_high_bit_of_a_length_is_no_cut(void **)
     assert_true(chunks > 4);
 }
 
-// The test flips one bit at a time. A flip in a chunk's length field may look like a cut-off file; every
-// other flip is refused.
+// The test flips one bit at a time. If the flipped bit is in the length of a chunk, the file may look as if
+// it was cut off; every other flip must be refused.
 void a_flipped_bit_is_never_taken_for_a_complete_recording(void **)
 {
     std::vector<std::uint8_t> bytes = session().bytes;
@@ -282,7 +282,7 @@ void other_files_and_newer_versions_are_refused_by_name(void **)
     }
 }
 
-// The chunk has a correct CRC but a wrong place: the ticks of the second chunk come first.
+// The chunk has a correct CRC but is in the wrong place: the ticks of the second chunk come first.
 void ticks_out_of_order_are_refused(void **)
 {
     std::vector<std::uint8_t> bytes = session().bytes;
@@ -310,7 +310,7 @@ void a_recording_cannot_be_written_into_a_missing_folder(void **)
     }
 }
 
-// Pictures split the batches, which must not change the session.
+// A sink for pictures divides the batches, and this must not change the session.
 class CountingSink final : public crn::SteadySink
 {
   public:

@@ -1,8 +1,8 @@
-// Claims: a recording of the previous protocol is refused by name with the command that converts it. The
-// converted recording has the same ticks, commands and hashes and replays bit for bit. A damaged one is
-// refused, and no file is written. protocol_4.rec was written by the program of that time: 700 ticks of a
-// guidewire, with orders to heart and breath, eight strut rings, one of which is removed, and two commands to
-// the room.
+// Claims: a recording of the previous protocol is refused; the message names that protocol and the command
+// that converts the file. A converted recording has the same ticks, commands and hashes, and replays bit for
+// bit. A damaged recording is refused, and no file is written. The program of that time wrote protocol_4.rec:
+// 700 ticks of a guidewire, with orders to heart and breath, eight strut rings, one of which is removed, and
+// two commands to the room.
 #include <algorithm>
 #include <array>
 #include <csetjmp>
@@ -62,7 +62,7 @@ std::size_t chunk_of(const Bytes &bytes, std::uint32_t kind)
     return at;
 }
 
-// Corrects the checksum of a changed chunk.
+// Corrects the checksum of a chunk that the test changed.
 void seal(Bytes &bytes, std::size_t at)
 {
     const std::uint32_t covered = 8 + word(bytes, at + 4);
@@ -126,7 +126,8 @@ void a_converted_recording_replays_bit_for_bit(void **)
     assert_int_equal(recording.commands[1].tick, 300);
 }
 
-// A tick of protocol 4 had 26 bytes of fields for orders; one byte, the count, replaces them.
+// In protocol 4 every tick had 26 bytes of fields for orders. Now a tick without orders has one byte instead,
+// the number of its orders.
 void what_was_nothing_costs_nothing_any_more(void **)
 {
     const Bytes bytes = crn::upgraded_recording(old_bytes(), "old.rec");
@@ -158,7 +159,8 @@ void every_order_is_in_its_tick(void **)
     assert_true(gone.number == 3 && gone.inside_um == 0);
 }
 
-// The test writes it into the fields that the previous protocol had for it, in tick 7 beside a ring.
+// The test writes a scaffold order into the fields that protocol 4 had for it, in tick 7, which also has an
+// order for a ring.
 void a_scaffold_becomes_an_order(void **)
 {
     Bytes bytes = old_bytes();
@@ -174,7 +176,8 @@ void a_scaffold_becomes_an_order(void **)
     assert_true(hold.lesion == 2 && hold.first == 4 && hold.last == 12 && hold.open_q15 == 0x7ffe);
 }
 
-// A chunk of version 2 replaces each command: tick, fluoroscopy, follows, primary, secondary, table, field.
+// Each command is replaced by a VIEW chunk of version 2: tick, fluoroscopy, follows, primary, secondary,
+// table, field.
 Bytes with_views()
 {
     Bytes bytes(old_bytes().begin(), old_bytes().begin() + 8);
@@ -204,7 +207,7 @@ void views_of_version_2_become_commands(void **)
 {
     const crn::Recording recording = upgraded(with_views());
     assert_true(recording.is_complete);
-    // The commands are angles, field, table, follow and pedal; then the changed angles.
+    // The expected commands are angles, field, table, follow and pedal, and then the changed angles.
     assert_int_equal(recording.commands.size(), 6);
     assert_true(recording.commands[2].command ==
                 (crn::RoomCommand{crn::RoomAction::table, {1000, 2000, 3000}}));
@@ -232,7 +235,7 @@ void what_was_cut_off_stays_cut_off(void **)
     assert_int_equal(upgraded(bytes).ticks.size(), 0);
 }
 
-// The test flips one bit at a time, and tries chunks with a correct checksum and wrong contents.
+// The test flips one bit at a time, and tries chunks with correct checksums and wrong contents.
 void damage_is_refused(void **)
 {
     Bytes bytes = old_bytes();
@@ -281,7 +284,7 @@ void other_versions_and_schemas_are_refused_by_name(void **)
     expect_refusal({}, RecordingFault::not_a_recording, "is not a Cournand recording");
 }
 
-// The new file is complete or does not exist; the old one stays as it is.
+// Either the new file is complete or it does not exist, and the old file does not change.
 void a_file_is_converted_whole_or_not_at_all(void **)
 {
     const std::filesystem::path folder =

@@ -1,6 +1,6 @@
-// A beating artery for tests and benchmarks of stents: 50 mm of it in a bend, with a lesion of 75 %. Its
-// motion lattice is like the core's. The motion is as large as the shipped heart's: 12 mm to and fro, 4 % of
-// length, 3.5 % of width, 6 degrees of turn, and bending.
+// A beating artery for tests and benchmarks of stents. It is 50 mm long and bent, and has a lesion of 75 %.
+// Its lattice of displacements is like the core's. The artery moves as much as those of the shipped heart: 12
+// mm to and fro, 4 % of its length, 3.5 % of its width, and 6 degrees of rotation; it also bends.
 #pragma once
 #include "host/model/motion.hpp"
 #include "host/stent/vessel_wall.hpp"
@@ -15,7 +15,7 @@ namespace crn
 
 inline constexpr double artery_middle_mm = 25.0;
 
-// Returns the displacement w of the moving lattice at a keyframe, mm: towards the reference pose.
+// Returns the displacement w of the lattice at a keyframe, mm, from the present place to the reference pose.
 inline Eigen::Vector3d artery_way_mm(const Eigen::Vector3d &x, int key)
 {
     const double t = 2 * std::numbers::pi * key / motion_keyframes, s = std::sin(t), c = std::cos(t),
@@ -27,7 +27,7 @@ inline Eigen::Vector3d artery_way_mm(const Eigen::Vector3d &x, int key)
     return moved + stretched + turned + Eigen::Vector3d(-bend * u * x.y(), bend * u * u / 2, 0);
 }
 
-// The same displacements as coefficients of the core's lattice.
+// Stores the same displacements as coefficients of the core's lattice.
 struct BeatingLattice {
     std::vector<std::int16_t> rows;
     std::optional<Motion> motion;
@@ -63,8 +63,8 @@ struct BeatingLattice {
     }
 };
 
-// Makes an artery of 50 mm along x in a bend, radius 1.6 to 1.4 mm; 75 % narrowed over 12 mm when
-// `is_diseased`.
+// Makes a bent artery of 50 mm along x, with a radius from 1.6 to 1.4 mm. If `is_diseased`, it is narrowed by
+// 75 % over 12 mm.
 inline VesselTree beating_artery(bool is_diseased)
 {
     VesselBranch branch;

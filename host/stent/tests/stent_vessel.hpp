@@ -1,5 +1,6 @@
-// Vessels for tests and benchmarks of stents: beating tubes round a curve, with any section; balloons that
-// fill them; and a measurement of strut penetration that uses no shortcuts. Lengths in mm.
+// Vessels for tests and benchmarks of stents: tubes of any cross-section around a curve, which beat, and
+// balloons that fill them. Another function measures how deep struts lie in the wall, without any of the
+// program's shortcuts. Lengths in mm.
 #pragma once
 #include "host/model/motion.hpp"
 #include "host/stent/contact.hpp"
@@ -12,8 +13,8 @@
 namespace crn
 {
 
-// A tube of `length` that starts at 0 along x and bends in the plane of x and y by `curvature` per mm; closed
-// at both ends.
+// A tube of this length that starts at x = 0 along x, bends in the plane of x and y with this curvature, and
+// is closed at both ends.
 struct TestVessel {
     double length_mm = 40.0, radius_mm = 1.5, curvature_per_mm = 0.0;
     double eccentricity = 0.0; // of the section: semi-axes r (1 + e) and r (1 - e)
@@ -38,7 +39,7 @@ struct TestVessel {
             for (int k = 0; k < around; ++k) {
                 const double s = length_mm * i / along,
                              angle = 2 * std::numbers::pi * (k + 0.5 * (i % 2)) / around;
-                // The inscribed circle of the polygon is the stated one.
+                // The circle with the stated radius is inscribed in the polygon.
                 const double r = radius_mm / std::cos(std::numbers::pi / around);
                 vertices_mm.push_back(middle(s) + r * (1 + eccentricity) * std::cos(angle) * across(s) +
                                       Eigen::Vector3d(0, 0, r * (1 - eccentricity) * std::sin(angle)));
@@ -77,8 +78,8 @@ struct TestVessel {
     static Eigen::Vector3d still(const Eigen::Vector3d &x) { return x; }
 };
 
-// Makes a balloon of `length` round the vessel's middle, with its own middle at `at` along the vessel; its
-// tool's arc runs along the vessel.
+// Makes a balloon of `length` around the middle line of the vessel, with its middle at `at` along the vessel.
+// The arc length of its tool increases along the vessel.
 inline BalloonPose balloon_in(const TestVessel &vessel, double at_mm, double length_mm, double radius_mm,
                               const TestVessel::Map &map = TestVessel::still)
 {
@@ -91,7 +92,8 @@ inline BalloonPose balloon_in(const TestVessel &vessel, double at_mm, double len
     return pose;
 }
 
-// Returns the deepest penetration of all struts in all triangles, by libccd, without grid, patch or planes.
+// Returns the largest depth of any strut in any triangle. It uses libccd for every pair, without the grid,
+// the patch and the planes of the program.
 inline double deepest_strut_mm(const Stent &stent, const StentWall &wall)
 {
     double deepest = 0.0;

@@ -1,6 +1,7 @@
-// Claims: a stent file is read whole or refused with its place. A stent opens to its balloon, shortens and
-// recoils as closed forms predict; its rings are as stiff as stated; contacts of struts are those of planes.
-// Every sequence of actions on a stent has a defined outcome.
+// Claims: a stent file is either read as a whole, or refused with the place of the error. A stent opens to
+// the width of its balloon, and shortens and recoils as formulas predict. Its rings have the stated
+// stiffness, and its struts touch walls as capsules touch planes. Every sequence of actions on a stent has a
+// defined outcome.
 #include "firmware/tests/reference/long_run.h"
 #include "host/base/tests/folder.hpp"
 #include "host/base/text.hpp"
@@ -26,7 +27,7 @@ constexpr double pi = std::numbers::pi, mount_mm = 20.0;
 const std::string coronary_file = "shared/examples/stents/coronary_3_0x18.toml";
 const std::string renal_file = "shared/examples/stents/renal_6_0x18.toml";
 
-// Prints both sides, so that a failure can be read.
+// Prints both values if they differ, so that a failure can be understood.
 void near(const char *what, double got, double wanted, double allowed)
 {
     if (!(std::abs(got - wanted) <= allowed))
@@ -58,7 +59,7 @@ StentWall wall_of(const TestVessel &vessel)
     return wall;
 }
 
-// Inflates to `radius_mm` in ten pictures, and deflates in ten.
+// Inflates the balloon to `radius_mm` in ten pictures, and deflates it in ten.
 void inflate(Stent &stent, const StentWall *wall, const TestVessel &vessel, double radius_mm,
              double length_mm = 20.0)
 {
@@ -155,8 +156,9 @@ static void stent_opens_to_its_balloon(void **)
     }
 }
 
-// A diamond cell has two struts of length s and a chord c = 2 r sin(pi/2N), so each strut is sqrt(s^2 - c^2)
-// high. The test computes this itself, and measures the stent's own points from end to end.
+// A diamond cell consists of struts of length s with a chord c = 2 r sin(pi/2N), so its height per strut is
+// sqrt(s^2 - c^2). The test computes this formula itself, and measures the stent from end to end by its
+// points.
 static void cells_shorten_as_diamonds_do(void **)
 {
     const TestVessel straight = tube(5.0);
@@ -171,7 +173,8 @@ static void cells_shorten_as_diamonds_do(void **)
         const double r0 = (1.05 - 0.081) / 2, r1 = balloon + 0.081 / 2;
         const double gap = (18 - 12 * height(r0)) / 11;
         near("length", stent_figures(stent, nullptr).length_mm, 12 * height(r1) + 11 * gap, 1e-9);
-        // Open cells, joined from crown to like crown, lose only one ring's height.
+        // A stent with open cells, whose links join crowns of the same side, loses only the height of one
+        // ring.
         Stent open(read_stent(coronary_file), mount_mm);
         open.step({nullptr, &pose});
         near("length, open cells", stent_figures(open, nullptr).length_mm, 18 - height(r0) + height(r1),
@@ -194,8 +197,9 @@ static void free_stent_recoils_by_its_share(void **)
     }
 }
 
-// The springs of one ring opened by dR, without the rest: F = dE/dR and K = d2E/dR2 by differences, compared
-// with the file's values. Only chords count: heights follow without force, as the struts turn.
+// The radius of one ring is changed by dR. The energy of its springs then gives F = dE/dR and K = d2E/dR2 by
+// differences, and these are compared with the values in the file. Only the chords change: the height of a
+// ring changes without force, because its struts only turn.
 static void ring_is_as_stiff_as_stated(void **)
 {
     for (const std::string &file : {coronary_file, renal_file}) {
@@ -217,9 +221,9 @@ static void ring_is_as_stiff_as_stated(void **)
     }
 }
 
-// A ring that a wall holds below its free radius R0 stores K/2 (R0 - R)^2 in its springs. R is the radius of
-// the circle of equal area. The wall's facets and the bracing between rings make the ring uneven, which costs
-// 10 % more energy.
+// A ring that a wall holds at a radius R below its free radius R0 stores the energy K/2 (R0 - R)^2 in its
+// springs. R is here the radius of a circle with the same area as the ring. The flat facets of the wall, and
+// the braces between rings, make the ring uneven, which adds 10 % to its energy.
 static void pressed_ring_stores_what_its_stiffness_says(void **)
 {
     const TestVessel vessel = tube(1.5);
@@ -241,8 +245,8 @@ static void pressed_ring_stores_what_its_stiffness_says(void **)
 
 // --- the wall ---
 
-// The depth of a capsule whose end reaches through a triangle's middle, computed by hand: radius minus the
-// end's distance in front of the plane.
+// The end of a capsule reaches through the middle of a triangle. The expected depth, computed by hand, is the
+// radius minus the distance of the end in front of the plane.
 static void contact_of_a_strut_is_that_of_its_plane(void **)
 {
     const std::array<Vector3d, 3> corners = {Vector3d(-1, -1, 0), Vector3d(2, -1, 0), Vector3d(-1, 2, 0)};
@@ -255,8 +259,9 @@ static void contact_of_a_strut_is_that_of_its_plane(void **)
     }
 }
 
-// Walks over the tube's triangles from two millimetres aside are compared with a search over all triangles.
-// They agree to a micrometre, since beyond an edge either of its two faces may be the nearest.
+// From a triangle two millimetres away, the test walks over the tube's triangles to the nearest place, and
+// compares it with a search over all triangles. The two agree only to a micrometre, because beyond an edge
+// either of its two faces may be the nearest.
 static void walk_over_the_wall_ends_at_the_nearest_place(void **)
 {
     const TestVessel vessel = tube(1.5, 0.04, 0.1);
@@ -277,8 +282,8 @@ static void walk_over_the_wall_ends_at_the_nearest_place(void **)
 
 // --- deployment ---
 
-// The stent has the vessel's radius, in bends and in an oval: more than 95 % of it lies on the wall, and none
-// of it passes through.
+// A stent with the radius of the vessel lies in bends and in an oval tube. More than 95 % of it must lie on
+// the wall, and no part may pass through the wall.
 static void stent_of_the_right_size_lies_on_the_wall(void **)
 {
     const struct {
@@ -312,12 +317,13 @@ static void stent_a_size_too_small_is_found_out(void **)
     const StentFigures figures = stent_figures(stent, &wall);
     assert_true(figures.apposed_share < 0.8);
     assert_true(!figures.gaps.empty());
-    // The gap is 1.5 less 1.25 and struts of 0.081, plus the recoil: 0.21 mm all round, apart from the
-    // balloon's distance from the middle.
+    // The gap is the vessel's radius of 1.5 minus 1.25 for the balloon and 0.081 for the strut, plus the
+    // recoil: 0.21 mm all around. The balloon's distance from the middle changes it locally.
     for (const StentGap &gap : figures.gaps) assert_true(gap.gap_mm > apposed_mm && gap.gap_mm < 0.4);
 }
 
-// A second, wider balloon opens the stent again: it ends at that balloon's diameter, less the recoil.
+// A second, wider balloon opens the stent again. The stent must end with that balloon's diameter minus the
+// recoil.
 static void post_dilation_brings_a_small_stent_to_the_wall(void **)
 {
     const TestVessel vessel = tube(1.5, 0.03);
@@ -347,8 +353,8 @@ static void post_dilation_brings_a_small_stent_to_the_wall(void **)
                               std::vector<double>{1.5, 1.5}) > 0.02);
 }
 
-// The second one lies on the first: in the overlap its crowns are a strut's thickness nearer to the axis,
-// which also shows the overlap's length.
+// The second stent lies on the first. Where they overlap, its crowns must be nearer to the axis by the
+// thickness of a strut; this also shows how long the overlap is.
 static void second_stent_lies_on_the_first_where_they_overlap(void **)
 {
     const TestVessel vessel = tube(1.5);
@@ -392,8 +398,8 @@ static void stent_pulled_through_a_narrow_place_slides_off(void **)
         Stent stent(read_stent(coronary_file), mount_mm);
         for (double at = 20; at <= to_mm; at += 0.25) {
             BalloonPose pose = balloon_in(straight, at, 20, 0.4);
-            // The tool's own arc stays the same while it is pulled along the vessel. The narrow place lies at
-            // 30 mm.
+            // The arc length of each ball along the tool does not change while the tool is pulled along the
+            // vessel. The narrow place is at 30 mm along the vessel.
             for (BalloonPoint &ball : pose.points) {
                 if (std::abs(ball.arc_mm - 30) < 1.0) ball.room_mm = room_mm;
                 ball.arc_mm += mount_mm - at;
@@ -408,7 +414,7 @@ static void stent_pulled_through_a_narrow_place_slides_off(void **)
     assert_int_equal(begun.stage(), StentStage::on_balloon);
     assert_true(begun.slip_mm() < -1.0);
     assert_int_equal(stuck.stage(), StentStage::stripped);
-    // It stays where it came off, crimped.
+    // The stent must stay, crimped, where it came off the balloon.
     assert_true(stuck.ring_centre_mm(6).x() < 40);
     near("crimped", mean_inside_mm(stent_figures(stuck, nullptr)), 1.05 - 2 * 0.081, 1e-6);
 }
@@ -428,8 +434,8 @@ static void stent_deployed_outside_a_vessel_is_adrift(void **)
     }
 }
 
-// Half of the stent lies beyond the end of the vessel, as at an ostium: the other half holds it, and the
-// report names the crowns outside.
+// Half of the stent lies beyond the end of the vessel, as at an ostium. The other half must hold it, and the
+// report must name the crowns outside.
 static void half_a_stent_in_the_ostium_is_held_and_reported(void **)
 {
     TestVessel vessel = tube(1.5);
@@ -455,7 +461,7 @@ static void half_a_stent_in_the_ostium_is_held_and_reported(void **)
     near("missed before", coverage.missed_before_mm, 0.0, 1e-9);
 }
 
-// A balloon that is inflated too little: nothing is deployed, and the stent can be taken out again.
+// If the balloon is inflated too little, nothing is deployed, and the stent can be taken out of the patient.
 static void stent_that_was_not_opened_stays_on_its_balloon(void **)
 {
     const TestVessel straight = tube(5.0);
@@ -466,9 +472,9 @@ static void stent_that_was_not_opened_stays_on_its_balloon(void **)
     assert_int_equal(stent_figures(stent, nullptr).unopened_rings, 12);
 }
 
-// Balloons leap in place and width, lose balls and shrink to a point, and walls jump by millimetres. The
-// stent may be torn from its place, but its points stay finite and near the vessel, and its struts keep
-// within a few times their length.
+// In random steps, balloons jump in place and width, lose balls and shrink to a point, and walls jump by
+// millimetres. The stent may be displaced, but its points must stay finite and near the vessel, and no strut
+// may become longer than a few times its length.
 static void nothing_that_balloon_and_wall_do_tears_it_apart(void **)
 {
     std::uint32_t random = 2463534242u;
@@ -550,7 +556,8 @@ static void struts_and_bands_are_drawn_where_they_are(void **)
         for (std::size_t i = 1; i < line.points_mm.size(); ++i)
             metal +=
                 pi * line.radius_mm * line.radius_mm * (line.points_mm[i] - line.points_mm[i - 1]).norm();
-    // 144 struts of 1.3 mm, a little longer since they are bent round, and 22 links.
+    // The metal is that of 144 struts of 1.3 mm, which are a little longer because they are bent around the
+    // axis, and of 22 links.
     near("metal mm^3", metal, (144 * 1.31 + 22 * design.link_length_mm()) * 0.09 * 0.081, 0.02 * metal);
     for (const Vector3d &point : lines.front().points_mm)
         near("radius", std::hypot(point.y(), point.z()), 1.5405, 1e-9);

@@ -1,7 +1,8 @@
-// Claims: a stent in a beating artery stays for a minute where the wall carries it, on the wall and not
-// through it, at 15 and at 60 pictures a second. A stent of too small a size does not. A lesion that a
-// balloon opens becomes the healthy vessel's tube, and the tube is the tree's. The artery moves 12 mm to and
-// fro, turns, bends, and changes in length and width by as much as the shipped heart's does.
+// Claims: for a minute, a stent in a beating artery stays at the place of the wall on which it was deployed.
+// It lies on the wall and does not pass through it, at 15 and at 60 pictures per second. A stent that is too
+// small does not stay in place. A lesion that a balloon has opened gets the shape of the healthy vessel,
+// which is that of the tree. The artery moves 12 mm to and fro, turns and bends; its length and width change
+// by as much as those of the shipped heart.
 #include "firmware/tests/reference/long_run.h"
 #include "host/stent/stents.hpp"
 #include "host/stent/tests/stent_heart.hpp"
@@ -29,8 +30,8 @@ struct Minute {
     StentFigures last;
 };
 
-// Inflates in a second to `share` of the artery's radius, holds for two seconds, deflates in one, and
-// observes until `seconds`.
+// Inflates the balloon in one second to `share` of the artery's radius, keeps it inflated for two seconds,
+// deflates it in one, and observes the stent until `seconds`.
 Minute minute(double share, double pictures_per_s, double beats_per_min, double seconds)
 {
     const BeatingLattice heart;
@@ -90,12 +91,12 @@ static void stent_a_size_too_small_is_not_apposed_while_it_beats(void **)
     const Minute result = minute(0.83, 15, 70, 6);
     assert_true(result.apposed_share < 0.8);
     assert_true(result.deepest_mm <= 0.05);
-    // The stent moves with the artery, neither flattened nor torn.
+    // The stent must move with the artery and be neither flattened nor torn.
     assert_true(result.last.diameter_min_mm > 2.0 && std::abs(result.last.length_mm - 17.9) < 1.5);
 }
 
-// Middles of facets lie on the circle, so every vertex is at r / cos(pi/24), by the tree's own points and
-// radii; every 23rd triangle is tested.
+// The middles of facets lie on the circle, so every vertex must be at r / cos(pi/24) from the middle line.
+// The middle line and r come from the tree; every 23rd triangle is tested.
 static void tube_is_that_of_the_tree_narrowed_and_opened(void **)
 {
     const VesselTree tree = beating_artery(true);
@@ -127,7 +128,8 @@ static void tube_is_that_of_the_tree_narrowed_and_opened(void **)
     }
 }
 
-// The lesion is open at one end only: stations as in the core, evenly from the lesion's beginning to its end.
+// The lesion is open at one end only. Its stations are evenly spaced from its beginning to its end, as in the
+// core.
 static void lesion_opens_station_by_station(void **)
 {
     VesselWall vessel(beating_artery(true), 0, 5, 45, nullptr);
@@ -143,8 +145,8 @@ static void lesion_opens_station_by_station(void **)
     assert_true(std::abs(stretch.to_mm - stretch.from_mm - 12) < 0.6 && vessel.lesion_mm(1).is_empty());
 }
 
-// Two stents are deployed one after the other, the second in the first one's end and over half of the lesion;
-// then their orders to the core are compared.
+// Two stents are deployed one after the other. The second lies in one end of the first and covers half of the
+// lesion. Then their orders to the core are compared.
 struct Two {
     VesselWall vessel{beating_artery(true), 0, 5, 45, nullptr};
     Stents stents;
@@ -184,12 +186,12 @@ static void stents_tell_the_core_what_they_hold_open(void **)
     assert_int_equal(two.stents.size(), 2);
     const std::vector<StentHold> whole = two.stents.holds(two.vessel, 0, 13);
     assert_int_equal(whole.back().last, 12);
-    // Where the plaque is thick, the recoil of 3 % counts little: nine tenths are open at the minimal lumen
-    // diameter.
+    // Where the plaque is thick, the recoil of 3 % has little effect, and at the minimal lumen diameter nine
+    // tenths must stay open.
     for (const StentHold &hold : whole)
         if (hold.first <= 6 && hold.last >= 6) assert_true(hold.open_256 > 230 && hold.open_256 <= 256);
     assert_true(stent_overlap_mm(two.stents[1], two.stents[0].sleeve()) > 1.5);
-    // A copy restored from its bytes behaves the same.
+    // A copy that is restored from the bytes of the first must behave in the same way.
     Two other;
     other.deploy(16.0);
     other.deploy(31.0);
@@ -201,8 +203,8 @@ static void stents_tell_the_core_what_they_hold_open(void **)
     assert_false(Two().stents.restore(two.stents.snapshot()));
 }
 
-// A renal artery of 3 mm radius leaves an aorta of 9 mm. The tube begins where the branch leaves the aorta's
-// lumen, so that the part of a stent in the aorta lies on no wall.
+// A renal artery of 3 mm radius leaves an aorta of 9 mm. The tube must begin where the branch leaves the
+// aorta's lumen, so that the part of a stent in the aorta touches no wall.
 static void wall_of_a_branch_begins_at_its_ostium(void **)
 {
     VesselBranch aorta, renal;

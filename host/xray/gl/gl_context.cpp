@@ -1,4 +1,4 @@
-// Chooses between the two kinds of context without a window, and holds what they share.
+// Chooses between the two kinds of OpenGL context that need no window, and has the code that both use.
 #include "host/xray/gl/gl_context.hpp"
 #include "host/xray/gl/gl_headless.hpp"
 #include <cstring>

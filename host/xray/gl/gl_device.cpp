@@ -8,9 +8,9 @@ namespace crn
 namespace
 {
 
-// The camera axes are in mm: x to the right and y up, both multiplied by the focal length in half pictures; z
-// away from the source. The picture's first row is read back first, so y is flipped. Only geometry nearer
-// than 1 mm is clipped.
+// The camera axes are in mm: x to the right, y up, and z away from the source. x and y are multiplied by the
+// focal length, which is stated in half pictures. OpenGL reads back the lowest row first, so y is flipped to
+// get the top row first. Only geometry nearer to the source than 1 mm is clipped.
 constexpr const char *vertex_text = R"(#version 330 core
 layout(location = 0) in vec3 vertex_um;
 uniform vec3 source_um, right, up, forward;
@@ -21,7 +21,8 @@ void main() {
 })";
 
 // 1 / gl_FragCoord.w is the depth, interpolated with correct perspective. The picture is seen from the
-// detector and mirrored, so a face that looks at the source is anticlockwise in it, as it is from outside.
+// detector and mirrored. So a face that looks at the source appears anticlockwise in it, as it does from
+// outside the body.
 constexpr const char *fragment_text = R"(#version 330 core
 uniform float reference_mm;
 out float sum_mm;
@@ -32,7 +33,7 @@ void main() {
 
 constexpr float near_um = 1000.0f;
 
-// The pyramid of rays, which serves to skip chunks outside it.
+// The pyramid of all rays of the picture; chunks outside it are skipped.
 struct Pyramid {
     Eigen::Vector3f source_um, right, up, forward;
     float focal, half; // pixels
@@ -55,7 +56,7 @@ struct Pyramid {
     }
 };
 
-// Runs of neighbouring chunks, one list per channel, in the form that MultiDrawElements expects.
+// Runs of consecutive chunks, in one list per channel, in the form that MultiDrawElements requires.
 struct DrawList {
     std::vector<int> counts;
     std::vector<const void *> offsets;
@@ -153,7 +154,7 @@ GlDevice::~GlDevice()
         gl_.DeleteVertexArrays(1, &array_);
         gl_.DeleteProgram(program_);
     } catch (const GlError &) {
-        // A lost context has already deleted its objects.
+        // A context that was lost has already deleted its objects.
     }
 }
 
@@ -228,8 +229,8 @@ void GlDevice::set_view(const View &view, float reference_mm) const
     gl_.Uniform1f(gl_.GetUniformLocation(program_, "reference_mm"), reference_mm);
 }
 
-// Restores the settings that a draw changes and that other users of the context do not expect to change. Its
-// users set every other setting themselves.
+// Restores the settings that a draw changes, if other users of the context rely on them. The other users set
+// all other settings themselves.
 class GlDevice::StateGuard
 {
   public:
@@ -283,9 +284,9 @@ void GlDevice::draw(const BodyMeshes &meshes, std::span<const std::uint8_t> is_s
     send_vertices(meshes, is_stale);
     resize(meshes.channels.size(), view.size);
     gl_.UseProgram(program_);
-    // Floats are densest near 0, so depths count from the isocentre. A face behind the source is not drawn.
-    // Its body then lacks one face there, and the depth's origin would show in the sum, so the origin moves
-    // to the source itself.
+    // Floats are densest near 0, so depths are measured from the isocentre. A face behind the source is not
+    // drawn. A body with such a face has one depth less in its sum, so that the origin of the depths would
+    // affect the sum. In this case the origin is the source itself.
     set_view(view, plan.is_source_near ? 0.0f : static_cast<float>(view.source_isocentre_m * 1e3));
     set_state(view, rect);
     for (std::size_t channel = 0; channel < pictures_.size(); ++channel) {

@@ -1,5 +1,5 @@
-// Implements EGL without a surface, which Mesa offers as the replacement for OSMesa. It needs no display
-// server either.
+// Implements EGL without a surface, which Mesa offers as the replacement for OSMesa. Like OSMesa, it needs no
+// display server.
 #include "host/xray/gl/gl_headless.hpp"
 #include "host/xray/gl/gl_library.hpp"
 #include <mutex>
@@ -71,8 +71,8 @@ std::string code_of(const Egl &egl)
     return text;
 }
 
-// The one surfaceless display of a process. EGL gives every caller the same display, and ending it ends all
-// contexts on it; therefore the last context ends it.
+// The display of a process for EGL without a surface; a process has only one. EGL gives every caller the same
+// display, and ending it ends all its contexts. So only the last context ends the display.
 class Display
 {
   public:

@@ -1,12 +1,12 @@
-// Opens the two kinds of OpenGL context without a window. This header is private to this folder: others call
-// open_headless.
+// Opens the two kinds of OpenGL context that need no window. This header is private to its folder; other code
+// calls open_headless.
 #pragma once
 #include "host/xray/gl/gl_context.hpp"
 
 namespace crn
 {
 
-// Both throw GlError with the package to install.
+// Both functions throw GlError, whose message names the package to install.
 std::unique_ptr<GlContext> open_osmesa(const std::vector<std::string> &file_names);
 std::unique_ptr<GlContext> open_egl(const std::vector<std::string> &file_names);
 

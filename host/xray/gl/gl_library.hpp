@@ -1,5 +1,6 @@
-// A GlLibraryFile is a shared library opened at run time. It stays loaded for the life of the process: Mesa
-// keeps threads and thread-local data, so that unloading it is not safe. It is private to this folder.
+// A GlLibraryFile is a shared library that is opened at run time. It stays loaded until the process ends,
+// because Mesa keeps threads and thread-local data, and unloading it is not safe. This header is private to
+// its folder.
 #pragma once
 #include <cstring>
 #include <string>
@@ -11,14 +12,14 @@ namespace crn
 class GlLibraryFile
 {
   public:
-    // Opens the first of `names` that can be opened; if none can, is_open() is false and problem() gives the
-    // cause.
+    // Opens the first of the libraries `names` that can be opened. If none can, is_open() returns false and
+    // problem() returns the cause.
     explicit GlLibraryFile(const std::vector<std::string> &names);
 
     bool is_open() const { return handle_ != nullptr; }
     const std::string &name() const { return name_; }
     const std::string &problem() const { return problem_; }
-    // Sets `function` to nullptr when the library has no function of this name.
+    // Sets `function` to nullptr if the library has no function with this name.
     template <class Function> void find(Function &function, const char *name) const
     {
         void *address = symbol(name);

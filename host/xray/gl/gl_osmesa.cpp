@@ -1,4 +1,4 @@
-// Mesa's off-screen library needs neither display nor graphics card, and has the core profile since Mesa
+// Mesa's off-screen library needs neither a display nor a graphics card, and has the core profile since Mesa
 // 11.2.
 #include "host/xray/gl/gl_headless.hpp"
 #include "host/xray/gl/gl_library.hpp"
@@ -64,7 +64,7 @@ class OsMesaContext final : public GlContext
     std::string origin() const override { return "OSMesa (" + library_.file.name() + ")"; }
 
   private:
-    // OSMesa requires a picture of its own, although path lengths go to textures.
+    // OSMesa requires a picture of its own, although path lengths are drawn to textures.
     static constexpr int edge = 8;
 
     OsMesa library_;

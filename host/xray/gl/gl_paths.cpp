@@ -9,7 +9,8 @@ namespace crn
 namespace
 {
 
-// Rounds to the nearest 1/1024 mm. A value that no body can have (a driver's NaN) counts as 0.
+// Rounds to the nearest multiple of 1/1024 mm. A value that is impossible for a body, such as NaN from a
+// driver, counts as 0.
 std::int32_t q10mm(float length_mm)
 {
     const float q10 = length_mm * 1024.0f;
@@ -66,8 +67,8 @@ bool GlPaths::draw(const View &view, std::span<const std::uint8_t> is_drawn, con
     return true;
 }
 
-// Converts depth sums in mm to the materials' pictures in 1/1024 mm; `row` counts from the top of the
-// rectangle.
+// Converts a row of depth sums in mm to the pictures of the materials in 1/1024 mm; `row` is counted from the
+// top of the rectangle.
 void GlPaths::resolve_row(const View &view, const PixelRect &rect, int row, PathForm form,
                           PathPictures &pictures) const
 {

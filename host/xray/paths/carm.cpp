@@ -1,5 +1,5 @@
-// C-arm geometry. Sine and cosine are series of additions and products only, so that every compiler gives the
-// same result.
+// C-arm geometry. Sine and cosine are computed as series of sums and products only, so that every compiler
+// gives the same result.
 #include "host/xray/paths/carm.hpp"
 #include <algorithm>
 #include <array>
@@ -12,7 +12,7 @@ namespace
 
 constexpr double pi = 3.14159265358979323846;
 
-// Taylor series to x^13 and x^14 for |x| <= pi/4; their error is below 1e-14.
+// Taylor's series to x^13 and x^14, for |x| <= pi/4, with an error below 1e-14.
 double sine_series(double x)
 {
     double square = x * x, term = x, sum = x;
@@ -37,7 +37,7 @@ struct SineCosine {
     double sine, cosine;
 };
 
-// Accepts any angle within +-1e6 degrees; whole quarter turns are exact.
+// Accepts any angle within +-1e6 degrees; multiples of 90 degrees are exact.
 SineCosine sine_cosine(double angle_deg)
 {
     double quarters = std::floor(angle_deg / 90.0 + 0.5);

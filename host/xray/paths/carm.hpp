@@ -1,5 +1,6 @@
-// Geometry of the C-arm: the places of source and detector in the patient frame (docs/frames.md). Angles
-// follow DICOM PS3.3 C.8.7.5.1.2: primary + = LAO, - = RAO; secondary + = cranial, - = caudal.
+// The geometry of the C-arm: the places of source and detector in the patient frame (docs/frames.md). Angles
+// are those of DICOM PS3.3 C.8.7.5.1.2: the primary angle is positive for LAO and negative for RAO; the
+// secondary angle is positive for cranial and negative for caudal.
 #pragma once
 #include <Eigen/Core>
 #include <string>
@@ -19,7 +20,7 @@ struct CArm {
     bool operator==(const CArm &) const = default;
 };
 
-// The same geometry as unit vectors and points. Its computation uses no libm, so that every compiler gives
+// The same geometry, as points and unit vectors. It is computed without libm, so that every compiler gives
 // equal bytes.
 struct View {
     Eigen::Vector3d source_m;
@@ -34,15 +35,16 @@ struct View {
 
 View make_view(const CArm &carm, int size);
 
-// Computes the picture coordinates of a patient point: x to the right, y downwards, pixel centres at .5.
-// Returns false for a point behind the source.
+// Computes where a point of the patient appears in the picture: x to the right, y downwards, with pixel
+// centres at .5. Returns false if the point is behind the source.
 bool project(const View &view, const Eigen::Vector3d &point_m, Eigen::Vector2d &pixel);
 
-// Names a direction in the patient as DICOM does (C.7.6.1.1.1): R or L, H or F, A or P; the larger part
-// first, parts below sin 22.5 deg left out. "LP" means to the left and somewhat to the back.
+// Returns DICOM's name of a direction in the patient (C.7.6.1.1.1), from R or L, H or F, and A or P. The
+// letter of the largest component comes first, and components below sin 22.5 deg are left out. For example,
+// "LP" is to the left and somewhat to the back.
 std::string patient_side(const Eigen::Vector3d &direction);
 
-// Limits the angles, SID, SOD and field to the ranges of a C-arm.
+// Limits the angles, SID, SOD and field to the ranges that a C-arm has.
 CArm clamp_carm(const CArm &carm);
 
 } // namespace crn

@@ -1,5 +1,5 @@
-// Cuts a body's mesh into chunks of neighbouring triangles, so that a chunk outside the field is skipped as a
-// whole.
+// Cuts the mesh of a body into chunks of neighbouring triangles, so that a chunk outside the field can be
+// skipped as a whole.
 #include "host/xray/paths/meshes.hpp"
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@ namespace crn
 namespace
 {
 
-// Interleaves three times ten bits, so that neighbours in space get near keys.
+// Interleaves the bits of three numbers of ten bits, so that places that are near in space get similar keys.
 std::uint32_t morton_key(const Eigen::Vector3i &cell)
 {
     std::uint32_t key = 0;

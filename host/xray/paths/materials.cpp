@@ -1,4 +1,4 @@
-// Names of materials; the order is that of the enum.
+// The names of the materials, in the order of the enum.
 #include "host/xray/paths/materials.hpp"
 #include <utility>
 

@@ -1,5 +1,5 @@
-// The materials an X-ray beam meets, by the names used in body files and instrument files. Their attenuation
-// is in attenuation.cpp, written by tools/check/make_attenuation.py.
+// The materials that an X-ray beam may cross, with the names that body files and instrument files use. Their
+// attenuation is in attenuation.cpp, which tools/check/make_attenuation.py writes.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -32,12 +32,12 @@ inline constexpr int material_count = 16;
 // Name as written in files, e.g. "bone_cortical".
 std::string_view material_name(Material material);
 
-// Accepts the names above and these short forms: tissue, skin, organ, water (soft_tissue), heart (muscle),
-// fat (adipose), bone, cortical (bone_cortical), spongy, marrow (bone_spongy), contrast (iohexol_350),
-// steel_304 (steel).
+// Accepts these names, and these short forms: tissue, skin, organ, water (soft_tissue), heart (muscle), fat
+// (adipose), bone, cortical (bone_cortical), spongy, marrow (bone_spongy), contrast (iohexol_350), steel_304
+// (steel).
 std::optional<Material> material_from_name(std::string_view name);
 
-// All accepted names, comma separated, for error messages.
+// Returns all accepted names, separated by commas, for error messages.
 std::string material_names();
 
 } // namespace crn

@@ -1,6 +1,6 @@
-// The scene's bodies in the form for drawing: chunks of neighbouring triangles, so that a chunk outside the
-// field is skipped as a whole. They are made once per scene; then any number of threads and back ends read
-// them.
+// The bodies of a scene in the form in which they are drawn: chunks of neighbouring triangles, so that a
+// chunk outside the field is skipped as a whole. They are made once per scene, and then any number of threads
+// and back ends may read them.
 #pragma once
 #include "host/model/bodies.hpp"
 #include <array>
@@ -11,14 +11,15 @@
 namespace crn
 {
 
-// Bodies of one material inside one other material share a channel. Their sum is added to their own material
-// and subtracted from the parent's.
+// All bodies of one material that lie in bodies of one other material have a common channel, which is one
+// picture of sums. The sums of a channel are added to the bodies' own material and subtracted from the
+// material around them, the parent.
 struct MeshChannel {
     int own = 0;     // material
     int parent = -1; // material, -1: air
 };
 
-// About a hundred neighbouring triangles with the vertices they use.
+// A chunk has about a hundred neighbouring triangles and the vertices that they use.
 struct MeshChunk {
     std::uint32_t vertex_begin = 0, vertex_count = 0;
     std::uint32_t triangle_begin = 0, triangle_count = 0;
@@ -41,13 +42,14 @@ struct BodyMeshes {
 
 inline constexpr int mesh_chunk_triangles = 128;
 
-// Adds the next body of Bodies, cut into chunks. `own` and `parent` are materials; parent -1: air.
+// Appends the next body of Bodies, cut into chunks. `own` and `parent` are materials; a parent of -1 is air.
 void append_body(BodyMeshes &meshes, const Body &body, int own, int parent);
 
-// Replaces a body's vertices by equally many others; its triangles stay.
+// Replaces the vertices of a body by an equal number of others; its triangles stay.
 void move_body(BodyMeshes &meshes, int body, std::span<const Eigen::Vector3i> vertices_um);
 
-// Returns the body's present vertices in the order of Body::vertices_um; those that no triangle uses are 0.
+// Returns the present vertices of a body in the order of Body::vertices_um; a vertex that no triangle uses is
+// 0.
 std::vector<Eigen::Vector3i> body_vertices_um(const BodyMeshes &meshes, int body);
 
 } // namespace crn

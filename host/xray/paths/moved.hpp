@@ -1,5 +1,5 @@
-// Objects that move from picture to picture: tools on the wire, curves of struts and contrast medium, and
-// bodies that beat.
+// The parts of the picture that move from frame to frame: tools on the line, struts and contrast medium as
+// curves, and beating bodies.
 #pragma once
 #include "host/model/wire_frame.hpp"
 #include "host/xray/paths/materials.hpp"
@@ -9,21 +9,23 @@
 namespace crn
 {
 
-// One stretch of a tool by arc length from the tool's tip. A coil is a tube that metal fills partly; a
-// braided wall is two sections over the same stretch, polymer and steel.
+// One stretch of a tool, by its arc length from the tool's tip. A coil is described as a tube that metal
+// fills partly. A braided wall is described as two sections over the same stretch, one of polymer and one of
+// steel.
 struct RadiopaqueSection {
     double arc_begin_m = 0.0;
     double arc_end_m = 3.0;
     Material material = Material::steel;
     double fill = 0.75;        // share of the cross-section filled by the material, 0 .. 1
     double radius_share = 1.0; // of the tool's outer radius; above 1: a band around it
-    // The inner radius is a share of the tool's outer radius. Above 0 the section is a ring outside this
-    // radius and `fill` counts the ring alone (a jacket, a marker band). At 0 it reaches down to the lumen,
-    // and `fill` counts the whole cross-section.
+    // The inner radius, as a share of the tool's outer radius. If it is above 0, the section is a ring
+    // outside this radius, such as a jacket or a marker band, and `fill` is the share of the ring. If it is
+    // 0, the section reaches inwards to the lumen, and `fill` is the share of the whole cross-section.
     double inner_radius_share = 0.0;
 };
 
-// Radii at an arc length from the tool's tip, linear in between; two at the same place make a step.
+// The radii at an arc length from the tool's tip. Between two entries they change linearly; two entries at
+// the same arc length make a step.
 struct RadiopaqueRadius {
     double arc_m = 0.0;
     double outer_m = 0.0;
@@ -35,8 +37,8 @@ struct RadiopaqueInstrument {
     std::vector<RadiopaqueRadius> radii;     // empty: the nodes' radius, solid
 };
 
-// Returns the look of a working guidewire: steel core and coil, with the last `tip_m` of the coil in
-// platinum.
+// Returns the X-ray properties of a typical guidewire: core and coil are of steel, and the last `tip_m` of
+// the coil are of platinum.
 RadiopaqueInstrument guidewire_look(double tip_m = 0.03);
 
 // A point of a curve. Radius and share change linearly to the next point.
@@ -46,25 +48,25 @@ struct SweptPoint {
     double share = 1.0; // of the cross-section that the material fills, 0 .. 1
 };
 
-// A round body along a line of straight pieces: a stent's strut, or the contrast medium in a stretch of
-// vessel. It is drawn directly by exact chords without making triangles, so that a picture can hold hundreds
+// A round body along straight pieces of a line, such as a strut of a stent, or the contrast medium in a
+// stretch of vessel. It is drawn by exact path lengths without triangles, so that a picture can have hundreds
 // of them.
 struct SweptCurve {
     Material material = Material::steel;
     std::vector<SweptPoint> points; // two at least; a curve that is not finite is left out
 };
 
-// Returns the share of iohexol 350 in blood that contains this much iodine.
+// Returns the share of iohexol 350 in blood that has this concentration of iodine.
 double contrast_share(double iodine_mg_per_ml);
 
-// Other vertices for a body of the scene: as many as it has, since its triangles stay. Entries that do not
-// fit are left out.
+// The new places of the vertices of a body. Their number must be that of the scene's body, because the
+// triangles stay. Entries with another number of vertices are left out.
 struct MovedBody {
     int body = 0; // index in Bodies
     std::span<const Eigen::Vector3i> vertices_um;
 };
 
-// All moving parts at the tick of the wire frame.
+// Everything that moves, as it is at the tick of the wire frame.
 struct XrayFrame {
     std::span<const RadiopaqueInstrument>
         tools; // from the innermost out, each over its part of the line (wire.tip_arc_m)

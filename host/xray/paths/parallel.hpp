@@ -1,5 +1,5 @@
-// Runs the same work on a few threads and waits for all of them. Results never depend on the number of
-// threads.
+// Runs the same work on several threads and waits until all have finished. Results never depend on the number
+// of threads.
 #pragma once
 #include <algorithm>
 #include <atomic>
@@ -9,7 +9,7 @@
 namespace crn
 {
 
-// Runs work(index) for index 0 .. count-1 in one thread each; the caller's thread takes index 0.
+// Runs work(index) for index 0 .. count-1, each in its own thread; the calling thread runs index 0.
 template <class Work> void run_on_threads(int count, const Work &work)
 {
     std::vector<std::thread> others;
@@ -18,7 +18,7 @@ template <class Work> void run_on_threads(int count, const Work &work)
     for (std::thread &other : others) other.join();
 }
 
-// The rows of one thread when `rows` rows are shared out among `count` threads.
+// Returns the rows that one thread processes when `count` threads share `rows` rows.
 struct RowRange {
     int begin, end;
 };
@@ -27,7 +27,7 @@ inline RowRange rows_of_thread(int index, int count, int rows)
     return {rows * index / count, rows * (index + 1) / count};
 }
 
-// Runs work(range) over all rows, `step` of them at a time, in whichever thread is free.
+// Runs work(range) over all rows, `step` rows at a time; each range goes to the next thread that is free.
 template <class Work> void run_on_rows(int threads, int rows, int step, const Work &work)
 {
     std::atomic<int> next = 0;

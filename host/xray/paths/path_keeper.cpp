@@ -1,4 +1,4 @@
-// Decides what has changed, and which back end draws it.
+// Determines what has changed since the last frame, and which back end draws it.
 #include "host/xray/paths/path_keeper.hpp"
 #include "host/xray/paths/parallel.hpp"
 #include "host/xray/paths/raster_paths.hpp"
@@ -13,7 +13,7 @@ namespace
 
 constexpr int far_um = 2'000'000; // the same limit as in check_bodies
 
-// Makes a picture for every material that a channel names, and none for the others.
+// Makes a picture for every material that a channel uses, and none for other materials.
 void size_pictures(const BodyMeshes &meshes, int size, PathPictures &pictures)
 {
     const std::size_t pixels = static_cast<std::size_t>(size) * size;
@@ -41,8 +41,8 @@ PixelRect around_both(const PixelRect &a, const PixelRect &b)
     return {std::min(a.x0, b.x0), std::min(a.y0, b.y0), std::max(a.x1, b.x1), std::max(a.y1, b.y1)};
 }
 
-// Returns the pixels that the box around these points can cover; the whole picture when the box reaches
-// behind the source.
+// Returns the pixels that a box around these points can cover. If the box reaches behind the source, this is
+// the whole picture.
 PixelRect covered(const View &view, const std::vector<Eigen::Vector3i> &points_um)
 {
     Eigen::Vector3i low = points_um.front(), high = low;
@@ -147,7 +147,7 @@ void PathKeeper::see_view()
     is_filled_ = true;
 }
 
-// Redraws the moved bodies over their new places and over the places that they have left, and adds them to
+// Redraws the bodies that moved, over their new places and over those that they have left, and adds them to
 // the sums of the bodies at rest.
 void PathKeeper::see_moved(const PixelRect &at_least)
 {
@@ -182,7 +182,7 @@ bool PathKeeper::see(const CArm &carm, int size, const XrayFrame &frame)
     changed_ = {};
     const bool is_any_moved = std::find(is_moved_.begin(), is_moved_.end(), 1) != is_moved_.end();
     const bool are_bodies_drawn = is_new || (is_any_moved && have_moved);
-    // One thread draws the tubes, at the same time as the others draw the bodies.
+    // One thread draws the tools and curves while the others draw the bodies.
     const int lines = are_bodies_drawn && threads_ > 1 ? 2 : 1;
     run_on_threads(lines, [&](int line) {
         if (line == 0 && is_new) see_view();

@@ -1,5 +1,5 @@
-// Path lengths of one view, kept between frames: bodies at rest are redrawn only when the view changes, a
-// moved body when its vertices change, tools and curves in every frame.
+// Path lengths of one view, which are kept between frames. Bodies at rest are redrawn only when the view
+// changes, and a moving body when its vertices change. Tools and curves are redrawn in every frame.
 #pragma once
 #include "host/xray/paths/moved.hpp"
 #include "host/xray/paths/paths.hpp"
@@ -12,7 +12,7 @@ class PathKeeper
   public:
     PathKeeper(const BodyMeshes &meshes, std::unique_ptr<BodyPaths> back_end, int threads);
 
-    // Draws what has changed since the last call. True when `bodies()` has changed.
+    // Draws whatever has changed since the last call. True when `bodies()` has changed.
     bool see(const CArm &carm, int size, const XrayFrame &frame);
 
     const View &view() const { return view_; }
@@ -23,7 +23,7 @@ class PathKeeper
     const std::string &back_end_error() const { return error_; } // why another back end was abandoned
 
   private:
-    // Moves the back end's bodies to the places that the frame gives. True when any has changed.
+    // Moves the bodies of the back end to their places in the frame. True when any has changed.
     bool move(const XrayFrame &frame);
     void see_view();
     void see_moved(const PixelRect &at_least);

@@ -1,16 +1,17 @@
-// Path lengths: the length of each material that every ray crosses. Everything from photons on
-// (host/xray/chain.hpp) uses only these lengths and is independent of meshes and tubes.
+// A path length is the length over which a ray crosses a material; there is one for every ray and material.
+// Everything from the transmission on (host/xray/chain.hpp) uses only these lengths, and does not depend on
+// meshes and tubes.
 //
 //     Bodies ──> BodyPaths (a back end: RasterPaths, or OpenGL) ──┐
 //                                                                 ├──> PathKeeper ──> chain
 //     tools on the wire, by exact chords (tube.hpp) ──────────────┘
 //
-// A back end must deliver one int32 for each material and pixel (see BodyPaths::draw). Its unit is 1/1024 mm.
-// Its value is (depth where the ray leaves) - (depth where it enters) along the ray through the pixel's
-// centre, summed over all faces of the selected bodies. A body's sum is added to its own material and
-// subtracted from its parent's, whatever lies between, so that bodies nested to any depth need no sorting.
-// RasterPaths is the reference. Another back end may differ by rounding, and a test checks that it stays
-// within a stated distance of RasterPaths.
+// A back end must deliver one int32 for each material and pixel (see BodyPaths::draw), in units of 1/1024 mm.
+// Its unit is 1/1024 mm. The value is (depth where the ray leaves) - (depth where it enters), along the ray
+// through the middle of the pixel, summed over all faces of the selected bodies. The sum of a body is added
+// to its own material, and subtracted from that of its parent, in which it lies. So bodies nested to any
+// depth need no sorting. RasterPaths is the reference. Another back end may differ from RasterPaths by
+// rounding, and a test checks that the difference stays within a stated length.
 #pragma once
 #include "host/xray/paths/carm.hpp"
 #include "host/xray/paths/materials.hpp"
@@ -26,8 +27,8 @@
 namespace crn
 {
 
-// One picture per material, size*size, row 0 on top, in 1/1024 mm; empty where the scene has no such
-// material.
+// One picture per material, size*size pixels with row 0 on top, in 1/1024 mm. A picture is empty if the scene
+// has no such material.
 using PathPictures = std::array<std::vector<std::int32_t>, material_count>;
 
 // Pixels [x0, x1) x [y0, y1).
@@ -41,30 +42,32 @@ enum class PathForm {
     ray_lengths, // final lengths along the ray, none below 0
 };
 
-// A back end that draws closed bodies. It is made for one BodyMeshes, which outlives it; only one thread uses
-// it at a time.
+// A back end, which draws closed bodies. It is made for one BodyMeshes, which must live longer; only one
+// thread may use it at a time.
 class BodyPaths
 {
   public:
     virtual ~BodyPaths() = default;
     virtual std::string_view name() const = 0; // for messages and file headers: "raster", "opengl"
 
-    // Replaces the vertices of one body by equally many others from now on.
+    // From now on replaces the vertices of one body by an equal number of others.
     virtual void move(int body, std::span<const Eigen::Vector3i> vertices_um) = 0;
 
-    // Sets every pixel of `rect` to the sums of the bodies whose `is_drawn` is not 0 (one entry per body). It
-    // does so in the pictures of all materials that the meshes' channels name; the rest of each picture
-    // stays. `pictures` has the right sizes already. Nothing nearer to the source than 1 mm, or behind it, is
-    // drawn. Returns false with a message when the device fails; PathKeeper then continues with RasterPaths.
+    // Sets every pixel in `rect` to the sums of those bodies whose entry in `is_drawn` is not 0; there is one
+    // entry per body. This applies to the pictures of all materials that the channels of the meshes use.
+    // Pixels outside `rect` do not change. `pictures` must already have the right sizes. Nothing behind the
+    // source, or nearer to it than 1 mm, is drawn. Returns false with a message if the device fails;
+    // PathKeeper then continues with RasterPaths.
     virtual bool draw(const View &view, std::span<const std::uint8_t> is_drawn, const PixelRect &rect,
                       PathForm form, PathPictures &pictures, std::string &error) = 0;
 };
 
-// Turns axis sums into ray lengths in place: columns [begin, end) of one row.
+// Converts sums along the axis to lengths along the rays, in place, for the columns [begin, end) of one row.
 void finish_row(const View &view, int row, int begin, int end, std::int32_t *line);
 
-// The path lengths that tools add to the bodies'. Only pixels that a tool touches have entries. Several rays
-// cross each pixel, since tools are thin; each ray has one length per drawn material.
+// The path lengths that tools add to those of the bodies. Only pixels that a tool touches have entries.
+// Several rays pass through each of these pixels, because tools are thin. Each ray has one length for each of
+// the drawn materials.
 inline constexpr int tool_rays = 9;
 
 struct ToolPaths {
@@ -77,7 +80,8 @@ struct ToolPaths {
     std::vector<std::int32_t> q10mm;
 
     std::size_t ints_per_pixel() const { return materials.size() * tool_rays; }
-    // Returns the sum over all rays of one touched pixel for one of `materials`: tool_rays times the mean.
+    // Returns the sum over all rays of one touched pixel, for one of `materials`; this is tool_rays times the
+    // mean.
     std::int32_t sum(std::size_t touched, std::size_t material) const
     {
         const std::int32_t *ray = q10mm.data() + touched * ints_per_pixel() + material * tool_rays;

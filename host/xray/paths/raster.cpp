@@ -1,5 +1,6 @@
-// Corners are snapped to 1/256 pixel; edge functions are integers with the top-left rule, so that
-// neighbouring triangles cover every pixel exactly once; depth is perspective-correct (1/depth is a plane).
+// Projects triangles to the picture. Corners are rounded to 1/256 pixel. Edge functions are integers and
+// follow the top-left rule, so that neighbouring triangles cover every pixel exactly once. Depth has correct
+// perspective, because 1/depth is linear in the picture.
 #include "host/xray/paths/raster.hpp"
 #include "host/xray/paths/lanes.hpp"
 #include <algorithm>
@@ -17,7 +18,8 @@ float dot(const Eigen::Vector3f &a, const Eigen::Vector3f &b)
     return a.x() * b.x() + a.y() * b.y() + a.z() * b.z();
 }
 
-// Returns true when the chunk's sphere lies outside one side of the pyramid of rays, or behind the source.
+// Returns true if the sphere around the chunk lies outside one side of the pyramid of rays, or behind the
+// source.
 bool is_outside(const Camera &camera, const MeshChunk &chunk)
 {
     const Eigen::Vector3f centre = chunk.centre_um - camera.source;
@@ -30,7 +32,8 @@ bool is_outside(const Camera &camera, const MeshChunk &chunk)
     return x > depth * edge + slack || y > depth * edge + slack;
 }
 
-// Projects whole lanes of corners. Returns false when a corner lies beyond the guard or nearer than near_um.
+// Projects whole lanes of corners. Returns false if a corner lies farther from the picture than guard_pixels,
+// or nearer to the source than near_um.
 CRN_WIDE bool project_corners(const Camera &camera, const float *x_um, const float *y_um, const float *z_um,
                               int count, Corner *corners)
 {
@@ -51,8 +54,8 @@ CRN_WIDE bool project_corners(const Camera &camera, const float *x_um, const flo
             const bool is_plain =
                 int{depth >= near_um} & int{std::fabs(u) <= guard_pixels} & int{std::fabs(v) <= guard_pixels};
             is_far |= is_plain ? 0 : 1;
-            // The value is clamped, since converting a number that does not fit is undefined; such a chunk
-            // takes the slow path.
+            // The value is limited, because converting a number that is too large for the integer is
+            // undefined. A chunk with such a corner is drawn by raster_clipped instead.
             const float held_u = u < guard_pixels ? (u > -guard_pixels ? u : -guard_pixels) : guard_pixels;
             const float held_v = v < guard_pixels ? (v > -guard_pixels ? v : -guard_pixels) : guard_pixels;
             at_x[i] = snap(held_u);
@@ -64,8 +67,8 @@ CRN_WIDE bool project_corners(const Camera &camera, const float *x_um, const flo
     return is_far == 0;
 }
 
-// Keeps the triangles whose box holds the centre of a pixel of `rect`, with those pixels; leaves out the
-// others.
+// Keeps the triangles whose bounding box contains the middle of a pixel in `rect`, together with those
+// pixels, and leaves out all others.
 CRN_WIDE void keep_triangles(const std::array<std::uint16_t, 3> *triangles, std::uint32_t count,
                              const Corner *corners, const PixelRect &rect, KeptTriangle *kept,
                              Projection::OfChunk &of_chunk)

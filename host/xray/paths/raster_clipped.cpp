@@ -1,4 +1,5 @@
-// Triangles that reach far off the picture or behind the source are drawn pixel by pixel in 64 bits.
+// Triangles that reach far outside the picture or behind the source are drawn here, pixel by pixel, with
+// 64-bit numbers.
 #include "host/xray/paths/raster.hpp"
 #include <algorithm>
 #include <cmath>
@@ -13,7 +14,7 @@ float dot(const Eigen::Vector3f &a, float x, float y, float z)
     return a.x() * x + a.y() * y + a.z() * z;
 }
 
-// Depth and picture position before snapping.
+// A corner's position in the picture before rounding, and its depth.
 struct Projected {
     float x, y, depth_um;
 };
@@ -29,8 +30,9 @@ Projected project_um(const Camera &camera, const Eigen::Vector3f &vertex_um)
             camera.half_pixels - dot(camera.up, x, y, z) * scale, depth};
 }
 
-// Within the guard corners are snapped like all others, since they may be shared. Farther off they reach up
-// to four million pixels, so that products of differences fit 64 bits.
+// Within guard_pixels a corner is rounded like all others, because a neighbouring triangle may have the same
+// corner. The coordinates of a corner farther away are limited to four million pixels, so that products of
+// differences fit into 64 bits.
 std::int32_t snap_far(float pixels)
 {
     if (std::fabs(pixels) <= guard_pixels) return snap(pixels);
@@ -43,8 +45,8 @@ Corner corner(const Projected &p)
     return {snap_far(p.x), snap_far(p.y), 1.0f / p.depth_um};
 }
 
-// One edge, a to b: positive on the inner side. It holds the value at a pixel's centre and the steps by one
-// pixel.
+// The function of the edge from a to b, which is positive on the inner side of the triangle. It has the value
+// at the middle of a pixel, and the changes from one pixel to the next.
 struct Edge {
     std::int64_t row, step_x, step_y;
 
@@ -58,7 +60,7 @@ struct Edge {
         step_x = -dy * subpixels;
         step_y = dx * subpixels;
     }
-    // Narrows [first, last] to the columns on the inner side.
+    // Reduces the range [first, last] to the columns on the inner side of the edge.
     void narrow(std::int64_t &first, std::int64_t &last) const
     {
         if (step_x > 0) {
@@ -71,8 +73,8 @@ struct Edge {
     }
 };
 
-// Plane of 1/depth over the picture, limited to the range of the corners' values, so that a sliver gives no
-// extreme depth.
+// The plane of 1/depth over the picture. Its values are limited to the range of those at the corners, so that
+// a very thin triangle gives no extreme depth.
 struct DepthPlane {
     float origin, slope_x, slope_y, low, high;
     std::int32_t x, y;
@@ -99,7 +101,7 @@ struct DepthPlane {
     }
 };
 
-// Returns the pixels of the tile whose centres lie in the triangle's box.
+// Returns the pixels of the tile whose middles lie in the triangle's bounding box.
 PixelRect pixels_inside(const Corner &a, const Corner &b, const Corner &c, const PixelRect &tile)
 {
     constexpr int half = subpixels / 2;
@@ -111,7 +113,8 @@ PixelRect pixels_inside(const Corner &a, const Corner &b, const Corner &c, const
             std::min(((max_y - half) >> subpixel_bits) + 1, tile.y1)};
 }
 
-// a, b, c clockwise in the picture (positive area); sign is +1 for an exit and -1 for an entry.
+// The corners a, b, c must be clockwise in the picture (positive area); `sign` is +1 where rays leave the
+// body, and -1 where they enter it.
 void fill(const Corner &a, const Corner &b, const Corner &c, float area, const PixelRect &box,
           std::int32_t sign, const PixelRect &tile, std::int32_t *sums)
 {
@@ -133,7 +136,7 @@ void fill(const Corner &a, const Corner &b, const Corner &c, float area, const P
     }
 }
 
-// The picture is seen from the detector: a face that looks at the source is clockwise in it.
+// The picture is seen from the detector, so a face that looks at the source is clockwise in it.
 void draw(const Corner &a, const Corner &b, const Corner &c, const PixelRect &tile, std::int32_t *sums)
 {
     const PixelRect box = pixels_inside(a, b, c, tile);
@@ -149,7 +152,7 @@ void draw(const Corner &a, const Corner &b, const Corner &c, const PixelRect &ti
 
 } // namespace
 
-// Cuts the triangle at the near plane, then splits the rest into a fan.
+// Cuts the triangle at the near plane, and divides the rest into a fan of triangles.
 void raster_clipped(const Camera &camera, const std::array<Eigen::Vector3f, 3> &vertices,
                     const PixelRect &tile, std::int32_t *sums)
 {

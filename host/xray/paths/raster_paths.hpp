@@ -1,4 +1,5 @@
-// The reference back end: the integer rasteriser on all cores. The sums are equal for any number of threads.
+// The reference back end, which is the integer rasteriser on all processor cores. The sums are equal for any
+// number of threads.
 #pragma once
 #include "host/xray/paths/raster.hpp"
 
@@ -16,7 +17,7 @@ class RasterPaths : public BodyPaths
               PathPictures &pictures, std::string &error) override;
 
   private:
-    // One thread's sums of a tile, and the channels that have any.
+    // The sums of a tile that one thread works on, and the channels that have any.
     struct Tile {
         std::vector<std::int32_t> sums; // [channel][tile_ints]
         std::vector<std::uint8_t> has_channel;

@@ -1,5 +1,5 @@
-// Draws the chunks that meet one tile: their triangles are gathered eight at a time, whatever chunk they come
-// from.
+// Draws the chunks that touch one tile. Their triangles are collected in groups of eight, across the borders
+// of chunks.
 #pragma once
 #include "host/xray/paths/lanes.hpp"
 #include "host/xray/paths/raster.hpp"
@@ -7,17 +7,19 @@
 namespace crn
 {
 
-// Eight triangles set up together: edges and depth at the first pixel of each one's part of the tile.
+// Eight triangles that are set up together: their edges and depths at the first pixel of each triangle's part
+// of the tile.
 struct Batch {
     std::int32_t ax[lane_count], ay[lane_count], bx[lane_count], by[lane_count], cx[lane_count],
         cy[lane_count];
     float a_inverse[lane_count], b_inverse[lane_count], c_inverse[lane_count];
     std::int32_t column[lane_count], row[lane_count], columns[lane_count],
         rows[lane_count]; // part of the tile
-    // Edge functions at the first pixel's centre, and their steps by one pixel. They are in units of
-    // `subpixels`, rounded down, since the steps are whole multiples and only the sign counts.
+    // The edge functions at the middle of the first pixel, and their changes from pixel to pixel. They are
+    // divided by `subpixels` and rounded down. This is exact enough, because the changes are whole multiples,
+    // and only the sign matters.
     std::int32_t edge[3][lane_count], step_x[3][lane_count], step_y[3][lane_count];
-    // The rows that an edge allows in each strip of eight columns.
+    // The range of rows that an edge allows in each strip of eight columns.
     float from[3][lane_count], from_step[3][lane_count], to[3][lane_count], to_step[3][lane_count];
     float area[lane_count], slope_x[lane_count], slope_y[lane_count], low[lane_count], high[lane_count];
     std::int32_t sign[lane_count];  // -1 for an entry, 0 for an exit
@@ -35,10 +37,10 @@ class TileRaster
     {
     }
 
-    // Adds the part of the chunk that lies in the tile to `sums`, whose first entry is pixel (tile.x0,
-    // tile.y0).
+    // Adds the part of the chunk that lies in the tile to `sums`, whose first entry is that of pixel
+    // (tile.x0, tile.y0).
     void add(std::size_t chunk, std::int32_t *sums);
-    // Draws the triangles that are still gathered.
+    // Draws the triangles that have been collected but not yet drawn.
     void finish();
 
   private:
