@@ -1,4 +1,5 @@
-// Works row by row on all threads: each row depends only on its neighbours' photons.
+// The read-out works row by row on all threads, because each row depends only on the photons of neighbouring
+// rows.
 #include "host/xray/readout.hpp"
 #include "host/xray/lag.hpp"
 #include "host/xray/paths/lanes.hpp"
@@ -41,8 +42,8 @@ CRN_WIDE void quantise_row(const float *signal, int size, float gain, std::uint1
     }
 }
 
-// Takes the logarithm, reduces slow changes, then applies an S-curve: few photons (bone, metal) are dark.
-// Window and level follow.
+// Takes the logarithm, reduces slow changes, and then applies an S-curve, so that pixels with few photons
+// (bone, metal) are dark. Window and level follow.
 CRN_WIDE void display_row(const Curve &curve, const std::uint16_t *raw, const float *slow, int size,
                           std::uint16_t *shown, std::uint8_t *grey)
 {

@@ -17,8 +17,8 @@ std::uint16_t logarithm(float value)
         std::clamp(steps_per_octave * log2_positive(1.0f + value) + 0.5f, 0.0f, 65535.0f));
 }
 
-// The window's edges follow the values at them; a window beyond the range of values is clamped to the end of
-// that range.
+// The edges of the window change like the pixel values at them. A window that reaches beyond the range of
+// values is limited to that range.
 void move_window(XrayRun &run)
 {
     const auto moved = [](double value) {

@@ -1,5 +1,5 @@
-// One acquired run of the X-ray room: the source of cine loops, masks and files. The room fills it frame by
-// frame, and host/dicom writes it. It is plain data.
+// One acquired run of the X-ray room, from which cine loops, masks and files are made. The room adds the
+// frames one by one, and host/dicom writes the run to files. It is plain data.
 #pragma once
 #include "host/xray/paths/carm.hpp"
 #include <cstdint>
@@ -12,15 +12,15 @@ namespace crn
 
 enum class RunKind { fluoro, cine, dsa };
 
-// Relation of raw pixel values to the X-ray intensity at the detector: LIN, LOG and DISP of PS3.3
-// C.8.7.1.1.2.
+// How raw pixel values relate to the X-ray intensity at the detector: LIN, LOG and DISP of PS3.3 C.8.7.1.1.2.
 enum class PixelRelation {
     linear,      // proportional to it
     logarithmic, // proportional to its logarithm
     display,     // changed for viewing, no fixed relation
 };
 
-// The open field on the picture, in pixels from the left and top edge. It is a rectangle or a circle.
+// The part of the picture that the collimator leaves open, in pixels from the left and top edge. The open
+// part is a rectangle or a circle.
 struct RunCollimator {
     bool is_circular = false;
     int left = 0, right = 0, top = 0, bottom = 0; // open columns [left, right), rows [top, bottom)
@@ -39,8 +39,8 @@ struct RunFrame {
     std::vector<std::uint16_t> raw; // size*size, row 0 on top
 };
 
-// Filters in the order in which the beam meets them. The words are those of PS3.3 C.8.7.10, Filter Material:
-// "copper", "aluminum".
+// The filters, in the order in which the beam passes through them. The names of materials are those of PS3.3
+// C.8.7.10, Filter Material: "copper", "aluminum".
 struct RunFilter {
     std::string material;
     double thickness_mm = 0.0;
@@ -55,7 +55,7 @@ struct RunContrast {
     double duration_s = 0.0;
 };
 
-// The mask of a DSA run is the mean of these frames. It is moved by the shift and subtracted from every other
+// The mask of a DSA run is the mean of these frames. The mean is shifted and subtracted from every other
 // frame.
 struct RunMask {
     std::vector<int> frames; // counted from 0 within the run; at least one
@@ -69,8 +69,8 @@ struct XrayRun {
     int size = 0;              // pixels along each edge, the same in every frame
     double pulses_per_s = 0.0; // nominal; frames may be further apart, and their ticks give the true times
     PixelRelation relation = PixelRelation::linear;
-    // Only for logarithmic runs, see make_logarithmic(): for every raw value, a value proportional to the
-    // intensity.
+    // For logarithmic runs only, see make_logarithmic(): gives for every raw value a value proportional to
+    // the intensity.
     std::vector<std::uint16_t> to_linear;
     int bits = 16;              // stored per pixel: 8, 10, 12 or 16
     double window_centre = 0.0; // raw values: the window in which a viewer first shows the run
@@ -83,11 +83,11 @@ struct XrayRun {
     std::vector<RunFrame> frames; // in order of time
 };
 
-// Raw values of a linear run with 16 bits become 65535/16 log2(1 + value), and its window is converted with
-// them. One step is 0.017 % of the intensity. A plain difference of two frames is then the DSA picture, also
-// in viewers that cannot take logarithms.
+// Replaces the raw values of a linear run with 16 bits by 65535/16 log2(1 + value), and converts its window
+// in the same way. One step of the new values is 0.017 % of the intensity. The difference of two frames is
+// then the DSA picture, also in viewers that cannot compute logarithms.
 void make_logarithmic(XrayRun &run);
-// Returns the table of this conversion, with 65,536 entries, and the inverse table.
+// These return the table of this conversion, which has 65,536 entries, and the inverse table.
 const std::vector<std::uint16_t> &logarithm_table();
 
 } // namespace crn

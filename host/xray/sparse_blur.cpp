@@ -1,4 +1,4 @@
-// Scatters the list of pixels into a picture, and gathers the values.
+// Writes the values of the listed pixels into a picture, and collects the blurred values from it.
 #include "host/xray/sparse_blur.hpp"
 #include <algorithm>
 

@@ -1,5 +1,5 @@
-// Blurs values that are zero except at some pixels, such as what tools take from the beam. The cost depends
-// on the number of those pixels and not on the picture's size.
+// Blurs values that are zero except at some pixels, such as the signal that tools absorb. The cost depends on
+// the number of those pixels, and not on the size of the picture.
 #pragma once
 #include "host/xray/blur.hpp"
 #include <cstdint>
@@ -12,13 +12,13 @@ namespace crn
 class SparseBlur
 {
   public:
-    // Blurs along rows, then along columns. `pixels` holds row*size + column, each once, with their values.
-    // Beyond its edges the picture continues with its edge values. Sums have a fixed order, so the result has
-    // the same bits everywhere.
+    // Blurs first along rows and then along columns. `pixels` has the indices row*size + column, each only
+    // once, and `values` their values. Beyond an edge of the picture its edge values continue. The sums have
+    // a fixed order, so the result has the same bits everywhere.
     void run(int size, std::span<const std::int32_t> pixels, std::span<const float> values,
              const BlurKernel &kernel);
 
-    // Result of the last run: the pixels that have become nonzero, and their values.
+    // The result of the last run: the pixels that became nonzero, and their values.
     const std::vector<std::int32_t> &pixels() const { return pixels_; }
     const std::vector<float> &values() const { return values_; }
 

@@ -1,10 +1,10 @@
-// Computes the output of the X-ray tube: photons per energy for any tube voltage and filter.
+// Computes the output of the X-ray tube: the photons at each energy, for any tube voltage and filter.
 //
 // The model is that of Tucker, Barnes and Chakraborty, "Semiempirical model for generating tungsten target
-// x-ray spectra", Med. Phys. 18 (1991) 402: bremsstrahlung and K lines of electrons that slow down in the
-// anode (Thomson-Whiddington), seen through the tungsten above them. The anode angle is 11 degrees. Its
-// output is scaled by one factor to the kerma that spekpy 2.5.4 gives at 80 kV behind 2.5 mm Al + 0.2 mm Cu.
-// It uses no libm, so that every compiler gives the same table.
+// x-ray spectra", Med Phys 18 (1991) 402. Electrons slow down in the anode (Thomson-Whiddington) and make
+// bremsstrahlung and K lines, which are attenuated by the tungsten above them. The anode angle is 11 degrees.
+// One factor scales the output to the kerma that spekpy 2.5.4 gives at 80 kV behind 2.5 mm Al + 0.2 mm Cu.
+// The computation uses no libm, so that every compiler gives the same table.
 #pragma once
 #include "host/xray/attenuation.hpp"
 #include <array>
@@ -15,20 +15,21 @@ namespace crn
 inline constexpr double tube_voltage_min_kV = 40.0, tube_voltage_max_kV = 125.0;
 inline constexpr double inherent_aluminium_mm = 2.5; // glass, oil and window of the tube, as aluminium
 
-// Photons per mm2 and mAs at 1 m from the focal spot, in each step of 1 keV (energy_keV).
+// The photons per mm2 and mAs at 1 m from the focal spot, in each step of 1 keV (energy_keV).
 using Spectrum = std::array<double, energy_count>;
 
-// Returns the spectrum behind the inherent filter and `copper_mm`; voltages are clamped to the limits above.
+// Returns the spectrum behind the inherent filter and `copper_mm` of copper. The voltage is limited to the
+// range above.
 Spectrum tube_spectrum(double tube_voltage_kV, double copper_mm);
 
 // Returns the spectrum behind `thickness_cm` of a material.
 Spectrum behind(const Spectrum &spectrum, Material material, double thickness_cm);
 
-// Returns the air kerma of these photons, uGy.
+// Returns the air kerma of these photons, in uGy.
 double air_kerma_uGy(const Spectrum &photons_mm2);
 
-// Returns the share of photons of this energy that the scintillator absorbs: 0.55 mm CsI at the crystal's
-// density (a layer of needles about 0.6 mm thick).
+// Returns the share of photons of this energy that the scintillator absorbs. It is 0.55 mm of CsI at the
+// density of the crystal, or a layer of needles about 0.6 mm thick.
 double scintillator_absorption(int energy_index);
 
 } // namespace crn

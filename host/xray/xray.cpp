@@ -1,4 +1,5 @@
-// Makes one picture: the kept view of the patient, instruments on top, photons, grey values.
+// Makes one picture: the signal of the patient, kept from earlier pictures; then tools, photons and grey
+// values.
 #include "host/xray/xray.hpp"
 #include "host/xray/chain.hpp"
 #include "host/xray/paths/parallel.hpp"
@@ -17,7 +18,7 @@ std::string describe(const Body &body, std::size_t index)
     return "body " + std::to_string(index) + " \"" + body.name + "\"";
 }
 
-// Puts the tools' values into the signal; a second call takes them out again.
+// Exchanges the signal at the tools' pixels for the signal behind the tools; a second call restores it.
 void swap_tools(XrayChain &chain)
 {
     const std::vector<std::int32_t> &pixels = chain.tool_blur.pixels();
@@ -59,7 +60,7 @@ double open_pixels(const XrayChain &chain)
     return static_cast<double>(count);
 }
 
-// Sets photons, gain and dose of a technique.
+// Computes the photons, the gain and the dose of a technique.
 void expose(XrayChain &chain, const XraySettings &settings, const ExposureChoice &choice,
             XrayPicture &picture)
 {
@@ -77,7 +78,8 @@ void expose(XrayChain &chain, const XraySettings &settings, const ExposureChoice
         picture.air_kerma_uGy * 1e-6 * open_pixels(chain) * pixel_mm2 * 1e-2 * square(nearer);
 }
 
-// After a change of size or field, pixels have other places, and their traps are empty.
+// After a change of size or field the pixels have other places on the detector, so the memory of lag is
+// emptied.
 void prepare_lag(const XraySettings &settings, std::uint32_t tick, XrayMemory &memory)
 {
     const std::size_t pixels = static_cast<std::size_t>(settings.size) * settings.size;

@@ -1,5 +1,5 @@
-// X-ray pictures of bodies and tools: path lengths, tube spectrum, exposure control, scatter, blur, quantum
-// noise, lag, display.
+// X-ray pictures of bodies and tools. They include path lengths, tube spectrum, exposure control, scatter,
+// blur, quantum noise, lag and display.
 //
 //   XrayScene scene; scene.set_bodies(bodies, error);
 //   Xray xray(scene, threads);
@@ -7,9 +7,9 @@
 //   XrayMemory memory;                                             {}: generator and detector just switched on
 //   xray.render(settings, tools, frame, seed, memory, picture);    one of a sequence; memory carries over
 //
-// A picture is a pure function of (bodies, tools, wire frame, settings, seed, wire frame's tick, memory): it
-// has the same bytes for any number of threads, compiler and optimisation level. Path lengths of the bodies
-// are kept while the C-arm does not move. See docs/xray.md.
+// A picture depends only on bodies, tools, wire frame with its tick, settings, seed and memory. It has the
+// same bytes for any number of threads, compiler and optimisation level. The path lengths of the bodies are
+// kept as long as the C-arm does not move. See docs/xray.md.
 #pragma once
 #include "host/model/bodies.hpp"
 #include "host/xray/exposure.hpp"
@@ -30,13 +30,13 @@ namespace crn
 
 struct XrayBeam {
     ExposureMode mode = ExposureMode::fluoro;
-    // Dose behind patient and grid, mean over the measuring field. It is the target of automatic exposure,
-    // and the detector's gain is set for it. Usual values: fluoroscopy 20 .. 60, cine 100 .. 250, DSA 500 ..
-    // 3000.
+    // The dose behind patient and grid, as a mean over the measuring field. Automatic exposure aims at this
+    // dose, and the gain of the detector is set for it. Usual values are 20 .. 60 in fluoroscopy, 100 .. 250
+    // in cine, and 500 .. 3000 in DSA.
     double dose_per_frame_nGy = 40.0;
     double frame_period_ms = 1000.0 / 15.0; // for the limit of the dose rate
-    // Replaces automatic exposure: set by hand, or locked during a DSA run. It is clamped to the tube's
-    // limits.
+    // If set, this technique replaces automatic exposure; the user has set it, or it is locked during a DSA
+    // run. It is limited to the ranges of the tube.
     std::optional<XrayTechnique> fixed_technique;
     bool noise = true;
     bool scatter = true;
@@ -49,8 +49,8 @@ struct XrayDisplay {
     double contrast = 1.0;   // slope of the display curve
     double brightness = 0.0; // -1 .. 1
     double harmonise = 0.65; // 0: plain log image; towards 1: slow changes of density are levelled
-    // Window of the 12-bit values `shown`, as DICOM PS3.3 C.11.2.1.2 defines it: values between level -+
-    // window/2 get all greys.
+    // The window of the 12-bit values `shown`, as defined by DICOM PS3.3 C.11.2.1.2: the values between level
+    // -+ window/2 cover all greys.
     double window = 4096.0;
     double level = 2048.0;
 };
@@ -62,7 +62,7 @@ struct XraySettings {
     int size = 512; // pixels along each edge, 64 .. 2048
 };
 
-// Returns the edge that a picture really gets: within 64 .. 2048, a multiple of 16.
+// Returns the size in pixels that a picture really gets: a multiple of 16 within 64 .. 2048.
 int held_size(int size);
 
 // Raw values are 14 bits. The demanded dose gives raw_of_wanted_dose.
@@ -89,7 +89,8 @@ struct XrayPicture {
     double kap_Gy_cm2 = 0.0; // kerma times the collimated field's area, the same at every distance
 };
 
-// The memory of generator and detector from picture to picture. Plain data: a copy saves it, {} resets it.
+// What generator and detector remember from picture to picture. It is plain data: a copy saves it, and {}
+// resets it.
 struct XrayMemory {
     bool is_used = false;
     ExposureState exposure;
@@ -107,7 +108,7 @@ struct BodyMeshes;
 // Makes the back end that draws the bodies (paths.hpp).
 using BodyPathsMaker = std::function<std::unique_ptr<BodyPaths>(const BodyMeshes &meshes, int threads)>;
 
-// The bodies of a scene: immutable after set_bodies; shared by any number of Xray.
+// The bodies of a scene. They do not change after set_bodies, and any number of Xray objects may use them.
 class XrayScene
 {
   public:
@@ -115,8 +116,8 @@ class XrayScene
     ~XrayScene();
     XrayScene(const XrayScene &) = delete;
     XrayScene &operator=(const XrayScene &) = delete;
-    // Returns false with a message (the body's name and the cause) when a material or parent is unknown; the
-    // scene is then empty.
+    // Returns false if a material or parent is unknown; `error` then gives the body's name and the cause, and
+    // the scene is empty.
     bool set_bodies(const Bodies &bodies, std::string &error);
     std::size_t triangle_count() const;
     struct Meshes;
@@ -129,30 +130,32 @@ class XrayScene
 class Xray
 {
   public:
-    // With `threads` 0 there is one per processor, 4 at most. Without a maker RasterPaths draws the bodies.
+    // With `threads` 0 there is one thread per processor, and at most 4. Without `make_paths`, RasterPaths
+    // draws the bodies.
     explicit Xray(const XrayScene &scene, int threads = 0, const BodyPathsMaker &make_paths = {});
     ~Xray();
     Xray(const Xray &) = delete;
     Xray &operator=(const Xray &) = delete;
 
-    // `tools` are given from the innermost out, each over the part of the line that it covers
+    // `tools` are given from the innermost out; each is drawn over the part of the line that it covers
     // (wire.tip_arc_m).
     void render(const XraySettings &settings, std::span<const RadiopaqueInstrument> tools,
                 const WireFrame &wire, std::uint64_t seed, XrayPicture &picture);
 
-    // Makes the next picture of a sequence: exposure follows the earlier pictures, and the detector lags.
-    // Without `memory` automatic exposure has settled and there is no lag.
+    // Makes the next picture of a sequence: exposure depends on the earlier pictures, and the detector has
+    // lag. A picture without `memory` has the exposure at which the control settles, and no lag.
     void render(const XraySettings &settings, std::span<const RadiopaqueInstrument> tools,
                 const WireFrame &wire, std::uint64_t seed, XrayMemory &memory, XrayPicture &picture);
 
-    // Makes the same with everything that can move: struts, contrast medium, beating bodies. `memory` may be
-    // null.
+    // Makes the same picture with everything that can move: tools, struts, contrast medium and beating
+    // bodies. `memory` may be null.
     void render(const XraySettings &settings, const XrayFrame &frame, std::uint64_t seed, XrayMemory *memory,
                 XrayPicture &picture);
 
-    // Path lengths of the last render in 1/1024 mm, size*size each: of the bodies (nested ones subtracted
-    // from their parents), and of tools with curves, below 0 where they displace material. Empty when the
-    // material is absent.
+    // The path lengths of the last picture in 1/1024 mm, size*size each. The first are those of the bodies,
+    // where nested ones are subtracted from their parents. The second are those of tools and curves; they are
+    // negative where these displace a material. The result is empty if the picture does not have the
+    // material.
     std::vector<std::int32_t> body_path_q10mm(Material material) const;
     std::vector<std::int32_t> instrument_path_q10mm(Material material) const;
     bool last_render_used_cache() const;

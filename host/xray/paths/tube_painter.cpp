@@ -1,5 +1,5 @@
-// A ray is t d with d = (u, v, focal length) in pixels; the piece's middle lies at t0 d0. All values computed
-// in single precision are small: pixels from d0, and t - t0.
+// A ray is t d with d = (u, v, focal length) in pixels, and the middle of the piece lies at t0 d0. Single
+// precision is enough, because all values computed in it are small: the pixels from d0, and t - t0.
 #include "host/xray/paths/tube_painter.hpp"
 #include "host/xray/paths/lanes.hpp"
 #include <algorithm>
@@ -26,7 +26,7 @@ Vector3 single(const Vector3d &v)
     return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
 }
 
-// The constants for the chords of one piece.
+// The values that are constant for all rays through one piece.
 struct Chords {
     Vector3 axis, normal_a, normal_b;
     float middle_u, middle_v, focal, t0; // pixels; mm per pixel
@@ -45,8 +45,8 @@ float greatest(float a, float b)
     return a > b ? a : b;
 }
 
-// Computes the filled chords, in 1/1024 mm, of `count` rays in a row: (u + i step, v), in pixels from the
-// piece's middle.
+// Computes path lengths in the full cylinder, in 1/1024 mm, for `count` rays in a row: (u + i step, v), in
+// pixels from the middle of the piece.
 CRN_WIDE void chords_of_row(const Chords &c, float u, float v, float step, int count, std::int32_t *out)
 {
     const float dy = c.middle_v + v, dz = c.focal, ey = -c.t0 * v;
@@ -59,7 +59,8 @@ CRN_WIDE void chords_of_row(const Chords &c, float u, float v, float step, int c
         const float beside = ex * nx + ey * ny; // distance from the axis times |n|
         const float middle =
             (nx * (ey * c.axis.z) - ny * (ex * c.axis.z) + nz * (ex * c.axis.y - ey * c.axis.x)) / square;
-        // Cuts the chord by the two planes; a slope of 0 counts as a small one.
+        // The two planes cut the ray's path in the cylinder; a slope of 0 is replaced by a small one, to
+        // avoid a division by zero.
         float slope_a = dx * c.normal_a.x + dy * c.normal_a.y + dz * c.normal_a.z;
         float slope_b = dx * c.normal_b.x + dy * c.normal_b.y + dz * c.normal_b.z;
         slope_a = std::fabs(slope_a) > 1e-6f ? slope_a : 1e-6f;
@@ -81,8 +82,8 @@ CRN_WIDE void chords_of_row(const Chords &c, float u, float v, float step, int c
     }
 }
 
-// Columns [first, second) of the rows [y, y + 1] that lie nearer than `pad` to the line from (ax, ay) to (bx,
-// by).
+// Finds the columns [first, second) of the rows [y, y + 1] that are nearer than `pad` to the line from (ax,
+// ay) to (bx, by).
 struct Extent {
     double ax, ay, bx, by, pad;
 
@@ -187,8 +188,8 @@ void TubePainter::paint(const TubePiece &piece)
     double outer = piece.outer_mm, inner = std::min(piece.inner_mm, outer), share = piece.share;
     const double near_mm = std::min(piece.a_mm.z(), piece.b_mm.z()) - outer;
     if (!(near_mm > 1.0) || !(outer > 0.0) || !(share > 0.0)) return;
-    // A piece thinner than the distance between rays is drawn as wide as that distance, with the same amount
-    // of material in its cross-section.
+    // A piece thinner than the distance between rays is drawn with that distance as its radius, and with the
+    // same amount of material in its cross-section.
     const double apart_mm = middle.z() / focal_pixels_ / grid;
     if (outer < apart_mm) {
         share *= (outer * outer - inner * inner) / (apart_mm * apart_mm);
@@ -197,7 +198,8 @@ void TubePainter::paint(const TubePiece &piece)
     }
     auto pixel_x = [&](const Vector3d &p) { return half_ + focal_pixels_ * p.x() / p.z(); };
     auto pixel_y = [&](const Vector3d &p) { return half_ - focal_pixels_ * p.y() / p.z(); };
-    // The pad covers the cylinder's rim, its cut at the bisecting planes, and half a pixel's diagonal.
+    // `pad` allows for the rim of the cylinder, for its oblique ends at the bisecting planes, and for half a
+    // pixel's diagonal.
     const double pad = 1.6 * outer * focal_pixels_ / near_mm + 1.0;
     const Extent extent{pixel_x(piece.a_mm), pixel_y(piece.a_mm), pixel_x(piece.b_mm), pixel_y(piece.b_mm),
                         pad};

@@ -1,12 +1,12 @@
-// Paints short cylinders into ToolPaths: the chord of every ray is exact between two cutting planes.
+// Draws short cylinders into ToolPaths; the path length of every ray between the two cutting planes is exact.
 #pragma once
 #include "host/xray/paths/paths.hpp"
 
 namespace crn
 {
 
-// A piece in camera axes: x right, y up, z away from the source. It is a cylinder about the line from a to b,
-// cut by the planes through a and b.
+// A piece of a tool or curve in camera axes: x right, y up, z away from the source. The piece is a cylinder
+// about the line from a to b, cut by the planes through a and b.
 struct TubePiece {
     Eigen::Vector3d a_mm, b_mm, normal_a, normal_b;
     double outer_mm = 0.0, inner_mm = 0.0;
@@ -18,8 +18,8 @@ struct TubePiece {
 class TubePainter
 {
   public:
-    // Empties `paths`. `materials` lists all that will be painted. `displaced` is the material around tools
-    // and contrast medium, usually blood.
+    // Empties `paths`. `materials` must list all materials that will be drawn. `displaced` is the material
+    // around tools and contrast medium, usually blood.
     TubePainter(const View &view, std::span<const Material> materials, Material displaced, ToolPaths &paths);
 
     void paint(const TubePiece &piece);

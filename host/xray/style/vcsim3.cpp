@@ -1,4 +1,4 @@
-// Draws the surfaces of the bodies and a tube around each tool, and adds the noise.
+// Draws the surfaces of the bodies and a tube around each tool, and adds noise.
 #include "host/xray/style/vcsim3.hpp"
 #include "host/xray/float_math.hpp"
 #include "host/xray/paths/parallel.hpp"
@@ -39,14 +39,15 @@ constexpr double contrast_depth =
     8.0; // a quarter of undiluted medium looks nearly as dark as undiluted medium
 constexpr double density_per_log2 = 1.4426950408889634 / 65536.0; // converts 1/65536 nepers to powers of two
 
-// Returns -ln(1 - A (1 - |n.v|)^p) in 1/65536.
+// Returns the density -ln(1 - A (1 - |n.v|)^p) in units of 1/65536.
 std::int32_t density_q16(const SurfaceLook &look, double cosine)
 {
     const double opacity = look.edge_opacity * std::pow(1.0 - std::min(1.0, std::abs(cosine)), look.power);
     return static_cast<std::int32_t>(std::lround(-std::log1p(-opacity) * 65536.0));
 }
 
-// Returns a part's corners in a view, with normals weighted by area.
+// Returns the corners of a part in a view; the normal at a corner is the mean over its triangles, weighted by
+// area.
 std::vector<SurfaceCorner> corners_of(const SurfaceScene::Part &part,
                                       std::span<const Eigen::Vector3i> places_um, const View &view)
 {
@@ -68,7 +69,7 @@ std::vector<SurfaceCorner> corners_of(const SurfaceScene::Part &part,
     return corners;
 }
 
-// Adds either the parts that moved or those that did not.
+// Adds to the sums either the parts that have moved or those that have not.
 void add_parts(const SurfaceScene &scene, std::span<const std::span<const Eigen::Vector3i>> places_um,
                bool moved, const View &view, std::vector<std::int32_t> &sums)
 {
@@ -86,7 +87,7 @@ void add_parts(const SurfaceScene &scene, std::span<const std::span<const Eigen:
     });
 }
 
-// Keeps the sums of parts at rest from picture to picture, and draws moved parts again.
+// Keeps the sums of parts at rest from picture to picture, and redraws parts that have moved.
 void fill_bodies(SurfaceScene &scene, const CArm &carm, int size, std::span<const MovedBody> moved)
 {
     std::vector<std::uint8_t> is_moved(scene.parts.size(), 0);
@@ -126,8 +127,8 @@ double radius_m(const RadiopaqueInstrument &tool, double arc_m, double node_radi
     return after[-1].outer_m + share * (after->outer_m - after[-1].outer_m);
 }
 
-// Returns a point of the curve through the nodes (Catmull-Rom) at the fraction `share` between node i and the
-// next.
+// Returns a point on the curve through the nodes (Catmull-Rom), at the fraction `share` of the way from node
+// i to the next.
 Vector3d on_curve(const std::vector<WireNode> &nodes, std::size_t i, double share)
 {
     const Vector3d &b = nodes[i].position_m, &c = nodes[std::min(i + 1, nodes.size() - 1)].position_m;
@@ -171,7 +172,7 @@ void add_band(SurfaceScene &scene, const View &view, const Ring &from, const Rin
     }
 }
 
-// Draws contrast medium in a vessel, or a strut, as a tube along the curve, open at its ends.
+// Draws contrast medium in a vessel, or a strut, as a tube along the curve; the tube is open at its ends.
 void add_curve(SurfaceScene &scene, const View &view, const SweptCurve &curve)
 {
     Ring last;
@@ -212,8 +213,8 @@ void add_tool(SurfaceScene &scene, const View &view, const RadiopaqueInstrument 
     }
 }
 
-// Returns an approximately normal number of mean 0 and deviation 1: the sum of four uniform numbers from a
-// hash of key and pixel.
+// Returns a random number of mean 0 and standard deviation 1 that is approximately normal: the sum of four
+// uniform numbers from a hash of key and pixel.
 float noise_at(std::uint64_t key, std::uint32_t pixel)
 {
     std::uint64_t x = key + 0x9e3779b97f4a7c15u * (pixel + 1ull);
@@ -233,7 +234,7 @@ std::uint8_t grey_of(float share, float noise)
     return static_cast<std::uint8_t>(std::clamp(value, 0.0f, 255.0f));
 }
 
-// Returns the share of light that passes the tools over one pixel.
+// Returns the share of light that passes the tools in front of one pixel.
 float tool_share(const SurfaceScene &scene, int x, int y)
 {
     float share = 0.0f;

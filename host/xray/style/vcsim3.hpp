@@ -1,6 +1,7 @@
-// Draws the look of VCSim3's fluoroscopy screen (thesis, 5.3.4.1), as an alternative to the physical picture.
-// It has no attenuation; surfaces have an opacity that depends on the angle between normal and view, and
-// noise is added afterwards. The thesis gives the idea without an equation; ours is in docs/xray-style.md:
+// Draws pictures that look like VCSim3's fluoroscopy screen (thesis, 5.3.4.1), as an alternative to the
+// physical picture. This look has no attenuation. A surface has an opacity that depends on the angle between
+// its normal and the view, and noise is added afterwards. The thesis gives the idea without an equation; ours
+// is in docs/xray-style.md:
 //
 //   I = product over all surfaces s on the ray of (1 - A_s (1 - |n_s . v|)^p_s),   grey = 255 (b I + sigma g)
 #pragma once
@@ -9,14 +10,14 @@
 namespace crn
 {
 
-// Opacity of a surface seen edge-on, and its decrease towards the front view.
+// The opacity of a surface seen edge-on, and how it decreases towards the view from the front.
 struct SurfaceLook {
     double edge_opacity = 0.0; // A, 0 .. 0.98; 0: not shown
     double power = 2.0;        // p
 };
 
-// The look of what the thesis shows: skeleton, heart and filled vessels; skin, fat, lungs and gas are left
-// out.
+// Returns the look of those bodies that the thesis shows: skeleton, heart and filled vessels. Skin, fat,
+// lungs and gas are left out.
 SurfaceLook surface_look(const Bodies &bodies, std::size_t index);
 
 inline constexpr double vcsim3_background = 0.84; // b, share of white
@@ -24,8 +25,8 @@ inline constexpr double vcsim3_noise = 0.035;     // sigma, share of white
 inline constexpr SurfaceLook vcsim3_tool = {0.75, 0.6};
 inline constexpr SurfaceLook vcsim3_contrast = {0.80, 0.7}; // undiluted
 
-// Returns the look of a curve: contrast medium by its share of the cross-section (0 .. 1), or a strut, which
-// is as dark as a tool.
+// Returns the look of a curve: contrast medium according to its share of the cross-section (0 .. 1), or a
+// strut, which is as dark as a tool.
 SurfaceLook curve_look(Material material, double share);
 
 struct SurfaceScene; // the bodies that are shown, and the sums of the last view
@@ -38,12 +39,13 @@ class Vcsim3Look
     Vcsim3Look(const Vcsim3Look &) = delete;
     Vcsim3Look &operator=(const Vcsim3Look &) = delete;
 
-    // Replaces the shown picture (grey and shown); its counts and doses stay those of Xray::render. It is as
-    // reproducible as Xray::render: the same bytes for any number of threads. Only carm and size of the
-    // settings count.
+    // Replaces only `grey` and `shown` of a picture; its counts and doses remain those of Xray::render. Like
+    // Xray::render, it gives the same bytes for any number of threads. Of the settings, only `carm` and
+    // `size` have an effect.
     void draw(const XraySettings &settings, const XrayFrame &frame, std::uint64_t seed, XrayPicture &picture);
 
-    // Sum of -ln(1 - opacity) over the bodies' surfaces of the last render, in 1/65536, size*size.
+    // The sum of -ln(1 - opacity) over the surfaces of the bodies in the last picture, in units of 1/65536,
+    // size*size.
     const std::vector<std::int32_t> &body_density_q16() const;
 
   private:

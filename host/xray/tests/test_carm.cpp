@@ -1,6 +1,6 @@
-// Claims: the picture's geometry is the C-arm's. Markers at known places appear at the pixels that an
-// independent calculation predicts, and on the side that DICOM names. Motors keep their limits, and nothing
-// collides with the table.
+// Claims: the geometry of the picture is that of the C-arm. Markers at known places appear at the pixels that
+// an independent calculation predicts, and on the side that DICOM prescribes. The motors stay within their
+// limits, and nothing collides with the table.
 #include "firmware/tests/reference/long_run.h"
 #include "host/room/command.hpp"
 #include "host/room/gantry.hpp"
@@ -36,8 +36,8 @@ Eigen::Vector3d corner_m(int i)
     return {i & 1 ? 0.04 : -0.04, i & 2 ? 0.05 : -0.05, i & 4 ? 0.03 : -0.03};
 }
 
-// Makes steel balls of 3 mm at the corners of a box of 80 x 100 x 60 mm, each of another material to
-// distinguish them.
+// Makes steel balls of 3 mm at the corners of a box of 80 x 100 x 60 mm. Each ball has a material name of its
+// own, so that the picture tells them apart.
 Bodies marker_cube(const Eigen::Vector3d &middle_m)
 {
     static const char *names[8] = {"steel", "nitinol",       "platinum", "tungsten",
@@ -48,7 +48,7 @@ Bodies marker_cube(const Eigen::Vector3d &middle_m)
     return bodies;
 }
 
-// Returns the centre of a marker's shadow, weighted by path length.
+// Returns the centre of a marker's shadow, in which each pixel is weighted by its path length.
 Eigen::Vector2d shadow(const std::vector<std::int32_t> &path, int size)
 {
     Eigen::Vector2d sum = Eigen::Vector2d::Zero();
@@ -63,8 +63,8 @@ Eigen::Vector2d shadow(const std::vector<std::int32_t> &path, int size)
     return sum / weight;
 }
 
-// Predicts without the program's own C-arm: it turns the patient instead, about his long axis by the primary
-// angle and then about the left-right axis by the secondary angle, and looks from the front.
+// Predicts the pixel without the program's own C-arm. It turns the patient instead, first about the long axis
+// by the primary angle and then about the left-right axis by the secondary angle, and looks from the front.
 Eigen::Vector2d predicted(const CArm &carm, int size, const Eigen::Vector3d &point_m)
 {
     const Eigen::Vector3d p = point_m - carm.isocentre_m;
@@ -110,8 +110,8 @@ static void markers_land_on_the_predicted_pixels(void **)
     assert_true(worst_px <= 0.5);
 }
 
-// LAO: the detector goes to the patient's left; what lies behind goes to the right of the picture. Cranial:
-// the detector goes to the head; what lies in front goes down.
+// With LAO the detector moves to the patient's left, and what lies behind moves to the right of the picture.
+// With cranial angulation the detector moves to the head, and what lies in front moves down in the picture.
 static void angles_have_the_signs_of_dicom(void **)
 {
     const auto at = [](double primary_deg, double secondary_deg, const Eigen::Vector3d &point_m) {
@@ -153,8 +153,8 @@ static void sides_of_the_picture_are_named_as_dicom_does(void **)
     assert_string_equal(sides(120, 0).c_str(), "PR/H");
 }
 
-// Moves every axis. No axis exceeds its speed or its stated acceleration, none overshoots the target, and the
-// time is that of the trapezium, distance/speed + speed/acceleration, within 2 %.
+// Moves every axis. No axis may exceed its stated speed or acceleration or overshoot its target. The time
+// must be that of a trapezium of speed, distance/speed + speed/acceleration, within 2 %.
 static void motors_keep_speed_and_acceleration_and_do_not_overshoot(void **)
 {
     const GantryPose from = {0, 0, 0, 0, 0, 1.05, 0.75}, to = {30, -20, 0.1, -0.2, 0.05, 1.15, 0.80};
@@ -220,8 +220,8 @@ static void halt_brakes_and_stays(void **)
     assert_true(gantry.pose()[axis_primary] == stood_deg && stood_deg < 40.0);
 }
 
-// Whatever pose is ordered, the gap stays open, also at the end of braking. The test orders random poses one
-// after the other, 4 s each.
+// Whatever pose is ordered, a gap must remain between C-arm and table, also at the end of braking. The test
+// orders random poses one after the other, each for 4 s.
 static void nothing_touches_the_table(void **)
 {
     std::uint64_t seed = 12345;
@@ -263,16 +263,16 @@ static void a_blocked_arm_is_free_to_go_back(void **)
     assert_true(gantry.pose()[axis_primary] == 0.0 && !gantry.is_blocked());
 }
 
-// The gap at AP is known. The tube's housing ends 25 cm in front of the focal spot, so 50 cm below the
-// isocentre; the table's underside is 13 + 6 cm below the patient's origin.
+// The gap in the AP view is known. The tube's housing ends 25 cm in front of the focal spot, which is 50 cm
+// below the isocentre. The underside of the table is 13 + 6 cm below the patient's origin.
 static void the_gap_under_the_table_is_the_one_of_the_drawing(void **)
 {
     const double gap_m = table_clearance_m({0, 0, 0, 0, 0, 1.05, 0.75});
     assert_float_equal(gap_m, 0.50 - 0.19, 1e-9);
 }
 
-// The heart is at the isocentre, as for coronaries; arch, renal and iliac views have the same table lower or
-// higher.
+// The heart is at the isocentre, as in coronary views. Views of arch, renal and iliac arteries have the same
+// table at another height.
 static void every_preset_is_reached_clear_of_the_table(void **)
 {
     std::set<std::string_view> names;

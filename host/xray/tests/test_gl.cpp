@@ -1,12 +1,13 @@
-// Compares path lengths by OpenGL with those of the rasteriser, in both contexts that need no window. It also
-// tests what happens when a library, a function or the context is missing or lost.
+// Compares the path lengths by OpenGL with those of the rasteriser, in both contexts that need no window. The
+// test also covers a library, a function or a context that is missing or has been lost.
 //
-// Tolerances. Both cover a pixel by its centre, after corners were moved to a grid: 1/256 pixel in the
-// rasteriser, and the driver's own choice in OpenGL (llvmpipe: also 1/256, with its own rounding). So at an
-// edge one pixel may belong to either side. Inside, where the path changes by less than 2 mm between
-// neighbours, a shift of 1/128 pixel is 0.016 mm. The sums are floats around 100 mm, exact to 0.00001 mm
-// each, and the rasteriser's faces are rounded to 1/1024 mm. Hence the tolerance is 0.05 mm inside, with a
-// mean of 0.002 mm, and a share of pixels at edges may differ.
+// Tolerances. This explains the tolerances. Both back ends cover a pixel by its centre, after corners were
+// moved to a grid: 1/256 pixel in the rasteriser, and the driver's own choice in OpenGL (llvmpipe: also
+// 1/256, with its own rounding). So at an edge a pixel may belong to either side. Inside, the path length
+// changes by less than 2 mm between neighbouring pixels, so a shift by 1/128 pixel changes it by 0.016 mm.
+// The sums of OpenGL are floats around 100 mm, each exact to 0.00001 mm, and the rasteriser rounds each face
+// to 1/1024 mm. Therefore the tolerance is 0.05 mm inside, with a mean of 0.002 mm, and a share of the pixels
+// at edges may differ.
 #include "firmware/tests/reference/long_run.h"
 #include "host/xray/gl/gl_paths.hpp"
 #include "host/xray/paths/raster_paths.hpp"
@@ -28,7 +29,8 @@ extern "C" {
 #include <cmocka.h>
 }
 
-// Mesa and LLVM keep what they allocate at start-up; only blocks allocated inside them are suppressed.
+// Mesa and LLVM never free what they allocate at start-up. Only leaks of blocks that they allocated are
+// suppressed.
 extern "C" const char *__lsan_default_suppressions();
 extern "C" const char *__lsan_default_suppressions()
 {
@@ -52,7 +54,7 @@ void turn(Body &body, const Eigen::Vector3d &centre_m)
     }
 }
 
-// Makes eight materials, three levels deep, one tilted, one hidden behind another.
+// Makes bodies of eight materials, nested three levels deep; one is tilted, and one is hidden behind another.
 Bodies nested_bodies()
 {
     Bodies bodies;
@@ -111,8 +113,8 @@ struct Difference {
     double inner_sum_mm = 0.0;
 };
 
-// A pixel counts as inside when its path differs from all eight neighbours by less than 2 mm and none of the
-// nine is empty.
+// A pixel counts as inside if its path length differs from those of all eight neighbours by less than 2 mm,
+// and none of the nine is empty.
 void compare_material(const std::vector<std::int32_t> &expected, const std::vector<std::int32_t> &got,
                       int size, Difference &difference)
 {
@@ -170,7 +172,7 @@ const NamedView views[] = {
     {"source 10 mm from the trunk", {20, 10, {0.3, 0.2, 0.27}, 1.05, 0.75, 0.2}, 256},
 };
 
-// The last view's source is put 10 mm in front of the trunk.
+// In the last view the source is 10 mm in front of the trunk.
 CArm placed(const NamedView &of)
 {
     CArm carm = of.carm;
@@ -235,7 +237,8 @@ void a_source_inside_a_body_sees_the_way_out_only(void **)
     draw(raster, view, expected, 2);
     draw(opengl, view, got, 2);
     assert_same(expected, got, 256, "source inside");
-    // On the axis the path goes from the source at 750 mm to the far wall at 900 mm, less the trunk.
+    // On the axis the path in air goes from the source, at 750 mm, to the far wall, at 900 mm, except for the
+    // trunk.
     const double axis_mm = got[static_cast<int>(Material::air)][128 * 256 + 128] * q10_mm;
     std::printf("# axis %.2f mm, expected 1470 mm\n", axis_mm);
     assert_true(std::fabs(axis_mm - 1470.0) < 1.5); // facets of the large sphere
@@ -312,8 +315,8 @@ void every_size_from_64_to_2048_and_back_is_right(void **)
     }
 }
 
-// A wire passes through the trunk and the whole chain runs: only the bodies' paths come from another back
-// end.
+// A guidewire passes through the trunk, and the whole chain computes the picture. Only the path lengths of
+// the bodies come from another back end.
 void pictures_with_a_wire_look_the_same_to_the_eye(void **)
 {
     XrayScene scene;
@@ -394,7 +397,7 @@ void nothing_compiled(unsigned, unsigned, int *value)
     *value = 0;
 }
 
-// A real context that is lost at its nth entering, or has one function replaced.
+// A real context that is lost the n-th time it is entered, or in which one function is replaced.
 class Tampered final : public GlContext
 {
   public:
@@ -536,8 +539,8 @@ void another_thread_may_go_on_with_it(void **)
     }
 }
 
-// EGL unloads its driver with its last context, and its leaks could then not be distinguished from ours. So
-// the test keeps the driver loaded.
+// EGL unloads its driver together with its last context, and then leaks in the driver could not be
+// distinguished from leaks in our code. So the test keeps the driver loaded.
 int keep_driver(void **)
 {
     std::unique_ptr<GlContext> context;

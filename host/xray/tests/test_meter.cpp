@@ -1,6 +1,6 @@
-// Claims: the measuring chamber takes the same techniques that automatic exposure takes from a picture of any
-// size, so that the dose of a session does not depend on the pictures made of it. Its kerma-area product is
-// kerma times the open field's area.
+// Claims: the measuring chamber gives the same techniques that automatic exposure would take from a picture
+// of any size. So the dose of a session does not depend on the pictures made of it. The kerma-area product of
+// the chamber is the kerma times the area of the open field.
 #include "host/xray/meter.hpp"
 #include "host/xray/tests/xray_room.hpp"
 #include <algorithm>
@@ -12,8 +12,8 @@ using namespace crn;
 namespace
 {
 
-// Makes a trunk of uneven thickness: bone lies beside the middle and air above, so that chamber and pictures
-// sample different pixels.
+// Makes a trunk of uneven thickness, with bone beside the middle and air above. So the chamber and the
+// pictures sample different pixels.
 Bodies trunk()
 {
     Bodies bodies = slab(0.2);
@@ -24,8 +24,8 @@ Bodies trunk()
 
 } // namespace
 
-// Takes eight pulses from switching on. Measured difference: 2.0 % of kerma at most, from 256 to 1024 pixels:
-// about one step of 1 kV.
+// Takes the first eight pulses after the beam is switched on. Measured difference: 2.0 % of kerma at most,
+// from 256 to 1024 pixels: about one step of 1 kV.
 static void pulses_are_taken_as_from_a_picture_of_any_size(void **)
 {
     double worst = 0.0;
@@ -61,8 +61,8 @@ static void the_size_of_a_picture_does_not_change_the_dose(void **)
     }
 }
 
-// A field of 25 cm with blades at 80 % and 60 %, SID 1.05 m, SOD 0.75 m, is 11.43 cm x 8.57 cm at 0.6 m from
-// the source.
+// A field of 25 cm with blades at 80 % and 60 %, an SID of 1.05 m and an SOD of 0.75 m, is 11.43 cm x 8.57 cm
+// at 0.6 m from the source.
 static void kerma_area_product_is_kerma_times_the_open_area(void **)
 {
     Room room(slab(0.2));
@@ -82,8 +82,8 @@ static void kerma_area_product_is_kerma_times_the_open_area(void **)
                   1.0) < 1e-12);
 }
 
-// The first frame of DSA follows test exposures, so it has the technique of a single picture, independent of
-// its history.
+// The first frame of DSA follows test exposures. So it must have the technique of a single picture, whatever
+// pulses came before.
 static void test_exposures_settle_at_once(void **)
 {
     Room room(trunk());
@@ -112,7 +112,7 @@ static void a_locked_technique_is_taken_and_the_control_waits(void **)
                 other.expose(settings, {}, MeterPace::follows).technique);
 }
 
-// A lead plate enters the beam after some pulses, and the control follows the moved body.
+// A lead plate enters the beam after some pulses, and automatic exposure must follow the moved body.
 static void bodies_that_move_change_the_dose(void **)
 {
     Bodies bodies = slab(0.1);

@@ -24,7 +24,7 @@ double attenuation(Material material, int energy_index)
     return static_cast<double>(attenuation_per_cm[static_cast<int>(material)][energy_index]);
 }
 
-// Returns the mean of a value over the detector's signal of a spectrum.
+// Returns the mean of `value` over the energies of a spectrum, weighted by the detector's signal.
 template <class Value> double signal_mean(const Spectrum &spectrum, Value value)
 {
     double sum = 0.0, mass = 0.0;
@@ -85,9 +85,9 @@ bool is_near(const char *what, double value, double expected, double share)
 
 } // namespace
 
-// The reference is spekpy 2.5.4 (Omar's cross-sections, another model than ours): 11 degrees, 2.5 mm Al + 0.2
-// mm Cu, 20 cm of soft tissue, signal of 0.55 mm CsI. The models differ by 1 % in mean energy, and so by 1 %
-// and 5 % in the attenuation of tissue and bone.
+// The reference is spekpy 2.5.4, whose model (cross-sections by Omar) is another one: 11 degrees, 2.5 mm Al +
+// 0.2 mm Cu, 20 cm of soft tissue, signal of 0.55 mm CsI. The models differ by 1 % in mean energy, and
+// therefore by 1 % and 5 % in the attenuation of tissue and bone.
 static void beam_behind_a_patient_agrees_with_spekpy(void **)
 {
     struct Row {
@@ -109,8 +109,8 @@ static void beam_behind_a_patient_agrees_with_spekpy(void **)
     }
 }
 
-// Iodine hardens the beam: effective 1/cm through 3 mm and 10 mm of iohexol-350 behind the patient, from the
-// same spekpy model.
+// Iodine hardens the beam. The test compares the effective attenuation in 1/cm of 3 mm and 10 mm of
+// iohexol-350 behind the patient with that of the same spekpy model.
 static void contrast_hardens_the_beam_as_in_spekpy(void **)
 {
     struct Row {
@@ -126,8 +126,8 @@ static void contrast_hardens_the_beam_as_in_spekpy(void **)
     }
 }
 
-// The half-value layers are spekpy's. Tucker's spectrum is known to be somewhat harder: 6 % without copper, 3
-// % with it.
+// The half-value layers are spekpy's. Tucker's spectrum is known to be somewhat harder, by 6 % without copper
+// and by 3 % with it.
 static void half_value_layers_agree_with_spekpy(void **)
 {
     struct Row {
@@ -140,9 +140,9 @@ static void half_value_layers_agree_with_spekpy(void **)
                             row.aluminium_mm, row.tolerance));
 }
 
-// Tests every combination of 0 .. 40 cm tissue, 0 .. 5 cm bone and 0 .. 2 cm undiluted contrast that
-// transmits more than 1e-4, for every filter of the tube from 60 to 125 kV. The result must be within 1 % of
-// 1 keV steps.
+// Tests every combination of 0 .. 40 cm tissue, 0 .. 5 cm bone and 0 .. 2 cm undiluted contrast medium that
+// transmits more than 1e-4. It uses every filter of the tube, from 60 to 125 kV. The result must be within 1
+// % of that with steps of 1 keV.
 static void few_energies_are_within_one_percent_of_one_keV_steps(void **)
 {
     double worst = 0.0;
@@ -166,8 +166,8 @@ static void few_energies_are_within_one_percent_of_one_keV_steps(void **)
     assert_true(worst <= 0.01);
 }
 
-// Metals with a K edge inside the spectrum have no smooth curve; their transmission must still be of the
-// right size.
+// Metals with a K edge inside the spectrum have no smooth curve, so their transmission is compared with a
+// wide tolerance.
 static void platinum_lets_through_what_it_should(void **)
 {
     for (double kV : {70.0, 90.0, 120.0})
@@ -191,7 +191,8 @@ static void platinum_lets_through_what_it_should(void **)
         }
 }
 
-// The picture path must not use libm: its own powers, logarithms and sines are compared with libm's.
+// The code that makes pictures must not use libm. Here its own powers, logarithms and sines are compared with
+// those of libm.
 static void functions_without_libm_are_exact(void **)
 {
     for (double x = -60.0; x < 60.0; x += 0.37) {
@@ -204,7 +205,8 @@ static void functions_without_libm_are_exact(void **)
     }
 }
 
-// The bytes of a table are the same from every compiler and level (golden; changes only with the physics).
+// The bytes of a table must be the same with every compiler and optimisation level. This hash is golden: it
+// changes only with the physics.
 static void beam_tables_have_one_hash(void **)
 {
     std::uint64_t hash = 14695981039346656037ull;

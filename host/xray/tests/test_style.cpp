@@ -1,6 +1,6 @@
-// Claims: the thesis' look is the stated product over surfaces, shows what the thesis shows, and is the same
-// picture for any number of threads. The test uses a sphere, where the angle between normal and ray follows
-// from the chord.
+// Claims: the thesis' look is the stated product over surfaces, shows the bodies that the thesis shows, and
+// gives the same picture with any number of threads. The test uses a sphere, where the chord of a ray
+// determines the angle between normal and ray.
 #include "host/xray/style/vcsim3.hpp"
 #include "host/xray/tests/xray_shapes.hpp"
 #include <algorithm>
@@ -51,7 +51,7 @@ XrayPicture picture_of(const Bodies &bodies, const WireFrame &wire, int threads,
     return picture;
 }
 
-// Both surfaces of a sphere meet a ray at the same angle: |n.v| is half the chord over the radius.
+// A ray crosses both surfaces of a sphere at the same angle: |n.v| is half the chord divided by the radius.
 void density_of_a_sphere_is_the_stated_product(void **)
 {
     const Bodies bodies = sphere_of("bone_cortical");
@@ -74,7 +74,7 @@ void density_of_a_sphere_is_the_stated_product(void **)
             const double cosine = std::sqrt(1.0 - square / (sphere_radius_m * sphere_radius_m));
             const double opacity = surface.edge_opacity * std::pow(1.0 - cosine, surface.power);
             const double expected = -2.0 * std::log1p(-opacity);
-            // Normals are those of flat facets, 0.9 degrees across.
+            // The normals are those of flat facets, which are 0.9 degrees wide.
             if (std::abs(got - expected) > 0.012 + 0.02 * expected)
                 fail_msg("pixel %d, %d: density %.4f, expected %.4f", x, y, got, expected);
             ++compared;
@@ -93,8 +93,8 @@ void noise_has_the_stated_mean_and_deviation(void **)
     }
     const double count = static_cast<double>(picture.grey.size()), mean = sum / count;
     const double deviation = std::sqrt(squares / count - mean * mean);
-    // 16,384 pixels have standard errors of 0.07 and 0.05; rounding down to whole numbers lowers the mean by
-    // half a grey value.
+    // With 16,384 pixels the standard errors are 0.07 for the mean and 0.05 for the deviation. Rounding down
+    // to whole numbers lowers the mean by half a grey value.
     if (std::abs(mean - (255.0 * vcsim3_background - 0.5)) > 0.3) fail_msg("mean %.3f", mean);
     if (std::abs(deviation - 255.0 * vcsim3_noise) > 0.25) fail_msg("deviation %.3f", deviation);
 }
@@ -133,8 +133,8 @@ void wire_is_a_dark_line_at_its_place(void **)
         fail_msg("grey %d and %d beside it", at(row - 5), at(row + 5));
 }
 
-// Returns the mean of the picture's middle rows at this distance below the tube's axis, where noise of 0.8
-// grey values remains.
+// Returns the mean grey at this distance below the tube's axis, over the columns in the middle of the
+// picture; noise of 0.8 grey values remains.
 double grey_beside_the_axis(const XrayPicture &picture, double below_m)
 {
     const View view = make_view(small_view().carm, 128);
@@ -148,7 +148,7 @@ double grey_beside_the_axis(const XrayPicture &picture, double below_m)
     return sum / 120.0;
 }
 
-// This look once did not show the medium in the vessels.
+// This test covers a former error: this look did not show the medium in vessels.
 void contrast_medium_is_a_tube_that_is_darker_the_more_iodine_it_holds(void **)
 {
     const auto picture_with = [](double share) {
@@ -161,8 +161,8 @@ void contrast_medium_is_a_tube_that_is_darker_the_more_iodine_it_holds(void **)
     };
     const double background = 255.0 * vcsim3_background;
     const XrayPicture undiluted = picture_with(1.0), diluted = picture_with(0.05);
-    // The ray crosses two surfaces with |n.v| = 0.6, 4 mm from the axis; the tube has 12 sides and rows are
-    // 0.8 mm apart.
+    // At 4 mm from the axis the ray crosses two surfaces with |n.v| = 0.6. The tube has only 12 sides, and
+    // the rows are 0.8 mm apart.
     const double light = 1.0 - 0.8 * std::pow(1.0 - 0.6, 0.7);
     const double edge = grey_beside_the_axis(undiluted, 0.004);
     if (std::abs(edge - background * light * light) > 0.15 * background)
@@ -175,8 +175,9 @@ void contrast_medium_is_a_tube_that_is_darker_the_more_iodine_it_holds(void **)
     assert_true(picture_with(0.0).grey == picture_of({}, {}, 1).grey);
 }
 
-// A beating heart once stood still in this look. Now its bodies are drawn at their places at the picture's
-// moment, and return to their places of rest when the next picture moves none.
+// This test covers a former error: a beating heart did not move in this look. Bodies must be drawn where they
+// are at the moment of the picture. They must return to their places of rest when the next picture has no
+// moved bodies.
 void bodies_are_drawn_where_they_have_moved_to(void **)
 {
     const Eigen::Vector3i way_um(21000, -13000, 8000);

@@ -1,5 +1,5 @@
-// Compares path lengths with closed forms, and tests that a picture depends on nothing but its inputs.
-// Photons and detector are tested in test_xray_physics.cpp.
+// Compares path lengths with formulas, and tests that a picture depends on nothing but its inputs. The
+// photons and the detector are tested in test_xray_physics.cpp.
 #include "host/xray/detector.hpp"
 #include "host/xray/tests/xray_shapes.hpp"
 #include "host/xray/xray.hpp"
@@ -18,7 +18,7 @@ using namespace crn;
 namespace
 {
 
-// Returns the ray of a pixel's centre: origin at the source, unit direction.
+// Returns the ray through the centre of a pixel; its origin is the source, and its direction a unit vector.
 Eigen::Vector3d pixel_ray(const View &view, int x, int y)
 {
     const double u = (x + 0.5 - view.size * 0.5) * view.pixel_m,
@@ -141,8 +141,8 @@ std::uint64_t hash_of(const XrayPicture &picture)
 
 } // namespace
 
-// With 100k triangles only the facets' own chord error (0.013 mm) and half a unit of rounding per face
-// remain.
+// With 100k triangles the remaining error is that of the facets' chords (0.013 mm), and half a unit of
+// rounding per face.
 static void sphere_path_is_the_chord(void **)
 {
     const Eigen::Vector3d centre_m(0.02, 0.01, -0.02);
@@ -155,7 +155,8 @@ static void sphere_path_is_the_chord(void **)
     assert_true(errors.mean_mm < 0.02);
 }
 
-// Flat faces have no facet error, only corner snapping (1/512 pixel) at the slanted rim, and rounding.
+// Flat faces have no error of facets; the remaining errors are those of corners rounded to 1/512 pixel at the
+// slanted rim, and rounding.
 static void box_path_is_the_chord(void **)
 {
     const Eigen::Vector3d low(-0.03, -0.05, -0.04), high(0.04, 0.03, 0.02);
@@ -180,7 +181,8 @@ static void nested_body_is_taken_out_of_its_parent(void **)
     assert_true(path_errors(seen->xray->body_path_q10mm(Material::muscle), view, wall).mean_mm < 0.03);
 }
 
-// A source inside a body measures the length from itself to the wall; faces behind it are cut off at 1 mm.
+// If the source is inside a body, the path length is measured from the source to the wall; faces nearer than
+// 1 mm to it, or behind it, are cut off.
 static void source_inside_a_body_sees_the_way_out(void **)
 {
     XraySettings settings;
@@ -198,8 +200,8 @@ static void picture_is_the_same_for_any_number_of_threads(void **)
     for (int threads : {2, 3, 7})
         assert_int_equal(hash_of(render(chest_like(), oblique_settings(), bent_wire(), threads)->picture),
                          one);
-    // This hash is golden over compilers and optimisation levels; it changes only when the picture is meant
-    // to change.
+    // This hash is golden over all compilers and optimisation levels; it changes only when the picture is
+    // meant to change.
     std::printf("# hash %016llx\n", static_cast<unsigned long long>(one));
     assert_int_equal(one, 0x7a9083b12e5445e1);
 }
@@ -221,7 +223,8 @@ static void kept_view_gives_the_same_picture_as_a_new_one(void **)
     assert_false(first->xray->last_render_used_cache());
 }
 
-// The sum of chord x beam cross-section over all pixels is the tube's volume, bends included.
+// The volume of the tube, including its bends, must be the sum over all pixels of path length x cross-section
+// of the beam.
 static void tube_has_the_volume_of_its_wire(void **)
 {
     XraySettings settings;
@@ -237,8 +240,8 @@ static void tube_has_the_volume_of_its_wire(void **)
     for (std::int32_t chord : path) volume_mm3 += chord / 1024.0 * pixel_mm * pixel_mm;
     const double expected = 3.14159265 * 0.45 * 0.45 * length_mm;
     std::printf("# volume %.3f mm3, expected %.3f\n", volume_mm3, expected);
-    // The tolerance is 2 %, because the wire leaves the isocentre's plane by 10 mm (2.7 % in area, both
-    // signs) and is smoothed between nodes.
+    // The tolerance is 2 %, because the guidewire leaves the plane of the isocentre by up to 10 mm in both
+    // directions (2.7 % in area), and is smoothed between nodes.
     assert_true(std::fabs(volume_mm3 - expected) < 0.02 * expected);
 }
 
@@ -271,8 +274,8 @@ static void tube_is_unbroken_and_as_thick_as_the_wire(void **)
         thickest_mm = std::max(thickest_mm, chord_mm);
     }
     std::printf("# between %.3f and %.3f mm, diameter 0.9\n", thinnest_mm, thickest_mm);
-    // The mean covers a pixel (.45 mm) whose centre may lie .3 mm beside the axis. It is at least .60, and a
-    // gap would show as less.
+    // The mean is taken over a pixel (.45 mm), whose centre may lie .3 mm beside the axis. So the mean is at
+    // least .60 mm, and a gap between pieces would make it smaller.
     assert_true(thinnest_mm > 0.60 && thickest_mm < 0.91);
 }
 
@@ -291,7 +294,7 @@ static void cramped_or_broken_wire_frames_do_no_harm(void **)
     render(chest_like(), XraySettings{}, through_source);
 }
 
-// In DICOM, positive LAO puts what lies behind (the spine) on the right of the picture.
+// In DICOM, positive LAO moves what lies behind, such as the spine, to the right of the picture.
 static void carm_angles_have_the_signs_of_dicom(void **)
 {
     CArm carm;

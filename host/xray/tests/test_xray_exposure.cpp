@@ -1,5 +1,5 @@
-// Tests what carries over from picture to picture: exposure control against its curve and limits, lag against
-// its stated decay, and that a sequence repeats.
+// Tests the effects of one picture on the next: exposure control against its curve and limits, lag against
+// its stated decay, and that a sequence is repeatable.
 #include "host/xray/lag.hpp"
 #include "host/xray/tests/xray_room.hpp"
 #include <cmath>
@@ -8,8 +8,8 @@
 
 using namespace crn;
 
-// A single picture has settled: the signal over the measuring field is the demanded dose, through thin and
-// thick patients.
+// In a single picture the control has settled, so the signal over the measuring field must be that of the
+// demanded dose, behind thin and thick patients.
 static void exposure_holds_the_dose_behind_thin_and_thick(void **)
 {
     for (double thickness_m : {0.08, 0.15, 0.20, 0.25}) {
@@ -22,13 +22,13 @@ static void exposure_holds_the_dose_behind_thin_and_thick(void **)
                     thickness_m * 1e3, picture.technique.tube_voltage_kV, picture.technique.tube_current_mA,
                     picture.technique.pulse_ms, picture.technique.copper_mm, picture.air_kerma_uGy, raw);
         assert_false(picture.is_underexposed);
-        // Control settles on about a thousand of the picture's pixels.
+        // The control measures only about a thousand of the picture's pixels, which explains the tolerance.
         assert_true(std::fabs(raw / raw_of_wanted_dose - 1.0) < 0.04);
     }
 }
 
-// The view changes from thin to thick: pictures are darker at first, approach monotonically, are within 12 %
-// after five pulses, and then stay constant.
+// When the view changes from thin to thick, the first pictures are darker. They must approach the final value
+// monotonically, be within 12 % after five pulses, and then stay constant.
 static void exposure_follows_within_a_few_pulses(void **)
 {
     Room thin(slab(0.12)), thick(slab(0.24));
@@ -51,9 +51,9 @@ static void exposure_follows_within_a_few_pulses(void **)
     assert_true(std::fabs(raw[9] / raw_of_wanted_dose - 1.0) < 0.04);
 }
 
-// The patient's thickness grows: voltage, current and pulse stay within the tube's limits and the power
-// limit. The kerma rate of fluoroscopy never exceeds 88 mGy/min. Past the end of the curve the picture is
-// underexposed and says so.
+// While the patient's thickness increases, voltage, current and pulse width must stay within the limits of
+// the tube and of its power. The kerma rate of fluoroscopy must never exceed 88 mGy/min. Beyond the end of
+// the curve the picture must be underexposed, and is_underexposed must be true.
 static void exposure_keeps_its_limits_and_underexposes_at_them(void **)
 {
     Exposure exposure;
@@ -89,9 +89,9 @@ static void exposure_keeps_its_limits_and_underexposes_at_them(void **)
     assert_true(dark.raw[256 * 512 + 256] < 0.5 * raw_of_wanted_dose);
 }
 
-// A plate lies in the beam for 40 pictures, then panning the table moves it away. Its ghost is the stated
-// share of the step, and each picture's ghost is 2^(-T/h) of the previous one. Without memory there is no
-// lag.
+// A plate lies in the beam for 40 pictures, and then a motion of the table removes it. The ghost of the plate
+// must be the stated share of the change, and in each picture 2^(-T/h) of that in the previous one. Without a
+// memory there must be no lag.
 static void lag_is_the_stated_share_and_decays_per_picture(void **)
 {
     Room room({{box_body("plate", "soft_tissue", -1, {-0.02, -0.02, -0.1}, {0.02, 0.02, 0.1})}});
@@ -117,7 +117,7 @@ static void lag_is_the_stated_share_and_decays_per_picture(void **)
     }
 }
 
-// A copy of the memory continues as the original did; reset, it begins as a new one.
+// A copy of the memory must continue as the original does; a memory that is reset must begin like a new one.
 static void sequence_repeats_from_a_copy_of_its_memory(void **)
 {
     Room room(slab(0.2));

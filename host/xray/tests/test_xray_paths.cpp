@@ -1,5 +1,6 @@
-// Compares path lengths with analytic chords over random views, and tests the cases where rasterisers fail.
-// Those are slivers, corners on the centres of pixels, a source inside a body and faces behind it.
+// Compares path lengths with computed chords in random views, and tests the cases in which rasterisers often
+// fail. These cases are very thin triangles, corners at the centres of pixels, a source inside a body, and
+// faces behind the source.
 #include "host/xray/paths/path_keeper.hpp"
 #include "host/xray/paths/raster_paths.hpp"
 #include "host/xray/tests/xray_shapes.hpp"
@@ -20,7 +21,7 @@ using Eigen::Vector3d;
 namespace
 {
 
-// Random numbers, the same on every machine.
+// A generator of random numbers that are the same on every machine.
 class Lot
 {
   public:
@@ -84,7 +85,7 @@ Vector3d pixel_ray(const View &view, int x, int y)
     return (view.right * u + view.up * v + view.forward * view.source_detector_m).normalized();
 }
 
-// Returns a rotated frame: columns are its axes.
+// Returns a random rotation; its columns are the axes of a body.
 Eigen::Matrix3d turned(Lot &lot)
 {
     Eigen::Quaterniond q(lot.between(-1, 1), lot.between(-1, 1), lot.between(-1, 1), lot.between(0.1, 1));
@@ -92,7 +93,7 @@ Eigen::Matrix3d turned(Lot &lot)
     return q.toRotationMatrix();
 }
 
-// Moves a body from its own frame to `at`.
+// Moves a body from its own axes to the place `at`.
 Body placed(const std::string &name, const std::vector<Vector3d> &points_m,
             const std::vector<std::array<std::uint32_t, 3>> &triangles, const Eigen::Matrix3d &axes,
             const Vector3d &at)
@@ -116,7 +117,7 @@ std::vector<Vector3d> box_points(const Vector3d &half)
     return points;
 }
 
-// Makes a cylinder along z, from -half to half; `sides` flat sides.
+// Makes a cylinder along z, from -half to half, with `sides` flat sides.
 Body cylinder_body(double radius, double half, int sides, const Eigen::Matrix3d &axes, const Vector3d &at)
 {
     std::vector<Vector3d> points = {{0, 0, -half}, {0, 0, half}};
@@ -165,8 +166,8 @@ double sphere_chord(const Vector3d &source, const Vector3d &ray, double radius)
     return square > 0.0 ? 2.0 * std::sqrt(square) : 0.0;
 }
 
-// Returns the mean error in mm over the pixels where the chord is not 0; the chord is computed in the body's
-// own frame.
+// Returns the mean error in mm over the pixels whose chord is not 0; the chord is computed in the body's own
+// axes.
 template <class Chord>
 double mean_error_mm(const Body &body, const Eigen::Matrix3d &axes, const Vector3d &at, const View &view,
                      Chord chord)
@@ -188,7 +189,7 @@ double mean_error_mm(const Body &body, const Eigen::Matrix3d &axes, const Vector
     return sum / std::max(count, 1);
 }
 
-// Makes closed tetrahedra with edges from 2 um to 40 mm, up to long thin needles.
+// Makes closed tetrahedra with edges from 2 um to 40 mm; some of them are long thin needles.
 Body slivers(Lot &lot, int count)
 {
     Body body{"slivers", "bone", -1, {}, {}};
@@ -215,8 +216,8 @@ Body slivers(Lot &lot, int count)
     return body;
 }
 
-// An unpaired face leaves its distance from the source, 500 mm or more, which no sum of closed bodies
-// approaches.
+// A face without its counterpart would leave its distance from the source in the sum. That is 500 mm or more,
+// and no closed body here has such a path length.
 void no_pixel_is_unpaired(const BodyMeshes &meshes, const View &view, double largest_mm)
 {
     const PathPictures pictures = draw(meshes, view, PathForm::axis_sums);
@@ -231,8 +232,8 @@ void no_pixel_is_unpaired(const BodyMeshes &meshes, const View &view, double lar
 
 } // namespace
 
-// The facets' error is 0.010 mm on the sphere. The cylinder has 720 sides (0.3 um). Corners are rounded to 1
-// um.
+// On the sphere the facets cause an error of 0.010 mm. The cylinder has 720 sides, which cause an error of
+// 0.3 um. Corners are rounded to 1 um.
 static void paths_of_sphere_cylinder_and_tilted_box_are_their_chords(void **)
 {
     Lot lot(1);
@@ -270,8 +271,7 @@ static void no_pixel_is_unpaired_over_many_views(void **)
     }
 }
 
-// AP view: pixel centres of the plane through the isocentre are at whole multiples of 0.25 mm, plus half of
-// one.
+// In the AP view, the pixel centres in the plane through the isocentre are at (k + 1/2) times 0.25 mm.
 static void corners_and_edges_on_the_centres_of_pixels_are_covered_once(void **)
 {
     CArm carm;
@@ -281,7 +281,8 @@ static void corners_and_edges_on_the_centres_of_pixels_are_covered_once(void **)
     carm = clamp_carm(carm);
     const View view = make_view(carm, 512);
     Body grid{"grid", "bone", -1, {}, {}};
-    // Two sheets of squares through pixel centres, joined at the rim by the box's sides.
+    // The body consists of two sheets of squares whose corners are at pixel centres, joined at the rim by the
+    // sides of a box.
     const int n = 40;
     for (int sheet = 0; sheet < 2; ++sheet)
         for (int j = 0; j <= n; ++j)
@@ -319,8 +320,8 @@ static void corners_and_edges_on_the_centres_of_pixels_are_covered_once(void **)
         }
 }
 
-// The expected length runs along the ray from the source to the face where it leaves; what is nearer than 1
-// mm is cut off along the axis.
+// The expected length is that of the ray from the source to the face where the ray leaves the body. Whatever
+// is nearer than 1 mm along the axis is cut off.
 static void a_source_inside_a_body_sees_the_way_out_in_every_direction(void **)
 {
     Lot lot(3);
@@ -389,7 +390,7 @@ static void part_of_a_picture_is_drawn_like_the_whole_and_by_any_number_of_threa
     }
 }
 
-// No code here refuses a mesh with a hole: the error stays in the pixels behind the hole.
+// The code does not refuse a mesh with a hole, and the error must stay in the pixels behind the hole.
 static void an_open_mesh_harms_only_the_pixels_behind_its_hole(void **)
 {
     Body ball = sphere_body("ball", "bone", -1, {0, 0, 0}, 0.05, 30);
@@ -407,8 +408,8 @@ static void an_open_mesh_harms_only_the_pixels_behind_its_hole(void **)
                 std::vector<std::int32_t>(256 * 256, 0));
 }
 
-// The heart beats: the picture is that of a scene made with the moved body, and only its surroundings are
-// redrawn.
+// When the heart beats, the picture must be that of a scene made with the moved body, and only the pixels
+// around the body may be redrawn.
 static void a_moved_body_is_drawn_as_if_the_scene_had_it_there(void **)
 {
     Body heart = sphere_body("heart", "muscle", 0, {0.02, 0.0, 0.01}, 0.03, 30);
@@ -435,7 +436,8 @@ static void a_moved_body_is_drawn_as_if_the_scene_had_it_there(void **)
     }
     assert_true(keeper.see(carm, 256, {{}, wire}));
     assert_true(keeper.bodies() == at_rest);
-    // Entries with no body of the scene, with a wrong number of vertices or out of reach are left out.
+    // Entries for bodies that do not exist, with a wrong number of vertices, or with vertices too far away
+    // must be left out.
     std::vector<Eigen::Vector3i> far(heart.vertices_um.size(), Eigen::Vector3i(3'000'000, 0, 0));
     const std::vector<Eigen::Vector3i> few(3, Eigen::Vector3i(0, 0, 0));
     const MovedBody wrong[] = {{7, heart.vertices_um}, {-1, heart.vertices_um}, {1, few}, {1, far}};

@@ -1,6 +1,6 @@
-// From path lengths to raw values: attenuation is compared with the exponential, noise with Poisson's law,
-// edges with the stated MTF, scatter with a measurement. Effects from picture to picture are tested in
-// test_xray_exposure.cpp.
+// Tests the chain from path lengths to raw values. Attenuation is compared with the exponential function,
+// noise with Poisson's law, edges with the stated MTF, and scatter with a measurement. The effects of one
+// picture on the next are tested in test_xray_exposure.cpp.
 #include "host/xray/blur.hpp"
 #include "host/xray/detector.hpp"
 #include "host/xray/scatter.hpp"
@@ -27,7 +27,7 @@ double mean_photons(const XrayPicture &picture)
 
 } // namespace
 
-// The reference is the double-precision exponential of the same table.
+// The reference is the exponential of the same table in double precision.
 static void transmission_follows_beer_and_lambert(void **)
 {
     const BeamTable beam = make_beam_table(75.0, 0.2);
@@ -48,8 +48,8 @@ static void transmission_follows_beer_and_lambert(void **)
         }
 }
 
-// For a Poisson distribution the variance equals the mean. Over 262,144 pixels the mean may differ by five
-// standard errors, the variance by 2 %.
+// The variance of a Poisson distribution equals its mean. Over 262,144 pixels the mean may differ by five
+// standard errors, and the variance by 2 %.
 static void noise_has_the_poisson_mean_and_variance(void **)
 {
     for (float expected : {0.4f, 3.0f, 11.0f, 13.0f, 60.0f, 400.0f, 20000.0f, 500000.0f}) {
@@ -65,7 +65,7 @@ static void noise_has_the_poisson_mean_and_variance(void **)
             }
         }
         const double mean = sum / count, variance = square / count;
-        // Rounding to whole photons adds 1/12.
+        // Rounding to whole photons adds 1/12 to the variance.
         const double wanted = expected < 12.0f ? expected : expected + 1.0 / 12.0;
         std::printf("# expected %g: mean %.4f, variance %.4f\n", static_cast<double>(expected), mean,
                     variance);
@@ -93,9 +93,9 @@ static void noise_of_neighbours_and_ticks_is_unrelated(void **)
     assert_true(std::fabs(ticks / 512 / 511 / 100) < 0.01);
 }
 
-// The criterion covers rendered pictures of 20 cm of tissue at three doses, 2^20 pixels each. The noise-free
-// picture of the same technique is the mean of every pixel, so that the beam's obliquity does not count as
-// noise.
+// The test uses rendered pictures of 20 cm of tissue at three doses, with 2^20 pixels each. A noise-free
+// picture with the same technique gives the mean of every pixel, so that the obliquity of the beam does not
+// count as noise.
 static void rendered_counts_have_variance_over_mean_of_one(void **)
 {
     Room room(slab(0.20));
@@ -118,8 +118,9 @@ static void rendered_counts_have_variance_over_mean_of_one(void **)
     }
 }
 
-// Photons, kerma and KAP rise together with the charge. KAP does not depend on the distance, and kerma at the
-// reference point does not depend on the detector's distance.
+// Photons, kerma and kerma-area product (KAP) must increase in proportion to the charge. The KAP must not
+// depend on the distance, and the kerma at the reference point must not depend on the distance of the
+// detector.
 static void dose_and_photons_come_from_the_same_charge(void **)
 {
     Room room(slab(0.20));
@@ -137,7 +138,7 @@ static void dose_and_photons_come_from_the_same_charge(void **)
     const XrayPicture same = room.picture(far);
     assert_true(std::fabs(same.kap_Gy_cm2 / one.kap_Gy_cm2 - 1.0) < 1e-9);
     assert_true(std::fabs(same.air_kerma_uGy / one.air_kerma_uGy - 1.0) < 1e-12);
-    // A field of 97 % of 32 cm at 1.05 m is 17.74 cm wide at the reference point.
+    // A field that is 97 % of 32 cm wide at 1.05 m is 17.74 cm wide at the reference point.
     const double side_cm = 32.0 * 496.0 / 512.0 * 0.60 / 1.05;
     std::printf("# area %.2f cm2, expected %.2f\n", one.kap_Gy_cm2 / one.air_kerma_uGy * 1e6,
                 side_cm * side_cm);
@@ -145,7 +146,8 @@ static void dose_and_photons_come_from_the_same_charge(void **)
                 0.02 * side_cm * side_cm);
 }
 
-// Raw values are linear in the quanta: mean raw = gain x mean photons, at doses a factor 10 apart.
+// Raw values must be linear in the quanta: mean raw = gain x mean photons, at doses that differ by a factor
+// of 10.
 static void raw_values_are_linear(void **)
 {
     Room room(slab(0.25));
@@ -169,15 +171,16 @@ static void raw_values_are_linear(void **)
 namespace
 {
 
-// Measures the presampled MTF by the slanted edge of ISO 12233 and IEC 62220-1. Every pixel of a row has its
-// own distance from the edge. All of them make one edge profile in steps of a tenth of a pixel, and the
-// Fourier transform of its derivative is the MTF.
+// Measures the MTF before sampling with the slanted edge of ISO 12233 and IEC 62220-1. Every pixel of a row
+// has its own distance from the edge. All of them make one edge profile in steps of a tenth of a pixel, and
+// the Fourier transform of its derivative is the MTF.
 class SlantedEdge
 {
   public:
     static constexpr int over = 10, reach = 24; // steps per pixel; pixels to both sides
 
-    // `slope`: columns per row by which the edge moves; `middle`: its column in the middle row.
+    // `slope` is the number of columns by which the edge moves per row, and `middle` is its column in the
+    // middle row.
     SlantedEdge(const XrayPicture &picture, double slope, double middle)
     {
         std::vector<double> sum(2 * reach * over, 0.0), count(sum.size(), 0.0);
@@ -213,8 +216,8 @@ class SlantedEdge
     std::vector<double> profile_;
 };
 
-// Makes a thin plate that covers the right half of the field, its edge turned by a slope of 1/16 against the
-// columns.
+// Makes a thin plate that covers the right half of the field; its edge is turned against the columns by a
+// slope of 1/16.
 Body slanted_plate()
 {
     Body body = box_body("plate", "steel", -1, {0.0, -0.3, -0.0002}, {0.3, 0.3, 0.0002});
@@ -224,8 +227,8 @@ Body slanted_plate()
 
 } // namespace
 
-// The criterion: a rendered edge has the product of the stated curves of focal spot, pixel and scintillator,
-// up to 0.9 of half the sampling frequency, for three fields and both focal spots.
+// The MTF of a rendered edge must be the product of the stated curves of focal spot, pixel and scintillator.
+// This is tested up to 0.9 of half the sampling frequency, for three fields and both focal spots.
 static void slanted_edge_has_the_stated_mtf(void **)
 {
     Room room({{slanted_plate()}});
@@ -249,7 +252,7 @@ static void slanted_edge_has_the_stated_mtf(void **)
             std::printf("# field %.0f mm, focal spot %.1f mm, %.2f/mm: MTF %.4f, stated %.4f (%+.1f %%)\n",
                         now.field_m * 1e3, now.focal_spot_mm, cycles / geometry.pixel_mm, seen, stated,
                         (seen / stated - 1.0) * 100.0);
-            // The tolerance is 5 %, and 0.005 where the curve is nearly zero (focal spot of 0.8 mm at its
+            // The tolerance is 5 %, or 0.005 where the curve is nearly zero (the focal spot of 0.8 mm at its
             // first zero).
             assert_true(std::fabs(seen - stated) < std::max(0.05 * stated, 0.005));
         }
@@ -259,8 +262,8 @@ static void slanted_edge_has_the_stated_mtf(void **)
 namespace
 {
 
-// Returns how much a straight wire takes from each column of the picture, over the rows about the middle: a
-// line spread function.
+// Returns the signal that a straight guidewire absorbs in each column, summed over rows around the middle.
+// This is a line spread function.
 std::vector<double> line_of_a_wire(double focal_spot_mm)
 {
     Room room(slab(0.05));
@@ -299,8 +302,9 @@ double spectrum_of(const std::vector<double> &line, double cycles_per_pixel)
 
 } // namespace
 
-// The same wire under two focal spots: its spectra differ by the ratio of their MTFs, and it takes the same
-// total from the beam. Each kernel follows its curve within 0.01.
+// The same guidewire is drawn with two focal spots. The spectra of its shadow must differ by the ratio of
+// their MTFs, and it must absorb the same total signal. The MTF of each kernel must be within 0.01 of its
+// curve.
 static void focal_spot_blurs_tools_as_stated(void **)
 {
     const std::vector<double> fine = line_of_a_wire(0.4), coarse = line_of_a_wire(0.8);
@@ -314,8 +318,8 @@ static void focal_spot_blurs_tools_as_stated(void **)
     }
 }
 
-// Noise passes the scintillator but not focal spot and pixel: neighbours in the raw picture correlate as the
-// kernel predicts.
+// The scintillator blurs the noise, but focal spot and pixel do not. So neighbouring pixels of the raw
+// picture must correlate as the scintillator's kernel predicts.
 static void noise_has_the_texture_of_the_scintillator(void **)
 {
     Room room(slab(0.20));
@@ -354,8 +358,8 @@ static void noise_has_the_texture_of_the_scintillator(void **)
 namespace
 {
 
-// Returns scattered over primary in the middle of a field, in front of the grid; the slab fills a detector of
-// square pixels.
+// Returns the ratio of scattered to primary signal in the middle of a field, in front of the grid. The slab
+// covers a detector of square pixels.
 double scatter_to_primary(double tissue_cm, double kV, double width_cm, double height_cm)
 {
     const Spectrum open = tube_spectrum(kV, 0.2), left = behind(open, Material::soft_tissue, tissue_cm);
@@ -381,9 +385,10 @@ double scatter_to_primary(double tissue_cm, double kV, double width_cm, double h
 
 } // namespace
 
-// Altunbas et al. 2016: 30 cm of acrylic (33 cm of tissue by electrons) in 40 x 30 cm at 125 kV give 4.51,
-// and 1.28 behind the grid. Textbooks (Bushberg et al., chapter on scatter) give about 3 for 20 cm in 30 x 30
-// cm, rising with thickness and field.
+// Altunbas et al. 2016 measured the ratio of scattered to primary photons at 125 kV behind 30 cm of acrylic,
+// which has the electrons of 33 cm of tissue, in a field of 40 x 30 cm. It is 4.51, and 1.28 behind the grid.
+// Textbooks (Bushberg et al., chapter on scatter) give about 3 for 20 cm in a field of 30 x 30 cm; the ratio
+// increases with thickness and field.
 static void scatter_agrees_with_a_measurement_and_grows_with_field_and_thickness(void **)
 {
     const double measured = scatter_to_primary(33.0, 125.0, 40.0, 30.0);
@@ -405,9 +410,9 @@ static void scatter_agrees_with_a_measurement_and_grows_with_field_and_thickness
                 1.3 * scatter_to_primary(20.0, 80.0, 20.0, 20.0));
 }
 
-// Digital subtraction takes logarithms of two raw pictures at a locked technique, one of them with 4 mm of
-// undiluted contrast. They differ by what the beam's table gives for the contrast behind the same patient;
-// beside it they are equal to the last bit.
+// Digital subtraction takes the logarithms of two raw pictures with the same fixed technique. In one of them
+// there are 4 mm of undiluted contrast medium. The two must differ by the attenuation that the beam's table
+// gives for the medium behind the same patient. Beside the medium they must be equal to the last bit.
 static void logarithms_of_raw_values_subtract_exactly(void **)
 {
     const Body trunk = box_body("trunk", "soft_tissue", -1, {-0.5, -0.5, -0.1}, {0.5, 0.5, 0.1});
@@ -434,8 +439,8 @@ static void logarithms_of_raw_values_subtract_exactly(void **)
     assert_int_equal(mask.raw[beside], live.raw[beside]);
 }
 
-// By PS3.3 C.11.2.1.2 values below level - window/2 are black, above level + window/2 white, and linear
-// between.
+// By PS3.3 C.11.2.1.2 values below level - window/2 are black, values above level + window/2 are white, and
+// grey is linear between them.
 static void window_and_level_are_those_of_dicom(void **)
 {
     Room room(slab(0.2));
@@ -454,7 +459,7 @@ static void window_and_level_are_those_of_dicom(void **)
     assert_true(between > 1000);
 }
 
-// The grey of the picture does not depend on the dose: a tenth of the dose gives the same shares, with more
+// The grey of the picture must not depend on the dose: a tenth of the dose gives the same shares, with more
 // noise.
 static void photons_are_fewer_at_a_lower_dose_and_the_grey_is_the_same(void **)
 {

@@ -1,5 +1,5 @@
-// Tools and curves: tests how much of walls, cores, bands, struts and contrast medium a ray crosses, and what
-// these displace.
+// Tests the path lengths of rays in tools and curves: in walls, cores, bands, struts and contrast medium. It
+// also tests what these displace.
 #include "host/xray/paths/tube.hpp"
 #include "host/xray/tests/xray_shapes.hpp"
 #include "host/xray/xray.hpp"
@@ -35,7 +35,7 @@ ToolPaths tubes(const XrayFrame &frame, const View &view)
     return paths;
 }
 
-// Returns the mean over a pixel's rays, mm.
+// Returns the mean path length over the rays of a pixel, mm.
 double length_mm(const ToolPaths &paths, Material material, int x, int y)
 {
     const std::int32_t touched = paths.entry[static_cast<std::size_t>(y) * paths.size + x];
@@ -45,14 +45,16 @@ double length_mm(const ToolPaths &paths, Material material, int x, int y)
     return 0.0;
 }
 
-// Sums chord times the beam's cross-section at the isocentre's depth: the volume of the material there.
+// Returns the volume of a material: the sum over all pixels of path length times cross-section of the beam at
+// the depth of the isocentre.
 double volume_mm3(const ToolPaths &paths, const View &view, Material material)
 {
     const double pixel_mm = view.pixel_m * 1e3 * view.source_isocentre_m / view.source_detector_m;
     double sum = 0.0;
     for (std::int32_t pixel : paths.pixels) {
         const int x = pixel % paths.size, y = pixel / paths.size;
-        // The beam of a pixel beside the axis is as wide there, but crosses at an angle.
+        // The beam of a pixel beside the axis has the same cross-section in this plane, but crosses the plane
+        // at an angle.
         const double dx = (x + 0.5 - view.size * 0.5) * view.pixel_m,
                      dy = (y + 0.5 - view.size * 0.5) * view.pixel_m;
         const double slant = std::sqrt(dx * dx + dy * dy + view.source_detector_m * view.source_detector_m);
@@ -77,8 +79,8 @@ WireFrame straight_wire(double radius_m, double contrast_mg_per_ml = 0.0)
 
 } // namespace
 
-// The ray through the middle of a catheter crosses its wall twice; wall and braid share it, a band lies
-// around it.
+// The ray through the middle of a catheter crosses its wall twice. The wall consists of polymer and braid,
+// and a marker band lies around it.
 static void catheter_wall_braid_and_marker_band_have_their_thickness(void **)
 {
     const RadiopaqueInstrument catheter{{{0.0, 1.0, Material::polymer, 0.8, 1.0, 0.70},
@@ -105,8 +107,8 @@ static void catheter_wall_braid_and_marker_band_have_their_thickness(void **)
                 0.004); // displaced by the wall; the lumen stays
 }
 
-// The reference is the cone's volume, pi h (a^2 + a b + b^2)/3, its share from s to t: the exact mean over
-// pieces of 0.5 mm.
+// The reference is the volume of a cone, pi h (a^2 + a b + b^2)/3, times the mean of its share from s to t.
+// The mean is exact for pieces of 0.5 mm.
 static void contrast_column_holds_the_iodine_of_its_cone(void **)
 {
     for (double thickest_m : {0.0005, 0.002, 0.012}) {
@@ -129,14 +131,14 @@ static void contrast_column_holds_the_iodine_of_its_cone(void **)
         const double iodine = volume_mm3(paths, view, Material::iohexol_350);
         std::printf("# radius to %.1f mm: %.3f mm3 of iohexol, expected %.3f, displaced %.3f\n",
                     thickest_m * 1e3, iodine, expected_mm3, volume_mm3(paths, view, Material::blood));
-        // The tolerance is 0.5 %: 12 mm of depth on either side are magnified differently, in the second
-        // order.
+        // The tolerance is 0.5 %, because parts up to 12 mm in front of and behind the isocentre are
+        // magnified differently; the effect is of second order.
         assert_true(std::fabs(iodine - expected_mm3) < 0.005 * expected_mm3);
         assert_true(std::fabs(iodine + volume_mm3(paths, view, Material::blood)) < 1e-6 * expected_mm3);
     }
 }
 
-// A strut of 40 um where rays are 0.14 mm apart loses no metal, wherever it lies between them.
+// A strut of 40 um must lose no metal where rays are 0.14 mm apart, wherever it lies between the rays.
 static void struts_thinner_than_the_rays_are_apart_lose_nothing(void **)
 {
     const WireFrame wire;
@@ -153,7 +155,8 @@ static void struts_thinner_than_the_rays_are_apart_lose_nothing(void **)
     }
 }
 
-// A wire in contrast medium takes its place: less iodine, and blood for the rest.
+// A guidewire in contrast medium displaces it: there must be less iodine, and blood must be subtracted for
+// the rest.
 static void wire_in_contrast_displaces_iodine_and_blood(void **)
 {
     const std::vector<RadiopaqueInstrument> tools = {{{{0.0, 1.0, Material::nitinol, 1.0, 1.0}}, {}}};
@@ -168,7 +171,7 @@ static void wire_in_contrast_displaces_iodine_and_blood(void **)
     assert_true(std::fabs(blood + 0.7 * metal) < 0.01 * metal);
 }
 
-// 400 struts of 12 pieces must equal the sum of single drawings.
+// The picture of 400 struts of 12 pieces must equal the sum of the pictures of single struts.
 static void many_curves_add_up(void **)
 {
     std::vector<SweptCurve> curves;
@@ -196,8 +199,9 @@ static void many_curves_add_up(void **)
                     1e-6);
 }
 
-// These curves are not finite, have no length or one point, lie behind or through the source, are seen end
-// on, or are bent back on themselves. They do no harm, and what can be drawn is drawn.
+// These curves are not finite, have no length or only one point, lie behind the source or pass through it,
+// are seen end-on, or are bent back on themselves. They must do no harm, and the parts that can be drawn must
+// be drawn.
 static void broken_and_awkward_curves_do_no_harm(void **)
 {
     const double nan = std::numeric_limits<double>::quiet_NaN(),
@@ -232,8 +236,8 @@ static void broken_and_awkward_curves_do_no_harm(void **)
             assert_in_range(paths.sum(i, slot), 0, 9ll * 1024 * 41);
 }
 
-// Struts and contrast reach the picture: both are darker than the blood around them, and a curve of air
-// leaves no trace.
+// Struts and contrast medium must be visible in the picture: both are darker than the blood around them, and
+// a curve of air leaves no trace.
 static void curves_are_seen_in_the_picture(void **)
 {
     XrayScene scene;

@@ -38,7 +38,7 @@ struct Room {
     }
 };
 
-// Makes a slab across the whole field, with its middle at the isocentre.
+// Makes a slab that covers the whole field; its middle is at the isocentre.
 inline Bodies slab(double thickness_m, const char *material = "soft_tissue")
 {
     return {
@@ -52,7 +52,7 @@ inline XraySettings fixed(double kV, double mA, double ms, double copper_mm = 0.
     return settings;
 }
 
-// Returns what automatic exposure measures: the geometric mean over the round measuring field.
+// Returns the value that automatic exposure measures: the geometric mean over the round measuring field.
 inline double measured_raw(const XrayPicture &picture)
 {
     const double half = 0.5 * picture.size, reach = 0.65 * half;

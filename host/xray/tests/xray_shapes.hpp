@@ -1,5 +1,5 @@
-// Closed meshes with known path lengths, built by sums, products and square roots only, so that every
-// compiler gives equal results.
+// Closed meshes with known path lengths. They are computed with sums, products and square roots only, so that
+// every compiler gives equal results.
 #pragma once
 #include "host/model/bodies.hpp"
 #include <cmath>
@@ -15,8 +15,8 @@ inline Eigen::Vector3i to_um(const Eigen::Vector3d &m)
             static_cast<int>(std::floor(m.z() * 1e6 + 0.5))};
 }
 
-// Makes an octahedron whose faces are cut into n x n triangles and pushed out to the sphere. It has 8 n^2
-// triangles.
+// Makes an octahedron whose faces are divided into n x n triangles, and moves all vertices outwards to the
+// sphere. It has 8 n^2 triangles.
 inline Body sphere_body(const std::string &name, const std::string &material, int parent,
                         const Eigen::Vector3d &centre_m, double radius_m, int n)
 {
