@@ -1,5 +1,6 @@
-// The window of `cournand view`: hand, pedal and C-arm are controlled by keyboard, and pictures are the same
-// as everywhere else. Live input is recorded like a session; the recording replays bit for bit.
+// The window of `cournand view`: the user controls hand, pedal and C-arm by keyboard, and sees the same
+// pictures that `cournand run` makes. The user's input is recorded like that of a script, and the recording
+// replays bit for bit.
 #pragma once
 #include "host/command/view_options.hpp"
 

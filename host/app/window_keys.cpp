@@ -41,7 +41,7 @@ std::int32_t rounded(double value)
     return static_cast<std::int32_t>(std::lround(value));
 }
 
-// Returns the rate after the present one, cyclically.
+// Returns the next rate of the list; the first one follows the last one.
 template <std::size_t count> std::int32_t next_rate(double per_second, const std::int32_t (&rates)[count])
 {
     const auto *at = std::find(std::begin(rates), std::end(rates), rounded(per_second * 100.0));

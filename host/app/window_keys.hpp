@@ -29,7 +29,7 @@ class WindowKeys
     std::size_t chosen_tool() const { return chosen_tool_; }
     bool moves_all() const { return moves_all_; }
 
-    // Speed at which the inflator's pressure is raised or released, kPa/s.
+    // Returns the rate at which the inflator's pressure is raised or released, kPa/s.
     std::int32_t inflation_kPa_per_s() const { return inflation_kPa_per_s_; }
 
     // Returns the commands for the room since the last call, pedals included.

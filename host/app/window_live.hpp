@@ -23,8 +23,8 @@ class LiveSession final : private FreeRunSink
 {
   public:
     // `tools` are given from the innermost out. `begin` holds the commands that the X-ray room receives at
-    // the start. An empty `record` means no recording. Throws what Device, Recorder and SessionPictures
-    // throw.
+    // the start. An empty `record` means no recording. Throws the exceptions of Device, Recorder and
+    // SessionPictures.
     LiveSession(const SceneFile &scene, const std::vector<Instrument> &tools, const crn_wire_entry &entry,
                 const std::string &record, const PictureSettings &pictures,
                 const std::vector<RoomCommand> &begin, const DeviceChoice &choice = {});

@@ -6,12 +6,13 @@
 namespace crn
 {
 
-// Formats as printf does, to any length. A format that does not fit its values does not compile.
+// Formats text as printf does; the result may have any length. A format that does not fit its values does not
+// compile.
 [[gnu::format(printf, 1, 2)]] std::string formatted(const char *format, ...);
 
 [[gnu::format(printf, 1, 0)]] std::string formatted_with(const char *format, va_list values);
 
-// Does the same and adds an end of line.
+// Formats text in the same way and adds the end of the line.
 [[gnu::format(printf, 1, 2)]] std::string formatted_line(const char *format, ...);
 
 // Escapes text for HTML and SVG, in an element or in an attribute between double quotes: &, <, > and " are

@@ -54,7 +54,7 @@ void send(int pipe, const void *bytes, std::size_t count)
     }
 }
 
-// Returns the memory pages of a process in bytes: in its address space, or resident in memory.
+// Returns how many bytes of memory a process has, either in its address space or resident in memory.
 std::uint64_t process_bytes(const char *path, bool is_resident)
 {
     unsigned long long pages = 0, resident = 0;

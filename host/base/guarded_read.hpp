@@ -1,6 +1,6 @@
 // Files that third-party parsers read are parsed in a child process with limits on memory, time and stack.
-// The parsed data come back through a pipe as plain data, which the caller checks. A damaged file ends only
-// the child, and the message says how.
+// The parsed data come back through a pipe as plain data, which the caller checks. A damaged file can end
+// only the child, and the message states how the child ended.
 //
 //   caller                       child
 //   read_apart -> fork ------->  limits, signals back to their defaults, no output but the pipe
@@ -20,7 +20,7 @@
 namespace crn
 {
 
-// The message begins with the file's name and says what to do.
+// The message begins with the file's name and gives the remedy.
 struct GuardedReadError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };

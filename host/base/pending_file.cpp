@@ -104,7 +104,8 @@ void check_kind(const std::string &path)
         throw OutputError(path + ": is a device or pipe: name a regular file to write");
 }
 
-// Flushes written bytes to the disk. Some file systems do not support this, which is no fault of the file.
+// Flushes written bytes to the disk. Some file systems do not support this, and that does not count as an
+// error.
 int sync_path(const std::string &path, int flags)
 {
     const int file = ::open(path.c_str(), flags | O_CLOEXEC);

@@ -9,10 +9,10 @@ namespace crn
 {
 
 // Makes a name or path printable in one line. Control characters (C0, DEL, C1), characters that change the
-// writing direction, line separators and bytes that are no UTF-8 become \xNN, byte by byte; all else stays. A
-// backslash stays too, since the result is for reading only.
+// writing direction, line separators and bytes that are not UTF-8 become \xNN, byte by byte; everything else
+// stays. A backslash stays too, since the result is for reading only.
 std::string printable(std::string_view text);
-// Does the same for whole messages: line ends stay.
+// Does the same for a whole message, whose line ends stay.
 std::string printable_lines(std::string_view text);
 
 // Prints like fprintf, through printable_lines().

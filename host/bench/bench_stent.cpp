@@ -113,8 +113,8 @@ double step_instructions(const bench_case *)
 
 // The shipped stent lies at 22 mm of the shipped heart's LAD, and a balloon opens it to the artery's own
 // width for two seconds. The test lasts 60 s at 70 beats per minute and 15 pictures per second. Result 0 is
-// the largest distance of a crown from the place to which the wall moves it, mm; result 1 is the depth of the
-// deepest strut in the wall, mm; result 2 is the least apposition, %.
+// the largest distance of a crown from the place to which the wall moves it, mm. Result 1 is the depth of the
+// deepest strut in the wall, mm. Result 2 is the least apposition, %.
 double in_the_heart(const bench_case *self)
 {
     Bodies bodies;

@@ -40,8 +40,9 @@ class FlowCells
 {
   public:
     FlowCells() = default;
-    // `tree` has passed check_vessel_tree. Cells are half a radius long, 1 to 3 mm. A branch begins at
-    // vessel_start_m. An outlet without a stated flow gets the flow that Murray's law gives for its radius.
+    // `tree` has passed check_vessel_tree. A cell is half of the vessel's radius long, but at least 1 mm and
+    // at most 3 mm. A branch begins at vessel_start_m. An outlet without a stated flow gets the flow that
+    // Murray's law gives for its radius.
     explicit FlowCells(const VesselTree &tree);
 
     std::size_t size() const { return cells_.size(); }
@@ -53,7 +54,7 @@ class FlowCells
     const std::vector<FlowThroat> &throats() const { return throats_; } // one for each lesion
 
     // Replaces points and radii within the tree's lesions; the points are in the pose of the constructor's
-    // tree. The flow into the beds stays as it was.
+    // tree. The flow into the beds does not change.
     void reshape(const VesselTree &opened);
     // Moves the tree's points: `moved` must have as many branches, points and lesions as the constructor's
     // tree. Any other tree is ignored.

@@ -2,10 +2,10 @@
 // that lumen.
 //
 // Laminar flow Q of viscosity mu through a lumen of radius R needs dp/ds = 8 mu Q / (pi R^4). A concentric
-// wire of radius k R in it leaves the annulus's share of the conductance, 1 - k^4 - (1 - k^2)^2 / ln(1/k)
-// (Bird, Stewart, Lightfoot, Transport Phenomena, 2.4). A wire that lies on the wall leaves at most 2.5 times
-// as much (narrow gap: 1 + 1.5 e^2, Snyder and Goldstein 1965). The functions return the least pressure that
-// the injection can need, so a refusal is never too strict.
+// guidewire of radius k R in the lumen leaves an annulus with the share 1 - k^4 - (1 - k^2)^2 / ln(1/k) of
+// the conductance (Bird, Stewart, Lightfoot, Transport Phenomena, 2.4). A guidewire that lies on the wall
+// leaves at most 2.5 times that share (for a narrow gap 1 + 1.5 e^2, Snyder and Goldstein 1965). The
+// functions return the least pressure that the injection can need, so a refusal is never too strict.
 #pragma once
 #include "host/model/instrument.hpp"
 #include <span>

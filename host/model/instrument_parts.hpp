@@ -44,7 +44,7 @@ std::vector<SideHoles> read_side_holes(const Place &place, const toml::table &ro
 std::optional<BalloonLabel> read_balloon(const Place &place, const toml::table &root, InstrumentKind kind,
                                          crn_wire_instrument &wire);
 
-// Adds its marker bands to the instrument's layers.
+// Adds the marker bands of the balloon to the instrument's X-ray layers.
 void add_markers(Instrument &instrument);
 
 void read_elements(const Place &place, const toml::table &root, crn_wire_instrument &wire);

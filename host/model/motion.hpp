@@ -40,7 +40,8 @@ struct MotionWeights {
 MotionWeights motion_weights(const MotionMoment &moment);
 
 // Computes coefficients c, one per keyframe, of the periodic spline that passes through w: (c[k-1] + 6 c[k] +
-// c[k+1]) / 8 = w[k]. It uses Gauss-Seidel with 20 rounds, each of which reduces the error by a factor of 9.
+// c[k+1]) / 8 = w[k]. The method is Gauss-Seidel with 20 rounds, each of which reduces the error by a factor
+// of 9.
 void motion_prefilter(const double *w, double *c);
 
 // Returns the weight of a cell's corner (bits x, y, z) at a place in the cell (0 .. 1). The displacement is

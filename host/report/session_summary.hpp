@@ -22,8 +22,7 @@ struct SessionFiles {
     std::string json, score, timing; // empty: none
 };
 // `session` is the name of the script, or names what else controlled the session. `screen` has the pictures
-// for the score's page; null means that there are none. `screen` belongs to the maker of pictures, which go
-// onto the score's page; null: there are none. Throws OutputError.
+// for the score's page; null means that there are none. Throws OutputError.
 void write_session_files(const SessionFiles &files, const RunResult &result, const std::string &scene,
                          const std::vector<Instrument> &tools, const std::string &session, Patient &patient,
                          const RoomScreen *screen);

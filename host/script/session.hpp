@@ -40,8 +40,9 @@ struct Inflation {
     std::int32_t kPa = 0, kPa_per_s = 100;
 };
 
-// One line of the script. It is a set of simultaneous moves of hands, a tool to steer, a pause, a change of
-// the inflator's pressure, commands to the room, orders to heart and breath, or an expectation.
+// One line of the script. It is a set of simultaneous moves of hands, a tool to steer, a pause, or a change
+// of the inflator's pressure. It may also be a list of commands to the room, an order to heart and breath, or
+// an expectation.
 struct Statement {
     int line = 0;
     std::vector<HandMove> moves;

@@ -11,7 +11,7 @@ namespace
 
 constexpr std::int64_t mm = 1000; // um
 
-// The parameters of a steering hand. They were found by trials on the shipped aorta and heart, in which
+// The parameters with which a hand steers. They were found by trials on the shipped aorta and heart, in which
 // friction, stiffness and the initial turn varied by some per cent (tools/check/tests/test_sessions.py). No
 // value is fitted to one session.
 struct Habit {

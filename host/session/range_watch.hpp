@@ -1,7 +1,7 @@
 // Watches whether the physics stays in the range for which it is valid. It checks every tick of a session.
-// The range is left when a number in the core reaches the limit of its format, a tool is too deep in the
-// wall, or a line is too long or too short. The shape of the line is then no longer that of the tools, and
-// the session must not continue.
+// The physics leaves its range when a number in the core reaches the limit of its format, or a tool is too
+// deep in the wall. It also does so when a line is too long or too short. The shape of the line is then no
+// longer that of the tools, and the session must not continue.
 #pragma once
 #include "shared/wire/wire.h"
 #include <Eigen/Core>

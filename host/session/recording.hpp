@@ -7,7 +7,7 @@
 //            END when the session was closed properly
 //
 // A recorder writes chunk by chunk, so that a recording that a crash cut off is readable up to its last
-// complete chunk. A reader refuses what is not a recording, is of another version, or is damaged in the
+// complete chunk. A reader refuses a file that is not a recording, has another version, or is damaged in the
 // middle.
 #pragma once
 #include "host/model/instrument.hpp"

@@ -1,5 +1,5 @@
-// Runs a session on a device and its patient: a script in LOCKSTEP, as fast as the machine allows, or hands
-// at a rig in FREE_RUN. Meanwhile the session is recorded, and its pictures are made.
+// Runs a session on a device and its patient: a script in LOCKSTEP, as fast as the machine allows, or in
+// FREE_RUN the hands at a rig. Meanwhile the session is recorded, and its pictures are made.
 #pragma once
 #include "host/patient/patient.hpp"
 #include "host/script/session.hpp"

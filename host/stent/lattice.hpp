@@ -1,8 +1,8 @@
 // The points of a stent and the springs between them, which are made from its design (docs/stent.md,
 // "Springs").
 //
-// The point (ring j, place k), with k = 0 .. 2N-1 around the axis, lies at the angle k pi / N. The even
-// places of an even ring are its crowns towards the tip. The springs are
+// The point at place k of ring j, where k = 0 .. 2N-1 counts around the axis, lies at the angle k pi / N from
+// the first one. The even places of an even ring are its crowns towards the tip. The springs are
 //   struts    k to k+1 of a ring                              keep their length
 //   hinges    k to k+2, k+4, k+N of a ring, of one side       bending of a crown; yield
 //   links     a crown to a crown of the next ring             keep their length
@@ -55,8 +55,8 @@ struct StentLattice {
     std::vector<Bar> bars;
 };
 
-// Returns the stiffness d F / d R of a ring, with F = d energy / d R, as far as its hinges cause it: the sum
-// of k (d length / d R)^2 over all hinges.
+// Returns the stiffness of a ring's radius R that its hinges cause: the second derivative of their energy,
+// which is the sum of k (d length / d R)^2 over all hinges.
 double hinge_ring_stiffness(const StentLattice &lattice);
 
 } // namespace crn

@@ -31,8 +31,8 @@ class VesselWall
     VesselWall(const VesselTree &tree, std::size_t branch, double from_mm, double to_mm,
                const Motion *motion);
 
-    // `opened` has a list for each lesion of the tree: how far the lesion is open at places that are evenly
-    // spaced from its beginning to its end, such as the core's stations. A list with one value applies
+    // `opened` has a list for each lesion of the tree. The values state how far the lesion is open at evenly
+    // spaced places from its beginning to its end, such as the core's stations. A list with one value applies
     // everywhere. The value 0 means as baked, 1 means healthy, and above 1 the vessel is overstretched.
     // Lesions without a list, or with an empty one, are as baked.
     void move(const MotionMoment &moment, std::span<const std::vector<double>> opened = {});

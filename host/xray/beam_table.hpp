@@ -23,8 +23,9 @@ struct BeamTable {
     // For each material and energy, log2(1/transmission) of 1/1024 mm.
     std::array<std::array<float, beam_energy_count>, material_count> log2_per_q10mm{};
 
-    // The signal is counted in quanta. A quantum is a photon of the energy at which the variance of the
-    // signal behind 20 cm of tissue equals its mean: (sum of E^2)/(sum of E) over the photons absorbed there.
+    // The signal is counted in quanta. A quantum is a photon with the energy (sum of E^2)/(sum of E), taken
+    // over the photons absorbed behind 20 cm of tissue. In these units the variance of the signal equals its
+    // mean.
     double quantum_keV = 0.0;
     double quanta_mm2_mAs = 0.0;          // of the open beam at 1 m, absorbed by the scintillator
     double air_kerma_uGy_mAs = 0.0;       // of the open beam at 1 m

@@ -280,7 +280,7 @@ void each_tool_is_drawn_over_its_own_part_with_its_own_layers(void **)
     expect_volume("guide", volume_mm3(tools, wire, crn::Material::nitinol), 50.0 * pi * 0.19 * 2.25);
 }
 
-// Across a hollow tool the chord is longest beside the lumen, not in the middle.
+// The path of a ray in the wall of a hollow tool is longest beside the lumen, and not in the middle.
 void a_lumen_is_seen_as_a_brighter_middle(void **)
 {
     const std::vector<crn::RadiopaqueInstrument> tools = {
@@ -299,7 +299,7 @@ void a_lumen_is_seen_as_a_brighter_middle(void **)
         largest = std::max(largest, here);
         if (y == 255 || y == 256) middle = std::max(middle, here);
     }
-    // The chords are 2 (2 - 1.2) = 1.6 mm in the middle and 2 sqrt(4 - 1.44) = 3.2 mm beside the lumen.
+    // Its length is 2 (2 - 1.2) = 1.6 mm in the middle and 2 sqrt(4 - 1.44) = 3.2 mm beside the lumen.
     assert_in_range(middle, 1540, 1740);
     assert_in_range(largest, 2900, 3300);
 }

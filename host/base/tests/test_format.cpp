@@ -1,4 +1,4 @@
-// Claims: text of any length comes out whole, and HTML's own characters are escaped.
+// Claims: text of any length is formatted completely, and the special characters of HTML are escaped.
 #include "host/base/format.hpp"
 #include <csetjmp>
 #include <cstdarg>

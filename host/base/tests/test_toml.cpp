@@ -67,8 +67,8 @@ void what_looks_deep_in_strings_and_comments_is_read(void **)
                         "");
 }
 
-// The deepest text within the limits has a header of 32 names, and in it 31 nested tables, each behind 32
-// names.
+// The deepest text within the limits has a header of 32 names, and in it 31 nested tables, each after a key
+// of 32 names.
 void the_deepest_text_that_is_allowed_is_read(void **)
 {
     const std::string key = repeated("a.", 31) + "a";

@@ -52,7 +52,7 @@ VesselTree fork()
     return tree;
 }
 
-// Makes an aorta along y with a renal artery from its middle.
+// Makes an aorta along y, from whose middle a renal artery leaves.
 VesselTree aorta()
 {
     VesselTree tree{{straight("aorta", {0, 0, 0}, {0, -200, 0}, 10.0, 40.0),

@@ -130,9 +130,9 @@ MotionMoment moment(double heart, double breath)
             static_cast<std::uint32_t>(breath * 4294967296.0)};
 }
 
-// The middle node lies at (0, 7.8125, 7.8125) mm. The coefficients of that node are 44 units at keyframe 0
-// and rise by 44 units per keyframe, and a quadratic spline of a straight line is that line. The deepest
-// breath moves the node by 262 units along y.
+// The middle node of the lattice is at (0, 7.8125, 7.8125) mm. The coefficients of that node are 44 units at
+// keyframe 0 and rise by 44 units per keyframe, and a quadratic spline of a straight line is that line. The
+// deepest breath moves the node by 262 units along y.
 void the_lattice_is_read_as_it_was_written(void **)
 {
     const Sample sample;

@@ -67,7 +67,8 @@ double viscous_mmHg(double throat_mm, double q_ml_s)
     return 8 * viscosity_mPa_s * q_ml_s * per_r4_mm3(throat_mm) / pi * mmHg_per_Pa;
 }
 
-// Returns K_t rho / 2 (A0 / As - 1)^2 v0^2, K_t = 1.5 (Young and Tsai 1973).
+// Returns the pressure loss of the jet, K_t rho / 2 (A0 / As - 1)^2 v0^2, with K_t = 1.5 (Young and Tsai
+// 1973).
 double jet_mmHg(double throat_mm, double q_ml_s)
 {
     const double widening = healthy_mm * healthy_mm / (throat_mm * throat_mm) - 1;

@@ -95,7 +95,7 @@ class TalkingDevice final : public crn::Transport
     std::uint16_t sequence_ = 0;
 };
 
-// Returns the text of the error with which `call` ends; empty: none.
+// Returns the text of the error with which `call` ends; empty if there is no error.
 std::string error_of(const std::function<void()> &call)
 {
     try {

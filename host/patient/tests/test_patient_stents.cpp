@@ -1,6 +1,7 @@
 // Claims about balloon and stents in a session, whose shapes of the line are made in this file. They concern
-// which stents may be mounted, when looks are due, which orders the core gets and when they are repeated,
-// that pictures change nothing, the X-ray of a filled balloon, and the contents of a recording.
+// which stents may be mounted, when looks are due, and which orders the core gets and when these are
+// repeated. Other claims are that pictures change nothing, and concern the X-ray of a filled balloon and the
+// contents of a recording.
 #include "host/base/tests/folder.hpp"
 #include "host/base/text.hpp"
 #include "host/patient/balloon.hpp"
@@ -318,8 +319,8 @@ void another_one_is_loaded_outside_only(void **)
     assert_true(results[0].was_taken_out && !results[1].was_taken_out);
 }
 
-// The iodine in the column is compared with that of the balloon's parts: the cylinder, the cones (each of
-// volume pi h / 3 (R^2 + R r + r^2) less the shaft) and the waist.
+// The iodine in the column is compared with that of the balloon's parts. These are the cylinder, the cones
+// and the waist; a cone has the volume pi h / 3 (R^2 + R r + r^2) less the shaft.
 void the_filling_holds_as_much_as_the_balloon(void **)
 {
     const std::vector<Instrument> tools = wire_and_balloon();

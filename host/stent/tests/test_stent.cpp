@@ -197,8 +197,8 @@ static void free_stent_recoils_by_its_share(void **)
     }
 }
 
-// The radius of one ring is changed by dR. The energy of its springs then gives F = dE/dR and K = d2E/dR2 by
-// differences, and these are compared with the values in the file. Only the chords change: the height of a
+// The radius of one ring is changed by small steps. The differences of its springs' energy E give F = dE/dR
+// and K = d2E/dR2, which are compared with the values in the file. Only the chords change: the height of a
 // ring changes without force, because its struts only turn.
 static void ring_is_as_stiff_as_stated(void **)
 {

@@ -29,7 +29,7 @@ enum class Material : std::uint8_t {
 };
 inline constexpr int material_count = 16;
 
-// Name as written in files, e.g. "bone_cortical".
+// Returns the name that files use, such as "bone_cortical".
 std::string_view material_name(Material material);
 
 // Accepts these names, and these short forms: tissue, skin, organ, water (soft_tissue), heart (muscle), fat

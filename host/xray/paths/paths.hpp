@@ -31,7 +31,7 @@ namespace crn
 // has no such material.
 using PathPictures = std::array<std::vector<std::int32_t>, material_count>;
 
-// Pixels [x0, x1) x [y0, y1).
+// The pixels in columns [x0, x1) and rows [y0, y1).
 struct PixelRect {
     int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
     bool is_empty() const { return x0 >= x1 || y0 >= y1; }

@@ -1,13 +1,13 @@
 // Compares the path lengths by OpenGL with those of the rasteriser, in both contexts that need no window. The
 // test also covers a library, a function or a context that is missing or has been lost.
 //
-// Tolerances. This explains the tolerances. Both back ends cover a pixel by its centre, after corners were
-// moved to a grid: 1/256 pixel in the rasteriser, and the driver's own choice in OpenGL (llvmpipe: also
-// 1/256, with its own rounding). So at an edge a pixel may belong to either side. Inside, the path length
-// changes by less than 2 mm between neighbouring pixels, so a shift by 1/128 pixel changes it by 0.016 mm.
-// The sums of OpenGL are floats around 100 mm, each exact to 0.00001 mm, and the rasteriser rounds each face
-// to 1/1024 mm. Therefore the tolerance is 0.05 mm inside, with a mean of 0.002 mm, and a share of the pixels
-// at edges may differ.
+// Tolerances. The tolerances have the following reasons. Both back ends cover a pixel if its centre lies in
+// the triangle, after they moved the corners to a grid. The grid is 1/256 pixel in the rasteriser, and the
+// driver's choice in OpenGL (llvmpipe uses 1/256 too, with its own rounding). So at an edge a pixel may
+// belong to either side. Inside, the path length changes by less than 2 mm between neighbouring pixels, so a
+// shift by 1/128 pixel changes it by 0.016 mm. The sums of OpenGL are floats around 100 mm, each exact to
+// 0.00001 mm, and the rasteriser rounds each face to 1/1024 mm. Therefore the tolerance is 0.05 mm inside,
+// with a mean of 0.002 mm, and a share of the pixels at edges may differ.
 #include "firmware/tests/reference/long_run.h"
 #include "host/xray/gl/gl_paths.hpp"
 #include "host/xray/paths/raster_paths.hpp"

@@ -85,9 +85,10 @@ bool is_near(const char *what, double value, double expected, double share)
 
 } // namespace
 
-// The reference is spekpy 2.5.4, whose model (cross-sections by Omar) is another one: 11 degrees, 2.5 mm Al +
-// 0.2 mm Cu, 20 cm of soft tissue, signal of 0.55 mm CsI. The models differ by 1 % in mean energy, and
-// therefore by 1 % and 5 % in the attenuation of tissue and bone.
+// The reference is spekpy 2.5.4, whose model uses other cross-sections (by Omar) than ours. The anode has 11
+// degrees; the beam passes 2.5 mm Al + 0.2 mm Cu and 20 cm of soft tissue, and the signal is that of 0.55 mm
+// of CsI crystal. The models differ by 1 % in mean energy, and therefore by 1 % and 5 % in the attenuation of
+// tissue and bone.
 static void beam_behind_a_patient_agrees_with_spekpy(void **)
 {
     struct Row {

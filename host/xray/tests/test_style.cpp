@@ -133,8 +133,8 @@ void wire_is_a_dark_line_at_its_place(void **)
         fail_msg("grey %d and %d beside it", at(row - 5), at(row + 5));
 }
 
-// Returns the mean grey at this distance below the tube's axis, over the columns in the middle of the
-// picture; noise of 0.8 grey values remains.
+// Returns the mean grey along a line that is parallel to the tube's axis and this far below it; noise of 0.8
+// grey values remains.
 double grey_beside_the_axis(const XrayPicture &picture, double below_m)
 {
     const View view = make_view(small_view().carm, 128);

@@ -385,10 +385,10 @@ double scatter_to_primary(double tissue_cm, double kV, double width_cm, double h
 
 } // namespace
 
-// Altunbas et al. 2016 measured the ratio of scattered to primary photons at 125 kV behind 30 cm of acrylic,
-// which has the electrons of 33 cm of tissue, in a field of 40 x 30 cm. It is 4.51, and 1.28 behind the grid.
-// Textbooks (Bushberg et al., chapter on scatter) give about 3 for 20 cm in a field of 30 x 30 cm; the ratio
-// increases with thickness and field.
+// Altunbas et al. 2016 measured scatter at 125 kV in a field of 40 x 30 cm behind 30 cm of acrylic, which has
+// the electrons of 33 cm of tissue. The ratio of scattered to primary photons is 4.51, and 1.28 behind the
+// grid. Textbooks (Bushberg et al., chapter on scatter) give about 3 for 20 cm in a field of 30 x 30 cm; the
+// ratio increases with thickness and field.
 static void scatter_agrees_with_a_measurement_and_grows_with_field_and_thickness(void **)
 {
     const double measured = scatter_to_primary(33.0, 125.0, 40.0, 30.0);
