@@ -38,8 +38,8 @@ std::string numbered(const std::string &wanted, int number)
     return path.string();
 }
 
-// Returns the file in which a session is recorded when the user named none. Its name is made of date and
-// time, and it lies in the user's state folder (XDG Base Directory Specification).
+// Returns the file in which a session is recorded when the user named none. The file's name is made of date
+// and time, and the file lies in the user's state folder (XDG Base Directory Specification).
 std::string kept_recording()
 {
     const char *state = std::getenv("XDG_STATE_HOME"), *home = std::getenv("HOME");

@@ -32,7 +32,7 @@ class SignalsWait
     sigset_t before_;
 };
 
-// The previous file of a name. It is kept under another name until all new files have been renamed.
+// The previous file of a name. This file is kept under another name until all new files have been renamed.
 class Former
 {
   public:

@@ -1,4 +1,4 @@
-// The child process that reads a file, its limits, and how the parent interprets its exit.
+// Runs the child process that reads a file, sets its limits, and interprets its exit.
 #include "host/base/guarded_read.hpp"
 #include <algorithm>
 #include <array>

@@ -116,9 +116,9 @@ class Inbox
 void read_apart(const std::string &file, const ReadLimits &limits, const std::function<void(Outbox &)> &parse,
                 const std::function<void(Inbox &)> &take);
 
-// The parent calls `is_wanted` when a signal arrives while it waits for a child. If it returns true, the read
-// ends with the message "interrupted". A program whose Ctrl-C handler only sets a flag should register such a
-// function.
+// The parent calls `is_wanted` when a signal arrives while it waits for a child. If `is_wanted` returns true,
+// the read ends with the message "interrupted". A program whose Ctrl-C handler only sets a flag should
+// register such a function.
 void stop_reading_when(bool (*is_wanted)());
 
 // Returns the size of a regular file, for read_limits. Throws GuardedReadError when the file does not exist,

@@ -1,5 +1,6 @@
-// Measures the time per picture of a stent with a thousand struts in a beating artery. It also measures how
-// well the shipped stent stays in place in the LAD of the shipped heart during a minute: docs/stent.md.
+// Measures the time per picture of a stent with a thousand struts in a beating artery. The program also
+// measures how well the shipped stent stays in place in the LAD of the shipped heart during a minute:
+// docs/stent.md.
 #include "firmware/bench/bench.h"
 #include "host/stent/tests/stent_heart.hpp"
 #include "host/stent/tests/stent_vessel.hpp"

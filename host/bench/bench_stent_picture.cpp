@@ -1,5 +1,6 @@
-// Measures the time that the struts of a stent take in an X-ray picture. It also makes that picture: the
-// shipped stent in the shipped heart's LAD, crimped and deployed, with and without contrast medium.
+// Measures the time that the struts of a stent take in an X-ray picture. The program can also write such
+// pictures: the shipped stent in the shipped heart's LAD, crimped and deployed, with and without contrast
+// medium.
 //
 //   build/bench/bench_stent_picture picture out/stent.png      all four side by side (docs/stent.md)
 #include "firmware/bench/bench.h"

@@ -1,5 +1,5 @@
 // Measures how long an X-ray picture takes: docs/bench.md and docs/xray.md. The patient is out/aorta.bodies,
-// which `make run` makes, or a model made here where that file is missing. Both have at least 300,000
+// which `make run` makes, or a model made here where that file is missing. Both models have at least 300,000
 // triangles and four materials.
 #include "firmware/bench/bench.h"
 #include "host/xray/chain.hpp"

@@ -1,5 +1,5 @@
-// The command line `cournand`. Its exit codes are: 0 done, 1 failed, 2 wrong usage, 3 physics left its range
-// (range_watch.hpp).
+// The command line `cournand`. The program's exit codes are: 0 done, 1 failed, 2 wrong usage, 3 physics left
+// its range (range_watch.hpp).
 #pragma once
 #include "host/base/output_files.hpp"
 #include "host/command/view_options.hpp"

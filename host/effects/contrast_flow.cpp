@@ -149,8 +149,8 @@ double ContrastFlow::parts_of_step()
 }
 
 // Each layer is transported separately by the upwind rule: a flow has the concentration of the cell that it
-// leaves. Both layers have half of the volume and a fixed share of every flow, including injected fluid. So
-// the flow into a layer equals the flow out of it.
+// leaves. Both layers of blood have half of the volume and a fixed share of every flow, including injected
+// fluid. So the flow into a layer equals the flow out of it.
 void ContrastFlow::transport(double dt_s, const InjectedFluid &fluid)
 {
     const double core = settings_.core_flow_share * dt_s, wall = (1.0 - settings_.core_flow_share) * dt_s;
@@ -166,7 +166,7 @@ void ContrastFlow::transport(double dt_s, const InjectedFluid &fluid)
 }
 
 // Transports one layer with these contents; `share_s` is the step in seconds times the layer's share of the
-// flows. All flows have the concentrations from before the step.
+// flows. All flows use the concentrations at the beginning of the step.
 void ContrastFlow::carry(double share_s, std::vector<double> &layer_mg)
 {
     const std::vector<FlowRun> &runs = network_.runs();

@@ -28,8 +28,8 @@ double loss_of(const FlowThroat &throat, double tool_radius_mm)
     return expansion_loss * 0.5 * blood_kg_m3 * widening * widening / (area_mm2 * area_mm2) * mmHg_per_Pa;
 }
 
-// Returns the logarithm of x >= 1. It uses square roots and a series, so that every machine gives the same
-// bits.
+// Returns the logarithm of x >= 1. The computation uses square roots and a series, so that every machine
+// gives the same bits.
 double logarithm(double x)
 {
     double scale = 2.0;

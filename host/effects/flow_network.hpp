@@ -57,8 +57,8 @@ class FlowNetwork
 
     double pressure_mmHg(std::size_t cell) const; // above the veins
 
-    // Returns the flows that determine the stenoses' resistance, ml/s. They are the only state, besides its
-    // arguments, on which the next solution depends.
+    // Returns the flows that determine the stenoses' resistance, ml/s. These flows are the only state,
+    // besides its arguments, on which the next solution depends.
     const std::vector<double> &throat_flows_ml_s() const { return throat_flows_; }
     void set_throat_flows(std::span<const double> flows_ml_s); // as many as there are stenoses
 

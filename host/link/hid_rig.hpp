@@ -2,8 +2,8 @@
 // (docs/usb.md, "Reports").
 //
 // Debian has two builds of hidapi with the same function names: one uses the kernel's hidraw, the other
-// libusb. Both are loaded at run time. So the caller can choose one, and everything else works on a machine
-// without them. Thread rule: only one thread at a time may call a rig.
+// libusb. Both builds are loaded at run time. So the caller can choose one, and everything else works on a
+// machine without them. Thread rule: only one thread at a time may call a rig.
 #pragma once
 #include "host/link/link.hpp"
 #include "shared/wire/hid.h"

@@ -79,8 +79,8 @@ bool Link::ask_hello(const crn_wire_hello &hello)
     return false;
 }
 
-// Both sides start again, whatever bytes were lost or cut before. If the device restarted in the middle of a
-// frame, its reply follows half a frame and is lost; the host then sends HELLO once more.
+// Host and device start again, whatever bytes were lost or cut before. If the device restarted in the middle
+// of a frame, its reply follows half a frame and is lost; the host then sends HELLO once more.
 crn_wire_hello_reply Link::hello_once()
 {
     const crn_wire_hello hello = {CRN_WIRE_PROTOCOL_MAJOR, CRN_WIRE_PROTOCOL_MINOR, crn_wire_schema_hash()};

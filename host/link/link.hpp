@@ -24,8 +24,8 @@
 namespace crn
 {
 
-// `reject` is the device's refusal. Its code is 0 when the error has another cause, such as silence, another
-// version or a fault.
+// `reject` is the device's refusal. The code in `reject` is 0 when the error has another cause, such as
+// silence, another version or a fault.
 class LinkError : public std::runtime_error
 {
   public:

@@ -1,4 +1,5 @@
-// Reads body files. Their format is the container of shared/scene with KIND_BODIES (docs/scene.md).
+// Reads body files. The format of body files is the container of shared/scene with KIND_BODIES
+// (docs/scene.md).
 #include "host/base/text.hpp"
 #include "host/model/bodies.hpp"
 #include "shared/scene/scene.h"

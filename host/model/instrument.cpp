@@ -1,5 +1,5 @@
-// Reads an instrument file as a whole: head, sources and presets. It also makes the preset that the thesis'
-// table describes.
+// Reads an instrument file as a whole: head, sources and presets. This file also makes the preset that the
+// thesis' table describes.
 #include "host/model/instrument.hpp"
 #include "host/base/text.hpp"
 #include "host/model/instrument_parts.hpp"

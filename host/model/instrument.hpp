@@ -75,7 +75,7 @@ struct Instrument {
     std::optional<ThesisRow> thesis;     // for a preset that was made from the table
 };
 
-// `path` may end in ":preset". It reads and checks every preset of the file, even if another one is
+// `path` may end in ":preset". Every preset of the file is read and checked, even if another one is
 // requested. Throws FileError.
 Instrument read_instrument(const std::string &path);
 

@@ -16,8 +16,8 @@ namespace
 
 constexpr double same_mm = 1e-3; // boundaries closer than this count as one
 
-// Returns a stiffness at share u of a section. It changes geometrically, because a ground taper spans
-// decades; other values change linearly.
+// Returns a stiffness at share u of a section. A stiffness changes geometrically, because a ground taper
+// spans decades; other values change linearly.
 double by_ratio(const Range &range, double u)
 {
     return range.is_constant() ? range.from : range.from * std::pow(range.to / range.from, u);

@@ -21,7 +21,7 @@ struct LesionStations {
     double spacing_m = 0.0;
 };
 
-// Returns the stations of each lesion that yields, from a validated scene. They are in the order of the
+// Returns the stations of each lesion that yields, from a validated scene. The result is in the order of the
 // tree's lesions, of which the lesions that yield come first.
 std::vector<LesionStations> lesion_stations(const crn_scene &scene);
 // Reads the same from the PLAQUES section of a scene file. Returns nothing when there is no such section.

@@ -109,8 +109,8 @@ LesionFoot LesionWall::foot(const Vector3d &place_m) const
     return foot;
 }
 
-// Returns the share of the lesion's displacement that applies to a wall. It is 1 near the vessel, and 0 far
-// from it or where the wall is nearer to another vessel.
+// Returns the share of the lesion's displacement that applies to a wall. The share is 1 near the vessel, and
+// 0 far from it or where the wall is nearer to another vessel.
 double LesionWall::share_of_way(const LesionFoot &foot, const Vector3d &place_m) const
 {
     const double fade =

@@ -33,8 +33,8 @@ class LesionWall
   public:
     LesionWall(const VesselTree &tree, std::size_t lesion); // requires a checked tree
 
-    // Returns the displacement from a place on the healthy vessel's wall to its place on the narrowed one. It
-    // is 0 far from the lesion, and where the wall is nearer to another vessel.
+    // Returns the displacement from a place on the healthy vessel's wall to its place on the narrowed one.
+    // The displacement is 0 far from the lesion, and where the wall is nearer to another vessel.
     Eigen::Vector3d way_m(const Eigen::Vector3d &healthy_m) const;
 
     struct Healthy {

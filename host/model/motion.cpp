@@ -131,8 +131,9 @@ Eigen::Vector3d Motion::pull(const Eigen::Vector3d &x_m, const MotionMoment &mom
 namespace
 {
 
-// Solves x = X - w(x) for x by fixed-point iteration. It converges because the displacement w changes by less
-// than x itself does. Each round multiplies the error by the gradient of w, a third in a heart.
+// Solves x = X - w(x) for x by fixed-point iteration. The iteration converges because the displacement w
+// changes by less than x itself does. Each round multiplies the error by the gradient of w, a third in a
+// heart.
 template <typename Way> Eigen::Vector3d undo(const Eigen::Vector3d &X_m, const Way &way)
 {
     constexpr int rounds_max = 40;

@@ -87,7 +87,7 @@ class Motion
 std::optional<Motion> read_motion(const std::string &scene_path, std::string &error);
 
 // Places that move with the lattice. The lattice is evaluated at each place only once, for all keyframes, at
-// rest and inhaled. Afterwards the place at a moment costs a few products. Between keyframes the result is a
+// rest and inhaled. After that, the place at a moment costs a few products. Between keyframes the result is a
 // spline through the moved places; it is within 0.05 mm of the lattice's own map.
 class MovingPoints
 {

@@ -16,8 +16,8 @@ Vector3d vertex_m(const Body &body, std::uint32_t index)
     return body.vertices_um[index].cast<double>() * 1e-6;
 }
 
-// Returns true if the place is inside. It sums the solid angle of the surface seen from the place, as a share
-// of the sphere: 1 inside, 0 outside (Van Oosterom and Strackee 1983).
+// Returns true if the place is inside. The function sums the solid angle of the surface seen from the place,
+// as a share of the sphere: 1 inside, 0 outside (Van Oosterom and Strackee 1983).
 bool is_inside(const Body &body, const Vector3d &place_m)
 {
     double sum = 0.0;

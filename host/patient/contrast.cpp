@@ -380,7 +380,7 @@ double PatientContrast::stream_at(std::size_t cell, double &behind_tip_mm) const
 }
 
 // Shows the iodine of a cell as a column that is thinner than the vessel and lies to the tip's side of the
-// axis. It is just wide enough to hold the iodine undiluted.
+// axis. The column is just wide enough to hold the iodine undiluted.
 SweptPoint PatientContrast::stream_point(std::size_t cell, double narrowness) const
 {
     const FlowCells &cells = flow_.cells();

@@ -24,9 +24,9 @@ inline constexpr double iodine_default_mg_per_ml =
 // Returns the tool that injects, counted from the innermost. `asked` is its number from 1; 0 selects the
 // outermost tool with a lumen. The result is empty if there is no such tool.
 std::optional<std::size_t> injecting_tool(const std::vector<Instrument> &tools, std::int32_t asked);
-// Returns the reason why these tools cannot carry out a command to the syringe, wherever they are. It is
-// empty if they can, or if the command is not for the syringe. `iodine_mg_per_ml` is the strength of the
-// injected medium.
+// Returns the reason why these tools cannot carry out a command to the syringe, wherever they are. The result
+// is empty if the tools can, or if the command is not for the syringe. `iodine_mg_per_ml` is the strength of
+// the injected medium.
 std::string injection_refusal(const std::vector<Instrument> &tools, const RoomCommand &command,
                               double iodine_mg_per_ml);
 

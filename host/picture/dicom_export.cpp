@@ -74,8 +74,8 @@ void check_date(const std::string &date)
     if (year < 1 || month < 1 || month > 12 || day < 1 || day > days[month - 1]) throw error;
 }
 
-// Counts the values of every third pixel in the open field. It leaves out the field's edges, which are in the
-// blades' half shadow.
+// Counts the values of every third pixel in the open field. The edges of the field, which are in the blades'
+// half shadow, are left out.
 void count_values(const XrayRun &run, const RunFrame &frame, std::vector<std::uint32_t> &histogram)
 {
     const RunCollimator &field = run.collimator;

@@ -173,8 +173,8 @@ Bounds fitting(const std::vector<ShapePoint> &shape, double wide_mm, double high
     }
 }
 
-// Draws the shape as seen along d2, with the forward direction to the right and d1 upwards. Its farthest
-// point is near the right edge, and it is centred in height.
+// Draws the shape as seen along d2, with the forward direction to the right and d1 upwards. The farthest
+// point of the shape is near the right edge, and the shape is centred in height.
 void draw_shape(Sheet &sheet, const Instrument &instrument, const Column &column, const Row &row,
                 double px_per_mm)
 {

@@ -14,8 +14,8 @@ constexpr std::uint32_t round_ms = 10;          // forces fade when the host is 
 constexpr std::uint32_t coupling_N_per_m = 500; // half a millimetre for 250 mN
 constexpr std::uint32_t inserted_um = 50000;
 
-// Makes straight tools of 300 mm that fit into each other. They lie in free space, so only the friction of
-// the sheath's valve holds them.
+// Makes straight tools of 300 mm that fit into each other. The tools lie in free space, so only the friction
+// of the sheath's valve holds them.
 std::vector<crn_wire_instrument> straight_tools(unsigned count)
 {
     static constexpr struct {

@@ -45,8 +45,8 @@ class RigStopped : public std::runtime_error
     using std::runtime_error::runtime_error;
 };
 
-// Each of these commands gets a link on which HELLO has been answered. It returns 0 when done, and 1 when it
-// failed.
+// Each of these commands gets a link on which HELLO has been answered. Each command returns 0 when done, and
+// 1 when it failed.
 int rig_info(Link &link, const crn_wire_hello_reply &hello, const RigOptions &options, const RigTalk &talk);
 int rig_log(Link &link, const RigTalk &talk);
 int rig_selftest(Link &link, const crn_wire_hello_reply &hello, const RigOptions &options,

@@ -1,5 +1,5 @@
-// The motors of C-arm and table. Their speed has the shape of a trapezium and changes in steps of 1 ms.
-// Before each step the interlock checks the path along which all axes would come to rest. The computation
+// The motors of C-arm and table. The speed of a motor has the shape of a trapezium and changes in steps of 1
+// ms. Before each step the interlock checks the path along which all axes would come to rest. The computation
 // uses only sums, products, quotients and square roots, so that every compiler gives the same bytes.
 #include "host/room/gantry.hpp"
 #include "host/room/boxes.hpp"
@@ -18,12 +18,12 @@ constexpr double tick_s = 1e-3;
 // to its pedestal, 120 cm below it.
 constexpr double table_half_width_m = 0.21, table_top_z_m = -0.13, table_thickness_m = 0.06;
 constexpr double table_foot_y_m = -1.20, table_head_y_m = 0.85;
-// The tube housing is 32 x 32 cm and reaches from 20 cm behind the focal spot to 10 cm in front of it. Its
-// collimator is 20 x 20 cm and reaches to 25 cm in front of the focal spot.
+// The tube housing is 32 x 32 cm and reaches from 20 cm behind the focal spot to 10 cm in front of it. The
+// tube's collimator is 20 x 20 cm and reaches to 25 cm in front of the focal spot.
 constexpr double tube_half_m = 0.16, tube_behind_m = 0.20, tube_front_m = 0.10;
 constexpr double collimator_half_m = 0.10, collimator_front_m = 0.25;
-// The detector housing is 40 x 40 cm. It reaches from its cover, 2 cm in front of the image plane, to 22 cm
-// behind that plane.
+// The detector housing is 40 x 40 cm. The detector housing reaches from its cover, 2 cm in front of the image
+// plane, to 22 cm behind that plane.
 constexpr double detector_half_m = 0.20, detector_front_m = 0.02, detector_behind_m = 0.22;
 
 Box along_beam(const View &view, double from_source_m, double to_source_m, double half_m)

@@ -1,6 +1,6 @@
 // The X-ray room as a state machine: pedals, geometry, pulses, numbered runs, and dose. The room has no
-// window, no clock, no X-ray and no pictures of its own. It receives commands and ticks, and returns requests
-// for pulses and events.
+// window, no clock, no X-ray and no pictures of its own. The room receives commands and ticks, and returns
+// requests for pulses and events.
 //
 //   room.give(tick, command);                    // before that tick is processed; in force from then on
 //   room.advance(tick, &tip);                    // every millisecond up to `tick`

@@ -1,6 +1,6 @@
 // The screen of the X-ray room: live picture, last image hold, loops, subtraction, roadmap, and the pictures
-// of runs. The screen only reads the room. It receives the room's events in order, and the picture of every
-// pulse from whatever makes the pictures.
+// of runs. The screen only reads the room. The screen receives the room's events in order, and the picture of
+// every pulse from whatever makes the pictures.
 //
 //   RoomScreen screen(room);
 //   for (const RoomEvent &event : room.events())

@@ -23,8 +23,8 @@ std::vector<std::uint16_t> mean_frame(const XrayRun &run, const std::vector<int>
 // the value at the edge continues.
 void shift_picture(const std::vector<float> &mask, int size, double dx, double dy, std::vector<float> &moved);
 
-// Computes the density that was added after the mask, in doublings of attenuation: mask - live. It is 0
-// outside the open field of either picture.
+// Computes the density that was added after the mask, in doublings of attenuation: mask - live. The density
+// is 0 outside the open field of either picture.
 void subtract(const std::vector<float> &mask_log2, const std::vector<float> &live_log2,
               std::vector<float> &density);
 

@@ -1,5 +1,5 @@
-// Session scripts (docs/session.md): a text describes the actions of hands and C-arm. It is converted to
-// encoder counts per tick and commands to the X-ray room.
+// Session scripts (docs/session.md): a text describes the actions of hands and C-arm. This text is converted
+// to encoder counts per tick and commands to the X-ray room.
 //
 //   Session session = read_session("aorta.session");
 //   SessionPlayer player(session, tool_count);
@@ -40,9 +40,9 @@ struct Inflation {
     std::int32_t kPa = 0, kPa_per_s = 100;
 };
 
-// One line of the script. It is a set of simultaneous moves of hands, a tool to steer, a pause, or a change
-// of the inflator's pressure. It may also be a list of commands to the room, an order to heart and breath, or
-// an expectation.
+// One line of the script. A line is a set of simultaneous moves of hands, a tool to steer, a pause, or a
+// change of the inflator's pressure. A line may also be a list of commands to the room, an order to heart and
+// breath, or an expectation.
 struct Statement {
     int line = 0;
     std::vector<HandMove> moves;

@@ -136,9 +136,9 @@ crn_wire_entry entry_of(const SceneFile &scene, std::size_t tool_count,
                         std::span<const std::uint32_t> inserted_um);
 inline constexpr std::uint32_t inserted_default_um = 20000;
 
-// Returns the line and the tools after a batch of steps. They come from the nodes that the link received
-// last, the result of the last tick, and its input. Before the first tick `state` is empty, and there are no
-// forces yet.
+// Returns the line and the tools after a batch of steps. The result is made from the nodes that the link
+// received last, the result of the last tick, and its input. Before the first tick `state` is empty, and
+// there are no forces yet.
 SessionFrame session_frame(Device &device, const crn_wire_tick_state &state,
                            const crn_wire_tick_input &input);
 

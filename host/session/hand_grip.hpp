@@ -1,4 +1,4 @@
-// The grip of a hand that a script or the keys move. It is rigid up to the force that fingers can hold;
+// The grip of a hand that a script or the keys move. The grip is rigid up to the force that fingers can hold;
 // beyond that, the tool slips. The device receives the position of the hand minus the slip, in encoder
 // counts. So a recording includes the slip, and a replay does not need this code. The computation uses only
 // integers, and the ticks at which it reads forces depend only on the forces. So a script's tools slip

@@ -1,7 +1,7 @@
-// Watches whether the physics stays in the range for which it is valid. It checks every tick of a session.
+// Watches whether the physics stays in the range for which it is valid. Every tick of a session is checked.
 // The physics leaves its range when a number in the core reaches the limit of its format, or a tool is too
-// deep in the wall. It also does so when a line is too long or too short. The shape of the line is then no
-// longer that of the tools, and the session must not continue.
+// deep in the wall. The physics also leaves its range when a line is too long or too short. The shape of the
+// line is then no longer that of the tools, and the session must not continue.
 #pragma once
 #include "shared/wire/wire.h"
 #include <Eigen/Core>
@@ -24,7 +24,7 @@ struct RangeBreak {
     double penetration_m = 0.0; // deepest contact
     double length_error = 0.0;  // of the free part of the line
     // The node with the largest wall force, read shortly after the range was left, at a tick that every run
-    // and replay reads. It is empty if the line touches no wall.
+    // and replay reads. The place is empty if the line touches no wall.
     std::optional<Eigen::Vector3d> place_m{};
     std::string branch{}; // branch of the vessel around it; empty: not known
 };

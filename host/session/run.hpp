@@ -53,8 +53,8 @@ RunResult run_session(Device &device, Patient &patient, const Session &session, 
 RunResult run_free_session(Device &device, Patient &patient, const std::vector<RoomCommand> &begin,
                            double seconds, Recorder *recorder, FrameSink *sink, const RunSettings &settings);
 
-// Returns the figures of a session. They do not depend on other outputs that are requested, or on the
-// machine.
+// Returns the figures of a session. These figures do not depend on other outputs that are requested, or on
+// the machine.
 nlohmann::ordered_json report_of(const RunResult &result, const std::string &scene,
                                  const std::vector<Instrument> &tools, const std::string &session,
                                  Patient &patient);

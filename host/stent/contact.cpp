@@ -9,7 +9,7 @@ namespace
 
 using Eigen::Vector3d;
 
-// Both bodies are described relative to the middle of the strut, where doubles are most precise.
+// The strut and the tissue are described relative to the middle of the strut, where doubles are most precise.
 struct Capsule {
     Vector3d half;
     double radius;

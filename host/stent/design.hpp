@@ -71,8 +71,8 @@ struct StentFault {
     std::string key, text;
 };
 StentFault stent_fault(const StentDesign &stent);
-// Returns true if all values are in their ranges and possible together. It is needed for designs that do not
-// come from a file; reading a file includes the same checks.
+// Returns true if all values are in their ranges and possible together. This check is needed for designs that
+// do not come from a file; reading a file includes the same checks.
 bool is_possible(const StentDesign &stent);
 
 // Throws FileError with file, line, key, the cause and the remedy.

@@ -64,8 +64,8 @@ void appose(const Stent &stent, const StentWall *wall, StentFigures &figures)
     figures.bedded_share = static_cast<double>(bedded) / static_cast<double>(stent.points().size());
 }
 
-// Measures a ring as seen along its axis. Its inner area is that of the polygon through its points, divided
-// by the ratio of the regular polygon's area to that of its circle.
+// Measures a ring as seen along its axis. The inner area of a ring is that of the polygon through its points,
+// divided by the ratio of the regular polygon's area to that of its circle.
 StentRing ring_of(const Stent &stent, int index)
 {
     const StentDesign &design = stent.design();

@@ -98,8 +98,8 @@ StentLattice::StentLattice(const StentDesign &design)
         builder.ring(ring);
         if (ring + 1 < rings) builder.links_behind(ring);
     }
-    // So far the stiffnesses of hinges have been relative to each other. Here they are scaled so that the
-    // stiffness of a ring is that of the design.
+    // So far the stiffnesses of hinges have been relative to each other. The stiffnesses are now scaled so
+    // that the stiffness of a ring is that of the design.
     const double scale = design.ring_stiffness_N_per_mm / hinge_ring_stiffness(*this);
     for (StentSpring &spring : springs)
         if (spring.yields()) spring.stiffness_N_per_mm *= scale;

@@ -189,8 +189,8 @@ double StentRelaxation::sweep()
 
 // --- struts against triangles ---
 
-// A grid finds, once per picture, the triangles that a strut can touch before it has slid far. They are kept
-// by index, so that they move with the wall.
+// A grid finds, once per picture, the triangles that a strut can touch before it has slid far. These
+// triangles are kept by index, so that they move with the wall.
 void StentRelaxation::list_near()
 {
     const StentLattice &lattice = stent_.lattice_;

@@ -1,5 +1,5 @@
-// A balloon-expandable stent in a moving vessel. It is first crimped, then opened by its balloon, deployed,
-// and held by the wall. One step per picture.
+// A balloon-expandable stent in a moving vessel. The stent is first crimped, then opened by its balloon,
+// deployed, and held by the wall. One step per picture.
 //
 //   Stent stent(read_stent("coronary_3_0x18.toml"), mount_arc_mm);
 //   stent.step({&wall, &pose, others, sleeves});     every picture, 15 to 60 a second

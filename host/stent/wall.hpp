@@ -1,5 +1,5 @@
-// The wall on which a stent lies: a closed mesh around the blood. Its vertices move from picture to picture,
-// and its triangles keep their vertices.
+// The wall on which a stent lies: a closed mesh around the blood. The vertices of this mesh move from picture
+// to picture, and its triangles keep their vertices.
 //
 //   StentWall wall(triangles, vertex_count);
 //   wall.move(vertices_um);                        every picture: that of the motion (host/model/motion.hpp)
@@ -34,7 +34,8 @@ class StentWall
   public:
     // Triangles that refer to vertices that do not exist are left out.
     StentWall(std::span<const WallTriangle> triangles, std::size_t vertex_count);
-    // Moves the wall to these vertices. Their number must be that of the wall, otherwise nothing happens.
+    // Moves the wall to these vertices. The number of vertices must be that of the wall, otherwise nothing
+    // happens.
     void move(std::span<const Eigen::Vector3i> vertices_um);
     bool is_placed() const { return is_placed_; } // has been given its vertices
 

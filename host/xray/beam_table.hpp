@@ -3,8 +3,8 @@
 //
 // The sum of exp(-mu L) over the spectrum is replaced, by Gauss's quadrature, by a sum over two energies
 // below the K edge of iodine and four above it. The quadrature is exact for polynomials of degree 3 and 7 in
-// 1/sqrt(energy). Its weight is the spectrum behind 10 cm of tissue and 1 mm of iohexol-350, so that the
-// relative error is similar for all patients, from thin to thick. docs/xray.md lists the errors.
+// 1/sqrt(energy). The weight of the quadrature is the spectrum behind 10 cm of tissue and 1 mm of
+// iohexol-350, so that the relative error is similar for all patients, from thin to thick.
 #pragma once
 #include "host/xray/spectrum.hpp"
 #include <array>
@@ -34,8 +34,8 @@ struct BeamTable {
 
 BeamTable make_beam_table(double tube_voltage_kV, double copper_mm);
 
-// Makes a beam of given lines, at most beam_energy_count, with their shares of the signal. It serves for
-// comparisons with other programs.
+// Makes a beam of given lines, at most beam_energy_count, with their shares of the signal. Such a beam serves
+// for comparisons with other programs.
 BeamTable make_line_table(std::span<const double> energies_keV, std::span<const double> shares);
 
 } // namespace crn

@@ -1,6 +1,6 @@
-// Converts path lengths to transmitted shares of the signal, and expected quanta to counted quanta. It uses
-// only integers and sums, products, quotients and square roots in single precision, so that the bytes are
-// equal for every compiler and number of threads.
+// Converts path lengths to transmitted shares of the signal, and expected quanta to counted quanta. The
+// functions use only integers and sums, products, quotients and square roots in single precision, so that the
+// bytes are equal for every compiler and number of threads.
 #pragma once
 #include "host/xray/beam_table.hpp"
 #include "host/xray/coarse.hpp"

@@ -113,8 +113,8 @@ const BeamTable &Exposure::table(double tube_voltage_kV, double copper_mm)
     return place->second;
 }
 
-// Returns the point of the curve at this voltage. If it gives more than the demanded dose, current and pulse
-// width are lowered to that dose.
+// Returns the point of the curve at this voltage. If that point gives more than the demanded dose, current
+// and pulse width are lowered to that dose.
 Exposure::Candidate Exposure::on_curve(const ExposureDemand &demand, double water_cm, double copper_mm,
                                        int kV)
 {

@@ -28,8 +28,8 @@ Spectrum behind(const Spectrum &spectrum, Material material, double thickness_cm
 // Returns the air kerma of these photons, in uGy.
 double air_kerma_uGy(const Spectrum &photons_mm2);
 
-// Returns the share of photons of this energy that the scintillator absorbs. It is 0.55 mm of CsI at the
-// density of the crystal, or a layer of needles about 0.6 mm thick.
+// Returns the share of photons of this energy that the scintillator absorbs. The scintillator is 0.55 mm of
+// CsI at the density of the crystal, which is a layer of needles about 0.6 mm thick.
 double scintillator_absorption(int energy_index);
 
 } // namespace crn

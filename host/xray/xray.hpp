@@ -1,5 +1,5 @@
-// X-ray pictures of bodies and tools. They include path lengths, tube spectrum, exposure control, scatter,
-// blur, quantum noise, lag and display.
+// X-ray pictures of bodies and tools. Making a picture includes path lengths, tube spectrum, exposure
+// control, scatter, blur, quantum noise, lag and display.
 //
 //   XrayScene scene; scene.set_bodies(bodies, error);
 //   Xray xray(scene, threads);
@@ -7,9 +7,9 @@
 //   XrayMemory memory;                                             {}: generator and detector just switched on
 //   xray.render(settings, tools, frame, seed, memory, picture);    one of a sequence; memory carries over
 //
-// A picture depends only on bodies, tools, wire frame with its tick, settings, seed and memory. It has the
-// same bytes for any number of threads, compiler and optimisation level. The path lengths of the bodies are
-// kept as long as the C-arm does not move. See docs/xray.md.
+// A picture depends only on bodies, tools, wire frame with its tick, settings, seed and memory. The bytes of
+// a picture are the same for any number of threads, compiler and optimisation level. The path lengths of the
+// bodies are kept as long as the C-arm does not move. See docs/xray.md.
 #pragma once
 #include "host/model/bodies.hpp"
 #include "host/xray/exposure.hpp"
@@ -36,7 +36,7 @@ struct XrayBeam {
     double dose_per_frame_nGy = 40.0;
     double frame_period_ms = 1000.0 / 15.0; // for the limit of the dose rate
     // If set, this technique replaces automatic exposure; the user has set it, or it is locked during a DSA
-    // run. It is limited to the ranges of the tube.
+    // run. This technique is limited to the ranges of the tube.
     std::optional<XrayTechnique> fixed_technique;
     bool noise = true;
     bool scatter = true;
@@ -89,8 +89,8 @@ struct XrayPicture {
     double kap_Gy_cm2 = 0.0; // kerma times the collimated field's area, the same at every distance
 };
 
-// What generator and detector remember from picture to picture. It is plain data: a copy saves it, and {}
-// resets it.
+// What generator and detector remember from picture to picture. The memory is plain data: a copy saves it,
+// and {} resets it.
 struct XrayMemory {
     bool is_used = false;
     ExposureState exposure;
@@ -108,7 +108,8 @@ struct BodyMeshes;
 // Makes the back end that draws the bodies (paths.hpp).
 using BodyPathsMaker = std::function<std::unique_ptr<BodyPaths>(const BodyMeshes &meshes, int threads)>;
 
-// The bodies of a scene. They do not change after set_bodies, and any number of Xray objects may use them.
+// The bodies of a scene. The bodies do not change after set_bodies, and any number of Xray objects may use
+// them.
 class XrayScene
 {
   public:

@@ -237,8 +237,8 @@ crn::XraySettings close_view()
     return settings;
 }
 
-// Returns the volume of a material, mm^3. It sums the path lengths of all pixels, with the magnification of
-// the plane through the isocentre.
+// Returns the volume of a material, mm^3. The function sums the path lengths of all pixels, with the
+// magnification of the plane through the isocentre.
 double volume_mm3(const std::vector<crn::RadiopaqueInstrument> &tools, const crn::WireFrame &wire,
                   crn::Material material)
 {
@@ -299,7 +299,8 @@ void a_lumen_is_seen_as_a_brighter_middle(void **)
         largest = std::max(largest, here);
         if (y == 255 || y == 256) middle = std::max(middle, here);
     }
-    // Its length is 2 (2 - 1.2) = 1.6 mm in the middle and 2 sqrt(4 - 1.44) = 3.2 mm beside the lumen.
+    // The length of this path is 2 (2 - 1.2) = 1.6 mm in the middle and 2 sqrt(4 - 1.44) = 3.2 mm beside the
+    // lumen.
     assert_in_range(middle, 1540, 1740);
     assert_in_range(largest, 2900, 3300);
 }

@@ -109,7 +109,8 @@ std::string output_of(const std::string &command, int *exit_code = nullptr)
     return text;
 }
 
-// Fails when a line of dciodvfy's output contains "Error". It also fails when dciodvfy is missing.
+// Fails when a line of dciodvfy's output contains "Error". The test also fails when the program dciodvfy is
+// missing.
 void assert_valid(const std::string &path)
 {
     const std::string said = output_of("dciodvfy " + path);

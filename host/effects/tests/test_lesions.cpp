@@ -1,8 +1,8 @@
 // Claims: the pressure drop of a lesion is the sum of the drop by Poiseuille's law and of the loss of the jet
 // behind its narrowest place. A lesion reduces the flow in the vessels behind it, more so in hyperaemia and
-// with a guidewire in it, and it delays contrast medium. Its state is part of a snapshot. After it yields,
-// the drop is that of the remaining stenosis, and no iodine is lost. Each test compares with a formula that
-// it states.
+// with a guidewire in it, and it delays contrast medium. The state of a lesion is part of a snapshot. After
+// it yields, the drop is that of the remaining stenosis, and no iodine is lost. Each test compares with a
+// formula that it states.
 #include "host/effects/contrast_flow.hpp"
 #include "host/effects/lesion_figures.hpp"
 #include "host/model/lesion_opening.hpp"

@@ -22,8 +22,8 @@ namespace
 constexpr double pi = std::numbers::pi, radius_mm = 2.0, stenosis = 0.7, aside = 0.4;
 constexpr double throat_mm = radius_mm * (1 - stenosis);
 
-// The tube is 60 mm long along y and 2 mm wide, with a side branch at 38 mm. Its lesion narrows it by 70 %
-// over 16 mm about y = 30. The channel is off the axis by 0.4 of the lost diameter.
+// The tube is 60 mm long along y and 2 mm wide, with a side branch at 38 mm. The lesion narrows the tube by
+// 70 % over 16 mm about y = 30. The channel is off the axis by 0.4 of the lost diameter.
 VesselTree tube_tree()
 {
     VesselTree tree;
@@ -50,8 +50,8 @@ VesselTree tube_tree()
 
 const LesionStations stations{17, 1e-3};
 
-// Makes a tube along y as a closed mesh, in um. It has a ring of 32 vertices every half millimetre, and a
-// vertex in the middle of each end.
+// Makes a tube along y as a closed mesh, in um. The mesh has a ring of 32 vertices every half millimetre, and
+// a vertex in the middle of each end.
 Body tube(double radius, double length_mm)
 {
     Body body{"lumen", "blood", -1, {}, {}};
@@ -210,8 +210,8 @@ void other_bodies_stay(void **)
     assert_int_equal(moved[0].body, 0);
 }
 
-// A half shell of calcium lies around the channel, 1.6 to 1.9 mm from its middle. It must end up outside the
-// opened lumen, with its volume unchanged.
+// A half shell of calcium lies around the channel, 1.6 to 1.9 mm from its middle. The calcium must end up
+// outside the opened lumen, with its volume unchanged.
 void calcium_goes_out_with_the_wall_and_keeps_its_volume(void **)
 {
     Bodies bodies{{tube(radius_mm, 60), tube(1.0, 8)}, tube_tree()};

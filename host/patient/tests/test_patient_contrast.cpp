@@ -181,7 +181,7 @@ void columns_hold_the_iodine_of_the_vessels(void **)
 }
 
 // The session injects 6 ml of 350 mg/ml at 4 ml/s from tick 1001 on, because the command comes after the
-// frame of tick 1000. Then it injects 2 ml of 150 mg/ml at 2 ml/s.
+// frame of tick 1000. Then the session injects 2 ml of 150 mg/ml at 2 ml/s.
 void what_was_given_between_two_ticks_is_known(void **)
 {
     PatientContrast contrast(aorta(), wire_and_catheter);
@@ -266,8 +266,8 @@ void blood_flows_with_the_cores_heart(void **)
     assert_true(carried_mg[0] > 60.0 && carried_mg[1] == 0.0);
 }
 
-// A vessel passes through the lattice of the sample scene. Its cells must be where the lattice moves them, to
-// 0.1 mm; the vessel has a point every millimetre.
+// A vessel passes through the lattice of the sample scene. The cells of the vessel must be where the lattice
+// moves them, to 0.1 mm; the vessel has a point every millimetre.
 void medium_moves_with_the_vessels(void **)
 {
     alignas(16) static std::uint8_t file[SAMPLE_BYTES_MAX];
@@ -300,7 +300,7 @@ void medium_moves_with_the_vessels(void **)
 
 // --- lesions that yield ---
 
-// The last 60 mm of the aorta, from y = -160 to -220 mm, lie beyond the catheter's tip. They are narrowed
+// The last 60 mm of the aorta, from y = -160 to -220 mm, lie beyond the catheter's tip. This part is narrowed
 // from 8 to 2 mm radius and shifted 3 mm to the left.
 VesselTree narrowed_aorta()
 {

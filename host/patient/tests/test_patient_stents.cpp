@@ -1,5 +1,5 @@
-// Claims about balloon and stents in a session, whose shapes of the line are made in this file. They concern
-// which stents may be mounted, when looks are due, and which orders the core gets and when these are
+// Claims about balloon and stents in a session, whose shapes of the line are made in this file. The claims
+// concern which stents may be mounted, when looks are due, and which orders the core gets and when these are
 // repeated. Other claims are that pictures change nothing, and concern the X-ray of a filled balloon and the
 // contents of a recording.
 #include "host/base/tests/folder.hpp"
@@ -153,7 +153,7 @@ std::optional<crn_wire_strut> next_ring(PatientStents &stents)
 }
 
 // The whole lesion lies inside the stent and is open. The orders must cover every station, and the middle one
-// completely. They must stop when the core has carried them out.
+// completely. The orders must stop when the core has carried them out.
 void the_core_is_asked_once_for_what_it_does_not_know(void **)
 {
     PatientStents stents = session_stents();

@@ -44,7 +44,7 @@ void expect_error(const std::string &text, const std::string &expected)
     fail_msg("'%s' was accepted", text.c_str());
 }
 
-// A move of 120 mm is 120 000 counts. It takes 120 mm / 40 mm/s = 3 s and one ramp of 0.2 s.
+// A move of 120 mm is 120 000 counts. The move takes 120 mm / 40 mm/s = 3 s and one ramp of 0.2 s.
 void advance_goes_exactly_the_distance_in_the_stated_time(void **)
 {
     const auto inputs = play("advance 120 mm at 40 mm/s");

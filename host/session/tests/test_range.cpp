@@ -87,8 +87,8 @@ void a_line_too_long_or_too_short_and_a_saturated_core_are_out_of_range(void **)
     assert_true(watch.left()->is_saturated && says(watch, "CORE_SATURATED"));
 }
 
-// A run and its replay have different batches. Both must read the place at the same tick, which is the next
-// multiple of 16 or the last tick.
+// A run and its replay have different batches. Run and replay must read the place at the same tick, which is
+// the next multiple of 16 or the last tick.
 void where_it_happened_is_looked_at_on_a_tick_that_every_run_has(void **)
 {
     RangeWatch watch;
@@ -127,10 +127,10 @@ void below_its_limits_the_grip_is_rigid(void **)
     assert_false(grip.figures(0).first_tick.has_value());
 }
 
-// A hand pushes at 20 mm/s against a wall of 20 N/mm: without slip, 1 s would give 400 N. It must slip when
-// the force reaches 25 N. The force may exceed this by the 0.2 N that a tick's 20 um add, and by the same
-// again before the slip takes effect. The test is repeated in the other direction, and the counts wrap as
-// those of encoders do.
+// A hand pushes at 20 mm/s against a wall of 20 N/mm: without slip, 1 s would give a force of 400 N there.
+// When the force reaches 25 N, the hand must slip. The force may exceed this limit by the 0.2 N that a tick's
+// 20 um add, and by the same again before the slip takes effect. The test is repeated in the other direction,
+// and the counts wrap as those of encoders do.
 void beyond_its_force_the_tool_stays_behind_and_the_hand_slips(void **)
 {
     for (int sign : {1, -1}) {

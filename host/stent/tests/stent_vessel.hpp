@@ -92,8 +92,8 @@ inline BalloonPose balloon_in(const TestVessel &vessel, double at_mm, double len
     return pose;
 }
 
-// Returns the largest depth of any strut in any triangle. It uses libccd for every pair, without the grid,
-// the patch and the planes of the program.
+// Returns the largest depth of any strut in any triangle. The function uses libccd for every pair, without
+// the grid, the patch and the planes of the program.
 inline double deepest_strut_mm(const Stent &stent, const StentWall &wall)
 {
     double deepest = 0.0;

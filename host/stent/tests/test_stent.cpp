@@ -1,7 +1,7 @@
 // Claims: a stent file is either read as a whole, or refused with the place of the error. A stent opens to
-// the width of its balloon, and shortens and recoils as formulas predict. Its rings have the stated
-// stiffness, and its struts touch walls as capsules touch planes. Every sequence of actions on a stent has a
-// defined outcome.
+// the width of its balloon, and shortens and recoils as formulas predict. The rings of a stent have the
+// stated stiffness, and its struts touch walls as capsules touch planes. Every sequence of actions on a stent
+// has a defined outcome.
 #include "firmware/tests/reference/long_run.h"
 #include "host/base/tests/folder.hpp"
 #include "host/base/text.hpp"

@@ -1,8 +1,8 @@
 // Claims: for a minute, a stent in a beating artery stays at the place of the wall on which it was deployed.
-// It lies on the wall and does not pass through it, at 15 and at 60 pictures per second. A stent that is too
-// small does not stay in place. A lesion that a balloon has opened gets the shape of the healthy vessel,
-// which is that of the tree. The artery moves 12 mm to and fro, turns and bends; its length and width change
-// by as much as those of the shipped heart.
+// The stent lies on the wall and does not pass through it, at 15 and at 60 pictures per second. A stent that
+// is too small does not stay in place. A lesion that a balloon has opened gets the shape of the healthy
+// vessel, which is that of the tree. The artery moves 12 mm to and fro, turns and bends; its length and width
+// change by as much as those of the shipped heart.
 #include "firmware/tests/reference/long_run.h"
 #include "host/stent/stents.hpp"
 #include "host/stent/tests/stent_heart.hpp"
@@ -128,8 +128,8 @@ static void tube_is_that_of_the_tree_narrowed_and_opened(void **)
     }
 }
 
-// The lesion is open at one end only. Its stations are evenly spaced from its beginning to its end, as in the
-// core.
+// The lesion is open at one end only. The stations of the lesion are evenly spaced from its beginning to its
+// end, as in the core.
 static void lesion_opens_station_by_station(void **)
 {
     VesselWall vessel(beating_artery(true), 0, 5, 45, nullptr);
@@ -191,7 +191,7 @@ static void stents_tell_the_core_what_they_hold_open(void **)
     for (const StentHold &hold : whole)
         if (hold.first <= 6 && hold.last >= 6) assert_true(hold.open_256 > 230 && hold.open_256 <= 256);
     assert_true(stent_overlap_mm(two.stents[1], two.stents[0].sleeve()) > 1.5);
-    // A copy that is restored from the bytes of the first must behave in the same way.
+    // A copy restored from a snapshot must behave in the same way.
     Two other;
     other.deploy(16.0);
     other.deploy(31.0);

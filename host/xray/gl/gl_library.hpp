@@ -1,6 +1,6 @@
-// A GlLibraryFile is a shared library that is opened at run time. It stays loaded until the process ends,
-// because Mesa keeps threads and thread-local data, and unloading it is not safe. This header is private to
-// its folder.
+// A GlLibraryFile is a shared library that is opened at run time. The library stays loaded until the process
+// ends, because Mesa keeps threads and thread-local data, and unloading it is not safe. This header is
+// private to its folder.
 #pragma once
 #include <cstring>
 #include <string>

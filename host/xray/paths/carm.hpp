@@ -20,8 +20,8 @@ struct CArm {
     bool operator==(const CArm &) const = default;
 };
 
-// The same geometry, as points and unit vectors. It is computed without libm, so that every compiler gives
-// equal bytes.
+// The same geometry, as points and unit vectors. This geometry is computed without libm, so that every
+// compiler gives equal bytes.
 struct View {
     Eigen::Vector3d source_m;
     Eigen::Vector3d right;   // picture's right, patient left in AP
@@ -39,9 +39,9 @@ View make_view(const CArm &carm, int size);
 // centres at .5. Returns false if the point is behind the source.
 bool project(const View &view, const Eigen::Vector3d &point_m, Eigen::Vector2d &pixel);
 
-// Returns the letters with which DICOM names a direction in the patient (C.7.6.1.1.1): R or L, H or F, and A
-// or P. The letter of the largest component comes first, and components below sin 22.5 degrees are left out.
-// For example, "LP" is to the left and somewhat to the back.
+// Returns the letters with which DICOM names a direction in the patient (C.7.6.1.1.1): R or L, A or P, and H
+// or F for head or feet. The letter of the largest component comes first, and components below sin 22.5
+// degrees are left out. For example, "LP" is to the left and somewhat to the back.
 std::string patient_side(const Eigen::Vector3d &direction);
 
 // Limits the angles, SID, SOD and field to the ranges that a C-arm has.

@@ -18,9 +18,10 @@ struct RadiopaqueSection {
     Material material = Material::steel;
     double fill = 0.75;        // share of the cross-section filled by the material, 0 .. 1
     double radius_share = 1.0; // of the tool's outer radius; above 1: a band around it
-    // The inner radius, as a share of the tool's outer radius. If it is above 0, the section is a ring
-    // outside this radius, such as a jacket or a marker band, and `fill` is the share of the ring. If it is
-    // 0, the section reaches inwards to the lumen, and `fill` is the share of the whole cross-section.
+    // The inner radius, as a share of the tool's outer radius. If this radius is above 0, the section is a
+    // ring outside it, such as a jacket or a marker band, and `fill` is the share of the ring. If the inner
+    // radius is 0, the section reaches inwards to the lumen, and `fill` is the share of the whole
+    // cross-section.
     double inner_radius_share = 0.0;
 };
 
@@ -49,8 +50,8 @@ struct SweptPoint {
 };
 
 // A round body along straight pieces of a line, such as a strut of a stent, or the contrast medium in a
-// stretch of vessel. It is drawn by exact path lengths without triangles, so that a picture can have hundreds
-// of them.
+// stretch of vessel. Such a curve is drawn by exact path lengths without triangles, so that a picture can
+// have hundreds of them.
 struct SweptCurve {
     Material material = Material::steel;
     std::vector<SweptPoint> points; // two at least; a curve that is not finite is left out
@@ -59,8 +60,8 @@ struct SweptCurve {
 // Returns the share of iohexol 350 in blood that has this concentration of iodine.
 double contrast_share(double iodine_mg_per_ml);
 
-// The new places of the vertices of a body. Their number must be that of the scene's body, because the
-// triangles stay. Entries with another number of vertices are left out.
+// The new places of the vertices of a body. The number of vertices must be that of the scene's body, because
+// the triangles stay. Entries with another number of vertices are left out.
 struct MovedBody {
     int body = 0; // index in Bodies
     std::span<const Eigen::Vector3i> vertices_um;

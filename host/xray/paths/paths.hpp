@@ -42,8 +42,8 @@ enum class PathForm {
     ray_lengths, // final lengths along the ray, none below 0
 };
 
-// A back end, which draws closed bodies. It is made for one BodyMeshes, which must live longer; only one
-// thread may use it at a time.
+// A back end, which draws closed bodies. A back end is made for one BodyMeshes, which must live longer; only
+// one thread may use it at a time.
 class BodyPaths
 {
   public:

@@ -45,8 +45,8 @@ Corner corner(const Projected &p)
     return {snap_far(p.x), snap_far(p.y), 1.0f / p.depth_um};
 }
 
-// The function of the edge from a to b, which is positive on the inner side of the triangle. It has the value
-// at the middle of a pixel, and the changes from one pixel to the next.
+// The function of the edge from a to b, which is positive on the inner side of the triangle. The edge has the
+// value at the middle of a pixel, and the changes from one pixel to the next.
 struct Edge {
     std::int64_t row, step_x, step_y;
 
@@ -73,8 +73,8 @@ struct Edge {
     }
 };
 
-// The plane of 1/depth over the picture. Its values are limited to the range of those at the corners, so that
-// a very thin triangle gives no extreme depth.
+// The plane of 1/depth over the picture. The values of the plane are limited to the range of those at the
+// corners, so that a very thin triangle gives no extreme depth.
 struct DepthPlane {
     float origin, slope_x, slope_y, low, high;
     std::int32_t x, y;

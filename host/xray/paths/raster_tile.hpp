@@ -1,5 +1,5 @@
-// Draws the chunks that touch one tile. Their triangles are collected in groups of eight, across the borders
-// of chunks.
+// Draws the chunks that touch one tile. The triangles of these chunks are collected in groups of eight,
+// across the borders of chunks.
 #pragma once
 #include "host/xray/paths/lanes.hpp"
 #include "host/xray/paths/raster.hpp"
@@ -15,9 +15,9 @@ struct Batch {
     float a_inverse[lane_count], b_inverse[lane_count], c_inverse[lane_count];
     std::int32_t column[lane_count], row[lane_count], columns[lane_count],
         rows[lane_count]; // part of the tile
-    // The edge functions at the middle of the first pixel, and their changes from pixel to pixel. They are
-    // divided by `subpixels` and rounded down. This is exact enough, because the changes are whole multiples,
-    // and only the sign matters.
+    // The edge functions at the middle of the first pixel, and their changes from pixel to pixel. The
+    // functions are divided by `subpixels` and rounded down. This is exact enough, because the changes are
+    // whole multiples, and only the sign matters.
     std::int32_t edge[3][lane_count], step_x[3][lane_count], step_y[3][lane_count];
     // The range of rows that an edge allows in each strip of eight columns.
     float from[3][lane_count], from_step[3][lane_count], to[3][lane_count], to_step[3][lane_count];

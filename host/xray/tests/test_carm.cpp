@@ -63,8 +63,9 @@ Eigen::Vector2d shadow(const std::vector<std::int32_t> &path, int size)
     return sum / weight;
 }
 
-// Predicts the pixel without the program's own C-arm. It turns the patient instead, first about the long axis
-// by the primary angle and then about the left-right axis by the secondary angle, and looks from the front.
+// Predicts the pixel without the program's own C-arm. The calculation turns the patient instead, first about
+// the long axis by the primary angle and then about the left-right axis by the secondary angle, and looks
+// from the front.
 Eigen::Vector2d predicted(const CArm &carm, int size, const Eigen::Vector3d &point_m)
 {
     const Eigen::Vector3d p = point_m - carm.isocentre_m;

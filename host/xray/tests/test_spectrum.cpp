@@ -192,8 +192,8 @@ static void platinum_lets_through_what_it_should(void **)
         }
 }
 
-// The code that makes pictures must not use libm. Here its own powers, logarithms and sines are compared with
-// those of libm.
+// The code that makes pictures must not use libm. The program's own powers, logarithms and sines are compared
+// with those of libm.
 static void functions_without_libm_are_exact(void **)
 {
     for (double x = -60.0; x < 60.0; x += 0.37) {

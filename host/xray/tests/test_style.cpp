@@ -176,8 +176,8 @@ void contrast_medium_is_a_tube_that_is_darker_the_more_iodine_it_holds(void **)
 }
 
 // This test covers a former error: a beating heart did not move in this look. Bodies must be drawn where they
-// are at the moment of the picture. They must return to their places of rest when the next picture has no
-// moved bodies.
+// are at the moment of the picture. The bodies must return to their places of rest when the next picture has
+// no moved bodies.
 void bodies_are_drawn_where_they_have_moved_to(void **)
 {
     const Eigen::Vector3i way_um(21000, -13000, 8000);

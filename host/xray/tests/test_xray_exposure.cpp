@@ -27,8 +27,8 @@ static void exposure_holds_the_dose_behind_thin_and_thick(void **)
     }
 }
 
-// When the view changes from thin to thick, the first pictures are darker. They must approach the final value
-// monotonically, be within 12 % after five pulses, and then stay constant.
+// When the view changes from thin to thick, the first pictures are darker. The pictures must approach the
+// final value monotonically, be within 12 % after five pulses, and then stay constant.
 static void exposure_follows_within_a_few_pulses(void **)
 {
     Room thin(slab(0.12)), thick(slab(0.24));

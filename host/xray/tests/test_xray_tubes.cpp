@@ -1,5 +1,5 @@
-// Tests the path lengths of rays in tools and curves: in walls, cores, bands, struts and contrast medium. It
-// also tests what these displace.
+// Tests the path lengths of rays in tools and curves: in walls, cores, bands, struts and contrast medium.
+// Other tests check which material the tools and curves displace.
 #include "host/xray/paths/tube.hpp"
 #include "host/xray/tests/xray_shapes.hpp"
 #include "host/xray/xray.hpp"
@@ -200,8 +200,8 @@ static void many_curves_add_up(void **)
 }
 
 // These curves are not finite, have no length or only one point, lie behind the source or pass through it,
-// are seen end-on, or are bent back on themselves. They must do no harm, and the parts that can be drawn must
-// be drawn.
+// are seen end-on, or are bent back on themselves. Such curves must do no harm, and the parts that can be
+// drawn must be drawn.
 static void broken_and_awkward_curves_do_no_harm(void **)
 {
     const double nan = std::numeric_limits<double>::quiet_NaN(),
