@@ -1,6 +1,6 @@
-// The window of `cournand view`: the user controls hand, pedal and C-arm by keyboard, and sees the same
-// pictures that `cournand run` makes. The user's input is recorded like that of a script, and the recording
-// replays bit for bit.
+// This is the window of `cournand view`. The user controls hand, pedal and C-arm by keyboard, and sees the
+// same pictures that `cournand run` makes. The user's input is recorded like that of a script, and the
+// recording replays bit for bit.
 #pragma once
 #include "host/command/view_options.hpp"
 

@@ -32,7 +32,8 @@ class SignalsWait
     sigset_t before_;
 };
 
-// The previous file of a name. This file is kept under another name until all new files have been renamed.
+// Keeps the previous file of a name while a new file replaces it. This file is kept under another name until
+// all new files have been renamed.
 class Former
 {
   public:

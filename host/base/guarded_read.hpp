@@ -40,8 +40,8 @@ inline constexpr std::uint64_t read_memory_bytes_max = std::uint64_t{1900}
 // the memory that a byte of the file may need.
 ReadLimits read_limits(std::uint64_t file_bytes, double growth);
 
-// The child's end of the pipe to the parent. If the child fails before its first call of a method here, it
-// may still send its own message (a std::exception).
+// The child writes its data to the parent through this end of the pipe. If the child fails before its first
+// call of a method here, it may still send its own message (a std::exception).
 class Outbox
 {
   public:
@@ -66,8 +66,8 @@ class Outbox
     bool is_begun_ = false;
 };
 
-// The parent's end of the pipe. Every call throws GuardedReadError when the child ends, or exceeds its time,
-// before it has sent enough data.
+// The parent reads the child's data through this end of the pipe. Every call throws GuardedReadError when the
+// child ends, or exceeds its time, before it has sent enough data.
 class Inbox
 {
   public:

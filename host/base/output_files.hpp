@@ -8,7 +8,7 @@
 namespace crn
 {
 
-// A path and the option or argument that named it; an empty path means none.
+// Describes a path and the option or argument that named it; an empty path means that there is no file.
 struct NamedPath {
     std::string option; // "--record"
     std::string path;

@@ -1,4 +1,4 @@
-// Error messages with a place in a file, and suggestions for misspelt words.
+// Makes error messages with a place in a file, and suggestions for misspelt words.
 #pragma once
 #include <stdexcept>
 #include <string>

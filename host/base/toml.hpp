@@ -30,7 +30,7 @@ namespace crn
 inline constexpr std::size_t toml_bytes_max = std::size_t{4} << 20; // the largest legitimate text has 11 kB
 inline constexpr int toml_key_names_max = 32, toml_brackets_max = 32;
 
-// The fault in a TOML text, without the file's name; line 0 refers to the whole file.
+// Describes the fault in a TOML text, without the file's name; line 0 refers to the whole file.
 struct TomlError : std::runtime_error {
     TomlError(int line_, int column_, const std::string &text)
         : std::runtime_error(text), line(line_), column(column_)

@@ -24,7 +24,7 @@ constexpr int rounds = 12; // the fastest counts, since the machine does other w
 const char *const bodies_file = "out/aorta.bodies";
 const char *const heart_name = "heart that beats";
 
-// Common views of chest and belly: the C-arm's angles and the table's position.
+// These are common views of chest and belly, with the C-arm's angles and the table's position.
 struct Look {
     double primary_deg, secondary_deg, y_m;
 };

@@ -17,7 +17,7 @@
 namespace crn
 {
 
-// Data that all files of one export share.
+// These data are common to all files of one export.
 struct XaStudy {
     std::string key; // derived from the content, as Digest::hex(): names the study, its series and the
                      // patient's number
@@ -27,7 +27,7 @@ struct XaStudy {
     std::string description;  // description of the study
 };
 
-// The largest number of frames and of bytes in one file; a longer run continues in the next file. An
+// A file has at most this number of frames and of bytes; a longer run continues in the next file. An
 // attribute with one number per frame has at most 65,534 characters, and viewers load a whole file into
 // memory.
 inline constexpr std::size_t xa_frames_max = 2000;

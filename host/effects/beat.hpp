@@ -13,7 +13,7 @@ namespace crn
 
 inline constexpr double mean_pressure_mmHg = 88.0; // aorta less veins
 
-// A moment within a beat; the beat begins when the aortic valve opens.
+// Describes a moment within a beat, which begins when the aortic valve opens.
 struct BeatPhase {
     double since_opening_s = 0.0; // 0 .. beat_s
     double systole_s = 0.294;     // valve open
@@ -23,7 +23,8 @@ struct BeatPhase {
 
 struct FlowDrive {
     double pressure_mmHg = mean_pressure_mmHg; // at the inlet above the veins
-    // The conductance of the beds behind the outlets, by VesselBed, divided by its mean over the beat.
+    // These are the conductances of the beds behind the outlets, by VesselBed, divided by their means over
+    // the beat.
     std::array<double, 3> openness = {1.0, 1.0, 1.0};
 
     double of(VesselBed bed) const { return openness[static_cast<std::size_t>(bed)]; }

@@ -27,13 +27,14 @@ struct ContrastSettings {
     double mixing_radii = 30.0; // over a distance of so many radii the layers' difference falls to 1/e
 };
 
-// An opening through which fluid leaves the catheter, with its share of the flow; the shares add up to 1.
+// Describes an opening through which fluid leaves the catheter, and its share of the flow; the shares add up
+// to 1.
 struct CatheterMouth {
     Eigen::Vector3d place_m;
     double share = 1.0;
 };
 
-// A sphere that represents a tool at one place along its length.
+// Describes a sphere that represents a tool at one place along its length.
 struct ToolBall {
     Eigen::Vector3d place_m;
     double radius_m = 0.0;
@@ -112,7 +113,7 @@ class ContrastFlow
     std::vector<double> core_mg_, wall_mg_;
     IodineBudget budget_;
     std::vector<double> branch_injected_mg_, branch_out_mg_; // of each branch: into it, and from it into beds
-    // Working memory of a step, kept as members to avoid allocation in every step.
+    // This is working memory of a step, which is kept in members to avoid allocation in every step.
     std::vector<CellSource>
         sources_; // cells of `injecting_` that give fluid, then cells that widen or narrow
     std::size_t injecting_ = 0;

@@ -14,7 +14,7 @@ constexpr double pi = 3.14159265358979323846;
 constexpr double length_per_radius = 0.5, length_min_mm = 1.0, length_max_mm = 3.0;
 constexpr double wall_shear_per_s = 500.0; // gives 1.75 Pa at 3.5 mPa s, about as in medium arteries
 
-// A branch as a polyline with the arc length of each point.
+// Describes a branch as a polyline with the arc length of each point.
 struct Line {
     const VesselBranch &branch;
     std::vector<double> arc_m;

@@ -20,7 +20,8 @@ struct FlowCell {
     double per_r4_mm3 = 0.0;  // integral of ds / r^4: in proportion to the resistance
     double outlet_ml_s = 0.0; // mean flow into the bed behind it; 0: no bed begins here
     VesselBed bed = VesselBed::systemic;
-    // The place of the cell's middle, between two points of its branch, and those of its two faces.
+    // Describes a place between two points of the cell's branch; a cell has three, for its middle and its two
+    // faces.
     struct Place {
         std::size_t point = 0;
         double share = 0.0;
@@ -28,7 +29,7 @@ struct FlowCell {
     Place middle, first, last;
 };
 
-// The narrowest place of a lesion.
+// Describes the narrowest place of a lesion.
 struct FlowThroat {
     std::size_t cell = 0,
                 behind =

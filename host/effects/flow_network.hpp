@@ -23,7 +23,8 @@ struct CellSource {
     double flow_ml_s = 0.0;
 };
 
-// Consecutive cells with no source or outlet between them, so that the same flow passes through all of them.
+// Describes consecutive cells with no source or outlet between them, so that the same flow passes through all
+// of them.
 struct FlowRun {
     std::size_t begin = 0, end = 0; // cells
     int upstream = -1;              // the run whose last cell feeds the first cell of this one; -1: the inlet
@@ -46,8 +47,9 @@ class FlowNetwork
     // Solves repeatedly until the flows through the stenoses agree with the resistances that depend on them.
     void settle(const FlowDrive &drive);
 
-    // The runs of the last solution. Every cell is in one run, and a run comes after the run that feeds it. A
-    // cell that has an outlet, receives fluid or feeds a cell other than the next one is the last of its run.
+    // Returns the runs of the last solution. Every cell is in one run, and a run comes after the run that
+    // feeds it. A cell that has an outlet, receives fluid or feeds a cell other than the next one is the last
+    // of its run.
     const std::vector<FlowRun> &runs() const { return runs_; }
     std::size_t run_of(std::size_t cell) const { return run_of_[cell]; }
     // These return flows in ml/s: the flow into the run from upstream (negative: out of it), and the flow out

@@ -21,8 +21,8 @@ inline constexpr double injection_pressure_max_kPa = 8274.0;
 // strengths, and from the 0.69 of water at 0 mg/ml.
 double contrast_viscosity_mPa_s(double iodine_mg_per_ml);
 
-// A tool inside the lumen, and the distance of its tip behind the tip of the outer tool; a negative distance
-// means ahead of that tip.
+// Describes a tool inside the lumen, and the distance of its tip behind the tip of the outer tool; a negative
+// distance means ahead of that tip.
 struct InnerTool {
     const Instrument *tool = nullptr;
     double tip_behind_m = 0.0;

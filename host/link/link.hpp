@@ -1,4 +1,4 @@
-// A conversation with a device: handshake, set-up, steps, shape and snapshots.
+// This class is a conversation with a device: handshake, set-up, steps, shape and snapshots.
 //
 //   SimTransport pipe;
 //   Link link(pipe);

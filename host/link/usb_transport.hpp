@@ -1,5 +1,5 @@
-// A rig on USB as a Transport. The transport uses the pair of bulk endpoints of docs/usb.md through libusb,
-// with several pending transfers in each direction.
+// This class is a Transport to a rig on USB. The transport uses the pair of bulk endpoints of docs/usb.md
+// through libusb, with several pending transfers in each direction.
 //
 // A thread of its own serves libusb. To callers, reads and writes block, with time limits. Every wait ends:
 // when bytes arrive, at its time limit, when the device disappears (DeviceLost), or after_interrupt_ms after

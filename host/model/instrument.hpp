@@ -24,8 +24,8 @@ struct InstrumentLayer {
     double radius_share = 1.0; // of the outer radius, 0 .. 1
 };
 
-// A stretch with a constant curvature in the unloaded shape. Component 1 turns the tip towards the material
-// axis d1, component 2 towards d2.
+// Describes a stretch with a constant curvature in the unloaded shape. Component 1 turns the tip towards the
+// material axis d1, component 2 towards d2.
 struct InstrumentArc {
     std::string name;
     double arc_begin_m = 0.0; // from the distal tip
@@ -33,9 +33,9 @@ struct InstrumentArc {
     double curvature1_per_m = 0.0, curvature2_per_m = 0.0;
 };
 
-// One row of Table 5.1 of the VCSim3 thesis, with the powers of ten of its header applied. The thesis does
-// not state the SI units of these numbers; docs/instruments.md explains how they are interpreted, and why
-// they are not physical values.
+// Describes one row of Table 5.1 of the VCSim3 thesis, with the powers of ten of its header applied. The
+// thesis does not state the SI units of these numbers; docs/instruments.md explains how they are interpreted,
+// and why they are not physical values.
 struct ThesisRow {
     std::string row;
     double young_modulus = 0.0;         // "Eb (1x10^7)", read as Pa
@@ -52,7 +52,7 @@ struct SideHoles {
     double diameter_m = 0.0;
 };
 
-// Data from a balloon's label, without its table of pressures and diameters.
+// Describes the data on a balloon's label, without its table of pressures and diameters.
 struct BalloonLabel {
     double nominal_kPa = 0.0, rated_burst_kPa = 0.0;
     double crossing_profile_m = 0.0;   // largest diameter when folded
@@ -82,9 +82,9 @@ Instrument read_instrument(const std::string &path);
 // Splits "a.toml:b" into {"a.toml", "b"}; without a preset the second string is empty.
 std::pair<std::string, std::string> split_preset(const std::string &path);
 
-// Number of nodes of the core's mesh (docs/rod.md), for one instrument or for a line of several. A line uses
-// the finest tip and shaft, the longest fine part and the longest instrument of its tools. The number is at
-// most CRN_NODE_MAX of the core.
+// Returns the number of nodes of the core's mesh (docs/rod.md), for one instrument or for a line of several.
+// A line uses the finest tip and shaft, the longest fine part and the longest instrument of its tools. The
+// number is at most CRN_NODE_MAX of the core.
 inline constexpr int line_nodes_max = 384;
 int line_node_count(std::span<const crn_wire_instrument *const> tools);
 int line_node_count(const crn_wire_instrument &tool);

@@ -7,8 +7,8 @@
 namespace crn::instrument_file
 {
 
-// A part of the instrument between two arc lengths from the tip. Stiffness changes geometrically from the
-// section's distal to its proximal end; all other values change linearly.
+// Describes a part of the instrument between two arc lengths from the tip. Stiffness changes geometrically
+// from the section's distal to its proximal end; all other values change linearly.
 struct Section {
     std::string name;
     const toml::node *node = nullptr; // for error messages

@@ -20,7 +20,7 @@ struct Bounds {
     double low = 0.0, high = 0.0;
 };
 
-// The texts of [sources], to which values refer as "@key" or "@key: more".
+// Holds the texts of [sources], to which values refer as "@key" or "@key: more".
 class Sources
 {
   public:

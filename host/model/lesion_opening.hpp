@@ -41,7 +41,7 @@ class LesionOpening
         return lesions_.size();
     } // number of lesions that yield: the tree's first ones
 
-    // A place between two stations, as an index into WireFrame::lesions_open.
+    // Describes a place between two stations, as an index into WireFrame::lesions_open.
     struct Place {
         std::size_t station = 0;
         double share = 0.0; // share of the next one

@@ -1,6 +1,6 @@
-// The map from the healthy wall of a lesion to the narrowed wall, and its inverse (docs/lesions.md). The
-// baker maps healthy walls to narrowed ones. The host maps the narrowed walls back, as far as the lesion has
-// yielded in the core.
+// Computes the map from the healthy wall of a lesion to the narrowed wall, and its inverse (docs/lesions.md).
+// The baker maps healthy walls to narrowed ones. The host maps the narrowed walls back, as far as the lesion
+// has yielded in the core.
 //
 //   const LesionWall wall(tree, 0);
 //   x += wall.way_m(x);                       // from the healthy vessel to the narrowed one

@@ -30,8 +30,8 @@ struct MotionMoment {
     bool operator==(const MotionMoment &) const = default;
 };
 
-// The weights of three consecutive keyframe columns in a row (quadratic B-spline, periodic), and the depth of
-// breath, 0 .. 1.
+// Holds the weights of three consecutive keyframe columns in a row (quadratic B-spline, periodic), and the
+// depth of breath, 0 .. 1.
 struct MotionWeights {
     int first = 0;
     double weights[3] = {0.125, 0.75, 0.125};

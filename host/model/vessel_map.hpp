@@ -32,7 +32,7 @@ struct MappedVessel {
     double length_m() const { return to_m - from_m; }
 };
 
-// A place in a vessel, measured from the beginning of the vessel in the direction of blood flow.
+// Describes a place in a vessel, measured from the beginning of the vessel in the direction of blood flow.
 struct VesselPlace {
     std::size_t vessel = 0;
     double along_m = 0.0;

@@ -25,9 +25,9 @@ struct WireFrame {
     // leading tool. A tool covers the line from its tip to the last node. If the list is empty, there is one
     // tool, which begins at node 0.
     std::vector<double> tip_arc_m{};
-    // The balloon of one of the tools, as the radii of its balls. The first ball is at `balloon_arc_m` from
-    // the leading tip, and neighbouring balls are `balloon_spacing_m` apart. The list is empty if no tool has
-    // a balloon.
+    // These describe the balloon of one of the tools by the radii of its balls. The first ball is at
+    // `balloon_arc_m` from the leading tip, and neighbouring balls are `balloon_spacing_m` apart. The list is
+    // empty if no tool has a balloon.
     std::vector<double> balloon_radii_m{};
     double balloon_arc_m = 0.0, balloon_spacing_m = 0.0;
     // How far each station of each yielding lesion is open, 0 .. 1, lesion after lesion (docs/lesions.md).

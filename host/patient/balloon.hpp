@@ -11,7 +11,8 @@
 namespace crn
 {
 
-// The iodine of medium of 350 mg/ml, diluted with an equal volume of saline.
+// A balloon is filled with medium of 350 mg/ml, diluted with an equal volume of saline; this is the iodine in
+// it.
 inline constexpr double balloon_iodine_mg_per_ml = 175.0;
 
 // Returns the tool with a balloon, counted from the innermost; empty if no tool has one.

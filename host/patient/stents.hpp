@@ -38,7 +38,7 @@ std::string mount_refusal(const StentDesign &stent, const std::vector<Instrument
 std::vector<StentDesign> read_stents(const std::vector<std::string> &paths,
                                      const std::vector<Instrument> &tools);
 
-// The final results of one stent.
+// Holds the final results of one stent.
 struct StentResult {
     std::string name, branch;                  // name, and vessel in which it is; empty: in none
     double diameter_mm = 0.0, length_mm = 0.0; // from the label

@@ -1,4 +1,4 @@
-// The bitmap letters of the display: codes 32 to 127, each with its rows from the top.
+// Contains the bitmap letters of the display: codes 32 to 127, each with its rows from the top.
 #include "host/picture/font.hpp"
 
 namespace crn

@@ -1,4 +1,4 @@
-// The angiography display drawn over a picture: geometry, mode, dose, instrument, orientation and heart, in a
+// Draws the angiography display over a picture: geometry, mode, dose, instrument, orientation and heart, in a
 // bitmap font of its own.
 #pragma once
 #include "host/effects/pulse.hpp"

@@ -22,7 +22,7 @@ constexpr double touching_mm = 0.25;  // a wall would hide a balloon that fills 
 const Vector3d paper(255, 255, 255), edge_colour(96, 24, 24);
 const Vector3d light = Vector3d(-0.4, 0.5, 0.8).normalized(); // in the view: right, up, towards the eye
 
-// How a kind of surface looks: its colour and its transparency.
+// Describes how a kind of surface looks, by its colour and its transparency.
 struct Look {
     Vector3d colour;
     double glass;

@@ -8,7 +8,7 @@
 namespace crn
 {
 
-// One instrument of a list, with the other presets of its file for comparison.
+// Holds one instrument of a list, with the other presets of its file for comparison.
 struct ListedInstrument {
     std::string file; // without preset
     Instrument instrument;

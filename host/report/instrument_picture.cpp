@@ -143,7 +143,7 @@ void draw_grid(Sheet &sheet, const Column &column, const Row &row, double px_per
     }
 }
 
-// The bounding box of the distal part of a shape, including half the tool's width around it, in mm.
+// Describes the bounding box of the distal part of a shape, including half the tool's width around it, in mm.
 struct Bounds {
     double x_min = 1e9, x_max = -1e9, y_min = 1e9, y_max = -1e9;
 };

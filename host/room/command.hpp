@@ -1,6 +1,6 @@
-// The actions of a person in the X-ray room: pedals, geometry, modes and review. For the room a session is a
-// list of these commands with their ticks, and nothing else determines what the room does: docs/room.md.
-// Values are whole numbers, so that a recording holds them exactly.
+// Defines the actions of a person in the X-ray room: pedals, geometry, modes and review. For the room a
+// session is a list of these commands with their ticks, and nothing else determines what the room does:
+// docs/room.md. Values are whole numbers, so that a recording holds them exactly.
 #pragma once
 #include <cstdint>
 #include <string>

@@ -10,7 +10,7 @@
 namespace crn
 {
 
-// The dose of one or more frames.
+// Holds the dose of one or more frames.
 struct Dose {
     std::uint32_t pulses = 0;
     double air_kerma_uGy = 0.0; // at the reference point, 15 cm from the isocentre toward the tube

@@ -1,6 +1,7 @@
-// The motors of C-arm and table. The speed of a motor has the shape of a trapezium and changes in steps of 1
-// ms. Before each step the interlock checks the path along which all axes would come to rest. The computation
-// uses only sums, products, quotients and square roots, so that every compiler gives the same bytes.
+// Moves the motors of C-arm and table. The speed of a motor has the shape of a trapezium and changes in steps
+// of 1 ms. Before each step the interlock checks the path along which all axes would come to rest. The
+// computation uses only sums, products, quotients and square roots, so that every compiler gives the same
+// bytes.
 #include "host/room/gantry.hpp"
 #include "host/room/boxes.hpp"
 #include <algorithm>

@@ -1,5 +1,5 @@
-// The motors of C-arm and table. Every axis starts, runs and stops within its speed and acceleration. All
-// axes stop before the tube or the detector comes too near the table.
+// Simulates the motors of C-arm and table. Every axis starts, runs and stops within its speed and
+// acceleration. All axes stop before the tube or the detector comes too near the table.
 //
 //   Gantry gantry;
 //   gantry.place(pose);            // where the session begins: without motion

@@ -48,7 +48,7 @@ struct RoomEvent {
     XrayExposure exposure; // for pulse
 };
 
-// The room's record of a finished run. The pictures of a run, if any are made, are kept by the screen.
+// Holds the room's record of a finished run. The pictures of a run, if any are made, are kept by the screen.
 struct RoomRun {
     int number = 0;
     RunKind kind = RunKind::fluoro;

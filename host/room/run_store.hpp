@@ -11,7 +11,7 @@
 namespace crn
 {
 
-// A stored run: its raw values for files and masks, and each frame as the screen showed it.
+// Holds a stored run: its raw values for files and masks, and each frame as the screen showed it.
 struct StoredRun {
     XrayRun run;
     std::vector<std::vector<std::uint8_t>> grey; // parallel to run.frames

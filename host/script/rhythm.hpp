@@ -1,4 +1,4 @@
-// The statements of a session script that control heart and breath (docs/session.md, docs/heart.md).
+// Parses the statements of a session script that control heart and breath (docs/session.md, docs/heart.md).
 #pragma once
 #include "host/script/line.hpp"
 #include "shared/wire/wire.h"

@@ -1,5 +1,5 @@
-// Session scripts (docs/session.md): a text describes the actions of hands and C-arm. This text is converted
-// to encoder counts per tick and commands to the X-ray room.
+// Reads and plays session scripts (docs/session.md): a text describes the actions of hands and C-arm. This
+// text is converted to encoder counts per tick and commands to the X-ray room.
 //
 //   Session session = read_session("aorta.session");
 //   SessionPlayer player(session, tool_count);

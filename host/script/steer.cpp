@@ -11,8 +11,8 @@ namespace
 
 constexpr std::int64_t mm = 1000; // um
 
-// The parameters with which a hand steers. These parameters were found by trials on the shipped aorta and
-// heart, in which friction, stiffness and the initial turn varied by some per cent
+// Holds the parameters with which a hand steers. These parameters were found by trials on the shipped aorta
+// and heart, in which friction, stiffness and the initial turn varied by some per cent
 // (tools/check/tests/test_sessions.py). No value is fitted to one session.
 struct Habit {
     double speed_m_s, depth_m, limit_s;

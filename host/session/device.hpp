@@ -142,7 +142,7 @@ inline constexpr std::uint32_t inserted_default_um = 20000;
 SessionFrame session_frame(Device &device, const crn_wire_tick_state &state,
                            const crn_wire_tick_input &input);
 
-// The largest values of one tool in a session.
+// Holds the largest values of one tool in a session.
 struct ToolFigures {
     double inserted_m = 0.0;
     double inserted_max_m = 0.0;
@@ -150,13 +150,13 @@ struct ToolFigures {
     double torque_max_N_m = 0.0;
 };
 
-// The values that the heart monitor collects in a session.
+// Holds the values that the heart monitor collects in a session.
 struct HeartFigures {
     PulseMonitor monitor;
     double pressure_max_mmHg = 0.0, pressure_min_mmHg = 1e3;
 };
 
-// The largest values over all ticks of a session.
+// Holds the largest values over all ticks of a session.
 struct SessionFigures {
     std::uint32_t ticks = 0;
     double penetration_max_m = 0.0;

@@ -9,7 +9,7 @@
 namespace crn
 {
 
-// The motion of one tool's hand, and the forces on that hand.
+// Describes the motion of one tool's hand, and the forces on that hand.
 struct ToolReading {
     double inserted_m = 0.0;
     double turned_deg = 0.0; // of the hand since the start

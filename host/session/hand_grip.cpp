@@ -8,9 +8,9 @@ namespace crn
 namespace
 {
 
-// The force limit of one axis of a hand, and the slip when the force exceeds it. The slip is the excess force
-// divided by a stiffness like that of a finger's skin (10 N/mm, 1 N m/rad). The slip is not faster than a
-// hand can move. So even at a stiffer contact the force returns to the limit within some ticks.
+// Describes the force limit of one axis of a hand, and the slip when the force exceeds it. The slip is the
+// excess force divided by a stiffness like that of a finger's skin (10 N/mm, 1 N m/rad). The slip is not
+// faster than a hand can move. So even at a stiffer contact the force returns to the limit within some ticks.
 struct Limits {
     std::int64_t force;          // in the format of tick_state
     std::int64_t counts_per_one; // counts of slip for one newton or newton metre of excess

@@ -13,7 +13,7 @@
 namespace crn
 {
 
-// How far one tool slipped in the grip, summed over both directions.
+// States how far one tool slipped in the grip, summed over both directions.
 struct GripFigures {
     double slipped_mm = 0.0, slipped_deg = 0.0;
     std::optional<std::uint32_t> first_tick;

@@ -49,8 +49,8 @@ struct StentDesign {
     double foreshortening(double radius_mm) const { return 1 - length_at_mm(radius_mm) / length_mm; }
 };
 
-// The numbers of a stent, with their keys in files and their allowed ranges. The file's number is the
-// design's number times `per_file` (percent: 100).
+// Describes the numbers of a stent, with their keys in files and their allowed ranges. The file's number is
+// the design's number times `per_file` (percent: 100).
 struct StentNumber {
     const char *key;
     double StentDesign::*value;

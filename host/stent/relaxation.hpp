@@ -20,7 +20,7 @@ class StentRelaxation
     void run();
 
   private:
-    // The loads on a point, except those of springs between points.
+    // Holds the loads on a point, except those of springs between points.
     struct Load {
         Eigen::Vector3d carried_mm;        // place to which the wall has carried it
         Eigen::Vector3d anchor_mm;         // place of the spring that holds it

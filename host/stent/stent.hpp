@@ -1,5 +1,5 @@
-// A balloon-expandable stent in a moving vessel. The stent is first crimped, then opened by its balloon,
-// deployed, and held by the wall. One step per picture.
+// Simulates a balloon-expandable stent in a moving vessel. The stent is first crimped, then opened by its
+// balloon, deployed, and held by the wall. One step per picture.
 //
 //   Stent stent(read_stent("coronary_3_0x18.toml"), mount_arc_mm);
 //   stent.step({&wall, &pose, others, sleeves});     every picture, 15 to 60 a second
@@ -46,7 +46,7 @@ struct StentSleeve {
     bool covers(const Eigen::Vector3d &place_mm) const;
 };
 
-// A balloon inside the stent, and the thickness of another stent on that balloon.
+// Describes a balloon inside the stent, and the thickness of another stent on that balloon.
 struct StentBalloon {
     const BalloonPose *pose = nullptr;
     double layer_mm = 0.0;

@@ -18,8 +18,8 @@ extern const float attenuation_per_cm[material_count][energy_count];
 // none.
 extern const float edge_keV[material_count];
 
-// Data of the filters, the scintillator (at the density of the crystal) and the anode, and the mass energy
-// absorption of air for the kerma.
+// These are data of the filters, the scintillator (at the density of the crystal) and the anode, and the mass
+// energy absorption of air for the kerma.
 extern const float aluminium_per_cm[energy_count];
 extern const float copper_per_cm[energy_count];
 extern const float caesium_iodide_per_cm[energy_count];

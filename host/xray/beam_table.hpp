@@ -20,7 +20,7 @@ struct BeamTable {
     // The share of each energy in the open beam's signal; the shares add up to 1, except for the quadrature's
     // error (0.6 %). The signal of a photon is the energy that it leaves in the scintillator.
     std::array<float, beam_energy_count> share{};
-    // For each material and energy, log2(1/transmission) of 1/1024 mm.
+    // For each material and energy, this is log2(1/transmission) of 1/1024 mm.
     std::array<std::array<float, beam_energy_count>, material_count> log2_per_q10mm{};
 
     // The signal is counted in quanta. A quantum is a photon with the energy (sum of E^2)/(sum of E), taken

@@ -51,7 +51,8 @@ struct XrayChain {
     SignalKey settled_key;
     ExposureChoice settled;
 
-    // The signal of the bodies, kept between frames, as shares of the open beam behind the grid.
+    // These values describe the signal of the bodies, kept between frames, as shares of the open beam behind
+    // the grid.
     std::vector<OpenColumns> open;
     std::vector<float> transmission;  // of each pixel's middle
     std::vector<float> primary;       // the same after blur by focal spot and pixel
@@ -61,14 +62,14 @@ struct XrayChain {
     double log_mean = 0.0;            // log2(signal) over the measuring field
     BlurKernel focal_kernel;          // of the focal spot alone
 
-    // The values of this frame's tools: their gain on the signal behind the bodies, minus one; and then the
-    // same after the focal spot's blur.
+    // These values describe the tools of this frame: their gain on the signal behind the bodies, minus one;
+    // and then the same after the focal spot's blur.
     std::vector<float> tool_gain;
     SparseBlur tool_blur;
     std::vector<float> tool_signal; // at the pixels of tool_blur
 };
 
-// The diameter of the round field that automatic exposure measures, as a share of the picture's width.
+// Automatic exposure measures a round field with this diameter, as a share of the picture's width.
 inline constexpr double measuring_field_share = 0.65;
 
 // The first limits settings to what the chain can do. The second returns the demand that settings make on a

@@ -9,7 +9,7 @@ namespace crn
 
 inline constexpr int coarse_cell = 8; // pixels
 
-// The part of a row that the collimator leaves open: columns [begin, end).
+// Describes the part of a row that the collimator leaves open: columns [begin, end).
 struct OpenColumns {
     int begin = 0, end = 0;
 };

@@ -12,7 +12,7 @@ namespace
 constexpr int lanes = 16; // pixels that are processed together; sizes are multiples of it
 constexpr float small_mean = 12.0f;
 
-// A 32-bit hash that mixes all bits well, by two rounds of multiply and xor-shift.
+// Computes a 32-bit hash that mixes all bits well, by two rounds of multiply and xor-shift.
 inline std::uint32_t mix32(std::uint32_t x)
 {
     x ^= x >> 16;
@@ -74,7 +74,7 @@ namespace
 
 constexpr int block = 64; // columns whose materials are tested together
 
-// The path lengths of those materials that occur in these columns of a row.
+// Holds the path lengths of those materials that occur in these columns of a row.
 struct PresentPaths {
     const std::int32_t *path[material_count];
     const float *factor[material_count]; // of each energy

@@ -1,5 +1,5 @@
-// The generator and automatic exposure control, which choose the tube voltage, current, pulse width and
-// copper filter of a picture.
+// Simulates the generator and automatic exposure control, which choose the tube voltage, current, pulse width
+// and copper filter of a picture.
 //
 // The control works as angiography systems do (AAPM Report 125; Rauch, Lin et al., Med Phys 39 (2012) 2826).
 // From the signal of the last pulse it estimates the patient's thickness as centimetres of water, and takes
@@ -65,7 +65,7 @@ struct ExposureChoice {
     bool is_limited = false; // the curve ends below the demanded dose
 };
 
-// The distance of the reference point from the isocentre towards the tube (IEC 60601-2-54).
+// The reference point lies this far from the isocentre towards the tube (IEC 60601-2-54).
 inline constexpr double reference_point_m = 0.15;
 
 // The share of primary photons that an anti-scatter grid transmits; scatter.hpp has the share for scattered

@@ -1,6 +1,6 @@
-// The measuring chamber behind the patient. Without a picture, it determines the technique that automatic
-// exposure takes for a pulse, and the dose of that pulse. The chamber measures a small picture of fixed size,
-// so that the dose of a session does not depend on the pictures made of it.
+// Simulates the measuring chamber behind the patient. Without a picture, the chamber determines the technique
+// that automatic exposure takes for a pulse, and the dose of that pulse. The chamber measures a small picture
+// of fixed size, so that the dose of a session does not depend on the pictures made of it.
 //
 //   XrayMeter meter(scene);
 //   const XrayExposure exposure = meter.expose(settings, bodies, MeterPace::follows);
@@ -15,13 +15,13 @@
 namespace crn
 {
 
-// How automatic exposure uses the previous pulse.
+// States how automatic exposure uses the previous pulse.
 enum class MeterPace {
     follows, // from pulse to pulse, as a generator does
     settles  // as after test exposures, until the control has settled: the first frame of DSA
 };
 
-// The technique and the dose of one pulse.
+// Holds the technique and the dose of one pulse.
 struct XrayExposure {
     XrayTechnique technique;
     bool is_underexposed = false; // the control is at a limit

@@ -12,15 +12,16 @@ namespace crn
 
 enum class RunKind { fluoro, cine, dsa };
 
-// How raw pixel values relate to the X-ray intensity at the detector: LIN, LOG and DISP of PS3.3 C.8.7.1.1.2.
+// States how raw pixel values relate to the X-ray intensity at the detector: LIN, LOG and DISP of PS3.3
+// C.8.7.1.1.2.
 enum class PixelRelation {
     linear,      // proportional to it
     logarithmic, // proportional to its logarithm
     display,     // changed for viewing, no fixed relation
 };
 
-// The part of the picture that the collimator leaves open, in pixels from the left and top edge. The open
-// part is a rectangle or a circle.
+// Describes the part of the picture that the collimator leaves open, in pixels from the left and top edge.
+// The open part is a rectangle or a circle.
 struct RunCollimator {
     bool is_circular = false;
     int left = 0, right = 0, top = 0, bottom = 0; // open columns [left, right), rows [top, bottom)
@@ -39,8 +40,8 @@ struct RunFrame {
     std::vector<std::uint16_t> raw; // size*size, row 0 on top
 };
 
-// The filters, in the order in which the beam passes through them. The names of materials are those of PS3.3
-// C.8.7.10, Filter Material: "copper", "aluminum".
+// Lists the filters, in the order in which the beam passes through them. The names of materials are those of
+// PS3.3 C.8.7.10, Filter Material: "copper", "aluminum".
 struct RunFilter {
     std::string material;
     double thickness_mm = 0.0;
@@ -69,8 +70,8 @@ struct XrayRun {
     int size = 0;              // pixels along each edge, the same in every frame
     double pulses_per_s = 0.0; // nominal; frames may be further apart, and their ticks give the true times
     PixelRelation relation = PixelRelation::linear;
-    // For logarithmic runs only, see make_logarithmic(): gives for every raw value a value proportional to
-    // the intensity.
+    // For logarithmic runs only (see make_logarithmic()), this table gives for every raw value a value
+    // proportional to the intensity.
     std::vector<std::uint16_t> to_linear;
     int bits = 16;              // stored per pixel: 8, 10, 12 or 16
     double window_centre = 0.0; // raw values: the window in which a viewer first shows the run

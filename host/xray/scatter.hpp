@@ -19,7 +19,7 @@
 namespace crn
 {
 
-// The share of scattered photons that the grid transmits, divided by the share of primary photons.
+// This is the share of scattered photons that the grid transmits, divided by the share of primary photons.
 inline constexpr float grid_scatter_to_primary = 0.21f / 0.706f;
 
 // Returns the scattered signal in each cell of the coarse grid, before the anti-scatter grid, in the units of

@@ -15,7 +15,7 @@ namespace crn
 inline constexpr double tube_voltage_min_kV = 40.0, tube_voltage_max_kV = 125.0;
 inline constexpr double inherent_aluminium_mm = 2.5; // glass, oil and window of the tube, as aluminium
 
-// The photons per mm2 and mAs at 1 m from the focal spot, in each step of 1 keV (energy_keV).
+// Holds the photons per mm2 and mAs at 1 m from the focal spot, in each step of 1 keV (energy_keV).
 using Spectrum = std::array<double, energy_count>;
 
 // Returns the spectrum behind the inherent filter and `copper_mm` of copper. The voltage is limited to the

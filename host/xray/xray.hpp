@@ -1,4 +1,4 @@
-// X-ray pictures of bodies and tools. Making a picture includes path lengths, tube spectrum, exposure
+// Makes X-ray pictures of bodies and tools. Making a picture includes path lengths, tube spectrum, exposure
 // control, scatter, blur, quantum noise, lag and display.
 //
 //   XrayScene scene; scene.set_bodies(bodies, error);
@@ -30,9 +30,9 @@ namespace crn
 
 struct XrayBeam {
     ExposureMode mode = ExposureMode::fluoro;
-    // The dose behind patient and grid, as a mean over the measuring field. Automatic exposure aims at this
-    // dose, and the gain of the detector is set for it. Usual values are 20 .. 60 in fluoroscopy, 100 .. 250
-    // in cine, and 500 .. 3000 in DSA.
+    // This is the dose behind patient and grid, as a mean over the measuring field. Automatic exposure aims
+    // at this dose, and the gain of the detector is set for it. Usual values are 20 .. 60 in fluoroscopy, 100
+    // .. 250 in cine, and 500 .. 3000 in DSA.
     double dose_per_frame_nGy = 40.0;
     double frame_period_ms = 1000.0 / 15.0; // for the limit of the dose rate
     // If set, this technique replaces automatic exposure; the user has set it, or it is locked during a DSA
@@ -49,8 +49,8 @@ struct XrayDisplay {
     double contrast = 1.0;   // slope of the display curve
     double brightness = 0.0; // -1 .. 1
     double harmonise = 0.65; // 0: plain log image; towards 1: slow changes of density are levelled
-    // The window of the 12-bit values `shown`, as defined by DICOM PS3.3 C.11.2.1.2: the values between level
-    // -+ window/2 cover all greys.
+    // This is the window of the 12-bit values `shown`, as defined by DICOM PS3.3 C.11.2.1.2: the values
+    // between level -+ window/2 cover all greys.
     double window = 4096.0;
     double level = 2048.0;
 };
@@ -89,8 +89,8 @@ struct XrayPicture {
     double kap_Gy_cm2 = 0.0; // kerma times the collimated field's area, the same at every distance
 };
 
-// What generator and detector remember from picture to picture. The memory is plain data: a copy saves it,
-// and {} resets it.
+// Holds what generator and detector remember from picture to picture. The memory is plain data: a copy saves
+// it, and {} resets it.
 struct XrayMemory {
     bool is_used = false;
     ExposureState exposure;

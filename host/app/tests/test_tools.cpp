@@ -217,8 +217,8 @@ void each_tool_covers_the_line_from_its_own_tip(void **)
     }
 }
 
-// A straight line along x with nodes every 4 mm, 200 mm above the table; the tips of three tools lie between
-// nodes.
+// Makes a straight line along x with nodes every 4 mm, 200 mm above the table; the tips of three tools lie
+// between nodes.
 crn::WireFrame line_frame()
 {
     crn::WireFrame wire;

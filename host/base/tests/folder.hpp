@@ -1,4 +1,4 @@
-// A folder for one test, removed afterwards.
+// Makes a folder for one test, and removes it afterwards.
 #pragma once
 #include <cstdlib>
 #include <filesystem>

@@ -20,7 +20,7 @@ using namespace crn;
 namespace
 {
 
-// A monitor that receives the beats of the core's own rhythm.
+// Simulates a monitor that receives the beats of the core's own rhythm.
 struct Patient {
     crn_rhythm rhythm{};
     PulseMonitor monitor;

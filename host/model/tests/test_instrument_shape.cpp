@@ -79,8 +79,8 @@ crn_instrument core_instrument(const Instrument &instrument)
     return core;
 }
 
-// A line in free space without gravity. The line enters along +x, and its material axis d1 is -z at the
-// entry.
+// Simulates a line in free space without gravity. The line enters along +x, and its material axis d1 is -z at
+// the entry.
 class FreeLine
 {
   public:

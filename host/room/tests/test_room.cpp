@@ -24,7 +24,8 @@ namespace
 constexpr int size = 64;
 constexpr std::size_t pixels = std::size_t{size} * size;
 
-// The synthetic patient: the density of the object, in doublings of attenuation, at a pixel and a tick.
+// Describes the synthetic patient by the density of the object, in doublings of attenuation, at a pixel and a
+// tick.
 using Object = std::function<double(int x, int y, std::uint32_t tick)>;
 
 double nothing(int, int, std::uint32_t)

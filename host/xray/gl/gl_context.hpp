@@ -1,5 +1,5 @@
-// An OpenGL 3.3 core context, which comes from OSMesa, from EGL without a surface, or from a window. The
-// libraries OSMesa and EGL are opened by their names at run time.
+// Provides an OpenGL 3.3 core context, which comes from OSMesa, from EGL without a surface, or from a window.
+// The libraries OSMesa and EGL are opened by their names at run time.
 #pragma once
 #include "host/xray/gl/gl_functions.hpp"
 #include <memory>

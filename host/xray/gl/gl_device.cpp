@@ -56,7 +56,7 @@ struct Pyramid {
     }
 };
 
-// Runs of consecutive chunks, in one list per channel, in the form that MultiDrawElements requires.
+// Holds runs of consecutive chunks, in one list per channel, in the form that MultiDrawElements requires.
 struct DrawList {
     std::vector<int> counts;
     std::vector<const void *> offsets;

@@ -9,7 +9,7 @@ namespace crn
 namespace
 {
 
-// Constants of EGL/egl.h and EGL/eglext.h (Khronos registry).
+// These are constants of EGL/egl.h and EGL/eglext.h (Khronos registry).
 constexpr unsigned egl_platform_surfaceless_mesa = 0x31DD, egl_opengl_api = 0x30A2;
 constexpr int egl_surface_type = 0x3033, egl_pbuffer_bit = 1, egl_renderable_type = 0x3040,
               egl_opengl_bit = 8, egl_none = 0x3038, egl_context_major = 0x3098, egl_context_minor = 0x30FB,

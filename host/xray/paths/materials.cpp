@@ -1,4 +1,4 @@
-// The names of the materials, in the order of the enum.
+// Lists the names of the materials, in the order of the enum.
 #include "host/xray/paths/materials.hpp"
 #include <utility>
 

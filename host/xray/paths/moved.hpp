@@ -1,5 +1,5 @@
-// The parts of the picture that move from frame to frame: tools on the line, struts and contrast medium as
-// curves, and beating bodies.
+// Describes the parts of the picture that move from frame to frame: tools on the line, struts and contrast
+// medium as curves, and beating bodies.
 #pragma once
 #include "host/model/wire_frame.hpp"
 #include "host/xray/paths/materials.hpp"
@@ -9,24 +9,24 @@
 namespace crn
 {
 
-// One stretch of a tool, by its arc length from the tool's tip. A coil is described as a tube that metal
-// fills partly. A braided wall is described as two sections over the same stretch, one of polymer and one of
-// steel.
+// Describes one stretch of a tool, by its arc length from the tool's tip. A coil is described as a tube that
+// metal fills partly. A braided wall is described as two sections over the same stretch, one of polymer and
+// one of steel.
 struct RadiopaqueSection {
     double arc_begin_m = 0.0;
     double arc_end_m = 3.0;
     Material material = Material::steel;
     double fill = 0.75;        // share of the cross-section filled by the material, 0 .. 1
     double radius_share = 1.0; // of the tool's outer radius; above 1: a band around it
-    // The inner radius, as a share of the tool's outer radius. If this radius is above 0, the section is a
-    // ring outside it, such as a jacket or a marker band, and `fill` is the share of the ring. If the inner
-    // radius is 0, the section reaches inwards to the lumen, and `fill` is the share of the whole
+    // This is the inner radius, as a share of the tool's outer radius. If this radius is above 0, the section
+    // is a ring outside it, such as a jacket or a marker band, and `fill` is the share of the ring. If the
+    // inner radius is 0, the section reaches inwards to the lumen, and `fill` is the share of the whole
     // cross-section.
     double inner_radius_share = 0.0;
 };
 
-// The radii at an arc length from the tool's tip. Between two entries they change linearly; two entries at
-// the same arc length make a step.
+// Holds the radii at an arc length from the tool's tip. Between two entries they change linearly; two entries
+// at the same arc length make a step.
 struct RadiopaqueRadius {
     double arc_m = 0.0;
     double outer_m = 0.0;
@@ -49,9 +49,9 @@ struct SweptPoint {
     double share = 1.0; // of the cross-section that the material fills, 0 .. 1
 };
 
-// A round body along straight pieces of a line, such as a strut of a stent, or the contrast medium in a
-// stretch of vessel. Such a curve is drawn by exact path lengths without triangles, so that a picture can
-// have hundreds of them.
+// Describes a round body along straight pieces of a line, such as a strut of a stent, or the contrast medium
+// in a stretch of vessel. Such a curve is drawn by exact path lengths without triangles, so that a picture
+// can have hundreds of them.
 struct SweptCurve {
     Material material = Material::steel;
     std::vector<SweptPoint> points; // two at least; a curve that is not finite is left out
@@ -60,8 +60,8 @@ struct SweptCurve {
 // Returns the share of iohexol 350 in blood that has this concentration of iodine.
 double contrast_share(double iodine_mg_per_ml);
 
-// The new places of the vertices of a body. The number of vertices must be that of the scene's body, because
-// the triangles stay. Entries with another number of vertices are left out.
+// Holds the new places of the vertices of a body. The number of vertices must be that of the scene's body,
+// because the triangles stay. Entries with another number of vertices are left out.
 struct MovedBody {
     int body = 0; // index in Bodies
     std::span<const Eigen::Vector3i> vertices_um;

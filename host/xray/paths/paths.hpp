@@ -27,11 +27,11 @@
 namespace crn
 {
 
-// One picture per material, size*size pixels with row 0 on top, in 1/1024 mm. A picture is empty if the scene
-// has no such material.
+// Holds one picture per material, size*size pixels with row 0 on top, in 1/1024 mm. A picture is empty if the
+// scene has no such material.
 using PathPictures = std::array<std::vector<std::int32_t>, material_count>;
 
-// The pixels in columns [x0, x1) and rows [y0, y1).
+// Describes the pixels in columns [x0, x1) and rows [y0, y1).
 struct PixelRect {
     int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
     bool is_empty() const { return x0 >= x1 || y0 >= y1; }
@@ -42,8 +42,8 @@ enum class PathForm {
     ray_lengths, // final lengths along the ray, none below 0
 };
 
-// A back end, which draws closed bodies. A back end is made for one BodyMeshes, which must live longer; only
-// one thread may use it at a time.
+// A back end draws closed bodies. A back end is made for one BodyMeshes, which must live longer; only one
+// thread may use it at a time.
 class BodyPaths
 {
   public:
@@ -65,7 +65,7 @@ class BodyPaths
 // Converts sums along the axis to lengths along the rays, in place, for the columns [begin, end) of one row.
 void finish_row(const View &view, int row, int begin, int end, std::int32_t *line);
 
-// The path lengths that tools add to those of the bodies. Only pixels that a tool touches have entries.
+// Holds the path lengths that tools add to those of the bodies. Only pixels that a tool touches have entries.
 // Several rays pass through each of these pixels, because tools are thin. Each ray has one length for each of
 // the drawn materials.
 inline constexpr int tool_rays = 9;

@@ -15,7 +15,7 @@ namespace crn
 inline constexpr int subpixel_bits = 8;
 inline constexpr int subpixels = 1 << subpixel_bits;
 
-// The same view in micrometres and single precision.
+// Describes the view in micrometres and single precision.
 struct Camera {
     Eigen::Vector3f source, right, up, forward;
     float focal_pixels, half_pixels;
@@ -23,7 +23,7 @@ struct Camera {
 };
 Camera make_camera(const View &view);
 
-// A position in the picture, in units of 1/subpixels of a pixel.
+// Describes a position in the picture, in units of 1/subpixels of a pixel.
 struct alignas(16) Corner {
     std::int32_t x, y;
     float inverse_depth_per_um;
@@ -59,7 +59,7 @@ struct RasterVertices {
     void set(const BodyMeshes &meshes, std::size_t chunk); // reads that chunk's vertices again
 };
 
-// The projections of all chunks in one frame.
+// Holds the projections of all chunks in one frame.
 struct Projection {
     enum class Kind : std::uint8_t { nowhere, plain, clipped };
     struct OfChunk {
@@ -77,7 +77,7 @@ struct Projection {
 void project_chunk(const BodyMeshes &meshes, const RasterVertices &vertices, std::size_t index,
                    const Camera &camera, const PixelRect &rect, Projection &projection);
 
-// The sums of a tile, one picture per channel. The columns beyond the tile's width receive what groups of
+// A tile has one picture of sums per channel. The columns beyond the tile's width receive what groups of
 // eight pixels write past its edge.
 inline constexpr int tile_columns = 128, tile_rows = 64;
 inline constexpr int tile_stride = tile_columns + 8;

@@ -14,7 +14,7 @@ float dot(const Eigen::Vector3f &a, float x, float y, float z)
     return a.x() * x + a.y() * y + a.z() * z;
 }
 
-// A corner's position in the picture before rounding, and its depth.
+// Holds a corner's position in the picture before rounding, and its depth.
 struct Projected {
     float x, y, depth_um;
 };
@@ -73,8 +73,8 @@ struct Edge {
     }
 };
 
-// The plane of 1/depth over the picture. The values of the plane are limited to the range of those at the
-// corners, so that a very thin triangle gives no extreme depth.
+// Describes the plane of 1/depth over the picture. The values of the plane are limited to the range of those
+// at the corners, so that a very thin triangle gives no extreme depth.
 struct DepthPlane {
     float origin, slope_x, slope_y, low, high;
     std::int32_t x, y;

@@ -15,11 +15,11 @@ struct Batch {
     float a_inverse[lane_count], b_inverse[lane_count], c_inverse[lane_count];
     std::int32_t column[lane_count], row[lane_count], columns[lane_count],
         rows[lane_count]; // part of the tile
-    // The edge functions at the middle of the first pixel, and their changes from pixel to pixel. The
-    // functions are divided by `subpixels` and rounded down. This is exact enough, because the changes are
-    // whole multiples, and only the sign matters.
+    // These are the edge functions at the middle of the first pixel, and their changes from pixel to pixel.
+    // The functions are divided by `subpixels` and rounded down. This is exact enough, because the changes
+    // are whole multiples, and only the sign matters.
     std::int32_t edge[3][lane_count], step_x[3][lane_count], step_y[3][lane_count];
-    // The range of rows that an edge allows in each strip of eight columns.
+    // This is the range of rows that an edge allows in each strip of eight columns.
     float from[3][lane_count], from_step[3][lane_count], to[3][lane_count], to_step[3][lane_count];
     float area[lane_count], slope_x[lane_count], slope_y[lane_count], low[lane_count], high[lane_count];
     std::int32_t sign[lane_count];  // -1 for an entry, 0 for an exit

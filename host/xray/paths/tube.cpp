@@ -16,7 +16,7 @@ constexpr double sagitta_max_mm = 0.01; // largest distance of the pieces from t
 constexpr int pieces_max = 12;
 constexpr double near_m = 1e-5; // points of a line that are closer than this count as one
 
-// A point of the refined centreline in camera axes: x right, y up, z away from the source, mm.
+// Describes a point of the refined centreline in camera axes: x right, y up, z away from the source, mm.
 struct Point {
     Vector3d at_mm;
     double arc_m = 0.0;

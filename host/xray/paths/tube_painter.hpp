@@ -5,8 +5,8 @@
 namespace crn
 {
 
-// A piece of a tool or curve in camera axes: x right, y up, z away from the source. The piece is a cylinder
-// about the line from a to b, cut by the planes through a and b.
+// Describes a piece of a tool or curve in camera axes: x right, y up, z away from the source. The piece is a
+// cylinder about the line from a to b, cut by the planes through a and b.
 struct TubePiece {
     Eigen::Vector3d a_mm, b_mm, normal_a, normal_b;
     double outer_mm = 0.0, inner_mm = 0.0;

@@ -10,7 +10,7 @@
 namespace crn
 {
 
-// The opacity of a surface seen edge-on, and how it decreases towards the view from the front.
+// Describes the opacity of a surface seen edge-on, and how it decreases towards the view from the front.
 struct SurfaceLook {
     double edge_opacity = 0.0; // A, 0 .. 0.98; 0: not shown
     double power = 2.0;        // p
@@ -44,8 +44,8 @@ class Vcsim3Look
     // `size` have an effect.
     void draw(const XraySettings &settings, const XrayFrame &frame, std::uint64_t seed, XrayPicture &picture);
 
-    // The sum of -ln(1 - opacity) over the surfaces of the bodies in the last picture, in units of 1/65536,
-    // size*size.
+    // Returns the sum of -ln(1 - opacity) over the surfaces of the bodies in the last picture, in units of
+    // 1/65536, size*size.
     const std::vector<std::int32_t> &body_density_q16() const;
 
   private:

@@ -1,5 +1,5 @@
-// Small runs like those of the X-ray room. The runs have rendered frames of a sphere in a box, and every
-// value that a file contains.
+// Makes small runs like those of the X-ray room. The runs have rendered frames of a sphere in a box, and
+// every value that a file contains.
 #pragma once
 #include "host/xray/run.hpp"
 #include "host/xray/tests/xray_shapes.hpp"

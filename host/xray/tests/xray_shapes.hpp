@@ -1,5 +1,5 @@
-// Closed meshes with known path lengths. The meshes are computed with sums, products and square roots only,
-// so that every compiler gives equal results.
+// Makes closed meshes with known path lengths. The meshes are computed with sums, products and square roots
+// only, so that every compiler gives equal results.
 #pragma once
 #include "host/model/bodies.hpp"
 #include <cmath>
