@@ -45,7 +45,7 @@ class Link
 {
   public:
     static constexpr std::size_t steps_max = CRN_WIRE_MAX_step_inputs;
-    // Limits that no correct device exceeds: the frames that arrive before an answer, the bytes of a
+    // No correct device exceeds these limits: the frames that arrive before an answer, the bytes of a
     // snapshot, and the notices that nobody has fetched yet.
     static constexpr std::uint32_t frames_at_once_max = 10000, snapshot_bytes_max = 1 << 20,
                                    notices_max = 4096, live_ticks_max = 1 << 16;

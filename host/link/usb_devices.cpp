@@ -16,7 +16,7 @@ namespace
 using Clock = std::chrono::steady_clock;
 constexpr std::uint32_t look_again_ms = 200;
 
-// The list of devices from libusb, which is freed in the destructor.
+// Holds the list of devices from libusb, and frees it in the destructor.
 class DeviceList
 {
   public:

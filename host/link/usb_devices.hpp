@@ -13,7 +13,7 @@ struct libusb_device_handle;
 namespace crn
 {
 
-// The USB id of a rig, with which the firmware is built as well (make USB_ID=1209:0001).
+// This is the USB id of a rig, with which the firmware is built as well (make USB_ID=1209:0001).
 #ifndef CRN_USB_VENDOR_ID
 #define CRN_USB_VENDOR_ID 0x1209
 #endif

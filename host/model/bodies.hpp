@@ -1,7 +1,7 @@
-// The closed meshes from which the picture of the patient is made: skin, lungs, bones, heart and vessels. A
-// body names the body in which it lies, its parent. The volume of a body is subtracted from that of its
-// parent, so that nothing is counted twice. Bodies are read from the BODY sections of an `X.bodies` file,
-// together with the tree of their vessels; docs/frames.md describes the axes.
+// Holds the closed meshes from which the picture of the patient is made: skin, lungs, bones, heart and
+// vessels. A body names the body in which it lies, its parent. The volume of a body is subtracted from that
+// of its parent, so that nothing is counted twice. Bodies are read from the BODY sections of an `X.bodies`
+// file, together with the tree of their vessels; docs/frames.md describes the axes.
 #pragma once
 #include "host/model/vessel_tree.hpp"
 #include <Eigen/Core>

@@ -15,7 +15,8 @@
 namespace crn
 {
 
-// One stretch of the instrument as X-rays see it: the share of the cross-section that a material fills.
+// Describes one stretch of the instrument as X-rays see it, by the share of the cross-section that a material
+// fills.
 struct InstrumentLayer {
     double arc_begin_m = 0.0; // from the distal tip
     double arc_end_m = 0.0;

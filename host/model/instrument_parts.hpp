@@ -1,5 +1,5 @@
-// The parts of an instrument file: sections of uniform construction, arcs of the unloaded shape, elements;
-// and the profile that follows from them.
+// Reads the parts of an instrument file: sections of uniform construction, arcs of the unloaded shape, and
+// elements. It also makes the profile that follows from them.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/model/instrument_toml.hpp"

@@ -14,8 +14,8 @@ struct crn_scene;
 namespace crn
 {
 
-// The stations of one lesion that yields: their number, and the distance between two of them along the
-// healthy vessel. The lesion lies in the middle of its stations.
+// Describes the stations of one lesion that yields by their number and the distance between two of them along
+// the healthy vessel. The lesion lies in the middle of its stations.
 struct LesionStations {
     std::size_t count = 0;
     double spacing_m = 0.0;

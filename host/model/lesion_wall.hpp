@@ -19,8 +19,8 @@ constexpr double lesion_near_radii = 1.6, lesion_far_radii = 2.4;
 // Returns the tree as it was before disease narrowed it.
 VesselTree healthy_tree(const VesselTree &tree);
 
-// The place on the healthy centreline inside a lesion that is nearest to a point, and the place to which the
-// lesion moved it.
+// Holds the place on the healthy centreline inside a lesion that is nearest to a point, and the place to
+// which the lesion moved it.
 struct LesionFoot {
     double radii = std::numeric_limits<double>::infinity(); // distance over the healthy radius
     Eigen::Vector3d healthy_m = Eigen::Vector3d::Zero(), channel_m = Eigen::Vector3d::Zero();
@@ -46,7 +46,7 @@ class LesionWall
     bool healthy_of(const Eigen::Vector3d &narrowed_m, Healthy &healthy) const;
 
     LesionFoot foot(const Eigen::Vector3d &place_m) const;
-    // The box that contains everything that moves with the lesion.
+    // Returns the box that contains everything that moves with the lesion.
     const Eigen::AlignedBox3d &reach_m() const { return reach_m_; }
 
   private:

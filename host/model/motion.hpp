@@ -86,9 +86,9 @@ class Motion
 // read, `error` has a message too.
 std::optional<Motion> read_motion(const std::string &scene_path, std::string &error);
 
-// Places that move with the lattice. The lattice is evaluated at each place only once, for all keyframes, at
-// rest and inhaled. After that, the place at a moment costs a few products. Between keyframes the result is a
-// spline through the moved places; it is within 0.05 mm of the lattice's own map.
+// Holds places that move with the lattice. The lattice is evaluated at each place only once, for all
+// keyframes, at rest and inhaled. After that, the place at a moment costs a few products. Between keyframes
+// the result is a spline through the moved places; it is within 0.05 mm of the lattice's own map.
 class MovingPoints
 {
   public:
@@ -108,13 +108,13 @@ class MovingPoints
     std::vector<Eigen::Vector3d> reference_m_;
     std::vector<bool> moves_;
     bool breathes_;
-    // The displacements of each place at keyframes 23, 0 .. 23, 0: at rest and, if the place moves with
+    // Holds the displacements of each place at keyframes 23, 0 .. 23, 0: at rest and, if the place moves with
     // breath, the difference that a full breath adds. The keyframes of one place are adjacent in memory,
     // because a moment needs three neighbouring ones.
     std::vector<float> coefficients_um_;
 };
 
-// Bodies whose vertices move with the lattice.
+// Holds bodies whose vertices move with the lattice.
 class MovingBodies
 {
   public:

@@ -1,5 +1,6 @@
-// The anatomy of a patient, except the lumen, which the core has: bodies with their tree of vessels, their
-// motion, and the lesions that yield. Pictures, contrast medium, stents and surfaces all use this reader.
+// Reads the anatomy of a patient, except the lumen, which the core has: bodies with their tree of vessels,
+// their motion, and the lesions that yield. Pictures, contrast medium, stents and surfaces all use this
+// reader.
 #pragma once
 #include "host/model/bodies.hpp"
 #include "host/model/lesion_opening.hpp"

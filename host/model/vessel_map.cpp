@@ -61,8 +61,8 @@ std::int64_t um(double m)
     return std::llround(m * 1e6);
 }
 
-// The places along the root vessel, in metres, where the brachiocephalic and the left subclavian artery leave
-// it.
+// Holds the places along the root vessel, in metres, where the brachiocephalic and the left subclavian artery
+// leave it.
 struct Arch {
     double begin_m = 0.0, end_m = 0.0;
 };

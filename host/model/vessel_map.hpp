@@ -21,7 +21,7 @@
 namespace crn
 {
 
-// A vessel, which is a whole branch of the tree or a stretch of one.
+// Describes a vessel, which is a whole branch of the tree or a stretch of one.
 struct MappedVessel {
     std::string name;
     std::size_t branch = 0;

@@ -1,6 +1,6 @@
-// Vessels as a tree of centrelines with inscribed radii, along which blood and contrast medium flow. The tree
-// is read together with the bodies (bodies.hpp) from the TREE section of an `X.bodies` file, which bake
-// writes. Coordinates are in the patient frame, in SI units.
+// Describes vessels as a tree of centrelines with inscribed radii, along which blood and contrast medium
+// flow. The tree is read together with the bodies (bodies.hpp) from the TREE section of an `X.bodies` file,
+// which bake writes. Coordinates are in the patient frame, in SI units.
 #pragma once
 #include <Eigen/Core>
 #include <cstddef>
@@ -25,8 +25,8 @@ struct VesselBranch {
     double flow_ml_s = 0.0; // mean flow out of its end, as stated; 0: not stated
 };
 
-// A stretch of a branch that disease has narrowed. The points of the branch itself are those of the narrowed
-// lumen.
+// Describes a stretch of a branch that disease has narrowed. The points of the branch itself are those of the
+// narrowed lumen.
 struct VesselLesion {
     std::string name;
     std::size_t branch = 0, first_point = 0; // first of the branch's points ...

@@ -1,5 +1,5 @@
-// The balloon of a session: which tool has it, where its balls lie on the line, and the medium in it for the
-// X-ray.
+// Describes the balloon of a session: which tool has it, where its balls lie on the line, and the medium in
+// it for the X-ray.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/model/wire_frame.hpp"
@@ -17,7 +17,7 @@ inline constexpr double balloon_iodine_mg_per_ml = 175.0;
 
 // Returns the tool with a balloon, counted from the innermost; empty if no tool has one.
 std::optional<std::size_t> balloon_tool(const std::vector<Instrument> &tools);
-// The message for a request to inflate when no tool has a balloon.
+// This message answers a request to inflate when no tool has a balloon.
 inline constexpr char no_balloon_text[] = "NO BALLOON - none of the tools has one to inflate";
 // Returns the middle of the balloon's working length, mm from the tool's tip, where a stent is mounted.
 double balloon_middle_mm(const Instrument &tool);

@@ -61,7 +61,7 @@ class PatientContrast
     // the heart beats regularly, 70 times a minute. At the tick of an injection, this refuses it when the
     // tools inside the lumen leave too little of the lumen free.
     void tick(const crn_wire_tick_state &state);
-    // The injections of the session that were refused.
+    // Returns the injections of the session that were refused.
     const std::vector<Refusal> &refusals() const { return refusals_; }
     std::uint32_t next_tick() const; // UINT32_MAX: no look is needed
     void advance(const WireFrame &wire);

@@ -1,8 +1,8 @@
-// The patient of a session: vessels with blood and contrast medium, stents, lesions that yield, heart and
-// breath, and the applied X-ray with its dose. Whatever runs the session (script, window, rig or replay)
-// advances the patient tick by tick, and passes the patient's orders for the next tick to the core. Pictures,
-// reports and scores read the state and change nothing, so a session does not depend on which of them are
-// requested.
+// Simulates the patient of a session: vessels with blood and contrast medium, stents, lesions that yield,
+// heart and breath, and the applied X-ray with its dose. Whatever runs the session (script, window, rig or
+// replay) advances the patient tick by tick, and passes the patient's orders for the next tick to the core.
+// Pictures, reports and scores read the state and change nothing, so a session does not depend on which of
+// them are requested.
 //
 //   patient.command(tick, {RoomAction::inject, {...}});        in force from that tick on
 //   patient.give_orders(input.orders);                        for every tick before it is done

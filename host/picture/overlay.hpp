@@ -11,7 +11,7 @@
 namespace crn
 {
 
-// The values that the display shows for one tool.
+// Holds the values that the display shows for one tool.
 struct OverlayTool {
     std::string name;
     double inserted_mm = 0.0;
@@ -21,7 +21,7 @@ struct OverlayTool {
     bool is_chosen = false; // the one that the keys move
 };
 
-// The values that the display shows for the balloon and its stent, if a tool has a balloon.
+// Holds the values that the display shows for the balloon and its stent, if a tool has a balloon.
 struct OverlayBalloon {
     bool is_shown = false, is_burst = false;
     double pressure_bar = 0.0, diameter_max_mm = 0.0, diameter_min_mm = 0.0;

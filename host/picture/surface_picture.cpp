@@ -41,7 +41,7 @@ Look look_of(SurfaceKind kind)
     return {{222, 120, 108}, 0.62};
 }
 
-// The part of space that all panels show, in the axes of the view, mm.
+// Describes the part of space that all panels show, in the axes of the view, mm.
 struct Frame {
     Vector3d middle_mm;
     double pixels_per_mm = 1.0;

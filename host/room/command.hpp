@@ -43,7 +43,7 @@ struct RoomCommand {
     bool operator==(const RoomCommand &) const = default;
 };
 
-// A request that was not carried out, with its tick and the reason.
+// Describes a request that was not carried out, with its tick and the reason.
 struct Refusal {
     std::uint32_t tick = 0;
     std::string why;

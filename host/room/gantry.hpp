@@ -15,7 +15,7 @@
 namespace crn
 {
 
-// The axes that have a motor, in the order of the values in GantryPose.
+// Lists the axes that have a motor, in the order of the values in GantryPose.
 enum GantryAxis {
     axis_primary,
     axis_secondary,

@@ -71,7 +71,7 @@ struct RoomState {
     std::string notice; // notice of the last four seconds
 };
 
-// A sentence that the screen shows for four seconds.
+// Holds a sentence that the screen shows for four seconds.
 struct RoomNotice {
     std::string text;
     std::int64_t from = -1; // tick of its appearance
@@ -106,7 +106,7 @@ class Room
     const Gantry &gantry() const { return gantry_; }
     const DoseMeter &dose() const { return dose_; }
     const std::vector<RoomRun> &runs() const { return runs_; }
-    // The presses of a pedal that produced no run.
+    // Returns the presses of a pedal that produced no run.
     const std::vector<Refusal> &refusals() const { return refusals_; }
     bool is_beam_on() const { return beam_.is_on; }
     double field_m() const { return field_um_ * 1e-6; }

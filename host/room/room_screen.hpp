@@ -114,7 +114,7 @@ class RoomScreen
     double held_pulses_per_s_ = 0.0;
     bool has_held_ = false;
     RoomNotice notice_;
-    // The version of the picture that the last call of compose() showed.
+    // This is the version of the picture that the last call of compose() showed.
     std::uint64_t version_ = 0, composed_version_ = ~std::uint64_t{0};
     int composed_frame_ = -1;
     // The mask of the run shown last, prepared for subtraction.

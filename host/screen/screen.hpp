@@ -1,5 +1,5 @@
-// A window (by GLFW) that shows one square picture in its middle, as large as fits. Every OpenGL function is
-// loaded by its name at run time, so that the program links no OpenGL library.
+// Opens a window (by GLFW) that shows one square picture in its middle, as large as fits. Every OpenGL
+// function is loaded by its name at run time, so that the program links no OpenGL library.
 #pragma once
 #include "host/picture/picture.hpp"
 #include "host/xray/gl/gl_context.hpp"

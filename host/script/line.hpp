@@ -32,7 +32,7 @@ inline const std::vector<Unit> time_units = {{"s", 1.0}, {"ms", 1e-3}, {"min", 6
 // at '#'.
 std::vector<Token> split_line(std::string_view line);
 
-// The rest of a line that is being read.
+// Reads a line, of which the words that have been read are removed.
 class LineParser
 {
   public:

@@ -12,7 +12,7 @@ namespace crn
 // guide, or tool 1 to 3.
 inline constexpr std::size_t session_tools_max = CRN_WIRE_TOOL_MAX;
 
-// The tool, or all tools, that a statement moves.
+// Names the tool, or all tools, that a statement moves.
 struct ToolChoice {
     std::size_t tool = 0;
     bool is_all = false;

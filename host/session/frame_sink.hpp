@@ -17,7 +17,7 @@ struct ToolReading {
     double torque_N_m = 0.0;
 };
 
-// All data of one moment that a picture and its display need.
+// Holds all data of one moment that a picture and its display need.
 struct SessionFrame {
     WireFrame wire;
     std::vector<ToolReading> tools; // from the innermost

@@ -1,8 +1,8 @@
-// The grip of a hand that a script or the keys move. The grip is rigid up to the force that fingers can hold;
-// beyond that, the tool slips. The device receives the position of the hand minus the slip, in encoder
-// counts. So a recording includes the slip, and a replay does not need this code. The computation uses only
-// integers, and the ticks at which it reads forces depend only on the forces. So a script's tools slip
-// equally with and without pictures, in batches of any size, and on every machine.
+// Simulates the grip of a hand that a script or the keys move. The grip is rigid up to the force that fingers
+// can hold; beyond that, the tool slips. The device receives the position of the hand minus the slip, in
+// encoder counts. So a recording includes the slip, and a replay does not need this code. The computation
+// uses only integers, and the ticks at which it reads forces depend only on the forces. So a script's tools
+// slip equally with and without pictures, in batches of any size, and on every machine.
 #pragma once
 #include "shared/wire/wire.h"
 #include <array>

@@ -1,5 +1,5 @@
-// The parts that recorder and reader have in common: the kinds of chunks, their sizes, and the encoding of
-// the header.
+// Defines the parts that recorder and reader have in common: the kinds of chunks, their sizes, and the
+// encoding of the header.
 #pragma once
 #include "host/session/recording.hpp"
 #include <bit>
@@ -35,8 +35,8 @@ inline constexpr std::size_t stent_bytes_max = 1024;
 inline constexpr std::size_t recorded_stents_max = 64;
 inline constexpr double side_holes_end_max_m = 2.0, side_hole_diameter_max_m = 0.01;
 inline constexpr std::size_t head_bytes_max = 1 << 17;
-// The number of bytes of one tick, which has the record `tick_input` with this number of hands, and two hash
-// lanes. The first function counts all orders that a tick may have, the second none.
+// Returns the number of bytes of one tick, which has the record `tick_input` with this number of hands, and
+// two hash lanes. The first function counts all orders that a tick may have, the second none.
 constexpr std::size_t tick_bytes_max(std::size_t tool_count)
 {
     return CRN_WIRE_BYTES_tick_input - (CRN_WIRE_TOOL_MAX - tool_count) * CRN_WIRE_BYTES_hand + 8;

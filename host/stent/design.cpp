@@ -1,4 +1,4 @@
-// The allowed values of a stent's numbers, and the lengths that follow from its geometry.
+// Defines the allowed values of a stent's numbers, and computes the lengths that follow from its geometry.
 #include "host/stent/design.hpp"
 #include <algorithm>
 #include <cmath>

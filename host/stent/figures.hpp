@@ -10,7 +10,7 @@ namespace crn
 
 inline constexpr double apposed_mm = 0.1; // a strut this near the wall counts as apposed
 
-// A strut that does not touch the wall, with its gap.
+// Describes a strut that does not touch the wall, with its gap.
 struct StentGap {
     int ring = 0;
     std::size_t strut = 0;    // of the lattice
@@ -43,8 +43,8 @@ struct StentFigures {
 // If there is no wall, no strut counts as apposed.
 StentFigures stent_figures(const Stent &stent, const StentWall *wall);
 
-// The position of a stent along a centreline, and the lengths of a lesion (from .. to, mm along that line)
-// that the stent does not cover.
+// Describes the position of a stent along a centreline, and the lengths of a lesion (from .. to, mm along
+// that line) that the stent does not cover.
 struct StentCoverage {
     double from_mm = 0.0, to_mm = 0.0;
     double missed_before_mm = 0.0, missed_behind_mm = 0.0; // of the lesion, at either end

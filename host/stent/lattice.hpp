@@ -1,4 +1,4 @@
-// The points of a stent and the springs between them, which are made from its design (docs/stent.md,
+// Holds the points of a stent and the springs between them, which are made from its design (docs/stent.md,
 // "Springs").
 //
 // The point at place k of ring j, where k = 0 .. 2N-1 counts around the axis, lies at the angle k pi / N from

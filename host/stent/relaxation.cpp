@@ -101,7 +101,7 @@ void StentRelaxation::load_balloons()
 namespace
 {
 
-// A symmetric 3 x 3 matrix, stored as six numbers because the innermost loop uses it.
+// Represents a symmetric 3 x 3 matrix by six numbers, because the innermost loop uses it.
 struct Symmetric {
     double xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
     void add(double k, const Vector3d &v) // k v v^T

@@ -38,7 +38,7 @@ struct StentPoint {
     bool is_bedded = false; // held in the wall's lining
 };
 
-// An outer stent, as a sleeve on whose inner side another stent lies.
+// Describes an outer stent, as a sleeve on whose inner side another stent lies.
 struct StentSleeve {
     std::vector<Eigen::Vector3d> centres_mm; // of its rings
     double overhang_mm = 0.0;                // beyond the first and the last

@@ -37,7 +37,7 @@ void Stents::step(std::span<const StentWall *const> walls, const BalloonPose *ba
 namespace
 {
 
-// A ring whose outside holds the surrounding wall open.
+// Describes a ring whose outside holds the surrounding wall open.
 struct HoldingRing {
     double along_mm = 0.0, radius_mm = 0.0;
 };

@@ -1,5 +1,5 @@
-// All stents of a session: the one on the balloon in the patient, and those that were deployed before it. The
-// class also computes, for the core, how far the stents hold a lesion open.
+// Holds all stents of a session: the one on the balloon in the patient, and those that were deployed before
+// it. The class also computes, for the core, how far the stents hold a lesion open.
 //
 //   Stents stents;
 //   stents.add(read_stent(path), mount_arc_mm);          with the balloon that carries it

@@ -66,8 +66,8 @@ class VesselWall
     // the radius there.
     double narrow_radius_mm(double along_mm) const;
     double healthy_radius_mm(double along_mm) const;
-    // The position along the branch that is nearest to a place in the patient, and the distance of that place
-    // from the middle line.
+    // Holds the position along the branch that is nearest to a place in the patient, and the distance of that
+    // place from the middle line.
     struct Foot {
         double along_mm = 0.0, off_mm = 0.0;
     };

@@ -1,5 +1,5 @@
-// The wall on which a stent lies: a closed mesh around the blood. The vertices of this mesh move from picture
-// to picture, and its triangles keep their vertices.
+// Represents the wall on which a stent lies, which is a closed mesh around the blood. The vertices of this
+// mesh move from picture to picture, and its triangles keep their vertices.
 //
 //   StentWall wall(triangles, vertex_count);
 //   wall.move(vertices_um);                        every picture: that of the motion (host/model/motion.hpp)

@@ -18,7 +18,7 @@ struct XrayScene::Meshes {
     BodyMeshes bodies;
 };
 
-// The inputs for which a signal of the bodies was computed, except the paths.
+// Holds the inputs for which a signal of the bodies was computed, except the paths.
 struct SignalKey {
     XrayTechnique technique; // only voltage, copper and focal spot
     bool scatter = true;

@@ -173,7 +173,7 @@ static void film_survives_an_interrupt_of_the_foreground_group(void **)
     assert_int_equal(files_in_folder(), 0);
 }
 
-// A fake ffmpeg that never reads and never ends by itself, so that only the death of its parent can end it.
+// This fake ffmpeg never reads and never ends by itself, so that only the death of its parent can end it.
 static void film_program_ends_when_we_are_killed(void **)
 {
     const std::string program = folder() + "/ffmpeg", number = folder() + "/number";

@@ -27,7 +27,7 @@ extern "C" {
 namespace
 {
 
-// A simulated rig whose sensors the test moves.
+// Simulates a rig whose sensors the test moves.
 class Rig final : public crn::Transport
 {
   public:

@@ -45,8 +45,8 @@ Corner corner(const Projected &p)
     return {snap_far(p.x), snap_far(p.y), 1.0f / p.depth_um};
 }
 
-// The function of the edge from a to b, which is positive on the inner side of the triangle. The edge has the
-// value at the middle of a pixel, and the changes from one pixel to the next.
+// Computes the function of the edge from a to b, which is positive on the inner side of the triangle. The
+// edge has the value at the middle of a pixel, and the changes from one pixel to the next.
 struct Edge {
     std::int64_t row, step_x, step_y;
 

@@ -24,7 +24,7 @@ CRN_WIDE void oblique_row(const View &view, int row, int begin, int end, float *
     }
 }
 
-// The row of a channel, with the sign with which it is added to a material.
+// Holds the row of a channel, with the sign with which it is added to a material.
 struct SignedRow {
     const std::int32_t *line;
     std::int32_t sign; // 0: added, -1: subtracted

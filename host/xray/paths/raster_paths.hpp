@@ -17,7 +17,7 @@ class RasterPaths : public BodyPaths
               PathPictures &pictures, std::string &error) override;
 
   private:
-    // The sums of a tile that one thread works on, and the channels that have any.
+    // Holds the sums of a tile that one thread works on, and the channels that have any.
     struct Tile {
         std::vector<std::int32_t> sums; // [channel][tile_ints]
         std::vector<std::uint8_t> has_channel;

@@ -26,7 +26,7 @@ Vector3 single(const Vector3d &v)
     return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
 }
 
-// The values that are constant for all rays through one piece.
+// Holds the values that are constant for all rays through one piece.
 struct Chords {
     Vector3 axis, normal_a, normal_b;
     float middle_u, middle_v, focal, t0; // pixels; mm per pixel

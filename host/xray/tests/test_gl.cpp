@@ -397,7 +397,8 @@ void nothing_compiled(unsigned, unsigned, int *value)
     *value = 0;
 }
 
-// A real context that is lost the n-th time it is entered, or in which one function is replaced.
+// Simulates a context that is lost the n-th time it is entered, or in which one function is replaced; behind
+// it is a real context.
 class Tampered final : public GlContext
 {
   public:

@@ -21,7 +21,7 @@ using Eigen::Vector3d;
 namespace
 {
 
-// A generator of random numbers that are the same on every machine.
+// Generates random numbers that are the same on every machine.
 class Lot
 {
   public:
