@@ -5,8 +5,8 @@
 namespace crn
 {
 
-// Installs handlers: from now on the first Ctrl-C or SIGTERM only sets the flag. The second one removes
-// pending files and ends the program by that signal, whatever the program is doing.
+// Installs handlers: from now on the first Ctrl-C or SIGTERM only sets the flag. The second signal removes
+// pending files and ends the program, whatever the program is doing.
 void watch_for_interrupt();
 bool is_interrupted();
 

@@ -1,7 +1,7 @@
 // Measures the time that one simulated millisecond of contrast medium takes, and the time to draw the
 // medium's columns into a picture: docs/contrast.md. The first case is a tree of 2,000 cells that all contain
-// medium, with a beating heart and an injection in every step. The second is the shipped aorta with its renal
-// arteries filled.
+// medium, with a beating heart and an injection in every step. The second case is the shipped aorta with its
+// renal arteries filled.
 #include "firmware/bench/bench.h"
 #include "host/effects/contrast_flow.hpp"
 #include "host/patient/contrast.hpp"

@@ -249,8 +249,8 @@ double frame_instructions(const bench_case *self)
     return 0.0;
 }
 
-// Compares the rasteriser and OpenGL on OSMesa in computing path lengths alone. The two run in turn, with two
-// threads each, and the fastest time of each view counts.
+// Compares the rasteriser and OpenGL on OSMesa in computing path lengths alone. The rasteriser and OpenGL run
+// in turn, with two threads each, and the fastest time of each view counts.
 struct PathTimes {
     double raster_ms = 0.0, osmesa_ms = 0.0; // means over the views
     double difference_mm = 0.0;              // mean over all pixels that have any material, all materials

@@ -75,8 +75,8 @@ inline constexpr RoomCommand first_stent{RoomAction::load_stent, {}};
 // Returns the paths of a set of tools, as inputs for check_outputs.
 std::vector<NamedPath> tool_inputs(const std::string &instrument, const std::vector<std::string> &tools);
 
-// The first function finds the exact scene of a recording, at the path in the recording or at the user's
-// path. The second checks that the device's core can replay the recording. Both throw std::runtime_error.
+// recorded_scene() finds the exact scene of a recording, at the path in the recording or at the user's path.
+// check_core() checks that the device's core can replay the recording. Both throw std::runtime_error.
 SceneFile recorded_scene(const RecordingHeader &header, const std::string &given_path);
 void check_core(const RecordingHeader &header, const crn_wire_hello_reply &identity);
 

@@ -35,7 +35,7 @@ void ContrastFlow::take_volumes()
     for (std::size_t i = 0; i < cells_.size(); ++i) {
         const double radius_mm = cells_[i].radius_mm;
         per_volume_[i] = 2.0 / volume_ml_[i];
-        // This is the rate at which the layers mix: the mean speed Q / (pi r^2), divided by the mixing length
+        // The layers mix at this rate, which is the mean speed Q / (pi r^2), divided by the mixing length
         // mixing_radii r.
         mixing_[i] = 1e3 / (pi * radius_mm * radius_mm * radius_mm * settings_.mixing_radii);
     }

@@ -229,8 +229,8 @@ void FlowNetwork::solve(const FlowDrive &drive, std::span<const CellSource> sour
         flows_[r].out_ml_s *= row.pressure_mmHg;
         flows_[r].in_ml_s = flows_[r].out_ml_s - row.injected_ml_s;
     }
-    // The flow into a run is computed from the flows out of it. This sum is exact, whereas a difference of
-    // nearly equal pressures is not.
+    // The flow into a run is computed from the flows out of it. A sum of flows is exact, whereas a difference
+    // of nearly equal pressures is not.
     for (std::size_t r = runs_.size(); r-- > 0;) {
         if (!(rows_[r].way > 0.0)) flows_[r].in_ml_s = 0.0; // no flow passes, not even a rounding error
         if (runs_[r].upstream >= 0)

@@ -48,7 +48,8 @@ class Emulator
     std::uint8_t *memory() { return memory_; } // RIG_MEMORY_BYTES
     std::string memory_path() const { return folder_ + "/memory"; }
 
-    // These pause and continue the emulated processor, as a debugger does. No instruction runs in between.
+    // These functions pause and continue the emulated processor, as a debugger does. No instruction runs in
+    // between.
     void pause();
     void resume();
 

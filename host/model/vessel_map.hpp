@@ -8,8 +8,8 @@
 //
 // Each branch of the tree is a vessel of this map; its name is that of the branch's file, with spaces for
 // underscores. An aorta from which a brachiocephalic and a left subclavian artery leave counts as three
-// vessels, as in anatomy. These three are the ascending aorta (to the origin of the brachiocephalic), the
-// aortic arch (to that of the left subclavian) and the descending aorta.
+// vessels, as in anatomy. The three vessels are the ascending aorta (to the origin of the brachiocephalic),
+// the aortic arch (to that of the left subclavian) and the descending aorta.
 #pragma once
 #include "host/model/vessel_tree.hpp"
 #include <cstdint>

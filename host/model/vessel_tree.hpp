@@ -58,9 +58,10 @@ struct VesselFoot {
 };
 VesselFoot vessel_foot(const VesselBranch &branch, const Eigen::Vector3d &place_m);
 
-// Returns how far along its centreline a branch leaves its parent. This is where the centreline leaves the
-// parent's lumen or, after a division, half of the parent's radius; at most 0.8 of the branch. The blood that
-// belongs to the branch begins there, and so does the distance from its ostium. For the root the result is 0.
+// Returns how far along its centreline a branch leaves its parent. The branch leaves its parent where its
+// centreline leaves the parent's lumen or, after a division, half of the parent's radius along it; at most
+// 0.8 of the branch. The blood that belongs to the branch begins there, and so does the distance from its
+// ostium. For the root the result is 0.
 double vessel_start_m(const VesselTree &tree, std::size_t branch);
 
 // Checks what reading alone cannot guarantee: parents come before children, places exist, points and radii

@@ -25,7 +25,7 @@ struct WireFrame {
     // leading tool. A tool covers the line from its tip to the last node. If the list is empty, there is one
     // tool, which begins at node 0.
     std::vector<double> tip_arc_m{};
-    // These describe the balloon of one of the tools by the radii of its balls. The first ball is at
+    // These values describe the balloon of one of the tools by the radii of its balls. The first ball is at
     // `balloon_arc_m` from the leading tip, and neighbouring balls are `balloon_spacing_m` apart. The list is
     // empty if no tool has a balloon.
     std::vector<double> balloon_radii_m{};

@@ -66,8 +66,8 @@ class PatientContrast
     std::uint32_t next_tick() const; // UINT32_MAX: no look is needed
     void advance(const WireFrame &wire);
 
-    // The first returns the columns of medium for the X-ray. The second adds to the line the iodine in the
-    // blood around it.
+    // curves() returns the columns of medium for the X-ray. colour() adds to the line the iodine in the blood
+    // around it.
     const std::vector<SweptCurve> &curves() const { return curves_; }
     void colour(WireFrame &wire) const;
 

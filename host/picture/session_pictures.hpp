@@ -44,8 +44,8 @@ struct PictureSettings {
     double balloon_iodine_mg_per_ml = 175.0; // filling of balloons
 };
 
-// The first returns the anatomy in the files that the settings name. The second returns a patient with that
-// anatomy and with the settings' stents. Throws std::runtime_error.
+// read_anatomy() returns the anatomy in the files that the settings name. make_patient() returns a patient
+// with that anatomy and with the settings' stents. Throws std::runtime_error.
 SceneAnatomy read_anatomy(const PictureSettings &settings);
 std::unique_ptr<Patient> make_patient(const PictureSettings &settings, const SceneAnatomy &anatomy,
                                       const std::vector<Instrument> &tools);

@@ -1,7 +1,7 @@
-// From another thread, tells the rig that the host is alive while it is busy with a picture. Otherwise the
-// forces in the hand would fade with every picture that takes longer than 30 ms. This lasts half a second at
-// most, because a host that hangs must not count as alive. Nothing else may use the link while an object of
-// this class exists.
+// While the host is busy with a picture, another thread sends messages to the rig, so that the host counts as
+// alive. Without these messages the forces in the hand would fade with every picture that takes longer than
+// 30 ms. The messages end after half a second, because a host that hangs must not count as alive. Nothing
+// else may use the link while an object of this class exists.
 #pragma once
 #include "host/link/link.hpp"
 #include <chrono>

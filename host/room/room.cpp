@@ -205,7 +205,7 @@ void Room::move(std::uint32_t tick, const GantryPose &pose)
 }
 
 // Moves the table as a person does who follows the tip: the table stays at rest while the tip is well inside
-// the field. Otherwise the table brings the tip back to the middle.
+// the field. When the tip comes near the edge, the table brings it back to the middle.
 void Room::follow(std::uint32_t tick, const Eigen::Vector3d &tip)
 {
     if (tick == 0) return move(tick, with_table(gantry_.target(), tip));

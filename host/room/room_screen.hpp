@@ -49,8 +49,8 @@ class RoomScreen
 
     // `picture` is the picture of a pulse; it is null for every other event.
     void take(const RoomEvent &event, const XrayPicture *picture);
-    // The first returns the description of the run to which a pulse's picture belongs, as files contain it,
-    // without frames. The second returns the picture's frame.
+    // describe() returns the description of the run to which a pulse's picture belongs, as files contain it,
+    // without frames. frame_of() returns the picture's frame.
     static XrayRun describe(const RoomEvent &pulse, const XrayPicture &picture);
     static RunFrame frame_of(const RoomEvent &pulse, const XrayPicture &picture);
 

@@ -61,7 +61,7 @@ class EffectsWitness final : public SessionWitness
     Patient &patient_;
 };
 
-// The state against which a script's conditions are checked. Each span has one entry per tool, from the
+// Holds the state against which a script's conditions are checked. Each span has one entry per tool, from the
 // innermost; an empty span means that the values are not known.
 struct SessionView {
     std::span<const double> inserted_m;

@@ -32,7 +32,7 @@ inline const std::vector<Unit> time_units = {{"s", 1.0}, {"ms", 1e-3}, {"min", 6
 // at '#'.
 std::vector<Token> split_line(std::string_view line);
 
-// Reads a line, of which the words that have been read are removed.
+// Reads one line word by word, and remembers the position of the next word.
 class LineParser
 {
   public:

@@ -29,7 +29,7 @@ class FreeRunSink
   public:
     virtual ~FreeRunSink() = default;
     virtual void tick(const crn_wire_live_tick &tick) = 0;
-    // The first receives the state after the tick that was passed on last. The second reports that the
+    // snapshot() receives the state after the tick that was passed on last. resumed() reports that the
     // session continues from this state after the device came back.
     virtual void snapshot(std::uint32_t tick, std::span<const std::uint8_t> bytes) = 0;
     virtual void resumed(std::uint32_t tick, std::span<const std::uint8_t> bytes) = 0;

@@ -36,7 +36,8 @@ inline constexpr std::size_t recorded_stents_max = 64;
 inline constexpr double side_holes_end_max_m = 2.0, side_hole_diameter_max_m = 0.01;
 inline constexpr std::size_t head_bytes_max = 1 << 17;
 // Returns the number of bytes of one tick, which has the record `tick_input` with this number of hands, and
-// two hash lanes. The first function counts all orders that a tick may have, the second none.
+// two hash lanes. tick_bytes_max() includes all orders that a tick may have, and tick_bytes_min() includes
+// none.
 constexpr std::size_t tick_bytes_max(std::size_t tool_count)
 {
     return CRN_WIRE_BYTES_tick_input - (CRN_WIRE_TOOL_MAX - tool_count) * CRN_WIRE_BYTES_hand + 8;

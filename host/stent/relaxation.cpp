@@ -189,7 +189,7 @@ double StentRelaxation::sweep()
 
 // --- struts against triangles ---
 
-// A grid finds, once per picture, the triangles that a strut can touch before it has slid far. These
+// A grid finds, once per picture, the triangles that a strut can touch before it has slid far. The listed
 // triangles are kept by index, so that they move with the wall.
 void StentRelaxation::list_near()
 {

@@ -45,7 +45,7 @@ class Stents
     std::vector<StentHold> holds(const VesselWall &vessel, std::size_t lesion, std::uint32_t stations,
                                  std::span<const double> open = {}) const;
 
-    // This and restore() work as for one Stent; restore() requires the same stents in the same order.
+    // The snapshot works as for one Stent; restore() requires the same stents in the same order.
     std::vector<std::uint8_t> snapshot() const;
     bool restore(std::span<const std::uint8_t> bytes);
 

@@ -45,7 +45,7 @@ class VesselWall
     // Returns the position of a row along the healthy branch, from the branch's first point.
     double along_mm(std::size_t row) const { return rows_[row].along_mm; }
     // Sets the distance between the first and the last place of `opened`, whose middle is that of the lesion.
-    // This call is needed if the places do not end at the lesion's ends.
+    // set_places() is needed if the places do not end at the lesion's ends.
     void set_places(std::size_t lesion, double span_mm);
     // The beginning and end of a lesion on the stretch; the stretch is empty if the branch has no lesion with
     // that number.

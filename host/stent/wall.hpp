@@ -48,8 +48,8 @@ class StentWall
     Eigen::Vector3d
     normal(std::size_t triangle) const; // unit, away from the blood; 0 for a triangle without area
 
-    // The first returns the present place of a foot; the second returns it without its height, in the plane
-    // of its triangle.
+    // place() returns the present place of a foot; on_plane() returns it without its height, in the plane of
+    // its triangle.
     Eigen::Vector3d place(const WallFoot &foot) const;
     Eigen::Vector3d on_plane(const WallFoot &foot) const;
 

@@ -34,8 +34,8 @@ struct BeamTable {
 
 BeamTable make_beam_table(double tube_voltage_kV, double copper_mm);
 
-// Makes a beam of given lines, at most beam_energy_count, with their shares of the signal. Such a beam serves
-// for comparisons with other programs.
+// Makes a beam of given lines, at most beam_energy_count, with their shares of the signal. A beam of lines
+// serves for comparisons with other programs.
 BeamTable make_line_table(std::span<const double> energies_keV, std::span<const double> shares);
 
 } // namespace crn

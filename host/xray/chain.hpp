@@ -72,8 +72,8 @@ struct XrayChain {
 // Automatic exposure measures a round field with this diameter, as a share of the picture's width.
 inline constexpr double measuring_field_share = 0.65;
 
-// The first limits settings to what the chain can do. The second returns the demand that settings make on a
-// pulse.
+// held_settings() limits settings to what the chain can do. demand_of() returns the demand that settings make
+// on a pulse.
 XraySettings held_settings(const XraySettings &settings);
 ExposureDemand demand_of(const XraySettings &settings);
 

@@ -53,8 +53,8 @@ struct Line {
 };
 constexpr Line lines[] = {{59.32, 0.505}, {57.98, 0.291}, {67.2, 0.162}, {69.1, 0.042}};
 
-// Returns the photons of a K line per electron. These photons are made from the anode's surface down to the
-// depth at which the energy of the electron is that of the K edge.
+// Returns the photons of a K line per electron. The photons of a K line are made from the anode's surface
+// down to the depth at which the energy of the electron is that of the K edge.
 double line_photons(const Line &line, double anode_cm2_g, double kV)
 {
     constexpr int steps = 16;

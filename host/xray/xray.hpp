@@ -153,10 +153,10 @@ class Xray
     void render(const XraySettings &settings, const XrayFrame &frame, std::uint64_t seed, XrayMemory *memory,
                 XrayPicture &picture);
 
-    // The path lengths of the last picture in 1/1024 mm, size*size each. The first are those of the bodies,
-    // where nested ones are subtracted from their parents. The second are those of tools and curves; they are
-    // negative where these displace a material. The result is empty if the picture does not have the
-    // material.
+    // The path lengths of the last picture in 1/1024 mm, size*size each. body_path_q10mm() returns those of
+    // the bodies, where nested ones are subtracted from their parents. instrument_path_q10mm() returns those
+    // of tools and curves; they are negative where these displace a material. The result is empty if the
+    // picture does not have the material.
     std::vector<std::int32_t> body_path_q10mm(Material material) const;
     std::vector<std::int32_t> instrument_path_q10mm(Material material) const;
     bool last_render_used_cache() const;

@@ -12,8 +12,8 @@ extern "C" std::size_t fuzz_seed(unsigned index, std::uint8_t *bytes, std::size_
 namespace
 {
 
-// This is the depth of 32 nested brackets, each with a key of 32 names, below a header of 32 names; the
-// values themselves add one level.
+// The greatest depth is that of 32 nested brackets, each with a key of 32 names, below a header of 32 names;
+// the values themselves add one level.
 constexpr int depth_max =
     crn::toml_brackets_max + (crn::toml_brackets_max + 2) * (crn::toml_key_names_max + 1);
 

@@ -1,6 +1,6 @@
-// Claims: the first Ctrl-C or SIGTERM only sets a flag. The second one removes pending files and ends the
-// program by that signal, even where the parent process had blocked or ignored the signal. All programs of
-// this repository use the same helper.
+// Claims: the first Ctrl-C or SIGTERM only sets a flag. The second signal removes pending files and ends the
+// program, even where the parent process had blocked or ignored the signal. All programs of this repository
+// use the same helper.
 #include <csetjmp>
 #include <csignal>
 #include <cstdarg>

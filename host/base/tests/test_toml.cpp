@@ -81,7 +81,7 @@ void the_deepest_text_that_is_allowed_is_read(void **)
     assert_int_equal(depth, 32 + 32 * 32);
 }
 
-// toml++ looks such a letter up in its table of blanks. This was undefined behaviour, which ended the
+// toml++ looks such a letter up in its table of blanks. The look-up was undefined behaviour, which ended the
 // sanitized program for most of these letters (host/base/toml.hpp).
 void a_letter_outside_ascii_is_no_blank(void **)
 {

@@ -235,7 +235,7 @@ static void angles_distances_and_spacing_are_those_of_the_c_arm(void **)
     assert_text(reader, DCM_ImagerPixelSpacing, "5\\5"); // 320 mm / 64
     assert_near("pixel at the isocentre", reader.number(DCM_PixelSpacing), 5.0 / 1.4, 1e-8);
     // At 40 LAO 30 CAU the right of the picture is mainly the patient's left, and then the back. The bottom
-    // is mainly the feet, then the back, then the patient's right (docs/frames.md).
+    // of the picture is mainly the feet, then the back, then the patient's right (docs/frames.md).
     assert_text(reader, DCM_PatientOrientation, "LP\\FPR");
 }
 

@@ -184,7 +184,7 @@ void a_device_that_talks_without_end_is_left_with_an_error(void **)
     assert_true(link.take_notices().size() == crn::Link::notices_max);
 }
 
-// The device sends zeros without end, noise without end, or one byte now and then. None of these is a
+// The device sends zeros without end, noise without end, or one byte now and then. None of these bytes is a
 // message, and each call must end after a bounded number of bytes or a bounded time.
 void a_device_that_never_frames_is_left_with_an_error(void **)
 {
@@ -238,8 +238,8 @@ void a_snapshot_beyond_its_size_is_refused(void **)
     assert_true(contains(error_of([&] { link.read_snapshot(); }), "snapshot_begin"));
 }
 
-// The answer to STOP arrives before the ticks that were still in the device's queue. Those ticks arrive
-// later, and are the last ones of the recording.
+// The answer to STOP arrives before the ticks that were still in the device's queue. The ticks that were
+// still in the queue arrive later, and are the last ones of the recording.
 void ticks_that_come_behind_the_answer_to_stop_are_recorded(void **)
 {
     TalkingDevice device;

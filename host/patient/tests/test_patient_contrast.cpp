@@ -300,8 +300,8 @@ void medium_moves_with_the_vessels(void **)
 
 // --- lesions that yield ---
 
-// The last 60 mm of the aorta, from y = -160 to -220 mm, lie beyond the catheter's tip. This part is narrowed
-// from 8 to 2 mm radius and shifted 3 mm to the left.
+// The last 60 mm of the aorta, from y = -160 to -220 mm, lie beyond the catheter's tip. The narrowed part has
+// 2 mm radius instead of 8 mm, and is shifted 3 mm to the left.
 VesselTree narrowed_aorta()
 {
     VesselTree tree = aorta();

@@ -319,8 +319,8 @@ void another_one_is_loaded_outside_only(void **)
     assert_true(results[0].was_taken_out && !results[1].was_taken_out);
 }
 
-// The iodine in the column is compared with that of the balloon's parts. These are the cylinder, the cones
-// and the waist; a cone has the volume pi h / 3 (R^2 + R r + r^2) less the shaft.
+// The iodine in the column is compared with that of the balloon's parts. The parts are the cylinder, the
+// cones and the waist; a cone has the volume pi h / 3 (R^2 + R r + r^2) less the shaft.
 void the_filling_holds_as_much_as_the_balloon(void **)
 {
     const std::vector<Instrument> tools = wire_and_balloon();

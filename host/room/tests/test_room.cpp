@@ -1,6 +1,6 @@
-// Claims: the room carries out each command at its tick, and reproducibly. This covers pulses by pedal and
-// rate, last image hold, runs, masks, roadmaps, review and dose. The pictures in these tests are synthetic,
-// since the room does not depend on their source.
+// Claims: the room carries out each command at its tick, and reproducibly. The claims cover pulses by pedal
+// and rate, last image hold, runs, masks, roadmaps, review and dose. The pictures in these tests are
+// synthetic, since the room does not depend on their source.
 #include "host/room/presets.hpp"
 #include "host/room/room_screen.hpp"
 #include <algorithm>

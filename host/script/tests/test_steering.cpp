@@ -1,9 +1,9 @@
 // Claims: places in a tree of vessels have the names that anatomists use. A script that steers reaches its
-// vessel although the tip usually turns into another one. This holds for any share of hand angles that lead
-// into the vessel, and wherever these angles lie. If the script fails, the message states where the tip was.
-// Each expectation is reported with its line. These tests simulate only a tube with one wrong branch. Which
-// of the two vessels the tip enters depends only on the angle of the hand, and this is the hardest case for a
-// bent tip.
+// vessel although the tip usually turns into another one. The claim holds for any share of hand angles that
+// lead into the vessel, and wherever these angles lie. If the script fails, the message states where the tip
+// was. Each expectation is reported with its line. These tests simulate only a tube with one wrong branch.
+// Which of the two vessels the tip enters depends only on the angle of the hand, and this is the hardest case
+// for a bent tip.
 #include <algorithm>
 #include <cmath>
 #include <csetjmp>

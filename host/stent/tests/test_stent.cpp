@@ -260,8 +260,8 @@ static void contact_of_a_strut_is_that_of_its_plane(void **)
 }
 
 // From a triangle two millimetres away, the test walks over the tube's triangles to the nearest place, and
-// compares it with a search over all triangles. The two agree only to a micrometre, because beyond an edge
-// either of its two faces may be the nearest.
+// compares it with a search over all triangles. The two results agree only to a micrometre, because beyond an
+// edge either of its two faces may be the nearest.
 static void walk_over_the_wall_ends_at_the_nearest_place(void **)
 {
     const TestVessel vessel = tube(1.5, 0.04, 0.1);
@@ -434,8 +434,8 @@ static void stent_deployed_outside_a_vessel_is_adrift(void **)
     }
 }
 
-// Half of the stent lies beyond the end of the vessel, as at an ostium. The other half must hold it, and the
-// report must name the crowns outside.
+// Half of the stent lies beyond the end of the vessel, as at an ostium. The other half of the stent must hold
+// it, and the report must name the crowns outside.
 static void half_a_stent_in_the_ostium_is_held_and_reported(void **)
 {
     TestVessel vessel = tube(1.5);

@@ -145,8 +145,8 @@ static void lesion_opens_station_by_station(void **)
     assert_true(std::abs(stretch.to_mm - stretch.from_mm - 12) < 0.6 && vessel.lesion_mm(1).is_empty());
 }
 
-// Two stents are deployed one after the other. The second lies in one end of the first and covers half of the
-// lesion. Then their orders to the core are compared.
+// Two stents are deployed one after the other. The second stent lies in one end of the first and covers half
+// of the lesion. Then their orders to the core are compared.
 struct Two {
     VesselWall vessel{beating_artery(true), 0, 5, 45, nullptr};
     Stents stents;

@@ -229,8 +229,8 @@ void GlDevice::set_view(const View &view, float reference_mm) const
     gl_.Uniform1f(gl_.GetUniformLocation(program_, "reference_mm"), reference_mm);
 }
 
-// Restores the settings that a draw changes, if other users of the context rely on them. The other users set
-// all other settings themselves.
+// Restores the settings that a draw changes, if other users of the context rely on them. The other users of
+// the context set all other settings themselves.
 class GlDevice::StateGuard
 {
   public:

@@ -1,6 +1,6 @@
-// Computes with eight numbers at a time, in the vector types that both gcc and clang have. Such code is
-// compiled twice, with and without AVX2. The results are equal on any processor, and are computed faster
-// where vectors of eight numbers exist. Fused multiply-add is not used, because it rounds differently.
+// Computes with eight numbers at a time, in the vector types that both gcc and clang have. Code in these
+// types is compiled twice, with and without AVX2. The results are equal on any processor, and are computed
+// faster where vectors of eight numbers exist. Fused multiply-add is not used, because it rounds differently.
 #pragma once
 #include <cstdint>
 

@@ -41,8 +41,8 @@ PixelRect around_both(const PixelRect &a, const PixelRect &b)
     return {std::min(a.x0, b.x0), std::min(a.y0, b.y0), std::max(a.x1, b.x1), std::max(a.y1, b.y1)};
 }
 
-// Returns the pixels that a box around these points can cover. If the box reaches behind the source, this is
-// the whole picture.
+// Returns the pixels that a box around these points can cover. If the box reaches behind the source, the
+// result is the whole picture.
 PixelRect covered(const View &view, const std::vector<Eigen::Vector3i> &points_um)
 {
     Eigen::Vector3i low = points_um.front(), high = low;

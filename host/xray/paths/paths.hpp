@@ -54,7 +54,7 @@ class BodyPaths
     virtual void move(int body, std::span<const Eigen::Vector3i> vertices_um) = 0;
 
     // Sets every pixel in `rect` to the sums of those bodies whose entry in `is_drawn` is not 0; there is one
-    // entry per body. This applies to the pictures of all materials that the channels of the meshes use.
+    // entry per body. The sums are set in the pictures of all materials that the channels of the meshes use.
     // Pixels outside `rect` do not change. `pictures` must already have the right sizes. Nothing behind the
     // source, or nearer to it than 1 mm, is drawn. Returns false with a message if the device fails;
     // PathKeeper then continues with RasterPaths.

@@ -16,8 +16,8 @@ struct Batch {
     std::int32_t column[lane_count], row[lane_count], columns[lane_count],
         rows[lane_count]; // part of the tile
     // These are the edge functions at the middle of the first pixel, and their changes from pixel to pixel.
-    // The functions are divided by `subpixels` and rounded down. This is exact enough, because the changes
-    // are whole multiples, and only the sign matters.
+    // The functions are divided by `subpixels` and rounded down. The rounding is harmless, because the
+    // changes are whole multiples, and only the sign matters.
     std::int32_t edge[3][lane_count], step_x[3][lane_count], step_y[3][lane_count];
     // This is the range of rows that an edge allows in each strip of eight columns.
     float from[3][lane_count], from_step[3][lane_count], to[3][lane_count], to_step[3][lane_count];

@@ -206,8 +206,8 @@ static void functions_without_libm_are_exact(void **)
     }
 }
 
-// The bytes of a table must be the same with every compiler and optimisation level. This hash is golden: it
-// changes only with the physics.
+// The bytes of a table must be the same with every compiler and optimisation level. The hash of the tables is
+// golden: it changes only with the physics.
 static void beam_tables_have_one_hash(void **)
 {
     std::uint64_t hash = 14695981039346656037ull;

@@ -216,8 +216,8 @@ Body slivers(Lot &lot, int count)
     return body;
 }
 
-// A face without its counterpart would leave its distance from the source in the sum. That is 500 mm or more,
-// and no closed body here has such a path length.
+// A face without its counterpart would leave its distance from the source in the sum. Such a distance is 500
+// mm or more, and no closed body here has such a path length.
 void no_pixel_is_unpaired(const BodyMeshes &meshes, const View &view, double largest_mm)
 {
     const PathPictures pictures = draw(meshes, view, PathForm::axis_sums);

@@ -228,7 +228,7 @@ Body slanted_plate()
 } // namespace
 
 // The MTF of a rendered edge must be the product of the stated curves of focal spot, pixel and scintillator.
-// This is tested up to 0.9 of half the sampling frequency, for three fields and both focal spots.
+// The MTF is tested up to 0.9 of half the sampling frequency, for three fields and both focal spots.
 static void slanted_edge_has_the_stated_mtf(void **)
 {
     Room room({{slanted_plate()}});
@@ -263,7 +263,7 @@ namespace
 {
 
 // Returns the signal that a straight guidewire absorbs in each column, summed over rows around the middle.
-// This is a line spread function.
+// The sums over all columns are a line spread function.
 std::vector<double> line_of_a_wire(double focal_spot_mm)
 {
     Room room(slab(0.05));
@@ -411,8 +411,9 @@ static void scatter_agrees_with_a_measurement_and_grows_with_field_and_thickness
 }
 
 // Digital subtraction takes the logarithms of two raw pictures with the same fixed technique. In one of them
-// there are 4 mm of undiluted contrast medium. The two must differ by the attenuation that the beam's table
-// gives for the medium behind the same patient. Beside the medium they must be equal to the last bit.
+// there are 4 mm of undiluted contrast medium. The two logarithms must differ by the attenuation that the
+// beam's table gives for the medium behind the same patient. Beside the medium the two pictures must be equal
+// to the last bit.
 static void logarithms_of_raw_values_subtract_exactly(void **)
 {
     const Body trunk = box_body("trunk", "soft_tissue", -1, {-0.5, -0.5, -0.1}, {0.5, 0.5, 0.1});
