@@ -1,5 +1,5 @@
-// Text for a terminal: text from files, devices and third-party libraries is printed without control
-// characters, so that no name can move the cursor, change a title or forge a line.
+// Makes text safe for a terminal: text from files, devices and third-party libraries is printed without
+// control characters, so that no name can move the cursor, change a title or forge a line.
 #pragma once
 #include <cstdio>
 #include <string>

@@ -8,7 +8,7 @@
 namespace crn
 {
 
-// FNV-1a hash with 128 bits (draft-eastlake-fnv) of everything that was added, in order.
+// Computes the FNV-1a hash with 128 bits (draft-eastlake-fnv) of everything that was added, in order.
 class Digest
 {
   public:

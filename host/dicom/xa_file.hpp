@@ -37,7 +37,7 @@ inline constexpr std::size_t xa_bytes_max = std::size_t{1} << 31;
 // the export stops.
 using XaProgress = std::function<bool(std::size_t done, std::size_t total)>;
 
-// Thrown when the progress function stops the export; no file of the export is left behind.
+// This exception is thrown when the progress function stops the export; no file of the export is left behind.
 class XaInterrupted : public std::runtime_error
 {
   public:

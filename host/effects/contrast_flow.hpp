@@ -1,4 +1,5 @@
-// Contrast medium in a tree of vessels, one millisecond per step: docs/contrast.md has the equations.
+// Simulates contrast medium in a tree of vessels, one millisecond per step: docs/contrast.md has the
+// equations.
 //
 //   ContrastFlow contrast(tree);
 //   contrast.set_tools(balls);              // tools in the lumen

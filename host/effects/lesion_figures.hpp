@@ -1,5 +1,5 @@
-// Figures of a narrowed vessel for a cardiologist: how narrow and how long it is, and how it affects the
-// flow.
+// Computes figures of a narrowed vessel for a cardiologist: how narrow and how long it is, and how it affects
+// the flow.
 //
 //   for (const LesionFigures &f : lesion_figures(tree, 3.5)) ...
 //

@@ -28,9 +28,9 @@ class EmulatedTransport final : public Transport
     std::uint32_t boot_count_;
 };
 
-// The device's image in an emulator of its own, with a rig whose sensors are healthy and whose hands are at
-// rest. pass_time_ms() advances it by milliseconds. Throws EmulatorError with the remedy when the image or
-// the emulator is missing.
+// Starts the device's image in an emulator of its own, with a rig whose sensors are healthy and whose hands
+// are at rest. pass_time_ms() advances the emulated time by milliseconds. Throws EmulatorError with the
+// remedy when the image or the emulator is missing.
 class EmulatedDevice final : public Transport
 {
   public:

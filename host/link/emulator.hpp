@@ -18,8 +18,8 @@
 namespace crn
 {
 
-// Thrown when the emulator did not start, ended, or missed a deadline; the text ends with the emulator's
-// console output.
+// This exception is thrown when the emulator did not start, ended, or missed a deadline; the text ends with
+// the emulator's console output.
 class EmulatorError : public LinkError
 {
   public:

@@ -21,7 +21,7 @@ namespace crn
 
 enum class HidBackEnd { hidraw, libusb };
 
-// The functions of hidapi that are used here, from one of the two builds; tests provide their own.
+// Holds the functions of hidapi that are used here, from one of the two builds; tests provide their own.
 struct HidApi {
     std::string name; // "hidraw", "libusb"
     int (*init)() = nullptr;

@@ -77,9 +77,9 @@ class Link
     std::span<const crn_wire_tick_state> step(std::span<const crn_wire_tick_input> inputs, bool want_nodes);
     std::uint32_t tick() const { return tick_; }
 
-    // FREE_RUN: sends the newest input, waits for this time and receives what the device sends meanwhile.
-    // During the wait the host sends a heartbeat with the last input at least every heartbeat_ms, because
-    // after 30 ms of silence the device reduces the forces to zero.
+    // In FREE_RUN this sends the newest input, waits for the given time and receives what the device sends
+    // meanwhile. During the wait the host sends a heartbeat with the last input at least every heartbeat_ms,
+    // because after 30 ms of silence the device reduces the forces to zero.
     static constexpr std::uint32_t heartbeat_ms = 10;
     void send_input(const crn_wire_tick_input &input); // without orders
     void say_present();                                // one heartbeat; nothing is received

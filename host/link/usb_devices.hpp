@@ -1,4 +1,4 @@
-// Rigs on USB: lists them, opens one by its serial number, and waits until one is plugged in or unplugged.
+// Lists the rigs on USB, opens one by its serial number, and waits until one is plugged in or unplugged.
 #pragma once
 #include "host/link/link.hpp"
 #include <cstdint>
@@ -23,8 +23,8 @@ namespace crn
 inline constexpr std::uint16_t usb_vendor_id = CRN_USB_VENDOR_ID;
 inline constexpr std::uint16_t usb_product_id = CRN_USB_PRODUCT_ID;
 
-// Thrown when the device disappears during a conversation because of its cable, its power, or a restart. It
-// may come back.
+// This exception is thrown when the device disappears during a conversation because of its cable, its power,
+// or a restart. It may come back.
 class DeviceLost : public LinkError
 {
   public:

@@ -38,7 +38,7 @@ int error_of(libusb_transfer_status status)
     }
 }
 
-// The bulk endpoints of a vendor interface; 0 means that there is none.
+// Holds the bulk endpoints of a vendor interface; 0 means that there is none.
 struct Pair {
     std::uint8_t in = 0, out = 0;
 };

@@ -1,10 +1,10 @@
 // This class is a Transport to a rig on USB. The transport uses the pair of bulk endpoints of docs/usb.md
 // through libusb, with several pending transfers in each direction.
 //
-// A thread of its own serves libusb. To callers, reads and writes block, with time limits. Every wait ends:
+// A thread of its own serves libusb. A read or write blocks its caller, for a limited time. Every wait ends:
 // when bytes arrive, at its time limit, when the device disappears (DeviceLost), or after_interrupt_ms after
 // Ctrl-C. The destructor cancels all transfers and ends the thread. Thread rule: only one thread at a time
-// may call it.
+// may call a transport.
 #pragma once
 #include "host/link/transport.hpp"
 #include "host/link/usb_devices.hpp"

@@ -30,7 +30,7 @@ std::vector<std::string> with(const std::vector<std::string> &more)
     return keys;
 }
 
-// The values of a section; where one is missing, the value of [all] applies.
+// Reads the values of a section; where one is missing, the value of [all] applies.
 class Values
 {
   public:

@@ -10,7 +10,7 @@
 namespace crn::instrument_file
 {
 
-// A value that changes along a section, from its distal to its proximal end.
+// Holds a value that changes along a section, from its distal to its proximal end.
 struct Range {
     double from = 0.0, to = 0.0;
     bool is_constant() const { return from == to; }

@@ -24,7 +24,7 @@ namespace crn
 
 inline constexpr int motion_keyframes = 24;
 
-// The phases of heart and breath as the core gives them.
+// Holds the phases of heart and breath as the core gives them.
 struct MotionMoment {
     std::uint32_t heart_phase32 = 0, breath_phase32 = 0;
     bool operator==(const MotionMoment &) const = default;
@@ -62,7 +62,7 @@ class Motion
     Eigen::Vector3d push(const Eigen::Vector3d &X_m, const MotionMoment &moment) const;
 
   private:
-    // One lattice of nodes; each node has `row` numbers for each of three components.
+    // Holds one lattice of nodes; each node has `row` numbers for each of three components.
     struct Lattice {
         explicit Lattice(const crn_scene_motion &scene, std::size_t row);
         // Finds the node at corner 0 of the cell that contains a place, the strides to the other corners, and

@@ -11,8 +11,8 @@
 namespace crn
 {
 
-// The kind of tissue that a vessel feeds; it determines when in the beat blood flows there. Files contain
-// these numbers.
+// Names the kind of tissue that a vessel feeds, which determines when in the beat blood flows there. Files
+// contain these numbers.
 enum class VesselBed { systemic = 0, left_coronary = 1, right_coronary = 2 };
 
 struct VesselBranch {
@@ -50,7 +50,7 @@ struct VesselTree {
     bool is_outlet(std::size_t branch) const;
 };
 
-// The place on a branch that is nearest to a point; distances are measured in the branch's radii.
+// Describes the place on a branch that is nearest to a point; distances are measured in the branch's radii.
 struct VesselFoot {
     double radii = std::numeric_limits<double>::infinity(); // distance over the radius there
     std::size_t point = 0;                                  // between this point and the next ...

@@ -1,5 +1,6 @@
-// The tools at one tick, for one picture: this is all that effects and X-ray see of the core. Lengths are
-// Eigen doubles in SI units. host/model fills the frame from received bytes, never from the core's memory.
+// Describes the tools at one tick, for one picture; this is all that effects and X-ray see of the core.
+// Lengths are Eigen doubles in SI units. host/model fills the frame from received bytes, never from the
+// core's memory.
 #pragma once
 #include <Eigen/Core>
 #include <cstdint>
@@ -21,9 +22,9 @@ struct WireFrame {
     std::uint32_t heart_phase32 = 0, breath_phase32 = 0; // 2^-32 cycle: docs/heart.md
     std::vector<WireNode>
         nodes{}; // node 0 is the leading tip; only nodes beyond the introducer and the first one inside it
-    // The position of each tool's own tip on the line, from the innermost tool outwards; it is 0 for the
-    // leading tool. A tool covers the line from its tip to the last node. If the list is empty, there is one
-    // tool, which begins at node 0.
+    // These are the positions of each tool's own tip on the line, from the innermost tool outwards; the
+    // position of the leading tip is 0. A tool covers the line from its tip to the last node. If the list is
+    // empty, there is one tool, which begins at node 0.
     std::vector<double> tip_arc_m{};
     // These values describe the balloon of one of the tools by the radii of its balls. The first ball is at
     // `balloon_arc_m` from the leading tip, and neighbouring balls are `balloon_spacing_m` apart. The list is

@@ -1,7 +1,7 @@
-// Contrast medium in a session: the injections that were ordered, the places of the tools, and the medium
-// that the X-ray shows. The medium depends only on the commands and on the line's shape at fixed ticks
-// (next_tick). So a replay shows the same medium, whatever pictures were requested. While the vessels contain
-// no medium, nothing is computed.
+// Simulates contrast medium in a session, from the injections that were ordered and the places of the tools,
+// and gives the medium to the X-ray. The medium depends only on the commands and on the line's shape at fixed
+// ticks (next_tick). So a replay shows the same medium, whatever pictures were requested. While the vessels
+// contain no medium, nothing is computed.
 #pragma once
 #include "host/effects/injector.hpp"
 #include "host/model/instrument.hpp"
@@ -35,7 +35,7 @@ std::string injection_refusal(const std::vector<Instrument> &tools, const RoomCo
 // neglected.
 std::vector<CatheterMouth> catheter_mouths(const Instrument &tool, const WireFrame &wire, double tip_arc_m);
 
-// The computing time on this machine, in seconds; it is kept apart from the session's results.
+// Holds the computing time on this machine, in seconds, which is kept apart from the session's results.
 struct ContrastCost {
     std::uint64_t steps = 0, frames = 0; // steps of 1 ms; frames in which medium was visible
     double step_s = 0.0, frame_s = 0.0;  // for the columns

@@ -65,8 +65,8 @@ class Patient
     // must simulate all of them.
     bool needs_beginning() const { return stents_ != nullptr; }
 
-    // --- orders to the core for the next tick; call this before each tick. A replay does not need them: they
-    // are in the recording. ---
+    // --- orders to the core for the next tick; call this function before each tick. A replay does not need
+    // them: they are in the recording. ---
     void give_orders(crn_wire_order_list &orders);
 
     // --- state ---
@@ -76,7 +76,7 @@ class Patient
     const PatientStents *stents() const { return stents_.get(); }
     const PulseMonitor &monitor() const { return monitor_; }
     const crn_wire_tick_state &state() const { return state_; } // of the last tick
-    // The requests that were refused, in order of their ticks: runs and injections.
+    // Returns the requests that were refused, in order of their ticks: runs and injections.
     std::vector<Refusal> refusals() const;
     const RoomNotice &notice() const { return notice_; } // the last notice of syringe and stents
     const XrayScene &scene() const { return scene_; }

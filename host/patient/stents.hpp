@@ -1,9 +1,9 @@
-// Stents in a session: a stent is mounted on the balloon, opened by it, deployed, and held by the wall. This
-// class gives the core its orders about stents, and gives the struts to the X-ray. The state follows only
-// from the commands and from the line's shape at multiples of look_every_ticks, whatever pictures were
-// requested. The orders to the core are fetched by give_orders(), become part of a tick's input, and are
-// recorded. A replay sends the recorded orders to the core, and computes the stents again for pictures and
-// reports.
+// Simulates the stents in a session: a stent is mounted on the balloon, opened by it, deployed, and held by
+// the wall. This class gives the core its orders about stents, and gives the struts to the X-ray. The state
+// follows only from the commands and from the line's shape at multiples of look_every_ticks, whatever
+// pictures were requested. The orders to the core are fetched by give_orders(), become part of a tick's
+// input, and are recorded. A replay sends the recorded orders to the core, and computes the stents again for
+// pictures and reports.
 //
 //   PatientStents stents(shelf, bodies.vessels, motion, stations, tools);
 //   stents.command(tick, {RoomAction::load_stent, {}});       the next one of the shelf onto the balloon

@@ -7,7 +7,7 @@
 namespace crn
 {
 
-// A grey or RGB picture with 8 bits per channel; row 0 is the top row.
+// Holds a grey or RGB picture with 8 bits per channel; row 0 is the top row.
 struct Image {
     int width = 0;
     int height = 0;

@@ -1,6 +1,6 @@
-// The command cournand rig calibrate: motion that the user makes as instructed determines what one count
-// means. All measurements come first, and then one message writes them all, which the device accepts as a
-// whole or not at all. So stopping in the middle changes nothing.
+// Implements the command cournand rig calibrate: motion that the user makes as instructed determines what one
+// count means. All measurements come first, and then one message writes them all, which the device accepts as
+// a whole or not at all. So nothing changes if the user stops the calibration in the middle.
 #include "host/base/output_files.hpp"
 #include "host/base/pending_file.hpp"
 #include "host/rig/rig.hpp"
@@ -21,7 +21,7 @@ constexpr double counts_min = 100.0; // fewer would be noise
 constexpr int force_samples = 50;
 constexpr double gravity_m_per_s2 = 9.80665;
 
-// The fields that are calibrated, with their names in the byte protocol.
+// Lists the fields that are calibrated, with their names in the byte protocol.
 struct Field {
     const char *name;
     std::uint32_t crn_wire_track::*value;

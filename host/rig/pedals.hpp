@@ -1,5 +1,5 @@
-// Pedals and syringe of a rig: converts bits of buttons and counts of the plunger to commands for the X-ray
-// room.
+// Converts the pedals and the syringe of a rig to commands for the X-ray room, from bits of buttons and
+// counts of the plunger.
 #pragma once
 #include "host/room/command.hpp"
 #include "shared/wire/wire.h"

@@ -1,4 +1,5 @@
-// The commands of cournand rig: they find, inspect, test and calibrate a rig, and let a hand feel its forces.
+// Defines the commands of cournand rig, which find, inspect, test and calibrate a rig, and let a hand feel
+// its forces.
 #pragma once
 #include "host/link/hid_rig.hpp"
 #include "host/link/link.hpp"
@@ -27,7 +28,7 @@ struct RigOptions {
 // Carries out options.command and returns the exit code.
 int command_rig(const RigOptions &options);
 
-// How a command talks to its user; tests provide their own functions.
+// Defines how a command talks to its user; tests provide their own functions.
 struct RigTalk {
     std::FILE *out = stdout;
     bool is_terminal = false;
@@ -38,7 +39,7 @@ struct RigTalk {
 };
 RigTalk console_talk();
 
-// Thrown when the user ended the dialogue; what() states what was left unchanged.
+// This exception is thrown when the user ended the dialogue; what() states what was left unchanged.
 class RigStopped : public std::runtime_error
 {
   public:

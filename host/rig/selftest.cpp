@@ -1,5 +1,5 @@
-// The command cournand rig selftest: prints one line for every sensor, line and limit on which the rig can
-// report.
+// Implements the command cournand rig selftest, which prints one line for every sensor, line and limit on
+// which the rig can report.
 #include "host/rig/rig.hpp"
 #include <cmath>
 #include <cstdlib>

@@ -29,8 +29,8 @@ struct Irradiation {
     Dose dose;
 };
 
-// The reference air kerma at which the room raises an alert: 2 Gy (the skin may redden) and 5 Gy (the patient
-// needs a follow-up); ICRP 120.
+// At these values of the reference air kerma the room raises an alert: 2 Gy (the skin may redden) and 5 Gy
+// (the patient needs a follow-up); ICRP 120.
 inline constexpr double dose_alert_levels_Gy[] = {2.0, 5.0};
 inline constexpr std::uint32_t fluoro_reminder_ticks = 300'000; // every five minutes of fluoroscopy
 

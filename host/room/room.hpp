@@ -1,6 +1,6 @@
-// The X-ray room as a state machine: pedals, geometry, pulses, numbered runs, and dose. The room has no
-// window, no clock, no X-ray and no pictures of its own. The room receives commands and ticks, and returns
-// requests for pulses and events.
+// Simulates the X-ray room as a state machine: pedals, geometry, pulses, numbered runs, and dose. The room
+// has no window, no clock, no X-ray and no pictures of its own. The room receives commands and ticks, and
+// returns requests for pulses and events.
 //
 //   room.give(tick, command);                    // before that tick is processed; in force from then on
 //   room.advance(tick, &tip);                    // every millisecond up to `tick`
@@ -32,7 +32,7 @@ struct PulseRequest {
     bool settles_at_once = false; // test exposures have found the technique: render without generator memory
 };
 
-// Something that happened in the room; events are in order of time.
+// Describes something that happened in the room; events are in order of time.
 struct RoomEvent {
     enum class Kind { command, beam_on, pulse, beam_off, fluoro_kept };
     Kind kind = Kind::command;

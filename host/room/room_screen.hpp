@@ -1,6 +1,6 @@
-// The screen of the X-ray room: live picture, last image hold, loops, subtraction, roadmap, and the pictures
-// of runs. The screen only reads the room. The screen receives the room's events in order, and the picture of
-// every pulse from whatever makes the pictures.
+// Simulates the screen of the X-ray room: live picture, last image hold, loops, subtraction, roadmap, and the
+// pictures of runs. The screen only reads the room. The screen receives the room's events in order, and the
+// picture of every pulse from whatever makes the pictures.
 //
 //   RoomScreen screen(room);
 //   for (const RoomEvent &event : room.events())
@@ -27,7 +27,7 @@ enum class RoadmapState {
     moved
 }; // moved: the geometry has changed, so the roadmap is not laid over
 
-// The values that the display shows: the state of the room, and a description of what is on the screen.
+// Holds the values that the display shows: the state of the room, and a description of what is on the screen.
 struct RoomStatus : RoomState {
     RunKind kind = RunKind::fluoro; // of the beam, or of the shown picture
     double pulses_per_s = 0.0;      // likewise
@@ -67,7 +67,7 @@ class RoomScreen
         int run = 0, frame = 0;
         std::uint32_t tick_begin = 0;
     };
-    // The frame that the screen shows, before mask and roadmap are applied.
+    // Holds the frame that the screen shows, before mask and roadmap are applied.
     struct Source {
         const std::vector<std::uint16_t> *raw = nullptr;
         const std::vector<std::uint8_t> *grey = nullptr;

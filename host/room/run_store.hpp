@@ -1,4 +1,4 @@
-// The pictures that the screen stores: acquired runs, and the last seconds of fluoroscopy. Their memory is
+// Stores the pictures of the screen: acquired runs, and the last seconds of fluoroscopy. Their memory is
 // limited. When it is full, the pictures of the oldest run are dropped.
 #pragma once
 #include "host/xray/run.hpp"

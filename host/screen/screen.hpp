@@ -21,7 +21,7 @@ class Screen
         bool is_press = false, is_repeat = false, is_release = false;
     };
     using KeyHandler = std::function<void(const KeyEvent &)>;
-    // The position of the mouse pointer, in pixels of the picture shown last; y increases downwards.
+    // Holds the position of the mouse pointer, in pixels of the picture shown last; y increases downwards.
     struct PointerEvent {
         enum class Kind { press, release, move, wheel } kind = Kind::move;
         int button = 0; // GLFW_MOUSE_BUTTON_*, of press and release

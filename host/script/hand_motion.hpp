@@ -1,5 +1,5 @@
-// The motion of a hand: it starts smoothly, moves at a steady speed, and stops smoothly. The computation uses
-// only integers, so that a session gives the same encoder counts on every machine.
+// Computes the motion of a hand, which starts smoothly, moves at a steady speed, and stops smoothly. The
+// computation uses only integers, so that a session gives the same encoder counts on every machine.
 //
 //   speed      ______________
 //             /              \        ramps are smoothsteps of R = 200 ms (or shorter for short moves);

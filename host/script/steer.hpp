@@ -1,5 +1,5 @@
-// Statements that steer a tool as a person does (docs/session.md): push, observe the tip, turn, pull back and
-// try again, until the tip lies in the named vessel.
+// Executes statements that steer a tool as a person does (docs/session.md): push, observe the tip, turn, pull
+// back and try again, until the tip lies in the named vessel.
 //
 //   steer wire into ascending aorta at 60 mm/s until 30 mm within 90 s
 //   engage catheter left main ostium

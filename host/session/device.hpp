@@ -1,5 +1,5 @@
-// A device that is ready for a session: it has answered HELLO, has its scene, tools, entry and rig settings,
-// and is armed and started.
+// Prepares a device for a session: the device has answered HELLO, has its scene, tools, entry and rig
+// settings, and is armed and started.
 #pragma once
 #include "host/effects/pulse.hpp"
 #include "host/link/link.hpp"

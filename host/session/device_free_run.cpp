@@ -1,4 +1,4 @@
-// Sessions in FREE_RUN: the timer of the device makes the ticks, and its encoders give the motion of the
+// Runs sessions in FREE_RUN: the timer of the device makes the ticks, and its encoders give the motion of the
 // hands. The device sends every tick together with its input, so that the recording replays in LOCKSTEP bit
 // for bit.
 //

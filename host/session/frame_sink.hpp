@@ -43,7 +43,7 @@ inline std::uint32_t picture_tick(std::uint32_t index, std::uint32_t per_second)
                                       per_second);
 }
 
-// A sink that requests frames at a steady rate, whatever the X-ray room does.
+// Requests frames at a steady rate, whatever the X-ray room does.
 class SteadySink : public FrameSink
 {
   public:

@@ -18,7 +18,7 @@ struct ChunkRules {
 };
 extern const ChunkRules present_rules;
 
-// What the bytes before the first chunk state: the magic text and the version.
+// States what the bytes before the first chunk contain: the magic text and the version.
 struct VersionMark {
     bool is_recording = false;
     char version = 0;

@@ -10,7 +10,7 @@
 namespace crn
 {
 
-// The speed of the replay: 1 is real time, and 0 is as fast as the machine allows.
+// Sets the speed of the replay: 1 is real time, and 0 is as fast as the machine allows.
 struct ReplaySpeed {
     double factor = 0.0;
     bool is_paused = false; // one tick at a time around every full second, with a pause there

@@ -1,4 +1,4 @@
-// A session in FREE_RUN: its ticks are recorded, and its pictures shown, as they arrive.
+// Runs a session in FREE_RUN: its ticks are recorded, and its pictures shown, as they arrive.
 #include "host/base/interrupt.hpp"
 #include "host/link/usb_devices.hpp"
 #include "host/rig/pedals.hpp"

@@ -1,4 +1,4 @@
-// A baked scene as the host uses it: its bytes, which the device receives, and the place where the
+// Holds a baked scene as the host uses it: its bytes, which the device receives, and the place where the
 // instruments enter.
 #pragma once
 #include "host/model/instrument.hpp"

@@ -1,5 +1,5 @@
-// The balloon at a picture, as the core gives it: balls along its tool, and a frame of directions that
-// follows the balloon's axis without twist.
+// Describes the balloon at a picture, as the core gives it, by balls along its tool and a frame of directions
+// that follows the balloon's axis without twist.
 #pragma once
 #include <Eigen/Core>
 #include <limits>

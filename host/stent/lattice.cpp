@@ -13,10 +13,10 @@ namespace
 // struts are fifty times stiffer, but nobody would see the difference, and the relaxation would need more
 // rounds. Links are bent wires, which give way along the axis of the stent.
 constexpr double strut_stiffness_N_per_mm = 20.0, link_stiffness_N_per_mm = 2.0;
-// The stiffness of a brace divided by that of a hinge; it is low because a stent is soft in bending.
+// This is the stiffness of a brace divided by that of a hinge; it is low because a stent is soft in bending.
 constexpr double brace_share = 0.5;
-// The stiffness of hinges to farther neighbours divided by that of hinges to the nearest; these hinges keep a
-// ring round.
+// This is the stiffness of hinges to farther neighbours divided by that of hinges to the nearest; these
+// hinges keep a ring round.
 constexpr double wide_share = 0.5;
 
 struct Builder {

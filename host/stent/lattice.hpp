@@ -46,7 +46,7 @@ struct StentLattice {
     bool mirrors = false; // every second ring: crowns that face each other
     std::vector<StentSpring> springs;
     std::vector<std::array<std::uint32_t, 2>> struts, links;
-    // The springs of each point, as a list of (spring, point at its other end).
+    // Holds the springs of each point, as a list of (spring, point at its other end).
     struct Bar {
         std::uint32_t spring, other;
         double stiffness_N_per_mm;

@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 constexpr std::size_t around = 24; // vertices of a row: facets cut off 0.9 % of the circle's radius
 constexpr double row_mm = 0.5;     // from row to row
 
-// A branch as it is with and without its lesions; both use the distance along the healthy branch, in mm, as
+// Describes a branch with and without its lesions; both use the distance along the healthy branch, in mm, as
 // their parameter.
 struct Line {
     std::vector<double> along_mm;

@@ -6,10 +6,10 @@
 //   vessel.move(moment, opened);                         every picture
 //   stent.step({&vessel.wall(), ...});
 //
-// The meshes of bodies are too coarse for this: their facets cut off a tenth of a millimetre of a coronary
-// artery. Gaps of that size decide whether a strut counts as apposed. The tree has the radius of every
-// inscribed sphere to some micrometres, and also the place of the healthy vessel. The openings of side
-// branches in the tube are closed.
+// The meshes of bodies are too coarse to be walls for stents, because their facets cut off a tenth of a
+// millimetre of a coronary artery. Gaps of that size decide whether a strut counts as apposed. The tree has
+// the radius of every inscribed sphere to some micrometres, and also the place of the healthy vessel. The
+// openings of side branches in the tube are closed.
 #pragma once
 #include "host/model/motion.hpp"
 #include "host/model/vessel_tree.hpp"

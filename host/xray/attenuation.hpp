@@ -1,4 +1,5 @@
-// Linear attenuation of every material in steps of 1 keV; tools/check/make_attenuation.py writes this table.
+// Declares the linear attenuation of every material in steps of 1 keV; tools/check/make_attenuation.py writes
+// the table.
 #pragma once
 #include "host/xray/paths/materials.hpp"
 

@@ -1,5 +1,5 @@
-// A beam as pictures use it: a few energies, their shares of the detector's signal, and the signal of each
-// photon.
+// Describes a beam as pictures use it: by a few energies, their shares of the detector's signal, and the
+// signal of each photon.
 //
 // The sum of exp(-mu L) over the spectrum is replaced, by Gauss's quadrature, by a sum over two energies
 // below the K edge of iodine and four above it. The quadrature is exact for polynomials of degree 3 and 7 in
@@ -17,8 +17,8 @@ inline constexpr int beam_energy_count = 6;
 
 struct BeamTable {
     std::array<double, beam_energy_count> energy_keV{};
-    // The share of each energy in the open beam's signal; the shares add up to 1, except for the quadrature's
-    // error (0.6 %). The signal of a photon is the energy that it leaves in the scintillator.
+    // These are the shares of the energies in the open beam's signal; they add up to 1, except for the
+    // quadrature's error (0.6 %). The signal of a photon is the energy that it leaves in the scintillator.
     std::array<float, beam_energy_count> share{};
     // For each material and energy, this is log2(1/transmission) of 1/1024 mm.
     std::array<std::array<float, beam_energy_count>, material_count> log2_per_q10mm{};

@@ -44,8 +44,8 @@ struct XrayChain {
     BeamTable beam;
     int size = 0;
 
-    // True if `settled` is the exposure at which automatic exposure settles for a single picture of these
-    // paths.
+    // This is true if `settled` is the exposure at which automatic exposure settles for a single picture of
+    // these paths.
     bool is_settled = false;
     ExposureDemand settled_demand;
     SignalKey settled_key;

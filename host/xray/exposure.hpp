@@ -9,8 +9,8 @@
 // current, or at the power limit of the tube ("isowatt"), only the voltage increases further, to 125 kV.
 //
 // The control takes the thickest copper filter with which the voltage stays low enough for iodine (80 kV in
-// fluoroscopy, 75 kV otherwise). With the thinnest filter the voltage may be higher. The control returns to a
-// thicker filter only if that filter needs 4 kV less than this limit.
+// fluoroscopy, 75 kV otherwise). With the thinnest filter the voltage may exceed this value. The control
+// returns to a thicker filter only if that filter needs 4 kV less than this limit.
 //
 // Fluoroscopy never exceeds 88 mGy/min at the reference point (21 CFR 1020.32). At this limit pictures are
 // underexposed, as in real systems.
@@ -68,7 +68,7 @@ struct ExposureChoice {
 // The reference point lies this far from the isocentre towards the tube (IEC 60601-2-54).
 inline constexpr double reference_point_m = 0.15;
 
-// The share of primary photons that an anti-scatter grid transmits; scatter.hpp has the share for scattered
+// An anti-scatter grid transmits this share of primary photons; scatter.hpp has the share for scattered
 // photons.
 inline constexpr double grid_primary = 0.706;
 

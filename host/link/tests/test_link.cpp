@@ -24,7 +24,8 @@ extern "C" {
 namespace
 {
 
-// A device that sends prepared messages, either as answers to the host's last frame or without a request.
+// Simulates a device that sends prepared messages, either as answers to the host's last frame or without a
+// request.
 class TalkingDevice final : public crn::Transport
 {
   public:

@@ -172,7 +172,7 @@ static void a_run_of_more_than_2000_frames_goes_on_in_the_next_file(void **)
     assert_int_equal(second.pixel(2 * tiny * tiny), 2002);
 }
 
-// log2(1 + 255) = 8, which is half of the scale's range of 16 octaves.
+// The expected value is log2(1 + 255) = 8, which is half of the scale's range of 16 octaves.
 static void values_are_logarithmic_unless_asked_otherwise(void **)
 {
     for (const char *values : {"log", "linear"}) {

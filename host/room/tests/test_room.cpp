@@ -33,7 +33,7 @@ double nothing(int, int, std::uint32_t)
     return 0.0;
 }
 
-// An instrument: a bar four pixels wide, which appears at tick 300.
+// Describes an instrument: a bar four pixels wide, which appears at tick 300.
 double bar(int x, int, std::uint32_t tick)
 {
     return tick >= 300 && x >= 30 && x < 34 ? 1.0 : 0.0;

@@ -15,7 +15,7 @@ struct GlError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-// Thrown when a context that existed has been lost; a new context may work.
+// This exception is thrown when a context that existed has been lost; a new context may work.
 struct GlLost : GlError {
     using GlError::GlError;
 };

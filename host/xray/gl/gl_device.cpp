@@ -33,7 +33,7 @@ void main() {
 
 constexpr float near_um = 1000.0f;
 
-// The pyramid of all rays of the picture; chunks outside it are skipped.
+// Describes the pyramid of all rays of the picture; chunks outside it are skipped.
 struct Pyramid {
     Eigen::Vector3f source_um, right, up, forward;
     float focal, half; // pixels

@@ -71,8 +71,8 @@ std::string code_of(const Egl &egl)
     return text;
 }
 
-// The display of a process for EGL without a surface; a process has only one. EGL gives every caller the same
-// display, and ending it ends all its contexts. So only the last context ends the display.
+// Holds the display of a process for EGL without a surface; a process has only one. EGL gives every caller
+// the same display, and ending it ends all its contexts. So only the last context ends the display.
 class Display
 {
   public:

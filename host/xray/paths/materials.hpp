@@ -1,5 +1,5 @@
-// The materials that an X-ray beam may cross, with the names that body files and instrument files use. The
-// attenuation of the materials is in attenuation.cpp, which tools/check/make_attenuation.py writes.
+// Lists the materials that an X-ray beam may cross, with the names that body files and instrument files use.
+// The attenuation of the materials is in attenuation.cpp, which tools/check/make_attenuation.py writes.
 #pragma once
 #include <cstdint>
 #include <optional>

@@ -67,7 +67,7 @@ struct MovedBody {
     std::span<const Eigen::Vector3i> vertices_um;
 };
 
-// Everything that moves, as it is at the tick of the wire frame.
+// Holds everything that moves, as it is at the tick of the wire frame.
 struct XrayFrame {
     std::span<const RadiopaqueInstrument>
         tools; // from the innermost out, each over its part of the line (wire.tip_arc_m)

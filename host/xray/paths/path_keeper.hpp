@@ -1,5 +1,5 @@
-// Path lengths of one view, which are kept between frames. Bodies at rest are redrawn only when the view
-// changes, and a moving body when its vertices change. Tools and curves are redrawn in every frame.
+// Keeps the path lengths of one view between frames. Bodies at rest are redrawn only when the view changes,
+// and a moving body when its vertices change. Tools and curves are redrawn in every frame.
 #pragma once
 #include "host/xray/paths/moved.hpp"
 #include "host/xray/paths/paths.hpp"

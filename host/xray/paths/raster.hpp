@@ -42,7 +42,7 @@ inline std::int32_t snap(float pixels)
     return static_cast<std::int32_t>(pixels * subpixels + (offset + 0.5f)) - 8192 * subpixels;
 }
 
-// The pixels x0 .. x1, y0 .. y1 inside the bounding box of a triangle; both ends are included.
+// Holds the pixels x0 .. x1, y0 .. y1 inside the bounding box of a triangle; both ends are included.
 struct KeptTriangle {
     std::int16_t x0, y0, x1, y1;
     std::uint16_t corner[3]; // index in the chunk

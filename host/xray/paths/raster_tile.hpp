@@ -7,8 +7,8 @@
 namespace crn
 {
 
-// Eight triangles that are set up together: their edges and depths at the first pixel of each triangle's part
-// of the tile.
+// Holds eight triangles that are set up together, with their edges and depths at the first pixel of each
+// triangle's part of the tile.
 struct Batch {
     std::int32_t ax[lane_count], ay[lane_count], bx[lane_count], by[lane_count], cx[lane_count],
         cy[lane_count];
