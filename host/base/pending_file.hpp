@@ -21,10 +21,10 @@ class OutputError : public std::runtime_error
 };
 
 // Opens a file "path.partPID-RANDOM" beside the wanted one, or beside the file at the end of a link. The file
-// has this name until it is complete. The file did not exist before, and no link is followed to it. Signal
-// handlers remove it as described below. `ending` is appended to the temporary name, for libraries that check
-// a file's extension. Throws OutputError, also when the wanted name is empty or is that of a folder, a device
-// or a pipe.
+// keeps this temporary name until it is complete. The file did not exist before, and no link is followed to
+// it. Signal handlers remove it as described below. `ending` is appended to the temporary name, for libraries
+// that check a file's extension. Throws OutputError, also when the wanted name is empty or is that of a
+// folder, a device or a pipe.
 struct OpenPending {
     std::string name;
     int file; // descriptor for writing, owned by the caller; child processes do not inherit it
@@ -82,8 +82,8 @@ class FileSet
     // Writes a pending file beside its final name. Throws OutputError.
     void add(const std::string &path, std::string_view bytes);
     // Throws OutputError; files that were already renamed are then replaced by the previous ones. Only a
-    // program that dies in the middle of this (SIGKILL, a crash of the machine) leaves a mixture of old and
-    // new files, which readers have to detect.
+    // program that dies between two renames (SIGKILL, a crash of the machine) leaves a mixture of old and new
+    // files, which readers have to detect.
     void commit();
 
   private:

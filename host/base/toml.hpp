@@ -5,7 +5,7 @@
 // toml++ recurses once for each table within a table, and so does every traversal of its result. A header of
 // 400,000 dotted names would overflow the stack. So every text is checked before it is parsed. With at most
 // 32 names in a key and 32 nested brackets, no table is deeper than 32 + 33 * 32, about 1,100. The stack can
-// hold a hundred times as many. The limit on the text's size bounds the memory.
+// hold a hundred times as many nested tables. The limit on the text's size bounds the memory.
 #pragma once
 #define TOML_ASSERT(expr) static_cast<void>(0)
 #define TOML_HEADER_ONLY 0 // toml.cpp alone compiles it

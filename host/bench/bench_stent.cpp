@@ -15,8 +15,8 @@ namespace
 
 constexpr int pictures_per_beat = 12, rounds = 40; // 75 /min at 15 pictures a second
 
-// This stent has twice as many crowns and three times as many rings as the shipped one: 1,008 struts and as
-// many points.
+// This stent has twice as many crowns and three times as many rings as the shipped one, which makes 1,008
+// struts and 1,008 points.
 StentDesign thousand_struts()
 {
     StentDesign design = read_stent("shared/examples/stents/coronary_3_0x18.toml");

@@ -91,7 +91,7 @@ void put_filters(XaItem &item, const XrayRun &run)
     item.decimals(DCM_FilterThicknessMaximum, thickness_mm);
 }
 
-// Puts the pixel pitch at the detector, and also at the isocentre if the latter is the same in every frame.
+// Puts the pixel pitch at the detector, and also that at the isocentre if it is equal in all frames.
 void put_spacing(XaItem &item, const XrayRun &run)
 {
     const CArm &carm = run.frames.front().carm;

@@ -57,8 +57,8 @@ class FlowCells
     // Replaces points and radii within the tree's lesions; the points are in the pose of the constructor's
     // tree. The flow into the beds does not change.
     void reshape(const VesselTree &opened);
-    // Moves the tree's points: `moved` must have as many branches, points and lesions as the constructor's
-    // tree. Any other tree is ignored.
+    // Moves the tree's points: `moved` must have the same numbers of branches, points and lesions as the
+    // constructor's tree. Any other tree is ignored.
     void place(const VesselTree &moved);
     const Eigen::Vector3d &middle_m(std::size_t i) const { return middle_m_[i]; }
     Eigen::Vector3d first_face_m(std::size_t i) const { return at(i, cells_[i].first); }

@@ -52,8 +52,8 @@ std::string place_of(libusb_device *device)
     return text;
 }
 
-// The library's own function waits 1 s for each of these requests, although USB 2.0 allows a device only half
-// a second (9.2.6.4).
+// The library's own function waits 1 s for each request for a string, although USB 2.0 allows a device only
+// half a second (9.2.6.4).
 int string_descriptor(libusb_device_handle *handle, std::uint8_t index, std::uint16_t language,
                       std::span<unsigned char> bytes)
 {

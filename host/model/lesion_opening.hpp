@@ -24,8 +24,8 @@ struct LesionStations {
 // Returns the stations of each lesion that yields, from a validated scene. The result is in the order of the
 // tree's lesions, of which the lesions that yield come first.
 std::vector<LesionStations> lesion_stations(const crn_scene &scene);
-// Reads the same from the PLAQUES section of a scene file. Returns nothing when there is no such section.
-// When it cannot be read, `error` has a message too.
+// Reads these stations from the PLAQUES section of a scene file. Returns nothing when there is no such
+// section. When it cannot be read, `error` has a message too.
 std::vector<LesionStations> read_lesion_stations(const std::string &scene_path, std::string &error);
 
 class LesionOpening

@@ -58,7 +58,7 @@ class Patient
     // Advances to the frame's tick. A rig in FREE_RUN sends the line's shape at times of its own. An X-ray
     // pulse between two shapes is made with the later one.
     void look(const WireFrame &wire);
-    // Does the same for the vessels only; a replay with a later start calls this until its start.
+    // Updates only the vessels for this frame; a replay with a later start calls this until its start.
     std::uint32_t next_vessel_look() const;
     void look_at_vessels(const WireFrame &wire);
     // Returns true if the state depends on every tick since the first, so that a replay with a later start

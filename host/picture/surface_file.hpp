@@ -22,8 +22,8 @@ struct SurfaceSettings {
 class SurfaceSink final : public FrameSink
 {
   public:
-    // `ticks` are the ticks of these moments, in ascending order. Throws std::runtime_error if the scene does
-    // not have that lesion.
+    // `ticks` are the ticks of the moments to show, in ascending order. Throws std::runtime_error if the
+    // scene does not have that lesion.
     SurfaceSink(const SurfaceSettings &settings, std::vector<std::uint32_t> ticks);
     ~SurfaceSink() override;
 

@@ -57,7 +57,7 @@ int rig_force(Link &link, const RigOptions &options, const RigTalk &talk);
 // `next` returns the next state report, or nothing while the rig is silent.
 using StateSource = std::function<std::optional<crn_hid_state>()>;
 int rig_monitor(const StateSource &next, const RigOptions &options, const RigTalk &talk);
-// Prints the same state, read from the HID interface of a rig.
+// Prints the rig's state as rig_monitor does, but reads it from the HID interface.
 int rig_monitor_hid(const HidApi &api, const std::string &serial, const RigOptions &options,
                     const RigTalk &talk);
 

@@ -70,8 +70,8 @@ Session read_session(const std::string &path);                         // throws
 class SessionPlayer
 {
   public:
-    // Conditions are checked only on ticks that are multiples of this, so that they do not depend on batches
-    // and pictures.
+    // Conditions are checked only on ticks that are multiples of this number, so that they do not depend on
+    // batches and pictures.
     static constexpr std::uint32_t observe_every_ticks = 16;
     static constexpr std::uint32_t until_limit_ticks = 60000;
 

@@ -62,9 +62,9 @@ class Device
     std::span<const crn_wire_tick_state> step(std::span<const crn_wire_tick_input> inputs, bool want_nodes);
     // Makes any other request to the link, with the same protection against an unplugged cable.
     void ask(const std::function<void(Link &)> &request);
-    // These return what a recording contains besides the ticks. If the device is a rig, they are first
-    // compared with the results of this machine's core (witness.hpp), and so are the ticks. Each function
-    // throws LinkError when the results differ.
+    // These return what a recording contains besides the ticks. If the device is a rig, hashes and snapshots
+    // are first compared with the results of this machine's core (witness.hpp), and so are the ticks. Each
+    // function throws LinkError when the results differ.
     Hash64 read_hash64();                      // hash of the last tick given or stepped
     std::optional<Hash64> last_hash64();       // last one that came without a request
     std::vector<std::uint8_t> read_snapshot(); // LOCKSTEP

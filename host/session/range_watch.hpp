@@ -42,8 +42,8 @@ class RangeWatch
         return is_placed_;
     } // the range was left and its place has been looked up: nothing remains to be done
     const std::optional<RangeBreak> &left() const { return left_; }
-    // Returns true if the range was left and the place of this must be read now. `is_last` means that no
-    // later tick will be read.
+    // Returns true if the range was left and the place must be read now. `is_last` means that no later tick
+    // will be read.
     bool wants_place(std::uint32_t tick, bool is_last) const;
     // Reads that place from the device. Throws LinkError.
     void find_place(Link &link);
@@ -57,9 +57,9 @@ class RangeWatch
 
 // Returns a text like "physics left its range at 00:12.3".
 std::string range_notice(const RangeBreak &left);
-// Returns the same text with tick, quantity, place, limit and remedy.
+// Returns this text with tick, quantity, place, limit and remedy.
 std::string range_text(const RangeBreak &left);
-// Returns the same for the report; null if the physics stayed in its range.
+// Returns tick, quantity, place and limit for the report; null if the physics stayed in its range.
 nlohmann::ordered_json range_report(const std::optional<RangeBreak> &left);
 
 } // namespace crn

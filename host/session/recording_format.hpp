@@ -47,8 +47,8 @@ constexpr std::size_t tick_bytes_min(std::size_t tool_count)
     return tick_bytes_max(tool_count) -
            static_cast<std::size_t>(CRN_WIRE_MAX_order_list_items) * CRN_WIRE_BYTES_order;
 }
-// Returns the same number for protocol 4: hands, buttons, syringe, inflator, the fields of every kind of
-// order, and the hash lanes.
+// Returns the number of bytes of one tick in protocol 4: hands, buttons, syringe, inflator, the fields of
+// every kind of order, and the hash lanes.
 constexpr std::size_t old_tick_bytes(std::size_t tool_count)
 {
     return 2 + tool_count * 8 + 3 * 4 + 26 + 8;

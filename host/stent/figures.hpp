@@ -52,7 +52,7 @@ struct StentCoverage {
 };
 StentCoverage stent_coverage(const Stent &stent, std::span<const Eigen::Vector3d> centreline_mm,
                              double lesion_from_mm, double lesion_to_mm);
-// Returns the same for a moving vessel, in mm along its healthy branch from the branch's first point.
+// Returns the coverage in a moving vessel, in mm along its healthy branch from the branch's first point.
 class VesselWall;
 StentCoverage stent_coverage(const Stent &stent, const VesselWall &vessel, std::size_t lesion);
 

@@ -29,8 +29,8 @@ class Stents
     // If the stent added before is still on its balloon, it leaves the patient with that balloon.
     void add(const StentDesign &design, double mount_arc_mm);
     void step(const StentWall *wall, const BalloonPose *balloon);
-    // Does the same with a wall for each stent, because stents may lie in several vessels. There are as many
-    // walls as stents; a null wall means that the stent has none.
+    // Advances the stents with a wall for each of them, because stents may lie in several vessels. There are
+    // as many walls as stents; a null wall means that the stent lies in no vessel.
     void step(std::span<const StentWall *const> walls, const BalloonPose *balloon);
 
     std::size_t size() const { return stents_.size(); }

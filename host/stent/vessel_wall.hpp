@@ -7,9 +7,9 @@
 //   stent.step({&vessel.wall(), ...});
 //
 // The meshes of bodies are too coarse to be walls for stents, because their facets cut off a tenth of a
-// millimetre of a coronary artery. Gaps of that size decide whether a strut counts as apposed. The tree has
-// the radius of every inscribed sphere to some micrometres, and also the place of the healthy vessel. The
-// openings of side branches in the tube are closed.
+// millimetre of a coronary artery. Gaps of a tenth of a millimetre decide whether a strut counts as apposed.
+// The tree has the radius of every inscribed sphere to some micrometres, and also the place of the healthy
+// vessel. The openings of side branches in the tube are closed.
 #pragma once
 #include "host/model/motion.hpp"
 #include "host/model/vessel_tree.hpp"
@@ -57,7 +57,7 @@ class VesselWall
     {
         return lesion < lesions_.size() ? lesions_[lesion] : Stretch{};
     }
-    // Returns the same for the places to which `opened` refers.
+    // Returns the beginning and end of the stretch along which `opened` has values.
     Stretch places_mm(std::size_t lesion) const
     {
         return lesion < places_.size() ? places_[lesion] : Stretch{};

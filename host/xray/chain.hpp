@@ -63,7 +63,7 @@ struct XrayChain {
     BlurKernel focal_kernel;          // of the focal spot alone
 
     // These values describe the tools of this frame: their gain on the signal behind the bodies, minus one;
-    // and then the same after the focal spot's blur.
+    // and then this gain after the focal spot's blur.
     std::vector<float> tool_gain;
     SparseBlur tool_blur;
     std::vector<float> tool_signal; // at the pixels of tool_blur

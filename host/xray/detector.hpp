@@ -26,8 +26,8 @@ void transmission_row(const BeamTable &beam, const std::array<const std::int32_t
 inline constexpr std::uint32_t photons_max = 1u << 22;
 
 // Returns the number of photons counted when `expected` arrive on average. The number has Poisson's
-// distribution and depends only on the key and the pixel. Below 12 it inverts Poisson's distribution; above,
-// it uses a distribution with the same mean, variance and skewness.
+// distribution and depends only on the key and the pixel. If `expected` is below 12, the function inverts
+// Poisson's distribution. Otherwise it uses a distribution with the same mean, variance and skewness.
 std::uint32_t count_photons(float expected, std::uint32_t key, std::uint32_t pixel);
 
 // Returns the key from which the noise of one frame is computed.

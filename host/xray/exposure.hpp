@@ -82,7 +82,7 @@ class Exposure
     // Updates the estimated thickness from the signal of the last pulse behind patient and grid; the signal
     // is divided by that of the open beam.
     void follow(const XrayTechnique &technique, double signal_share, ExposureState &state);
-    // Does the same without delay, as a single picture requires.
+    // Updates the estimate without delay, as a single picture requires.
     void jump(const XrayTechnique &technique, double signal_share, ExposureState &state);
 
     // Returns the quanta per mm2 in this beam that give the signal of `dose_nGy` in the calibration beam. The

@@ -40,8 +40,8 @@ inline float log2_positive(float x)
     return exponent + 0.5f + s * (2.8853901f + s2 * (0.96179669f + s2 * (0.57707802f + s2 * 0.41219859f)));
 }
 
-// These return the same in double precision, for tables, with a relative error <= 1e-12: 2^x for -1000 < x <
-// 1000, and log2(x) for normal x > 0.
+// These return powers and logarithms in double precision, for tables, with a relative error <= 1e-12: 2^x for
+// -1000 < x < 1000, and log2(x) for normal x > 0.
 inline double exp2_double(double x)
 {
     const auto whole = static_cast<std::int64_t>(x < 0.0 ? x - 1.0 : x); // floor, or one less

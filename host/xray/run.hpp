@@ -56,7 +56,7 @@ struct RunContrast {
     double duration_s = 0.0;
 };
 
-// The mask of a DSA run is the mean of these frames. The mean is shifted and subtracted from every other
+// The mask of a DSA run is the mean of the listed frames. The mean is shifted and subtracted from every other
 // frame.
 struct RunMask {
     std::vector<int> frames; // counted from 0 within the run; at least one
@@ -88,7 +88,7 @@ struct XrayRun {
 // in the same way. One step of the new values is 0.017 % of the intensity. The difference of two frames is
 // then the DSA picture, also in viewers that cannot compute logarithms.
 void make_logarithmic(XrayRun &run);
-// These return the table of this conversion, which has 65,536 entries, and the inverse table.
+// These return the table of the logarithmic conversion, which has 65,536 entries, and the inverse table.
 const std::vector<std::uint16_t> &logarithm_table();
 
 } // namespace crn

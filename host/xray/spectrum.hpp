@@ -25,7 +25,7 @@ Spectrum tube_spectrum(double tube_voltage_kV, double copper_mm);
 // Returns the spectrum behind `thickness_cm` of a material.
 Spectrum behind(const Spectrum &spectrum, Material material, double thickness_cm);
 
-// Returns the air kerma of these photons, in uGy.
+// Returns the air kerma of the photons in a spectrum, in uGy.
 double air_kerma_uGy(const Spectrum &photons_mm2);
 
 // Returns the share of photons of this energy that the scintillator absorbs. The scintillator is 0.55 mm of

@@ -13,8 +13,8 @@
 namespace crn
 {
 
-// A tube of this length that starts at x = 0 along x, bends in the plane of x and y with this curvature, and
-// is closed at both ends.
+// Makes a tube of `length_mm` that starts at x = 0 along x, bends in the plane of x and y with
+// `curvature_per_mm`, and is closed at both ends.
 struct TestVessel {
     double length_mm = 40.0, radius_mm = 1.5, curvature_per_mm = 0.0;
     double eccentricity = 0.0; // of the section: semi-axes r (1 + e) and r (1 - e)

@@ -556,8 +556,8 @@ static void struts_and_bands_are_drawn_where_they_are(void **)
         for (std::size_t i = 1; i < line.points_mm.size(); ++i)
             metal +=
                 pi * line.radius_mm * line.radius_mm * (line.points_mm[i] - line.points_mm[i - 1]).norm();
-    // The metal is that of 144 struts of 1.3 mm, which are a little longer because they are bent around the
-    // axis, and of 22 links.
+    // The expected volume of metal is that of 22 links and of 144 struts of 1.3 mm, which are a little longer
+    // because they are bent around the axis.
     near("metal mm^3", metal, (144 * 1.31 + 22 * design.link_length_mm()) * 0.09 * 0.081, 0.02 * metal);
     for (const Vector3d &point : lines.front().points_mm)
         near("radius", std::hypot(point.y(), point.z()), 1.5405, 1e-9);

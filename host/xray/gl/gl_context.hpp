@@ -52,7 +52,7 @@ class GlEntered
 
 enum class GlLibrary { any, osmesa, egl };
 
-// The file names that are tried, in this order.
+// These file names are tried, in the order of each list.
 struct GlFileNames {
     std::vector<std::string> osmesa = {"libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so"};
     std::vector<std::string> egl = {"libEGL.so.1", "libEGL.so"};

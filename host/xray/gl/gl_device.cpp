@@ -286,7 +286,7 @@ void GlDevice::draw(const BodyMeshes &meshes, std::span<const std::uint8_t> is_s
     gl_.UseProgram(program_);
     // Floats are densest near 0, so depths are measured from the isocentre. A face behind the source is not
     // drawn. A body with such a face has one depth less in its sum, so that the origin of the depths would
-    // affect the sum. In this case the origin is the source itself.
+    // affect the sum. For such a body the origin is the source itself.
     set_view(view, plan.is_source_near ? 0.0f : static_cast<float>(view.source_isocentre_m * 1e3));
     set_state(view, rect);
     for (std::size_t channel = 0; channel < pictures_.size(); ++channel) {

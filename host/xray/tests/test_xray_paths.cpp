@@ -321,7 +321,7 @@ static void corners_and_edges_on_the_centres_of_pixels_are_covered_once(void **)
 }
 
 // The expected length is that of the ray from the source to the face where the ray leaves the body. Whatever
-// is nearer than 1 mm along the axis is cut off.
+// is nearer to the source than 1 mm, measured along the axis, is cut off.
 static void a_source_inside_a_body_sees_the_way_out_in_every_direction(void **)
 {
     Lot lot(3);
