@@ -40,8 +40,8 @@ inline constexpr std::uint64_t read_memory_bytes_max = std::uint64_t{1900}
 // the memory that a byte of the file may need.
 ReadLimits read_limits(std::uint64_t file_bytes, double growth);
 
-// The child writes its data to the parent through this end of the pipe. If the child fails before its first
-// call of a method here, it may still send its own message (a std::exception).
+// The child writes its data to the parent through this end of the pipe. If the child fails before it has
+// written anything here, its own message (a std::exception) reaches the parent.
 class Outbox
 {
   public:

@@ -1,7 +1,7 @@
-// The driving forces of blood flow at a moment of the heartbeat: the pressure at the inlet, and how open the
-// beds behind the outlets are. The part of the program that controls the heart rhythm gives the phase;
-// steady_beat() is a heart that beats regularly. The computation uses no libm, so that every machine gives
-// the same bits. See docs/contrast.md.
+// Computes the driving forces of blood flow at a moment of the heartbeat: the pressure at the inlet, and how
+// open the beds behind the outlets are. The part of the program that controls the heart rhythm gives the
+// phase; steady_beat() is a heart that beats regularly. The computation uses no libm, so that every machine
+// gives the same bits. See docs/contrast.md.
 #pragma once
 #include "host/model/vessel_tree.hpp"
 #include <array>

@@ -20,7 +20,7 @@ class Transport
     // Lets the device's time pass where the host controls that time (sim port); a real device has its own
     // clock.
     virtual void pass_time_ms(std::uint32_t milliseconds) = 0;
-    // The name of the device in messages to the user, such as "the rig 'RIG-0001'".
+    // Returns the name of the device in messages to the user, such as "the rig 'RIG-0001'".
     virtual std::string name() const { return "the device"; }
     // Returns false if the device computes as fast as this machine allows (sim port, emulator), because a
     // slow answer is then not the device's fault.

@@ -1,4 +1,4 @@
-// The standard views, by name. docs/room.md lists the sources of the angles.
+// Lists the standard views by name. docs/room.md lists the sources of the angles.
 #pragma once
 #include <cstdint>
 #include <span>

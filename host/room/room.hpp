@@ -56,7 +56,7 @@ struct RoomRun {
     std::uint32_t frames = 0;
 };
 
-// The state of the room that the display shows.
+// Holds the state of the room that the display shows.
 struct RoomState {
     std::uint32_t tick = 0;
     CArm carm;

@@ -35,7 +35,7 @@ struct HandMove {
     std::optional<std::int64_t> until_inserted_um;
 };
 
-// A change of the inflator's pressure to a stated value at a steady rate.
+// Describes a change of the inflator's pressure to a stated value at a steady rate.
 struct Inflation {
     std::int32_t kPa = 0, kPa_per_s = 100;
 };
@@ -56,7 +56,7 @@ struct Statement {
 
 struct Session {
     std::string file;
-    // The inserted length of each tool at the start. `begin inserted` sets that of all tools that no other
+    // At the start each tool has this inserted length. `begin inserted` sets that of all tools that no other
     // line names.
     std::uint32_t inserted_um[session_tools_max] = {20000, 20000, 20000};
     std::vector<Statement> statements;

@@ -30,7 +30,7 @@ struct Steering {
 // line.
 Steering parse_steering(LineParser &line, bool engages, const ToolChoice &selected);
 
-// The result of one steering statement, for the report and for the text printed at the end of a run.
+// Holds the result of one steering statement, for the report and for the text printed at the end of a run.
 struct SteeringResult {
     int line = 0;
     std::size_t tool = 0;

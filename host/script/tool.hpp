@@ -29,7 +29,7 @@ std::size_t accept_one_tool(LineParser &line, const ToolChoice &selected);
 // Returns "wire", "catheter" or "guide" for a tool counted from 0.
 const std::string &tool_name(std::size_t tool);
 
-// The name of a vessel as the script spells it; it is looked up when the scene is known.
+// Holds the name of a vessel as the script spells it; it is looked up when the scene is known.
 struct VesselName {
     std::string text;
     int column = 0;

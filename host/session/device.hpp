@@ -55,7 +55,7 @@ class Device
     void restore(std::span<const std::uint8_t> snapshot);
 
     // Advances like Link::step, but the session survives an unplugged cable (docs/rig.md, "Unplugged in a
-    // session"). If the device disappears and comes back within `return_limit_ms` of the choice, its last
+    // session"). If the device disappears and comes back within DeviceChoice::return_limit_ms, its last
     // snapshot is restored. The inputs since that snapshot are sent again, and the results are compared with
     // the former ones. Then the session continues bit for bit. Throws LinkError when the device does not come
     // back, or when its results differ.

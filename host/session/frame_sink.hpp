@@ -1,5 +1,5 @@
-// Observes a session without affecting it: pictures and checks of a session are observers. An observer
-// receives the line at the ticks that it requests, after the patient has reached that tick.
+// Observes a session without affecting it, as pictures and checks of a session do. An observer receives the
+// line at the ticks that it requests, after the patient has reached that tick.
 #pragma once
 #include "host/model/wire_frame.hpp"
 #include "shared/wire/wire.h"

@@ -23,7 +23,8 @@ class HandGrip
 {
   public:
     static constexpr std::int64_t force_limit_N = 25, torque_limit_mN_m = 50;
-    // If a force is above a fifth of its limit, every tick is checked; below that, one tick in this number.
+    // If a force is above a fifth of its limit, every tick is checked. Otherwise only the ticks that are
+    // multiples of this number are checked.
     static constexpr std::uint32_t look_every_ticks = 16;
     static constexpr std::size_t tools_max = 3;
 

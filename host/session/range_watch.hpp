@@ -23,8 +23,8 @@ struct RangeBreak {
     bool is_saturated = false;  // CRN_FAULT_SATURATED of the core
     double penetration_m = 0.0; // deepest contact
     double length_error = 0.0;  // of the free part of the line
-    // The node with the largest wall force, read shortly after the range was left, at a tick that every run
-    // and replay reads. The place is empty if the line touches no wall.
+    // This is the place of the node with the largest wall force, read shortly after the range was left, at a
+    // tick that every run and replay reads. The place is empty if the line touches no wall.
     std::optional<Eigen::Vector3d> place_m{};
     std::string branch{}; // branch of the vessel around it; empty: not known
 };

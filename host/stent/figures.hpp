@@ -1,5 +1,5 @@
-// The figures of a stent for the report: apposition, width, coverage, and how far it has stretched the
-// vessel. The struts are also given as lines with a radius, for the X-ray.
+// Computes the figures of a stent for the report: apposition, width, coverage, and how far it has stretched
+// the vessel. The struts are also given as lines with a radius, for the X-ray.
 #pragma once
 #include "host/stent/stent.hpp"
 #include <string>

@@ -60,7 +60,7 @@ struct StentSurroundings {
     std::span<const StentSleeve> sleeves = {};
 };
 
-// The whole state on which the next step depends.
+// Holds the whole state on which the next step depends.
 struct StentState {
     StentStage stage = StentStage::on_balloon;
     bool was_placed = false;

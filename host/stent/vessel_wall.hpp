@@ -47,8 +47,8 @@ class VesselWall
     // Sets the distance between the first and the last place of `opened`, whose middle is that of the lesion.
     // set_places() is needed if the places do not end at the lesion's ends.
     void set_places(std::size_t lesion, double span_mm);
-    // The beginning and end of a lesion on the stretch; the stretch is empty if the branch has no lesion with
-    // that number.
+    // Holds the beginning and end of a lesion on the stretch; this range is empty if the branch has no lesion
+    // with that number.
     struct Stretch {
         double from_mm = 0.0, to_mm = 0.0;
         bool is_empty() const { return !(to_mm > from_mm); }

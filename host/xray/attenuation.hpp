@@ -15,8 +15,8 @@ constexpr double energy_keV(int index)
 
 extern const float attenuation_per_cm[material_count][energy_count];
 
-// The highest K edge of the material between that of iodine (33.2 keV) and the end of the table; 0 if it has
-// none.
+// This is the highest K edge of the material between that of iodine (33.2 keV) and the end of the table; 0 if
+// it has none.
 extern const float edge_keV[material_count];
 
 // These are data of the filters, the scintillator (at the density of the crystal) and the anode, and the mass

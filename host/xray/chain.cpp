@@ -210,8 +210,8 @@ float transmitted(const BeamTable &beam, const Exponents &exponent)
     return sum;
 }
 
-// Rays whose exponents differ by less than this count as equal. The mean of the powers then differs from the
-// power of the mean by only 1e-4 of it.
+// Rays whose exponents differ by less than ray_spread_max count as equal. The mean of the powers then differs
+// from the power of the mean by only 1e-4 of it.
 constexpr float ray_spread_max = 0.1f;
 
 // Several rays pass through each pixel. The transmissions of these rays are averaged, because averaged path

@@ -1,5 +1,5 @@
-// The state of the signal chain between frames. The chain converts path lengths (paths.hpp) to the signal at
-// the detector.
+// Holds the state of the signal chain between frames. The chain converts path lengths (paths.hpp) to the
+// signal at the detector.
 //
 //    paths ─> transmission ─┬─> focal spot, pixel ─┬─> signal ─> photons ─> scintillator ─> lag ─> raw
 //                           └─> scatter ───────────┘   (here)    (detector)                    ─> shown ─> grey

@@ -1,5 +1,5 @@
-// One acquired run of the X-ray room, from which cine loops, masks and files are made. The room adds the
-// frames one by one, and host/dicom writes the run to files. It is plain data.
+// Holds one acquired run of the X-ray room, from which cine loops, masks and files are made. The room adds
+// the frames one by one, and host/dicom writes the run to files. It is plain data.
 #pragma once
 #include "host/xray/paths/carm.hpp"
 #include <cstdint>

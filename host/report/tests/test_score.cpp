@@ -16,7 +16,7 @@ namespace
 
 using Json = nlohmann::ordered_json;
 
-// The report of a good result: one lesion is opened, and one well-apposed stent covers all of it.
+// Makes the report of a good result: one lesion is opened, and one well-apposed stent covers all of it.
 Json good_report()
 {
     return Json::parse(R"({

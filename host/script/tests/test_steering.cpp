@@ -50,8 +50,8 @@ crn::VesselTree tree()
 }
 
 // The tip is `pushed_m` beyond the sheath, which ends at y = 290 mm. At the left subclavian artery the tip
-// stays in the aorta only if the angle of the hand is within `window_deg` of `open_deg`. Once beyond the
-// branching, it stays in its vessel until it is pulled back.
+// stays in the aorta only if the angle of the hand is within `window_deg` of `open_deg`. Once the tip is
+// beyond the branching, it stays in its vessel until it is pulled back.
 struct World {
     double open_deg, window_deg;
     bool is_astray = false, was_beyond = false;

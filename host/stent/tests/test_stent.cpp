@@ -318,7 +318,8 @@ static void stent_a_size_too_small_is_found_out(void **)
     assert_true(figures.apposed_share < 0.8);
     assert_true(!figures.gaps.empty());
     // The gap is the vessel's radius of 1.5 minus 1.25 for the balloon and 0.081 for the strut, plus the
-    // recoil: 0.21 mm all around. The balloon's distance from the middle changes it locally.
+    // recoil: 0.21 mm all around. The gap varies locally, because the balloon does not lie exactly in the
+    // middle.
     for (const StentGap &gap : figures.gaps) assert_true(gap.gap_mm > apposed_mm && gap.gap_mm < 0.4);
 }
 

@@ -41,7 +41,7 @@ bool project(const View &view, const Eigen::Vector3d &point_m, Eigen::Vector2d &
 
 // Returns the letters with which DICOM names a direction in the patient (C.7.6.1.1.1): R or L, A or P, and H
 // or F for head or feet. The letter of the largest component comes first, and components below sin 22.5
-// degrees are left out. For example, "LP" is to the left and somewhat to the back.
+// degrees are left out. For example, "LP" names a direction to the left and somewhat to the back.
 std::string patient_side(const Eigen::Vector3d &direction);
 
 // Limits the angles, SID, SOD and field to the ranges that a C-arm has.

@@ -1,6 +1,6 @@
-// The bodies of a scene in the form in which they are drawn: chunks of neighbouring triangles, so that a
-// chunk outside the field is skipped as a whole. These meshes are made once per scene, and then any number of
-// threads and back ends may read them.
+// Holds the bodies of a scene in the form in which they are drawn: chunks of neighbouring triangles, so that
+// a chunk outside the field is skipped as a whole. These meshes are made once per scene, and then any number
+// of threads and back ends may read them.
 #pragma once
 #include "host/model/bodies.hpp"
 #include <array>

@@ -83,7 +83,8 @@ inline constexpr int tile_columns = 128, tile_rows = 64;
 inline constexpr int tile_stride = tile_columns + 8;
 inline constexpr int tile_ints = tile_rows * tile_stride;
 
-// Draws slowly, for triangles that reach far outside the picture or behind the source.
+// Draws triangles that reach far outside the picture or behind the source; this function is slower than
+// TileRaster.
 void raster_clipped(const Camera &camera, const std::array<Eigen::Vector3f, 3> &vertices_um,
                     const PixelRect &tile, std::int32_t *sums);
 

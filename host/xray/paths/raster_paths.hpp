@@ -1,5 +1,5 @@
-// The reference back end, which is the integer rasteriser on all processor cores. The sums are equal for any
-// number of threads.
+// This is the reference back end, which is the integer rasteriser on all processor cores. The sums are equal
+// for any number of threads.
 #pragma once
 #include "host/xray/paths/raster.hpp"
 

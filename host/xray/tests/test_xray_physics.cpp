@@ -302,9 +302,9 @@ double spectrum_of(const std::vector<double> &line, double cycles_per_pixel)
 
 } // namespace
 
-// The same guidewire is drawn with two focal spots. The spectra of its shadow must differ by the ratio of
-// their MTFs, and it must absorb the same total signal. The MTF of each kernel must be within 0.01 of its
-// curve.
+// The same guidewire is drawn with two focal spots. The spectra of the guidewire's shadow must differ by the
+// ratio of the focal spots' MTFs, and the guidewire must absorb the same total signal. The MTF of each kernel
+// must be within 0.01 of its curve.
 static void focal_spot_blurs_tools_as_stated(void **)
 {
     const std::vector<double> fine = line_of_a_wire(0.4), coarse = line_of_a_wire(0.8);
