@@ -12,7 +12,7 @@ namespace crn
 // writing direction, line separators and bytes that are not UTF-8 become \xNN, byte by byte; everything else
 // stays. A backslash stays too, since the result is for reading only.
 std::string printable(std::string_view text);
-// Makes a whole message printable in the same way; its line ends stay.
+// Makes a whole message printable; its line ends stay.
 std::string printable_lines(std::string_view text);
 
 // Prints like fprintf, through printable_lines().

@@ -22,8 +22,8 @@ struct ToolChoice {
 std::optional<ToolChoice> accept_tool(LineParser &line);
 // Reads such words where the grammar requires them; a number alone is accepted too.
 ToolChoice require_tool(LineParser &line);
-// Reads the tool of a statement that concerns a single tool. Without a name it is the selected tool;
-// "together" is refused.
+// Reads the tool of a statement that concerns a single tool. If the statement names no tool, the selected
+// tool is returned; "together" is refused.
 std::size_t accept_one_tool(LineParser &line, const ToolChoice &selected);
 
 // Returns "wire", "catheter" or "guide" for a tool counted from 0.

@@ -30,8 +30,8 @@ class HandGrip
 
     // Returns the encoder counts for the device from the counts of hands without slip.
     crn_wire_tick_input hold(crn_wire_tick_input wanted) const;
-    // If true, ticks must be stepped one by one, and the result of each must be given to feel() before the
-    // next input is made.
+    // If is_tense() returns true, ticks must be stepped one by one, and the result of each must be given to
+    // feel() before the next input is made.
     bool is_tense() const { return is_tense_; }
     // Returns how many ticks from this one on may be stepped in one batch.
     std::uint32_t batch_max(std::uint32_t tick) const

@@ -1,5 +1,5 @@
-// Quantities that change slowly over a picture (scatter, and the slow part of the display), on a grid whose
-// cells have 8x8 pixels.
+// Computes quantities that change slowly over a picture (scatter, and the slow part of the display) on a grid
+// whose cells have 8x8 pixels.
 #pragma once
 #include <cstddef>
 #include <vector>

@@ -27,7 +27,8 @@ inline constexpr std::uint32_t photons_max = 1u << 22;
 
 // Returns the number of photons counted when `expected` arrive on average. The number has Poisson's
 // distribution and depends only on the key and the pixel. If `expected` is below 12, the function inverts
-// Poisson's distribution. Otherwise it uses a distribution with the same mean, variance and skewness.
+// Poisson's distribution. Otherwise the function uses a distribution with the same mean, variance and
+// skewness as Poisson's.
 std::uint32_t count_photons(float expected, std::uint32_t key, std::uint32_t pixel);
 
 // Returns the key from which the noise of one frame is computed.

@@ -33,7 +33,7 @@ VesselBranch straight(const char *name, const Vector3d &from_mm, const Vector3d 
     return branch;
 }
 
-// Makes a tube of 400 mm along x, radius 3 mm.
+// Makes a tube of 400 mm along x with a radius of 3 mm.
 VesselTree tube(double flow_ml_s)
 {
     return {{straight("tube", {0, 0, 0}, {400, 0, 0}, 3.0, flow_ml_s)}};

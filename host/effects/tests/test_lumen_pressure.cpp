@@ -128,8 +128,8 @@ void a_lumen_that_is_too_narrow_is_refused_before_the_session(void **)
 }
 
 // 0.2 ml/s of 350 mg/ml need 550 psi through the empty 0.42 mm lumen, and 60,000 psi or more beside the
-// guidewire. Only the inserted lengths at the injection's own tick count: here the guidewire is pulled out
-// one tick earlier.
+// guidewire. The decision depends only on the inserted lengths at the tick of the injection; here the
+// guidewire is pulled out one tick earlier.
 void a_wire_in_the_lumen_decides_at_the_tick_of_the_injection(void **)
 {
     const RoomCommand inject{RoomAction::inject, {1000, 200, 2}};

@@ -53,7 +53,8 @@ void advance_goes_exactly_the_distance_in_the_stated_time(void **)
 }
 
 // The speed may not exceed the stated one by more than a count of rounding, and may not change its sign. Per
-// tick it may change by the steepest slope of a smoothstep, 1.5 x speed / ramp, plus two counts of rounding.
+// tick the speed may change by the steepest slope of a smoothstep, 1.5 x speed / ramp, plus two counts of
+// rounding.
 void motion_is_smooth_and_never_faster_than_stated(void **)
 {
     const struct {
