@@ -24,7 +24,7 @@ std::string plain(std::string_view name)
     return text;
 }
 
-// Pairs of a long name that cardiologists use and the name in our files.
+// Lists pairs of a long name that cardiologists use and the name in our files.
 constexpr std::pair<const char *, const char *> long_names[] = {
     {"left main", "lm"},
     {"left main coronary", "lm"},

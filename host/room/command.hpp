@@ -54,7 +54,7 @@ struct Refusal {
 // is no run to review; class Room reports that at the time.
 std::string refusal(const RoomCommand &command);
 
-// Limits that scripts, keys and recordings have in common.
+// These limits apply to scripts, keys and recordings alike.
 inline constexpr std::int32_t primary_max_mdeg = 120'000, secondary_max_mdeg = 50'000;
 inline constexpr std::int32_t table_max_um = 1'900'000;
 inline constexpr std::int32_t field_min_um = 100'000, field_max_um = 450'000;

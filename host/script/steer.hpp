@@ -49,7 +49,7 @@ class Steerer
         std::int64_t translation = 0, rotation = 0;
     };
     Counts next(); // counts of the hand since the statement began, one tick later
-    // To be called at the ticks that are multiples of SessionPlayer::observe_every_ticks. `inserted_um` is
+    // Must be called at the ticks that are multiples of SessionPlayer::observe_every_ticks. `inserted_um` is
     // the inserted length of the steered tool.
     void observe(const TipPlace &tip, std::int64_t inserted_um);
 

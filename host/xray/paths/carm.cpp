@@ -12,7 +12,7 @@ namespace
 
 constexpr double pi = 3.14159265358979323846;
 
-// Taylor's series to x^13 and x^14, for |x| <= pi/4, with an error below 1e-14.
+// Sums Taylor's series to x^13 or x^14, for |x| <= pi/4, with an error below 1e-14.
 double sine_series(double x)
 {
     double square = x * x, term = x, sum = x;
