@@ -22,8 +22,8 @@ class UsageError : public std::runtime_error
 };
 
 // Throws UsageError that names both options, or OutputError for a file that cannot be written because its
-// folder is missing, full or not writable for the user. To test this, it creates a temporary file beside each
-// output and removes it at once.
+// folder is missing, full or not writable for the user. To test whether an output can be written, the
+// function creates a temporary file beside it and removes this file at once.
 void check_outputs(const std::vector<NamedPath> &inputs, const std::vector<NamedPath> &outputs);
 
 // Checks an output folder in the same way; the folder will be created later if it is missing.

@@ -22,9 +22,9 @@ class OutputError : public std::runtime_error
 
 // Opens a file "path.partPID-RANDOM" beside the wanted one, or beside the file at the end of a link. The file
 // keeps this temporary name until it is complete. The file did not exist before, and no link is followed to
-// it. Signal handlers remove it as described below. `ending` is appended to the temporary name, for libraries
-// that check a file's extension. Throws OutputError, also when the wanted name is empty or is that of a
-// folder, a device or a pipe.
+// it. Signal handlers remove this file as described below. `ending` is appended to the temporary name, for
+// libraries that check a file's extension. Throws OutputError, also when the wanted name is empty or is that
+// of a folder, a device or a pipe.
 struct OpenPending {
     std::string name;
     int file; // descriptor for writing, owned by the caller; child processes do not inherit it

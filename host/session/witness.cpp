@@ -130,7 +130,7 @@ void Witness::snapshot(std::uint32_t tick, std::span<const std::uint8_t> bytes, 
         return;
     }
     // The head of the snapshot describes the rig's own hands and motors, which this core does not have. The
-    // hashes of the following ticks verify their effect.
+    // hashes of the following ticks verify the effect of the hands and motors.
     const std::uint64_t before = link_.read_hash64().hash;
     restore(bytes);
     const std::uint64_t after = link_.read_hash64().hash;

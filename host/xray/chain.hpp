@@ -86,9 +86,9 @@ ExposureChoice settle_exposure(XrayChain &chain, const XraySettings &settings, c
 // Computes the signal of the bodies for this technique, unless it has already been computed.
 void see_signal(XrayChain &chain, const XraySettings &settings, const XrayTechnique &technique);
 
-// Does both as one pulse. The technique is the fixed one if there is one. Otherwise the control takes it from
-// `state`, and then updates `state` from the measured signal. If `state` is null, it is the technique at
-// which the control settles.
+// Does both as one pulse. If the settings fix a technique, that technique is used. Otherwise the control
+// takes the technique from `state`, and then updates `state` from the measured signal. If `state` is null, it
+// is the technique at which the control settles.
 ExposureChoice expose_bodies(XrayChain &chain, const XraySettings &settings, ExposureState *state);
 
 // Computes chain.tool_signal, the signal behind the tools, for each pixel that their shadow touches.

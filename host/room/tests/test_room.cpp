@@ -1,6 +1,6 @@
-// Claims: the room carries out each command at its tick, and reproducibly. The claims cover pulses by pedal
-// and rate, last image hold, runs, masks, roadmaps, review and dose. The pictures in these tests are
-// synthetic, since the room does not depend on their source.
+// Claims: the room carries out each command at its tick, and reproducibly. The tests cover pulses, last image
+// hold, runs, masks, roadmaps, review and dose. The pictures in these tests are synthetic, since the room
+// does not depend on their source.
 #include "host/room/presets.hpp"
 #include "host/room/room_screen.hpp"
 #include <algorithm>
@@ -24,8 +24,7 @@ namespace
 constexpr int size = 64;
 constexpr std::size_t pixels = std::size_t{size} * size;
 
-// Describes the synthetic patient by the density of the object, in doublings of attenuation, at a pixel and a
-// tick.
+// Gives the synthetic patient's density, in doublings of attenuation, at a pixel and a tick.
 using Object = std::function<double(int x, int y, std::uint32_t tick)>;
 
 double nothing(int, int, std::uint32_t)
@@ -408,8 +407,8 @@ static void stored_fluoroscopy_is_what_the_last_seconds_showed(void **)
     assert_true(run.frames.front().tick > 3000 && run.frames.back().tick == bench.pulses.back());
 }
 
-// The vessel is a bar that contains medium during DSA. In fluoroscopy without medium, the roadmap must make
-// the place of the bar lighter.
+// The vessel is a bar that contains medium during DSA. In fluoroscopy without medium, the roadmap must
+// lighten it.
 static void a_roadmap_lies_white_under_live_fluoroscopy(void **)
 {
     Bench bench(bar);
@@ -518,8 +517,7 @@ static void the_table_follows_a_tip_that_leaves_the_middle(void **)
     assert_true((room.gantry().carm(0.32).isocentre_m - away).norm() < 1e-9);
 }
 
-// The same commands and pictures must give the same screen, whether the test stops at all ticks or only at
-// those that need attention.
+// The same commands must give the same screens, whether the test stops at all ticks or only at due ones.
 static void the_same_commands_give_the_same_screens(void **)
 {
     std::vector<std::uint8_t> screens[2];

@@ -1,5 +1,5 @@
 // Claims: a session replays bit for bit at any speed and from any snapshot. A recording that was cut off is
-// readable up to its last complete chunk. A damaged one is refused, whichever byte is damaged.
+// readable up to its last complete chunk. A damaged recording is refused, whichever byte is damaged.
 #include <algorithm>
 #include <csetjmp>
 #include <cstdarg>
