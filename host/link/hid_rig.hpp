@@ -73,7 +73,7 @@ class HidRig
     crn_hid_calibration read_calibration();
     crn_hid_limits read_limits();
     // Writes the calibration, and returns the calibration that it then reads back from the device. Throws
-    // LinkError when the device refuses it or keeps another value.
+    // LinkError when the device refuses the calibration or keeps another value.
     crn_hid_calibration write_calibration(const crn_hid_calibration &calibration);
     crn_hid_limits write_limits(const crn_hid_limits &limits);
 

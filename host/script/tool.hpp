@@ -20,7 +20,7 @@ struct ToolChoice {
 
 // Reads "wire", "catheter", "guide", "tool N" or "together"; returns nothing if the next word is another one.
 std::optional<ToolChoice> accept_tool(LineParser &line);
-// Reads such words where the grammar requires them; a number alone is accepted too.
+// Reads the name of a tool where the grammar requires one; a number alone is accepted too.
 ToolChoice require_tool(LineParser &line);
 // Reads the tool of a statement that concerns a single tool. If the statement names no tool, the selected
 // tool is returned; "together" is refused.

@@ -1,5 +1,5 @@
-// Makes one picture: the signal of the patient, kept from earlier pictures; then tools, photons and grey
-// values.
+// Makes one picture. The signal of the patient is kept from earlier pictures, and tools, photons and grey
+// values are added.
 #include "host/xray/xray.hpp"
 #include "host/xray/chain.hpp"
 #include "host/xray/paths/parallel.hpp"
