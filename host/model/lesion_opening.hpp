@@ -1,4 +1,4 @@
-// Applies to the host's tree of vessels how far the core's lesions have yielded (docs/lesions.md).
+// Opens the lesions in the host's tree of vessels as far as they have yielded in the core (docs/lesions.md).
 //
 //   const auto stations = read_lesion_stations("lad.scene", error);
 //   const LesionOpening opening(tree, stations);

@@ -40,7 +40,7 @@ class Vcsim3Look
     Vcsim3Look &operator=(const Vcsim3Look &) = delete;
 
     // Replaces only `grey` and `shown` of a picture; its counts and doses remain those of Xray::render. Like
-    // Xray::render, it gives the same bytes for any number of threads. Of the settings, only `carm` and
+    // Xray::render, draw() gives the same bytes for any number of threads. Of the settings, only `carm` and
     // `size` have an effect.
     void draw(const XraySettings &settings, const XrayFrame &frame, std::uint64_t seed, XrayPicture &picture);
 
