@@ -16,7 +16,7 @@ namespace
 {
 
 constexpr double speed_max_m_per_s = 0.25, cycle_span_N = 0.1, cycle_max_ms = 100.0;
-constexpr double hand_m_per_s = 0.08, way_m = 0.03;
+constexpr double push_m_per_s = 0.08, way_m = 0.03;
 constexpr std::uint32_t hold_ms = 600, released_ms = 600, talk_every_ms = 8;
 
 const std::vector<std::uint8_t> &end_wall()
@@ -61,18 +61,18 @@ bool set_up(Bench &bench, crn::Link &link, const PassivityTrial &trial)
     return true;
 }
 
-class Session
+class HandSession
 {
   public:
-    Session(Bench &bench, crn::Link &link, PassivityOutcome &outcome)
+    HandSession(Bench &bench, crn::Link &link, PassivityOutcome &outcome)
         : bench_(bench), link_(link), outcome_(outcome)
     {
         axis().set_hand(Hand::spring);
     }
     void push()
     {
-        axis().move_hand(hand_m_per_s);
-        pass(static_cast<std::uint32_t>(way_m / hand_m_per_s * 1000), nullptr);
+        axis().move_hand(push_m_per_s);
+        pass(static_cast<std::uint32_t>(way_m / push_m_per_s * 1000), nullptr);
         axis().move_hand(0.0);
     }
     void hold()
@@ -184,7 +184,7 @@ PassivityOutcome run_passivity(Level &level, const PassivityTrial &trial)
     crn::Link link(bench->pipe());
     outcome.is_accepted = set_up(*bench, link, trial);
     if (!outcome.is_accepted) return outcome;
-    Session session(*bench, link, outcome);
+    HandSession session(*bench, link, outcome);
     session.push();
     session.hold();
     session.release();

@@ -149,7 +149,7 @@ void no_contact_situation_has_a_limit_cycle(Level &level, const CaseOptions &opt
         text("%d trials, cycle %.3f N at most, no force reduced by the passivity observer", trials, worst_N));
 }
 
-constexpr Case cases[] = {
+constexpr Case haptic_list[] = {
     {"no_contact_situation_has_a_limit_cycle", no_contact_situation_has_a_limit_cycle},
 };
 
@@ -157,7 +157,7 @@ constexpr Case cases[] = {
 
 std::span<const Case> haptic_cases()
 {
-    return cases;
+    return haptic_list;
 }
 
 } // namespace hil

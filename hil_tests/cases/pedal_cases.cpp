@@ -12,7 +12,7 @@ namespace
 {
 
 constexpr int picture_size = 16;
-constexpr std::uint32_t talk_every_ms = 4;
+constexpr std::uint32_t message_every_ms = 4;
 
 crn::XrayPicture blank_picture(std::uint32_t tick)
 {
@@ -51,7 +51,7 @@ class Suite
         while (bench_->plant().milliseconds() < end) {
             link_.send_input(sample_input(0));
             link_.free_run(std::min<std::uint32_t>(
-                talk_every_ms, static_cast<std::uint32_t>(end - bench_->plant().milliseconds())));
+                message_every_ms, static_cast<std::uint32_t>(end - bench_->plant().milliseconds())));
             for (const crn_wire_live_tick &tick : link_.live_ticks()) take(tick);
         }
     }
@@ -135,7 +135,7 @@ void pedals_make_fluoroscopy_a_roadmap_and_a_cine_run(Level &level, const CaseOp
                     unsigned{cine.pulses}));
 }
 
-constexpr Case cases[] = {
+constexpr Case pedal_list[] = {
     {"pedals_make_fluoroscopy_a_roadmap_and_a_cine_run", pedals_make_fluoroscopy_a_roadmap_and_a_cine_run},
 };
 
@@ -143,7 +143,7 @@ constexpr Case cases[] = {
 
 std::span<const Case> pedal_cases()
 {
-    return cases;
+    return pedal_list;
 }
 
 } // namespace hil

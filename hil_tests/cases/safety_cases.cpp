@@ -169,7 +169,7 @@ void a_silent_host_ends_the_forces_in_50_ms(Level &level, const CaseOptions &, R
     report.add(text("no force after %d ms", ms));
 }
 
-constexpr Case cases[] = {
+constexpr Case safety_list[] = {
     {"every_fault_of_the_rig_is_safe_in_5_ms_and_latched",
      every_fault_of_the_rig_is_safe_in_5_ms_and_latched},
     {"a_frozen_processor_loses_power_in_5_ms_and_latches_a_fault",
@@ -183,7 +183,7 @@ constexpr Case cases[] = {
 
 std::span<const Case> safety_cases()
 {
-    return cases;
+    return safety_list;
 }
 
 } // namespace hil

@@ -151,7 +151,7 @@ void every_question_is_answered(Level &level, const CaseOptions &, Report &repor
     report.add(text("%.0f round trips/s of the whole link", count / seconds));
 }
 
-constexpr Case cases[] = {
+constexpr Case session_list[] = {
     {"lockstep_gives_the_hash_of_the_host_alone", lockstep_gives_the_hash_of_the_host_alone, false},
     {"every_question_is_answered", every_question_is_answered, false},
     {"a_pause_in_lockstep_changes_nothing", a_pause_in_lockstep_changes_nothing},
@@ -164,7 +164,7 @@ constexpr Case cases[] = {
 
 std::span<const Case> session_cases()
 {
-    return cases;
+    return session_list;
 }
 
 } // namespace hil

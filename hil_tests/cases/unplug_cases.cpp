@@ -223,7 +223,7 @@ void a_cable_pulled_under_power_fades_the_forces(Level &level, const CaseOptions
                     unsigned{silent_ms}, back_N));
 }
 
-constexpr Case cases[] = {
+constexpr Case unplug_list[] = {
     {"a_cable_pulled_in_mid_transfer_costs_no_bit", a_cable_pulled_in_mid_transfer_costs_no_bit},
     {"a_cable_pulled_under_power_fades_the_forces", a_cable_pulled_under_power_fades_the_forces},
 };
@@ -232,7 +232,7 @@ constexpr Case cases[] = {
 
 std::span<const Case> unplug_cases()
 {
-    return cases;
+    return unplug_list;
 }
 
 } // namespace hil

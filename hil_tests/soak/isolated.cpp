@@ -22,7 +22,7 @@ namespace
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int look_ms = 200; // interval for checking the clock and Ctrl-C
+constexpr int check_every_ms = 200; // interval for checking the clock and Ctrl-C
 
 std::string without_tabs(std::string text)
 {
@@ -41,7 +41,7 @@ bool read_all(int pipe, pid_t who, double seconds_max, std::string &text)
         was_told = was_told || crn::is_interrupted();
         if (std::chrono::duration<double>(Clock::now() - begin).count() > seconds_max) return false;
         pollfd one{pipe, POLLIN, 0};
-        if (poll(&one, 1, look_ms) <= 0) continue;
+        if (poll(&one, 1, check_every_ms) <= 0) continue;
         char bytes[4096];
         const ssize_t count = read(pipe, bytes, sizeof bytes);
         if (count == 0) return true;

@@ -12,7 +12,7 @@ namespace
 
 using Clock = std::chrono::steady_clock;
 
-const std::vector<std::string> tool_names = {"wire", "catheter", "guide"};
+const std::vector<std::string> names_of_tools = {"wire", "catheter", "guide"};
 
 std::vector<std::string> words_of(const std::string &line)
 {
@@ -161,15 +161,15 @@ std::string part_without(const std::string &part, std::size_t tool)
 {
     std::vector<std::string> words = words_of(part);
     for (std::size_t i = 0; i < words.size(); i++) {
-        const auto name = std::find(tool_names.begin(), tool_names.end(), words[i]);
-        std::size_t number = static_cast<std::size_t>(name - tool_names.begin());
+        const auto name = std::find(names_of_tools.begin(), names_of_tools.end(), words[i]);
+        std::size_t number = static_cast<std::size_t>(name - names_of_tools.begin());
         const bool is_numbered = words[i] == "tool" && i + 1 < words.size();
         if (is_numbered) number = static_cast<std::size_t>(std::atoi(words[i + 1].c_str())) - 1;
-        if (name == tool_names.end() && !is_numbered) continue;
+        if (name == names_of_tools.end() && !is_numbered) continue;
         if (number == tool) return "";
         if (number < tool) continue;
         (is_numbered ? words[i + 1] : words[i]) =
-            is_numbered ? std::to_string(number) : tool_names[number - 1];
+            is_numbered ? std::to_string(number) : names_of_tools[number - 1];
     }
     return join(words, " ");
 }

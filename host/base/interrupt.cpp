@@ -10,7 +10,7 @@ namespace
 
 volatile std::sig_atomic_t interrupted = 0;
 
-void on_signal(int number)
+void on_interrupt(int number)
 {
     if (interrupted == 0) {
         interrupted = 1;
@@ -34,7 +34,7 @@ void watch_for_interrupt()
     sigset_t both;
     ::sigemptyset(&both);
     for (int number : {SIGINT, SIGTERM}) {
-        std::signal(number, on_signal);
+        std::signal(number, on_interrupt);
         ::sigaddset(&both, number);
     }
     ::pthread_sigmask(SIG_UNBLOCK, &both, nullptr);

@@ -8,30 +8,30 @@ namespace crn
 namespace
 {
 
-const std::vector<Unit> rate_units = {{"p/s", 1.0}, {"f/s", 1.0}, {"/s", 1.0}};
+const std::vector<Unit> frame_rate_units = {{"p/s", 1.0}, {"f/s", 1.0}, {"/s", 1.0}};
 const std::vector<Unit> share_units = {{"%", 0.01}};
 const std::vector<Unit> volume_units = {{"ml", 1.0}};
 const std::vector<Unit> flow_units = {{"ml/s", 1.0}, {"ml/min", 1.0 / 60.0}};
 const std::vector<Unit> strength_units = {{"mg/ml", 1.0}};
 const std::vector<Unit> pixel_units = {{"px", 1.0}, {"pixels", 1.0}};
 
-std::int32_t rounded(double value)
+std::int32_t nearest(double value)
 {
     return static_cast<std::int32_t>(std::lround(value));
 }
 
-std::int32_t micrometres(LineParser &line, const std::string &what, std::int32_t low_um, std::int32_t high_um)
+std::int32_t um_between(LineParser &line, const std::string &what, std::int32_t low_um, std::int32_t high_um)
 {
     // The limits are divided by 1e6, because 450000 * 1e-6 is less than 0.45, so that "45 cm" would be out of
     // range.
-    return rounded(line.quantity(what, length_units, low_um / 1e6, high_um / 1e6) * 1e6);
+    return nearest(line.quantity(what, length_units, low_um / 1e6, high_um / 1e6) * 1e6);
 }
 
 // Reads a rate, which must be one of `rates`, in 1/100 per s.
 template <std::size_t count> std::int32_t rate(LineParser &line, const std::int32_t (&rates)[count])
 {
     const LineParser before = line;
-    const std::int32_t asked = rounded(line.quantity("rate", rate_units, 0.0, 1000.0) * 100.0);
+    const std::int32_t asked = nearest(line.quantity("rate", frame_rate_units, 0.0, 1000.0) * 100.0);
     if (std::find(std::begin(rates), std::end(rates), asked) != std::end(rates)) return asked;
     std::string known;
     for (std::int32_t one : rates) {
@@ -80,7 +80,7 @@ std::vector<RoomCommand> RoomParser::parse(LineParser &line, const std::string &
     } else if (verb == "table") {
         table(line);
     } else if (verb == "field") {
-        add(RoomAction::field, micrometres(line, "field", field_min_um, field_max_um));
+        add(RoomAction::field, um_between(line, "field", field_min_um, field_max_um));
     } else if (verb == "collimate") {
         blades(line);
     } else if (verb == "follow") {
@@ -98,12 +98,12 @@ std::vector<RoomCommand> RoomParser::parse(LineParser &line, const std::string &
         const double seconds =
             line.is_at_end() ? 10.0
                              : line.quantity("time", time_units, store_min_ms * 1e-3, store_max_ms * 1e-3);
-        add(RoomAction::store, rounded(seconds * 1e3));
+        add(RoomAction::store, nearest(seconds * 1e3));
     } else if (verb == "inject") {
         inject(line);
     } else if (verb == "contrast") {
         add(RoomAction::contrast_strength,
-            rounded(line.quantity("strength", strength_units, strength_min_mg_ml, strength_max_mg_ml)));
+            nearest(line.quantity("strength", strength_units, strength_min_mg_ml, strength_max_mg_ml)));
     } else if (verb == "load") {
         line.expect("stent");
         add(RoomAction::load_stent);
@@ -151,8 +151,8 @@ void RoomParser::c_arm(LineParser &line)
             line.choice("direction of the C-arm", {"LAO", "RAO", "CRA", "CAU", "AP", "SID", "SOD"});
         if (word == "SID" || word == "SOD") {
             has_distances = true;
-            if (word == "SID") sid_um_ = micrometres(line, "SID", sid_min_um, sid_max_um);
-            if (word == "SOD") sod_um_ = micrometres(line, "SOD", sod_min_um, sod_max_um);
+            if (word == "SID") sid_um_ = um_between(line, "SID", sid_min_um, sid_max_um);
+            if (word == "SOD") sod_um_ = um_between(line, "SOD", sod_min_um, sod_max_um);
             continue;
         }
         has_angles = true;
@@ -167,7 +167,7 @@ void RoomParser::c_arm(LineParser &line)
         if (!(std::fabs(angle) * 1e3 <= limit_mdeg))
             line.fail("the angle is outside +-" + std::to_string(limit_mdeg / 1000) + " deg");
         const double sign = word == "LAO" || word == "CRA" ? 1.0 : -1.0;
-        (is_primary ? primary_mdeg_ : secondary_mdeg_) = rounded(sign * angle * 1e3);
+        (is_primary ? primary_mdeg_ : secondary_mdeg_) = nearest(sign * angle * 1e3);
     } while (!line.is_at_end());
     if (has_distances) add(RoomAction::distance, sid_um_, sod_um_);
     if (has_angles) add(RoomAction::angles, primary_mdeg_, secondary_mdeg_);
@@ -190,7 +190,7 @@ void RoomParser::table(LineParser &line)
 {
     do {
         const std::string axis = line.choice("axis of the table", {"x", "y", "z"});
-        table_um_[axis[0] - 'x'] = micrometres(line, "position", -table_max_um, table_max_um);
+        table_um_[axis[0] - 'x'] = um_between(line, "position", -table_max_um, table_max_um);
     } while (!line.is_at_end());
     add(RoomAction::table, table_um_[0], table_um_[1], table_um_[2]);
 }
@@ -213,7 +213,7 @@ void RoomParser::blades(LineParser &line)
         }
         const double share =
             line.quantity("opening", share_units, blade_min_permille * 1e-3, blade_max_permille * 1e-3);
-        (word == "width" ? width_permille_ : height_permille_) = rounded(share * 1e3);
+        (word == "width" ? width_permille_ : height_permille_) = nearest(share * 1e3);
     } while (!line.is_at_end());
     if (has_blades) add(RoomAction::blades, width_permille_, height_permille_);
 }
@@ -247,7 +247,7 @@ void RoomParser::shift(LineParser &line)
         const double pixels = line.quantity("shift", pixel_units, 0.0, limit);
         (way == "right" || way == "left" ? right : up) = way == "right" || way == "up" ? pixels : -pixels;
     } while (!line.is_at_end());
-    add(RoomAction::shift, rounded(right * 100.0), rounded(up * 100.0));
+    add(RoomAction::shift, nearest(right * 100.0), nearest(up * 100.0));
 }
 
 void RoomParser::roadmap(LineParser &line)
@@ -271,7 +271,7 @@ void RoomParser::inject(LineParser &line)
         tool = name == "catheter" ? 2 : name == "guide" ? 3 : ordinal(line, "tool");
         if (tool > 3) before.fail("a tool is 1 to 3, from the innermost");
     }
-    add(RoomAction::inject, rounded(volume_ml * 1e3), rounded(rate_ml_s * 1e3), tool);
+    add(RoomAction::inject, nearest(volume_ml * 1e3), nearest(rate_ml_s * 1e3), tool);
 }
 
 // Reads "review", "review run 2", "review frame 12", "review run 2 frame 12", "review off".

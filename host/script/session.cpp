@@ -16,7 +16,7 @@ namespace
 const std::vector<std::string> hand_verbs = {"begin", "advance", "withdraw", "rotate", "select", "tool",
                                              "wait",  "inflate", "deflate",  "steer",  "engage", "expect"};
 const std::vector<Unit> pressure_units = {{"bar", 100.0}, {"atm", 101.325}, {"kPa", 1.0}};
-const std::vector<Unit> rate_units = {{"bar/s", 100.0}, {"atm/s", 101.325}, {"kPa/s", 1.0}};
+const std::vector<Unit> pressure_rate_units = {{"bar/s", 100.0}, {"atm/s", 101.325}, {"kPa/s", 1.0}};
 HandMove parse_push(LineParser &line, int sign)
 {
     HandMove move;
@@ -140,8 +140,8 @@ class SessionParser
                 std::lround(line.quantity("pressure", pressure_units, 0.0, 4000.0)));
         }
         if (line.accept("at"))
-            way.kPa_per_s =
-                static_cast<std::int32_t>(std::lround(line.quantity("rate", rate_units, 1.0, 4000.0)));
+            way.kPa_per_s = static_cast<std::int32_t>(
+                std::lround(line.quantity("rate", pressure_rate_units, 1.0, 4000.0)));
         return way;
     }
 

@@ -18,7 +18,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::uint32_t ticks_per_second = 1000;
 constexpr std::uint32_t batch_ticks = 16;
 
-std::string hex(std::uint64_t value)
+std::string hash_text(std::uint64_t value)
 {
     char text[20];
     std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value));
@@ -188,7 +188,7 @@ class Replayer
             result_.hashes_compared++;
             if (recorded.hash == hash) continue;
             result_.first_difference_tick = tick;
-            result_.difference = "full hash is " + hex(hash) + ", recorded " + hex(recorded.hash);
+            result_.difference = "full hash is " + hash_text(hash) + ", recorded " + hash_text(recorded.hash);
             return;
         }
     }
