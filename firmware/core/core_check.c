@@ -1,4 +1,4 @@
-/* Checks of external input before any constant is derived from it. */
+/* This file checks external input before any constant is derived from it. */
 #include "firmware/core/core_check.h"
 
 static bool in_range(uint32_t value, uint32_t low, uint32_t high)
