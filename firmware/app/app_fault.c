@@ -14,7 +14,7 @@ static bool fault_stops(crn_fault_code code)
     return false;
 }
 
-/* Each code has one line: its first and last tick, its count, and its last values. */
+/* The log has one line for each fault code: the first and last tick, the count, and the last values. */
 void crn_app_fault_log(crn_app *app, crn_fault_code code, int32_t value1, int32_t value2)
 {
     uint16_t i = 0;
@@ -45,7 +45,7 @@ void crn_app_fault(crn_app *app, crn_fault_code code, int32_t value1, int32_t va
     crn_app_notice(app, CRN_WIRE_EVENT_FAULT, (uint16_t)code, value1, value2);
 }
 
-/* Reports what a part found, in the part's order. */
+/* Reports the findings of a part, in the part's order. */
 void crn_app_report(crn_app *app, const crn_findings *findings)
 {
     for (uint32_t i = 0; i < findings->count; i++) {

@@ -1,6 +1,6 @@
-/* Messages that the device sends without a request, while there is room in the pipe to the host: first ticks
- * of FREE_RUN, then notices, then pictures. Ticks and notices wait in queues; a newer picture replaces one
- * for which there was no room. */
+/* This file sends the messages that no request asked for, while there is space in the pipe to the host: first
+ * ticks of FREE_RUN, then notices, then pictures. Ticks and notices wait in queues; a newer picture replaces
+ * one for which there was no space. */
 #include "firmware/app/app_internal.h"
 
 enum {
@@ -75,7 +75,7 @@ void crn_app_stream_live(crn_app *app, const crn_wire_live_tick *live)
     push_bytes(queue, app->buffers.payload, bytes);
 }
 
-/* Sends a `live` message of ticks that are already encoded. */
+/* Sends a `live` message of ticks that are already in encoded form. */
 static bool send_ticks(crn_app *app)
 {
     crn_app_queue *queue = &app->queue;
@@ -124,7 +124,7 @@ static bool send_notice(crn_app *app)
 
 /* --- pictures --- */
 
-/* Runs after a tick of FREE_RUN. If a picture still waits, the one that is due now replaces it. */
+/* Runs after a tick of FREE_RUN. If an older picture still waits, the one that is due now replaces it. */
 void crn_app_stream_tick(crn_app *app)
 {
     crn_app_queue *queue = &app->queue;
@@ -134,7 +134,8 @@ void crn_app_stream_tick(crn_app *app)
     queue->is_picture_due = true;
 }
 
-/* A picture is sent only if room remains for the next ticks. It shows the state at the moment of sending. */
+/* A picture is sent only if space remains for the next ticks. The picture shows the state at the moment of
+ * sending. */
 static void send_picture(crn_app *app)
 {
     if (!app->queue.is_picture_due || app->state != CRN_WIRE_STATE_RUNNING) return;

@@ -208,7 +208,8 @@ static stiffness_range range_at(const crn_model *model, uint32_t node)
     return range;
 }
 
-/* Returns the bending stiffness W of a node's cell in which EI is uniform. */
+/* Returns the bending stiffness W of a node's cell in which EI is uniform. Format: Q35 N m^2 x Q18 1/m -> Q26
+ * N m in 64 bits. */
 static int64_t cell_stiffness_q26(const crn_model *model, uint32_t node, int32_t bend_N_m2_q35)
 {
     return ((int64_t)bend_N_m2_q35 * model->mesh[node].inverse_cell_per_m_q18) >> 27;

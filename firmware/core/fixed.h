@@ -179,7 +179,8 @@ static inline int32_t crn_mulh_add(int32_t sum, int32_t a, int32_t b)
 #endif
 }
 
-/* Returns `sum` less the rounded high word of a b (instruction SMMLSR). Error: 1/2 LSB. */
+/* Returns `sum` less the rounded high word of a b (instruction SMMLSR). Everything else is as in
+ * crn_mulh_add. Error: 1/2 LSB. */
 static inline int32_t crn_mulh_sub(int32_t sum, int32_t a, int32_t b)
 {
 #if CRN_HIGH_WORDS_BY_DSP

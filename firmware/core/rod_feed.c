@@ -28,11 +28,11 @@ static int32_t stall_limit(int32_t margin_N_q22, uint32_t compliance_m_N_q40)
     return limit > CRN_FEED_MAX_M_Q30 ? CRN_FEED_MAX_M_Q30 : (int32_t)limit;
 }
 
-/* Returns the displacement of the hand for each newton, in Q40 metres. It is the compliance of the free part
- * of the line and the wall, or a smaller value that the last ticks have shown. The value is smaller when the
- * wall's friction holds the front of a wire, so that the hand moves only the stiff rest. The observed value
- * may grow by 1/128 a tick, so that one soft tick (a snap, a pause) does not hide a stiff line (docs/rod.md,
- * "stall"). */
+/* Returns the displacement of the hand per newton, in Q40 m/N (a compliance). It is the compliance of the
+ * free part of the line and the wall, or a smaller value that the last ticks have shown. The value is smaller
+ * when the wall's friction holds the front of a wire, so that the hand moves only the stiff rest. The
+ * observed value may grow by 1/128 a tick, so that one soft tick (a snap, a pause) does not hide a stiff line
+ * (docs/rod.md, "stall"). */
 static uint32_t line_compliance(const crn_state *state)
 {
     enum { SEEN_FROM_M_Q30 = 107, LEAST_m_N_Q40 = WALL_COMPLIANCE_m_N_Q40 / 16 }; /* 0.1 um; 400 kN/m */

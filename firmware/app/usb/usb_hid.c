@@ -1,5 +1,5 @@
-/* The HID interface: class requests (HID 1.11, 7.2), state reports, command reports, settings as feature
- * reports. */
+/* This file implements the HID interface: class requests (HID 1.11, 7.2), state reports, command reports, and
+ * settings as feature reports. */
 #include "firmware/app/usb/usb_internal.h"
 
 enum { REPORT_INPUT = 1, REPORT_OUTPUT = 2, REPORT_FEATURE = 3 }; /* high byte of wValue */
@@ -148,8 +148,8 @@ bool crn_usb_hid_data(crn_usb *usb, const crn_usb_setup *setup, const uint8_t *b
     }
 }
 
-/* An invalid report is counted and changes nothing. The command number in the state report stays, so the
- * host's program sees it. A halted pipe would cost the rig its next command. */
+/* An invalid report is counted and changes nothing. The command number in the state report does not change,
+ * so the host's program notices. The pipe is not halted, because a halt would lose the next command. */
 void crn_usb_hid_received(crn_usb *usb, uint32_t bytes)
 {
     if (!take_command(usb, usb->report_out, bytes)) usb->reports_refused++;

@@ -104,7 +104,7 @@ static bool set_configuration(crn_usb *usb, const crn_usb_setup *setup)
     return true;
 }
 
-/* There is one setting, 0. Choosing it starts the interface's endpoints anew. */
+/* There is one setting, 0. Choosing an alternate setting starts the interface's endpoints anew. */
 static bool set_interface(crn_usb *usb, const crn_usb_setup *setup)
 {
     if (!interface_exists(usb, setup->index) || setup->value != 0 || setup->length != 0) return false;
