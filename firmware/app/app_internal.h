@@ -5,7 +5,8 @@
 
 #include "firmware/app/app.h"
 
-/* An error of the app itself is logged, the motors go off, and the state becomes FAULT.
+/* An error of the app itself is logged, the motors go off, and the state becomes FAULT; release builds
+ * contain this check, too.
  */
 #define CRN_REQUIRE(app, condition, value)                                                                   \
     do {                                                                                                     \

@@ -13,7 +13,8 @@ enum {
     LASTS_ticks = 25,      /* beyond the first cycle, which shows that the carriage does not slow down */
 };
 
-/* Overflow is impossible, because one tick adds at most 10^7 nm x 2^31 mN. */
+/* Limits a sum of one cycle. Overflow is impossible, because one tick adds at most 10^7 nm times 2^31 mN, and
+ * sums are limited to 2^44 (17 km, 17 J). A mean force that a sensor may give is below 2^17. */
 static int64_t limited(int64_t value)
 {
     const int64_t most = (int64_t)1 << 44;
