@@ -70,8 +70,8 @@ void client_orders(client *c, const crn_wire_order *orders, uint16_t count);
 bool client_read_snapshot(client *c);
 void client_write_snapshot(client *c);
 
-/* Reads the device's next answer, which must be of that kind. Returns false when the next frame is of another
- * kind. */
+/* These functions read the device's next answer, which must be of the kind that they name. Returns false when
+ * the next frame is of another kind. */
 bool client_expect_status(client *c, crn_wire_status *status);
 bool client_expect_reject(client *c, crn_wire_reject *reject);
 bool client_expect_ticks(client *c, crn_wire_ticks *ticks); /* in either mode; it skips hash64 */
