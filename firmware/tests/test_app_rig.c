@@ -266,8 +266,8 @@ static void the_sense_of_an_encoder_changes_only_with_the_local_unlock(void **st
 }
 
 /* In LOCKSTEP the host provides the hands' positions, in its own counts, and no motor is driven. Values that
- * a person at the rig stated are still valid when the host returns the rig to FREE_RUN. Values that only the
- * host stated are not valid for a coupling. */
+ * a person at the rig stated are still valid when the host sends the rig's settings again. Values that only
+ * the host stated are not valid for a coupling. */
 static void a_track_without_a_coupling_may_have_any_scale(void **state)
 {
     (void)state;

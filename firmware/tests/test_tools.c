@@ -289,7 +289,7 @@ static void turning_friction_acts_on_both_hands(void **context)
 
 /* --- lead ----------------------------------------------------------------------------------------------- */
 
-/* Of this tolerance, 0.05 mm is the feed itself. */
+/* The largest motion of a node is 0.1 mm, of which the feed itself is 0.05 mm. */
 static void a_change_of_the_lead_moves_no_node_by_more_than_0_1_mm(void **context)
 {
     (void)context;

@@ -1,5 +1,6 @@
-// The commands that talk to a device. Each runs in this process from its command line to its exit code, with
-// a lying device on the bus. Also a check whether their recordings are true.
+// This header has the commands that talk to a device. Each runs in this process from its command line to its
+// exit code, with a lying device on the bus. It also has a check whether the recordings of these commands are
+// true.
 #pragma once
 #include "hil_tests/lies/lie.hpp"
 #include <functional>
@@ -24,9 +25,9 @@ void write_inputs(const std::string &folder, unsigned ticks);
 int run_command(const LiedTo &command, const Lie &lie, const std::string &folder,
                 const std::function<void()> &struck);
 
-// Returns an empty text when the recording is true: every tick, full hash and snapshot in it equals what this
-// machine's core computes, and it is complete where the command reported success. Otherwise it returns what
-// is false.
+// Returns an empty text when the recording is true. Then every tick, full hash and snapshot in it equals what
+// this machine's core computes, and the recording is complete where the command reported success. Otherwise
+// the function returns a text that says what is false.
 std::string falsehood(const std::string &recording, bool has_to_be_complete);
 
 } // namespace hil

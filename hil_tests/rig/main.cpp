@@ -1,11 +1,12 @@
-// The program hil_rig: a simulated rig with an emulated device, which runs as long as a command beside it.
+// This is the program hil_rig: a simulated rig with an emulated device, which runs as long as a command
+// beside it.
 //
 //   hil_rig [--serial S] [--live] -- COMMAND ARGUMENT...
 //
-// The image runs in an emulator. Its milliseconds and its sensors come from a plant in this process, in real
-// time (--live: a hand that pushes, turns and pulls back against the motors), or from the client of the bench
-// socket. In COMMAND, {mailbox} is replaced by the place of the device's USB tokens, for bridge and mock_bus,
-// and {bench} by the socket. The exit code is the command's, or 1.
+// The image runs in an emulator. Its milliseconds and its sensor values come from a plant in this process, in
+// real time (--live: a hand that pushes, turns and pulls back against the motors), or from the client of the
+// bench socket. In COMMAND, {mailbox} is replaced by the place of the device's USB tokens, for bridge and
+// mock_bus, and {bench} by the path of the socket. The exit code is the command's, or 1.
 #include "hil_tests/l1/bench_server.hpp"
 #include "hil_tests/l1/emulated_bench.hpp"
 #include "host/base/interrupt.hpp"
@@ -37,7 +38,7 @@ struct Options {
 
 // --- the rig by itself ---
 
-// Readings of the meters of a live rig.
+// Holds the readings of the meters of a live rig.
 struct Meters {
     double motor_N = 0.0, torque_N_m = 0.0, way_m = 0.0;
     std::uint64_t milliseconds = 0, powered_ms = 0, stalls = 0;
@@ -65,8 +66,8 @@ class LiveRig
 
     std::string mailbox() { return bench_.emulator().memory_path() + ":0"; }
 
-    // Runs in real time until `is_over`. Time in which the machine was suspended is not made up for: neither
-    // rig nor device saw it.
+    // Runs in real time until `is_over`. Time in which the machine was suspended is not made up for, because
+    // neither rig nor device noticed it.
     void run(const std::atomic<bool> &is_over)
     {
         Clock::time_point due = Clock::now();

@@ -1,4 +1,4 @@
-// The sink of a trial: it compares every tick with the bars.
+// This is the sink of a trial, which compares every tick with the bars.
 #pragma once
 #include "hil_tests/soak/trial.hpp"
 #include "host/patient/patient.hpp"
@@ -28,8 +28,8 @@ class Watch final : public crn::FrameSink
 
     // Reads the device's present log. Throws Enough for a fault that no session may have.
     void look_at_faults(std::uint32_t tick);
-    // Checks that the injected iodine = iodine in the vessels + iodine that left, when the session is over.
-    // Throws Enough.
+    // Checks, when the session is over, that the injected iodine equals the iodine in the vessels plus the
+    // iodine that left. Throws Enough.
     void balance_iodine(std::uint32_t tick) const;
     const Verdict &worst() const { return worst_; }
 

@@ -1,5 +1,5 @@
-/* Are these descriptors right? They are checked against the standards, without the table from which they were
- * made: USB 2.0 chapter 9, HID 1.11 section 6, Microsoft OS 2.0. */
+/* Are these descriptors right? The descriptors are checked against the standards, without the table from
+ * which they were made: USB 2.0 chapter 9, HID 1.11 section 6, Microsoft OS 2.0. */
 #ifndef CRN_USB_JUDGE_H
 #define CRN_USB_JUDGE_H
 
@@ -27,7 +27,7 @@ typedef struct usb_judged_report {
     uint32_t bits;
 } usb_judged_report;
 
-/* Each returns NULL, or an error message. */
+/* Each function returns NULL, or an error message. */
 const char *usb_judge_device(const uint8_t *bytes, size_t count);
 const char *usb_judge_qualifier(const uint8_t *bytes, size_t count, const uint8_t *device);
 const char *usb_judge_configuration(const uint8_t *bytes, size_t count, uint8_t type, bool high_speed,

@@ -1,7 +1,7 @@
-/* Checks the LESIONS section of a body file and gives access to it. */
+/* This file checks the LESIONS section of a body file and gives access to it. */
 #include "shared/scene/scene_check.h"
 
-/* Fields of a lesion, as bytes from its beginning. */
+/* The fields of a lesion are given as bytes from the lesion's beginning. */
 enum {
     BRANCH_AT = 32,
     POINT_AT = 36,

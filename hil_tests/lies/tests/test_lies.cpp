@@ -1,6 +1,6 @@
-// Claims: whatever a device sends, every command that talks to it ends within 10 s with exit code 0 or 1 and
-// a message about it. It ends within 1 s after Ctrl-C, and records nothing but what this machine's core
-// computes. This test runs a spread of the lies; `make hil-lies` runs all.
+// These tests claim that whatever a device sends, every command that talks to it ends within 10 s with exit
+// code 0 or 1 and a message about it. After Ctrl-C the command ends within 1 s, and it records nothing but
+// what this machine's core computes. This test runs a spread of the lies; `make hil-lies` runs all.
 #include <algorithm>
 #include <csetjmp>
 #include <cstdarg>
@@ -65,7 +65,8 @@ void a_device_that_never_frames_holds_no_command(void **)
     expect_good(cases, 600);
 }
 
-// Before there was a witness, each of these ended with exit code 0 and a falsehood in the recording.
+// Before a second device checked the results, each of these lies ended with exit code 0 and a falsehood in
+// the recording.
 void no_falsehood_is_recorded(void **)
 {
     const std::vector<std::string> lies = {"ticks.lane0 at=3 value=0",
