@@ -47,8 +47,7 @@ static inline crn_vec3 tangential(const crn_vec3 *a, const crn_vec3 *n)
 
 /* Returns the normal force at a depth d: k_c d + k_deep max(0, d - 0.2 mm). Format: Q30 m -> Q22 N; negative
  * depths give the linear part only (it closes the gap in the same solve). Overflow: the force is limited in
- * both directions. A depth of -1 m would give 5000 N/m times -1 m = -5000 N, but a surface so far from the
- * wall has no contact. */
+ * both directions. A depth of -1 m would give -5000 N, but a surface so far from the wall has no contact. */
 static inline int32_t normal_force(int32_t depth_m_q30)
 {
     int64_t force = (int64_t)depth_m_q30 * CRN_CONTACT_STIFFNESS_N_m;
@@ -82,8 +81,7 @@ static inline crn_vec3 surface_way(const crn_model *model, const crn_state *stat
     return slide != 0 ? without(&way, &node->tangent_q30, slide) : way;
 }
 
-/* Returns the displacement of the surface at node i that the last rotation of the outer tool caused, along
- * normal x tangent. */
+/* Returns the surface displacement at node i by the outer tool's last rotation, along normal x tangent. */
 static inline int32_t surface_roll(const crn_node_state *node, const crn_line_node *line)
 {
     return crn_surface_way(line->radius_m_q30, node->spin_q30[line->outer]);
@@ -202,8 +200,7 @@ CRN_RARE static void push_second(crn_state *state, const crn_second_contact *sec
     }
 }
 
-/* Samples the wall at the predicted configuration; `placed` says that wall_distance() looked up the same
- * place last. */
+/* Samples the wall at a node; `placed` says that wall_distance() has looked up the same place last. */
 static inline crn_lumen_sample wall_at(const crn_model *model, crn_state *state, const crn_work *work,
                                        bool placed)
 {
@@ -220,8 +217,7 @@ static inline crn_lumen_sample wall_at(const crn_model *model, crn_state *state,
                   : crn_motion_contact(lumen, lumen->motion, &state->scratch.pose, &work->position_m_q30);
 }
 
-/* Computes depth and normal at the predicted configuration; returns false when the field has no gradient
- * there. */
+/* Computes depth and normal at the predicted configuration; returns false where the field has no gradient. */
 static inline bool sample(const crn_model *model, crn_state *state, crn_work *work, const crn_line_node *line,
                           bool placed)
 {

@@ -1,5 +1,4 @@
-/* This is the complete hardware interface: the services that a port provides to the app, and the functions of
- * the app that a port calls.
+/* This is the complete hardware interface: what a port provides, and which functions of the app it calls.
  *
  * A port owns the memory (one crn_app, two scene slots), the pipe of bytes, and the 1 ms timer:
  *   at power-up      crn_app_init(app, &port)               outputs are off from here on
@@ -21,8 +20,7 @@ enum {
     CRN_PORT_SERIAL_BYTES = 24, /* longest serial */
 };
 
-/* States whether a reading is valid, as judged by the sensor or its electronics. Only OK readings are
- * used. */
+/* States whether a reading is valid, as judged by the sensor. Only OK readings are used. */
 typedef enum crn_port_sensor {
     CRN_PORT_SENSOR_OK = 0,
     CRN_PORT_SENSOR_ABSENT, /* not fitted; a motor without a force sensor needs the local unlock */
@@ -82,22 +80,20 @@ typedef struct crn_port_outputs {
 
 typedef struct crn_port {
     void *context; /* passed back in every call */
-    /* Queues one whole frame for the host. When there is no space, the function queues nothing and returns
-     * false. */
+    /* Queues one whole frame for the host. Without space it queues nothing, and returns false. */
     bool (*transmit)(void *context, const uint8_t *frame, size_t frame_bytes);
     size_t (*transmit_room)(void *context); /* length of the longest frame that `transmit` would accept now */
-    /* Samples the rig. Returns false when there is no rig; the app then uses the host's `input` messages and
-     * powers no motor. */
+    /* Samples the rig. Without a rig it returns false; the app uses `input` messages and powers nothing. */
     bool (*inputs)(void *context, crn_port_inputs *inputs);
     void (*outputs)(void *context, const crn_port_outputs *outputs);
     uint32_t (*now_us)(void *context); /* free-running, wraps at 2^32; measures how long a tick took */
-    const char *serial;          /* unique to this device, printable ASCII, at most CRN_PORT_SERIAL_BYTES */
-    uint8_t *scene_slots[2];     /* two buffers: the old scene stays valid until the new one is validated */
-    uint32_t scene_slot_bytes;   /* size of each, 4-byte aligned */
-    uint32_t capabilities;       /* CRN_WIRE_CAPABILITY_* that depend on the port: encoders, motors */
-    uint32_t force_uN_per_count; /* scale of the force sensors; 0 stands for 1,000. Hosts may change it by a
-                                    quarter */
-    crn_port_built built;        /* port_built.h */
+    const char *serial;        /* unique to this device, printable ASCII, at most CRN_PORT_SERIAL_BYTES */
+    uint8_t *scene_slots[2];   /* two buffers: the old scene stays valid until the new one is validated */
+    uint32_t scene_slot_bytes; /* size of each, 4-byte aligned */
+    uint32_t capabilities;     /* CRN_WIRE_CAPABILITY_* that depend on the port: encoders, motors */
+    uint32_t
+        force_uN_per_count; /* scale of the force sensors, 0 for 1,000; hosts may change it by a quarter */
+    crn_port_built built;   /* port_built.h */
 } crn_port;
 
 #endif

@@ -14,8 +14,9 @@ struct CampaignSettings {
     // The campaign ends when both limits are reached, where rows of former calls count; a limit of 0 does not
     // apply.
     std::uint64_t sessions = 500, ticks = 20'000'000;
-    double hours =
-        0; // hours of this call; 0 means no limit by the clock. With hours, sessions and ticks do not end it
+    // This is the limit of this call by the clock; 0 means no limit. With such a limit, the numbers of
+    // sessions and ticks do not end the campaign.
+    double hours = 0;
     int jobs = 1;
     std::string folder = "out/soak";
     double trial_seconds_max = 900; // of wall-clock time; a session that takes longer is broken

@@ -1,4 +1,5 @@
-/* This port has never run on hardware. The i.MX RT1062's registers that this port uses, and no others.
+/* This port has never run on hardware. This header has the i.MX RT1062's registers that this port uses, and
+ * no others.
  *
  *   BASE_<instance>            address of a peripheral
  *   <MODULE>_<REGISTER>        offset; _0 is the first of an array, <MODULE>_STRIDE_<REGISTER> the step to the next
@@ -21,7 +22,8 @@
 #define STORE(REGISTER, value) ((REGISTER) = (value))
 #endif
 
-/* BITS(FIELD, value), MASK(FIELD), SET_FIELD(REGISTER, FIELD, value): FIELD is one of the pairs below. */
+/* In BITS(FIELD, value), MASK(FIELD) and SET_FIELD(REGISTER, FIELD, value), FIELD is one of the pairs
+ * below. */
 #define BITS(...) BITS_(__VA_ARGS__)
 #define BITS_(shift, bits, value) ((uint32_t)(value) << (shift))
 #define MASK(...) MASK_(__VA_ARGS__)

@@ -1,5 +1,5 @@
-/* This port has never run on hardware. The function of every pin: the table of docs/porting.md, "Pins", row
- * by row. */
+/* This port has never run on hardware. This file sets the function of every pin, row by row as in the table
+ * of docs/porting.md, "Pins". */
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/imxrt1062/imxrt1062_registers.h"
 

@@ -11,16 +11,13 @@
 
 #include "shared/scene/tests/scene_sample.h"
 
-/* In the sample scene, the header of 32 bytes and the table of 48 end at 80; META begins at 80, ENTRY at 336,
- * and LUMEN at 368. Its bodies: BODY 336, 496. */
+/* In the sample scene, META is at 32 + 48 = 80, ENTRY at 336, LUMEN at 368. Its bodies: BODY 336, 496. */
 enum { META_AT = 80, ENTRY_AT = 336, LUMEN_AT = 368, BONE_AT = 336, SKIN_AT = 496 };
-/* In a file with a tree, the table is longer by one row. In the section, the branches begin at 16 and 80, and
- * the points at 144. */
+/* With a tree, the table has one row more. The branches are at 16 and 80 of the section, points at 144. */
 enum { TREE_AT = 672, RENAL_AT = TREE_AT + 80, POINTS_AT = TREE_AT + 144 };
 /* In a file with lesions, the table has one more row, and LESIONS begins behind the tree of 224 bytes. */
 enum { LESIONS_AT = TREE_AT + 16 + 224, LESION_AT = LESIONS_AT + 16, HEALTHY_AT = LESION_AT + 48 };
-/* In the moving scene, the header of 32 bytes and the table of 80 end at 112; META begins at 112, LUMEN has
- * 400 .. 3468, and MOTION 3472 .. 7716. */
+/* In the moving scene, META is at 112 = 32 + 80, LUMEN at 400 .. 3468, and MOTION at 3472 .. 7716. */
 enum { MOTION_AT = 3472, BREATH_AT = 7728 };
 
 static _Alignas(16) uint8_t file[SAMPLE_BYTES_MAX];
@@ -451,8 +448,7 @@ static void a_motion_of_an_older_format_is_refused_by_name(void **state)
     refuses_word(10, 2, 3, CRN_SCENE_MOTION_OLDER, 10);
 }
 
-/* In the scene with plaques, the header has 32 bytes and the table 64; LUMEN has 384 .. 3452, and PLAQUES
- * follows it. */
+/* In the scene with plaques, LUMEN is at 384 .. 3452, behind a table of 64, and PLAQUES follow. */
 enum { PLAQUES_AT = 3456, PLAQUE_AT = PLAQUES_AT + 16, STATIONS_AT = PLAQUE_AT + 80 };
 
 static int make_diseased_scene(void **state)
