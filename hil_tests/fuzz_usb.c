@@ -11,7 +11,7 @@
  *    4 a change of the bus: u8 modulo 6              low, index, to whom
  *    5 the device polls, times u8 modulo 32
  *
- * After every operation the stack's own records must be consistent, and at the end a host must be able to
+ * After every operation, the records of the USB stack must be consistent. At the end, a host must be able to
  * start from the beginning. An input has at most 128 operations, so that it ends in time. */
 #include <stdlib.h>
 #include <string.h>

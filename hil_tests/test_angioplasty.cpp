@@ -96,7 +96,7 @@ int remove_scene(void **)
     return 0;
 }
 
-// A session and all its results.
+// Runs a session and holds all its results.
 struct Case {
     std::string script;
     std::vector<std::string> tools = {wire, balloon};

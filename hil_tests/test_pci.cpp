@@ -64,7 +64,7 @@ std::string in_folder(const char *name)
     return "'" + (folder / name).string() + "'";
 }
 
-// Returns the place on the line at this arc length behind its leading tip.
+// Returns the place on the line of tools at this arc length behind the line's leading tip.
 Vector3d place_m(const crn::WireFrame &wire, double arc_m)
 {
     const auto &nodes = wire.nodes;

@@ -143,7 +143,7 @@ static void what_is_not_allowed_is_refused_and_changes_nothing(void **state)
     assert_int_equal(rig.mailbox.device.test_selector, 0);
 }
 
-/* Before SET_CONFIGURATION no interfaces and endpoints can be addressed. */
+/* Before SET_CONFIGURATION, requests to interfaces and endpoints are refused. */
 static void an_address_alone_allows_little(void **state)
 {
     (void)state;
@@ -176,7 +176,7 @@ static void the_address_changes_after_the_status_stage(void **state)
         rig.host.address = address;
         assert_int_equal(ask(0x80, 8, 0, 0, 1), USB_OK);
     }
-    /* A host that never reaches the status stage leaves the address unchanged. */
+    /* When a host never reaches the status stage, the address does not change. */
     static const uint8_t setup[8] = {0x00, 5, 3, 0, 0, 0, 0, 0};
     crn_mailbox_reply reply;
     usb_host_token(&rig.host, CRN_MAILBOX_SETUP, 0, 0, setup, 8, &reply, NULL, 0, &count);

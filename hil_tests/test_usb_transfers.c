@@ -254,7 +254,7 @@ static void drain_new_stream(void)
     assert_int_equal(bytes[0], 0);
 }
 
-/* After this many packets in each direction the conversation is interrupted; a new stream begins, and the
+/* After so many packets in each direction, the conversation is interrupted. Then a new stream begins, and the
  * next frame comes back. */
 static void interruptions_cost_only_what_was_under_way(void **state)
 {
@@ -394,7 +394,7 @@ static void broken_commands_are_counted_and_the_pipe_stays_open(void **state)
     assert_int_equal(rig.commands, 1);
 }
 
-/* Limits can be lowered and not raised; a refused report is not applied in part. */
+/* Limits can be lowered but not raised, and a refused report is not even applied in part. */
 static void settings_are_read_back_and_refused(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
 /* The firmware app is the core inside a device. It contains tick modes, encoders, virtual coupling, force
  * output, safety, faults and the wire protocol, and is the same code on every port. Everything that comes
- * over the wire is hostile until checked, and a refused request changes nothing.
+ * over the wire protocol is hostile until checked, and a refused request changes nothing.
  *
  *          accepted HELLO        ARM             START
  *   INIT ----------------> READY ----> ARMED ----------> RUNNING
@@ -37,7 +37,7 @@ enum {
     CRN_APP_SNAPSHOT_BYTES = CRN_APP_SNAPSHOT_HEAD_BYTES + (int)sizeof(crn_state_words),
 };
 
-/* A block of bytes that arrives in chunks. */
+/* Describes an upload: a block of bytes that arrives in chunks. */
 typedef struct crn_upload {
     uint32_t expected_bytes;
     uint32_t received_bytes;
@@ -62,8 +62,8 @@ typedef struct crn_app_track {
     uint32_t scale_counts_per_turn;
 } crn_app_track;
 
-/* Messages that wait for room in the pipe to the host. Ticks wait in the encoding that they have in a `live`
- * message, so that a tick without orders takes no space for orders. */
+/* Holds the messages that wait for space in the pipe to the host. Ticks wait in the encoding that they have
+ * in a `live` message, so that a tick without orders takes no space for orders. */
 typedef struct crn_app_queue {
     uint32_t first, count; /* ring of live ticks */
     uint32_t begin, used;  /* ring of their bytes */
@@ -132,7 +132,7 @@ typedef struct crn_app_session {
     crn_upload snapshot_upload;
 } crn_app_session;
 
-/* This edge's sample of the rig. */
+/* Holds the sample of the rig at the present edge of the timer. */
 typedef struct crn_app_edge {
     bool has_rig;
     crn_port_inputs rig;
@@ -146,7 +146,8 @@ typedef struct crn_app_faults {
     crn_wire_fault_entry entries[CRN_APP_FAULT_MAX];
 } crn_app_faults;
 
-/* Messages being read and written. Only `ticks` and `snapshot` outlive the handling of a request or an edge.
+/* Messages being read and written. Only `ticks` and `snapshot` are still needed after a request or an edge
+ * has been handled.
  */
 typedef struct crn_app_buffers {
     union {

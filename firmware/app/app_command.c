@@ -156,7 +156,7 @@ void crn_app_stop(crn_app *app)
     crn_haptics_rest(&app->haptics);
 }
 
-/* A STOP for a later tick is remembered; stop_when_due carries it out. */
+/* A STOP for a later tick is stored, and stop_when_due carries it out. */
 static void stop(crn_app *app, uint32_t tick)
 {
     CRN_REJECT_IF(app, CRN_WIRE_TYPE_command, app->state != CRN_WIRE_STATE_RUNNING, CRN_REJECT_WRONG_STATE,

@@ -31,8 +31,8 @@ void crn_app_fault_log(crn_app *app, crn_fault_code code, int32_t value1, int32_
     app->faults.entries[i].value2 = value2;
 }
 
-/* The first fault that stops is the cause that `status` reports; faults that follow from it are only in the
- * log. */
+/* The first fault that stops the device is the cause that `status` reports; faults that follow from it are
+ * only in the log. */
 void crn_app_fault(crn_app *app, crn_fault_code code, int32_t value1, int32_t value2)
 {
     crn_app_fault_log(app, code, value1, value2);

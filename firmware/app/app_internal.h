@@ -47,9 +47,9 @@ void crn_app_tools(crn_app *app, const uint8_t *payload, size_t length);
 void crn_app_entry(crn_app *app, const uint8_t *payload, size_t length);
 void crn_app_reject_build(crn_app *app, uint16_t type, crn_build_status status, const crn_build_place *place);
 
-/* Converts scene bytes to the core's view of the lumen (app_lumen.c). `lumen` then points to `motion` if the
- * vessel moves, and to `lesions` if some can yield. The function returns 0, or the scene status that names
- * the error; in case of an error all outputs are unchanged. */
+/* Converts scene bytes to the core's view of the lumen (app_lumen.c). Afterwards `lumen` points to `motion`
+ * if the vessel moves, and to `lesions` if some of them can yield. The function returns 0, or the scene
+ * status that names the error; in case of an error all outputs are unchanged. */
 uint32_t crn_app_lumen_open(const uint8_t *bytes, uint32_t byte_count, crn_lumen *lumen, crn_motion *motion,
                             crn_lesion lesions[CRN_LESION_MAX]);
 

@@ -1,5 +1,5 @@
 /* This file turns scene bytes into the core's view of the lumen. The validator checks every byte before the
- * core sees one. */
+ * core uses any of them. */
 #include "firmware/app/app_internal.h"
 #include "shared/scene/scene.h"
 

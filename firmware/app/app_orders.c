@@ -1,11 +1,11 @@
 /* This file handles orders: the instructions to the core in a tick, other than the hands' positions
- * (shared/wire/wire_orders.def). Every order is checked here and nowhere else. In LOCKSTEP orders are part of
- * a tick's input; in FREE_RUN they arrive in the message `orders` and wait for a tick. */
+ * (shared/wire/wire_orders.def). Every order is checked here and nowhere else. In LOCKSTEP, orders are part
+ * of a tick's input. In FREE_RUN they arrive in the message `orders` and wait for a tick. */
 #include "firmware/app/app_internal.h"
 
 /* --- one order --- */
 
-/* Each handler fills its part of the set, and returns false when a value is out of its range. */
+/* Each handler fills its part of the set of orders, and returns false when a value is out of its range. */
 
 static bool take_rhythm(const crn_app *app, const crn_wire_order *order, crn_app_order_set *taken)
 {
@@ -59,7 +59,8 @@ uint16_t crn_app_orders_take(const crn_app *app, const crn_wire_order_list *list
 
 /* --- FREE_RUN --- */
 
-/* An `input` may be repeated or dropped, but orders may not: each list waits for its own tick. */
+/* A message `input` may be repeated or dropped, but orders may not: each list of orders waits for its own
+ * tick. */
 void crn_app_orders(crn_app *app, const uint8_t *payload, size_t length)
 {
     const uint16_t type = CRN_WIRE_TYPE_orders;

@@ -26,8 +26,9 @@ static bool in_range(uint32_t value, uint32_t low, uint32_t high)
 }
 
 /* A gain above one multiplies the stiffness that the hand feels of a coupling. A scale that states more
- * travel per count than is known has the same effect. The product is in 1/1000, rounded up. Overflow: the
- * product wraps for values that are out of their ranges and refused anyway; otherwise it is below 2^41. */
+ * travel per count than is known has the same effect. Returns the product of both factors in 1/1000, rounded
+ * up. Overflow: the product wraps for values that are out of their ranges and refused anyway; otherwise it is
+ * below 2^41. */
 static uint64_t loop_milli(const crn_wire_track *wire, uint32_t said, uint32_t known)
 {
     const uint64_t gain_milli =
@@ -40,7 +41,7 @@ static uint64_t loop_milli(const crn_wire_track *wire, uint32_t said, uint32_t k
  * whose force comes t late and is multiplied by G (docs/haptics.md). Format: K in N/m, b and B in 1/1000 N
  * s/m, G in 1/1000; both sides in 1e-9 N s/m. Overflow is impossible: G is below 2^32 (4 000 x 5 x 10^5, the
  * range of scales), and 10^5 x 2^32 x 20 500 and 10^6 x 2^32 are below 2^63. A track without a coupling has
- * no such limit. */
+ * no limit of this kind. */
 static bool is_passive(uint32_t stiffness, uint32_t damping, uint32_t damping_rig, uint32_t lag_us,
                        uint64_t factor_milli)
 {
@@ -184,7 +185,7 @@ static bool track_is_good(const crn_wire_track *wire, const crn_app_track *prese
     return rights.states_all || steps_are_free(wire, present, field);
 }
 
-/* Checks everything before it accepts anything. False: *field names the offender. */
+/* Checks all settings of a track before it accepts any of them. False: *field names the offender. */
 static bool track_set(crn_app_track *track, const crn_wire_track *asked, track_rights rights, uint32_t *field)
 {
     crn_wire_track wire = *asked;
@@ -204,7 +205,8 @@ static uint32_t stated(uint32_t built, uint32_t otherwise)
     return built != 0 ? built : otherwise;
 }
 
-/* At power-up a track is as its builder stated it, but without a reliable damping. */
+/* At power-up a track has the settings that its builder stated, but its stated damping does not count as
+ * reliable. */
 void crn_app_track_default(crn_app_track *track, const crn_port *port)
 {
     uint32_t field;

@@ -113,7 +113,7 @@ static void tool_from_wire(const crn_wire_instrument *wire, crn_instrument *tool
     }
 }
 
-/* Refuses with the reason why the core builds no model, and with the tool and knot at fault. */
+/* Refuses a request with the reason why the core builds no model, and with the tool and the knot at fault. */
 void crn_app_reject_build(crn_app *app, uint16_t type, crn_build_status status, const crn_build_place *place)
 {
     static const uint16_t codes[] = {

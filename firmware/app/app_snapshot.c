@@ -1,5 +1,5 @@
-/* A snapshot contains, as bytes, everything on which the next tick depends. Head (app) + the core's saved
- * state.
+/* A snapshot contains, as bytes, everything on which the next tick depends. A snapshot consists of a head,
+ * written by the app, and the core's saved state.
  *
  *   version u32 | tick u32 | tool count u32                                                     = 12 bytes
  *   per tool, always three: hand known u32 | last translation, rotation i32 |

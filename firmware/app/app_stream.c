@@ -151,8 +151,8 @@ void crn_app_stream_hash64(crn_app *app)
 
 /* --- the stream --- */
 
-/* Runs once per edge, after the outputs are written. A batch waits until it is full or no further tick will
- * come. */
+/* Runs once per edge, after the outputs are written. A batch of ticks waits until it is full or no further
+ * tick will come. */
 void crn_app_stream_flush(crn_app *app)
 {
     bool is_last = app->state != CRN_WIRE_STATE_RUNNING || app->mode != CRN_WIRE_MODE_FREE_RUN;
@@ -167,7 +167,7 @@ void crn_app_stream_flush(crn_app *app)
     send_picture(app);
 }
 
-/* A new session discards whatever the old one left in the queues. */
+/* Discards everything that an old session left in the queues, when a new session begins. */
 void crn_app_stream_clear(crn_app *app)
 {
     crn_app_queue *queue = &app->queue;

@@ -7,7 +7,7 @@
  * with a vessel that beats at 90 /min, either all of it or, as in a heart, only its last 200 mm. `coronary`
  * is a 0.014 in wire in a vessel of 1.5 mm radius on a beating sphere (tests/reference/moving_tube.h).
  * `balloon` is a wire in a balloon catheter of 256 elements in the three bends. The catheter's balloon of 3 x
- * 20 mm is folded, or fills the vessel at 8 bar. A row fails when its scene has fewer contacts than it
+ * 20 mm is folded, or fills the vessel at 8 bar. A row fails when its scene has fewer contacts than the row
  * states. */
 #include "firmware/bench/bench.h"
 #include "firmware/core/core_state.h"
@@ -56,7 +56,7 @@ static BENCH_MEASURED void measured_step(void)
     crn_step(&model, &state, &input, &output);
 }
 
-/* Makes one of three tools: it is thin, and tapers over 200 mm to a shaft that is half as stiff again. */
+/* Makes one of three tools: it is thin, and tapers over 200 mm to a shaft that is 1.5 times as stiff. */
 static void make_coaxial(crn_instrument *tool, uint32_t radius_um, uint32_t bore_um)
 {
     tool->knot_count = 3;
@@ -204,8 +204,8 @@ static void insert(const scene *s)
         bench_fail("the balloon does not fill the vessel");
 }
 
-/* Returns the deepest contact of a coronary wire, mm. Argument 0 selects the insertion at rest, and argument
- * 1 the following 60 s at 90 beats a minute. */
+/* Returns the depth of a coronary wire's deepest contact in mm. Argument 0 selects the insertion at rest, and
+ * argument 1 the following 60 s at 90 beats a minute. */
 static double run_coronary(const bench_case *self)
 {
     reference_tube *tube = reference_tube_make(reference_coronary, 3, 0.0015, 1);

@@ -1,6 +1,6 @@
 /* This header describes one measured case as a file, which budget_make.c (on the PC) writes and
  * budget_image.c (on the Cortex-M7) reads. Both programs use the same words: structs of 32-bit words,
- * little-endian. This header contains all calls of the core for the budget. */
+ * little-endian. This header contains all calls of the core that measure its budget of instructions. */
 #ifndef CRN_BUDGET_CASE_H
 #define CRN_BUDGET_CASE_H
 

@@ -41,7 +41,7 @@ static bool table_is_one(const crn_balloon *balloon, uint32_t folded_radius_um)
            balloon->burst_kPa <= CRN_PRESSURE_MAX_Pa / 1000;
 }
 
-/* Returns the outer radius of a tool at a place between its knots. Set-up only. */
+/* Returns the outer radius of a tool at an arc length, interpolated between its knots. Set-up only. */
 static uint32_t radius_at_um(const crn_instrument *tool, uint32_t arc_um)
 {
     uint32_t i = 0;
@@ -132,8 +132,8 @@ void crn_balloon_build(crn_balloon_model *model, const crn_instrument *tools, ui
 
 /* --- the maker's table ---------------------------------------------------------------------------------- */
 
-/* Returns y at x on the line through two points. Overflow is impossible: steps between points of a table are
- * below 2^23 in x and y, and beyond the last point the result is at most a few times that. */
+/* Returns y at x on the straight line through two points. Overflow is impossible: steps between points of a
+ * table are below 2^23 in x and y, and beyond the last point the result is at most a few times that. */
 static int32_t on_line(int32_t x, int32_t x0, int32_t x1, int32_t y0, int32_t y1)
 {
     return y0 + crn_scale_q30(y1 - y0, crn_quotient(x - x0, x1 - x0, 28)) * 4;
@@ -336,8 +336,8 @@ static int32_t fit_between(const crn_model *model, crn_state *state, const crn_l
     return (ahead + back) / 2;
 }
 
-/* Advances one ball by one tick. `length` is the length of wall that the ball represents. Returns the
- * pressure of the ball on the wall. */
+/* Advances one ball by one tick. `length_m_q30` is the length of wall that the ball represents. Returns the
+ * pressure with which the ball presses on the wall. */
 static int32_t grow(const crn_model *model, crn_state *state, uint32_t number, const place *at,
                     int32_t pressure_Pa, int32_t length_m_q30)
 {

@@ -5,8 +5,8 @@
  *   node 0 --edge 0-- node 1 --edge 1-- node 2  ...  node na-1 --edge na-1-- node na --edge na-- node na+1
  *                     joint 1           joint 2                              joint na
  *
- * One mesh serves all tools: node i lies at rest arc length S[i] behind the leading tip, whichever tool that
- * is. Tool k, whose tip is `offset` behind the leading one, is sampled at its own arc length S[i] - offset
+ * One mesh serves all tools: node i lies at the rest arc length S[i] behind the leading tip, whichever tool
+ * leads. Tool k, whose tip is `offset` behind the leading one, is sampled at its own arc length S[i] - offset
  * (rod_line.c). A joint lies on the node between two edges, and its cell reaches half an edge to either side.
  * Stiffness entries of the matrix are in Q(a) N/m with one exponent a for the whole line
  * (`stiffness_exponent`). The exponent is chosen so that no assembled diagonal can reach 2^29 wherever the
@@ -114,7 +114,7 @@ typedef struct crn_tip_hold {
 
 enum { CRN_BALLOON_UNFOLD_Pa = 50000 }; /* at this pressure the balloon is unfolded */
 
-/* The balloon of one of the tools; a ball_count of 0 means that there is none. */
+/* Describes the balloon of one of the tools; a ball_count of 0 means that there is none. */
 typedef struct crn_balloon_model {
     uint32_t tool, ball_count;
     int32_t distal_m_q30, spacing_m_q30;

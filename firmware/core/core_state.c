@@ -253,8 +253,8 @@ bool crn_state_restore(const crn_model *model, crn_state *state, const uint8_t *
 
 /* --- hashes --------------------------------------------------------------------------------------------- */
 
-/* Names the two ranges of words that enter a hash. Absent strut rings are left out; their words are 0 (`used`
- * gives the number of rings). */
+/* Names the two ranges of words that enter a hash. Absent strut rings are left out of the hash, and their
+ * words are 0 (`used` gives the number of rings). */
 typedef struct hashed_range {
     size_t first, end;
 } hashed_range;

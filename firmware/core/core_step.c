@@ -3,7 +3,7 @@
 #include "firmware/core/lesion.h"
 #include "firmware/core/strut.h"
 
-/* Returns the largest component of any node's deviation, Q33 m. */
+/* Returns the largest component of any node's deviation, in Q33 m. */
 static int32_t largest_deviation(const crn_state *state)
 {
     int32_t largest = 0;

@@ -1,10 +1,10 @@
 /* Fixed-point operations of the core. This is the only file that shifts, rounds and saturates.
  *
- * A number's format ends its name: `x_m_q30` is metres times 2^30 in an int32_t. Every function states what
- * it does, its Format, what happens on Overflow, and its Error (bound in LSB of the result, checked against
- * double in firmware/tests/test_fixed.c). Rounding is to nearest with ties toward +infinity, written as an
- * addition and an arithmetic shift. The Cortex-M7 DSP instructions (SMMULR) round in the same way, so every
- * machine agrees bit for bit. */
+ * The suffix of a number's name is its format: `x_m_q30` is metres times 2^30 in an int32_t. Every function
+ * states what it does, its Format, what happens on Overflow, and its Error (bound in LSB of the result,
+ * checked against double in firmware/tests/test_fixed.c). Rounding is to nearest with ties toward +infinity,
+ * written as an addition and an arithmetic shift. The Cortex-M7 DSP instructions (SMMULR) round in the same
+ * way, so every machine agrees bit for bit. */
 #ifndef CRN_FIXED_H
 #define CRN_FIXED_H
 
@@ -14,9 +14,9 @@
 
 #define CRN_ONE_Q30 ((int32_t)1 << 30)
 
-/* Shifts a possibly negative value right, arithmetically.
- * Format: 64 bit -> 64 bit, floor(a / 2^n), 0 <= n <= 63. Overflow: none. Error: exact floor. C11 leaves >>
- * of a negative value to the implementation; the test asserts that the compiler shifts arithmetically. */
+/* Shifts a possibly negative value right, arithmetically. Format: 64 bit -> 64 bit, floor(a / 2^n), 0 <= n <=
+ * 63. Overflow: none. Error: exact floor. C11 leaves the meaning of >> for a negative value to the
+ * implementation; the test asserts that the compiler shifts arithmetically. */
 static inline int64_t crn_asr64(int64_t a, unsigned n)
 {
     return a >> n;

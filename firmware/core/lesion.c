@@ -54,9 +54,9 @@ static bool is_near(const crn_lesion *lesion, const crn_vec3 *p)
     return true;
 }
 
-/* The first guess is along the chord; two corrections follow along the centreline's own direction. Each
- * correction reduces an error e to about e times the curvature times the offset from the centreline; in a
- * vessel this factor is below a half. */
+/* The first guess of the arc length is taken along the chord; two corrections follow along the centreline's
+ * own direction. Each correction reduces an error e to about e times the curvature times the offset from the
+ * centreline; in a vessel this factor is below a half. */
 bool crn_lesion_arc(const crn_lesion *lesion, const crn_vec3 *place_m_q30, int32_t *arc_m_q30)
 {
     if (!is_near(lesion, place_m_q30)) {

@@ -30,7 +30,8 @@ typedef struct crn_lesion_section {
     int32_t ratio_q30, widened_q24; /* k and 1 / k */
 } crn_lesion_section;
 
-/* Returns false where there is no open lesion. Where two lesions overlap, the first one counts. */
+/* Returns false where there is no open lesion. Where two lesions overlap, the section is that of the first
+ * one. */
 bool crn_lesion_section_at(const crn_lumen *lumen, const crn_lesion_state *lesions,
                            const crn_vec3 *place_m_q30, crn_lesion_section *section);
 /* Returns the distance to the wall in that section. The distance is accurate at the wall itself where the
@@ -42,7 +43,7 @@ int32_t crn_lesion_section_distance(const crn_lumen *lumen, const crn_lesion_sec
 bool crn_lesion_wall(const crn_model *model, const crn_state_words *words, crn_motion_pose *pose,
                      const crn_vec3 *world_m_q30, crn_lumen_sample *sample);
 
-/* Computes the position of a place along a lesion. Format: Q30 m from its first station. Returns false beyond
+/* Computes how far along a lesion a place lies. Format: Q30 m from its first station. Returns false beyond
  * the lesion's ends or far from it. */
 bool crn_lesion_arc(const crn_lesion *lesion, const crn_vec3 *place_m_q30, int32_t *arc_m_q30);
 

@@ -92,9 +92,9 @@ static inline lumen_weights weights_at(uint32_t x_q20)
     return (lumen_weights){low, (1 << 30) - low - high, high, (int32_t)(v_q20 << 9), (int32_t)(u_q20 << 9)};
 }
 
-/* Returns the high words of sums of three products. Format: Qa, weights Qb -> Q(a+b-32). Error: 1 LSB
- * (floor). Overflow is impossible. The weights of a value sum to one; those of a slope, whose format has one
- * bit less, sum to two in magnitude; so sums stay below 2^31 * 2^30. */
+/* These functions return the high words of sums of three products. Format: Qa, weights Qb -> Q(a+b-32).
+ * Error: 1 LSB (floor). Overflow is impossible. The weights of a value sum to one; those of a slope, whose
+ * format has one bit less, sum to two in magnitude; so sums stay below 2^31 * 2^30. */
 static inline int_fast32_t spline(int_fast32_t a, int_fast32_t b, int_fast32_t c, const lumen_weights *w)
 {
     return crn_high64((int64_t)a * w->low + (int64_t)b * w->middle + (int64_t)c * w->high);
@@ -204,9 +204,10 @@ static inline lumen_plane plane_of(const int8_t *c, const lumen_row_weights *x, 
                          slope(first.value, second.value, third.value, y)};
 }
 
-/* Evaluates the 27 taps, first along x, then y, then z. Overflow is impossible: a value lies between the
- * extremes of its taps, within 2^7, and a slope within twice that range. The weights have an error of 1 LSB
- * of Q15, which causes an error of 15 nm in the value and of 3e-5 in a slope of one. */
+/* Sums the 27 weighted coefficients (taps), first along x, then along y, then along z. Overflow is
+ * impossible: a value lies between the extremes of its taps, within 2^7, and a slope within twice that range.
+ * The weights have an error of 1 LSB of Q15, which causes an error of 15 nm in the value and of 3e-5 in a
+ * slope of one. */
 static inline lumen_taps spline_27(const lumen_place *p)
 {
     const lumen_row_weights x = row_weights_at(p->x_q20);

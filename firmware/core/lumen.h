@@ -1,7 +1,7 @@
 /* The lumen is a sparse signed-distance field of the inner vessel wall, and is read-only during a session.
  *
  * The signed distance phi, in metres in Q30, is negative inside the lumen (where blood is), and positive in
- * the wall and beyond. A wire of radius r has contact depth phi + r. The inward normal is n =
+ * the wall and beyond. A wire of radius r has the contact depth phi + r. The inward normal is n =
  * -grad(phi)/|grad(phi)|.
  *
  * Layout. Space is a regular lattice of coarse bricks of 8x8x8 voxels. The voxel edge of level L is 2^(20-L)
@@ -14,9 +14,9 @@
  *                           (x fastest), one level down. At most CRN_LUMEN_LEVELS - 1 refinements.
  * A brick holds 10x10x10 coefficients (x fastest) of the triquadratic B-spline of phi in units of voxel/32
  * (int8, saturated at +-127, that is +-3.97 voxels). Coefficient (i,j,k) belongs to the sample at voxel
- * centre (i-1, j-1, k-1) + 1/2 of this brick, so that bricks overlap by one sample on every side. Sample
- * values themselves are never stored: the baker prefilters so that the spline passes through the true
- * distances.
+ * centre (i-1, j-1, k-1) + 1/2 of this brick, so that bricks overlap by one sample on every side. The sample
+ * values themselves are never stored. The baker filters them beforehand, so that the spline passes through
+ * the true distances.
  *
  * shared/scene validates the data before use (they are hostile until checked). */
 #ifndef CRN_LUMEN_H

@@ -370,8 +370,8 @@ enum {
     ROUNDING_M_Q30 = 32
 }; /* bounds the quotients here and in crn_motion_contact, for distances up to 15.6 mm */
 
-/* Handles a point within a lattice. It is a separate function, so that it costs a node beyond both lattices
- * nothing. */
+/* Computes the distance for a point that lies within a lattice. It is a separate function, so that it costs a
+ * node beyond both lattices nothing. */
 CRN_APART static int32_t distance_inside(const crn_lumen *lumen, const crn_motion *motion,
                                          crn_motion_pose *pose, const crn_vec3 *world_m_q30,
                                          int32_t shrink_q30, int32_t far_m_q30)
@@ -399,7 +399,7 @@ int32_t crn_motion_distance(const crn_lumen *lumen, const crn_motion *motion, cr
     return distance_inside(lumen, motion, pose, world_m_q30, shrink_q30, far_m_q30);
 }
 
-/* Returns (I + dw/dx)^T n of a unit normal. Format: Q30 -> Q26. Overflow is impossible: a component is at
+/* Returns (I + dw/dx)^T n for a unit normal n. Format: Q30 -> Q26. Overflow is impossible: a component is at
  * most 1 + 5/8 sqrt(3), below the format's 8. Error: 2 LSB. */
 static inline crn_vec3 mapped_normal(const crn_motion_pose *pose, const crn_vec3 *normal_q30)
 {

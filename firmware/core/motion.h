@@ -1,16 +1,16 @@
 /* This header describes vessels that move. It finds where a point of the present world lies in the reference
  * pose, in which the lumen is described.
  *
- * Two coarse lattices hold displacements, one for the heartbeat (w) and one for breath (b). Breath is undone
- * first, then the heartbeat, because the chest carries the beating heart.
+ * Two coarse lattices hold displacements, one for the heartbeat (w) and one for breath (b). The displacement
+ * by breath is undone first, then that by the heartbeat, because the chest carries the beating heart.
  *
  *     X1 = x + depth b(x),  X = X1 + w(X1)
  *
  * Look-ups alone therefore map a world point to the reference pose, without iteration, and the wall is where
  * phi(X) = 0. In a cell, w is trilinear. The displacement b is smooth, and is linear in each of the cell's
- * six tetrahedra (Kuhn), which takes a third of the work. In time w is the periodic quadratic B-spline of 24
- * coefficients (C1; the baker prefilters, so that the spline passes through the keyframes). Outside a
- * lattice, and on its boundary, w = 0 and b = 0.
+ * six tetrahedra (Kuhn), which takes a third of the work. As a function of time, w is the periodic quadratic
+ * B-spline of 24 coefficients (C1). The baker filters them beforehand, so that the spline passes through the
+ * keyframes. Outside a lattice, and on its boundary, w = 0 and b = 0.
  *
  *     gradient of the depth used    g = (I + depth db/dx)^T (I + dw/dx)^T grad phi
  *     step of the wall in a tick    -(I + depth db/dx)^-1 ((I + dw/dx)^-1 (w now - w before)
@@ -133,12 +133,12 @@ int32_t crn_motion_distance(const crn_lumen *lumen, const crn_motion *motion, cr
 /* Like crn_lumen_contact for the moved wall: distance phi / |g| (exact at the wall), normal -g / |g|. */
 crn_lumen_sample crn_motion_contact(const crn_lumen *lumen, const crn_motion *motion, crn_motion_pose *pose,
                                     const crn_vec3 *world_m_q30);
-/* Does the same at the place of the last crn_motion_distance. */
+/* Does the same at the place of the last call of crn_motion_distance. */
 crn_lumen_sample crn_motion_contact_here(const crn_lumen *lumen, const crn_motion *motion,
                                          crn_motion_pose *pose);
 
-/* Converts a sample of the wall at the place of the last crn_motion_pull from the reference pose to the
- * world. */
+/* Converts a sample of the wall from the reference pose to the world, at the place of the last call of
+ * crn_motion_pull. */
 crn_lumen_sample crn_motion_carry(const crn_motion *motion, crn_motion_pose *pose, crn_lumen_sample sample);
 
 /* Returns the displacement of the wall in this tick at the place of the last contact. Format: Q33 m, limited

@@ -1,6 +1,6 @@
 /* The length of each heartbeat is chosen when the beat begins. The phase advances evenly to the end of
- * systole, and evenly from there to the next beat. Orders change the lengths, never the phase itself, so the
- * phase has no jumps. */
+ * systole, and evenly from there to the next beat. Orders change the lengths of beats, never the phase
+ * itself, so the phase has no jumps. */
 #include "firmware/core/rhythm.h"
 
 enum {

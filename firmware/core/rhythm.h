@@ -54,7 +54,7 @@ enum {
     CRN_RHYTHM_HOLDS_BREATH = 1u << 4,
 };
 
-/* Part of the state: words only. */
+/* Holds the rhythm, which is part of the core's state and consists of words only. */
 typedef struct crn_rhythm {
     uint32_t heart_phase32;
     uint32_t breath_phase32;

@@ -9,8 +9,8 @@
  * cases no registers. */
 #define CRN_RARE __attribute__((noinline, cold))
 
-/* Returns num / den for den > 0. Format: same Q in -> Q(q), q <= 30. Overflow: saturates. Error: 2^-29
- * relative. */
+/* Returns the quotient num / den for den > 0. Format: same Q in -> Q(q), q <= 30. Overflow: saturates. Error:
+ * 2^-29 relative. */
 static inline int32_t crn_quotient(int32_t num, int32_t den, unsigned q)
 {
     unsigned lead = crn_clz32((uint32_t)den) - 1;
@@ -205,11 +205,12 @@ crn_lumen_sample crn_wall_sample(const crn_model *model, const crn_state *state,
  * the surface is known, crn_contact_forces computes their forces (rod_contact.c). */
 void crn_contact_find(const crn_model *model, crn_state *state);
 void crn_contact_forces(const crn_model *model, crn_state *state);
-/* Looks for contacts that the prediction missed, given the solution and its largest component; returns how
- * many it added. */
+/* Looks for contacts that the prediction missed, from the solution and the solution's largest component;
+ * returns how many contacts it added. */
 uint32_t crn_contact_missed(const crn_model *model, crn_state *state, int32_t largest_m_q33);
 /* Returns the part of the solution, at most 1, that may be applied before a node with a missed contact is 0.1
- * mm deep. The caller passes the largest component that is applied in any case. Format: Q30. */
+ * mm deep. The caller passes the largest component of the solution that is applied in any case. Format:
+ * Q30. */
 int32_t crn_contact_share(const crn_model *model, crn_state *state, int32_t largest_m_q33);
 /* Updates the friction bristles after the solve and fills the output's contact fields. */
 void crn_contact_finish(const crn_model *model, crn_state *state, crn_output *output);

@@ -1,4 +1,4 @@
-/* Wall contact and friction (docs/rod.md, "contact").
+/* This file computes wall contact and friction (docs/rod.md, "contact").
  *
  * At the predicted configuration x* a node has the contact depth phi + r and the inward normal n. The node
  * touches the wall when its depth is positive or when its drift will make the depth positive.
@@ -475,7 +475,7 @@ int32_t crn_contact_share(const crn_model *model, crn_state *state, int32_t larg
 }
 
 /* Adds the displacement to the bristle z and limits the sum to mu N / k_t; the contact sticks when no limit
- * was necessary. `inwards` is the deviation along the normal. */
+ * was necessary. `inwards_m_q33` is the deviation along the normal. */
 static inline void move_bristle(const crn_state *state, crn_node_state *node, const crn_work *work,
                                 const crn_line_node *line, int32_t depth_m_q30, int32_t inwards_m_q33)
 {
@@ -540,7 +540,7 @@ void crn_contact_finish(const crn_model *model, crn_state *state, crn_output *ou
     }
 }
 
-/* Samples the wall at the state's moment; the pose is set to that moment. */
+/* Samples the wall at the state's moment; the function sets the pose to that moment. */
 static crn_lumen_sample wall_now(const crn_model *model, const crn_state *state, crn_motion_pose *pose,
                                  const crn_vec3 *position_m_q30)
 {

@@ -1,7 +1,7 @@
 /* This file leads from the hands to the predicted configuration. It computes how far each tool is fed in this
  * tick, and which nodes the feed frees or captures. It also computes where every node would be if the line
  * only slid along itself: x* = x - T ds, where ds is the displacement of the leading tip. The solve then
- * finds the deviation from that slide, so a fast feed adds no force of its own to the right side
+ * finds the deviation from this slide, so a fast feed adds no force of its own to the right side
  * (docs/rod.md, "feed"). */
 #include "firmware/core/rod.h"
 
@@ -54,7 +54,7 @@ static uint32_t line_compliance(const crn_state *state)
 }
 
 /* Limits a tool's feed by its hand's force limit. The leading tip is also limited by the force of all hands
- * together; otherwise two tips at one wall would increase each other's share, tick by tick. */
+ * together. Otherwise two tips at one wall would increase each other's share of the force, tick by tick. */
 static int32_t limit_feed(const crn_model *model, const crn_state *state, uint32_t k, int32_t feed_m_q30)
 {
     const crn_state_words *words = &state->words;
@@ -68,7 +68,7 @@ static int32_t limit_feed(const crn_model *model, const crn_state *state, uint32
     return crn_clamp(feed_m_q30, -pull, push < line ? push : line);
 }
 
-/* Returns the feed of one tool in this tick, Q30 m. The hand may be ahead of the tool by four times the
+/* Returns the feed of one tool in this tick, in Q30 m. The hand may be ahead of the tool by four times the
  * largest feed of a tick. Beyond that the hand slips, like a hand on a wire or a wire in the rig's rollers. A
  * tool stalls when it pushes or pulls as hard as a hand can. */
 static int32_t choose_feed(const crn_model *model, crn_state *state, uint32_t k, int32_t hand_m_q30)
@@ -92,7 +92,7 @@ static int32_t choose_feed(const crn_model *model, crn_state *state, uint32_t k,
     return allowed - tool->inserted_m_q30;
 }
 
-/* Feeds every tool. The line never gets shorter than a few elements: the last tool to be withdrawn stops
+/* Feeds every tool. The line never gets shorter than a few elements, so the last tool to be withdrawn stops
  * there. */
 static void feed_tools(const crn_model *model, crn_state *state, const crn_input *input)
 {

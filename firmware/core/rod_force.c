@@ -1,5 +1,5 @@
-/* Elastic forces at the predicted configuration x* (docs/rod.md, "energy" and "rows"); the matrix is in
- * rod_solve.c.
+/* This file computes the elastic forces at the predicted configuration x* (docs/rod.md, "energy" and "rows");
+ * the matrix is in rod_solve.c.
  *
  *     edge    w = (x*[i+1] - x*[i]) / l,  strain from |w|^2 by series (no root),  F = EA strain
  *             S = (k_s - k_g) t t^T + k_g I,  k_g = max(F, 0) / l plus what twist adds there, at most k_s

@@ -46,7 +46,7 @@ static crn_vec3 transport_sharply(crn_vec3 axis, const crn_vec3 *from, const crn
     return axis;
 }
 
-/* Returns u - (u.t') / (1 + t.t') (t + t'): parallel transport from t to t'. */
+/* Returns u - (u.t') / (1 + t.t') (t + t'), which is the parallel transport of u from t to t'. */
 static crn_vec3 transport(crn_vec3 axis, const crn_vec3 *from, const crn_vec3 *to)
 {
     int32_t tilt = crn_vec3_dot_unit(&axis, to);

@@ -1,7 +1,7 @@
-/* Edges that turn fast keep their length (docs/rod.md, "Turning edges"). When both ends of an edge move along
- * straight lines while the edge turns by an angle, the edge gets longer by half the angle's square. In a line
- * with an axial stiffness of some kN, this elongation causes a tension of many newtons. This file takes the
- * excess length back by moving the nodes ahead of the edge, towards the tip. */
+/* This file makes edges keep their length while they turn fast (docs/rod.md, "Turning edges"). When both ends
+ * of an edge move along straight lines while the edge turns by an angle, the edge gets longer by half the
+ * angle's square. In a line with an axial stiffness of some kN, this elongation causes a tension of many
+ * newtons. The excess length is taken back by moving the nodes ahead of the edge, towards the tip. */
 #include "firmware/core/rod.h"
 
 enum {

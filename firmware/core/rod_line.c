@@ -76,7 +76,7 @@ static int32_t turn_of(int32_t per_m_q20, int32_t length_m_q30)
 
 /* Returns the rest rotation g with which two unit edges rest at the angle `turn`. At this angle the edges
  * differ by 2 sin(turn / 2), and g is applied along the mean of their axes, which has the length cos(turn /
- * 2). So g is 2 tan(turn / 2) = turn (1 + turn^2 / 12 + turn^4 / 120). Error: 0.1 % at 1 rad. */
+ * 2). So g is 2 tan(turn / 2) = turn (1 + turn^2 / 12 + turn^4 / 120). The error is 0.1 % at 1 rad. */
 static int32_t rest_turn_of(int32_t turn_q30)
 {
     int32_t square = crn_mul_q30(turn_q30, turn_q30);
@@ -366,8 +366,8 @@ static bool is_straight(const crn_span *s)
             s->delta[CRN_CURVE2_PER_M_Q20]) == 0;
 }
 
-/* Returns whether the cell is plain: each tool is either absent or straight, without its tip, in one span.
- * The walk moves every tool's span to the cell. */
+/* Returns whether the cell is plain: each tool is either absent or straight, without its tip, in one span. As
+ * a side effect, the walk advances to the span in which each tool is at this cell. */
 static bool is_plain(walk *w, cell c)
 {
     for (uint32_t k = 0; k < w->model->tool_count; k++) {

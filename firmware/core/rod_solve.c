@@ -3,9 +3,9 @@
  *
  *   A[i][i] = D = R + S,  A[i][i+1] = Q - S,  A[i][i+2] = kb I
  *
- * Nodes na, na+1 do not deviate from the slide (delta = 0). S is the stiffness of the edge behind the node,
- * and R is that of everything else that acts on the node. Further, T = R + Q, V = D^-1 T (so that D^-1 (Q -
- * S) is V - I), and P = kb D^-1.
+ * Nodes na and na+1 do not deviate from the slide (delta = 0). S is the stiffness of the edge behind the
+ * node, and R is that of everything else that acts on the node. Further, T = R + Q, V = D^-1 T (so that D^-1
+ * (Q - S) is V - I), and P = kb D^-1.
  *
  *   R[i+1] += R + Q + Q^T - T^T V     R[i+2] -= kb P      Q[i+1] += kb (I - V^T)
  *   r[i+1] += r - V^T r               r[i+2] -= P r
@@ -152,8 +152,8 @@ static inline void add_along(const crn_vec3 *v_q30, int32_t stiffness, crn_sym3 
     d->m[ZZ] = crn_mulh_add(d->m[ZZ], z, v_q30->v[2]);
 }
 
-/* Adds S of the edge behind node i in Q(a). Format: (4 k) t keeps the fraction that k t in Q(a) would lose.
- * Overflow is impossible, because |S| <= k_s < 2^29. */
+/* Adds the stiffness S of the edge behind node i, in Q(a). Format: (4 k) t keeps the fraction that k t in
+ * Q(a) would lose. Overflow is impossible, because |S| <= k_s < 2^29. */
 static inline void add_edge(const crn_state *state, uint32_t i, crn_sym3 *d)
 {
     const crn_vec3 *t = &state->words.nodes[i].tangent_q30;
@@ -164,11 +164,11 @@ static inline void add_edge(const crn_state *state, uint32_t i, crn_sym3 *d)
     add_along(t, state->line.nodes[i].spring - geometric, d);
 }
 
-/* Adds k_n n n^T + k_f (I - n n^T) + k_r (I - n n^T - t' t'^T) of a touching node, where t' is the tangent
- * across n. A step across both n and t' turns the normal force, because the wall is round. Without k_r = N /
- * r, such a step would oscillate for ever where there is no friction (docs/rod.md, "contact"). With b = n x t
- * and c = n.t the last bracket is b b^T + c^2 (I - n n^T). A tip that touches the wall head on has no t', and
- * k_r then acts in all directions across n. */
+/* Adds the stiffness of a touching node, k_n n n^T + k_f (I - n n^T) + k_r (I - n n^T - t' t'^T), where t' is
+ * the tangent across n. A step across both n and t' turns the normal force, because the wall is round.
+ * Without k_r = N / r, such a step would oscillate for ever where there is no friction (docs/rod.md,
+ * "contact"). With b = n x t and c = n.t the last bracket is b b^T + c^2 (I - n n^T). A tip that touches the
+ * wall head on has no t', and k_r then acts in all directions across n. */
 static inline void add_wall(const crn_work *work, const crn_vec3 *tangent, crn_sym3 *d)
 {
     const crn_vec3 *n = &work->normal_q30;
@@ -280,8 +280,8 @@ static inline void give(given *from, const int32_t *q, const int32_t *t, const i
     from->second = second;
 }
 
-/* Eliminates row i; V' and P'' belong to the rows before. The assembled forces stay unchanged, so that a
- * second solve can start from them. Returns true when a force had to be limited. */
+/* Eliminates row i, where V' and P'' are those of the two rows before. The assembled forces stay unchanged,
+ * so that a second solve can start from them. Returns true when a force had to be limited. */
 static inline bool eliminate_row(const crn_model *model, crn_state *state, uint32_t i, const joints3 *joint,
                                  const int32_t *v_q29, const int32_t *p_q29, given *from)
 {

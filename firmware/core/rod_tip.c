@@ -43,11 +43,12 @@ static uint32_t count_rigid(const crn_model *model, const crn_state *state, uint
     return rigid < free_count ? rigid : free_count - 1;
 }
 
-/* Removes the rotation about an axis through node `root` from the remaining motion of the tip, and adds the
- * part that is kept to the slide. `drift_m_q33` holds the tip's motion relative to the root's motion here.
- * The angle follows from least squares: sum (a x r).w / sum (a x r)^2. Returns the sum of a x r, Q24 m.
- * Overflow is impossible: lever arms are below 2^26.7 in Q30 (96 mm, where restored edges are twice as long),
- * motions below 2^26.9 in Q33, and there are fewer than 2^8 nodes, so sums stay below 2^62. */
+/* Removes the rotation about an axis through node `root` from the remaining motion of the tip. The part of
+ * this rotation that is predicted to go on is added to the slide. `drift_m_q33` holds the tip's motion
+ * relative to the root's motion here. The angle follows from least squares: sum (a x r).w / sum (a x r)^2.
+ * Returns the sum of the products a x r, in Q24 m. Overflow is impossible: lever arms are below 2^26.7 in Q30
+ * (96 mm, where restored edges are twice as long), motions below 2^26.9 in Q33, and there are fewer than 2^8
+ * nodes, so sums stay below 2^62. */
 static crn_vec3 turn_about(crn_state *state, uint32_t root, const crn_vec3 *axis_q30)
 {
     const crn_vec3 *centre = &state->words.nodes[root].position_m_q30;

@@ -138,8 +138,8 @@ static inline int32_t pressing_force(const crn_vec3 *before, const crn_vec3 *her
 }
 
 /* The length over which a tool bears on the next one depends on clearance and stiffness; it is about 3 mm for
- * a wire in a catheter (sqrt(2 EI delta / M) with 0.05 mm, docs/rod.md). Without this length a step of the
- * moment would press harder the finer the mesh is. */
+ * a wire in a catheter (sqrt(2 EI delta / M) with 0.05 mm, docs/rod.md). Without this length, a finer mesh
+ * would give a larger pressing force at a step of the moment. */
 static inline void soften(int32_t share_q30, crn_vec3 *moment, const crn_vec3 *ahead)
 {
     for (int c = 0; c < 3; c++) {
@@ -218,7 +218,7 @@ typedef struct section {
     int32_t stored_N_q22;    /* S */
 } section;
 
-/* Adds tool k at its arc length `arc` to the section of joint i. */
+/* Adds tool k, at its arc length `arc_m_q30`, to the section of joint i. */
 static void add_tool(const crn_model *model, const crn_state *state, uint32_t k, int32_t arc_m_q30,
                      uint32_t i, section *sum)
 {

@@ -3,7 +3,7 @@
  * The unknown rotations theta of a tool's edges minimise sum k/2 (m + theta[i] - theta[i-1])^2 plus the
  * bending energy. The bending energy depends on the rest curvature, which turns with the frames; this makes a
  * J tip follow the hand. Two kinds of friction resist the rotation: friction of the wall on the tool that
- * touches it, and friction between a tool and the next one. There is one tridiagonal solve per tool from its
+ * touches it, and friction between a tool and the next one. Each tool takes one tridiagonal solve, from its
  * tip to the base. The edge in the introducer sheath is held at the hand's angle, so torque reaches the tip
  * within the tick (docs/rod.md, "twist"). */
 #include "firmware/core/rod.h"
@@ -116,9 +116,9 @@ static inline __attribute__((always_inline)) int32_t over_pivot(int32_t right, i
     return crn_narrow64(product, shift);
 }
 
-/* Eliminates the row of edge j of tool k. Pivots and couplings are in Q26 N m, the right side is in Q30 N m,
- * and angles are in Q30 rad. Overflow is impossible: k is below 2^30 (rod_line.c), curvature terms are below
- * 2^29 each, and friction and the hold are below 2^30 + 2^20, so the pivot fits 32 bits without a sign.
+/* Eliminates the equation of edge j of tool k. Pivots and couplings are in Q26 N m, the right side is in Q30
+ * N m, and angles are in Q30 rad. Overflow is impossible: k is below 2^30 (rod_line.c), curvature terms are
+ * below 2^29 each, and friction and the hold are below 2^30 + 2^20, so the pivot fits 32 bits without a sign.
  * Moments saturate. */
 static inline __attribute__((always_inline)) void eliminate_edge(const crn_model *model, crn_state *state,
                                                                  uint32_t k, uint32_t j, bool outermost,
@@ -221,7 +221,7 @@ static void hold_turn(const crn_model *model, const crn_state *state, twist_carr
     carry->curve_q26 = 16 << 26;
 }
 
-/* The function is inline, so that k and whether a tool is the outermost are constants in the loops. */
+/* The function is inline, so that `k` and `outermost` are constants in the loops. */
 static inline __attribute__((always_inline)) void twist_tool(const crn_model *model, crn_state *state,
                                                              uint32_t k, bool outermost)
 {

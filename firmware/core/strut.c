@@ -219,8 +219,8 @@ static crn_vec3 unit_of(const crn_vec3 *way)
     return crn_vec3_normalise(*way, none, NULL);
 }
 
-/* Returns a section between the planes across the chain at two rings. Overflow is impossible, because a place
- * within the box is less than 2^26 away. */
+/* Returns the section at a place that lies between the planes across the chain at two rings. Overflow is
+ * impossible, because a place within the box is less than 2^26 away. */
 static section section_between(const crn_strut_ring *ring, const crn_vec3 *first, const crn_vec3 *last,
                                const crn_vec3 *off_a, const crn_vec3 *off_b)
 {

@@ -65,8 +65,8 @@ crn_vec3 crn_vec3_cross(crn_vec3 a, crn_vec3 b, unsigned n);
 
 /* Scale to unit length. Format: any Q -> Q30. Overflow: only *length can overflow, and it saturates at its
  * largest value. The error is at most 3 LSB of Q30 per component for a vector of any length >= 1 LSB, and 1/2
- * LSB + 2^-29 relative for *length. A zero vector gives `fallback` and length 0. If `length` is not NULL,
- * *length receives the length in the input's format. */
+ * LSB + 2^-29 relative for *length. For a zero vector, the result is `fallback` and the length 0. If `length`
+ * is not NULL, *length receives the length in the input's format. */
 crn_vec3 crn_vec3_normalise(crn_vec3 a, crn_vec3 fallback, int32_t *length);
 
 #endif

@@ -42,7 +42,7 @@ typedef struct crn_port_track {
     bool over_current; /* a motor driver of this track limits its current or has tripped */
 } crn_port_track;
 
-/* One sample of the whole rig. */
+/* Holds one sample of the whole rig. */
 typedef struct crn_port_inputs {
     crn_port_hand hands[CRN_PORT_TOOL_MAX];
     crn_port_track tracks[CRN_PORT_TOOL_MAX];

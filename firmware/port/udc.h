@@ -66,10 +66,10 @@ typedef struct crn_udc {
     bool (*open)(void *context, uint8_t endpoint, crn_udc_type type, uint16_t packet_bytes);
     void (*close)(void *context, uint8_t endpoint);
 
-    /* Begins one transfer; the stack never begins a second one on an endpoint before the first is done or
-     * void. An IN transfer sends `count` bytes in packets, the last one short or full; with a `count` of 0 it
-     * sends one empty packet. An OUT transfer receives until `count` bytes are full or a short packet came;
-     * with a `count` of 0 it awaits one empty packet. */
+    /* Begins one transfer; the stack never begins a second one on an endpoint before the first is done or has
+     * become void. An IN transfer sends `count` bytes in packets, the last one short or full; with a `count`
+     * of 0 it sends one empty packet. An OUT transfer receives until `count` bytes are full or a short packet
+     * came; with a `count` of 0 it awaits one empty packet. */
     void (*arm)(void *context, uint8_t endpoint, uint8_t *bytes, uint32_t count);
 
     /* Answers STALL and drops the armed transfer. The stall ends when the endpoint is opened, at a bus reset

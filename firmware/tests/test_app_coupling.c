@@ -195,8 +195,8 @@ static void shake(int tick)
 }
 
 /* A hand that shakes by 0.5 mm from tick to tick gains energy from every sampled spring. The passivity
- * observer detects the energy, removes the force and reports it. A hand that then pushes on has returned the
- * energy, and the session continues. */
+ * observer detects the energy, removes the force and reports it. When the hand then pushes on, it has
+ * returned the energy, and the session continues. */
 static void forces_that_give_energy_are_reduced(void **state)
 {
     (void)state;

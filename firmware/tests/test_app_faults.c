@@ -236,7 +236,7 @@ static void a_force_that_was_not_asked_takes_the_power(void **state)
     expect_latched(CRN_FAULT_CODE_FORCE_MISMATCH);
 }
 
-/* This is shown in READY, ARMED and RUNNING while no force is commanded. */
+/* The test shows this in READY, ARMED and RUNNING while no force is commanded. */
 static void a_force_while_none_is_asked_takes_the_power(void **state)
 {
     (void)state;

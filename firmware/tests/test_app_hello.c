@@ -42,8 +42,8 @@ static void a_second_program_is_refused_while_the_first_leads_with_power(void **
     assert_int_equal(bench_status(&b).state, CRN_WIRE_STATE_RUNNING);
 }
 
-/* A refused HELLO is no sign of life of the program in charge: its silence ends the forces in the usual
- * time. */
+/* A refused HELLO does not count as a sign of life of the program in charge, whose silence ends the forces in
+ * the usual time. */
 static void a_refused_hello_does_not_keep_the_forces_of_a_dead_host(void **state)
 {
     (void)state;

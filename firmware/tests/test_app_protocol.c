@@ -70,7 +70,7 @@ static void motors_need_both_steps_in_their_order_and_time(void **state)
     assert_int_equal(crn_sim_read_motors(host->sim).drive, 1);
 }
 
-/* A permission powers one START; STOP, RESET, another mode and a fault all require both steps again. */
+/* A permission serves for one START; STOP, RESET, another mode and a fault all require both steps again. */
 static void a_permission_is_good_for_one_start(void **state)
 {
     (void)state;
@@ -112,8 +112,8 @@ static void a_permission_is_not_left_lying_about(void **state)
     expect_reject(CRN_REJECT_CODE_WRONG);
 }
 
-/* Every frame of a conversation that powers the motors is sent alone, and twice, to an armed device: none of
- * them powers a motor. */
+/* Every frame of a conversation that powers the motors is sent alone, and sent twice, to an armed device.
+ * None of these frames powers a motor. */
 static void no_single_frame_powers_a_motor(void **state)
 {
     (void)state;
@@ -234,8 +234,8 @@ static void begin_upload(uint32_t bytes, uint32_t crc32)
 }
 
 /* The upload is interrupted after 1,000 of 3,000 bytes. The host returns, requests the number of received
- * bytes, and sends the rest. The CRC over all bytes decides at the end. Here the check of the scene itself
- * fails on purpose, after the CRC was found good. */
+ * bytes, and sends the rest. The CRC over all bytes decides at the end whether an upload is accepted. Here
+ * the check of the scene itself fails on purpose, after the CRC was found good. */
 static void an_upload_that_was_cut_goes_on_where_it_stopped(void **state)
 {
     (void)state;
@@ -344,8 +344,8 @@ static void a_coupling_stiffer_than_the_rig_can_render_is_refused(void **state)
     expect_reject(CRN_REJECT_RIG_RANGE);
 }
 
-/* A host that states a count as a thousandth of its true value would defeat every check of forces. The
- * bench's sensors have 1 mN per count, and this present value may always be stated again. */
+/* A host that states a thousandth of the true value of a sensor's count would defeat every check of forces.
+ * The bench's sensors have 1 mN per count, and this present value may always be stated again. */
 static void the_force_sensors_scale_moves_by_a_quarter_without_the_local_unlock(void **state)
 {
     (void)state;

@@ -229,8 +229,8 @@ static void an_encoder_s_scale_moves_by_a_quarter_without_the_local_unlock(void 
         {65536, false, true});
 }
 
-/* A host that states a count as a quarter more than its true value makes the coupling a quarter stiffer than
- * stated. */
+/* When a host states a quarter more travel per count than there is, the coupling becomes a quarter stiffer
+ * than stated. */
 static void a_larger_scale_counts_as_stiffness(void **state)
 {
     (void)state;

@@ -336,9 +336,9 @@ static void what_hands_do_while_stopped_is_no_motion(void **state)
     expect_inserted(CATHETER, 50, 0.05);
 }
 
-/* The motor holds the weight of an upright wire. When the host falls silent, the force fades to nothing (30
- * ticks of patience, 20 of fading). The force stays at zero although the weight remains, and returns with the
- * host's next frame. */
+/* The motor holds the weight of a wire that stands upright. When the host falls silent, the force fades to
+ * nothing, after 30 ticks without effect and 20 ticks of fading. The force stays at zero although the weight
+ * remains, and returns with the host's next frame. */
 static void forces_fade_when_the_host_is_silent_and_come_back(void **state)
 {
     (void)state;

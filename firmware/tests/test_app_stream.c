@@ -1,6 +1,6 @@
-/* These tests make claims about the device's unsolicited messages. FREE_RUN loses a picture rather than a
- * tick and reports the loss. Notices report what happened at which tick, a STOP takes effect at its tick, and
- * the ticks of FREE_RUN replay in LOCKSTEP bit for bit. */
+/* These tests make claims about the device's unsolicited messages. When the pipe is full, FREE_RUN loses a
+ * picture rather than a tick, and reports the loss. Notices report what happened at which tick, a STOP takes
+ * effect at its tick, and the ticks of FREE_RUN replay in LOCKSTEP bit for bit. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -95,8 +95,8 @@ static double diameter_mm(int32_t radius_m_q30)
     return 2e3 * radius_m_q30 / Q30;
 }
 
-/* Bar: 2 %. The table is linear between its points. Below the first pressure of its table the balloon is
- * still unfolding.
+/* Bar: 2 %. The balloon's table is linear between its points. Below the first pressure of its table the
+ * balloon is still unfolding.
  */
 static void a_free_balloon_has_the_diameter_of_its_table(void **state)
 {
@@ -198,11 +198,11 @@ static double aside_mm(const rig *r)
     return most;
 }
 
-/* In free space nothing can press, so the hand feels only the weight. A ball of the balloon that leaves the
- * sheath or another tool begins on the line at that place. In an earlier version such a ball began at the
- * origin of the patient frame, some 300 mm away, and was tied to the line by 2 N/mm. This error gave 512 N at
- * the hand, 9.5 % of length error, and a depth of 3.5 mm in the wall of the shipped scene. The bars are a few
- * times the printed values. */
+/* In free space nothing presses on the balloon, so the hand feels only the weight. A ball of the balloon that
+ * leaves the sheath or another tool begins on the line at that place. In an earlier version such a ball began
+ * at the origin of the patient frame, some 300 mm away, and was tied to the line by 2 N/mm. This error gave
+ * 512 N at the hand, 9.5 % of length error, and a depth of 3.5 mm in the wall of the shipped scene. The bars
+ * of this test are a few times the printed values. */
 static void an_inflated_balloon_comes_out_of_sheath_and_guide_without_a_jolt(void **state)
 {
     (void)state;

@@ -1,7 +1,7 @@
 /* This program tests the USB controller driver of the real board (firmware/port/imxrt1062/usb_udc.c) on a
  * model of the controller (board_usb_model.h). Nobody has run this driver on hardware. The claims are: a host
  * on the bus sees exactly what the stack requests, packet by packet, and the host's actions arrive as the
- * events of firmware/port/udc.h. A model cannot show what the chip's manual does not state. */
+ * events of firmware/port/udc.h. The model cannot show anything that the chip's manual does not state. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

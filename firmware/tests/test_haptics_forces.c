@@ -142,7 +142,7 @@ static void a_lead_of_the_hand_is_a_force_on_it_and_a_step_of_the_tool(void **st
     assert_in_range(force(), 1999, 2001);
 }
 
-/* 1 000 uN m/rad times 1 rad. */
+/* The torque is 1 000 uN m/rad times 1 rad. */
 static void a_lead_about_the_line_is_a_torque(void **state)
 {
     (void)state;

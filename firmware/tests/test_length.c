@@ -79,8 +79,8 @@ static void a_fold_that_is_drawn_along_keeps_its_edges(void **context)
 }
 
 /* The corner of a right angle, fed by 10 um a tick, moves as far along both of its edges as the other ends of
- * these edges move. The tolerance is 0.1 um, the square of the feed over an edge. With a slide along the mean
- * of two tangents the corner moves half as far. */
+ * these edges move. The tolerance is 0.1 um, the square of the feed divided by the length of an edge. With a
+ * slide along the mean of two tangents the corner moves half as far. */
 static void the_corner_of_a_fold_goes_as_far_along_both_edges(void **context)
 {
     (void)context;
@@ -94,8 +94,9 @@ static void the_corner_of_a_fold_goes_as_far_along_both_edges(void **context)
     free(r);
 }
 
-/* The solve swings the first two edges aside by 0.25 rad. The tolerance of the length is 0.4 %; an error of
- * 0.14 % remains from the fourth power of the angle. Without the correction each edge is 3.1 % longer. */
+/* In this test the solve rotates the first two edges by 0.25 rad to the side. The tolerance of the length is
+ * 0.4 %; an error of 0.14 % remains from the fourth power of the angle. Without the correction each edge is
+ * 3.1 % longer. */
 static void edges_that_the_solve_swings_keep_their_length(void **context)
 {
     (void)context;

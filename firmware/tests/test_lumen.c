@@ -100,7 +100,7 @@ typedef struct where {
     crn_vec3 position;
 } where;
 
-/* Returns a random point in a brick of the given level of the scene above. */
+/* Returns a random point in a brick of the given level, in the scene that the test makes. */
 static where random_point(reference_random *random, int level)
 {
     where w = {0, level, {0, 0, 0}, {{0, 0, 0}}};
@@ -158,8 +158,8 @@ static void distance_is_that_of_contact_bit_for_bit(void **state)
     }
 }
 
-/* Fills every level-0 brick from a function of the place in voxels from the lattice corner, prefiltered for
- * quadratic functions: c = f - (second differences) / 8. */
+/* Fills every level-0 brick from a function of the place in voxels from the lattice corner. The values are
+ * filtered beforehand, exactly for quadratic functions: c = f - (second differences) / 8. */
 typedef double (*field)(double x, double y, double z);
 static void fill(field f)
 {

@@ -216,8 +216,8 @@ static void a_shaken_wire_rubs_with_its_mean_weight(void **context)
 /* --- hostile hand --------------------------------------------------------------------------------------- */
 
 /* A hand jumps at random for 20 s and turns at up to 12 rad/s. The rod stays stable, and leaves the lumen by
- * more than 1 mm in at most 1 of 1000 ticks. The length error is within 0.6 %, as in the prototype's fuzz
- * test. */
+ * more than 1 mm in at most 1 of 1000 ticks. The length error stays within 0.6 %, as in the fuzz test of the
+ * project's prototype. */
 static void random_hand_does_not_blow_the_rod_up(void **context)
 {
     (void)context;

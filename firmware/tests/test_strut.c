@@ -2,7 +2,7 @@
  * on the wire like a wall. A wire inside the stent rests on the inside of the struts, a wire outside rests on
  * their outside, and below the force that a cell of the stent withstands the wire does not pass through. A
  * wire between struts and wall is held by friction on both. An end of the stent deflects a wire's tip to one
- * side. Balloons do not feel the struts. The struts are part of the state, and an invalid order changes
+ * side. The struts do not act on balloons. The struts are part of the state, and an invalid order changes
  * nothing. The tests compare with closed forms of shells in straight tubes. */
 #include <math.h>
 #include <setjmp.h>
@@ -260,8 +260,8 @@ static void from_inside_a_wire_rests_on_the_struts_inside(void **state)
     free(r);
 }
 
-/* The stent lies beneath the wire, which rests on top of it. The wire is stiffer than in the test inside, so
- * that the span between sheath and stent does not lift the rest. */
+/* The stent lies beneath the wire, which rests on top of it. The wire is stiffer than in the test of a wire
+ * inside the stent, so that the span between sheath and stent does not lift the rest of it. */
 static void from_outside_a_wire_rests_on_the_struts_outside(void **state)
 {
     (void)state;

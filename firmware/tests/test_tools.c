@@ -93,7 +93,7 @@ static double torque_N_m(const rig *r, int tool)
     return r->output.tools[tool].torque_N_m_q24 / 16777216.0;
 }
 
-/* Returns the largest displacement of a node in the last tick, mm. */
+/* Returns the largest displacement of a node in the last tick, in mm. */
 static double largest_step_mm(const rig *r)
 {
     double largest = 0;
@@ -220,7 +220,7 @@ static void stiffness_and_weight_add_where_tools_overlap(void **context)
 
 /* Pushing the catheter over the J stores EI_w EI_c / (EI_w + EI_c) kappa^2 / 2 x 30 mm = 4.32 mJ of energy.
  * The work of the hands equals this energy, which is returned when the wire is pushed out again. The
- * tolerance of 5 % allows for the drag of the moving tip in blood. */
+ * tolerance of 5 % allows for the drag of the blood on the moving tip. */
 static void work_of_the_hands_is_the_energy_stored_in_the_j(void **context)
 {
     (void)context;

@@ -39,7 +39,7 @@ std::string line_of(const Fault &fault);
 // Throws std::invalid_argument with the word that the function does not recognise.
 Fault fault_of(const std::string &line);
 
-// Returns every fault of the campaign, in a fixed order, all different.
+// Returns all faults of the campaign, each once, in a fixed order.
 std::vector<Fault> all_faults();
 // Returns `count` faults, spread over all kinds.
 std::vector<Fault> spread_of(const std::vector<Fault> &faults, std::size_t count);

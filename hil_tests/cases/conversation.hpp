@@ -36,7 +36,7 @@ crn_wire_tick_input sample_input(std::uint32_t tick);
 Ending lockstep_session(crn::Link &link, std::uint32_t ticks, std::uint32_t batch,
                         const std::function<void(std::uint32_t tick)> &between = {});
 
-// Does the same without a bench, with the host's own device in this process.
+// Runs the same session without a bench, with the host's own device in this process.
 Ending host_only_session(std::uint32_t ticks, std::uint32_t batch);
 
 // Leads the device from READY to RUNNING in FREE_RUN, with power on the motors.

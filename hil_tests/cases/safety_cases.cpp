@@ -1,6 +1,6 @@
 // These cases test safety: whatever fails while the motors drive against a hand, they lose power in time, and
-// the device reports why. The meter is clamped to the emulated actuator, behind the power stage: it shows the
-// largest force within each millisecond.
+// the device reports why. The meter of these cases is clamped to the emulated actuator, behind the power
+// stage, and shows the largest force within each millisecond.
 #include "hil_tests/cases/conversation.hpp"
 
 namespace hil
@@ -41,7 +41,7 @@ struct Running {
         }
         return limit_ms + 1;
     }
-    // Returns the cause that the device latched.
+    // Returns the cause of the state FAULT that the device has latched.
     std::uint16_t fault_code()
     {
         link.free_run(0);
@@ -133,8 +133,8 @@ void a_frozen_processor_loses_power_in_5_ms_and_latches_a_fault(Level &level, co
     report.add(text("power off after %d ms, then %s", off_ms, crn_wire_fault_name(code)));
 }
 
-// The supply dips and the processor restarts, at any moment of a session. Afterwards there is no power and no
-// memory of the session, and a new session gives the usual hashes.
+// The supply dips and the processor restarts, at an arbitrary moment of a session. Afterwards there is no
+// power and no memory of the session, and a new session gives the usual hashes.
 void a_brown_out_is_safe_and_a_new_session_starts_clean(Level &level, const CaseOptions &, Report &report)
 {
     Running session(level);

@@ -17,7 +17,7 @@ typedef struct hil_piece {
 } hil_piece;
 
 /* Writes the scene file of a closed tube; returns the size of the file, or 0 when `capacity` is too small.
- * The entry is the origin, along +x. `level` 0 or 1 is the refinement of the field. */
+ * The entry of the tools is at the origin, along +x. `level` 0 or 1 is the refinement of the field. */
 size_t hil_scene_of(const hil_piece *pieces, uint32_t count, double radius_m, uint32_t level, uint8_t *file,
                     size_t capacity);
 

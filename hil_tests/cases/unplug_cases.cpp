@@ -1,6 +1,6 @@
-// In these cases the cable is pulled in the middle of a transfer. A device on USB takes itself off the bus
-// with a packet of the transfer (docs/usb.md); elsewhere the pipe ends within a frame. Bytes under way are
-// lost in both directions.
+// In these cases the cable is pulled in the middle of a transfer. A device on USB disconnects itself from the
+// bus with a packet of the transfer (docs/usb.md); with other pipes, the pipe ends within a frame. Bytes that
+// are being transferred are lost in both directions.
 #include "hil_tests/cases/conversation.hpp"
 #include <algorithm>
 #include <optional>
@@ -25,7 +25,8 @@ class Cable final : public crn::Transport
         if (!bench_.pull_cable(bytes, away_ms)) left_ = bytes;
     }
 
-    // The device stays unplugged for this long. After that, it or a replacement can be reached again.
+    // Plugs the cable in again after the device was unplugged for `away_ms`. After that, the device or a
+    // replacement can be reached again.
     void plug()
     {
         bench_.advance(away_ms + 1);

@@ -1,6 +1,6 @@
 /* Level L2 runs a program that sees rigs on USB, on a machine without USB. The library umockdev, loaded into
  * the program, redirects its calls to /dev/bus/usb and /dev/hidraw* to this file, where they become tokens
- * for the device on the mailbox. The program and its libraries are the shipped ones.
+ * for the device on the mailbox. The program and its libraries are those that users run, without changes.
  *
  *   umockdev-wrapper mock_bus --here -- PROGRAM ARGUMENT...     the loop-back rig
  *   umockdev-wrapper mock_bus --app -- PROGRAM ARGUMENT...      the whole app
@@ -128,9 +128,9 @@ static void tell(mock *m, const char *what)
     g_free(path);
 }
 
-/* umockdev ends a program that is in the middle of a call when its node is removed. The nodes of an unplugged
- * device therefore answer ENODEV until the device returns. It does not return before programs had time to
- * release it. */
+/* umockdev would end a program that is in the middle of a call when its node is removed. The nodes of an
+ * unplugged device therefore answer ENODEV until the device returns. It does not return before programs had
+ * time to release it. */
 static void detach(mock *m)
 {
     if (!m->is_attached) return;

@@ -64,7 +64,7 @@ void mock_usbfs_complete(mock *m, const usb_urb *urb)
         if ((uint64_t)(uintptr_t)one == urb->id) finish(m, one, mock_errno(urb->result), urb->done);
 }
 
-/* Ends transfers under way as the kernel does, and makes the node ready for its readers. */
+/* Ends transfers that are in progress as the kernel does, and makes the node ready for its readers. */
 void mock_usbfs_unplugged(mock *m)
 {
     usb_urb urb;

@@ -5,7 +5,7 @@
  *   bridge SOCKET --mailbox FILE[:OFFSET]    whatever serves the mailbox in FILE
  *
  * The program waits for QEMU to connect (`-chardev socket,path=SOCKET -device usb-redir`), and ends when QEMU
- * disconnects. The device may unplug itself, restart and come back at any time. The exit code is 0; it is 1
+ * disconnects. The device may unplug itself, restart, and come back at any time. The exit code is 0; it is 1
  * when the device hangs, and 2 for bad arguments. */
 #define _GNU_SOURCE /* ppoll */
 #include <errno.h>

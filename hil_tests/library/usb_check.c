@@ -68,7 +68,7 @@ static void make_frame(int length)
     frame[length - 1] = 0;
 }
 
-/* Reads everything up to `length` bytes; short reads are joined. */
+/* Reads all bytes up to `length`, and joins short reads. */
 static bool read_bytes(int length)
 {
     int got = 0;

@@ -1,6 +1,6 @@
-// This header has the commands that talk to a device. Each runs in this process from its command line to its
-// exit code, with a lying device on the bus. It also has a check whether the recordings of these commands are
-// true.
+// This header has the commands that talk to a device. Each command runs in this process from its command line
+// to its exit code, with a lying device on the bus. It also has a check whether the recordings of these
+// commands are true.
 #pragma once
 #include "hil_tests/lies/lie.hpp"
 #include <functional>
@@ -20,8 +20,8 @@ const std::vector<LiedTo> &lied_to();
 
 // Writes scene, tool and session into the folder. The session is `ticks` long.
 void write_inputs(const std::string &folder, unsigned ticks);
-// Runs the command and returns its exit code. The process must end afterwards, because threads of the bus run
-// on.
+// Runs the command and returns its exit code. The process must end afterwards, because threads of the
+// simulated bus continue to run.
 int run_command(const LiedTo &command, const Lie &lie, const std::string &folder,
                 const std::function<void()> &struck);
 

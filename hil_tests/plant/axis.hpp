@@ -9,8 +9,8 @@
 //
 // Positions are in m or rad and positive into the patient; forces are in N or N m. A motor command is
 // positive when it pushes the hand back out, so it accelerates the tool in the negative direction. In every
-// step of 50 us the two frictions are solved together as bounded impulses, so that sticking is exact: a body
-// at rest under less than its friction does not creep.
+// step of 50 us the two frictions are solved together as bounded impulses. Sticking is therefore exact: a
+// body at rest under a force below its friction does not creep.
 #pragma once
 
 namespace hil

@@ -79,15 +79,15 @@ class Plant
 
     explicit Plant(const PlantSettings &settings);
 
-    // Runs one millisecond with these outputs; `inputs()` is the sample at its end.
+    // Runs one millisecond with these outputs; `inputs()` is the sample at the millisecond's end.
     void step(const crn_port_outputs &outputs);
     const crn_port_inputs &inputs() const { return inputs_; }
 
     Track &track(int k) { return tracks_[static_cast<std::size_t>(k)]; }
     std::uint64_t milliseconds() const { return milliseconds_; }
     bool is_stage_on() const { return is_stage_on_; }
-    // Returns the largest force of any motor within the last millisecond: the reading of a meter at the
-    // actuator.
+    // Returns the largest force of any motor within the last millisecond, as a meter at the actuator would
+    // show it.
     double motor_peak_N() const;
     double motor_torque_peak_N_m() const;
 

@@ -3,10 +3,11 @@
 //
 //   hil_rig [--serial S] [--live] -- COMMAND ARGUMENT...
 //
-// The image runs in an emulator. Its milliseconds and its sensor values come from a plant in this process, in
-// real time (--live: a hand that pushes, turns and pulls back against the motors), or from the client of the
-// bench socket. In COMMAND, {mailbox} is replaced by the place of the device's USB tokens, for bridge and
-// mock_bus, and {bench} by the path of the socket. The exit code is the command's, or 1.
+// The device's image runs in an emulator. Its milliseconds and its sensor values come from a plant in this
+// process, in real time (--live: a hand that pushes, turns and pulls back against the motors), or from the
+// client of the bench socket. In COMMAND, {mailbox} is replaced by the place of the device's USB tokens, for
+// bridge and mock_bus, and {bench} by the path of the socket. The exit code is that of the command, or 1 when
+// something did not start.
 #include "hil_tests/l1/bench_server.hpp"
 #include "hil_tests/l1/emulated_bench.hpp"
 #include "host/base/interrupt.hpp"
@@ -46,7 +47,7 @@ struct Meters {
     double edge_us = 0.0;
 };
 
-// Pushes for 3 s, turns, and pulls back for 2 s.
+// Makes the hand push for 3 s, turn, and pull back for 2 s.
 void move_hand(hil::Plant &plant)
 {
     const std::uint64_t ms = plant.milliseconds() % 5000;
@@ -137,7 +138,7 @@ pid_t start(const std::vector<std::string> &command)
     _exit(127);
 }
 
-// Returns the exit code once the command has ended; empty while it runs.
+// Returns the exit code once the command has ended, and nothing while it runs.
 std::optional<int> ended(pid_t child)
 {
     int status = 0;

@@ -156,7 +156,7 @@ class Shrinker
 };
 
 // Returns a piece of the script without a tool: the tool's own name is removed, and the tools outside of it
-// move in by one. The result is empty when nothing is left.
+// move in by one. The result is empty when nothing of the line is left.
 std::string part_without(const std::string &part, std::size_t tool)
 {
     std::vector<std::string> words = words_of(part);

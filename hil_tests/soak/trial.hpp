@@ -39,7 +39,7 @@ struct TrialSettings {
 
 Verdict run_trial(const Catalogue &catalogue, const DrawnSession &session, const TrialSettings &settings);
 
-// Runs the trial in a separate process, so that a crash and an endless loop are verdicts, too.
+// Runs the trial in a separate process, so that a crash and an endless loop also give a verdict.
 Verdict run_isolated(const std::function<Verdict()> &trial, double seconds_max);
 
 // These functions write a verdict as words separated by tabs, and read it back. Throws std::runtime_error.

@@ -26,7 +26,7 @@ class Watch final : public crn::FrameSink
     std::uint32_t next_tick() const override;
     void frame(const crn::SessionFrame &frame) override;
 
-    // Reads the device's present log. Throws Enough for a fault that no session may have.
+    // Reads the device's present log. Throws Enough for a fault that must not occur in any session.
     void look_at_faults(std::uint32_t tick);
     // Checks, when the session is over, that the injected iodine equals the iodine in the vessels plus the
     // iodine that left. Throws Enough.

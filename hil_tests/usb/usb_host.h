@@ -48,7 +48,7 @@ const char *usb_result_name(usb_result result);
 /* Returns whether a device is connected, with its pull-up on. */
 bool usb_host_sees_device(const usb_host *host);
 
-/* Changes the bus; a reset clears the address and the toggles. */
+/* Changes the state of the bus; a reset clears the address and the toggles. */
 usb_result usb_host_bus(usb_host *host, crn_mailbox_bus state);
 
 /* Sends one token unchanged; the data of the reply go to `bytes`, at most `capacity` of them. Returns USB_OK,

@@ -34,7 +34,7 @@ const char *usb_judge_configuration(const uint8_t *bytes, size_t count, uint8_t 
                                     usb_judged *judged);
 const char *usb_judge_reports(const uint8_t *bytes, size_t count, usb_judged_report *reports,
                               size_t *report_count);
-/* Fills the vendor code and the announced length of the Microsoft set. */
+/* Fills in the vendor code and the announced length of the Microsoft descriptor set. */
 const char *usb_judge_bos(const uint8_t *bytes, size_t count, uint8_t *vendor_code, uint16_t *set_bytes);
 const char *usb_judge_ms_os(const uint8_t *bytes, size_t count, uint8_t *first_interface);
 

@@ -34,8 +34,8 @@ void usb_peer_open_app(usb_peer *peer, const char *serial);
 /* Opens a mailbox at `offset` of a file that is large enough. Returns NULL, or an error message. */
 const char *usb_peer_open_file(usb_peer *peer, const char *path, uint64_t offset);
 
-/* Opens a device by the words of a command line: "--here", "--app", "--app=SERIAL", or "--mailbox" and
- * FILE[:OFFSET]. Counts the words that were used. Returns NULL, or an error message. */
+/* Opens a device by the words of a command line ("--here", "--app", "--app=SERIAL", or "--mailbox" and
+ * FILE[:OFFSET]), and counts the words that it used. Returns NULL, or an error message. */
 const char *usb_peer_open(usb_peer *peer, int count, char **words, int *used);
 
 /* Lets a device in this process do all work that is due by now. */

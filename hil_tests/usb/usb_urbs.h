@@ -1,6 +1,6 @@
 /* This header keeps the transfers that wait: the records of a host controller driver for each endpoint. Each
- * step tries one packet of the first transfer of every endpoint. A step never waits for a device that has no
- * data, so that one slow endpoint holds up no other. */
+ * step tries one packet of the first waiting transfer of every endpoint. A step never waits for a device that
+ * has no data, so that one slow endpoint holds up no other. */
 #ifndef CRN_USB_URBS_H
 #define CRN_USB_URBS_H
 

@@ -28,7 +28,8 @@ crn_scene_lesion_view crn_scene_lesion(const crn_scene *scene, uint32_t index)
     return view;
 }
 
-/* A lesion must lie on points that its branch has; healthy points follow each other without a gap. */
+/* A lesion must lie on points that its branch has, and the points of its healthy vessel must follow each
+ * other without a gap. */
 static crn_scene_status check_lesion(crn_scene_check *check, const crn_scene *scene, size_t where,
                                      uint32_t *points_before)
 {

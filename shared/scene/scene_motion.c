@@ -1,6 +1,6 @@
 /* This file checks the MOTION and BREATH sections. Every number must be within the range for which the core's
- * arithmetic is proved to be correct. Neighbours must be close enough that the map is one to one for any wall
- * that a heart has. The nodes on the boundary of a lattice must not move. */
+ * arithmetic is proved to be correct. The displacements of neighbouring nodes must be so close that the map
+ * is one to one for any wall that a heart has. The nodes on the boundary of a lattice must not move. */
 #include "shared/scene/scene_check.h"
 
 enum { COMPONENTS = 3, COPIES = 2 };
@@ -109,7 +109,7 @@ crn_scene_status crn_scene_check_motion(crn_scene_check *check, crn_scene_span s
     motion->spacing_log2_q30 = crn_scene_u16(header + 18);
     if (span.size != CRN_SCENE_MOTION_HEADER_BYTES + 2 * COMPONENTS * rules.row * nodes)
         return crn_scene_fault_at(check, CRN_SCENE_SECTION_SIZE, span.offset + 12);
-    /* The rows are used in place, like the lumen's samples. */
+    /* The core uses the rows in place, like the lumen's samples. */
     const size_t rows_at = span.offset + CRN_SCENE_MOTION_HEADER_BYTES;
     motion->rows = (const int16_t *)(const void *)(check->bytes + rows_at);
     size_t node = 0;

@@ -5,8 +5,8 @@
  *
  * The CRC covers all bytes before it. `sequence` counts the sender's frames; `answers` repeats the sequence
  * of the request in a reply (0 in a message without a request). COBS leaves no zero inside a frame, so a
- * receiver that lost its place finds the next frame behind the next zero. The decoder accepts bytes in pieces
- * of any size. The decoder never writes outside its buffer, and counts dropped frames by cause.
+ * receiver that lost its place finds the next frame behind the next zero byte. The decoder accepts bytes in
+ * pieces of any size. The decoder never writes outside its buffer, and counts dropped frames by cause.
  *
  * C11 and C++20.
  */

@@ -28,10 +28,10 @@ static int64_t work_pJ(const crn_port_motor *motor, int32_t travel_m_q30, int32_
     return along + about;
 }
 
-/* Updates the share of the force that keeps the track passive. The credit for energy that the hand has put in
- * is limited, and a debt is forgiven slowly, so that a track never stays without force. The share falls once
- * the hand has received more energy than it put in, plus a margin. A powered track that stays in that state
- * stops the device (safety/carriage.c). */
+/* Updates the share of the force that a motor may give so that the track stays passive. The credit for energy
+ * that the hand has put in is limited, and a debt is forgiven slowly, so that a track never stays without
+ * force. The share falls once the hand has received more energy than it put in, plus a margin. A powered
+ * track that stays in that state stops the device (safety/carriage.c). */
 static void observe_energy(crn_haptics *haptics, uint32_t k, const crn_hand_position *hand,
                            crn_findings *findings)
 {

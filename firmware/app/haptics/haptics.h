@@ -1,7 +1,7 @@
 /* The haptics consist of a virtual coupling between hands and tools, and of the forces requested from the
- * motors (docs/haptics.md). These files use positions, forces and their own memory; they use neither the app,
- * nor the wire, nor the rod. All results depend only on encoder counts and the core's own results, so they
- * are bit-reproducible; the haptics' memory is part of the snapshot.
+ * motors (docs/haptics.md). These files use positions, forces and their own memory. They use neither the app,
+ * nor the wire protocol, nor the rod. All results depend only on encoder counts and the core's own results,
+ * so they are bit-reproducible; the haptics' memory is part of the snapshot.
  *
  *   hands, tools before the tick -> crn_haptics_before -> what the core takes for the hands
  *   hands, tools after the tick  -> crn_haptics_after  -> motors (requested), findings
@@ -21,7 +21,7 @@ typedef struct crn_haptics_coupling {
 } crn_haptics_coupling;
 
 /* Holds the same values in the axis's own units: travel in Q30 m and force in Q22 N, or travel in 2^-32 turn
- * and torque in Q24 N m. Force per travel is stiffness / 2^shift. */
+ * and torque in Q24 N m. The force per travel is stiffness / 2^shift. */
 typedef struct crn_haptics_axis {
     int64_t stiffness; /* 0: no coupling */
     int64_t damping;   /* the same format, per travel of one tick */

@@ -1,7 +1,7 @@
 /* This file protects against a carriage that nobody holds (docs/haptics.md, "A carriage that nobody holds"):
  * its motor's force ends, and the motor makes the carriage no faster than a hand would. The checks run once
  * per edge on this edge's sample, after everything that decides the requested force. The requested force
- * therefore depends on encoder counts and the core alone, and a session replays. */
+ * therefore depends on encoder counts and the core alone, and a session can be replayed. */
 #include "firmware/app/safety/carriage.h"
 #include "firmware/app/safety/arithmetic.h"
 

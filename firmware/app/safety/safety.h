@@ -93,13 +93,13 @@ crn_fault_code crn_safety_ready(const crn_safety *safety, const crn_safety_input
 /* The power comes on. `input` has a sample; all memory of earlier samples is cleared. */
 void crn_safety_on(crn_safety *safety, const crn_safety_input *input);
 
-/* Removes the power at once: there is no force, and the drive line no longer flips. The lamp is left to the
- * caller. */
+/* Removes the power at once: there is no force, and the drive line no longer flips. The caller sets the lamp
+ * of the rig. */
 void crn_safety_off(crn_safety *safety, crn_port_outputs *outputs);
 
 /* Runs once per edge and computes the motors' forces from the forces that the haptics request. While the
  * motors have power, the drive line flips at each edge, which keeps the power stage on for another
- * CRN_PORT_DRIVE_HOLD_ms. The lamp is left to the caller. */
+ * CRN_PORT_DRIVE_HOLD_ms. The caller sets the lamp of the rig. */
 void crn_safety_drive(crn_safety *safety, const crn_safety_input *input,
                       const crn_port_motor asked[CRN_PORT_TOOL_MAX], crn_port_outputs *outputs);
 

@@ -55,7 +55,7 @@ typedef enum crn_usb_link {
     CRN_USB_SUSPENDED,    /* it was configured, and the bus sleeps */
 } crn_usb_link;
 
-/* Callbacks of the glue in a port; each one runs inside crn_usb_poll. */
+/* Lists the callbacks that a port's connecting code provides; each one runs inside crn_usb_poll. */
 typedef struct crn_usb_app {
     void *context;
     void (*receive)(void *context, const uint8_t *bytes, size_t count); /* of the stream; may transmit */
@@ -80,7 +80,7 @@ typedef struct crn_usb_config {
                              CRN_WIRE_FRAME_MAX, at most half of the queue */
 } crn_usb_config;
 
-/* Endpoints in the order of usb_table.def. */
+/* Lists the endpoints in the order of usb_table.def. */
 typedef enum crn_usb_pipe {
 #define USB_ENDPOINT(INTERFACE, NAME, address, type, full_bytes, full_interval, high_bytes, high_interval,   \
                      text)                                                                                   \
@@ -156,12 +156,12 @@ bool crn_usb_poll(crn_usb *usb);
  * device, or while the bus sleeps. */
 void crn_usb_timer(crn_usb *usb, const crn_hid_state *state);
 
-/* Queues a whole frame for the host. Returns false when the device is not configured or there is no space;
- * nothing is queued in that case. */
+/* Queues a whole frame that goes to the host. Returns false when the device is not configured or there is no
+ * space; nothing is queued in that case. */
 bool crn_usb_transmit(crn_usb *usb, const uint8_t *frame, size_t frame_bytes);
 
-/* Returns how many more bytes the queue can take. A caller can thus drop a picture instead of being
- * refused. */
+/* Returns how many more bytes the queue can take. With this number, a caller can drop a picture instead of
+ * having a frame refused. */
 uint32_t crn_usb_queue_room(const crn_usb *usb);
 
 #endif

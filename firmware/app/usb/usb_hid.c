@@ -56,8 +56,8 @@ static bool get_report(const crn_usb *usb, const crn_usb_setup *setup, crn_wire_
     }
 }
 
-/* Idle rates are kept and answered, but change nothing, because every report differs from the last one by its
- * tick. */
+/* Idle rates are stored and can be read back, but change nothing, because every report differs from the last
+ * one by its tick. */
 bool crn_usb_hid_request(crn_usb *usb, const crn_usb_setup *setup, crn_wire_writer *reply)
 {
     const bool to_host = (setup->type & CRN_USB_TYPE_IN) != 0;
@@ -72,7 +72,7 @@ bool crn_usb_hid_request(crn_usb *usb, const crn_usb_setup *setup, crn_wire_writ
     return true;
 }
 
-/* Reports that waited for another host, or before a halt, are out of date. */
+/* Drops reports that waited for another host, or from before a halt, because they are out of date. */
 void crn_usb_hid_begin(crn_usb *usb)
 {
     usb->report_first = usb->report_count = 0;

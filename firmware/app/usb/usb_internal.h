@@ -48,7 +48,7 @@ enum {
     CRN_USB_DESCRIPTOR_REPORT = 0x22,
 };
 
-/* Interfaces in the order of usb_table.def. */
+/* Lists the interfaces in the order of usb_table.def. */
 typedef enum crn_usb_interface {
 #define USB_INTERFACE(NAME, class, text) CRN_USB_INTERFACE_##NAME,
 #include "firmware/app/usb/usb_table.def"

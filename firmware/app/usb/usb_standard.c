@@ -63,7 +63,8 @@ static bool halt(crn_usb *usb, const crn_usb_setup *setup, bool set)
     return true;
 }
 
-/* The selector is in the high byte of wIndex; it exists at high speed only (USB 2.0, 9.4.9). */
+/* The selector of the test mode is in the high byte of wIndex; test modes exist at high speed only (USB 2.0,
+ * 9.4.9). */
 static bool test_mode(crn_usb *usb, const crn_usb_setup *setup)
 {
     const uint16_t selector = setup->index >> 8;

@@ -42,8 +42,8 @@ bool crn_usb_transmit(crn_usb *usb, const uint8_t *frame, size_t frame_bytes)
     return true;
 }
 
-/* Sends as many bytes as lie in one piece of the ring. A piece that ends at the ring's end may end with a
- * short packet, which means nothing. */
+/* Sends as many bytes as lie in one piece of the ring. A piece that ends at the end of the ring may end with
+ * a short packet, which has no meaning in the stream. */
 void crn_usb_stream_send(crn_usb *usb)
 {
     if (!crn_usb_pipe_is_free(usb, CRN_USB_STREAM_IN)) return;

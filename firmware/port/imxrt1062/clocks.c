@@ -58,8 +58,8 @@ static bool take_clocks(void)
 
 static void start_watchdog(void)
 {
-    /* The ROM may have left the other watchdog on. That watchdog is unlocked, then turned off, before its
-     * window of 255 clocks ends. */
+    /* The ROM may have left the chip's other watchdog on. That watchdog is unlocked, then turned off, before
+     * its window of 255 clocks ends. */
     if (R32(BASE_RTWDOG, RTWDOG_CS) & MASK(RTWDOG_CS_EN)) {
         R32(BASE_RTWDOG, RTWDOG_CNT) = 0xd928c520u;
         R32(BASE_RTWDOG, RTWDOG_TOVAL) = 0xffffu;

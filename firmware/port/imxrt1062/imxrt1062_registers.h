@@ -17,7 +17,7 @@
 #ifndef R32
 #define R16(base, offset) (*(volatile uint16_t *)(uintptr_t)((base) + (offset)))
 #define R32(base, offset) (*(volatile uint32_t *)(uintptr_t)((base) + (offset)))
-/* Where a test provides a model, these macros pass it every access by name. */
+/* Where a test provides a model of the chip, these macros pass every access to the model by name. */
 #define LOAD(REGISTER) (REGISTER)
 #define STORE(REGISTER, value) ((REGISTER) = (value))
 #endif

@@ -14,8 +14,8 @@
  * sensor.
  *
  * The plant makes the milliseconds. It fills its inputs, then increments `edge`; the device runs the tick,
- * writes its outputs and repeats the number in `edge_done`. A program that runs both in turn gets a
- * simulation that does not depend on real time.
+ * writes its outputs and repeats the number in `edge_done`. A program that runs plant and device in turn gets
+ * a simulation that does not depend on real time.
  *
  * C11 and C++20 (gcc, clang). */
 #ifndef CRN_RIG_PAGE_H

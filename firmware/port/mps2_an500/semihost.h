@@ -12,7 +12,8 @@ void semihost_write(const char *text);
  * `capacity`. */
 size_t semihost_read_file(const char *path, void *bytes, size_t capacity);
 
-/* Splits the command line at blanks; argv[count] is NULL. Returns the count, at most `most`. */
+/* Splits the command line at blanks, so that argv[count] is NULL, and returns the count, which is at most
+ * `most`. */
 int semihost_arguments(char *line, size_t capacity, char **argv, int most);
 
 _Noreturn void semihost_exit(int code);

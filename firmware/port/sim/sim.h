@@ -34,7 +34,7 @@ void crn_sim_set_pipe(crn_sim *sim, size_t bytes); /* at most CRN_SIM_PIPE_BYTES
 /* Lets `count` milliseconds pass on the device's timer; in FREE_RUN each millisecond is one tick. */
 void crn_sim_timer(crn_sim *sim, uint32_t count);
 
-/* Lets time pass while the processor is halted, as under a debugger: the power stage continues alone. */
+/* Lets time pass while the processor is halted, as under a debugger; only the power stage continues. */
 void crn_sim_freeze(crn_sim *sim, uint32_t milliseconds);
 
 /* Sets how long the device works on one tick from now on; initially 0. */

@@ -1,5 +1,5 @@
 /* This header has a session on the bench of a test file: steps in LOCKSTEP, and a FREE_RUN session that is
- * recorded and replayed. Include it behind bench_fixture.h, once per file. */
+ * recorded and replayed. A test includes this header after bench_fixture.h, once per file. */
 #ifndef CRN_TEST_BENCH_SESSION_H
 #define CRN_TEST_BENCH_SESSION_H
 

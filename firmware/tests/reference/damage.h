@@ -1,4 +1,4 @@
-/* Saved states that are invalid. Include it behind cmocka.h and core_state.h. */
+/* Saved states that are invalid. A test includes this header after cmocka.h and core_state.h. */
 #ifndef CRN_TEST_DAMAGE_H
 #define CRN_TEST_DAMAGE_H
 

@@ -23,15 +23,16 @@ reference_motion *reference_motion_make(reference_map map, const double *low_m, 
                                         uint32_t spacing_log2_q30);
 void reference_motion_free(reference_motion *motion);
 
-/* Finds x with pull(x) = X by Newton's method on the map's inverse: w(x) = X - x, exactly. */
+/* Finds the place x with pull(x) = X by Newton's method on the map's inverse, which gives w(x) = X - x
+ * exactly. */
 void reference_pull(reference_map map, const double *x_m, double phase, double breath, double *X_m);
 
 /* Returns the contraction of a heart of amplitude 1: 0 at phase 0 (end of filling), 1 at the end of systole,
  * smooth in between. */
 double reference_contraction(double phase);
 
-/* Moves a place with a beating sphere about (90, 5, 45) mm. The sphere shrinks by 30 %, moves 6 mm along -y
- * and turns by 12 degrees about y at its middle; points 40 mm from there move by up to 11 mm. Breath then
+/* Moves a place with a sphere that beats about (90, 5, 45) mm. The sphere shrinks by 30 %, moves 6 mm along
+ * -y and turns by 12 degrees about y at its middle; points 40 mm from there move by up to 11 mm. Breath then
  * moves the sphere and its surroundings by 8 mm along -y. Both motions fade out at 90 mm from the middle. */
 void reference_beating_sphere(const double *X_m, double phase, double breath, double *x_m);
 

@@ -33,7 +33,8 @@ static inline void safety_bench_rest(safety_bench *bench)
     }
 }
 
-/* Runs one edge of the timer: checks, then outputs. A finding removes the power, as in the app. */
+/* Runs one edge of the timer: first the checks, then the outputs. A finding removes the power, as in the
+ * app. */
 static inline crn_fault_code safety_bench_edge(safety_bench *bench)
 {
     crn_findings findings = {.count = 0};

@@ -145,7 +145,7 @@ typedef struct builder {
     uint32_t bricks, rows, level;
 } builder;
 
-/* Makes the entry for the cube of edge 8 voxels at `corner`. */
+/* Makes the index entry for the cube at `corner` whose edge has 8 voxels. */
 static uint16_t make_entry(builder *b, const double *corner, uint32_t level)
 {
     double voxel = voxel0_m / (1u << level);

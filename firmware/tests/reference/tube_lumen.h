@@ -27,7 +27,7 @@ typedef struct reference_piece {
  * within about 3 voxels of the wall. */
 reference_tube *reference_tube_make(const reference_piece *pieces, uint32_t piece_count, double radius_m,
                                     uint32_t level);
-/* Makes a trunk that forks in two: `left` and `right` continue from its end. */
+/* Makes a trunk that forks in two: the pieces `left` and `right` continue from the trunk's end. */
 reference_tube *reference_fork_make(const reference_piece *trunk, const reference_piece left[2],
                                     const reference_piece right[2], double radius_m, uint32_t level);
 /* Makes a straight tube with a stenosis whose middle is `at_m` along the tube. The radius there is radius_m -
@@ -45,7 +45,8 @@ crn_entry reference_entry(void);
 crn_instrument reference_wire(double bend_N_m2, uint32_t length_um, uint32_t element_um, double friction);
 /* Makes the same instrument with a length of 0.9 m and a floppy J of 12 mm, which snaps from wall to wall. */
 crn_instrument reference_floppy_j(double bend_N_m2);
-/* Makes the insertion scene: a tube of 0.9 m and radius 4 mm with three bends out of one plane. */
+/* Makes the scene of the insertion: a tube of 0.9 m length and 4 mm radius, with three bends that do not lie
+ * in one plane. */
 reference_tube *reference_three_bends(double radius_m, uint32_t level);
 
 #endif

@@ -63,7 +63,7 @@ void a_host_that_died_within_a_frame_does_not_keep_the_next_one_out(void **)
     assert_true(link.hello().accepted);
 }
 
-// The host library sends messages by itself while its caller only waits.
+// The host library sends messages by itself while its caller waits.
 void a_host_that_waits_is_not_silent(void **)
 {
     hil::SimBench bench(hil::campaign_plant());

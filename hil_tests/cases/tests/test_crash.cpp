@@ -1,7 +1,7 @@
 // This test checks the state after a failure of the firmware itself, on the image. A debugger causes a jump
-// to an invalid address (a hard fault) and a loop that never ends. Power is off before any text is printed,
-// the console shows where it failed, the watchdog restarts the device, and the next start repeats the cause
-// and works.
+// to an invalid address (a hard fault) and a loop that never ends. The power is off before any text is
+// printed, and the console shows where the program failed. The watchdog restarts the device, which reports
+// the cause again at its next start and works.
 #include "hil_tests/cases/conversation.hpp"
 #include "hil_tests/l1/emulated_bench.hpp"
 #include <csetjmp>
@@ -122,7 +122,7 @@ class Patient
     }
     ~Patient() { std::filesystem::remove(path_); }
 
-    // Waits for this text on the console.
+    // Waits until this text appears on the console.
     void expect_console(const char *words)
     {
         for (int i = 0; i < 100 * patience_s; i++, usleep(10000))

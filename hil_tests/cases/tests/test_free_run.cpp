@@ -160,7 +160,8 @@ void a_session_goes_on_after_an_unplug_and_replays_bit_for_bit(void **)
     }
 }
 
-// Beyond free_run_kept_max ticks a resume begins with a snapshot, which is part of the recording.
+// After a gap of more than free_run_kept_max ticks, a resumed session begins with a snapshot, which is part
+// of the recording.
 void a_long_session_resumes_from_a_snapshot(void **)
 {
     Trial trial(false);

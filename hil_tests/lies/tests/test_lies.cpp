@@ -88,7 +88,7 @@ void no_falsehood_is_recorded(void **)
     for (std::size_t i = 0; i < cases.size(); i++) {
         if (!verdicts[i].failure.empty())
             fail_msg("%s: %s", line_of(cases[i]).c_str(), verdicts[i].failure.c_str());
-        // The lie was detected and named.
+        // The message shows that the lie was detected and named.
         if (verdicts[i].code != 1) fail_msg("%s: exit code %d", line_of(cases[i]).c_str(), verdicts[i].code);
     }
 }

@@ -80,7 +80,7 @@ static inline void sample_lattice(uint8_t *motion)
     crn_scene_put_u16(motion + 18, 23);
 }
 
-/* The middle node moves by 0.5 mm along y with the breath. */
+/* In this sample, the middle node moves by 0.5 mm along y with the breath. */
 static inline void sample_breath(uint8_t *breath)
 {
     memset(breath, 0, SAMPLE_BREATH_BYTES);
@@ -88,7 +88,7 @@ static inline void sample_breath(uint8_t *breath)
     crn_scene_put_u16(breath + 32 + 2 * (3 * SAMPLE_MIDDLE + 1), 262);
 }
 
-/* The middle node moves by 1 mm along x and back. */
+/* In this sample, the middle node moves by 1 mm along x and back in each heartbeat. */
 static inline void sample_motion(uint8_t *motion)
 {
     memset(motion, 0, SAMPLE_MOTION_BYTES);

@@ -146,7 +146,7 @@ static void a_tree_gives_back_what_was_written(void **state)
     assert_int_equal(crn_scene_u32(renal.points + 12), 3000);
 }
 
-/* Only files that hold a tree require a reader that knows trees. */
+/* Only files that contain a vessel tree require a reader that can read trees. */
 static void a_file_without_a_tree_is_of_the_old_version(void **state)
 {
     (void)state;
@@ -448,7 +448,7 @@ static void a_motion_of_an_older_format_is_refused_by_name(void **state)
     refuses_word(10, 2, 3, CRN_SCENE_MOTION_OLDER, 10);
 }
 
-/* In the scene with plaques, LUMEN is at 384 .. 3452, behind a table of 64, and PLAQUES follow. */
+/* In the scene with plaques, LUMEN is at 384 .. 3452, behind a table of 64 bytes, and PLAQUES follows. */
 enum { PLAQUES_AT = 3456, PLAQUE_AT = PLAQUES_AT + 16, STATIONS_AT = PLAQUE_AT + 80 };
 
 static int make_diseased_scene(void **state)
@@ -542,7 +542,7 @@ static void writer_refuses_a_buffer_that_is_too_small(void **state)
     assert_int_equal(sample_scene(file, file_bytes), file_bytes);
 }
 
-/* An empty file has no bytes, and no address either. The sanitized run shows that no byte is read. */
+/* An empty file has no bytes, and no address either. The sanitizers show that no byte is read. */
 static void no_bytes_at_all_are_refused(void **state)
 {
     (void)state;

@@ -190,7 +190,7 @@ static void a_step_is_laid_out_as_documented(void **state)
     assert_int_equal(back.inputs[0].orders.items[2].strut.z_um, 0x10203);
 }
 
-/* The list costs one byte, which states that it is empty. */
+/* An empty list of orders costs one byte, which states that it is empty. */
 static void a_tick_without_orders_pays_a_byte_for_them(void **state)
 {
     (void)state;

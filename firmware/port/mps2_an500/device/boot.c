@@ -37,7 +37,7 @@ __attribute__((used)) static void crashed(const uint32_t *frame)
     }
 }
 
-/* `crashed` needs the stack pointer at entry, before a prologue moves it. */
+/* The function `crashed` needs the stack pointer at entry, before the function's own prologue moves it. */
 __attribute__((naked)) static void unexpected(void)
 {
     __asm__ volatile("mrs r0, msp\n b crashed");

@@ -1,6 +1,6 @@
-/* This file moves bytes from and to the host through the page's two rings. Heads and tails count bytes and
- * wrap. A head that is ahead of its tail by more than the ring's length is an error of the other side and
- * empties the ring. */
+/* This file moves bytes from and to the host through the page's two rings. The heads and tails of the rings
+ * count bytes and wrap. A head that is ahead of its tail by more than the ring's length is an error of the
+ * other side and empties the ring. */
 #include "firmware/port/mps2_an500/device/device.h"
 
 enum {

@@ -1,5 +1,5 @@
-/* This file presents the rig's registers as the port's inputs and outputs. Values from the page are bounded
- * before they are used. */
+/* This file presents the rig's registers as the port's inputs and outputs. Values from the rig page are
+ * limited to their ranges before they are used. */
 #include "firmware/port/mps2_an500/device/device.h"
 
 bool rig_is_there(void)
