@@ -1,4 +1,4 @@
-// These tests make claims about balloon and stent in whole sessions, from the script to the recording. A
+// These tests check claims about balloon and stent in whole sessions, from the script to the recording. A
 // stent is opened and deployed, and it holds the lumen that its balloon has opened. The core receives the
 // stent by recorded inputs, so a replay agrees bit for bit, with pictures and without. Failures have a
 // reported outcome and lose no record: a balloon that is pulled under pressure, bursts, is released without a

@@ -1,4 +1,4 @@
-// These tests make claims about the short forms of the two angioplasty sessions. The wire ends beyond the
+// These tests check claims about the short forms of the two angioplasty sessions. The wire ends beyond the
 // lesion in its artery, and the balloon's middle lies within 2 mm of the minimal lumen diameter when the
 // balloon is filled. The lesion opens under the balloon and keeps the part that does not recoil. No tool goes
 // deeper than 0.5 mm into a wall, no hand feels more than 4 N, and the core reports nothing but snaps. Scenes

@@ -1,4 +1,4 @@
-// This test claims that tools in a real aorta (stEVE_bench centrelines, which are not part of the project)
+// This test checks that tools in a real aorta (stEVE_bench centrelines, which are not part of the project)
 // stay inside the vessel and keep their length. The shipped session drives two wires from the right common
 // iliac artery to the arch, and a catheter follows a wire. The reference is the exact distance to the
 // triangles of the surface. It is sampled every 0.5 mm along the line, also between the nodes, 50 times per

@@ -1,6 +1,6 @@
-/* These tests show the claims about a device through bytes only, so that the same cases can later run against
- * QEMU and a rig. The pipe may be cut into any pieces, lost bytes cost one frame, and a session gives the
- * same hashes every time. */
+/* These tests check the claims about a device through bytes only, so that the same cases can later run
+ * against QEMU and a rig. The pipe may be cut into any pieces, lost bytes cost one frame, and a session gives
+ * the same hashes every time. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

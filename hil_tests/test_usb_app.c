@@ -1,4 +1,4 @@
-/* These tests make claims about the whole device on USB. The conversation over the bulk pair is the same as
+/* These tests check claims about the whole device on USB. The conversation over the bulk pair is the same as
  * over any other pipe, and gives the same hashes. The HID interface shows the state and removes power, and
  * sets nothing that the wire protocol would refuse. */
 #include <setjmp.h>

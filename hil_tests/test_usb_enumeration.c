@@ -1,4 +1,4 @@
-/* These tests make claims about the first contact of host and device. Enumeration as by Linux and Windows
+/* These tests check claims about the first contact of host and device. Enumeration as by Linux and Windows
  * succeeds at both speeds, descriptors satisfy the standards, and reports have the lengths that their
  * descriptor states. The descriptors are read from the mailbox only, and are judged without the table from
  * which they are made. */

@@ -1,6 +1,6 @@
-/* These tests make claims about endpoint 0. Every standard request is answered as USB 2.0 chapter 9 requires,
- * a forbidden request is refused with STALL and changes nothing, and no sequence of stages leaves endpoint 0
- * unusable. */
+/* These tests check claims about endpoint 0. Every standard request is answered as USB 2.0 chapter 9
+ * requires, a forbidden request is refused with STALL and changes nothing, and no sequence of stages leaves
+ * endpoint 0 unusable. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

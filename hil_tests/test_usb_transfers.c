@@ -1,4 +1,4 @@
-/* These tests make claims about the data in the pipes. Bytes of the stream arrive complete and in order,
+/* These tests check claims about the data in the pipes. Bytes of the stream arrive complete and in order,
  * whatever the sizes of the packets and whatever is lost. The device waits for a host that does not read.
  * Resets, halts, suspend and unplug in the middle of a transfer lose the frames that are being transferred,
  * and nothing else. */
@@ -254,8 +254,8 @@ static void drain_new_stream(void)
     assert_int_equal(bytes[0], 0);
 }
 
-/* After so many packets in each direction, the conversation is interrupted. Then a new stream begins, and the
- * next frame comes back. */
+/* After this many packets in each direction, the conversation is interrupted. Then a new stream begins, and
+ * the next frame comes back. */
 static void interruptions_cost_only_what_was_under_way(void **state)
 {
     (void)state;

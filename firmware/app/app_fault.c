@@ -45,7 +45,7 @@ void crn_app_fault(crn_app *app, crn_fault_code code, int32_t value1, int32_t va
     crn_app_notice(app, CRN_WIRE_EVENT_FAULT, (uint16_t)code, value1, value2);
 }
 
-/* Reports the findings of a part, in the part's order. */
+/* Reports a part's findings in the order in which the part made them. */
 void crn_app_report(crn_app *app, const crn_findings *findings)
 {
     for (uint32_t i = 0; i < findings->count; i++) {

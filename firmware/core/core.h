@@ -33,9 +33,9 @@ enum {
     CRN_TICK_us = 1000,
 };
 
-/* A knot states the properties of an instrument at one arc length. Properties are interpolated linearly by
- * arc length between knots, which count from the distal tip; two knots at the same arc length make a step.
- * All values are checked by crn_model_build. */
+/* A knot states the properties of an instrument at one arc length. Properties are interpolated linearly
+ * between knots by arc length, which counts from the distal tip; two knots at the same arc length make a
+ * step. All values are checked by crn_model_build. */
 typedef struct crn_knot {
     uint32_t arc_um;                /* 0 .. 2 000 000 from the tip, non-decreasing, first is 0 */
     uint32_t bend_stiffness_nN_m2;  /* EI: 100 (1e-7 N m^2) .. 30 000 000 (3e-2 N m^2) */

@@ -59,8 +59,8 @@ static crn_build_status check_tool(const crn_instrument *tool, crn_build_place *
     return CRN_BUILD_OK;
 }
 
-/* Returns whether the thickest place of `inner` passes through the tightest place of `outer`, whose knot
- * *knot receives. */
+/* Returns whether the thickest place of `inner` passes through the tightest place of `outer`; the knot at
+ * that place goes to *knot. */
 static bool fits_inside(const crn_instrument *inner, const crn_instrument *outer, uint32_t *knot)
 {
     uint32_t thickest_um = 0;

@@ -6,7 +6,7 @@
  *
  * Layout. Space is a regular lattice of coarse bricks of 8x8x8 voxels. The voxel edge of level L is 2^(20-L)
  * Q30 units (level 0: 0.977 mm, level 1: 0.488 mm, level 2: 0.244 mm), so a world coordinate becomes voxel
- * and fraction by shift and mask. An entry of the coarse index has one of these values:
+ * and fraction by shift and mask. An entry of the coarse index has one of the following values.
  *     0                     far outside the lumen
  *     1                     deep inside the lumen, farther than the field's band from any wall
  *     2 .. 0x7fff           brick number + 2 of a level-0 brick
@@ -68,8 +68,8 @@ typedef struct crn_lumen {
     const uint16_t *index;           /* brick_count_xyz product entries, x fastest */
     const uint16_t *children;        /* child_row_count x 8 entries */
     const int8_t *samples;           /* brick_count x CRN_LUMEN_BRICK_SAMPLES */
-    const struct crn_motion *motion; /* the motion (motion.h), or NULL when the vessel does not move. The
-                                        samplers below ignore it */
+    const struct crn_motion *motion; /* This is the motion (motion.h), or NULL when the vessel does not move.
+                                        The samplers below ignore it */
     uint32_t lesion_count; /* lesions that give way, at most CRN_LESION_MAX. The samplers ignore them too */
     const crn_lesion *lesions;
 } crn_lumen;

@@ -1,8 +1,8 @@
 /* This file looks up displacements in the lattices of a moving vessel (motion.h, docs/heart.md). The work of
  * a look-up is fixed. For the heartbeat it blends three coefficients for each of three components at the 8
  * corners of a cell, once for the present and once for the change in the tick. For breath it reads 8 corners.
- * The blend of a cell is kept for the next point in the same cell, which changes no result. motion_wall.c
- * computes the displacement of the wall in a tick. */
+ * The blend of a cell is kept for the next point in the same cell, which changes no result. The file
+ * motion_wall.c computes the displacement of the wall in a tick. */
 #include "firmware/core/motion_cell.h"
 #include "firmware/core/rod.h"
 

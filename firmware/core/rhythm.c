@@ -113,7 +113,8 @@ static uint32_t share_of(uint32_t left, uint32_t ticks)
     return (uint32_t)((left * inverse) >> (61 - lead));
 }
 
-/* Advances the phase by one tick. Overflow is impossible, because 2^32 less a phase above 0 fits 32 bits. */
+/* Advances the heartbeat's phase by one tick. Overflow is impossible, because 2^32 less a phase above 0 fits
+ * 32 bits. */
 static void go_on(crn_rhythm *rhythm)
 {
     uint32_t *phase = &rhythm->heart_phase32;

@@ -76,7 +76,7 @@ void crn_rhythm_init(crn_rhythm *rhythm);
 /* Returns whether this is a known action with a value in its range. */
 bool crn_rhythm_order_is_valid(const crn_rhythm_order *order);
 
-/* Advances by one tick of 1 ms. An invalid order has no effect. */
+/* Advances the rhythm by one tick of 1 ms. An invalid order has no effect. */
 void crn_rhythm_step(crn_rhythm *rhythm, const crn_rhythm_order *order);
 
 /* Returns whether crn_rhythm_step could have produced this rhythm. The check is for states that come from

@@ -1,7 +1,8 @@
 /* This file makes edges keep their length while they turn fast (docs/rod.md, "Turning edges"). When both ends
- * of an edge move along straight lines while the edge turns by an angle, the edge gets longer by half the
- * angle's square. In a line with an axial stiffness of some kN, this elongation causes a tension of many
- * newtons. The excess length is taken back by moving the nodes ahead of the edge, towards the tip. */
+ * of an edge move along straight lines while the edge turns by a small angle, the edge gets longer by the
+ * fraction angle^2 / 2 of its length. In a line with an axial stiffness of some kN, this elongation causes a
+ * tension of many newtons. The excess length is taken back by moving the nodes ahead of the edge, towards the
+ * tip. */
 #include "firmware/core/rod.h"
 
 enum {
@@ -82,8 +83,8 @@ static crn_vec3 turn_of(const crn_model *model, uint32_t i, const crn_vec3 *fron
     return turn_q30;
 }
 
-/* Takes back the length that edge i gains by turning, which is half the square of its rotation, along the
- * edge's final direction. */
+/* Takes back the length that edge i gains by turning, along the edge's final direction. The gain is the
+ * fraction angle^2 / 2 of the edge's length. */
 CRN_RARE static void take_back(const crn_model *model, crn_state *state, uint32_t i,
                                const crn_vec3 *front_m_q33, const crn_vec3 *end_m_q33, crn_vec3 *shift_m_q33)
 {

@@ -1,4 +1,4 @@
-/* These tests show the claims about the app through bytes on the sim port: states and modes follow the
+/* These tests check the claims about the app through bytes on the sim port: states and modes follow the
  * diagram of app.h, refusals are typed and change nothing, and encoder jumps stop the session. Forces are
  * limited, and snapshots continue bit for bit. */
 #include <setjmp.h>

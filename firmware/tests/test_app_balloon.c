@@ -1,4 +1,4 @@
-/* These tests make claims about balloon and stent on the wire protocol. One count of the inflator is a
+/* These tests check claims about balloon and stent on the wire protocol. One count of the inflator is a
  * pressure of one kilopascal in the balloon of the tools that were sent. An invalid table, or a stent where
  * there is no lesion, is refused as a whole. The pressures of a FREE_RUN session replay bit for bit. */
 #include <setjmp.h>

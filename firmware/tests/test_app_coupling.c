@@ -1,4 +1,4 @@
-/* These tests show the claims about the virtual coupling (docs/haptics.md) on the sim port. In free motion
+/* These tests check the claims about the virtual coupling (docs/haptics.md) on the sim port. In free motion
  * the tool follows the hand without lag, and the hand feels no force. A seal is felt as friction and holds
  * without chatter; a blocked tool is felt as a spring. The hand slips at the force limit, and the effects of
  * gain, limit and slew limit are as set. The coupling's state is part of the snapshot. Unexplained energy

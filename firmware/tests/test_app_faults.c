@@ -1,4 +1,4 @@
-/* These tests make claims about everything that can hurt a finger, with one test per fault of
+/* These tests check claims about everything that can hurt a finger, with one test per fault of
  * shared/wire/wire_faults.def (tools/check/tests/test_faults.py compares the names). Each test injects a
  * fault at the sensors while a motor gives a force. It counts the time until no motor gives a force any more,
  * in edges of the timer, behind the power stage. This time is at most the value in the table of faults, and

@@ -1,4 +1,4 @@
-/* These tests make claims about a second program at a rig that has power, and about what feeds a port's
+/* These tests check claims about a second program at a rig that has power, and about what feeds a port's
  * watchdog. A conversation that begins in the middle of another one takes nothing away from it, and a
  * conversation that begins after a program has gone works. Only edges that the app has completed count as
  * signs of life. */

@@ -1,4 +1,4 @@
-/* These tests make claims about the list of orders of a tick. The list is accepted or refused as a whole,
+/* These tests check claims about the list of orders of a tick. The list is accepted or refused as a whole,
  * with a code that says which order is wrong, and hostile bytes change nothing. In FREE_RUN the orders of one
  * message share one tick, which reports them. */
 #include <setjmp.h>

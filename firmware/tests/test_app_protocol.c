@@ -1,4 +1,4 @@
-/* These tests show the claims about commands and set-up. Motors need two steps that no stray frame can
+/* These tests check the claims about commands and set-up. Motors need two steps that no stray frame can
  * complete, an interrupted upload can be resumed, settings are read back as they were set, and a refused
  * message changes nothing. The tests use bytes on the sim port only. */
 #include <setjmp.h>
@@ -464,7 +464,7 @@ static void hear_hello(uint16_t sequence)
     hear(sequence, CRN_WIRE_TYPE_hello, writer.length, payload);
 }
 
-/* These HID requests come between the frames of the stream, of which none is counted as missing. */
+/* These HID requests come between the frames of the stream, and no frame is counted as missing. */
 static void orders_without_a_frame_take_power_away_and_do_nothing_else(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/* These tests make claims about a host's orders to heart and breath. In LOCKSTEP the order is part of a
+/* These tests check claims about a host's orders to heart and breath. In LOCKSTEP the order is part of a
  * tick's input, and a batch with one bad order is refused as a whole. In FREE_RUN a message transmits the
  * order. Each order gets a tick of its own that reports it, and the session replays bit for bit. */
 #include <setjmp.h>

@@ -1,4 +1,4 @@
-/* These tests make claims about the configuration of the tracks: which couplings a rig can render at a given
+/* These tests check claims about the configuration of the tracks: which couplings a rig can render at a given
  * force gain, and what a host may state about a rig without a person at the rig. The tests use bytes on the
  * sim port, whose rig was built with 1 um per count, 1 N s/m and 2 uN m s/rad of its own damping, and no
  * lag. */

@@ -1,6 +1,6 @@
-/* These tests show the claims about safety and continuation with several tools through bytes on the sim port.
- * Limits, slew limits and faults are per tool, and snapshots hold all of them. In FREE_RUN, neither a hand
- * that moved while the session was stopped nor a silent host does harm. */
+/* These tests check the claims about safety and continuation with several tools through bytes on the sim
+ * port. Limits, slew limits and faults are per tool, and snapshots hold all of them. In FREE_RUN, neither a
+ * hand that moved while the session was stopped nor a silent host does harm. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

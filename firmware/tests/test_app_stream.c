@@ -1,4 +1,4 @@
-/* These tests make claims about the device's unsolicited messages. When the pipe is full, FREE_RUN loses a
+/* These tests check claims about the device's unsolicited messages. When the pipe is full, FREE_RUN loses a
  * picture rather than a tick, and reports the loss. Notices report what happened at which tick, a STOP takes
  * effect at its tick, and the ticks of FREE_RUN replay in LOCKSTEP bit for bit. */
 #include <setjmp.h>

@@ -1,4 +1,4 @@
-/* These tests show the claims about several tools on one line through bytes on the sim port. Each hand moves
+/* These tests check the claims about several tools on one line through bytes on the sim port. Each hand moves
  * its own tool, and set-up succeeds or fails as a whole and names the tool at fault. The wall's forces are
  * sent on request. */
 #include <setjmp.h>

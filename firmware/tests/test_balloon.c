@@ -1,7 +1,7 @@
-/* These tests make claims about a balloon on a tool (docs/balloon.md). The balloon follows its maker's table
+/* These tests check claims about a balloon on a tool (docs/balloon.md). The balloon follows its maker's table
  * where nothing confines it. In a rigid vessel narrower than itself, the balloon fills the vessel, presses on
  * the wall with pressure times area, and holds by friction. The balloon leaves no trace when it is deflated,
- * and it bursts above its limit. The tests compare with closed forms. */
+ * and it bursts above its limit. The tests compare the results with closed forms. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

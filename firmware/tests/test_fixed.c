@@ -1,4 +1,4 @@
-/* These tests claim that every operation of firmware/core/fixed.h stays within the error that its comment
+/* These tests check that every operation of firmware/core/fixed.h stays within the error that its comment
  * states. Results are compared with exact 128-bit integers where they are exact, otherwise with long double
  * (64-bit mantissa, libm error < 2^-62 relative). The inputs are millions of seeded values and the borders of
  * each range. The seed is fixed: a failure prints its inputs, and running the program again reproduces it. */

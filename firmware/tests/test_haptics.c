@@ -1,4 +1,4 @@
-/* These tests make claims about the closed loop of hand, rig, coupling and rod (docs/haptics.md). In each of
+/* These tests check claims about the closed loop of hand, rig, coupling and rod (docs/haptics.md). In each of
  * the five contact situations a hand approaches, holds and leaves, firmly or loosely. There is no limit cycle
  * above 0.05 N, no fault, and no energy beyond the observer's bound. The plant is
  * firmware/tests/reference/haptic_rig.c; its motor lags, its encoder has steps and jitter. */

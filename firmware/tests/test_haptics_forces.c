@@ -1,6 +1,6 @@
-/* These tests make claims about the forces that the haptics request, from positions and forces alone, without
- * a rod, a scene or the wire protocol. They cover limits and slew limits of force and torque, the fade at a
- * silent host, the coupling's slip, passivity, and encoder jumps. */
+/* These tests check claims about the forces that the haptics request, from positions and forces alone,
+ * without a rod, a scene or the wire protocol. They cover limits and slew limits of force and torque, the
+ * fade at a silent host, the coupling's slip, passivity, and encoder jumps. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

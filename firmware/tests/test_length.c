@@ -1,4 +1,4 @@
-/* These tests claim that an edge keeps its length while it turns fast, both when a folded line slides along
+/* These tests check that an edge keeps its length while it turns fast, both when a folded line slides along
  * itself and in the deviation that the solve finds. The claims are shown by the distances of the nodes. See
  * docs/rod.md, "Turning edges". */
 #include <math.h>

@@ -1,7 +1,8 @@
 /* Claims about lesions (docs/lesions.md). A fully opened lesion equals the healthy vessel, a partly opened
  * one lies in between, and the normals of its wall match its distances. A balloon opens a lesion by its
  * pressure on the wall. The lesion recoils by its recoil share, completely where it is elastic, and a
- * scaffold holds it open. The tests compare with the closed form of a stenosis in a straight tube. */
+ * scaffold holds it open. The tests compare the results with the closed form of a stenosis in a straight
+ * tube. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

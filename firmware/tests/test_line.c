@@ -1,4 +1,4 @@
-/* These tests make claims about the sum of the tools on the line. The stiffness of a cell is the series
+/* These tests check claims about the sum of the tools on the line. The stiffness of a cell is the series
  * average of the tools' compliances wherever a tip lies in the cell. A tool's twist stiffness is its own,
  * whichever tool's tip is near. Tools whose shape, twist stiffness or mass does not fit the line's cells are
  * refused by name. */

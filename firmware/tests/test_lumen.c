@@ -1,6 +1,6 @@
-/* These tests claim that the samplers of the lumen are the quadratic B-spline that lumen.h states, at every
- * level. They are continuous across bricks, and safe for every position. The tests compare with double
- * precision and with walls whose distance is known in closed form. */
+/* These tests check that the samplers of the lumen are the quadratic B-spline that lumen.h states, at every
+ * level. They are continuous across bricks, and safe for every position. The tests compare the results with
+ * double precision and with walls whose distance is known in closed form. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -208,9 +208,9 @@ static void what_is_out_of_range_is_no_order(void **state)
     }
 }
 
-/* The test runs 200,000 ticks, with a random order in 1 of 50 ticks. Every state is one that a snapshot may
- * restore. The phase goes from one keyframe to the next in no less than 2 ms, which bounds the wall's
- * speed. */
+/* The test runs 200,000 ticks, with a random order in 1 of 50 ticks. Every state of this run is valid, so
+ * that a snapshot may restore it. The phase goes from one keyframe to the next in no less than 2 ms, which
+ * bounds the wall's speed. */
 static void whatever_is_asked_for_the_phase_has_no_jumps(void **state)
 {
     (void)state;

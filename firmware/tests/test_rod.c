@@ -1,7 +1,7 @@
-/* These tests claim that the rod bends, hangs, slides and stalls as the equations of docs/rod.md state. They
+/* These tests check that the rod bends, hangs, slides and stalls as the equations of docs/rod.md state. They
  * also claim that the state can be hashed, saved and restored, and that bad instruments and states are
- * refused by name. The tests compare with closed forms (elastica) and exact tube distances in double
- * precision, and check invariants. */
+ * refused by name. The tests compare the results with closed forms (elastica) and exact tube distances in
+ * double precision, and check invariants. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,4 +1,4 @@
-/* These tests make claims about the checks of every edge, from samples alone, without a rod, a scene or the
+/* These tests check claims about the checks of every edge, from samples alone, without a rod, a scene or the
  * wire protocol. Each limit holds on both sides of its border, and each fault has the code and the number of
  * edges that shared/wire/wire_faults.def states. In a rig at rest nothing is found. */
 #include <setjmp.h>

@@ -1,4 +1,4 @@
-/* These tests make claims about time, from the clock's readings alone, without a rod, a scene or the wire
+/* These tests check claims about time, from the clock's readings alone, without a rod, a scene or the wire
  * protocol. A processor that stops, or ticks that fall behind, remove the power. A silent host makes the
  * forces fade within 42 ms, and the permission to power motors is spent by any answer and expires. */
 #include <setjmp.h>

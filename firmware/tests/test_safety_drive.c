@@ -1,4 +1,4 @@
-/* These tests make claims about the force that a motor is given, from samples alone, without a rod, a scene
+/* These tests check claims about the force that a motor is given, from samples alone, without a rod, a scene
  * or the wire protocol. Limit and slew limit hold, and a carriage that nobody holds loses its force within 32
  * ms. The device stops when a motor drives a carriage too fast, when a track gives energy for 100 ms, and
  * when a motor sustains a cycle. */

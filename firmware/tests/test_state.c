@@ -1,4 +1,4 @@
-/* These tests claim that no snapshot, however wrong, leads to undefined behaviour. Either a snapshot is
+/* These tests check that no snapshot, however wrong, leads to undefined behaviour. Either a snapshot is
  * refused and changes nothing, or its ticks stay within their formats and are the same on every run (the
  * sanitizers are the judges of this test). */
 #include <setjmp.h>

@@ -1,6 +1,6 @@
-/* These tests claim that a wire with a rest shape takes this shape, turns with the hand, keeps the shape
- * while it is fed, and rests on a wall. The tests compare with closed forms (circles, the hand's own angle)
- * and check the motion of the wire's nodes. See docs/rod.md, "Feed", "Rows", "Twist". */
+/* These tests check that a wire with a rest shape takes this shape, turns with the hand, keeps the shape
+ * while it is fed, and rests on a wall. The tests compare the results with closed forms (circles, the hand's
+ * own angle) and check the motion of the wire's nodes. See docs/rod.md, "Feed", "Rows", "Twist". */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

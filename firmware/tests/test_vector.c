@@ -1,4 +1,4 @@
-/* These tests claim that the vector functions stay within the bounds stated in firmware/core/vector.h. The
+/* These tests check that the vector functions stay within the bounds stated in firmware/core/vector.h. The
  * results are compared with exact 128-bit integers (sums, products) and long double (lengths), on seeded
  * vectors of every magnitude and on extreme ones. */
 #include <math.h>

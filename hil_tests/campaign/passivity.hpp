@@ -1,7 +1,7 @@
 // This header tests passivity on a grid of gain, coupling, stated damping and lag, and hand, with the rig's
 // model at an end wall. The device refuses the settings that its rule forbids, and every setting that it
 // accepts must be quiet. There is no person at the rig who could state a false damping or lag. The local
-// unlock is open, so the rule of passivity alone decides.
+// unlock is closed, so only the rule of passivity refuses settings.
 //
 // A trial pushes a stiff wire by 30 mm against the end of its tube, holds it for 0.6 s, and releases it for
 // 0.6 s. A trial fails when the carriage got faster than 0.25 m/s, or the motor's force oscillated by more

@@ -27,7 +27,7 @@ class Bench
     Plant &plant() { return plant_; }
     const crn_port_outputs &outputs() const { return outputs_; }
 
-    // Runs the device with its rig for so many milliseconds.
+    // Runs the device with its rig for this many milliseconds.
     void advance(std::uint32_t milliseconds)
     {
         for (std::uint32_t i = 0; i < milliseconds; i++) {
@@ -49,7 +49,7 @@ class Bench
         hold(false);
     }
 
-    // Pulls the device's cable once so many more bytes have been sent to the device, in the middle of a
+    // Pulls the device's cable once this many more bytes have been sent to the device, in the middle of a
     // transfer. The cable is plugged in again after `away_ms` of the rig's time. Returns false when the
     // device has no cable at this level.
     virtual bool pull_cable(std::uint32_t bytes, std::uint32_t away_ms)

@@ -1,6 +1,6 @@
 // This header has the commands that talk to a device. Each command runs in this process from its command line
-// to its exit code, with a lying device on the bus. It also has a check whether the recordings of these
-// commands are true.
+// to its exit code, with a lying device on the bus. The header also has a check whether the recordings of
+// these commands are true.
 #pragma once
 #include "hil_tests/lies/lie.hpp"
 #include <functional>

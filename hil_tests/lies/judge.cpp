@@ -143,8 +143,8 @@ void interrupt(const LieCase &one, const std::string &folder, const std::string 
     }
 }
 
-// Checks in a separate process whether the recording is true, because reading it may fail in any way: it may
-// contain anything.
+// Checks in a separate process whether the recording is true, because the recording may contain anything, and
+// reading it may fail in any way.
 std::string check_recording(const std::string &recording, const std::string &output, bool has_to_be_complete)
 {
     Child child(output, [&](const std::function<void()> &) {

@@ -41,7 +41,8 @@ Totals totals_of(const std::vector<hil::Verdict> &verdicts)
     return totals;
 }
 
-// Prints name and value, one line each, also at the end of the table; the program bars reads these lines.
+// Prints each name with its value on a line of its own, also at the end of the table. `make bars` reads these
+// lines.
 std::string text_of(const Totals &totals, char between)
 {
     std::ostringstream text;

@@ -1,6 +1,6 @@
 // This header has routes into the vessels that chance alone would not find: over the wire, round the arch
-// into a coronary artery, into a renal artery. It also has the uses of a balloon. Each plan is a sequence of
-// statements whose numbers are drawn around those of the shipped sessions.
+// into a coronary artery, into a renal artery. The header also has sequences that use a balloon. Each plan is
+// a sequence of statements whose numbers are drawn around those of the shipped sessions.
 #pragma once
 #include "hil_tests/soak/scribe.hpp"
 

@@ -76,8 +76,8 @@ typedef struct crn_usb_config {
     const char *serial; /* ASCII, 1 .. CRN_USB_SERIAL_MAX characters; it distinguishes two rigs */
     uint8_t *queue;     /* frames on their way to the host */
     uint32_t queue_bytes;
-    uint32_t reply_bytes; /* space that must be free for all frames that may answer a request. At least
-                             CRN_WIRE_FRAME_MAX, at most half of the queue */
+    uint32_t reply_bytes; /* This is the space that must be free for all frames that may answer a request. At
+                             least CRN_WIRE_FRAME_MAX, at most half of the queue */
 } crn_usb_config;
 
 /* Lists the endpoints in the order of usb_table.def. */

@@ -148,8 +148,9 @@ bool crn_usb_hid_data(crn_usb *usb, const crn_usb_setup *setup, const uint8_t *b
     }
 }
 
-/* An invalid report is counted and changes nothing. The command number in the state report does not change,
- * so the host's program notices. The pipe is not halted, because a halt would lose the next command. */
+/* An invalid report is counted and changes nothing. After an invalid report the command number in the state
+ * report does not change, so the host's program notices the refusal. The pipe is not halted, because a halt
+ * would lose the next command. */
 void crn_usb_hid_received(crn_usb *usb, uint32_t bytes)
 {
     if (!take_command(usb, usb->report_out, bytes)) usb->reports_refused++;

@@ -1,7 +1,7 @@
-// These tests make claims about sessions that the rig leads (docs/rig.md). The motion of the hands at the
+// These tests check claims about sessions that the rig leads (docs/rig.md). The motion of the hands at the
 // rig's encoders is recorded tick by tick and replays in LOCKSTEP bit for bit, even when the cable was pulled
-// meanwhile. A rig that stops ends the session with the cause. The rig is the model of level 0 with a hand
-// that pushes against powered motors.
+// meanwhile. When a rig stops, the session ends and reports the cause. The rig is the model of level 0 with a
+// hand that pushes against powered motors.
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>

@@ -42,7 +42,7 @@ void run(void **state)
 }
 
 // On the image, ten trials of the haptic loop take a minute, as they do under the sanitizers at level 0, and
-// all faults of the rig take half a minute. So this test runs a part of them, and `make hil` runs all.
+// each fault of the rig takes half a minute. So this test runs a part of them, and `make hil` runs all.
 std::uint32_t spread_of(const hil::Case &one, bool is_image)
 {
     const bool is_short = REFERENCE_RUN(5) != 5;

@@ -1,4 +1,4 @@
-// These tests claim that whatever a device sends, every command that talks to it ends within 10 s with exit
+// These tests check that whatever a device sends, every command that talks to it ends within 10 s with exit
 // code 0 or 1 and a message about it. After Ctrl-C the command ends within 1 s, and it records nothing but
 // what this machine's core computes. This test runs a spread of the lies; `make hil-lies` runs all.
 #include <algorithm>

@@ -1,4 +1,4 @@
-// These tests show the claims about the rig model against closed forms: motion under constant forces,
+// These tests check the claims about the rig model against closed forms: motion under constant forces,
 // friction that stops and holds, slip at its threshold, lag of the motors, quantisation of the encoders, the
 // power stage's timing, and determinism.
 #include <cmath>

@@ -1,4 +1,4 @@
-// These tests make claims about the soak itself, in free space, so that each trial takes only moments.
+// These tests check claims about the soak itself, in free space, so that each trial takes only moments.
 // Sessions depend on seed and number alone, and a device accepts them. A bar that breaks is found at its
 // tick, and the session shrinks to the cause. A replay that differs, a crash and an endless trial are
 // reported as verdicts. Rows survive an interruption, an incomplete last line and a change of program. The

@@ -1,4 +1,4 @@
-/* These tests claim that a body file names the scene with which it was baked, behind all other contents. The
+/* These tests check that a body file names the scene with which it was baked, behind all other contents. The
  * name is read as it was written, and a file is refused where the name is in another place or has another
  * size. The tests use small valid files whose section table is changed and whose CRCs are corrected. */
 #include <setjmp.h>

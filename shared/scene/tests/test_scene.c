@@ -1,4 +1,4 @@
-/* These tests claim that every broken scene is refused with its own code and place, and that no part of it
+/* These tests check that every broken scene is refused with its own code and place, and that no part of it
  * reaches the caller. The tests use small valid files that are cut at every length, have every bit flipped,
  * and break each rule of docs/scene.md alone. */
 #include <setjmp.h>

@@ -1,4 +1,4 @@
-/* These tests make claims about frames and codecs. An encoded message comes back, a damaged one is dropped
+/* These tests check claims about frames and codecs. An encoded message comes back, a damaged one is dropped
  * and counted, and a receiver that lost its place finds the next frame. The tests use seeded random messages
  * and every single-bit flip. Seeds are fixed: running the program again reproduces a failure. */
 #include <setjmp.h>
