@@ -1,9 +1,10 @@
 // These tests check claims about balloon and stent in whole sessions, from the script to the recording. A
 // stent is opened and deployed, and it holds the lumen that its balloon has opened. The core receives the
-// stent by recorded inputs, so a replay agrees bit for bit, with pictures and without. Failures have a
-// reported outcome and lose no record: a balloon that is pulled under pressure, bursts, is released without a
-// wall or is inflated in a guiding catheter, and a loss of power. The scene is an artery of 3 mm behind a
-// wide vessel of 10 mm, with a stenosis of 50 % that gives way; the tests bake it themselves.
+// stent by recorded inputs, so a replay agrees bit for bit, with pictures and without. After a failure the
+// outcome is reported, and no record is lost. The tests cause these failures: a balloon that is pulled under
+// pressure, bursts, is released without a wall, or is inflated in a guiding catheter, and a loss of power.
+// The scene is an artery of 3 mm behind a wide vessel of 10 mm, with a stenosis of 50 % that gives way; the
+// tests bake it themselves.
 #include <algorithm>
 #include <cmath>
 #include <csetjmp>
@@ -225,8 +226,8 @@ std::size_t rings_of(const Recording &recording)
 }
 
 // Without a stent about a third of the gained lumen recoils (recoil 0.35), whereas the stent holds it. The
-// balloon has 3 mm in an artery of 3 mm: the stent's outside lies on the wall, and its inside is narrower by
-// two struts of 0.081 mm.
+// balloon has a diameter of 3 mm in an artery of 3 mm: the stent's outside lies on the wall, and its inside
+// is narrower by two struts of 0.081 mm.
 void a_stent_holds_what_its_balloon_has_opened(void **)
 {
     Case &stented = usual_case(), bare{begin_at(lesion_mm) + up_and_down};
@@ -366,8 +367,8 @@ Recording without_struts(Recording recording)
 
 // The stent's middle is at 42 mm. Half of the stent is in the artery; the other half, from 33 to 40 mm, is
 // malapposed, because the vessel widens there. The wire is drawn back out of the stent and advanced again
-// along the wall. It passes beside the struts and stays outside. In a replay without the struts, and with
-// everything else equal, the wire advances into the artery.
+// along the wall. The wire then passes beside the struts and stays outside the stent. In a replay without the
+// struts, and with everything else equal, the wire advances into the artery.
 void a_wire_beside_a_stent_meets_its_struts(void **)
 {
     Case beside{

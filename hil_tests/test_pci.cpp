@@ -269,7 +269,8 @@ const std::string stent_session = "shared/examples/sessions/pci_lad_stent_short.
                   balloon_file = "shared/examples/instruments/balloon_3x20.toml",
                   stent_file = "shared/examples/stents/coronary_3_0x18.toml";
 
-// The bar is a stenosis of at most 10 % by diameter, down from 75 %, and 95 % of the struts on the wall.
+// The test requires a remaining stenosis of at most 10 % by diameter, down from 75 %, and 95 % of the struts
+// on the wall.
 void a_stent_of_the_right_size_in_the_right_place_leaves_no_stenosis(void **)
 {
     const nlohmann::json score = score_of_session(stent_session, balloon_file, stent_file);

@@ -1,6 +1,6 @@
-/* These tests check claims about the whole device on USB. The conversation over the bulk pair is the same as
- * over any other pipe, and gives the same hashes. The HID interface shows the state and removes power, and
- * sets nothing that the wire protocol would refuse. */
+/* These tests check claims about the whole device on USB. Over the bulk pair
+ * the device has the same conversation, with the same hashes, as over any other pipe. The HID interface shows
+ * the state and removes power, and sets nothing that the wire protocol would refuse. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

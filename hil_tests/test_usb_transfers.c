@@ -163,7 +163,7 @@ static void a_host_that_does_not_read_is_held(void **state)
     assert_int_equal(rig.frames_lost, 0);
 }
 
-/* A refused frame leaves nothing in the queue; the device reports the free space before. */
+/* A refused frame leaves nothing in the queue, and the device reports beforehand how much space is free. */
 static void a_full_queue_refuses_whole_frames(void **state)
 {
     (void)state;
@@ -192,8 +192,8 @@ static void nobody_is_configured_so_nothing_is_queued(void **state)
     assert_false(crn_usb_transmit(&rig.usb, (const uint8_t *)"\1", 2));
 }
 
-/* Lists interruptions of a conversation. Each leaves the device in a state from which a host can begin
- * again. */
+/* Lists interruptions of a conversation. Each interruption leaves the device in a state from which a host can
+ * begin again. */
 typedef enum interruption {
     RESET,
     HALT_IN,

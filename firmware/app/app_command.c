@@ -108,7 +108,7 @@ static void confirm(crn_app *app, uint32_t code)
 
 /* --- START, STOP, RESET, modes --- */
 
-/* Takes the hands' positions at the next reading as their new reference, without force. */
+/* Makes the hands' positions at the next reading the new reference, at which there is no force. */
 static void forget_hands(crn_app *app)
 {
     crn_hands_take_reference(&app->hands);

@@ -1,5 +1,5 @@
-/* This file runs the ticks of a session. One tick leads from encoders to hands, coupling, crn_step, forces,
- * and results for the host. */
+/* This file runs the ticks of a session. A tick computes, in this order, the hands' positions from the
+ * encoders, the coupling, crn_step, the forces, and the results for the host. */
 #include "firmware/app/app_internal.h"
 
 /* --- one tick --- */

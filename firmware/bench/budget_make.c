@@ -24,7 +24,8 @@ typedef struct scene {
     motion motion;
 } scene;
 
-/* The touching elements lie in the bends; a soft wire also touches with elements on the floor of the tube. */
+/* The elements that touch the wall lie in the bends; in the case of a soft wire, elements also touch the
+ * floor of the tube. */
 static const scene scenes[] = {
     {"elements=256 contacts=100+", 0.002, 1.5e-6, false, 256, 100, 1, RESTS},
     {"elements=256 contacts=all", 0.0006, 2e-6, true, 256, 245, 1, RESTS},
@@ -161,8 +162,8 @@ static void record(const scene *s, budget_case *c)
     memcpy(c->hash_lane, output.hash_lane, sizeof c->hash_lane);
 }
 
-/* Records that tick with a second solve which has the most contacts, and the tick before it. Prints how many
- * ticks had a second solve. */
+/* Of all ticks with a second solve, records the one that has the most contacts, and the tick before it.
+ * Prints how many ticks had a second solve. */
 static void record_worst(budget_case *c)
 {
     size_t bytes = crn_state_bytes();

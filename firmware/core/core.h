@@ -51,8 +51,8 @@ typedef struct crn_knot {
     int32_t rest_curvature2_per_m_milli; /* turning towards d2 */
 } crn_knot;
 
-/* A balloon on a tool. Only one of a line's tools may have a balloon. Its diameters are those of a balloon
- * that no vessel confines. */
+/* A balloon on a tool. Only one of a line's tools may have a balloon. The table gives the balloon's diameters
+ * where no vessel confines it. */
 typedef struct crn_balloon {
     uint32_t point_count; /* points of the table, 2 .. CRN_BALLOON_POINT_MAX; 0: the tool has no balloon */
     uint32_t distal_um, proximal_um;              /* working length from the tool's tip: 2 to 60 mm */
@@ -110,7 +110,7 @@ typedef struct crn_hand_pose {
     uint32_t turn32;    /* angle, one turn = 2^32, + right-handed about the direction of insertion */
 } crn_hand_pose;
 
-/* Orders that a stent holds the stations `first` to `last` of a lesion open to the extent `open_q30`. */
+/* Orders a stent to hold the stations `first` to `last` of a lesion open to the extent `open_q30`. */
 typedef struct crn_scaffold {
     uint32_t lesion, first, last;
     int32_t open_q30; /* 0 means that there is no order, and 1 is the largest value. An order for a station

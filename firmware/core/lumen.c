@@ -68,9 +68,9 @@ static inline bool find(const crn_lumen *lumen, const crn_vec3 *p, lumen_place *
     return true;
 }
 
-/* Holds the weights of the quadratic B-spline at the fraction u of a voxel: (1-u)^2/2, the rest to one, and
- * u^2/2. The weights of the slope per voxel are -(1-u), 1-2u and u. The fast integer types have the width
- * that the machine multiplies fastest; the values fit 32 bits. */
+/* Holds the weights of the quadratic B-spline at the fraction u of a voxel: first (1-u)^2/2, last u^2/2, and
+ * between them the remainder to one. The weights of the slope per voxel are -(1-u), 1-2u and u. The fast
+ * integer types have the width that the machine multiplies fastest; the values fit 32 bits. */
 typedef struct lumen_weights {
     int_fast32_t low, middle, high;
     int_fast32_t fall, rise; /* 1-u and u */

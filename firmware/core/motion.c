@@ -6,8 +6,8 @@
 #include "firmware/core/motion_cell.h"
 #include "firmware/core/rod.h"
 
-/* Returns the weights of the quadratic B-spline at the fraction f between two half keyframes: (1-f)^2/2, the
- * rest to one, and f^2/2. */
+/* Returns the weights of the quadratic B-spline at the fraction f between two half keyframes: first
+ * (1-f)^2/2, last f^2/2, and between them the remainder to one. */
 crn_motion_moment crn_motion_moment_at(uint32_t heart_phase32, uint32_t breath_phase32)
 {
     uint64_t place_q32 = (uint64_t)heart_phase32 * CRN_MOTION_KEYFRAMES + ((uint64_t)1 << 31);
@@ -370,8 +370,8 @@ enum {
     ROUNDING_M_Q30 = 32
 }; /* bounds the quotients here and in crn_motion_contact, for distances up to 15.6 mm */
 
-/* Computes the distance for a point that lies within a lattice. It is a separate function, so that it costs a
- * node beyond both lattices nothing. */
+/* Computes the distance for a point that lies within a lattice. This is a separate function, so that it costs
+ * nothing for a node that lies outside both lattices. */
 CRN_APART static int32_t distance_inside(const crn_lumen *lumen, const crn_motion *motion,
                                          crn_motion_pose *pose, const crn_vec3 *world_m_q30,
                                          int32_t shrink_q30, int32_t far_m_q30)

@@ -71,7 +71,8 @@ typedef struct crn_motion_field {
     crn_motion_cell ways; /* displacements from the corners back to the reference pose; for breath: those of a
                              full breath */
     /* The same displacements as polynomials. For the heartbeat, the terms belong to 1, x, y, xy, z, xz, yz,
-     * xyz. For breath, they belong to 1, x, y, -, z in the tetrahedron of the last point. */
+     * xyz. For breath, the terms 0, 1, 2 and 4 belong to 1, x, y and z in the tetrahedron of the last point,
+     * and the others are not used. */
     int32_t terms_m_q34[3][8];
     int32_t low_m_q30[3];  /* position of the cell's low node */
     int32_t powers_q31[8]; /* x, y, xy, z, xz, yz, xyz of the last point pulled back, from [1] on */

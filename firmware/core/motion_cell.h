@@ -22,8 +22,8 @@ typedef struct corner_list {
     uint32_t count;
 } corner_list;
 
-/* Moves on to another cell. Where the new cell is one step along an axis away, the four shared corners move
- * to their new places. Returns the other corners. */
+/* Moves on to another cell. When the new cell is the neighbour along one axis, the values of the four shared
+ * corners move to their new places. Returns the other corners. */
 static inline corner_list move_on(const crn_lattice *lattice, uint32_t to, crn_motion_cell *cell)
 {
     /* corners on the low and the high side along x, y, z */

@@ -76,10 +76,11 @@ static inline crn_vec3 cross_high(const crn_vec3 *a, const crn_vec3 *b)
                          crn_mulh_sub(crn_mulh(a->v[0], b->v[1]), a->v[1], b->v[0]));
 }
 
-/* Solves (I + dw/dx) step = -change by Cramer's rule. With the columns a, b and c, the products b x c and
- * change x a contain all four determinants. Overflow is impossible: columns are at most 2 in a component, so
- * b x c is below 2^27 (Q24), the determinant below 2^26 (Q20), and change x a below 2^29 (Q35). Before the
- * division, steps are below 2^29 (Q31), which is 250 mm. */
+/* Solves (I + dw/dx) step = -change for `step` by Cramer's rule, where w is the displacement. With the
+ * columns a, b and c, the products b x c and change x a contain all four determinants. Overflow is
+ * impossible: columns are at most 2 in a component, so b x c is below 2^27 (Q24), the determinant below 2^26
+ * (Q20), and change x a below 2^29 (Q35). Before the division, steps are below 2^29 (Q31), which is 250
+ * mm. */
 static crn_vec3 beating_step(const crn_motion *motion, crn_motion_pose *pose)
 {
     const int32_t(*m)[3] = (const int32_t(*)[3])pose->gradient_q28;

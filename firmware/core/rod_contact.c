@@ -277,8 +277,8 @@ static int32_t worst_depth(const crn_vec3 *normal_q30, int32_t depth_m_q30, cons
     return predicted > depth_m_q30 ? predicted : depth_m_q30;
 }
 
-/* Where struts are deeper than the wall, they replace the wall as the node's contact; a shallower surface
- * that also touches becomes its second contact. */
+/* Where a node is deeper in struts than in the wall, the struts become its first contact; the shallower
+ * surface, if it also touches, becomes its second contact. */
 CRN_RARE static bool meet_struts(const crn_model *model, crn_state *state, crn_work *work,
                                  const crn_line_node *line, bool is_at_wall)
 {

@@ -327,8 +327,8 @@ static int32_t joint_handle(const crn_model *model, const crn_state *state, uint
     return crn_sub_sat(potential(&before, &moment), potential(&after, &moment));
 }
 
-/* Returns the force at the introducer sheath's distal end that the energy per length of a curved tool in the
- * straight sheath causes on the hand. */
+/* A curved tool that lies in the straight introducer sheath stores elastic energy. Returns the force that
+ * this energy per length causes on the tool's hand, at the sheath's distal end. */
 static int32_t mouth_handle(const crn_model *model, const crn_state *state, uint32_t k, int32_t arc_m_q30)
 {
     section own = {0, {{0, 0, 0}}, 0};

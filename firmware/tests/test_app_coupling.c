@@ -31,7 +31,8 @@ static void start_lockstep(const crn_wire_track *track)
     tick_now = 0;
 }
 
-/* Computes one tick with the hand at (um, 2^-16 turn); returns the result of the tool. */
+/* Computes one tick in which the hand is at `translation` um and `rotation` x 2^-16 turn. Returns the state
+ * of the tool after it. */
 static const crn_wire_tool_state *step_to(int32_t translation, int32_t rotation)
 {
     uint8_t payload[64];

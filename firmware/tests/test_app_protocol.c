@@ -345,7 +345,7 @@ static void a_coupling_stiffer_than_the_rig_can_render_is_refused(void **state)
 }
 
 /* A host that states a thousandth of the true value of a sensor's count would defeat every check of forces.
- * The bench's sensors have 1 mN per count, and this present value may always be stated again. */
+ * The bench's sensors have 1 mN per count, and a host may always state this present value again. */
 static void the_force_sensors_scale_moves_by_a_quarter_without_the_local_unlock(void **state)
 {
     (void)state;

@@ -1,8 +1,8 @@
 /* These tests check claims about a carriage that nobody holds. The force on such a carriage disappears within
  * 32 ms, and the carriage gets no faster than a hand would make it. A motor that accelerates it nevertheless
  * loses its power. A hand that throws the carriage or moves it fast is not mistaken for a motor. A cycle that
- * the control loop sustains in a hand is ended, while a tremor may continue. The test defines the hand at the
- * bench; the force sensor reads the force that this hand holds. */
+ * the control loop sustains in a hand is ended, while a tremor may continue. The test sets the force with
+ * which a hand holds the carriage, and the bench's force sensor reads this force. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -115,8 +115,8 @@ static void a_free_balloon_has_the_diameter_of_its_table(void **state)
     rig_free(r);
 }
 
-/* The bars are 0.1 mm for the diameter, and 5 % of pressure times the covered area, 2 pi r 18 mm, for the
- * wall force. The vessel is narrower than the unfolded balloon, so the balloon's own wall supports no
+/* The tolerances are 0.1 mm for the diameter, and 5 % of pressure times the covered area, 2 pi r 18 mm, for
+ * the wall force. The vessel is narrower than the unfolded balloon, so the balloon's own wall supports no
  * pressure. */
 static void in_a_rigid_tube_it_fills_the_bore_and_presses_with_pressure_times_area(void **state)
 {
@@ -201,8 +201,8 @@ static double aside_mm(const rig *r)
 /* In free space nothing presses on the balloon, so the hand feels only the weight. A ball of the balloon that
  * leaves the sheath or another tool begins on the line at that place. In an earlier version such a ball began
  * at the origin of the patient frame, some 300 mm away, and was tied to the line by 2 N/mm. This error gave
- * 512 N at the hand, 9.5 % of length error, and a depth of 3.5 mm in the wall of the shipped scene. The bars
- * of this test are a few times the printed values. */
+ * 512 N at the hand, 9.5 % of length error, and a depth of 3.5 mm in the wall of the shipped scene. The
+ * limits in this test are a few times the printed values. */
 static void an_inflated_balloon_comes_out_of_sheath_and_guide_without_a_jolt(void **state)
 {
     (void)state;
@@ -243,7 +243,7 @@ static void an_inflated_balloon_comes_out_of_sheath_and_guide_without_a_jolt(voi
 
 /* At 20 bar in a bore of 1.2 mm the balloon holds 36 N at a friction of 0.1, more than any hand. When the
  * tool is pushed and pulled at 250 mm/s, it stalls and slips through the hand (docs/rod.md, "Feed"), and no
- * value leaves its range. The bar is 30 N, which a hand's grip can withstand. */
+ * value leaves its range. The limit is 30 N, which a hand's grip can withstand. */
 static void a_balloon_that_holds_harder_than_a_hand_yields_in_the_hand(void **state)
 {
     (void)state;
@@ -264,8 +264,9 @@ static void a_balloon_that_holds_harder_than_a_hand_yields_in_the_hand(void **st
     rig_free(r);
 }
 
-/* The second bar for an elastic vessel is that the words of the balloon are equal exactly, and the nodes
- * within 1 um. The friction that remains after the first inflations exists before the count begins. */
+/* In an elastic vessel, this test also requires that the words of the balloon are equal exactly, and the
+ * nodes within 1 um. The first five inflations are not counted, because they leave some friction that later
+ * ones do not change. */
 static void two_hundred_inflations_leave_nothing_behind(void **state)
 {
     (void)state;

@@ -307,8 +307,8 @@ static void a_balloon_too_small_opens_no_farther_than_itself(void **state)
     free(r);
 }
 
-/* The second bar is that the words of an elastic lesion return exactly after every inflation, and the nodes
- * within 1 um. A plastic lesion has its residual opening from the first inflation on. */
+/* This test also requires that the words of an elastic lesion return exactly after every inflation, and the
+ * nodes within 1 um. A plastic lesion has its residual opening from the first inflation on. */
 static void inflations(int count, double recoil, bool is_elastic)
 {
     rig *r = rig_make(200, recoil);

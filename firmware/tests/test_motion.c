@@ -103,7 +103,7 @@ static void the_lattice_passes_through_its_keyframes(void **state)
 }
 
 /* Between nodes and keyframes, a spacing of 7.8 mm and 24 keyframes represent 11 mm of beating within 0.3 mm.
- * They represent 8 mm of breath at any moment of the breath within as much. */
+ * They also represent 8 mm of breath within 0.3 mm at any moment of the breath. */
 static void the_lattice_represents_the_map(void **state)
 {
     (void)state;
@@ -263,8 +263,8 @@ static void the_cheap_distance_never_hides_a_contact(void **state)
 }
 
 /* The step of the wall is compared with the displacement of the map's own point in the tick, at 120 beats a
- * minute. It must agree within 5 % of the fastest wall (0.13 mm in a tick) and 2 um. In every other case the
- * chest fills as well, at 20 breaths a minute. */
+ * minute. The difference must be below 2 um plus 5 % of the fastest wall's step (0.13 mm in a tick). In every
+ * second case the chest also moves, at 20 breaths a minute. */
 static void the_wall_step_is_that_of_the_map(void **state)
 {
     (void)state;

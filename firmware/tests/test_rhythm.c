@@ -37,9 +37,9 @@ static uint32_t to_next_beat(crn_rhythm *rhythm)
     return ticks;
 }
 
-/* The interval is 60 000 / rate ms to 1 ms. The aortic valve closes 540 - 2.1 rate ms after the QRS: 456 ms
- * at 40 beats a minute, 204 ms at 160 beats a minute. Linear scaling with the interval would turn the correct
- * 393 ms at 70 beats a minute into 624 ms at 40 beats a minute. */
+/* The interval is 60 000 / rate ms, within 1 ms. The aortic valve closes 540 - 2.1 rate ms after the QRS: 456
+ * ms at 40 beats a minute, 204 ms at 160 beats a minute. Linear scaling with the interval would turn the
+ * correct 393 ms at 70 beats a minute into 624 ms at 40 beats a minute. */
 static void systole_follows_its_formula_and_not_the_interval(void **state)
 {
     (void)state;
@@ -153,7 +153,8 @@ static void asystole_stands_at_the_end_of_filling(void **state)
     assert_int_equal(to_next_beat(&rhythm), 857);
 }
 
-/* Fifteen breaths take a minute to 1 ms (the increment's rounding is 3e-6); a held breath keeps its phase. */
+/* Fifteen breaths take a minute, within 1 ms (the increment's rounding is 3e-6); a held breath keeps its
+ * phase. */
 static void breath_has_its_rate_and_can_be_held(void **state)
 {
     (void)state;

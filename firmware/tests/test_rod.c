@@ -22,8 +22,8 @@ static const double Q30 = 1073741824.0;
 
 /* --- elastica: FACTS of docs/validation.md, cases 1 and 2 ----------------------------------------------- */
 
-/* The tolerance of 0.5 % of the length L at 64 elements is the project's bar; the discretisation's own error
- * is 0.03 %. `make bench` runs every stiffness of the range; this test runs the softest and a stiff one. */
+/* The project allows an error of 0.5 % of the length L at 64 elements; the discretisation alone causes 0.03
+ * %. `make bench` runs every stiffness of the range; this test runs the softest and a stiff one. */
 static void tip_loaded_cantilever_takes_the_elastica(void **context)
 {
     (void)context;

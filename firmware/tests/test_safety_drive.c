@@ -187,7 +187,7 @@ static void a_carriage_that_its_motor_made_fast_stops(void **state)
     assert_int_equal(run_away(50, 252, 0), 0);   /* the motor gave too little: 2 mN s */
 }
 
-/* A hand gave the carriage its speed, so the carriage is fast from the first edge on at which nobody touches
+/* A hand has thrown the carriage, so the carriage is already fast at the first edge at which nobody touches
  * it. */
 static void a_carriage_that_a_hand_throws_goes_on(void **state)
 {

@@ -1,7 +1,7 @@
 /* These tests check claims about coaxial tools on one line (docs/rod.md, "tools"). The tools add their
  * stiffness and keep their own feed, rotation and rest shape. The tools press and rub on each other in both
  * directions, and may lead in turn without a jolt. The wall resists turning by Coulomb's law. The tests
- * compare with closed forms of composite beams, stored energy, and force balances. */
+ * compare the results with closed forms of composite beams, stored energy, and force balances. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -3,9 +3,9 @@
 //   link.flip session=lockstep way=to_host frame=12 bit=37 seed=1
 //   rig.encoder_jump session=free_run tick=33 um=7000 seed=1
 //
-// A kind of fault belongs to a group (link, host, device, rig). It happens at one moment: at the n-th frame
-// of its direction, or at a tick, counted from START (in session=setup from the first HELLO). It may have one
-// value.
+// A kind of fault belongs to a group (link, host, device, rig). A fault happens at one moment: at the n-th
+// frame of its direction, or at a tick, counted from START (in session=setup from the first HELLO). It may
+// have one value.
 #pragma once
 #include <cstdint>
 #include <span>

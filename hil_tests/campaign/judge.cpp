@@ -74,8 +74,8 @@ int bar_ms(SafeClass which)
 }
 
 // A motor that no longer obeys is limited only by the driver's current limit, which the rig's builder sets.
-// In all other cases the current limit is half as high again, so that the actuator shows the limit of the
-// firmware itself.
+// In all other cases the current limit is 1.5 times the firmware's force limit, so that the force at the
+// actuator shows the firmware's own limit.
 PlantSettings campaign_plant(bool has_stuck_motor)
 {
     const double above = has_stuck_motor ? 1.0 : 1.5;

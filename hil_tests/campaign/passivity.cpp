@@ -214,8 +214,8 @@ std::size_t run_passivity_grid(Level &level, std::size_t nth, const std::string 
         fastest_m_per_s = std::max(fastest_m_per_s, outcome.fastest_m_per_s);
         if (!outcome.failure.empty()) std::printf("BROKEN %s", line.c_str());
     }
-    // Prints name and value, one line each, also at the end of the table; tools/check/bars.py reads these
-    // lines.
+    // Prints each name with its value on a line of its own, also at the end of the table. `make bars` reads
+    // these lines.
     char totals[256];
     std::snprintf(totals, sizeof totals,
                   "passivity.combinations\t%zu\npassivity.accepted\t%zu\npassivity.stopped\t%zu\n"

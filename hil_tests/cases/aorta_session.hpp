@@ -32,7 +32,8 @@ struct AortaRun {
 void set_up_aorta(crn::Link &link, const AortaFiles &files, const crn::Session &session,
                   const crn_wire_rig &rig);
 
-// Returns the vessels whose names the session uses for steering, from the bodies beside the scene.
+// Returns the vessels whose names the session uses for steering. They are read from the file of bodies that
+// lies beside the scene file.
 std::unique_ptr<crn::TipPlaces> vessels_of(const AortaFiles &files);
 // Reads from the device the state by which the session decides when it checks the tip.
 void look_at_aorta(crn::Link &link, const AortaFiles &files, const crn::TipPlaces &vessels,

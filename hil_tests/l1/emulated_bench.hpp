@@ -27,8 +27,8 @@ class EmulatedBench final : public Bench
 class EmulatedLevel final : public Level
 {
   public:
-    // A session needs a processor that is fast enough for its milliseconds: 0 gives 1,000 instructions per
-    // us.
+    // A session needs a processor that can finish the work of each millisecond in time. An `icount_shift` of
+    // 0 gives 1,000 instructions per us.
     explicit EmulatedLevel(int icount_shift = 0, const std::string &debugger = "")
         : options_{{}, icount_shift, {}, debugger}
     {

@@ -129,8 +129,8 @@ static void tell(mock *m, const char *what)
 }
 
 /* umockdev would end a program that is in the middle of a call when its node is removed. The nodes of an
- * unplugged device therefore answer ENODEV until the device returns. It does not return before programs had
- * time to release it. */
+ * unplugged device therefore answer ENODEV until the device returns. The device does not return before
+ * programs had time to release it. */
 static void detach(mock *m)
 {
     if (!m->is_attached) return;
@@ -299,8 +299,8 @@ static void make_nodes(mock *m, UMockdevTestbed *testbed)
 }
 
 /* For umockdev, an ioctl is an exchange of half a dozen messages between two threads. Waking a thread on
- * another processor costs more than the message itself. On one processor, the round trips of the loop-back
- * rig are fast enough for their milliseconds. */
+ * another processor costs more than the message itself. On one processor, the loop-back rig's round trips are
+ * fast enough to finish each millisecond of work in time. */
 static void stay_on_one_processor(void)
 {
     cpu_set_t here;

@@ -1,4 +1,5 @@
-/* This program shows a device on the token mailbox to a machine in QEMU, by usbredir over a unix socket.
+/* This program makes a device on the token mailbox visible to a machine in QEMU, by usbredir over a unix
+ * socket.
  *
  *   bridge SOCKET --here                     the loop-back rig, in this process
  *   bridge SOCKET --app                      the whole app, in this process

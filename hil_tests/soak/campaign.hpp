@@ -1,6 +1,6 @@
-// This header runs many sessions of one seed, in separate processes, as many at a time as there are jobs.
-// Sessions are drawn, judged, shrunk when a bar breaks, and written to a file row by row. Ctrl-C ends the
-// campaign; a later call continues it.
+// This header runs many sessions of one seed in separate processes, `jobs` of them at a time. Sessions are
+// drawn, judged, shrunk when a bar breaks, and written to a file row by row. Ctrl-C ends the campaign; a
+// later call continues it.
 #pragma once
 #include "hil_tests/soak/draw.hpp"
 #include "hil_tests/soak/rows.hpp"

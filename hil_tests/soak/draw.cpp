@@ -110,7 +110,8 @@ void move_two_hands(Scribe &scribe)
     scribe.end();
 }
 
-// Injects as much as a hand or a pump can through such a lumen with a wire in it.
+// Injects contrast medium through the lumen of a tool, as fast as a hand or a pump can while a wire is in the
+// lumen.
 void inject(Scribe &scribe)
 {
     Dice &dice = scribe.dice();

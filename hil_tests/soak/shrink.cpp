@@ -174,7 +174,7 @@ std::string part_without(const std::string &part, std::size_t tool)
     return join(words, " ");
 }
 
-// Halves the number before such a unit, when there is a number of at least `least`.
+// Halves each number that stands before this unit and is at least `least`.
 std::vector<std::string> halved(const std::string &part, const std::string &unit, int least)
 {
     std::vector<std::string> words = words_of(part);

@@ -22,7 +22,7 @@ Shrunk shrink(const DrawnSession &session, const Verdict &found,
               const std::function<Verdict(const DrawnSession &)> &judge, const ShrinkLimits &limits = {});
 
 // The pieces, for tests. Returns the session without that tool: the tool's statements are left out, and the
-// names of the others move up.
+// tools outside of it get the names of their inner neighbours.
 DrawnSession without_tool(const DrawnSession &session, std::size_t tool);
 // Returns the simpler forms of a statement, the simplest first.
 std::vector<std::string> plainer(const std::string &line);

@@ -61,8 +61,8 @@ void Watch::tick(const crn_wire_tick_input &, const crn_wire_tick_state &state)
 }
 
 // After the core has set a new fault bit, the log is read at the end of the next batch. A session that is
-// long enough ends at a batch's end, where device and recording are at the same tick. Neither of the two
-// ticks changes while a batch is processed.
+// long enough ends at a batch's end, where device and recording are at the same tick. The tick of that
+// reading and the tick of that end do not change while a batch is processed.
 std::uint32_t Watch::next_tick() const
 {
     const std::uint32_t end = seen_tick_ <= settings_.ticks_max ? settings_.ticks_max : UINT32_MAX;

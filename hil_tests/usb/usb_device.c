@@ -1,4 +1,4 @@
-/* This file is the whole device behind the token mailbox. */
+/* This file implements the whole device behind the token mailbox. */
 #include "hil_tests/usb/usb_device.h"
 
 #include <string.h>

@@ -1,4 +1,4 @@
-/* This file has the schema hash and the texts, made from the two .def files. */
+/* This file has the schema hash and the texts, made from wire_messages.def and wire_faults.def. */
 #include "shared/wire/wire.h"
 
 /* The hash is FNV-1a over every name, type and unit of wire_messages.def. Each text is hashed with its

@@ -60,8 +60,8 @@ static int64_t limited(int64_t value, int64_t limit)
 }
 
 /* Format: force / travel x 2^shift times travel. Overflow is impossible: |lead| <= lead_max, so that
- * stiffness x lead is at most the shifted force limit. The damper adds at most as much times damping /
- * stiffness, and the sum is limited to four force limits. */
+ * stiffness x lead is at most the shifted force limit. The damper adds at most the product of this limit and
+ * the ratio damping / stiffness, and the sum is limited to four force limits. */
 static int32_t spring_force(const crn_haptics_axis *axis, int64_t lead, int64_t lead_before)
 {
     int64_t elastic = crn_rshift_round64(axis->stiffness * lead, axis->shift);

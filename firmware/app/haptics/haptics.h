@@ -101,8 +101,8 @@ void crn_haptics_rest(crn_haptics *haptics);
 void crn_haptics_before(crn_haptics *haptics, const crn_haptics_input *input,
                         crn_hand_position followed[CRN_PORT_TOOL_MAX]);
 
-/* Runs after the core's tick. It computes the coupling's forces and applies gain, passivity, slew limit,
- * force limit and fade. */
+/* Runs after the core's tick. The function computes the coupling's forces and applies gain, passivity, slew
+ * limit, force limit and fade. */
 void crn_haptics_after(crn_haptics *haptics, const crn_haptics_input *input, crn_findings *findings);
 
 /* Runs as the first half of crn_haptics_after, and computes the forces of the coupling from the motion of the

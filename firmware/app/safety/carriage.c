@@ -14,8 +14,8 @@ enum {
      * carriage reaches 0.25 m/s. */
     DRIVEN_FULL_um_s = 30000,
     DRIVEN_NONE_um_s = 100000,
-    /* These are the same two speeds for a carriage that moves against its motor's force, if its encoder is
-     * right.
+    /* A carriage that moves against its motor's force has these two speeds instead, provided that its encoder
+     * is right.
      */
     BRAKED_FULL_um_s = 80000,
     BRAKED_NONE_um_s = 180000,

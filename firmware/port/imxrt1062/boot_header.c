@@ -11,7 +11,8 @@ struct start_entry; /* start.c */
 extern const uint32_t image_flash_begin[], image_flash_bytes[];
 extern const struct start_entry start_vectors;
 
-/* Makes one half of a word of a sequence: opcode, lines (0: one, 2: four), operand. */
+/* Makes one step of a FlexSPI sequence, which is half of a word: the opcode, the number of lines (0: one, 2:
+ * four), and the operand. */
 #define STEP(opcode, lines, operand) (((opcode) << 10 | (lines) << 8 | (operand)) & 0xffffu)
 #define STEPS(first, second) (STEP first | STEP second << 16)
 #define COMMAND 1u

@@ -13,9 +13,9 @@
  * and rig_read(). Neither side trusts the half of the other: a number out of its range is treated as a broken
  * sensor.
  *
- * The plant makes the milliseconds. It fills its inputs, then increments `edge`; the device runs the tick,
- * writes its outputs and repeats the number in `edge_done`. A program that runs plant and device in turn gets
- * a simulation that does not depend on real time.
+ * The plant makes the milliseconds. The plant fills its inputs, then increments `edge`; the device runs the
+ * tick, writes its outputs and repeats the number in `edge_done`. A program that runs plant and device in
+ * turn gets a simulation that does not depend on real time.
  *
  * C11 and C++20 (gcc, clang). */
 #ifndef CRN_RIG_PAGE_H

@@ -15,7 +15,7 @@ typedef struct safety_bench {
 } safety_bench;
 
 /* Puts two tools on a rig at rest, where a count of an encoder is 1 um and a count of the force sensor is 1
- * mN. No power. */
+ * mN. The motors have no power. */
 static inline void safety_bench_rest(safety_bench *bench)
 {
     *bench = (safety_bench){.rig = {.supply_good = true}, .input = {.tool_count = 2}};

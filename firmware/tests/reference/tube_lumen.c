@@ -108,8 +108,8 @@ static void window(const reference_tube *tube, const double *centre, double reac
     *to = *to + 2 < tube->point_count ? *to + 2 : tube->point_count;
 }
 
-/* Computes the coefficients of one brick at `corner` from distances at 12^3 voxel centres. They are
- * prefiltered by f - sum (second differences) / 8, the first-order inverse of the spline's [1 6 1] / 8. */
+/* Computes the coefficients of one brick at `corner` from distances at 12^3 voxel centres. The distances are
+ * first filtered by f - sum (second differences) / 8, the first-order inverse of the spline's [1 6 1] / 8. */
 static void fill_brick(const reference_tube *tube, const double *corner, double voxel_m, int8_t *brick)
 {
     static double f[SUPPORT][SUPPORT][SUPPORT];

@@ -137,8 +137,8 @@ class Patient
         debugger.go_on();
     }
     // Turns interrupts off and hangs the device. The watchdog then never finds the processor in the
-    // millisecond's handler. Its minute is a whole number of milliseconds, so a feed right behind an edge
-    // ends there.
+    // millisecond's handler. The watchdog's minute is a whole number of milliseconds, so it may end right
+    // behind an edge, in the millisecond's handler.
     void hang()
     {
         debugger.stop();
@@ -208,7 +208,8 @@ void power_goes_with_a_hard_fault()
     patient.expect_console("fault: exception 3 at pc 0x50000000");
 }
 
-// At 1 us per instruction and without milliseconds and scenes, the watchdog's minute passes within a second.
+// In this test each instruction takes 1 us of emulated time. There are no millisecond edges and no scenes, so
+// the emulator runs through the watchdog's minute within a second.
 constexpr int slowest = 10;
 
 void the_watchdog_starts_a_crashed_device_again_and_it_says_why()

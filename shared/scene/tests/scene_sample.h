@@ -120,7 +120,8 @@ static inline size_t sample_moving_scene(uint8_t *file, size_t capacity)
 
 enum { SAMPLE_STATIONS = 3, SAMPLE_PLAQUES_BYTES = 16 + 80 + SAMPLE_STATIONS * 48 };
 
-/* Writes one plaque along +y: its stations are 0.98 mm apart, and 1 mm of 2 mm of the radius is left. */
+/* Writes one plaque along +y, with stations 0.98 mm apart. The plaque leaves 1 mm of the healthy radius of 2
+ * mm. */
 static inline void sample_plaques(uint8_t *plaques)
 {
     const uint32_t one_q30 = 1u << 30, mm_q30 = 1073742, spacing = 1u << 20;

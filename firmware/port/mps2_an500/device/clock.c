@@ -8,7 +8,7 @@ enum {
     COUNTS_PER_ms = BOARD_CLOCK_HZ / 1000,
     /* This is longer than the longest request: a scene's validation takes 0.2 s at 1,000 instructions per us,
      * and 26 s when an instruction is given 128 ns for counting. The power stage does not depend on the
-     * watchdog, because it drops power after 5 ms. */
+     * watchdog, because the stage removes the power by itself after 5 ms. */
     WATCHDOG_s = 60,
 };
 
