@@ -148,8 +148,8 @@ struct Case {
         nodes = session_frame(device, {}, {}).wire.nodes;
     }
 
-    // Returns the smallest opening in the middle third of the lesion, because a lesion narrows nothing
-    // towards its ends, and nothing opens it there.
+    // Returns the smallest opening in the middle third of the lesion. Near its ends the lesion does not
+    // narrow the vessel, so nothing opens it there.
     double least_open() const
     {
         const auto third = static_cast<std::ptrdiff_t>(open.size() / 3);

@@ -304,7 +304,8 @@ static void test_modes_are_handed_to_the_controller(void **state)
     assert_int_equal(rig.mailbox.device.test_selector, 0);
 }
 
-/* Lost acknowledgements cost a repetition, never a byte or a second execution. */
+/* After a lost acknowledgement the packet is repeated, but no byte is lost and no request is executed
+ * twice. */
 static void lost_acknowledgements_change_nothing(void **state)
 {
     (void)state;

@@ -163,8 +163,9 @@ static bool read_tool(crn_wire_reader *reader, const crn_haptics_track *track, c
            is_within(motor->torque_uN_m, track->torque_limit_uN_m);
 }
 
-/* The springs' leads are limited to what an axis allows, and their estimates to the largest value, so that no
- * product of a later tick can overflow. */
+/* A snapshot is refused when the lead of a spring (hand ahead of tool) exceeds what the axis allows, or the
+ * spring's estimate of the tool's stiffness exceeds its largest value. So no product of a later tick can
+ * overflow. */
 static bool read_spring(crn_wire_reader *reader, const crn_haptics_axis *axis, crn_haptics_spring *spring)
 {
     uint32_t is_set = (uint32_t)crn_wire_read(reader, 4);

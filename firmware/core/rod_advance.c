@@ -22,9 +22,8 @@ static void move_node(crn_state *state, uint32_t i)
 
 /* Returns the elongation of all free edges. It is the elongation at the predicted configuration x*, plus t .
  * (delta[i+1] - delta[i]), plus the length that rod_length.c took back because edges turned. Edges that turn
- * too slowly for rod_length.c get longer by half the square of their rotation, which is below 0.4 % and is
- * not counted here. Format: sum of Q33 m in 64 bits. Overflow is impossible, because edges are below 2^25 in
- * Q30. */
+ * too slowly for rod_length.c get longer by the fraction angle^2 / 2, which is below 0.4 % and is not counted
+ * here. Format: sum of Q33 m in 64 bits. Overflow is impossible, because edges are below 2^25 in Q30. */
 static int64_t elongation_m_q33(const crn_model *model, const crn_state *state)
 {
     int64_t sum = state->scratch.kept_m_q33;

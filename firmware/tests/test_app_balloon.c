@@ -117,8 +117,8 @@ static void a_stent_where_no_lesion_is_is_refused_whole(void **state)
     }
 }
 
-/* A ring of struts can be ordered without a scene. An invalid ring is refused, with its kind and place,
- * before any tick is done. */
+/* A ring of struts can be ordered without a scene. An order for an invalid ring is refused before any tick is
+ * computed, and the answer names the kind of the order and its place in the list. */
 static void struts_that_are_none_are_refused_whole(void **state)
 {
     (void)state;

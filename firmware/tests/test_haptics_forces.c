@@ -187,8 +187,8 @@ static void a_hand_slips_beyond_the_force_limit(void **state)
 
 /* --- passivity --- */
 
-/* The tool runs away from a hand that follows and is pushed, which gives the hand 2 mJ per tick. More than 10
- * mJ is reported as a finding in every tick, and 32 ticks later no force is left. */
+/* The tool moves outwards and pushes the hand, which yields at the same speed, so the hand receives 2 mJ per
+ * tick. More than 10 mJ is reported as a finding in every tick, and 32 ticks later no force is left. */
 static void a_force_that_gives_energy_is_reported_and_reduced_to_nothing(void **state)
 {
     (void)state;

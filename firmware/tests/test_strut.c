@@ -1,9 +1,10 @@
 /* These tests check claims about a wire and the struts of a deployed stent (docs/lesions.md). The struts act
- * on the wire like a wall. A wire inside the stent rests on the inside of the struts, a wire outside rests on
- * their outside, and below the force that a cell of the stent withstands the wire does not pass through. A
- * wire between struts and wall is held by friction on both. An end of the stent deflects a wire's tip to one
- * side. The struts do not act on balloons. The struts are part of the state, and an invalid order changes
- * nothing. The tests compare the results with closed forms of shells in straight tubes. */
+ * on the wire like a wall. A wire inside the stent rests on the inside of the struts, and a wire outside
+ * rests on their outside. The wire does not pass through as long as its force is below the force that a cell
+ * of the stent withstands. A wire between struts and wall is held by friction on both. An end of the stent
+ * deflects a wire's tip to one side. The struts do not act on balloons. The struts are part of the state, and
+ * an invalid order changes nothing. The tests compare the results with closed forms of shells in straight
+ * tubes. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

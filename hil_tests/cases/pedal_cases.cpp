@@ -1,5 +1,5 @@
-// These cases test the pedals. Pressing a pedal at the rig reaches the X-ray room of the host in the same
-// tick, and makes fluoroscopy, a roadmap and a cine run. Pictures are blank here; the tests in
+// These cases test the pedals. When a pedal at the rig is pressed, the host's X-ray room receives this in the
+// same tick, and makes fluoroscopy, a roadmap or a cine run. Pictures are blank here; the tests in
 // host/xray/tests show that X-rays are drawn in them.
 #include "hil_tests/cases/conversation.hpp"
 #include "host/rig/pedals.hpp"

@@ -1,6 +1,7 @@
-// This header judges one session by the bars, on the host's own run_session(). Hands, device, stents,
-// contrast medium and recording are those of `cournand run`, without pictures. The session ends at the first
-// tick that breaks a bar; a session that breaks none is replayed from its recording, tick by tick.
+// This header judges one session by the bars (the limits in docs/soak.md), on the host's own run_session().
+// Hands, device, stents, contrast medium and recording are those of `cournand run`, without pictures. The
+// session ends at the first tick that breaks a bar; a session that breaks none is replayed from its
+// recording, tick by tick.
 #pragma once
 #include "hil_tests/soak/catalogue.hpp"
 #include "hil_tests/soak/drawn.hpp"

@@ -1,4 +1,5 @@
-// This is the sink of a trial, which compares every tick with the bars.
+// This is the sink of a trial. It compares every tick with the bars, which are the limits that docs/soak.md
+// sets.
 #pragma once
 #include "hil_tests/soak/trial.hpp"
 #include "host/patient/patient.hpp"

@@ -87,8 +87,8 @@ static void restart_watch(crn_safety_watch *watch, int32_t speed_counts)
 }
 
 /* An unbalanced force must move the heaviest carriage by CARRIAGE_TRAVEL_nm against its friction before this
- * check decides. By then there are three cases: the encoder has not moved, the encoder shows speed in the
- * opposite direction, or there is no fault. Format: mN / kg = nm / ms^2; travel in nm. */
+ * check decides. At that time there are three cases: the encoder has not moved, the encoder shows speed in
+ * the direction opposite to the force, or there is no fault. Format: mN / kg = nm / ms^2; travel in nm. */
 static crn_fault_code check_balance(crn_safety *safety, const crn_port_inputs *rig, uint32_t k,
                                     int32_t measured)
 {

@@ -5,7 +5,7 @@
  *   sample, tool count, energies -> crn_safety_check -> findings
  *   forces that the haptics ask for -> crn_safety_drive -> what the port writes
  *
- * The app responds to a finding that stops the device in one place (app_fault.c), with crn_safety_off. */
+ * When a finding stops the device, the app calls crn_safety_off, in one place (app_fault.c). */
 #ifndef CRN_SAFETY_H
 #define CRN_SAFETY_H
 

@@ -225,7 +225,7 @@ static inline void sample_lesions(uint8_t *lesions)
 
 /* These are the sections behind the two bodies of a body file. */
 typedef enum sample_vessels { SAMPLE_NO_TREE, SAMPLE_TREE, SAMPLE_LESIONS } sample_vessels;
-/* On request, the section that names the bodies' scene follows these. */
+/* When `has_partner` is set, one more section follows, which names the scene of the bodies. */
 enum { SAMPLE_PARTNER_BYTES = 4112, SAMPLE_PARTNER_CRC32 = 0x1234abcd };
 static inline size_t sample_body_file_of(uint8_t *file, size_t capacity, sample_vessels vessels,
                                          int has_partner)
