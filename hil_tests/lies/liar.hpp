@@ -1,5 +1,5 @@
 // This is a rig on the simulated bus that tells one lie: the firmware's own device behind a filter that
-// changes its messages. The bus calls the rig while it holds its lock.
+// changes its messages. The bus holds its own lock while it calls the rig.
 #pragma once
 #include "firmware/port/sim/sim.h"
 #include "hil_tests/lies/lie.hpp"

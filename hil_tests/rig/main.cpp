@@ -1,5 +1,5 @@
-// This is the program hil_rig: a simulated rig with an emulated device, which runs as long as a command
-// beside it.
+// This is the program hil_rig. It starts a simulated rig with an emulated device, runs a command, and ends
+// when this command ends.
 //
 //   hil_rig [--serial S] [--live] -- COMMAND ARGUMENT...
 //
