@@ -1,9 +1,10 @@
-// Claims about balloon and stent in whole sessions, from the script to the recording. A stent is opened and
-// deployed, and it holds the lumen that its balloon has opened. The core receives it by recorded inputs, so a
-// replay agrees bit for bit, with pictures and without. Failures (pulled under pressure, burst, released
-// without a wall, inflated in a guiding catheter, power lost) have a reported outcome, and lose no record.
-// The scene is an artery of 3 mm behind a wide one of 10 mm, with a stenosis of 50 % that gives way; it is
-// baked here.
+// These tests check claims about balloon and stent in whole sessions, from the script to the recording. A
+// stent is opened and deployed, and it holds the lumen that its balloon has opened. The core receives the
+// stent by recorded inputs, so a replay agrees bit for bit, with pictures and without. After a failure the
+// outcome is reported, and no record is lost. The tests cause these failures: a balloon that is pulled under
+// pressure, bursts, is released without a wall, or is inflated in a guiding catheter, and a loss of power.
+// The scene is an artery of 3 mm behind a wide vessel of 10 mm, with a stenosis of 50 % that gives way; the
+// tests bake it themselves.
 #include <algorithm>
 #include <cmath>
 #include <csetjmp>
@@ -53,7 +54,7 @@ void write_tube()
     std::ofstream mesh(folder / "tube.obj"), line(folder / "artery.csv");
     line << "branch,x_mm,y_mm,z_mm,radius_mm\n";
     for (int i = 0; i <= length_mm; ++i) {
-        // The inscribed circle of the polygon is the stated one.
+        // The stated radius is that of the polygon's inscribed circle.
         const double r = radius_mm(i) / std::cos(std::numbers::pi / around);
         for (int k = 0; k < around; ++k) {
             const double angle = 2 * std::numbers::pi * k / around;
@@ -96,7 +97,7 @@ int remove_scene(void **)
     return 0;
 }
 
-// A session and all its results.
+// Runs a session and holds all its results.
 struct Case {
     std::string script;
     std::vector<std::string> tools = {wire, balloon};
@@ -147,13 +148,14 @@ struct Case {
         nodes = session_frame(device, {}, {}).wire.nodes;
     }
 
-    // Smallest opening in the middle third: towards its ends a lesion narrows nothing, and nothing opens it.
+    // Returns the smallest opening in the middle third of the lesion. Near its ends the lesion does not
+    // narrow the vessel, so nothing opens it there.
     double least_open() const
     {
         const auto third = static_cast<std::ptrdiff_t>(open.size() / 3);
         return *std::min_element(open.begin() + third, open.end() - third);
     }
-    // `at_end` receives the line at the end; the hashes are not compared.
+    // Replays without comparing hashes; `at_end` receives the shape of the line at the end.
     ReplayResult replay(const Recording &recording, std::vector<WireNode> *at_end = nullptr,
                         double from_s = 0.0) const
     {
@@ -195,7 +197,7 @@ std::string begin_at(double y_mm)
 const std::string up_and_down =
     "inflate to 10 bar at 25 bar/s\nwait 0.4 s\ndeflate at 25 bar/s\nwait 0.6 s\n";
 
-// A stent in the lesion, without pictures: run once for all tests that examine it.
+// Places a stent in the lesion, without pictures; the session runs once for all tests that examine it.
 Case &usual_case()
 {
     static Case usual{begin_at(lesion_mm) + up_and_down};
@@ -223,8 +225,9 @@ std::size_t rings_of(const Recording &recording)
     return count_of(recording, CRN_WIRE_KIND_strut);
 }
 
-// Without a stent a third of the gain recoils (recoil 0.35); the stent holds it. 3 mm of balloon in 3 mm of
-// artery: its outside lies on the wall, its inside two struts of 0.081 mm further in.
+// Without a stent about a third of the gained lumen recoils (recoil 0.35), whereas the stent holds it. The
+// balloon has a diameter of 3 mm in an artery of 3 mm: the stent's outside lies on the wall, and its inside
+// is narrower by two struts of 0.081 mm.
 void a_stent_holds_what_its_balloon_has_opened(void **)
 {
     Case &stented = usual_case(), bare{begin_at(lesion_mm) + up_and_down};
@@ -249,8 +252,8 @@ void a_stent_holds_what_its_balloon_has_opened(void **)
     assert_replays(bare);
 }
 
-// The same session with pictures, whose pulses come between the stent's updates, has the same inputs, tick by
-// tick.
+// The same session with pictures, whose X-ray pulses come between the stent's updates, has the same inputs,
+// tick by tick.
 void pictures_change_nothing(void **)
 {
     Case &unseen = usual_case(), seen{begin_at(lesion_mm) + "fluoro on rate 15 p/s\n" + up_and_down};
@@ -273,8 +276,8 @@ void pictures_change_nothing(void **)
     assert_replays(seen);
 }
 
-// Two stents side by side, the second one loaded outside of the patient; a load in the patient and one too
-// many are refused.
+// There are two stents, one behind the other; the second one is loaded outside of the patient. A load inside
+// the patient, and a load of more stents than there are, are refused.
 void a_second_stent_is_loaded_outside_of_the_patient(void **)
 {
     Case two{begin_at(-10.0) + "load stent\nadvance catheter until inserted 83 mm at 200 mm/s\n" +
@@ -319,11 +322,11 @@ void inflated_in_the_guide_it_stays_on_its_balloon(void **)
     assert_replays(guided);
 }
 
-// At 8 bar, friction of 0.1 times the wall force holds the hand back by 5.3 N. The balloon moves with the
-// hand, with the stent on it, which is deployed there when the pressure is released. The line is then
-// stretched by 0.77 %. From 10 bar it is held by 6.2 N and comes loose suddenly when 9 bar are left, which
-// stretches it by 1.30 % under 10 N. That is beyond the limit of 1 % at which a run ends as out of range
-// (range_watch.hpp).
+// At 8 bar, a friction of 0.1 times the wall force resists the hand with 5.3 newtons. The balloon moves with
+// the hand, and the stent moves with the balloon. The stent is deployed at its new place when the pressure is
+// released. The line of tools is stretched by 0.77 % in this session. A balloon that was inflated to 10 bar
+// would be held by 6.2 N, and would come loose suddenly when 9 bar are left. This would stretch the line by
+// 1.30 % under 10 N, beyond the limit of 1 % at which a run ends as out of range (range_watch.hpp).
 void pulled_without_deflation_the_balloon_holds_its_stent(void **)
 {
     Case pulled{begin_at(lesion_mm) +
@@ -345,7 +348,7 @@ void pulled_without_deflation_the_balloon_holds_its_stent(void **)
     assert_replays(pulled);
 }
 
-// Distance from the vessel's middle line, which is the y axis.
+// Returns the distance from the vessel's centreline, which is the y axis.
 double off_axis_mm(const WireNode &node)
 {
     return std::hypot(node.position_m.x(), node.position_m.z()) * 1e3;
@@ -362,9 +365,10 @@ Recording without_struts(Recording recording)
     return recording;
 }
 
-// The stent's middle is at 42 mm: half of it is in the artery, and the other half is not apposed from 33 to
-// 40 mm, where the vessel widens. The wire is drawn back out of it and advanced again, along the wall: it
-// gets beside the struts, and stays outside. Without the struts, all else equal, it runs on into the artery.
+// The stent's middle is at 42 mm. Half of the stent is in the artery; the other half, from 33 to 40 mm, is
+// malapposed, because the vessel widens there. The wire is drawn back out of the stent and advanced again
+// along the wall. The wire then passes beside the struts and stays outside the stent. In a replay without the
+// struts, and with everything else equal, the wire advances into the artery.
 void a_wire_beside_a_stent_meets_its_struts(void **)
 {
     Case beside{
@@ -394,14 +398,14 @@ void a_wire_beside_a_stent_meets_its_struts(void **)
     assert_true(held > 0);
     assert_true(through.front().position_m.y() > tip.position_m.y() + 3e-3);
     assert_replays(beside);
-    // From the snapshot at 5 s, which has the rings.
+    // This replay begins at the snapshot at 5 s, which contains the rings of struts.
     const ReplayResult late = beside.replay(recording, nullptr, 5.1);
     assert_false(late.first_difference_tick.has_value());
     assert_true(late.hash == beside.result.hash && late.ticks_compared < beside.result.figures.ticks);
 }
 
-// 30 bar on a balloon that bursts at 22: there is no pressure from then on; the stent was opened before, and
-// is deployed.
+// The balloon bursts at 22 bar when the inflator rises to 30 bar. From then on there is no pressure in it.
+// The stent was already expanded, and is deployed.
 void burst_balloon_leaves_its_stent_open(void **)
 {
     Case burst{begin_at(lesion_mm) + "inflate to 30 bar at 40 bar/s\nwait 0.8 s\n"};
@@ -415,15 +419,15 @@ void burst_balloon_leaves_its_stent_open(void **)
     assert_replays(burst);
 }
 
-// The file ends in the middle of a chunk, under pressure. All complete ticks are there and replay, and so do
-// the orders about the stent to the core.
+// The recording's file ends in the middle of a chunk, while the balloon is under pressure. The file still has
+// all complete ticks, and they replay together with the orders to the core about the stent.
 void a_recording_cut_in_mid_inflation_replays_to_the_cut(void **)
 {
     const Case &whole = usual_case();
     const Recording all = whole.recorded();
     std::ifstream file(folder / whole.record, std::ios::binary);
     std::string bytes((std::istreambuf_iterator<char>(file)), {});
-    // The chunk of ticks 501 to 1000 is whole, the next one is not.
+    // The chunk of ticks 501 to 1000 is complete, and the next chunk is not.
     std::size_t cut = 0;
     Recording read;
     for (std::size_t share = 95; share > 5 && read.ticks.size() != 500; share -= 1) {
@@ -441,7 +445,7 @@ void a_recording_cut_in_mid_inflation_replays_to_the_cut(void **)
     assert_true(read.ticks.back().hash_lane[0] == all.ticks[499].hash_lane[0]);
 }
 
-// A device whose rig's inflator rises to 10 bar, stays there and falls again while time passes.
+// This is a device with a rig whose inflator rises to 10 bar, stays there and falls again while time passes.
 class PumpedRig final : public Transport
 {
   public:
@@ -470,8 +474,8 @@ class PumpedRig final : public Transport
     std::int32_t passed_ms_ = 0;
 };
 
-// A session that the device leads: the core receives the stent by requests, and each request is part of the
-// tick that applied it.
+// In a session that the device leads, the core receives the stent by requests, and each request is part of
+// the tick that applied it.
 void in_free_run_the_core_is_told_by_requests_and_the_ticks_replay(void **)
 {
     const Case &like = usual_case(); // the same tools and stent

@@ -1,9 +1,9 @@
-// Claim: tools in a real aorta (stEVE_bench centrelines, which are not part of the project) stay inside the
-// vessel and keep their length. Two wires are driven from the right common iliac artery to the arch by the
-// shipped session, and a catheter follows a wire. The referee is the exact distance to the triangles of the
-// surface, sampled every 0.5 mm along the line, between the nodes too, 50 times per second of the whole
-// session. The field that the core reads does not influence it. The test is skipped, with a message, where
-// the anatomy is missing.
+// This test checks that tools in a real aorta (stEVE_bench centrelines, which are not part of the project)
+// stay inside the vessel and keep their length. The shipped session drives two wires from the right common
+// iliac artery to the arch, and a catheter follows a wire. The reference is the exact distance to the
+// triangles of the surface. It is sampled every 0.5 mm along the line, also between the nodes, 50 times per
+// second of the whole session. The distance field that the core reads does not influence this reference. The
+// test is skipped, with a message, where the anatomy is missing.
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>
@@ -40,7 +40,7 @@ fs::path anatomy_folder()
     return given ? fs::path(given) : fs::path("../shared/anatomy");
 }
 
-// The scene baked once for all tests of this program, with its surface.
+// Holds the scene, baked once for all tests of this program, with its surface.
 struct Baked {
     fs::path folder, scene;
     crn::bake::Mesh surface;
@@ -86,7 +86,7 @@ int remove_scene(void **)
     return 0;
 }
 
-// It measures every frame against the surface.
+// This sink measures every frame against the surface.
 class Referee : public crn::SteadySink
 {
   public:
@@ -129,9 +129,9 @@ void check(const char *what, double value, double most)
     if (!(value <= most)) fail_msg("%s = %g, allowed %g", what, value, most);
 }
 
-// Bars: deeper than 0.3 mm in at most 0.1 % of samples, nowhere deeper than 1 mm; length error at most 0.1 %
-// (no tool is pushed against anything here); at least `inserted_mm` of every tool inserted. The referee takes
-// the outermost tool's radius.
+// The bars are: at most 0.1 % of samples deeper than 0.3 mm, none deeper than 1 mm, a length error of at most
+// 0.1 % (no tool is pushed against anything here), and at least `inserted_mm` of every tool inserted. The
+// reference distance uses the radius of the outermost tool.
 void drive(const std::vector<std::string> &instrument_files, const crn::Session &session, double inserted_mm)
 {
     if (!baked.is_there) skip();
@@ -165,7 +165,7 @@ void drive(const std::vector<std::string> &instrument_files, const crn::Session 
 }
 
 // The tool is pushed in strokes and turned a little, as by a hand. The script is not iliac_to_arch.session,
-// which steers by the names of the shipped vessels.
+// because that one steers by the names of the shipped vessels.
 crn::Session iliac_to_arch()
 {
     return crn::parse_session(
@@ -191,8 +191,8 @@ void bentson_wire_reaches_the_arch_inside_the_vessel(void **)
     drive({"bentson.toml"}, iliac_to_arch(), 450.0);
 }
 
-// The wire advances into the aorta, the catheter follows over it, both advance together, and the wire is
-// drawn back inside.
+// In this session the wire advances into the aorta, the catheter follows over it, both advance together, and
+// the wire is drawn back into the catheter.
 void a_catheter_follows_a_wire_inside_the_vessel(void **)
 {
     drive({"bentson.toml", "beacon_5f.toml"},

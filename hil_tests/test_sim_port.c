@@ -1,6 +1,6 @@
-/* Claims about a device, shown through bytes only, so that the same cases can later run against QEMU and a
- * rig: the pipe may be cut into any pieces, lost bytes cost one frame, and a session gives the same hashes
- * every time. */
+/* These tests check the claims about a device through bytes only, so that the same cases can later run
+ * against QEMU and a rig. The pipe may be cut into any pieces, lost bytes cost one frame, and a session gives
+ * the same hashes every time. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -75,7 +75,7 @@ static void bytes_may_come_one_by_one(void **state)
     assert_int_equal(host.decoder.header.answers, 500);
 }
 
-/* A frame is cut at every place; the next one is answered, and the status reports the loss. */
+/* A frame is cut at every place. The next frame is answered, and the status reports the loss. */
 static void a_frame_cut_anywhere_costs_only_itself(void **state)
 {
     (void)state;
@@ -95,7 +95,7 @@ static void a_frame_cut_anywhere_costs_only_itself(void **state)
     }
 }
 
-/* A host that never reads fills the pipe; the device counts the messages it could not send and still
+/* A host that never reads fills the pipe; the device counts the messages that it could not send, and still
  * obeys. */
 static void a_host_that_does_not_read_loses_frames_and_nothing_else(void **state)
 {

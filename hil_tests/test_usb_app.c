@@ -1,6 +1,6 @@
-/* Claims about the whole device on USB. The conversation over the bulk pair is the same as over any other
- * pipe, and gives the same hashes. HID shows the state and removes power, and sets nothing that the wire
- * would refuse. */
+/* These tests check claims about the whole device on USB. Over the bulk pair
+ * the device has the same conversation, with the same hashes, as over any other pipe. The HID interface shows
+ * the state and removes power, and sets nothing that the wire protocol would refuse. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -96,7 +96,8 @@ static void the_serial_number_is_that_of_the_port(void **state)
     assert_memory_equal(reply.serial, "USB-0001", strlen("USB-0001"));
 }
 
-/* The longest answer is a snapshot. A host that requests three and reads later gets all three, complete. */
+/* The longest answer is a snapshot. A host that requests three snapshots and reads later gets all three,
+ * complete. */
 static void no_answer_is_lost_when_the_host_reads_late(void **state)
 {
     (void)state;
@@ -113,7 +114,7 @@ static void no_answer_is_lost_when_the_host_reads_late(void **state)
     assert_int_equal(status.frames_bad, 0);
 }
 
-/* HID follows the app's state. STOP and RESET work by HID, while an order that could power a motor does
+/* HID follows the app's state. STOP and RESET work by HID, while a command that could power a motor does
  * not. */
 static void hid_shows_the_state_and_takes_power_away(void **state)
 {
@@ -151,8 +152,8 @@ static void hid_shows_the_state_and_takes_power_away(void **state)
     assert_int_equal(report.state, CRN_WIRE_STATE_READY);
 }
 
-/* STOP does not wait for the rest of a frame, and costs the stream nothing: the frame is complete when its
- * rest arrives, and no sequence number is missing. */
+/* STOP by HID does not wait for the rest of a frame, and disturbs nothing in the stream. The frame is
+ * complete when its rest arrives, and no sequence number is missing. */
 static void stop_by_hid_passes_a_frame_that_is_half_there(void **state)
 {
     (void)state;
@@ -187,7 +188,8 @@ static usb_result set_limit(uint32_t force_limit_mN)
     return hid(0x21, 9, value, 1 + CRN_HID_BYTES_limits);
 }
 
-/* Settings follow the rules of the wire's `rig`: only after HELLO, only in READY, limits only downwards. */
+/* Settings by HID follow the rules of the wire protocol's `rig`: they are accepted only after HELLO and only
+ * in READY, and limits only downwards. */
 static void settings_by_hid_obey_the_rules_of_the_wire(void **state)
 {
     (void)state;
@@ -235,8 +237,8 @@ static usb_result set_gain(uint32_t gain_milli)
     return hid(0x21, 9, value, 1 + CRN_HID_BYTES_calibration);
 }
 
-/* 1 N s/m supports 800 N/m at 0.5 ms of lag: the report that doubles the felt stiffness is refused, like the
- * wire's `rig`. */
+/* A damping of 1 N s/m supports 800 N/m at 0.5 ms of lag. The report that doubles the felt stiffness is
+ * refused, like the same message `rig` of the wire protocol. */
 static void a_gain_that_is_not_passive_is_refused_by_hid(void **state)
 {
     (void)state;
@@ -255,7 +257,7 @@ static void a_gain_that_is_not_passive_is_refused_by_hid(void **state)
     assert_int_equal(device.app.setup.tracks[0].wire.force_gain_milli, 500);
 }
 
-/* The state report of a FREE_RUN session follows tick by tick. */
+/* The state reports of a FREE_RUN session come for every tick, in order. */
 static void free_run_ticks_come_by_hid_one_by_one(void **state)
 {
     (void)state;

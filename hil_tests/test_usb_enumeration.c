@@ -1,7 +1,7 @@
-/* Claims about the first contact of host and device: enumeration as by Linux and Windows succeeds at both
- * speeds, descriptors satisfy the standards, and reports have the lengths that their descriptor states. They
- * are read from the mailbox only; the judge of descriptors does not use the table from which they are
- * made. */
+/* These tests check claims about the first contact of host and device. Enumeration as by Linux and Windows
+ * succeeds at both speeds, descriptors satisfy the standards, and reports have the lengths that their
+ * descriptor states. The descriptors are read from the mailbox only, and are judged without the table from
+ * which they are made. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -42,8 +42,8 @@ static usb_result set_address(uint8_t address)
     return result;
 }
 
-/* Linux: 64 bytes of the device descriptor at address 0, reset, address, device descriptor, then everything
- * else. */
+/* Linux reads 64 bytes of the device descriptor at address 0, resets the device, sets its address, and reads
+ * the device descriptor, then everything else. */
 static void linux_way(bool high_speed)
 {
     usb_judged judged;
@@ -88,9 +88,9 @@ static void linux_enumerates_at_full_speed(void **state)
     linux_way(false);
 }
 
-/* Windows: it requests 255 bytes of everything, so that 64 of configuration need an empty packet behind them.
- * It requests the Microsoft string 0xee, which is refused, the set by the vendor code of the BOS, and the
- * qualifier. */
+/* Windows requests 255 bytes of everything, so that 64 bytes of configuration need an empty packet behind
+ * them. Windows also requests the Microsoft string 0xee, which is refused, the descriptor set by the vendor
+ * code of the BOS, and the qualifier. */
 static void windows_enumerates_and_learns_about_winusb(void **state)
 {
     (void)state;
@@ -119,7 +119,7 @@ static void windows_enumerates_and_learns_about_winusb(void **state)
     assert_int_equal(usb_rig_control(&rig, 0x00, 9, 1, 0, 0, NULL, NULL), USB_OK);
 }
 
-/* A descriptor is cut where the host requests, at every length, and the bytes are the same. */
+/* A descriptor is cut at the length that the host requests, for every length, and the bytes are the same. */
 static void a_short_read_gets_the_beginning(void **state)
 {
     (void)state;
@@ -140,7 +140,8 @@ static void a_short_read_gets_the_beginning(void **state)
     }
 }
 
-/* The other-speed configuration at one speed is the configuration at the other, except for its type. */
+/* The other-speed configuration at one speed equals the configuration at the other speed, except for its
+ * type. */
 static void the_other_speed_is_what_it_says(void **state)
 {
     (void)state;
@@ -160,8 +161,8 @@ static void the_other_speed_is_what_it_says(void **state)
     }
 }
 
-/* Without high speed there is no qualifier and no other speed (USB 2.0, 9.6.2), and a high-speed reset ends
- * at full speed. */
+/* A device without high speed has no qualifier and no other-speed configuration (USB 2.0, 9.6.2), and a
+ * high-speed reset ends at full speed. */
 static void a_full_speed_device_has_no_other_speed(void **state)
 {
     (void)state;
@@ -174,7 +175,8 @@ static void a_full_speed_device_has_no_other_speed(void **state)
     assert_good(usb_judge_configuration(bytes, count, 2, false, &judged));
 }
 
-/* The report descriptor gives the same lengths, id included, as GET_REPORT and the pipe. */
+/* The lengths in the report descriptor, including the report id, equal those of GET_REPORT and of the
+ * pipe. */
 static void reports_have_the_lengths_of_their_descriptor(void **state)
 {
     (void)state;
@@ -202,8 +204,8 @@ static void reports_have_the_lengths_of_their_descriptor(void **state)
     assert_int_equal(count, 64);
 }
 
-/* Strings are UTF-16 of the right length; the serial number is the port's; a language that is not offered is
- * refused. */
+/* Strings are UTF-16 of the right length, the serial number is that of the port, and a language that is not
+ * offered is refused. */
 static void strings_are_utf16_in_english(void **state)
 {
     (void)state;
@@ -220,7 +222,7 @@ static void strings_are_utf16_in_english(void **state)
     assert_int_equal(get_descriptor(0x0306, 0x0409, 255), USB_STALLED);
 }
 
-/* Identity and capabilities are the app's. */
+/* The reports `identity` and `capabilities` have the app's values. */
 static void the_identity_tells_both_hashes(void **state)
 {
     (void)state;

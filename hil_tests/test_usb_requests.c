@@ -1,5 +1,6 @@
-/* Claims about endpoint 0: every standard request is answered as USB 2.0 chapter 9 requires, a forbidden
- * request is refused with STALL and changes nothing, and no sequence of stages leaves endpoint 0 unusable. */
+/* These tests check claims about endpoint 0. Every standard request is answered as USB 2.0 chapter 9
+ * requires, a forbidden request is refused with STALL and changes nothing, and no sequence of stages leaves
+ * endpoint 0 unusable. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -142,7 +143,7 @@ static void what_is_not_allowed_is_refused_and_changes_nothing(void **state)
     assert_int_equal(rig.mailbox.device.test_selector, 0);
 }
 
-/* Before SET_CONFIGURATION no interfaces and endpoints can be addressed. */
+/* Before SET_CONFIGURATION, requests to interfaces and endpoints are refused. */
 static void an_address_alone_allows_little(void **state)
 {
     (void)state;
@@ -163,8 +164,8 @@ static void an_address_alone_allows_little(void **state)
     assert_int_equal(ask(0x00, 9, 1, 0, 0), USB_STALLED); /* address 0 may not be configured */
 }
 
-/* The address changes after the status stage, not before: the old one ends the transfer, the new one begins
- * the next. */
+/* The address changes after the status stage, not before: the transfer ends at the old address, and the next
+ * one begins at the new address. */
 static void the_address_changes_after_the_status_stage(void **state)
 {
     (void)state;
@@ -175,7 +176,7 @@ static void the_address_changes_after_the_status_stage(void **state)
         rig.host.address = address;
         assert_int_equal(ask(0x80, 8, 0, 0, 1), USB_OK);
     }
-    /* A host that never reaches the status stage leaves the address unchanged. */
+    /* When a host never reaches the status stage, the address does not change. */
     static const uint8_t setup[8] = {0x00, 5, 3, 0, 0, 0, 0, 0};
     crn_mailbox_reply reply;
     usb_host_token(&rig.host, CRN_MAILBOX_SETUP, 0, 0, setup, 8, &reply, NULL, 0, &count);
@@ -183,7 +184,7 @@ static void the_address_changes_after_the_status_stage(void **state)
     assert_int_equal(ask(0x80, 8, 0, 0, 1), USB_OK);
 }
 
-/* Halts: the endpoint stalls, reports it, and comes back with DATA0; the others go on. */
+/* A halted endpoint stalls, reports the halt, and comes back with DATA0, while the others continue. */
 static void a_halt_is_set_seen_and_cleared(void **state)
 {
     (void)state;
@@ -203,7 +204,8 @@ static void a_halt_is_set_seen_and_cleared(void **state)
         assert_int_equal(usb_host_clear_halt(&rig.host, address), USB_OK);
         assert_int_equal(endpoint_status(address), 0);
     }
-    /* All four work again; the toggles agree, or the packets below would be dropped or refused. */
+    /* All four endpoints work again; their toggles agree, because otherwise the packets below would be
+     * dropped or refused. */
     static const uint8_t command[12] = {CRN_HID_ID_command, 1, 6, 0};
     usb_rig_tick(&rig);
     assert_int_equal(usb_host_in(&rig.host, 1, 64, bytes, 64, &count), USB_OK);
@@ -217,7 +219,7 @@ static void a_halt_is_set_seen_and_cleared(void **state)
     assert_int_equal(count, 3);
 }
 
-/* CLEAR_FEATURE also restarts an endpoint that is not halted (USB 2.0, 9.4.5): DATA0. */
+/* CLEAR_FEATURE also restarts an endpoint that is not halted, with DATA0 (USB 2.0, 9.4.5). */
 static void clearing_what_is_not_halted_resets_the_toggle(void **state)
 {
     (void)state;
@@ -233,7 +235,8 @@ static void clearing_what_is_not_halted_resets_the_toggle(void **state)
     }
 }
 
-/* A setup packet in place of any stage of any transfer ends it; the new request is answered. */
+/* A setup packet that comes in place of any stage of any transfer ends this transfer, and the new request is
+ * answered. */
 static void a_setup_packet_ends_what_was_under_way(void **state)
 {
     (void)state;
@@ -270,7 +273,7 @@ static void a_data_stage_may_end_early(void **state)
     assert_int_equal(ask(0x80, 8, 0, 0, 1), USB_OK);
 }
 
-/* A host that sends more, or less, than it announced is refused, and the settings stay. */
+/* A host that sends more data than it announced, or less, is refused, and the settings stay. */
 static void a_data_stage_of_the_wrong_length_is_refused(void **state)
 {
     (void)state;
@@ -301,7 +304,8 @@ static void test_modes_are_handed_to_the_controller(void **state)
     assert_int_equal(rig.mailbox.device.test_selector, 0);
 }
 
-/* Lost acknowledgements cost a repetition, never a byte or a second execution. */
+/* After a lost acknowledgement the packet is repeated, but no byte is lost and no request is executed
+ * twice. */
 static void lost_acknowledgements_change_nothing(void **state)
 {
     (void)state;

@@ -1,6 +1,7 @@
-/* Claims about the data in the pipes. Bytes of the stream arrive complete and in order whatever packets they
- * are cut into and whatever is lost. The device waits for a host that does not read. Resets, halts, suspend
- * and unplug in the middle cost the frames under way and nothing else. */
+/* These tests check claims about the data in the pipes. Bytes of the stream arrive complete and in order,
+ * whatever the sizes of the packets and whatever is lost. The device waits for a host that does not read.
+ * Resets, halts, suspend and unplug in the middle of a transfer lose the frames that are being transferred,
+ * and nothing else. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -34,7 +35,7 @@ static int set_up(void **state)
     return 0;
 }
 
-/* `length` bytes without a zero, then the zero: the outer form of a frame. */
+/* Makes `length` bytes without a zero, except for the last one, which is zero: the outer form of a frame. */
 static void make_frame(reference_random *random, uint8_t *frame, uint32_t length)
 {
     for (uint32_t i = 0; i + 1 < length; i++) frame[i] = (uint8_t)(1 + reference_random_below(random, 255));
@@ -55,8 +56,8 @@ static void echo(const uint8_t *frame, uint32_t length)
     assert_memory_equal(back, frame, length);
 }
 
-/* Around every multiple of a packet: full last packets end with an empty one, or the host's read would not
- * end. */
+/* The lengths lie around every multiple of a packet. A full last packet is followed by an empty one, because
+ * otherwise the host's read would not end. */
 static void frames_of_any_length_come_back(void **state)
 {
     (void)state;
@@ -89,8 +90,8 @@ static uint32_t fill_stream(reference_random *random, uint8_t *sent, uint32_t ca
     }
 }
 
-/* 64 KiB of frames go in packets of random length (also empty ones), with reads at random times and lost
- * acknowledgements. */
+/* The test sends 64 KiB of frames in packets of random length (also empty ones), with reads at random times
+ * and lost acknowledgements. */
 static void random_packets(uint64_t seed)
 {
     reference_random random = reference_random_seed(seed);
@@ -134,7 +135,8 @@ static void random_packets_arrive_whole_and_in_order(void **state)
     }
 }
 
-/* A host writes and never reads: the device holds its packets when a reply might not fit, and loses none. */
+/* A host writes and never reads: the device holds back its packets when a reply might not fit, and loses
+ * none. */
 static void a_host_that_does_not_read_is_held(void **state)
 {
     (void)state;
@@ -150,7 +152,7 @@ static void a_host_that_does_not_read_is_held(void **state)
     assert_int_equal(result, USB_NAKED);
     assert_int_equal(rig.frames_lost, 0);
     assert_in_range(written, 2, 5);
-    /* Every accepted frame comes back; the one that the NAK cut stays open. */
+    /* Every accepted frame comes back; the frame that the NAK interrupted stays incomplete. */
     uint32_t got = 0;
     while (got < written * sizeof frame) {
         assert_int_equal(usb_host_packet_in(&rig.host, STREAM, bytes + got, PACKET, &count), USB_OK);
@@ -161,7 +163,7 @@ static void a_host_that_does_not_read_is_held(void **state)
     assert_int_equal(rig.frames_lost, 0);
 }
 
-/* A refused frame leaves nothing behind; the free space is reported before. */
+/* A refused frame leaves nothing in the queue, and the device reports beforehand how much space is free. */
 static void a_full_queue_refuses_whole_frames(void **state)
 {
     (void)state;
@@ -190,7 +192,8 @@ static void nobody_is_configured_so_nothing_is_queued(void **state)
     assert_false(crn_usb_transmit(&rig.usb, (const uint8_t *)"\1", 2));
 }
 
-/* Interruptions of a conversation; each leaves the device in a state from which a host can begin again. */
+/* Lists interruptions of a conversation. Each interruption leaves the device in a state from which a host can
+ * begin again. */
 typedef enum interruption {
     RESET,
     HALT_IN,
@@ -240,7 +243,7 @@ static void interrupt(interruption kind)
     memset(rig.host.toggle_out, 0, sizeof rig.host.toggle_out);
 }
 
-/* Reads everything that waits for the host; its first byte must be the zero that begins a stream. */
+/* Reads all bytes that wait for the host; the first byte must be the zero that begins a stream. */
 static void drain_new_stream(void)
 {
     uint32_t total = 0;
@@ -251,8 +254,8 @@ static void drain_new_stream(void)
     assert_int_equal(bytes[0], 0);
 }
 
-/* After this many packets in each direction the conversation is interrupted; a new stream begins, and the
- * next frame comes back. */
+/* After this many packets in each direction, the conversation is interrupted. Then a new stream begins, and
+ * the next frame comes back. */
 static void interruptions_cost_only_what_was_under_way(void **state)
 {
     (void)state;
@@ -292,8 +295,8 @@ static uint32_t next_report_tick(void)
     return report.tick;
 }
 
-/* There is one report a tick, and none comes twice; a late host gets the waiting ones, up to 64 ms of them
- * and one under way. */
+/* There is one state report a tick, and none comes twice. A late host gets the waiting reports, up to 64 ms
+ * of them and one that is being transferred. */
 static void state_reports_follow_the_ticks(void **state)
 {
     (void)state;
@@ -373,7 +376,7 @@ static void commands_come_by_pipe_and_by_control(void **state)
     assert_int_equal(rig.command.number, 6);
 }
 
-/* Invalid reports are counted; the pipe stays open for the next one. A padded report is accepted. */
+/* Invalid reports are counted, and the pipe stays open for the next report. A padded report is accepted. */
 static void broken_commands_are_counted_and_the_pipe_stays_open(void **state)
 {
     (void)state;
@@ -391,7 +394,7 @@ static void broken_commands_are_counted_and_the_pipe_stays_open(void **state)
     assert_int_equal(rig.commands, 1);
 }
 
-/* Limits can be lowered and not raised; a refused report is not applied in part. */
+/* Limits can be lowered but not raised, and a refused report is not even applied in part. */
 static void settings_are_read_back_and_refused(void **state)
 {
     (void)state;
@@ -415,8 +418,8 @@ static void settings_are_read_back_and_refused(void **state)
 }
 
 /* --- the bus -------------------------------------------------------------------------------------------- */
-/* While suspended the device sends no new report; after resume it continues where it was, with frames and
- * toggles intact. */
+/* While suspended, the device sends no new report. After resume it continues where it stopped, with frames
+ * and toggles intact. */
 static void suspend_keeps_everything(void **state)
 {
     (void)state;
@@ -464,8 +467,8 @@ static void the_device_unplugs_itself_on_request(void **state)
     echo((const uint8_t *)"\1\2\3", 4);
 }
 
-/* It does so with the third packet of a transfer of five: the host sees its transfer end in the middle, and
- * the app never receives the third packet. */
+/* The device unplugs itself with the third packet of a transfer of five. For the host, the transfer ends in
+ * the middle, and the app never receives the third packet. */
 static void the_device_unplugs_itself_within_a_transfer(void **state)
 {
     (void)state;
@@ -485,8 +488,8 @@ static void the_device_unplugs_itself_within_a_transfer(void **state)
     echo((const uint8_t *)"\1\2\3", 4);
 }
 
-/* Suspend and resume of an unplugged device, and tokens without a reset: nothing answers, and nothing
- * breaks. */
+/* The test suspends and resumes an unplugged device, and sends tokens without a reset: nothing answers, and
+ * nothing breaks. */
 static void a_bus_out_of_order_is_survived(void **state)
 {
     (void)state;
@@ -501,8 +504,8 @@ static void a_bus_out_of_order_is_survived(void **state)
     echo((const uint8_t *)"\1\2\3", 4);
 }
 
-/* Tokens that no host sends: too long, to endpoints that do not exist, of no kind. They get no answer, and
- * the device goes on. */
+/* The test sends tokens that no host sends: too long, to endpoints that do not exist, or of an unknown kind.
+ * These tokens get no answer, and the device continues. */
 static void malformed_tokens_are_not_answered(void **state)
 {
     (void)state;

@@ -1,6 +1,7 @@
-/* The version of this release, by semantic versioning of what others build on: public headers of core and
- * host, command lines, file formats (docs/CHANGELOG.md). Which recordings replay is the core's version, and
- * who may talk to whom the protocol's: both are apart from this one. */
+/* This is the version of this release, by semantic versioning of everything on which others build: public
+ * headers of core and host, command lines, and file formats (docs/CHANGELOG.md). The core's version decides
+ * which recordings replay, and the protocol's version decides which programs may talk to each other; both are
+ * separate from this version. */
 #ifndef CRN_VERSION_H
 #define CRN_VERSION_H
 

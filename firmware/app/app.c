@@ -1,4 +1,5 @@
-/* Power-up and dispatch: this file turns bytes into frames, and gives each frame to its handler. */
+/* This file powers up the app and dispatches messages: it turns bytes into frames, and gives each frame to
+ * its handler. */
 #include "firmware/app/app.h"
 #include "firmware/app/app_internal.h"
 
@@ -39,15 +40,17 @@ static void host_spoke(crn_app *app)
     if (crn_watchdog_feed(&app->watchdog)) crn_app_notice(app, CRN_WIRE_EVENT_HOST, 0, 0, 0);
 }
 
-/* Returns whether a host leads powered motors: its silence has not ended the forces yet. */
+/* Returns whether a host is in control of powered motors, that is, its silence has not ended the forces
+ * yet. */
 static bool is_led(const crn_app *app)
 {
     return app->safety.is_driving && crn_watchdog_left_ticks(&app->watchdog) > 0;
 }
 
-/* A second program may say HELLO while another one leads motors with power. Its next message, RESET, would
- * end that conversation. So its HELLO is refused, and it does not count as a sign of life of the program that
- * leads. A host that speaks another language may not command anything, even in the middle of a session. */
+/* A second program may send HELLO while another one is in control of powered motors. The next message of the
+ * second program, RESET, would end the conversation with the first. The second program's HELLO is therefore
+ * refused, and does not count as a sign of life of the program in control. A host that speaks another version
+ * of the protocol may not command anything, even in the middle of a session. */
 static void hello(crn_app *app, const uint8_t *payload, size_t length)
 {
     crn_wire_hello hello;

@@ -1,6 +1,6 @@
-/* The firmware app: the core inside a device. Tick modes, encoders, virtual coupling, force output, safety,
- * faults and the wire; the same code on every port. Everything that comes over the wire is hostile until
- * checked, and a refused request changes nothing.
+/* The firmware app is the core inside a device. It contains tick modes, encoders, virtual coupling, force
+ * output, safety, faults and the wire protocol, and is the same code on every port. Everything that comes
+ * over the wire protocol is hostile until checked, and a refused request changes nothing.
  *
  *          accepted HELLO        ARM             START
  *   INIT ----------------> READY ----> ARMED ----------> RUNNING
@@ -24,7 +24,7 @@ enum {
     CRN_APP_LIVE_BATCH_ticks = 16, /* one `live` frame per 16 ms */
     CRN_APP_LIVE_QUEUE_ticks = 256,
     CRN_APP_EVENT_QUEUE = 32,
-    /* It holds all ticks of the queue with three tools, and a hundred orders with them. */
+    /* The ring holds all ticks of the queue with three tools, and a hundred orders with them. */
     CRN_APP_LIVE_QUEUE_BYTES =
         CRN_APP_LIVE_QUEUE_ticks *
             ((int)CRN_WIRE_BYTES_live_tick - (int)CRN_WIRE_MAX_order_list_items * (int)CRN_WIRE_BYTES_order) +
@@ -37,7 +37,7 @@ enum {
     CRN_APP_SNAPSHOT_BYTES = CRN_APP_SNAPSHOT_HEAD_BYTES + (int)sizeof(crn_state_words),
 };
 
-/* A block of bytes that arrives in chunks. */
+/* Describes an upload: a block of bytes that arrives in chunks. */
 typedef struct crn_upload {
     uint32_t expected_bytes;
     uint32_t received_bytes;
@@ -45,14 +45,15 @@ typedef struct crn_upload {
     bool open;
 } crn_upload;
 
-/* The hands' encoders, from the rig's sensors or from the host. */
+/* Holds the readings of the hands' encoders, from the rig's sensors or from the host. */
 typedef struct crn_app_encoders {
     crn_port_hand hands[CRN_TOOL_MAX];
     uint32_t buttons;
     int32_t syringe_counts, inflator_raw;
 } crn_app_encoders;
 
-/* How one track is configured. The parts (hands, haptics and safety) hold what follows from it. */
+/* How one track is configured. The parts (hands, haptics and safety) keep the values that follow from this
+ * configuration. */
 typedef struct crn_app_track {
     crn_wire_track wire;         /* in force, as read back */
     crn_wire_track built;        /* as the rig's builder stated it */
@@ -61,8 +62,8 @@ typedef struct crn_app_track {
     uint32_t scale_counts_per_turn;
 } crn_app_track;
 
-/* Messages that wait for room in the pipe to the host. Ticks wait as the bytes that they have in a `live`, so
- * that a tick without orders takes no room for them. */
+/* Holds the messages that wait for space in the pipe to the host. Ticks wait in the encoding that they have
+ * in a `live` message, so that a tick without orders takes no space for orders. */
 typedef struct crn_app_queue {
     uint32_t first, count; /* ring of live ticks */
     uint32_t begin, used;  /* ring of their bytes */
@@ -77,14 +78,15 @@ typedef struct crn_app_queue {
     uint8_t ticks[CRN_APP_LIVE_QUEUE_BYTES];
 } crn_app_queue;
 
-/* The orders of a tick besides the hands, checked and in the form that the core accepts. */
+/* Holds the orders of a tick, other than the hands' positions, checked and in the form that the core
+ * accepts. */
 typedef struct crn_app_order_set {
     crn_rhythm_order rhythm;
     crn_scaffold scaffold;
     crn_strut_order strut;
 } crn_app_order_set;
 
-/* The same orders for a tick of FREE_RUN, whose `live` also shows them to the host. */
+/* Holds the same orders for a tick of FREE_RUN, whose `live` message also shows them to the host. */
 typedef struct crn_app_tick_orders {
     crn_wire_order_list wire;
     crn_app_order_set core;
@@ -117,7 +119,7 @@ typedef struct crn_app_setup {
     crn_instrument tools[CRN_TOOL_MAX]; /* from the innermost */
 } crn_app_setup;
 
-/* The state of one session besides the core, the hands and the haptics. */
+/* Holds the state of one session, except that of the core, the hands and the haptics. */
 typedef struct crn_app_session {
     bool has_stop;
     uint32_t stop_tick; /* tick of a STOP that is still to come */
@@ -130,7 +132,7 @@ typedef struct crn_app_session {
     crn_upload snapshot_upload;
 } crn_app_session;
 
-/* This edge's sample of the rig. */
+/* Holds the sample of the rig at the present edge of the timer. */
 typedef struct crn_app_edge {
     bool has_rig;
     crn_port_inputs rig;
@@ -144,7 +146,8 @@ typedef struct crn_app_faults {
     crn_wire_fault_entry entries[CRN_APP_FAULT_MAX];
 } crn_app_faults;
 
-/* Messages being read and written. Only `ticks` and `snapshot` outlive the handling of a request or an edge.
+/* Messages being read and written. Only `ticks` and `snapshot` are still needed after a request or an edge
+ * has been handled.
  */
 typedef struct crn_app_buffers {
     union {
@@ -191,26 +194,32 @@ typedef struct crn_app {
     crn_state core;
 } crn_app;
 
-/* Power-up: state INIT, motors off, no scene, no tools. `port` must outlive the app. */
+/* Powers up: the state is INIT, the motors are off, and there are no scene and no tools. `port` must outlive
+ * the app. */
 void crn_app_init(crn_app *app, const crn_port *port);
 
-/* Bytes from the host, in pieces of any size. Replies leave through port->transmit before it returns. */
+/* Receives bytes from the host, in pieces of any size. Replies leave through port->transmit before the
+ * function returns. */
 void crn_app_receive(crn_app *app, const uint8_t *bytes, size_t count);
 
-/* A host may also speak without frames, by HID. Its word is judged as if it had come in a frame, and a frame
- * that is half received stays as it is. The app's answer goes out as a frame that answers no request. */
+/* A host may also send requests without frames, as HID reports. Such a request is checked as if it had come
+ * in a frame, and a half-received frame stays as it is. The app sends its answer as a frame that answers no
+ * request. */
 
-/* Only STOP and RESET are accepted. True: the state is no longer RUNNING, or READY after RESET. */
+/* The function accepts only STOP and RESET, and returns true when the state is then no longer RUNNING, or is
+ * READY after RESET. */
 bool crn_app_order(crn_app *app, uint8_t action);
 
-/* The message `rig` configures the first tracks; app->setup.tracks then shows what was accepted. */
+/* Applies the message `rig`, which configures the first tracks; app->setup.tracks then shows the accepted
+ * values. */
 void crn_app_configure(crn_app *app, const crn_wire_rig *rig);
 
-/* Returns the force that a track's sensor measures in this edge's sample, mN; 0 without a working sensor. */
+/* Returns the force that a track's sensor measures in this edge's sample, in mN, or 0 without a working
+ * sensor. */
 int32_t crn_app_force_measured(const crn_app *app, uint32_t track);
 
-/* One millisecond has passed. This samples the rig, checks it, does a tick in FREE_RUN and RUNNING, and
- * writes the outputs. */
+/* One millisecond has passed. The function samples the rig, checks the sample, computes a tick in FREE_RUN
+ * and RUNNING, and writes the outputs. */
 void crn_app_timer(crn_app *app);
 
 #endif

@@ -1,5 +1,5 @@
-/* States and modes: ARM, START, STOP, RESET, LOCKSTEP and FREE_RUN, and the two steps that let START power
- * the motors. */
+/* This file implements states and modes: ARM, START, STOP, RESET, LOCKSTEP and FREE_RUN, and the two steps
+ * that let START power the motors. */
 #include "firmware/app/app_internal.h"
 
 enum { START_DEPTH_MAX_M_Q30 = 322123 /* 0.3 mm: the wall pushes such a tool back without a jolt */ };
@@ -13,7 +13,8 @@ void crn_app_set_state(crn_app *app, uint8_t state)
 
 /* --- ARM: constants and rest state from what was set up --- */
 
-/* No tool may begin with a longer part inserted than it has. False: it was refused. */
+/* Checks that no tool begins with a longer inserted part than its length allows; returns false when the
+ * set-up was refused. */
 static bool lengths_fit(crn_app *app)
 {
     for (uint32_t k = 0; k < app->setup.tool_count; k++) {
@@ -107,17 +108,17 @@ static void confirm(crn_app *app, uint32_t code)
 
 /* --- START, STOP, RESET, modes --- */
 
-/* The positions of the hands at the next reading are their new reference, without force. */
+/* Makes the hands' positions at the next reading the new reference, at which there is no force. */
 static void forget_hands(crn_app *app)
 {
     crn_hands_take_reference(&app->hands);
     crn_haptics_reset(&app->haptics);
 }
 
-/* Before START, FREE_RUN does not read the hands, so it begins with a new reference and the motors at zero.
- * In LOCKSTEP a stopped session continues exactly where it was. A change of mode takes a new reference, too,
- * so that a snapshot of ARMED is what START begins with. With such a snapshot a resumed session of FREE_RUN
- * replays bit for bit. */
+/* FREE_RUN does not read the hands before START, so it begins with a new reference and with the motors at
+ * zero. In LOCKSTEP a stopped session continues exactly where it was. A change of mode takes a new reference,
+ * too, so that START begins with exactly the state of a snapshot taken in ARMED. A session of FREE_RUN that
+ * is resumed from such a snapshot replays bit for bit. */
 static void begin_listening(crn_app *app)
 {
     app->watchdog.silent_ticks = 0;
@@ -155,7 +156,7 @@ void crn_app_stop(crn_app *app)
     crn_haptics_rest(&app->haptics);
 }
 
-/* A STOP for a later tick is remembered; stop_when_due carries it out. */
+/* A STOP for a later tick is stored, and stop_when_due carries it out. */
 static void stop(crn_app *app, uint32_t tick)
 {
     CRN_REJECT_IF(app, CRN_WIRE_TYPE_command, app->state != CRN_WIRE_STATE_RUNNING, CRN_REJECT_WRONG_STATE,

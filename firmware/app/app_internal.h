@@ -1,18 +1,20 @@
-/* Declarations that the files of the app share. From top to bottom they are: wire, requests, session, parts,
- * stream, faults. */
+/* This header has the declarations that the files of the app share. Their groups, from top to bottom, are:
+ * wire, requests, session, parts, stream, faults. */
 #ifndef CRN_APP_INTERNAL_H
 #define CRN_APP_INTERNAL_H
 
 #include "firmware/app/app.h"
 
-/* Our own error is logged, the motors go off, and the state becomes FAULT. The check stays in release builds.
+/* An error of the app itself is logged, the motors go off, and the state becomes FAULT; release builds
+ * contain this check, too.
  */
 #define CRN_REQUIRE(app, condition, value)                                                                   \
     do {                                                                                                     \
         if (!(condition)) crn_app_internal_error(app, __LINE__, (int32_t)(value));                           \
     } while (0)
 
-/* The other side's error is refused with a typed code, changes nothing, and leaves the handler. */
+/* An error of the host is refused with a typed code and changes nothing; the macro then leaves the
+ * handler. */
 #define CRN_REJECT_IF(app, type, condition, code, detail1, detail2)                                          \
     do {                                                                                                     \
         if (condition) {                                                                                     \
@@ -45,9 +47,9 @@ void crn_app_tools(crn_app *app, const uint8_t *payload, size_t length);
 void crn_app_entry(crn_app *app, const uint8_t *payload, size_t length);
 void crn_app_reject_build(crn_app *app, uint16_t type, crn_build_status status, const crn_build_place *place);
 
-/* app_lumen.c: scene bytes -> the core's view of them. `lumen` then points to `motion` if the vessel moves,
- * and to `lesions` if some can yield. It returns 0, or the scene status that names the error; then all
- * outputs are unchanged. */
+/* Converts scene bytes to the core's view of the lumen (app_lumen.c). Afterwards `lumen` points to `motion`
+ * if the vessel moves, and to `lesions` if some of them can yield. The function returns 0, or the scene
+ * status that names the error; in case of an error all outputs are unchanged. */
 uint32_t crn_app_lumen_open(const uint8_t *bytes, uint32_t byte_count, crn_lumen *lumen, crn_motion *motion,
                             crn_lesion lesions[CRN_LESION_MAX]);
 

@@ -1,4 +1,4 @@
-/* Replies: each one is encoded into app->buffers.payload, framed, and given to the port. */
+/* This file sends replies. Each reply is encoded into app->buffers.payload, framed, and given to the port. */
 #include "firmware/app/app_internal.h"
 
 void crn_app_send(crn_app *app, uint16_t type, size_t payload_bytes)
@@ -14,8 +14,8 @@ void crn_app_send(crn_app *app, uint16_t type, size_t payload_bytes)
         app->link.transmit_dropped++;
 }
 
-/* Sends like crn_app_send, but a message for which there was no room may be offered again, because its frame
- * number is not used up. */
+/* Sends like crn_app_send, but a message for which the pipe had no space may be offered again, because its
+ * frame number is not used up. */
 bool crn_app_offer(crn_app *app, uint16_t type, size_t payload_bytes)
 {
     uint16_t before = app->link.sequence_out;
@@ -105,7 +105,7 @@ static void put_treatment(const crn_app *app, crn_wire_nodes *nodes)
     nodes->lesions_open_q15_count = (uint16_t)count;
 }
 
-/* A picture shows the nodes beyond the introducer and the first one inside it. */
+/* A picture shows the nodes beyond the introducer sheath and the first node inside it. */
 void crn_app_send_nodes(crn_app *app)
 {
     crn_wire_nodes *nodes = &app->buffers.reply.nodes;

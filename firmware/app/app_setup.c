@@ -1,5 +1,5 @@
-/* Set-up requests: scene, tools and entry. They are accepted only in READY; a refused request leaves the old
- * data in place. */
+/* This file handles the set-up requests for scene, tools and entry. These requests are accepted only in
+ * READY; a refused request leaves the old data in place. */
 #include "firmware/app/app_internal.h"
 
 /* --- scene --- */
@@ -21,8 +21,8 @@ void crn_app_scene_begin(crn_app *app, const uint8_t *payload, size_t length)
     crn_app_send_status(app, type);
 }
 
-/* Good chunks are not answered, so that an upload need not wait for replies. A bad chunk is refused, and then
- * scene_end fails, too. */
+/* Good chunks are not answered, so that an upload need not wait for replies. A bad chunk is refused, and the
+ * following scene_end fails, too. */
 void crn_app_scene_chunk(crn_app *app, const uint8_t *payload, size_t length)
 {
     const uint16_t type = CRN_WIRE_TYPE_scene_chunk;
@@ -39,7 +39,7 @@ void crn_app_scene_chunk(crn_app *app, const uint8_t *payload, size_t length)
     for (uint16_t i = 0; i < chunk->data_count; i++) staged[upload->received_bytes++] = chunk->data[i];
 }
 
-/* The uploaded scene is checked as a whole before the slots change roles. */
+/* The uploaded scene is checked as a whole before it replaces the present scene. */
 void crn_app_scene_end(crn_app *app, const uint8_t *payload, size_t length)
 {
     const uint16_t type = CRN_WIRE_TYPE_scene_end;
@@ -113,7 +113,7 @@ static void tool_from_wire(const crn_wire_instrument *wire, crn_instrument *tool
     }
 }
 
-/* Refuses with the reason why the core builds no model, and with the tool and knot at fault. */
+/* Refuses a request with the reason why the core builds no model, and with the tool and the knot at fault. */
 void crn_app_reject_build(crn_app *app, uint16_t type, crn_build_status status, const crn_build_place *place)
 {
     static const uint16_t codes[] = {
@@ -129,7 +129,8 @@ void crn_app_reject_build(crn_app *app, uint16_t type, crn_build_status status, 
 
 static const crn_entry neutral_entry = {{{0, 0, 0}}, {{0, CRN_ONE_Q30, 0}}};
 
-/* In READY the model's memory is free. Building a model in open space checks the whole table of tools. */
+/* In READY no model is in use, so its memory is free. The table of tools is checked as a whole by building a
+ * model in open space. */
 void crn_app_tools(crn_app *app, const uint8_t *payload, size_t length)
 {
     const uint16_t type = CRN_WIRE_TYPE_tools;

@@ -1,4 +1,5 @@
-/* Snapshots: everything that decides the next tick, as bytes. Head (app) + the core's saved state.
+/* A snapshot contains, as bytes, everything on which the next tick depends. A snapshot consists of a head,
+ * written by the app, and the core's saved state.
  *
  *   version u32 | tick u32 | tool count u32                                                     = 12 bytes
  *   per tool, always three: hand known u32 | last translation, rotation i32 |
@@ -119,7 +120,7 @@ void crn_app_snapshot_chunk(crn_app *app, const uint8_t *payload, size_t length)
         app->buffers.snapshot[upload->received_bytes++] = chunk->data[i];
 }
 
-/* Two's complement of 64 bits without a conversion that C leaves to the implementation. */
+/* Converts a two's complement number of 64 bits without a conversion that C leaves to the implementation. */
 static int64_t i64_from_u64(uint64_t value)
 {
     return value <= (uint64_t)INT64_MAX ? (int64_t)value : -(int64_t)(UINT64_MAX - value) - 1;
@@ -144,7 +145,7 @@ static bool is_within(int64_t value, int64_t limit)
     return value >= -limit && value <= limit;
 }
 
-/* Sums are bounded so that no later sum of plausible readings can overflow. */
+/* The sums of counts are bounded, so that no later sum of plausible readings can overflow. */
 static bool read_tool(crn_wire_reader *reader, const crn_haptics_track *track, crn_hand_counts *hand,
                       crn_port_motor *motor)
 {
@@ -162,8 +163,9 @@ static bool read_tool(crn_wire_reader *reader, const crn_haptics_track *track, c
            is_within(motor->torque_uN_m, track->torque_limit_uN_m);
 }
 
-/* Leads are held to what an axis allows, and estimates to their largest value, so that no product of a later
- * tick can overflow. */
+/* A snapshot is refused when the lead of a spring (hand ahead of tool) exceeds what the axis allows, or the
+ * spring's estimate of the tool's stiffness exceeds its largest value. So no product of a later tick can
+ * overflow. */
 static bool read_spring(crn_wire_reader *reader, const crn_haptics_axis *axis, crn_haptics_spring *spring)
 {
     uint32_t is_set = (uint32_t)crn_wire_read(reader, 4);

@@ -1,6 +1,6 @@
-/* Messages that the device sends without a request, while there is room in the pipe to the host: first ticks
- * of FREE_RUN, then notices, then pictures. Ticks and notices wait in queues; a newer picture replaces one
- * for which there was no room. */
+/* This file sends the messages that no request asked for, while there is space in the pipe to the host: first
+ * ticks of FREE_RUN, then notices, then pictures. Ticks and notices wait in queues; a newer picture replaces
+ * one for which there was no space. */
 #include "firmware/app/app_internal.h"
 
 enum {
@@ -75,7 +75,7 @@ void crn_app_stream_live(crn_app *app, const crn_wire_live_tick *live)
     push_bytes(queue, app->buffers.payload, bytes);
 }
 
-/* Sends a `live` message of ticks that are already encoded. */
+/* Sends a `live` message of ticks that are already in encoded form. */
 static bool send_ticks(crn_app *app)
 {
     crn_app_queue *queue = &app->queue;
@@ -124,7 +124,7 @@ static bool send_notice(crn_app *app)
 
 /* --- pictures --- */
 
-/* Runs after a tick of FREE_RUN. If a picture still waits, the one that is due now replaces it. */
+/* Runs after a tick of FREE_RUN. If an older picture still waits, the one that is due now replaces it. */
 void crn_app_stream_tick(crn_app *app)
 {
     crn_app_queue *queue = &app->queue;
@@ -134,7 +134,8 @@ void crn_app_stream_tick(crn_app *app)
     queue->is_picture_due = true;
 }
 
-/* A picture is sent only if room remains for the next ticks. It shows the state at the moment of sending. */
+/* A picture is sent only if space remains for the next ticks. The picture shows the state at the moment of
+ * sending. */
 static void send_picture(crn_app *app)
 {
     if (!app->queue.is_picture_due || app->state != CRN_WIRE_STATE_RUNNING) return;
@@ -150,8 +151,8 @@ void crn_app_stream_hash64(crn_app *app)
 
 /* --- the stream --- */
 
-/* Runs once per edge, after the outputs are written. A batch waits until it is full or no further tick will
- * come. */
+/* Runs once per edge, after the outputs are written. A batch of ticks waits until it is full or no further
+ * tick will come. */
 void crn_app_stream_flush(crn_app *app)
 {
     bool is_last = app->state != CRN_WIRE_STATE_RUNNING || app->mode != CRN_WIRE_MODE_FREE_RUN;
@@ -166,7 +167,7 @@ void crn_app_stream_flush(crn_app *app)
     send_picture(app);
 }
 
-/* A new session discards whatever the old one left in the queues. */
+/* Discards everything that an old session left in the queues, when a new session begins. */
 void crn_app_stream_clear(crn_app *app)
 {
     crn_app_queue *queue = &app->queue;

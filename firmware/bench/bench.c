@@ -1,4 +1,4 @@
-/* Command line of the benchmark programs (docs/bench.md). */
+/* This file implements the command line of the benchmark programs (docs/bench.md). */
 #define _POSIX_C_SOURCE 200809L
 #include "firmware/bench/bench.h"
 

@@ -12,7 +12,7 @@ extern "C" {
 #define BENCH_NORETURN _Noreturn
 #endif
 
-/* Marks a function that callgrind can find by name: it is neither inlined nor cloned. */
+/* Marks a function so that callgrind can find it by name: the function is neither inlined nor cloned. */
 #if defined(__clang__)
 #define BENCH_MEASURED __attribute__((noinline, used))
 #else
@@ -36,7 +36,8 @@ BENCH_NORETURN void bench_fail(const char *sentence);
 /* Monotonic clock in microseconds. */
 double bench_now_us(void);
 
-/* `list` prints the cases, `run N` runs one. Returns the exit code: 0 ok, 2 usage. */
+/* Runs the program's command line, where `list` prints the cases and `run N` runs case N. Returns the exit
+ * code: 0 ok, 2 usage. */
 int bench_main(int argc, char **argv, const bench_case *cases, size_t case_count);
 
 #ifdef __cplusplus

@@ -1,6 +1,6 @@
-/* One measured case as a file, which budget_make.c (on the PC) writes and budget_image.c (on the Cortex-M7)
- * reads. Both sides use the same words: structs of 32-bit words, little-endian. This header contains all
- * calls of the core for the budget. */
+/* This header describes one measured case as a file, which budget_make.c (on the PC) writes and
+ * budget_image.c (on the Cortex-M7) reads. Both programs use the same words: structs of 32-bit words,
+ * little-endian. This header contains all calls of the core that measure its budget of instructions. */
 #ifndef CRN_BUDGET_CASE_H
 #define CRN_BUDGET_CASE_H
 
@@ -8,7 +8,7 @@
 
 enum { BUDGET_MAGIC = 0x42444731, BUDGET_TICKS_MAX = 1000 };
 
-/* The header is followed by: index (padded to words), children (padded), samples (padded), state, one
+/* Behind the header follow index (padded to words), children (padded), samples (padded), state, and one
  * crn_input per tick. */
 typedef struct budget_case {
     uint32_t magic;
@@ -27,7 +27,7 @@ static inline uint32_t budget_padded(uint32_t bytes)
     return (bytes + 3u) & ~3u;
 }
 
-/* Addresses inside a case that has been read into memory. */
+/* Holds addresses inside a case that has been read into memory. */
 static inline const uint8_t *budget_state(const budget_case *c)
 {
     return (const uint8_t *)(c + 1) + budget_padded(c->index_bytes) + budget_padded(c->children_bytes) +

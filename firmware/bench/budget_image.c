@@ -1,7 +1,7 @@
-/* Counts the instructions of crn_step(), and of the hash that is a part of it, on the Cortex-M7
- * (docs/bench.md, "budget"). It reads a case, restores its state, and steps. It prints mean, largest and
- * smallest count, the number of second solves, and whether the state's hash equals the PC's. usage (as
- * semihosting arguments): budget_image CASE_FILE */
+/* This program counts the instructions of crn_step(), and of the hash that is a part of it, on the Cortex-M7
+ * (docs/bench.md, "budget"). The program reads a case, restores its state, and computes its ticks. It prints
+ * mean, largest and smallest count, the number of second solves, and whether the state's hash equals the
+ * PC's. usage (as semihosting arguments): budget_image CASE_FILE */
 #include "firmware/bench/budget_case.h"
 #include "firmware/core/rod.h"
 #include "firmware/port/console_digits.h"
@@ -32,7 +32,7 @@ typedef struct counts {
     uint32_t sum, most, least, most_twice, twice, contacts;
 } counts;
 
-/* Runs one tick between two readings; the reading itself takes less than half a count. */
+/* Runs one tick between two readings of the counter; a reading itself takes less than half a count. */
 static void __attribute__((noinline)) step(const crn_input *input, crn_output *output, counts *c)
 {
     uint32_t start = systick_now();

@@ -1,6 +1,6 @@
-/* Prepares the cases of the Cortex-M7 budget on the PC. It puts a wire into a lumen, and lets it settle or
- * drives it until a tick needs a second solve. Then it writes the state before the measured ticks with
- * everything they need (budget_case.h). usage: budget_make list | make CASE FILE */
+/* This program prepares the cases of the Cortex-M7 budget on the PC. It puts a wire into a lumen, and lets
+ * the wire settle or drives it until a tick needs a second solve. Then it writes the state before the
+ * measured ticks with everything they need (budget_case.h). usage: budget_make list | make CASE FILE */
 #include "firmware/bench/bench.h"
 #include "firmware/bench/budget_case.h"
 #include "firmware/tests/reference/random.h"
@@ -24,7 +24,8 @@ typedef struct scene {
     motion motion;
 } scene;
 
-/* The touching elements lie in the bends; those of a soft wire also lie on the floor of the tube. */
+/* The elements that touch the wall lie in the bends; in the case of a soft wire, elements also touch the
+ * floor of the tube. */
 static const scene scenes[] = {
     {"elements=256 contacts=100+", 0.002, 1.5e-6, false, 256, 100, 1, RESTS},
     {"elements=256 contacts=all", 0.0006, 2e-6, true, 256, 245, 1, RESTS},
@@ -48,8 +49,8 @@ static crn_instrument make_wire(const scene *s)
                                : reference_wire(s->bend_N_m2, 900000, 3000, 0.2);
 }
 
-/* Makes tool k of three: thin, with a taper over 200 mm to a shaft that is half as stiff again (as in
- * bench_rod.c). */
+/* Makes tool k of three. The tool is thin, and tapers over 200 mm to a shaft that is 1.5 times as stiff (as
+ * in bench_rod.c). */
 static crn_instrument make_coaxial(const scene *s, uint32_t k)
 {
     static const uint32_t radius_um[] = {300, 370, 445};
@@ -109,7 +110,7 @@ static void feed(int32_t step_m_q30)
     for (int k = 0; k < CRN_TOOL_MAX; k++) input.hands[k].feed_m_q30 += step_m_q30;
 }
 
-/* Pushes the tools in at 0.1 m/s until the scene's number of edges is free, then waits. */
+/* Pushes the tools in at 0.1 m/s until the scene's number of edges is outside the sheath, then waits. */
 static void insert(const scene *s)
 {
     for (int rest = 0; rest < REST_TICKS;) {
@@ -131,8 +132,8 @@ static void slide(void)
     }
 }
 
-/* Moves the hand to and fro at up to 0.4 m/s and 12 rad/s around its position, changing direction every 50
- * ticks. */
+/* Moves the hand back and forth at up to 0.4 m/s and 12 rad/s around its position, changing direction every
+ * 50 ticks. */
 static crn_input drive(uint32_t tick, int32_t middle_m_q30)
 {
     static reference_random random = {20};
@@ -161,8 +162,8 @@ static void record(const scene *s, budget_case *c)
     memcpy(c->hash_lane, output.hash_lane, sizeof c->hash_lane);
 }
 
-/* Records the tick with a second solve that has the most contacts, and the one before it; prints how many
- * such ticks there were. */
+/* Of all ticks with a second solve, records the one that has the most contacts, and the tick before it.
+ * Prints how many ticks had a second solve. */
 static void record_worst(budget_case *c)
 {
     size_t bytes = crn_state_bytes();

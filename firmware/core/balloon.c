@@ -41,7 +41,7 @@ static bool table_is_one(const crn_balloon *balloon, uint32_t folded_radius_um)
            balloon->burst_kPa <= CRN_PRESSURE_MAX_Pa / 1000;
 }
 
-/* Returns the outer radius of a tool at a place between its knots. Set-up only. */
+/* Returns the outer radius of a tool at an arc length, interpolated between its knots. Set-up only. */
 static uint32_t radius_at_um(const crn_instrument *tool, uint32_t arc_um)
 {
     uint32_t i = 0;
@@ -60,7 +60,8 @@ static uint32_t radius_at_um(const crn_instrument *tool, uint32_t arc_um)
     return (uint32_t)crn_divide_u64(sum, b->arc_um - a->arc_um);
 }
 
-/* Widest outer radius of the tool under the balloon: the size of the folded balloon. */
+/* Returns the widest outer radius of the tool under the balloon, which is the radius of the folded
+ * balloon. */
 static uint32_t folded_um(const crn_instrument *tool)
 {
     uint32_t distal = radius_at_um(tool, tool->balloon.distal_um),
@@ -131,8 +132,8 @@ void crn_balloon_build(crn_balloon_model *model, const crn_instrument *tools, ui
 
 /* --- the maker's table ---------------------------------------------------------------------------------- */
 
-/* Returns y at x on the line through two points. Overflow: the tables' steps are below 2^23 in either
- * direction; beyond the last point the result is at most a few times that. */
+/* Returns y at x on the straight line through two points. Overflow is impossible: steps between points of a
+ * table are below 2^23 in x and y, and beyond the last point the result is at most a few times that. */
 static int32_t on_line(int32_t x, int32_t x0, int32_t x1, int32_t y0, int32_t y1)
 {
     return y0 + crn_scale_q30(y1 - y0, crn_quotient(x - x0, x1 - x0, 28)) * 4;
@@ -166,7 +167,8 @@ int32_t crn_balloon_own_pressure(const crn_balloon_model *model, int32_t radius_
 
 /* --- where the balls are -------------------------------------------------------------------------------- */
 
-/* Place of a ball on the line at the predicted configuration. */
+/* Describes where one of the balloon's balls (spheres) lies on the line of tools, at the predicted
+ * configuration. */
 typedef struct place {
     uint32_t node;     /* the place lies between this node and the next */
     int32_t share_q30; /* of the next */
@@ -175,8 +177,8 @@ typedef struct place {
     crn_vec3 along_q30; /* unit vector towards the hand */
 } place;
 
-/* Finds the place of a ball. The search goes from the tip to the hand: `from` is a node at or before the
- * place. */
+/* Finds the place of one of the balloon's balls. The search goes towards the hand and starts at `from`, a
+ * node at or before the place. */
 static place place_of(const crn_model *model, const crn_state *state, uint32_t ball, uint32_t from)
 {
     const crn_balloon_model *balloon = &model->balloon;
@@ -205,14 +207,14 @@ static place place_of(const crn_model *model, const crn_state *state, uint32_t b
     return at;
 }
 
-/* Converts a place in the world to the pose in which the lumen is described. */
+/* Converts a place from world coordinates to the reference pose, in which the lumen is described. */
 static crn_vec3 in_reference(const crn_model *model, crn_state *state, const crn_vec3 *place_m_q30)
 {
     const crn_motion *motion = model->lumen->motion;
     return motion == NULL ? *place_m_q30 : crn_motion_pull(motion, &state->scratch.pose, place_m_q30);
 }
 
-/* `section` belongs to the open lesion that the ball is in; NULL means that it is in none. */
+/* `section` describes the open lesion that contains the place; NULL means that no open lesion contains it. */
 static int32_t wall_distance(const crn_model *model, crn_state *state, const crn_lesion_section *section,
                              const crn_vec3 *place_m_q30)
 {
@@ -231,16 +233,16 @@ static int32_t wall_distance(const crn_model *model, crn_state *state, const crn
 
 /* --- growing -------------------------------------------------------------------------------------------- */
 
-/* Outer radius of a ball. A ball in the inserter or in another tool has the radius 0 of its own and counts as
- * folded. */
+/* Outer radius of a ball. A ball inside the introducer sheath or inside another tool has the radius 0 in the
+ * state and counts as folded. */
 static int32_t radius_of(const crn_model *model, const crn_balloon_ball *ball)
 {
     const int32_t folded = model->balloon.radius_m_q30[0];
     return ball->radius_m_q30 > folded ? ball->radius_m_q30 : folded;
 }
 
-/* Returns the centre before this tick's growth: a wall that holds the ball carries it, otherwise it follows
- * the line. */
+/* Returns the ball's centre before it grows in this tick. A ball that a wall holds moves with the wall; any
+ * other ball follows the line. */
 static crn_vec3 carried(const crn_model *model, crn_state *state, const crn_balloon_ball *ball,
                         const place *at)
 {
@@ -264,8 +266,9 @@ static crn_vec3 carried(const crn_model *model, crn_state *state, const crn_ball
     return centre;
 }
 
-/* Returns N = p 2 pi r ds. Format: Pa, Q30 m -> Q22 N. Overflow: r below 2^24 and ds below 2^22, so their
- * product is below 2^26 in Q40; times 2 pi below 2^29, times 2^22 Pa below 2^51. */
+/* Returns the force N = p 2 pi r ds of a ball on the wall. Format: Pa, Q30 m -> Q22 N. Overflow: r below 2^24
+ * and ds below 2^22, so their product is below 2^26 in Q40; times 2 pi below 2^29, times 2^22 Pa below
+ * 2^51. */
 static int32_t wall_force(int32_t pressure_Pa, int32_t radius_m_q30, int32_t length_m_q30)
 {
     int64_t area_q40 = ((int64_t)radius_m_q30 * length_m_q30) >> 20;
@@ -274,8 +277,8 @@ static int32_t wall_force(int32_t pressure_Pa, int32_t radius_m_q30, int32_t len
     return force > BALL_MAX_N_Q22 ? BALL_MAX_N_Q22 : (int32_t)force;
 }
 
-/* Two directions across the line, at right angles. They turn by 45 degrees from tick to tick, so that eight
- * directions are felt. */
+/* Computes two directions at right angles to each other and to the line. These directions turn by 45 degrees
+ * from tick to tick, so that two ticks together probe the wall in eight directions. */
 static void directions(const crn_vec3 *along_q30, bool is_turned, crn_vec3 pair_q30[2])
 {
     int least = 0;
@@ -297,9 +300,9 @@ static void directions(const crn_vec3 *along_q30, bool is_turned, crn_vec3 pair_
     }
 }
 
-/* Signed distance from the wall to the ball's surface in a direction: positive when the surface is beyond the
- * wall. The distance field is accurate at a wall; on the axis of a narrow vessel it is not, because its
- * spline rounds the ridge off. */
+/* Returns the signed distance from the wall to the ball's surface in one direction; it is positive when the
+ * surface lies beyond the wall. The distance field is accurate at a wall. It is not accurate on the axis of a
+ * narrow vessel, because the spline rounds off the ridge of the distance there. */
 static int32_t behind_wall(const crn_model *model, crn_state *state, const crn_lesion_section *section,
                            const crn_vec3 *centre_m_q30, const crn_vec3 *direction_q30, int32_t radius_m_q30)
 {
@@ -310,8 +313,9 @@ static int32_t behind_wall(const crn_model *model, crn_state *state, const crn_l
     return crn_clamp(wall_distance(model, state, section, &surface), -FELT_M_Q30, FELT_M_Q30);
 }
 
-/* Moves the ball between the walls of one direction. Returns half of what the clearance lacks to the ball's
- * diameter; the value is negative where the vessel is wider. */
+/* Moves the ball away from the two walls that lie ahead and behind in one direction. Returns half of the
+ * difference between the ball's diameter and the clearance between these walls; the value is negative where
+ * the vessel is wider than the ball. */
 static int32_t fit_between(const crn_model *model, crn_state *state, const crn_lesion_section *section,
                            crn_vec3 *centre_m_q30, const crn_vec3 *direction_q30, int32_t radius_m_q30)
 {
@@ -332,8 +336,8 @@ static int32_t fit_between(const crn_model *model, crn_state *state, const crn_l
     return (ahead + back) / 2;
 }
 
-/* Advances one ball by one tick. `length` is the length of wall that the ball represents. Returns the
- * pressure of the ball on the wall. */
+/* Advances one ball by one tick. `length_m_q30` is the length of wall that the ball represents. Returns the
+ * pressure with which the ball presses on the wall. */
 static int32_t grow(const crn_model *model, crn_state *state, uint32_t number, const place *at,
                     int32_t pressure_Pa, int32_t length_m_q30)
 {
@@ -377,8 +381,8 @@ static void fold(const crn_model *model, crn_balloon_state *words, uint32_t numb
         (crn_balloon_ball){at->point_m_q30, at->is_free ? model->balloon.radius_m_q30[0] : 0, 0};
 }
 
-/* Adds the spring to the matrix. Each of the two nodes gets its share as if it were alone, which is never
- * softer than the pair. */
+/* Adds the spring between a ball and the line to the matrix. Each of the two nodes gets its share of the
+ * spring without the coupling between them, which is never softer than the exact spring. */
 static void tie(const crn_model *model, crn_state *state, const place *at)
 {
     const int32_t stiffness = STIFFNESS_N_m << model->stiffness_exponent;
@@ -452,8 +456,9 @@ void crn_balloon_forces(const crn_model *model, crn_state *state)
     }
 }
 
-/* N dr/ds: the wall pushes the balloon along the line where the balloon's radius changes. The slope is a
- * central difference over the neighbours. The result is positive towards the hand. */
+/* Returns N dr/ds, the force with which the wall pushes the balloon along the line where the balloon's radius
+ * changes. The slope dr/ds is the central difference between the neighbouring balls. A positive force points
+ * towards the hand. */
 static int32_t taper_force(const crn_model *model, const crn_state *state, uint32_t j)
 {
     const crn_balloon_ball *balls = state->words.balloon.balls;
@@ -465,7 +470,7 @@ static int32_t taper_force(const crn_model *model, const crn_state *state, uint3
     return crn_scale_q30(balls[j].wall_N_q22, slope_q28) * 4;
 }
 
-/* Moves a ball along the line by what the wall cannot hold. */
+/* Moves a ball along the line until the force on it no longer exceeds the friction of the wall. */
 static void slip(const crn_model *model, crn_state *state, uint32_t j, const place *at)
 {
     crn_balloon_ball *ball = &state->words.balloon.balls[j];

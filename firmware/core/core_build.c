@@ -1,5 +1,5 @@
-/* Set-up: derives the constants from the tools. It runs once per line, so it may divide (bit by bit) and take
- * its time. */
+/* During set-up, this file derives the constants of the model from the tools. This happens once per line of
+ * tools, so slow operations such as bit-by-bit division are acceptable. */
 #include "firmware/core/balloon.h"
 #include "firmware/core/core_check.h"
 
@@ -15,7 +15,8 @@ static int32_t micrometres_to_q30(uint32_t um)
     return (int32_t)crn_divide_u64(((uint64_t)um << 30) + 500000u, 1000000u);
 }
 
-/* value numerator / denominator, rounded to nearest. Overflow: saturates; |value| numerator < 2^63. */
+/* Returns value * numerator / denominator, rounded to nearest. Overflow: the result saturates; the caller
+ * keeps |value| * numerator below 2^63. */
 static int32_t scaled(int64_t value, uint64_t numerator, uint64_t denominator)
 {
     uint64_t size = (uint64_t)(value < 0 ? -value : value) * numerator + denominator / 2;
@@ -30,8 +31,8 @@ typedef struct mesh_plan {
     int32_t total, tip, shaft, fine; /* Q30 m */
 } mesh_plan;
 
-/* The mesh plan takes the longest tool's length, the finest elements and the longest fine part of all
- * tools. */
+/* The mesh gets the length of the longest tool, the shortest elements of any tool, and the longest finely
+ * meshed part of any tool. */
 static mesh_plan plan_mesh(const crn_instrument *tools, uint32_t tool_count)
 {
     uint32_t total = 0, tip = UINT32_MAX, shaft = UINT32_MAX, fine = 0;
@@ -53,7 +54,8 @@ static int32_t inverse_per_m_q18(int32_t length_m_q30)
                                    (uint32_t)length_m_q30);
 }
 
-/* Builds the cells: half an edge to either side of a node, only one half at the tip. */
+/* Builds the cells of the nodes. A cell reaches half an edge to either side of its node; the tip's cell has
+ * only one half. */
 static void build_cells(crn_model *model)
 {
     int32_t begin = 0;
@@ -67,8 +69,9 @@ static void build_cells(crn_model *model)
     }
 }
 
-/* Chooses element lengths: fine at the tip, growing by at most 3:2 to the shaft's length. They never shrink
- * towards the base, which keeps |W| <= 2 in the solve. The line ends at the last whole element. */
+/* Chooses the lengths of the elements, which are short at the tip and grow by a factor of at most 1.5 from
+ * one to the next, up to the shaft's length. Lengths never decrease towards the base, which keeps |W| = |V -
+ * I| <= 2 in the solve (rod_solve.c). The line ends at the last whole element. */
 static crn_build_status build_mesh(crn_model *model, const mesh_plan *plan)
 {
     int32_t length = plan->tip;
@@ -104,8 +107,8 @@ static crn_build_status build_mesh(crn_model *model, const mesh_plan *plan)
 
 /* --- tools ---------------------------------------------------------------------------------------------- */
 
-/* Knot values in the formats of crn_property. nN m^2 -> Q35: x 2^35 / 1e9; milli/m -> Q20: x 2^20 / 1000;
- * mg/m -> kg/m Q34: x 2^34 / 1e6. */
+/* Converts the values of a knot to the formats of crn_property. The factors are 2^35 / 1e9 from nN m^2 to
+ * Q35, 2^20 / 1000 from milli/m to Q20, and 2^34 / 1e6 from mg/m to Q34 kg/m. */
 static void knot_values(const crn_knot *knot, int32_t values[CRN_PROPERTY_COUNT])
 {
     values[CRN_BEND_N_M2_Q35] = scaled(knot->bend_stiffness_nN_m2, (uint64_t)1 << 35, 1000000000u);
@@ -149,7 +152,7 @@ static void build_tool(crn_model *model, uint32_t k, const crn_instrument *instr
         micrometres_to_q30(instrument->knots[instrument->knot_count - 1].radius_outer_um);
     int32_t cap_q17 = (int32_t)instrument->axial_stiffness_max_N << 17;
     model->axial_max_N_q17 = cap_q17 > model->axial_max_N_q17 ? cap_q17 : model->axial_max_N_q17;
-    /* Two whole elements stay in the inserter. */
+    /* Two whole elements of a tool always stay in the introducer sheath. */
     const crn_mesh_node *last = &model->mesh[model->node_count - 1];
     int32_t held = last->arc_m_q30 - model->mesh[model->node_count - 3].arc_m_q30;
     int32_t end = tool->length_m_q30 < last->arc_m_q30 ? tool->length_m_q30 : last->arc_m_q30;
@@ -169,8 +172,8 @@ static int32_t bend_at(const crn_tool *tool, uint32_t span, int32_t arc_m_q30)
     return crn_span_value(s, CRN_BEND_N_M2_Q35, crn_span_fraction(s, arc_m_q30));
 }
 
-/* The largest EI that tool k can bring to arc length `arc` behind the leading tip: the maximum from its own
- * tip to there. */
+/* Returns the largest EI that tool k can have at arc length `arc_m_q30` behind the leading tip, wherever the
+ * tool is. This is the maximum of EI from the tool's own tip to that arc length. */
 static int32_t stiffest_until(const crn_tool *tool, int32_t arc_m_q30)
 {
     int32_t most = 0;
@@ -205,14 +208,15 @@ static stiffness_range range_at(const crn_model *model, uint32_t node)
     return range;
 }
 
-/* Returns W of a node's cell with uniform EI. Format: Q35 N m^2 x Q18 1/m -> Q26 N m in 64 bits. */
+/* Returns the bending stiffness W of a node's cell in which EI is uniform. Format: Q35 N m^2 x Q18 1/m -> Q26
+ * N m in 64 bits. */
 static int64_t cell_stiffness_q26(const crn_model *model, uint32_t node, int32_t bend_N_m2_q35)
 {
     return ((int64_t)bend_N_m2_q35 * model->mesh[node].inverse_cell_per_m_q18) >> 27;
 }
 
-/* Chooses the exponent that keeps the stiffest diagonal below 2^29 and leaves the softest block enough
- * bits. */
+/* Chooses the exponent of the number format so that the stiffest diagonal stays below 2^29 and the softest
+ * block keeps enough bits. */
 static crn_build_status choose_exponent(crn_model *model)
 {
     int64_t worst_q8 = 0;
@@ -236,8 +240,8 @@ static crn_build_status choose_exponent(crn_model *model)
         int64_t soft = crn_bend_spring_q8((int32_t)cell_stiffness_q26(model, i, range.softest_q35), c, c);
         softest_q8 = soft < softest_q8 ? soft : softest_q8;
     }
-    /* A joint clipped further than that is kept below 2^28 (rod_feed.c); the other terms must leave it that
-     * margin. */
+    /* rod_feed.c keeps the diagonal of a joint that is clipped by more than CRN_CLIP_SURE below 2^28; the
+     * other terms must leave room for it. */
     worst_q8 = worst_q8 > 2 * unclipped_q8 ? worst_q8 : 2 * unclipped_q8;
     worst_q8 += (int64_t)(2 * LOAD_RESERVE_N_m) << 8;
     uint32_t exponent = 14;
@@ -251,8 +255,8 @@ static crn_build_status choose_exponent(crn_model *model)
 
 /* --- what the mesh can bear of each tool ---------------------------------------------------------------- */
 
-/* Checks the cell of node i as tool k sees it when it leads: are its rest turning and twist stiffness within
- * their formats? */
+/* Checks the cell of node i for a tool that leads. The tool's rest rotation (the angle of its stress-free
+ * shape within the cell) and its twist stiffness must fit their formats. */
 static crn_build_status check_cell(const crn_model *model, const crn_span *span, uint32_t i,
                                    int32_t arc_m_q30)
 {
@@ -280,7 +284,8 @@ static uint32_t knot_before(const crn_instrument *tool, int32_t arc_m_q30)
     return knot;
 }
 
-/* A tool must reach the shortest possible line, and its shape and twist must fit its own cells. */
+/* Checks that a tool can be inserted as far as the shortest possible line, and that its rest shape and twist
+ * stiffness fit its own cells. */
 static crn_build_status check_reach(const crn_model *model, uint32_t k, const crn_instrument *instrument,
                                     crn_build_place *place)
 {
@@ -305,7 +310,8 @@ static crn_build_status check_reach(const crn_model *model, uint32_t k, const cr
     return CRN_BUILD_OK;
 }
 
-/* The tools together in the longest cell must stay below the format's 1.95 g. */
+/* Checks that the mass of all tools together in the longest cell stays below 1.95 g, the limit of the number
+ * format. */
 static crn_build_status check_mass(const crn_model *model)
 {
     const crn_mesh_node *last = &model->mesh[model->node_count - 1];

@@ -1,4 +1,5 @@
-/* The requirements of crn_model_build() for its input. This header is private to firmware/core. */
+/* This header declares the checks of the input of crn_model_build(). This header is private to
+ * firmware/core. */
 #ifndef CRN_CORE_CHECK_H
 #define CRN_CORE_CHECK_H
 
@@ -9,7 +10,8 @@ enum {
     CRN_TOOL_MAX_um = 1600000,
 };
 
-/* Checks number, ranges, order and nesting of tools, and the entry. *place receives the offender. */
+/* These functions check the number, ranges, order and nesting of the tools, and the entry; *place receives
+ * the tool and the knot at fault. */
 crn_build_status crn_check_tools(const crn_instrument *tools, uint32_t tool_count, crn_build_place *place);
 crn_build_status crn_check_entry(const crn_entry *entry);
 

@@ -1,15 +1,16 @@
-/* The constants of the tools of one line in one lumen: everything crn_step() reads and never writes.
+/* The model holds the constants of the tools of one line in one lumen, that is, everything that crn_step()
+ * reads and never writes.
  *
  *      leading tip                                                 inserter
  *   node 0 --edge 0-- node 1 --edge 1-- node 2  ...  node na-1 --edge na-1-- node na --edge na-- node na+1
  *                     joint 1           joint 2                              joint na
  *
- * One mesh serves all tools: node i lies at rest arc length S[i] behind the leading tip, whichever tool that
- * is. Tool k, whose tip is `offset` behind the leading one, is sampled at its own arc length S[i] - offset
- * (rod_line.c). A joint sits on the node between two edges and owns the cell half an edge to either side.
+ * One mesh serves all tools: node i lies at the rest arc length S[i] behind the leading tip, whichever tool
+ * leads. Tool k, whose tip is `offset` behind the leading one, is sampled at its own arc length S[i] - offset
+ * (rod_line.c). A joint lies on the node between two edges, and its cell reaches half an edge to either side.
  * Stiffness entries of the matrix are in Q(a) N/m with one exponent a for the whole line
- * (`stiffness_exponent`). It is chosen so that no assembled diagonal can reach 2^29 wherever the tools
- * are. */
+ * (`stiffness_exponent`). The exponent is chosen so that no assembled diagonal can reach 2^29 wherever the
+ * tools are. */
 #ifndef CRN_CORE_MODEL_H
 #define CRN_CORE_MODEL_H
 
@@ -18,7 +19,7 @@
 
 enum { CRN_ARRAY_NODES = CRN_NODE_MAX + 4 };
 
-/* Physical constants of the contact and the hand; docs/rod.md states where each comes from. */
+/* These are physical constants of the contact and the hand; docs/rod.md states the source of each. */
 enum {
     CRN_CONTACT_STIFFNESS_N_m = 5000,       /* normal penalty; 2e4 chatters at r = 1.5 mm */
     CRN_CONTACT_STIFFNESS_DEEP_N_m = 20000, /* added beyond CRN_CONTACT_DEEP */
@@ -55,7 +56,7 @@ enum {
     CRN_WITHDRAWN_M_Q30 = -5368709,
 };
 
-/* Properties of a tool at an arc length; the values are indices into the arrays of a span. */
+/* Lists the properties of a tool at an arc length; the values are indices into the arrays of a span. */
 typedef enum crn_property {
     CRN_BEND_N_M2_Q35,    /* EI */
     CRN_TWIST_N_M2_Q35,   /* GJ */
@@ -68,7 +69,7 @@ typedef enum crn_property {
     CRN_PROPERTY_COUNT
 } crn_property;
 
-/* A stretch of a tool between two knots of different arc length; properties are linear in it. */
+/* A span is the stretch of a tool between two knots of different arc length; properties are linear in it. */
 typedef struct crn_span {
     int32_t begin_m_q30, end_m_q30;
     int32_t inverse_mantissa; /* 1 / length = mantissa 2^-shift in units of 1 / LSB */
@@ -87,7 +88,8 @@ typedef struct crn_tool {
     crn_span spans[CRN_KNOT_MAX - 1];
 } crn_tool;
 
-/* Geometry of node i, of the edge behind it, and of its cell, which ends in the middle of that edge. */
+/* Holds the geometry of node i, of the edge behind the node, and of the node's cell, which ends in the middle
+ * of that edge. */
 typedef struct crn_mesh_node {
     int32_t arc_m_q30;
     int32_t length_m_q30; /* length of the edge to node i + 1 */
@@ -112,7 +114,7 @@ typedef struct crn_tip_hold {
 
 enum { CRN_BALLOON_UNFOLD_Pa = 50000 }; /* at this pressure the balloon is unfolded */
 
-/* The balloon of one of the tools; a ball_count of 0 means that there is none. */
+/* Describes the balloon of one of the tools; a ball_count of 0 means that there is none. */
 typedef struct crn_balloon_model {
     uint32_t tool, ball_count;
     int32_t distal_m_q30, spacing_m_q30;
@@ -141,8 +143,8 @@ struct crn_model {
     crn_mesh_node mesh[CRN_ARRAY_NODES];
 };
 
-/* crn_model_set_tip_load: dead load on the tip in newtons (Q22), patient frame, at most 100 N in each
- * direction; for validation cases. */
+/* For validation cases, crn_model_set_tip_load puts a constant load on the tip, in newtons (Q22), in the
+ * patient frame, of at most 100 N along each axis. */
 void crn_model_set_tip_load(crn_model *model, crn_vec3 load_N_q22);
 void crn_model_set_tip_hold(crn_model *model, const crn_tip_hold *hold);
 

@@ -1,7 +1,7 @@
-/* The state as words: initialised, saved, restored, hashed and read.
+/* This file initialises, saves, restores, hashes and reads the state, which consists of 32-bit words.
  *
- * Nodes beyond free_count + 2 are in the inserter and follow from the other words; they are zero in a saved
- * state and are not hashed. */
+ * Nodes beyond free_count + 2 are in the introducer sheath, and their values follow from the other words.
+ * They are zero in a saved state and are not hashed. */
 #include "firmware/core/balloon.h"
 #include "firmware/core/lesion.h"
 #include "firmware/core/strut.h"
@@ -43,8 +43,8 @@ static int32_t inserted_q30(uint32_t um)
     return (int32_t)crn_divide_u64((uint64_t)bounded_um << 30, 1000000u);
 }
 
-/* Places the tools: each length outside the inserter is limited to its tool, and the longest is at least the
- * shortest line. */
+/* Places the tools: each inserted length is limited to what its tool allows, and the longest one is at least
+ * that of the shortest possible line. */
 static void place_tools(const crn_model *model, crn_state_words *words, const uint32_t *inserted_um)
 {
     const int32_t least = crn_least_inserted(model);
@@ -136,8 +136,8 @@ static bool within(int32_t value, int32_t most)
     return value >= -most && value <= most;
 }
 
-/* Bounds that the tick's own arithmetic respects: steps of 3.9 mm (3.1 are possible), bristles of 62 mm,
- * turns of half a radian a tick. */
+/* Checks bounds that the tick's own arithmetic keeps: steps of 3.9 mm (3.1 are possible), bristles of 62 mm,
+ * and rotations of half a radian a tick. */
 static bool node_is_valid(const crn_node_state *node)
 {
     enum { STEP_MAX_M_Q33 = 1 << 25, BRISTLE_MAX_M_Q33 = 1 << 29, TURN_MAX_Q30 = 1 << 29 };
@@ -150,7 +150,7 @@ static bool node_is_valid(const crn_node_state *node)
            is_small(&node->position_m_q30, CRN_POSITION_MAX_M_Q30) && node->contact <= CRN_CONTACT_STICKS;
 }
 
-/* No edge may be longer than twice its rest length, because no tick leaves one longer. */
+/* No edge may be longer than twice its rest length, because no tick leaves a longer edge. */
 static bool edge_is_valid(const crn_model *model, const crn_node_state *node, uint32_t i)
 {
     const int64_t most = 2 * (int64_t)model->mesh[i].length_m_q30; /* below 2^25 */
@@ -165,8 +165,8 @@ static bool edge_is_valid(const crn_model *model, const crn_node_state *node, ui
     return square <= most * most;
 }
 
-/* Nodes in the inserter must lie on its axis, where place_inside() of rod_feed.c puts them; the last tick may
- * have moved them by no more than a rounding. */
+/* Nodes in the introducer sheath must lie on the sheath's axis, where place_inside() of rod_feed.c puts them;
+ * the last tick may have moved them by no more than a rounding. */
 static bool held_is_valid(const crn_model *model, const crn_node_state *node, int32_t beyond_m_q30)
 {
     enum { ROUNDING = 16 };
@@ -253,8 +253,8 @@ bool crn_state_restore(const crn_model *model, crn_state *state, const uint8_t *
 
 /* --- hashes --------------------------------------------------------------------------------------------- */
 
-/* The words that enter a hash: two ranges. Absent strut rings are left out; their words are 0 (`used` gives
- * the number of rings). */
+/* Names the two ranges of words that enter a hash. Absent strut rings are left out of the hash, and their
+ * words are 0 (`used` gives the number of rings). */
 typedef struct hashed_range {
     size_t first, end;
 } hashed_range;
@@ -265,9 +265,10 @@ static void hashed_words(const crn_state_words *words, hashed_range ranges[2])
     ranges[1] = (hashed_range){HEADER_WORDS, live_words(words)};
 }
 
-/* Two 32-bit polynomials over even and odd words, sum of word[i] m^(n-i) with the odd FNV prime m. They cost
- * two operations a word and are computed in every tick. Each step is one to one in the lane and in the word,
- * so a single wrong word is always detected. */
+/* Computes two 32-bit polynomials, one over the even words and one over the odd words: the sum of word[i]
+ * m^(n-i) with the odd FNV prime m. These polynomials cost two operations a word and are computed in every
+ * tick. Each step is a one-to-one function of the running sum and of the word, so a single wrong word is
+ * always detected. */
 static inline void add_to_lanes(const uint32_t *words, size_t count, uint32_t lane[2])
 {
     uint32_t even = lane[0], odd = lane[1];

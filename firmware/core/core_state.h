@@ -1,8 +1,8 @@
 /* The state of one line. `crn_state_words` holds everything that matters from one tick to the next: 32-bit
- * words without pointers or padding, which are hashed, saved and compared as such. Beside it lie two areas,
- * so that the core needs neither heap nor a deep stack. `crn_line` is the sum of the tools at their present
- * positions (derived from words and model, kept while no tool slides against another). `crn_scratch` is dead
- * between ticks. */
+ * words without pointers or padding, which are hashed, saved and compared as such. The state also contains
+ * two work areas, so that the core needs neither heap nor a deep stack. `crn_line` holds the sum of the tools
+ * at their present positions; it is derived from words and model, and kept while no tool slides against
+ * another. `crn_scratch` is dead between ticks. */
 #ifndef CRN_CORE_STATE_H
 #define CRN_CORE_STATE_H
 
@@ -56,7 +56,7 @@ typedef struct crn_lesion_state {
     int32_t kept_q30[CRN_LESION_MAX][CRN_LESION_STATION_MAX];
 } crn_lesion_state;
 
-/* A strut ring: its present position and its ordered one. All fields are 0 for an absent ring. */
+/* A strut ring has a present position and an ordered one. All fields are 0 for an absent ring. */
 typedef struct crn_strut_ring {
     crn_vec3 centre_m_q30, wanted_m_q30;
     int32_t inside_m_q30, wanted_inside_m_q30;
@@ -91,7 +91,7 @@ typedef struct crn_state_words {
     crn_node_state nodes[CRN_ARRAY_NODES];
 } crn_state_words;
 
-/* The tools together at one node: its joint, the edge behind it, its mass and its surface. */
+/* Describes all tools together at one node: the joint, the edge behind the node, the mass and the surface. */
 typedef struct crn_joint {
     int32_t bend_N_m_q26; /* W = 1 / integral ds/EI over the cell, EI of all tools there */
     int32_t p, q, r;      /* W a^2, W a c, W c^2 in Q(a) N/m; a, c = 1 / edge before and after */
@@ -124,12 +124,13 @@ typedef struct crn_line {
     crn_line_node nodes[CRN_ARRAY_NODES];
 } crn_line;
 
-/* Symmetric 3x3: xx, xy, xz, yy, yz, zz. */
+/* Stores a symmetric 3x3 matrix as xx, xy, xz, yy, yz, zz. */
 typedef struct crn_sym3 {
     int32_t m[6];
 } crn_sym3;
 
-/* These fields are dead once the matrix is assembled: the results of the elimination take their place. */
+/* These fields are no longer needed once the matrix is assembled: the results of the elimination take their
+ * place. */
 typedef struct crn_assembly {
     crn_vec3 stretch_q30;             /* edge: (x*[i+1] - x*[i]) / length */
     crn_vec3 axis1_q30[CRN_TOOL_MAX]; /* edge: axis d1 of a tool, where its rest shape needs it */
@@ -181,7 +182,7 @@ typedef struct crn_work {
     };
 } crn_work;
 
-/* The second contact of a node that is held between struts and wall. */
+/* Describes the second contact of a node that is confined between struts and wall. */
 typedef struct crn_second_contact {
     uint32_t node;
     int32_t depth_m_q30; /* at x* */

@@ -1,9 +1,9 @@
-/* One tick, part by part (docs/tick.md follows it through the code). */
+/* This file runs one tick, part by part; docs/tick.md explains the tick along this code. */
 #include "firmware/core/balloon.h"
 #include "firmware/core/lesion.h"
 #include "firmware/core/strut.h"
 
-/* Returns the largest component of any node's deviation, Q33 m. */
+/* Returns the largest component of any node's deviation, in Q33 m. */
 static int32_t largest_deviation(const crn_state *state)
 {
     int32_t largest = 0;
@@ -27,11 +27,11 @@ static void scale_step(crn_state *state, int32_t share_q30)
     }
 }
 
-/* Cuts the deviation short when a node would move more than max(0.5 mm, 1.5 feeds) beyond the slide, or would
- * end inside a wall at rest where no contact was seen. One factor for all nodes keeps the shape; a limit for
- * each node would add energy (docs/rod.md, "contact"). Only the first of consecutive ticks that miss a
- * contact is cut for it; otherwise the line would be held back tick after tick. Returns whether a contact was
- * missed. */
+/* Scales the deviation down when a node would move more than max(0.5 mm, 1.5 feeds) beyond its slide, or
+ * would end inside a wall at rest where no contact was found. One factor for all nodes keeps the shape; a
+ * limit for each node would add energy (docs/rod.md, "contact"). When consecutive ticks miss a contact, only
+ * the first of them is scaled down for it; otherwise the line would be held back tick after tick. Returns
+ * whether a contact was missed. */
 static bool cut_step(const crn_model *model, crn_state *state, int32_t largest_m_q33)
 {
     const int32_t feed =
@@ -55,8 +55,8 @@ static bool cut_step(const crn_model *model, crn_state *state, int32_t largest_m
     return missed;
 }
 
-/* Solves the tick. It solves a second time where a contact with a moving wall was missed, because cutting the
- * step short would hold the line back in every tick of a beat. Returns the largest component of the
+/* Solves the tick. A second solve follows where a contact with a moving wall was missed, because scaling the
+ * step down would hold the line back in every tick of a beat. Returns the largest component of the
  * deviation. */
 static int32_t solve(const crn_model *model, crn_state *state, crn_output *output)
 {
@@ -72,9 +72,9 @@ static int32_t solve(const crn_model *model, crn_state *state, crn_output *outpu
     return largest_deviation(state);
 }
 
-/* The leading tool's hand bears the line's force on the inserter less what the other hands bear. The share of
- * the other hands follows with a time constant of 8 ms, because the moment where a tip ends is not at rest
- * while the tip slides. */
+/* The force on the leading tool's hand is the force of the line on the introducer sheath, less the forces on
+ * the other hands. The forces on the other hands are filtered with a time constant of 8 ms, because the
+ * bending moment at a tip is not steady while the tip slides. */
 static void share_handles(const crn_model *model, crn_state *state, int32_t line_axial_N_q22)
 {
     enum { FOLLOW = 8 };
@@ -113,7 +113,7 @@ static void report(const crn_model *model, const crn_state *state, crn_output *o
     crn_state_hash_lanes(state, output->hash_lane);
 }
 
-/* Advances heart and breath; from here on the wall is where it is at the end of the tick. */
+/* Advances heart and breath; the rest of the tick uses the wall's position at the end of the tick. */
 static void beat(const crn_model *model, crn_state *state, const crn_input *input)
 {
     const crn_rhythm before = state->words.rhythm;

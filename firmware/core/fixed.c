@@ -1,4 +1,4 @@
-/* The fixed-point functions that are too long to be inline; fixed.h states formats, overflow and error
+/* These fixed-point functions are too long to be inline; fixed.h states their formats, overflow and error
  * bounds. */
 #include "firmware/core/fixed.h"
 
@@ -24,7 +24,7 @@ uint64_t crn_divide_u64(uint64_t a, uint64_t b)
     uint64_t quotient = 0;
     uint64_t rest = 0;
     for (int bit = 63; bit >= 0; bit--) {
-        /* rest holds the top 63 - bit bits of a or less, so the shift loses nothing. */
+        /* `rest` holds at most the top 63 - bit bits of a, so the shift loses nothing. */
         rest = (rest << 1) | ((a >> bit) & 1u);
         if (rest >= b) {
             rest -= b;
@@ -34,8 +34,8 @@ uint64_t crn_divide_u64(uint64_t a, uint64_t b)
     return quotient;
 }
 
-/* Horner's scheme. Format: coefficients and z Q31, |value| < 1 throughout -> Q31. Error: 1/2 LSB of Q31 per
- * step. */
+/* Horner's scheme. Format: coefficients and z Q31, |value| < 1 throughout -> Q31. The error is 1/2 LSB of Q31
+ * per step. */
 static int32_t polynomial_q31(const int32_t *coefficients, int count, int32_t z_q31)
 {
     int32_t value = coefficients[count - 1];
@@ -60,14 +60,14 @@ static void sincos_octant(int32_t x_q31, int32_t *sin_q30, int32_t *cos_q30)
 
 void crn_sincos_turn32(uint32_t angle_turn32, int32_t *sin_q30, int32_t *cos_q30)
 {
-    /* Nearest quarter turn, and the remainder: -1/8 .. 1/8 turn. */
+    /* Splits the angle into the nearest quarter turn and a remainder of -1/8 .. 1/8 turn. */
     const int32_t pi_q29 = 1686629713;
     uint32_t quarter = (angle_turn32 + ((uint32_t)1 << 29)) >> 30;
     uint32_t left_turn32 = angle_turn32 - (quarter << 30);
     int32_t left = left_turn32 > INT32_MAX ? -(int32_t)(~left_turn32) - 1 : (int32_t)left_turn32;
     int32_t sine = 0;
     int32_t cosine = 0;
-    /* x = 2 pi left / 2^32 rad, in Q31: left * pi. */
+    /* The remainder in radians is x = 2 pi left / 2^32, which is left * pi in Q31. */
     sincos_octant(crn_mul(left, pi_q29, 29), &sine, &cosine);
 
     switch (quarter) {
@@ -86,7 +86,8 @@ void crn_sincos_turn32(uint32_t angle_turn32, int32_t *sin_q30, int32_t *cos_q30
     }
 }
 
-/* asin x = x + x z p(z), 0 <= x <= 1/2 (Q31 holds it). Format: Q31 -> Q31 radians, at most pi/6. */
+/* Computes asin x = x + x z p(z) with z = x^2 for 0 <= x <= 1/2, which Q31 can hold. Format: Q31 -> Q31
+ * radians, at most pi/6. */
 static int32_t asin_small_q31(int32_t x_q31)
 {
     int32_t z_q31 = crn_mul(x_q31, x_q31, 31);
@@ -105,7 +106,8 @@ int32_t crn_asin_q29(int32_t a_q30)
     if (size_q30 <= CRN_ONE_Q30 / 2) {
         angle_q31 = asin_small_q31((int32_t)(size_q30 * 2));
     } else {
-        /* sqrt((1 - a)/2): (1 - a) 2^30 as Q61 of (1 - a)/2, scaled to Q62 whose root is Q31. */
+        /* Computes sqrt((1 - a)/2): the number (1 - a) in Q30 is (1 - a)/2 in Q31, and shifted to Q62 it has
+         * a root in Q31. */
         int32_t root_q31 = crn_sqrt64((uint64_t)(CRN_ONE_Q30 - size_q30) << 31);
         angle_q31 = half_pi_q31 - 2 * (int64_t)asin_small_q31(root_q31);
     }

@@ -1,10 +1,10 @@
 /* Fixed-point operations of the core. This is the only file that shifts, rounds and saturates.
  *
- * A number's format ends its name: `x_m_q30` is metres times 2^30 in an int32_t. Every function states what
- * it does, its Format, what happens on Overflow, and its Error (bound in LSB of the result, checked against
- * double in firmware/tests/test_fixed.c). Rounding is to nearest with ties toward +infinity, written as an
- * addition and an arithmetic shift. The Cortex-M7 DSP instructions (SMMULR) do the same, so every machine
- * agrees bit for bit. */
+ * The suffix of a number's name is its format: `x_m_q30` is metres times 2^30 in an int32_t. Every function
+ * states what it does, its Format, what happens on Overflow, and its Error (bound in LSB of the result,
+ * checked against double in firmware/tests/test_fixed.c). Rounding is to nearest with ties toward +infinity,
+ * written as an addition and an arithmetic shift. The Cortex-M7 DSP instructions (SMMULR) round in the same
+ * way, so every machine agrees bit for bit. */
 #ifndef CRN_FIXED_H
 #define CRN_FIXED_H
 
@@ -14,9 +14,9 @@
 
 #define CRN_ONE_Q30 ((int32_t)1 << 30)
 
-/* Shifts a possibly negative value right, arithmetically.
- * Format: 64 bit -> 64 bit, floor(a / 2^n), 0 <= n <= 63. Overflow: none. Error: exact floor. C11 leaves >>
- * of a negative value to the implementation; the test asserts that the compiler shifts arithmetically. */
+/* Shifts a possibly negative value right, arithmetically. Format: 64 bit -> 64 bit, floor(a / 2^n), 0 <= n <=
+ * 63. Overflow: none. Error: exact floor. C11 leaves the meaning of >> for a negative value to the
+ * implementation; the test asserts that the compiler shifts arithmetically. */
 static inline int64_t crn_asr64(int64_t a, unsigned n)
 {
     return a >> n;
@@ -45,8 +45,8 @@ static inline int32_t crn_sat32(int64_t a)
     return a < 0 ? INT32_MIN : INT32_MAX;
 }
 
-/* The Cortex-M7's DSP instructions do some of this in one step; on other machines C computes the same
- * values. */
+/* The Cortex-M7's DSP instructions do some of the following operations in one step; on other machines C
+ * computes the same values. */
 #if defined(__ARM_FEATURE_DSP) && defined(__thumb__)
 #define CRN_HIGH_WORDS_BY_DSP 1
 #else
@@ -85,9 +85,9 @@ static inline int32_t crn_sub_sat(int32_t a, int32_t b)
 #endif
 }
 
-/* Returns a >> n between -most and most. Format: 64 bit -> 32 bit, floor, `most_high` being the high word of
- * `most` << n, 1 <= n <= 31. Overflow: the value is limited, and a bit of `flag` is set in `*flags`. A 32-bit
- * machine looks at the high word only. */
+/* Returns a >> n, limited to the range -most .. most. Format: 64 bit -> 32 bit, floor, `most_high` being the
+ * high word of `most` << n, 1 <= n <= 31. Overflow: the value is limited, and a bit of `flag` is set in
+ * `*flags`. On a 32-bit machine the code examines only the high word. */
 static inline int32_t crn_limit64(int64_t a, unsigned n, int32_t most_high, uint32_t flag, uint32_t *flags)
 {
     int64_t most = (int64_t)most_high << (32 - n);
@@ -106,8 +106,8 @@ static inline int32_t crn_limit64(int64_t a, unsigned n, int32_t most_high, uint
     return (int32_t)(a < 0 ? -most : (most > INT32_MAX ? INT32_MAX : most));
 }
 
-/* a b, exactly. On the Cortex-M7 this is one SMULL, even where the compiler would take a widened operand for
- * a 64-bit one. */
+/* a b, exactly. On the Cortex-M7 this is one SMULL instruction, even where the compiler would treat a widened
+ * operand as a 64-bit value. */
 static inline int64_t crn_product(int32_t a, int32_t b)
 {
 #if CRN_HIGH_WORDS_BY_DSP
@@ -119,7 +119,7 @@ static inline int64_t crn_product(int32_t a, int32_t b)
 #endif
 }
 
-/* sum + a b: SMLAL. Overflow: the caller states why the sum fits 64 bits. */
+/* Returns sum + a b (instruction SMLAL). Overflow: the caller states why the sum fits 64 bits. */
 static inline int64_t crn_product_add(int64_t sum, int32_t a, int32_t b)
 {
 #if CRN_HIGH_WORDS_BY_DSP
@@ -130,8 +130,9 @@ static inline int64_t crn_product_add(int64_t sum, int32_t a, int32_t b)
 #endif
 }
 
-/* Product of two values, rounded and saturated once. Format: Qa x Qb -> Q(a+b-n), 64-bit intermediate, 1 <= n
- * <= 62. Overflow: saturates. Error: 1/2 LSB in range. A 32-bit machine looks at the upper word only. */
+/* Returns the product of two values, rounded and saturated once. Format: Qa x Qb -> Q(a+b-n), 64-bit
+ * intermediate, 1 <= n <= 62. Overflow: saturates. Error: 1/2 LSB in range. On a 32-bit machine the code
+ * examines only the upper word. */
 static inline int32_t crn_mul(int32_t a, int32_t b, unsigned n)
 {
     int64_t sum = crn_product(a, b) + ((int64_t)1 << (n - 1));
@@ -145,15 +146,15 @@ static inline int32_t crn_mul(int32_t a, int32_t b, unsigned n)
     return (int32_t)((uint32_t)high << (32 - n) | (uint32_t)sum >> n);
 }
 
-/* Product with a Q30 factor. Format: Qa x Q30 -> Qa. Overflow: saturates (only when |b| > 1). Error: 1/2
- * LSB. */
+/* Product with a Q30 factor. Format: Qa x Q30 -> Qa. Overflow: the result saturates, which happens only when
+ * |b| > 1. Error: 1/2 LSB. */
 static inline int32_t crn_mul_q30(int32_t a, int32_t b_q30)
 {
     return crn_mul(a, b_q30, 30);
 }
 
-/* High word of a product, rounded: SMMULR. Format: Qa x Qb -> Q(a+b-32). Overflow: impossible, |a*b| <= 2^62.
- * Error: 1/2 LSB. */
+/* Returns the rounded high word of a product (instruction SMMULR). Format: Qa x Qb -> Q(a+b-32). Overflow:
+ * impossible, |a*b| <= 2^62. Error: 1/2 LSB. */
 static inline int32_t crn_mulh(int32_t a, int32_t b)
 {
 #if CRN_HIGH_WORDS_BY_DSP
@@ -165,8 +166,8 @@ static inline int32_t crn_mulh(int32_t a, int32_t b)
 #endif
 }
 
-/* sum + a b, the product's high word rounded: SMMLAR. Format: sum in Q(a+b-32). Overflow: the caller states
- * why the sum fits 32 bits. Error: 1/2 LSB. */
+/* Returns the sum of `sum` and the rounded high word of a b (instruction SMMLAR). Format: sum in Q(a+b-32).
+ * Overflow: the caller states why the sum fits 32 bits. Error: 1/2 LSB. */
 static inline int32_t crn_mulh_add(int32_t sum, int32_t a, int32_t b)
 {
 #if CRN_HIGH_WORDS_BY_DSP
@@ -178,7 +179,8 @@ static inline int32_t crn_mulh_add(int32_t sum, int32_t a, int32_t b)
 #endif
 }
 
-/* sum - a b, the product's high word rounded: SMMLSR. Otherwise as crn_mulh_add. Error: 1/2 LSB. */
+/* Returns `sum` less the rounded high word of a b (instruction SMMLSR). Everything else is as in
+ * crn_mulh_add. Error: 1/2 LSB. */
 static inline int32_t crn_mulh_sub(int32_t sum, int32_t a, int32_t b)
 {
 #if CRN_HIGH_WORDS_BY_DSP
@@ -190,23 +192,24 @@ static inline int32_t crn_mulh_sub(int32_t sum, int32_t a, int32_t b)
 #endif
 }
 
-/* Product with a factor of at most one, not saturated: components of unit vectors, sines, ratios.
- * Format: Qa x Q30 -> Qa in steps of 4 LSB, the high word shifted back. Overflow: impossible while |b| <= 1 +
- * 2^-10 and |a| < 2^31 (1 - 2^-9), which the caller states. Error: 2 LSB. */
+/* Returns the product with a factor of at most one, without saturation; such factors are components of unit
+ * vectors, sines and ratios. Format: Qa x Q30 -> Qa in steps of 4 LSB, the high word shifted back. Overflow
+ * is impossible while |b| <= 1 + 2^-10 and |a| < 2^31 (1 - 2^-9); the caller states why both hold. Error: 2
+ * LSB. */
 static inline int32_t crn_scale_q30(int32_t a, int32_t b_q30)
 {
     return crn_mulh(a, b_q30) * 4;
 }
 
-/* High word. Format: 64 bit -> 32 bit, floor(a / 2^32). It is written so that a 32-bit compiler does not
- * continue with 64 bits. */
+/* High word. Format: 64 bit -> 32 bit, floor(a / 2^32). The casts keep a 32-bit compiler from continuing with
+ * 64 bits. */
 static inline int32_t crn_high64(int64_t a)
 {
     return (int32_t)(uint32_t)((uint64_t)a >> 32);
 }
 
 /* High word, rounded. Format: 64 bit -> 32 bit, floor(a / 2^32 + 1/2). Overflow: |a| must be below 2^63 -
- * 2^31. Error: 1/2 LSB. On a 32-bit machine the low word's top bit is added to the high word. */
+ * 2^31. On a 32-bit machine the low word's top bit is added to the high word. Error: 1/2 LSB. */
 static inline int32_t crn_round_high64(int64_t a)
 {
     if (sizeof(void *) > 4) {
@@ -215,9 +218,9 @@ static inline int32_t crn_round_high64(int64_t a)
     return crn_high64(a) + (int32_t)((uint32_t)a >> 31);
 }
 
-/* Returns the low 32 bits of a >> n for 1 <= n <= 31. Format: 64 bit -> 32 bit, floor. Overflow: bits above
- * are lost; the caller states why there are none. Error: exact floor. A 32-bit machine needs three
- * instructions for it, and nine for the shift. */
+/* Returns the low 32 bits of a >> n for 1 <= n <= 31. Format: 64 bit -> 32 bit, floor. Overflow: higher bits
+ * are lost, and the caller states why there are none. Error: exact floor. A 32-bit machine needs three
+ * instructions for this function, and nine for the shift. */
 static inline int32_t crn_narrow64(int64_t a, unsigned n)
 {
     if (sizeof(void *) > 4) {
@@ -226,7 +229,7 @@ static inline int32_t crn_narrow64(int64_t a, unsigned n)
     return (int32_t)((uint32_t)((uint64_t)a >> 32) << (32 - n) | (uint32_t)a >> n);
 }
 
-/* Number of leading zero bits of a non-zero value; 32 for zero. */
+/* Returns the number of leading zero bits; for zero this is the width of the type. */
 static inline unsigned crn_clz32(uint32_t a)
 {
     return a == 0 ? 32u : (unsigned)__builtin_clz(a);
@@ -236,28 +239,30 @@ static inline unsigned crn_clz64(uint64_t a)
     return a == 0 ? 64u : (unsigned)__builtin_clzll(a);
 }
 
-/* One interval of a falling straight line: value at its start and drop over its length, both Q30. */
+/* Describes one interval of a falling piecewise linear function: the value at its start and the drop over its
+ * length, both in Q30. */
 typedef struct crn_line_q30 {
     uint32_t value;
     uint32_t drop;
 } crn_line_q30;
 
-/* Constants of fixed_tables.c, written by tools/check/make_tables.py. */
+/* These constants are defined in fixed_tables.c, which tools/check/make_tables.py writes. */
 extern const crn_line_q30 crn_reciprocal_lines[128];
 extern const crn_line_q30 crn_rsqrt_lines[192];
 extern const int32_t crn_asin_coefficients_q31[7];
 
-/* Point on a line, at `fraction` (of `bits` bits) of its interval. Format: Q30. Overflow: impossible (drop <
- * 2^25). Error: the table's, 2^-16.4 relative at most; the Newton step of the caller squares it. */
+/* Returns the value of a line at `fraction` (a number of `bits` bits) of its interval. Format: Q30. Overflow:
+ * impossible (drop < 2^25). The relative error is that of the table, 2^-16.4 at most; the Newton step of the
+ * caller squares it. */
 static inline uint32_t crn_line_at(const crn_line_q30 *line, uint32_t fraction, unsigned bits)
 {
     return line->value - (uint32_t)(((uint64_t)line->drop * fraction) >> bits);
 }
 
-/* Reciprocal of a positive normalised mantissa: table line, then one Newton step y + y (1 - m y). No divide.
- * Format: m in [2^30, 2^31) read as Q31 in [0.5, 1) -> Q30 in (1, 2]. The caller normalises; another m gives
- * a wrong number but still reads inside the table. Overflow: 1/0.5 = 2 does not fit: m = 2^30 gives 2^31 - 1.
- * Error: <= 1 LSB of Q30 (checked: 0.63 LSB). */
+/* Returns the reciprocal of a positive normalised mantissa, by a linear table and one Newton step y + y (1 -
+ * m y). No divide. Format: m in [2^30, 2^31) read as Q31 in [0.5, 1) -> Q30 in (1, 2]. The caller normalises;
+ * another m gives a wrong number but still reads inside the table. Overflow: the result 1/0.5 = 2 does not
+ * fit, so m = 2^30 gives 2^31 - 1. The error is at most 1 LSB of Q30 (0.63 LSB in the test). */
 static inline int32_t crn_reciprocal_q30(uint32_t m_q31)
 {
     const crn_line_q30 *line = &crn_reciprocal_lines[(m_q31 >> 23) & 127u];
@@ -269,10 +274,10 @@ static inline int32_t crn_reciprocal_q30(uint32_t m_q31)
     return better > INT32_MAX ? INT32_MAX : (int32_t)better;
 }
 
-/* Returns the reciprocal square root of a mantissa: table line, then one Newton step y + y (1 - m y y) / 2.
- * No divide. Format: m in [2^30, 2^32) read as Q32 in [0.25, 1) -> Q30 in [1, 2]. The caller normalises: a
- * smaller m reads before the table. Overflow: 1/sqrt(0.25) = 2 does not fit: m = 2^30 gives 2^31 - 1. Error:
- * <= 1.5 LSB of Q30 (checked: 1.39 LSB). */
+/* Returns the reciprocal square root of a mantissa, by a linear table and one Newton step y + y (1 - m y y) /
+ * 2. No divide. Format: m in [2^30, 2^32) read as Q32 in [0.25, 1) -> Q30 in [1, 2]. The caller normalises: a
+ * smaller m reads before the table. Overflow: the result 1/sqrt(0.25) = 2 does not fit, so m = 2^30 gives
+ * 2^31 - 1. The error is at most 1.5 LSB of Q30 (1.39 LSB in the test). */
 static inline int32_t crn_rsqrt_q30(uint32_t m_q32)
 {
     const crn_line_q30 *line = &crn_rsqrt_lines[(m_q32 >> 24) - 64u];
@@ -285,23 +290,22 @@ static inline int32_t crn_rsqrt_q30(uint32_t m_q32)
     return better > INT32_MAX ? INT32_MAX : (int32_t)better;
 }
 
-/* Returns the square root of a 64-bit integer. Format: Q2n -> Qn, rounded. Overflow: a > (2^31 - 1)^2
- * saturates at INT32_MAX. Error: <= 1/2 LSB + 2^-29 of the root; a = 0 gives 0. */
+/* Returns the square root of a 64-bit integer. Format: Q2n -> Qn, rounded. Overflow: the result saturates at
+ * 2^31 - 1. The error is at most 1/2 LSB + 2^-29 of the root; a = 0 gives 0. */
 int32_t crn_sqrt64(uint64_t a);
 
-/* Quotient for set-up code (bit by bit, 64 steps, no divide helper).
+/* Returns the quotient for set-up code, bit by bit in 64 steps; no library function for division is needed.
  * Format: floor(a / b). b = 0 gives UINT64_MAX. Error: exact floor. */
 uint64_t crn_divide_u64(uint64_t a, uint64_t b);
 
-/* Sine and cosine of a binary angle: the angle is reduced to the nearest quarter turn, then the Taylor series
- * to x^11 and x^12 is used.
- * Format: one turn = 2^32 -> Q30. Overflow: impossible, |result| <= 2^30. Error: <= 1.5 LSB of Q30 (checked:
- * 1.27 LSB). */
+/* Computes sine and cosine of a binary angle. The angle is reduced to the nearest quarter turn, and the
+ * Taylor series to x^11 and x^12 are used for the remainder. Format: one turn = 2^32 -> Q30. Overflow:
+ * impossible, |result| <= 2^30. The error is at most 1.5 LSB of Q30 (1.27 LSB in the test). */
 void crn_sincos_turn32(uint32_t angle_turn32, int32_t *sin_q30, int32_t *cos_q30);
 
-/* Returns the arc sine: a polynomial for |a| <= 1/2, beyond it pi/2 - 2 asin(sqrt((1 - |a|)/2)).
- * Format: Q30 in [-1, 1] (beyond: clamped) -> Q29 radians in [-pi/2, pi/2]. Overflow: impossible.
- * Error: <= 1.5 LSB of Q29, that is 2.8e-9 rad (checked: 1.37 LSB). */
+/* Returns the arc sine by a polynomial for |a| <= 1/2, and as pi/2 - 2 asin(sqrt((1 - |a|)/2)) beyond that.
+ * Format: Q30 in [-1, 1] (beyond: clamped) -> Q29 radians in [-pi/2, pi/2]. Overflow: impossible. The error
+ * is at most 1.5 LSB of Q29, that is, 2.8e-9 rad (1.37 LSB in the test). */
 int32_t crn_asin_q29(int32_t a_q30);
 
 #endif

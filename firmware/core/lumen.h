@@ -1,11 +1,12 @@
-/* The lumen: a sparse signed-distance field of the inner vessel wall, read-only during a session.
+/* The lumen is a sparse signed-distance field of the inner vessel wall, and is read-only during a session.
  *
- * phi < 0 inside the lumen (where blood is), phi > 0 in the wall and beyond; metres in Q30. A wire of radius
- * r has contact depth phi + r. The inward normal is n = -grad(phi)/|grad(phi)|.
+ * The signed distance phi, in metres in Q30, is negative inside the lumen (where blood is), and positive in
+ * the wall and beyond. A wire of radius r has the contact depth phi + r. The inward normal is n =
+ * -grad(phi)/|grad(phi)|.
  *
  * Layout. Space is a regular lattice of coarse bricks of 8x8x8 voxels. The voxel edge of level L is 2^(20-L)
  * Q30 units (level 0: 0.977 mm, level 1: 0.488 mm, level 2: 0.244 mm), so a world coordinate becomes voxel
- * and fraction by shift and mask. A coarse index entry is
+ * and fraction by shift and mask. An entry of the coarse index has one of the following values.
  *     0                     far outside the lumen
  *     1                     deep inside the lumen, farther than the field's band from any wall
  *     2 .. 0x7fff           brick number + 2 of a level-0 brick
@@ -13,9 +14,9 @@
  *                           (x fastest), one level down. At most CRN_LUMEN_LEVELS - 1 refinements.
  * A brick holds 10x10x10 coefficients (x fastest) of the triquadratic B-spline of phi in units of voxel/32
  * (int8, saturated at +-127, that is +-3.97 voxels). Coefficient (i,j,k) belongs to the sample at voxel
- * centre (i-1, j-1, k-1) + 1/2 of this brick, so that bricks overlap by one sample on every side. Sample
- * values themselves are never stored: the baker prefilters so that the spline passes through the true
- * distances.
+ * centre (i-1, j-1, k-1) + 1/2 of this brick, so that bricks overlap by one sample on every side. The sample
+ * values themselves are never stored. The baker filters them beforehand, so that the spline passes through
+ * the true distances.
  *
  * shared/scene validates the data before use (they are hostile until checked). */
 #ifndef CRN_LUMEN_H
@@ -36,8 +37,8 @@ enum {
 
 struct crn_motion;
 
-/* A lesion that gives way (lesion.h): stations along the healthy centreline, spacing 2^log2 apart by arc
- * length. It is read in place from a scene. */
+/* A lesion that gives way (lesion.h) has stations along the healthy centreline, at a spacing of
+ * 2^spacing_log2_q30 by arc length. The stations are read in place from a scene. */
 typedef struct crn_lesion_station {
     int32_t healthy_m_q30[3], healthy_radius_m_q30;
     int32_t channel_m_q30[3], channel_radius_m_q30; /* remaining channel, in the plane across the vessel */
@@ -63,12 +64,12 @@ typedef struct crn_lumen {
     int32_t origin_m_q30[3];     /* corner of coarse brick (0,0,0) */
     uint32_t brick_count_xyz[3]; /* coarse bricks along each axis, each >= 1 */
     uint16_t child_row_count;
-    uint32_t brick_count;     /* bricks in `samples`, all levels */
-    const uint16_t *index;    /* brick_count_xyz product entries, x fastest */
-    const uint16_t *children; /* child_row_count x 8 entries */
-    const int8_t *samples;    /* brick_count x CRN_LUMEN_BRICK_SAMPLES */
-    const struct crn_motion
-        *motion;           /* motion.h; NULL: the vessel does not move. The samplers below ignore it */
+    uint32_t brick_count;            /* bricks in `samples`, all levels */
+    const uint16_t *index;           /* brick_count_xyz product entries, x fastest */
+    const uint16_t *children;        /* child_row_count x 8 entries */
+    const int8_t *samples;           /* brick_count x CRN_LUMEN_BRICK_SAMPLES */
+    const struct crn_motion *motion; /* This is the motion (motion.h), or NULL when the vessel does not move.
+                                        The samplers below ignore it */
     uint32_t lesion_count; /* lesions that give way, at most CRN_LESION_MAX. The samplers ignore them too */
     const crn_lesion *lesions;
 } crn_lumen;
@@ -78,13 +79,13 @@ typedef struct crn_lumen_sample {
     crn_vec3 normal_q30;    /* inward unit normal; zero where the gradient vanishes (no contact there) */
 } crn_lumen_sample;
 
-/* The distance that crn_lumen_contact gives, bit for bit, without the normal: it decides whether a node can
- * touch the wall at all. Format: Q30 m -> Q30 m. Outside the lattice or in OUTSIDE bricks: +2^24 (15.6 mm);
- * INSIDE: -2^24. */
+/* Returns the distance that crn_lumen_contact gives, bit for bit, without the normal. This distance decides
+ * whether a node can touch the wall at all. Format: Q30 m -> Q30 m. The distance is +2^24 (15.6 mm) outside
+ * the lattice and in OUTSIDE bricks, and -2^24 in INSIDE bricks. */
 int32_t crn_lumen_distance(const crn_lumen *lumen, const crn_vec3 *position_m_q30);
 
-/* Value and inward normal of the triquadratic B-spline (27 taps, C1), for contact. The far values are the
- * same as above. */
+/* Returns the value and the inward normal of the triquadratic B-spline (27 taps, C1), for contact. Far from
+ * the wall the values are those of crn_lumen_distance. */
 crn_lumen_sample crn_lumen_contact(const crn_lumen *lumen, const crn_vec3 *position_m_q30);
 
 #endif

@@ -1,16 +1,16 @@
-/* Vessels that move: finds where the wall point that is here now lies in the pose in which the lumen is
- * described.
+/* This header describes vessels that move. It finds where a point of the present world lies in the reference
+ * pose, in which the lumen is described.
  *
- * Two coarse lattices fill the space. Breath is undone first, then the heartbeat, because the chest carries
- * the beating heart.
+ * Two coarse lattices hold displacements, one for the heartbeat (w) and one for breath (b). The displacement
+ * by breath is undone first, then that by the heartbeat, because the chest carries the beating heart.
  *
  *     X1 = x + depth b(x),  X = X1 + w(X1)
  *
- * So look-ups alone pull a world point back, without iteration, and the wall is where phi(X) = 0. In a cell w
- * is trilinear; b, which is smooth, is linear in each of the cell's six tetrahedra (Kuhn), which takes a
- * third of the work. In time w is the periodic quadratic B-spline of 24 coefficients (C1; the baker
- * prefilters, so that the spline passes through the keyframes). Outside a lattice, and on its boundary, w = 0
- * and b = 0.
+ * Look-ups alone therefore map a world point to the reference pose, without iteration, and the wall is where
+ * phi(X) = 0. In a cell, w is trilinear. The displacement b is smooth, and is linear in each of the cell's
+ * six tetrahedra (Kuhn), which takes a third of the work. As a function of time, w is the periodic quadratic
+ * B-spline of 24 coefficients (C1). The baker filters them beforehand, so that the spline passes through the
+ * keyframes. Outside a lattice, and on its boundary, w = 0 and b = 0.
  *
  *     gradient of the depth used    g = (I + depth db/dx)^T (I + dw/dx)^T grad phi
  *     step of the wall in a tick    -(I + depth db/dx)^-1 ((I + dw/dx)^-1 (w now - w before)
@@ -42,35 +42,37 @@ typedef struct crn_lattice {
 
 typedef struct crn_motion {
     crn_lattice beat;
-    /* Node by node, x fastest; three components each; a component holds the coefficients of keyframes 23, 0,
-     * 1 .. 23, 0. Neighbours differ by at most 5/8 of a spacing. */
+    /* The rows follow node by node, x fastest, with three components each. A component holds the coefficients
+     * of keyframes 23, 0, 1 .. 23, 0. Neighbouring nodes differ by at most 5/8 of a spacing. */
     const int16_t *rows;
     crn_lattice breath;
-    /* b: node by node, x fastest, three components each; neighbours differ by at most 3/8 of a spacing. NULL:
-     * the vessel does not breathe. */
+    /* The displacements b follow node by node, x fastest, with three components each; neighbouring nodes
+     * differ by at most 3/8 of a spacing. NULL means that breath does not move the vessel. */
     const int16_t *inhaled;
 } crn_motion;
 
-/* A moment of heart and breath: three coefficients and their weights. */
+/* Describes a moment of heart and breath, by three coefficients of a row and their weights. */
 typedef struct crn_motion_moment {
     uint32_t first; /* in a row, 0 .. 23 */
     int32_t weights_q15[3];
     int32_t breath_q15;
 } crn_motion_moment;
 
-/* The blend of a cell's corners, kept for the next point in the cell or in a neighbour. */
+/* Keeps the blended displacements of a cell's corners for the next point in the cell or in a neighbouring
+ * cell. */
 typedef struct crn_motion_cell {
     uint32_t node; /* its low node; UINT32_MAX: none */
     crn_vec3 corners_m_q34[8];
 } crn_motion_cell;
 
-/* The values that were derived from one lattice for the last point. */
+/* Keeps the values that were derived from one lattice for the last point. */
 typedef struct crn_motion_field {
     uint32_t corner_rows[8]; /* numbers from a cell's low node to its corners */
     crn_motion_cell ways; /* displacements from the corners back to the reference pose; for breath: those of a
                              full breath */
-    /* The same as polynomials. For the beat the terms are of 1, x, y, xy, z, xz, yz, xyz; for breath of 1, x,
-     * y, -, z, in the tetrahedron of the last point. */
+    /* The same displacements as polynomials. For the heartbeat, the terms belong to 1, x, y, xy, z, xz, yz,
+     * xyz. For breath, the terms 0, 1, 2 and 4 belong to 1, x, y and z in the tetrahedron of the last point,
+     * and the others are not used. */
     int32_t terms_m_q34[3][8];
     int32_t low_m_q30[3];  /* position of the cell's low node */
     int32_t powers_q31[8]; /* x, y, xy, z, xz, yz, xyz of the last point pulled back, from [1] on */
@@ -79,8 +81,8 @@ typedef struct crn_motion_field {
     bool is_inside;        /* the point lay in the lattice */
 } crn_motion_field;
 
-/* Two moments, and what was last derived from the lattices for them: successive nodes of a wire lie in the
- * same cell. */
+/* Holds the moments at the beginning and the end of a tick, and the values that were last derived from the
+ * lattices for them. Successive nodes of a wire lie in the same cell and reuse these values. */
 typedef struct crn_motion_pose {
     crn_motion_moment now, before;
     crn_motion_field beat, breath;
@@ -88,7 +90,8 @@ typedef struct crn_motion_pose {
     crn_vec3 inhaled_m_q34;  /* b at the last point */
     int32_t low_m_q30[3];    /* a box around both lattices: nothing moves beyond it */
     uint32_t size_m_q30[3];
-    /* The place to which the last point was pulled, after crn_motion_distance or crn_motion_contact. */
+    /* This is the place in the reference pose to which the last point was mapped, after crn_motion_distance
+     * or crn_motion_contact. */
     crn_vec3 reference_m_q30;
     int32_t gradient_q28[3][3]; /* I + dw_i/dx_j there, once it has_gradient */
     bool has_gradient;
@@ -100,20 +103,20 @@ crn_motion_moment crn_motion_moment_at(uint32_t heart_phase32, uint32_t breath_p
 void crn_motion_pose_begin(const crn_motion *motion, crn_motion_pose *pose, const crn_rhythm *before,
                            const crn_rhythm *now);
 
-/* Place in the reference pose of the point that is at `world` now. Format: Q30 m. Overflow: saturates. Error
- * against the exact spline of the stored coefficients: 1 um (weights of 15 bits;
- * firmware/tests/test_motion.c). */
+/* Returns the place in the reference pose of the point that is now at `world_m_q30`. Format: Q30 m. Overflow:
+ * saturates. The error against the exact spline of the stored coefficients is 1 um, from weights of 15 bits
+ * (firmware/tests/test_motion.c). */
 crn_vec3 crn_motion_pull(const crn_motion *motion, crn_motion_pose *pose, const crn_vec3 *world_m_q30);
 
-/* Upper bounds of the steepness |J| of a motion anywhere, for each coefficient in a row and for a full
- * breath. |J|^2 is at most the sum over the axes of the longest difference of neighbours along each, squared.
- * Format: Q28, at most 1.1. */
+/* Holds upper bounds of the steepness |J| of a motion anywhere, for each coefficient in a row and for a full
+ * breath. The square of |J| is at most the sum, over the axes, of the square of the longest difference of
+ * neighbours along that axis. Format: Q28, at most 1.1. */
 typedef struct crn_motion_steepness {
     int32_t beat_q28[CRN_MOTION_ROW];
     int32_t breath_q28;
 } crn_motion_steepness;
 
-/* Reads all of the lattices; for set-up only. */
+/* This function reads all of the lattices, so it is for set-up only. */
 void crn_motion_steepness_make(const crn_motion *motion, crn_motion_steepness *steepness);
 
 /* The reciprocal of a bound on how much the motion lengthens a gradient at a moment: |(I + J)^T n| <= 1 + |J|
@@ -121,21 +124,22 @@ void crn_motion_steepness_make(const crn_motion *motion, crn_motion_steepness *s
  * 1]. */
 int32_t crn_motion_shrink_q30(const crn_motion_steepness *steepness, const crn_motion_moment *now);
 
-/* A lower bound of the distance that crn_motion_contact gives there; at or beyond the wall it is at least 0.
- * It is the lumen's distance divided by a bound on how much a gradient is lengthened: by `shrink`, which
- * holds everywhere, or by the local bound where the first result is below `far`. */
+/* Returns a lower bound of the distance that crn_motion_contact gives at the same place; at or beyond the
+ * wall it is at least 0. Inside the lumen, the bound is the distance in the reference pose divided by a limit
+ * on how much the motion lengthens a gradient. The reciprocal of this limit is `shrink_q30`, which holds
+ * everywhere. Where that gives no less than `far_m_q30`, the limit at this place is used instead. */
 int32_t crn_motion_distance(const crn_lumen *lumen, const crn_motion *motion, crn_motion_pose *pose,
                             const crn_vec3 *world_m_q30, int32_t shrink_q30, int32_t far_m_q30);
 
 /* Like crn_lumen_contact for the moved wall: distance phi / |g| (exact at the wall), normal -g / |g|. */
 crn_lumen_sample crn_motion_contact(const crn_lumen *lumen, const crn_motion *motion, crn_motion_pose *pose,
                                     const crn_vec3 *world_m_q30);
-/* Does the same at the place of the last crn_motion_distance. */
+/* Does the same at the place of the last call of crn_motion_distance. */
 crn_lumen_sample crn_motion_contact_here(const crn_lumen *lumen, const crn_motion *motion,
                                          crn_motion_pose *pose);
 
-/* Converts a sample of the wall at the place of the last crn_motion_pull from the reference pose to the
- * world. */
+/* Converts a sample of the wall from the reference pose to the world, at the place of the last call of
+ * crn_motion_pull. */
 crn_lumen_sample crn_motion_carry(const crn_motion *motion, crn_motion_pose *pose, crn_lumen_sample sample);
 
 /* Returns the displacement of the wall in this tick at the place of the last contact. Format: Q33 m, limited

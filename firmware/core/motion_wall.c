@@ -1,4 +1,4 @@
-/* Displacement of a moving vessel's wall in a tick (motion.h, docs/heart.md). */
+/* This file computes the displacement of a moving vessel's wall in a tick (motion.h, docs/heart.md). */
 #include "firmware/core/motion_cell.h"
 #include "firmware/core/rod.h"
 
@@ -12,7 +12,8 @@ enum {
     FASTEST_Q15 = 1 << 13
 };
 
-/* Change at a corner in a tick that began before the last keyframe and ended after it. */
+/* Returns the change of a displacement at a corner in a tick that began before a keyframe and ended after
+ * it. */
 static int32_t change_across(const int16_t *row, const crn_motion_pose *pose)
 {
     const int32_t change =
@@ -20,9 +21,9 @@ static int32_t change_across(const int16_t *row, const crn_motion_pose *pose)
     return crn_clamp(change, -MOST_M_Q34, MOST_M_Q34);
 }
 
-/* Changes of the displacements at a cell's corners in this tick. Usually both moments lie between the same
- * keyframes, and the change of the weights, which sums to zero, gives the result. Overflow: two products of
- * 2^15 and 2^13. */
+/* Computes the changes of the displacements at a cell's corners in this tick. Usually both moments lie
+ * between the same keyframes; then the change of the weights, which sums to zero, gives the result. Overflow
+ * is impossible, because the sum has two products of 2^15 and 2^13. */
 static void enter_changing_cell(const crn_motion *motion, crn_motion_pose *pose, uint32_t node)
 {
     const corner_list fresh = move_on(&motion->beat, node, &pose->changes);
@@ -50,7 +51,7 @@ static inline int32_t between(int32_t a, int32_t b, int32_t share_q31)
     return a + from_q31((int64_t)(b - a) * share_q31);
 }
 
-/* Change of w in this tick at the last point, limited to 2 mm. Q39 m. */
+/* Returns the change of w in this tick at the last point, limited to 2 mm. Q39 m. */
 static inline crn_vec3 change_here(const crn_motion *motion, crn_motion_pose *pose)
 {
     if (pose->changes.node != pose->beat.ways.node) {
@@ -75,9 +76,10 @@ static inline crn_vec3 cross_high(const crn_vec3 *a, const crn_vec3 *b)
                          crn_mulh_sub(crn_mulh(a->v[0], b->v[1]), a->v[1], b->v[0]));
 }
 
-/* Cramer's rule for (I + dw/dx) step = -change, with a, b, c the columns: b x c and change x a hold all of
- * its four determinants. Overflow: columns are at most 2 in a component, so b x c is below 2^27 (Q24), the
- * determinant below 2^26 (Q20), change x a below 2^29 (Q35); steps before the division below 2^29 (Q31), 250
+/* Solves (I + dw/dx) step = -change for `step` by Cramer's rule, where w is the displacement. With the
+ * columns a, b and c, the products b x c and change x a contain all four determinants. Overflow is
+ * impossible: columns are at most 2 in a component, so b x c is below 2^27 (Q24), the determinant below 2^26
+ * (Q20), and change x a below 2^29 (Q35). Before the division, steps are below 2^29 (Q31), which is 250
  * mm. */
 static crn_vec3 beating_step(const crn_motion *motion, crn_motion_pose *pose)
 {
@@ -101,9 +103,9 @@ static crn_vec3 beating_step(const crn_motion *motion, crn_motion_pose *pose)
     return step;
 }
 
-/* (I + J)^-1 (step - change of breath) by the series u - J (u - J u), which is off by |J|^3: a twentieth
- * where breath is as steep as it may be, 0.3 % in the shipped heart. Overflow: u is at most 4 mm, the sum
- * below 6: 2^26. */
+/* Computes (I + J)^-1 u with u = step - change of breath, by the series u - J (u - J u). The result is off by
+ * |J|^3, a twentieth where breath is as steep as it may be, and 0.3 % in the shipped heart. Overflow is
+ * impossible: u is at most 4 mm and the sum is below 6 mm, which is 2^26. */
 static void step_with_breath(const crn_motion *motion, crn_motion_pose *pose, crn_vec3 *step_m_q33)
 {
     enum {

@@ -1,6 +1,6 @@
-/* Beats follow one another: the length of each is chosen when it begins, and the phase advances evenly to the
- * end of systole and from there to the next beat. Orders change the lengths, never the phase itself, so the
- * phase has no jumps. */
+/* The length of each heartbeat is chosen when the beat begins. The phase advances evenly to the end of
+ * systole, and evenly from there to the next beat. Orders change the lengths of beats, never the phase
+ * itself, so the phase has no jumps. */
 #include "firmware/core/rhythm.h"
 
 enum {
@@ -23,7 +23,7 @@ static uint32_t mean_interval_ms(const crn_rhythm *rhythm)
     return (uint32_t)crn_divide_u64(MINUTE_ms, rhythm->rate_per_min);
 }
 
-/* Returns -32 768 .. 32 767 by xorshift32 (Marsaglia 2003, 13-17-5). */
+/* Returns a random number, -32 768 .. 32 767, by xorshift32 (Marsaglia 2003, 13-17-5). */
 static int32_t next_random_q15(crn_rhythm *rhythm)
 {
     uint32_t x = rhythm->random;
@@ -34,7 +34,8 @@ static int32_t next_random_q15(crn_rhythm *rhythm)
     return (int32_t)(x >> 16) - 32768;
 }
 
-/* Three uniform deviates of -1 .. 1 have a total variance of 1, and end at three standard deviations. */
+/* The sum of three uniform random numbers of -1 .. 1 has a variance of 1, and never exceeds three standard
+ * deviations. */
 static uint32_t varied_interval_ms(crn_rhythm *rhythm)
 {
     uint32_t mean = mean_interval_ms(rhythm);
@@ -47,7 +48,8 @@ static uint32_t varied_interval_ms(crn_rhythm *rhythm)
     return bounded(interval < 0 ? 0 : (uint32_t)interval, INTERVAL_MIN_ms, INTERVAL_MAX_ms);
 }
 
-/* Shortens the present beat to the coupling of the ordered premature beat, if there is still time. */
+/* Shortens the present interval to the coupling interval of the ordered premature beat, if there is still
+ * time. */
 static void place_premature(crn_rhythm *rhythm)
 {
     uint32_t cut = mean_interval_ms(rhythm) * rhythm->premature_milli / 1000u;
@@ -64,8 +66,8 @@ static void place_premature(crn_rhythm *rhythm)
     rhythm->bits |= CRN_RHYTHM_NEXT_PREMATURE;
 }
 
-/* A premature beat is short itself, and the pause after it brings the rhythm back into step: both intervals
- * together are two mean intervals. */
+/* The interval before a premature beat is short, and the pause after it brings the rhythm back into step:
+ * both intervals together are two mean intervals. */
 static void begin_premature(crn_rhythm *rhythm)
 {
     uint32_t before = rhythm->interval_ms;
@@ -111,7 +113,8 @@ static uint32_t share_of(uint32_t left, uint32_t ticks)
     return (uint32_t)((left * inverse) >> (61 - lead));
 }
 
-/* Advances the phase by one tick. Overflow: 2^32 less a phase above 0 fits 32 bits. */
+/* Advances the heartbeat's phase by one tick. Overflow is impossible, because 2^32 less a phase above 0 fits
+ * 32 bits. */
 static void go_on(crn_rhythm *rhythm)
 {
     uint32_t *phase = &rhythm->heart_phase32;

@@ -1,10 +1,11 @@
-/* Heartbeat and breath: the position of heart and chest in their cycles at a tick (docs/heart.md, "rhythm").
+/* This header defines the rhythm of heartbeat and breath: where heart and chest are in their cycles at a tick
+ * (docs/heart.md, "rhythm").
  *
- * One cycle of either is a phase of 2^32. The heart's phase 0 is the beginning of the QRS complex (end of
- * filling); CRN_PHASE_SYSTOLE_END is the closure of the aortic valve, whatever the rate. Systole and diastole
- * each have their own length, and the phase is linear in time within each. Breath's phase 0 is the end of
- * expiration, 2^31 that of inspiration. Keyframe k of a scene's motion belongs to phase k / 24, so that
- * keyframe 10 is the end of systole. */
+ * One cycle of heart or breath is a phase of 2^32. The heart's phase 0 is the beginning of the QRS complex
+ * (end of filling); CRN_PHASE_SYSTOLE_END is the closure of the aortic valve, whatever the rate. Systole and
+ * diastole each have their own length, and the phase is linear in time within each. Phase 0 of breath is the
+ * end of expiration, and phase 2^31 is the end of inspiration. Keyframe k of a scene's motion belongs to the
+ * phase k / 24 of a cycle, so that keyframe 10 is the end of systole. */
 #ifndef CRN_RHYTHM_H
 #define CRN_RHYTHM_H
 
@@ -27,7 +28,8 @@ enum {
 };
 #define CRN_RHYTHM_SEED 2463534242u /* of the beat-to-beat variability */
 
-/* Orders to the rhythm in a tick's input. The numbers are used on the wire and in recordings. */
+/* Lists the orders to the rhythm that a tick's input may contain. The numbers are used in the wire protocol
+ * and in recordings. */
 typedef enum crn_rhythm_action {
     CRN_RHYTHM_KEEP = 0,        /* nothing; value 0 */
     CRN_RHYTHM_HEART_RATE = 1,  /* beats per minute, from the next beat on */
@@ -52,7 +54,7 @@ enum {
     CRN_RHYTHM_HOLDS_BREATH = 1u << 4,
 };
 
-/* Part of the state: words only. */
+/* Holds the rhythm, which is part of the core's state and consists of words only. */
 typedef struct crn_rhythm {
     uint32_t heart_phase32;
     uint32_t breath_phase32;
@@ -68,25 +70,26 @@ typedef struct crn_rhythm {
     uint32_t bits;   /* CRN_RHYTHM_* */
 } crn_rhythm;
 
-/* The start: a beat and a breath have just begun. */
+/* Sets the rhythm to its start, where a beat and a breath have just begun. */
 void crn_rhythm_init(crn_rhythm *rhythm);
 
 /* Returns whether this is a known action with a value in its range. */
 bool crn_rhythm_order_is_valid(const crn_rhythm_order *order);
 
-/* Advances by one tick of 1 ms. An invalid order has no effect. */
+/* Advances the rhythm by one tick of 1 ms. An invalid order has no effect. */
 void crn_rhythm_step(crn_rhythm *rhythm, const crn_rhythm_order *order);
 
-/* Could crn_rhythm_step have left it so? The check is for states from outside. */
+/* Returns whether crn_rhythm_step could have produced this rhythm. The check is for states that come from
+ * outside the core. */
 bool crn_rhythm_is_valid(const crn_rhythm *rhythm);
 
-/* Depth of inspiration, from 0 at the end of expiration to 1 at the end of inspiration: sin^4(pi phase),
- * which dwells at the end of expiration (Lujan et al., Med Phys 1999;26:715, n = 2). Format: phase -> Q15.
- * Error: 1 LSB. */
+/* Returns the depth of inspiration, from 0 at the end of expiration to 1 at the end of inspiration. The depth
+ * is sin^4(pi phase), which dwells at the end of expiration (Lujan et al., Med Phys 1999;26:715, n = 2).
+ * Format: phase -> Q15. Error: 1 LSB. */
 int32_t crn_breath_depth_q15(uint32_t breath_phase32);
 
-/* Time from the QRS to the closure of the aortic valve, ms: 540 - 2.1 rate, the mean of men and women
- * (Boudoulas et al., Chest 1981;80:613: 541 - 2.2 rate and 540 - 2.0 rate). */
+/* Returns the time from the QRS to the closure of the aortic valve in ms: 540 - 2.1 rate. This is the mean of
+ * the formulas for men and women (Boudoulas et al., Chest 1981;80:613: 541 - 2.2 rate and 540 - 2.0 rate). */
 static inline uint32_t crn_systole_ms(uint32_t rate_per_min)
 {
     return (5400u - 21u * rate_per_min) / 10u;

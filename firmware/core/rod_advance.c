@@ -1,8 +1,9 @@
-/* After the solve: moves the nodes and reads off the length error. */
+/* This file moves the nodes after the solve and computes the length error. */
 #include "firmware/core/rod.h"
 
-/* +-1.98 m, so that a tick's slide can be added without overflow. A position reaches this limit only in a
- * scene without walls. Overflow of the sum: impossible, a tick's motion is below 2^22 in Q30. */
+/* Limits a coordinate to +-1.98 m, so that a tick's slide can be added without overflow. A position reaches
+ * this limit only in a scene without walls. The sum cannot overflow, because a tick's motion is below 2^22 in
+ * Q30. */
 static int32_t limit_position(int32_t m_q30)
 {
     return crn_clamp(m_q30, -CRN_POSITION_MAX_M_Q30, CRN_POSITION_MAX_M_Q30);
@@ -19,10 +20,10 @@ static void move_node(crn_state *state, uint32_t i)
     }
 }
 
-/* Elongation of all free edges: the value at x* plus t . (delta[i+1] - delta[i]), plus what rod_length.c took
- * back for turning. Edges that turn too slowly for rod_length.c add half the square of their turn, below 0.4
- * %.
- * Format: sum of Q33 m in 64 bits. Overflow: edges are below 2^25 in Q30. */
+/* Returns the elongation of all free edges. It is the elongation at the predicted configuration x*, plus t .
+ * (delta[i+1] - delta[i]), plus the length that rod_length.c took back because edges turned. Edges that turn
+ * too slowly for rod_length.c get longer by the fraction angle^2 / 2, which is below 0.4 % and is not counted
+ * here. Format: sum of Q33 m in 64 bits. Overflow is impossible, because edges are below 2^25 in Q30. */
 static int64_t elongation_m_q33(const crn_model *model, const crn_state *state)
 {
     int64_t sum = state->scratch.kept_m_q33;

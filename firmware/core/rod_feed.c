@@ -1,7 +1,8 @@
-/* From the hands to the predicted configuration: how far each tool is fed in this tick, which nodes that
- * frees or captures, and where every node would be if the line only slid along itself (x* = x - T ds, where
- * ds is the displacement of the leading tip). The solve then finds the deviation from that slide, so a fast
- * feed adds no force of its own to the right side (docs/rod.md, "feed"). */
+/* This file leads from the hands to the predicted configuration. It computes how far each tool is fed in this
+ * tick, and which nodes the feed frees or captures. It also computes where every node would be if the line
+ * only slid along itself: x* = x - T ds, where ds is the displacement of the leading tip. The solve then
+ * finds the deviation from this slide, so a fast feed adds no force of its own to the right side
+ * (docs/rod.md, "feed"). */
 #include "firmware/core/rod.h"
 
 enum {
@@ -12,9 +13,10 @@ enum {
     TURN32_TO_Q30_RAD = 1686629713, /* pi / 2 in Q30 */
 };
 
-/* Feed that brings the handle to its force limit: (F_max - H) x compliance of the free part and the wall.
- * Beyond the limit it is negative: the tool slips back slowly through the hand. Format: N Q22 x m/N Q40 -> m
- * Q30. Overflow: saturates at the feed limit. */
+/* Returns the feed that brings the force H on the handle to its limit F_max: (F_max - H) times the compliance
+ * of the free part of the line and the wall. Beyond the limit the feed is negative, and the tool slips back
+ * slowly through the hand. Format: N Q22 x m/N Q40 -> m Q30. Overflow: the result saturates at the feed
+ * limit. */
 static int32_t stall_limit(int32_t margin_N_q22, uint32_t compliance_m_N_q40)
 {
     const int32_t slip_max = CRN_FEED_MAX_M_Q30 / 16;
@@ -26,10 +28,11 @@ static int32_t stall_limit(int32_t margin_N_q22, uint32_t compliance_m_N_q40)
     return limit > CRN_FEED_MAX_M_Q30 ? CRN_FEED_MAX_M_Q30 : (int32_t)limit;
 }
 
-/* Displacement of the hand for each newton, Q40 m/N. It is the compliance of the free part and the wall, or
- * less where the last ticks have shown less, since the wall's friction may hold the front of a wire and leave
- * the hand only the stiff rest. The observed value relaxes by 1/128 a tick, so that one soft tick (a snap, a
- * rest) does not forget a stiff line (docs/rod.md, "stall"). */
+/* Returns the displacement of the hand per newton, in Q40 m/N (a compliance). It is the compliance of the
+ * free part of the line and the wall, or a smaller value that the last ticks have shown. The value is smaller
+ * when the wall's friction holds the front of a wire, so that the hand moves only the stiff rest. The
+ * observed value may grow by 1/128 a tick, so that one soft tick (a snap, a pause) does not hide a stiff line
+ * (docs/rod.md, "stall"). */
 static uint32_t line_compliance(const crn_state *state)
 {
     enum { SEEN_FROM_M_Q30 = 107, LEAST_m_N_Q40 = WALL_COMPLIANCE_m_N_Q40 / 16 }; /* 0.1 um; 400 kN/m */
@@ -51,7 +54,7 @@ static uint32_t line_compliance(const crn_state *state)
 }
 
 /* Limits a tool's feed by its hand's force limit. The leading tip is also limited by the force of all hands
- * together; otherwise two tips at one wall would increase each other's share, tick by tick. */
+ * together. Otherwise two tips at one wall would increase each other's share of the force, tick by tick. */
 static int32_t limit_feed(const crn_model *model, const crn_state *state, uint32_t k, int32_t feed_m_q30)
 {
     const crn_state_words *words = &state->words;
@@ -65,9 +68,9 @@ static int32_t limit_feed(const crn_model *model, const crn_state *state, uint32
     return crn_clamp(feed_m_q30, -pull, push < line ? push : line);
 }
 
-/* Returns the feed of one tool in this tick, Q30 m. The hand may lead by four times the largest feed. Beyond
- * that it slips, like a hand on a wire or a wire in the rig's rollers. A tool stalls when it pushes or pulls
- * as hard as a hand can. */
+/* Returns the feed of one tool in this tick, in Q30 m. The hand may be ahead of the tool by four times the
+ * largest feed of a tick. Beyond that the hand slips, like a hand on a wire or a wire in the rig's rollers. A
+ * tool stalls when it pushes or pulls as hard as a hand can. */
 static int32_t choose_feed(const crn_model *model, crn_state *state, uint32_t k, int32_t hand_m_q30)
 {
     const int32_t lead_max = 4 * CRN_FEED_MAX_M_Q30;
@@ -89,7 +92,7 @@ static int32_t choose_feed(const crn_model *model, crn_state *state, uint32_t k,
     return allowed - tool->inserted_m_q30;
 }
 
-/* Feeds every tool. The line never gets shorter than a few elements: the last tool to be withdrawn stops
+/* Feeds every tool. The line never gets shorter than a few elements, so the last tool to be withdrawn stops
  * there. */
 static void feed_tools(const crn_model *model, crn_state *state, const crn_input *input)
 {
@@ -119,8 +122,8 @@ static void feed_tools(const crn_model *model, crn_state *state, const crn_input
     }
 }
 
-/* Turns the material frames in the inserter towards the hands' angles: by a quarter of the difference in each
- * tick, at most 20 rad/s. */
+/* Turns the tools' material frames in the introducer sheath towards the hands' angles, by a quarter of the
+ * difference in each tick, and at most 20 rad/s. */
 static void turn_bases(const crn_model *model, crn_state *state, const crn_input *input)
 {
     for (uint32_t k = 0; k < model->tool_count; k++) {
@@ -132,7 +135,8 @@ static void turn_bases(const crn_model *model, crn_state *state, const crn_input
     }
 }
 
-/* Position of a node inside the inserter: on its axis, at the distance arc - s behind its distal end. */
+/* Returns the position of a node inside the introducer sheath: on the sheath's axis, at the distance arc - s
+ * behind its distal end. */
 static crn_vec3 position_inside(const crn_model *model, int32_t inserted_m_q30, uint32_t node)
 {
     int32_t behind = model->mesh[node].arc_m_q30 - inserted_m_q30;
@@ -143,7 +147,8 @@ static crn_vec3 position_inside(const crn_model *model, int32_t inserted_m_q30, 
     return p;
 }
 
-/* Places node i and the edge behind it inside the inserter: straight, unloaded, moving with the feed. */
+/* Places node i and the edge behind it inside the introducer sheath, where the line is straight and unloaded
+ * and moves with the feed. */
 static void place_inside(const crn_model *model, crn_state *state, int32_t inserted_m_q30, uint32_t i)
 {
     crn_node_state *node = &state->words.nodes[i];
@@ -168,7 +173,7 @@ static void place_inside(const crn_model *model, crn_state *state, int32_t inser
     work->force_N_q22 = (crn_vec3){{0, 0, 0}};
 }
 
-/* Weights, with the rounding error carried to the next node so that the total is exact. */
+/* Carries the rounding error of each node's weight to the next node, so that the total weight is exact. */
 typedef struct weight_carry {
     int64_t rest[3];
 } weight_carry;
@@ -185,8 +190,8 @@ static void add_weight(const crn_model *model, const crn_line_node *line, weight
     }
 }
 
-/* A node freed in this tick: x* is on the axis at the new feed, its previous place is x* less the slide, and
- * its weight acts. */
+/* Frees a node in this tick. Its predicted place x* is on the sheath's axis at the new feed, its previous
+ * place is x* less the slide, and its weight acts from now on. */
 static void free_node(crn_state *state, uint32_t i)
 {
     crn_work *work = &state->scratch.nodes[i];
@@ -196,7 +201,8 @@ static void free_node(crn_state *state, uint32_t i)
     }
 }
 
-/* Mean T of the two tangents at a node. Returns its square, Q28: cos^2 of half the joint's angle. */
+/* Computes the mean T of the two tangents at a node. Returns the square of T in Q28, which is cos^2 of half
+ * the joint's angle. */
 static inline int32_t mean_tangent(const crn_state *state, uint32_t i, crn_vec3 *mean_q30)
 {
     const crn_vec3 *ahead = &state->words.nodes[i > 0 ? i - 1 : 0].tangent_q30;
@@ -209,8 +215,9 @@ static inline int32_t mean_tangent(const crn_state *state, uint32_t i, crn_vec3 
     return square_q28;
 }
 
-/* Slide of a node in a fold: T / T^2 ds, which moves it along both edges as far as their other ends move.
- * From a right angle on it is limited to twice the slide. Overflow: a slide of 0.5 mm becomes 0.71 mm. */
+/* Computes the slide T / T^2 ds of a node in a fold (a sharp bend), which moves the node along both edges as
+ * far as their other ends move. From a right angle on, the slide is limited to twice its normal value.
+ * Overflow is impossible, because a slide of 0.5 mm becomes at most 0.71 mm. */
 CRN_RARE static void slide_round(crn_vec3 *slide_m_q33, int32_t square_q28)
 {
     const int32_t factor_q28 = square_q28 > 1 << 27 ? crn_quotient(1 << 28, square_q28, 28) : 1 << 29;
@@ -219,9 +226,10 @@ CRN_RARE static void slide_round(crn_vec3 *slide_m_q33, int32_t square_q28)
     }
 }
 
-/* Puts node i at x* = x + slide and the inertia's right side m/h^2 ((1 - gamma h) u - slide).
- * Overflow: slides stay below 2^24 m Q33 (feed 0.71, turn 0.6, shift 0.5 mm), displacements per tick below
- * 2^25 (1.25 mm more by cap and shift), differences below 2^26, their eightfold below 2^29. */
+/* Puts node i at x* = x + slide, and the inertia m/h^2 ((1 - gamma h) u - slide) on the right side. Overflow
+ * is impossible. Slides stay below 2^24 in Q33 m (feed 0.71, turn 0.6, shift 0.5 mm), displacements per tick
+ * below 2^25 (1.25 mm more by cap and shift), their differences below 2^26, and eight times these below
+ * 2^29. */
 static inline void predict_node(const crn_model *model, crn_state *state, uint32_t i,
                                 const crn_vec3 *slide_m_q33)
 {
@@ -240,15 +248,15 @@ static inline void predict_node(const crn_model *model, crn_state *state, uint32
     }
 }
 
-/* Shift of the nodes ahead that keeps the length of the edges in folds behind them. */
+/* Holds the shift of the nodes ahead of folds, which keeps the length of the edges in these folds. */
 typedef struct fold_shift {
     crn_vec3 shift_m_q33;
     bool was_fold;  /* the node behind belongs to a fold, */
     bool is_passed; /* some node behind belongs to a fold */
 } fold_shift;
 
-/* Computes the slide of a node in a fold or ahead of one. `is_inside` says that the edge behind it slides too
- * and is not part of the rigid tip. */
+/* Computes the slide of a node in a fold or ahead of a fold. `is_inside` says that the edge behind the node
+ * slides, too, and is not part of the rigid tip. */
 CRN_RARE static void slide_apart(const crn_model *model, const crn_state *state, uint32_t i, bool is_inside,
                                  int32_t square_q28, fold_shift *fold, crn_vec3 *slide_m_q33)
 {
@@ -266,9 +274,9 @@ CRN_RARE static void slide_apart(const crn_model *model, const crn_state *state,
     fold->is_passed |= is_fold;
 }
 
-/* Nodes 0 .. count-1 slide by -T ds. The first `rigid` of them slide like node `rigid`, plus the rotation
- * that the scratch holds. The loop starts at the hand, so that where the line is folded the nodes ahead
- * follow the edges behind them. */
+/* Moves nodes 0 .. count-1 by the slide -T ds. The first `rigid` nodes slide like node `rigid`, plus the
+ * displacement by the tip's rotation that the scratch holds. The loop starts at the hand, so that where the
+ * line is folded the nodes ahead follow the edges behind them. */
 static void slide_nodes(const crn_model *model, crn_state *state, uint32_t count, uint32_t rigid)
 {
     const int32_t back_m_q35 = -4 * state->scratch.feed_m_q33;
@@ -289,8 +297,9 @@ static void slide_nodes(const crn_model *model, crn_state *state, uint32_t count
     }
 }
 
-/* Factor by which a joint's stiffness may grow. Its entries must stay below 2^26, of which four meet in a
- * diagonal below 2^29 (core_build.c), and W below 16 N m. */
+/* Returns the factor by which a joint's stiffness may grow when its cell is clipped. The joint's entries in
+ * the matrix must stay below 2^26, because four of them add up in a diagonal below 2^29 (core_build.c), and W
+ * must stay below 16 N m. */
 static int32_t clip_room(const crn_joint *joint)
 {
     int32_t entry = joint->p > joint->r ? joint->p : joint->r;
@@ -302,9 +311,10 @@ static int32_t clip_room(const crn_joint *joint)
     return room > CRN_CLIP_SURE ? room : CRN_CLIP_SURE;
 }
 
-/* The two joints at the inserter's distal end own only the part of their cell that lies outside it: W grows
- * by cell / part, the rest turning shrinks by part / cell. The number format sets the smallest part of a cell
- * that may remain. Any excess bends as if the line were that much longer. */
+/* Each of the two joints at the introducer sheath's distal end represents only the part of its cell that lies
+ * outside the sheath. Its stiffness W therefore grows by cell / part, and its rest rotation shrinks by part /
+ * cell. The number format sets the smallest part of a cell that may remain. Where the part is smaller than
+ * that, the joint bends as if the line outside the sheath were longer by the difference. */
 static void clip_joint(const crn_model *model, crn_state *state, int32_t inserted_m_q30, uint32_t i)
 {
     crn_joint *joint = &state->scratch.mouth[i + 1 - state->words.free_count];
@@ -328,8 +338,8 @@ static void clip_joint(const crn_model *model, crn_state *state, int32_t inserte
     }
 }
 
-/* Number of nodes beyond the inserter's distal end once the tip has advanced to arc length s. A tick's feed
- * passes at most eight nodes. */
+/* Returns the number of nodes beyond the introducer sheath's distal end once the tip has advanced to arc
+ * length s. A tick's feed passes at most eight nodes. */
 static uint32_t count_free(const crn_model *model, uint32_t count, int32_t inserted_m_q30)
 {
     for (int step = 0; step < 8 && model->mesh[count].arc_m_q30 < inserted_m_q30; step++) {

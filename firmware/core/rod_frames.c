@@ -1,8 +1,8 @@
-/* Reference and material axes of the edges, at the predicted configuration.
+/* This file computes the reference and material axes of the edges at the predicted configuration.
  *
- * A reference axis u is carried without rotation from the inserter's edge to the tip (Bishop frame); all
- * tools share it. A tool's material axis is d1 = cos(angle) u + sin(angle) (t x u), so a joint's twist is
- * just the difference of two angles (docs/rod.md, "twist"). */
+ * A reference axis u is carried without rotation about the tangent from the edge in the introducer sheath to
+ * the tip (Bishop frame); all tools share it. A tool's material axis is d1 = cos(angle) u + sin(angle) (t x
+ * u), so a joint's twist is just the difference of two angles (docs/rod.md, "twist"). */
 #include "firmware/core/rod.h"
 
 enum {
@@ -27,8 +27,8 @@ void crn_frames_orthonormalise(crn_vec3 *axis, const crn_vec3 *tangent)
     }
 }
 
-/* Transport across a sharp bend: the exact factor is used up to 139 degrees, beyond that the projection of
- * the old axis. */
+/* Transports the axis across a sharp bend. The exact factor is used up to 139 degrees; beyond that the old
+ * axis is only projected. */
 static crn_vec3 transport_sharply(crn_vec3 axis, const crn_vec3 *from, const crn_vec3 *to, int32_t tilt,
                                   int32_t lack)
 {
@@ -46,7 +46,7 @@ static crn_vec3 transport_sharply(crn_vec3 axis, const crn_vec3 *from, const crn
     return axis;
 }
 
-/* Returns u - (u.t') / (1 + t.t') (t + t'): parallel transport from t to t'. */
+/* Returns u - (u.t') / (1 + t.t') (t + t'), which is the parallel transport of u from t to t'. */
 static crn_vec3 transport(crn_vec3 axis, const crn_vec3 *from, const crn_vec3 *to)
 {
     int32_t tilt = crn_vec3_dot_unit(&axis, to);
@@ -65,7 +65,7 @@ static crn_vec3 transport(crn_vec3 axis, const crn_vec3 *from, const crn_vec3 *t
     return axis;
 }
 
-/* d1 of an edge from its reference axis and angle. */
+/* Computes the material axis d1 of an edge from the edge's reference axis and angle. */
 static void material_axis(const crn_vec3 *reference, const crn_vec3 *tangent, uint32_t angle_turn32,
                           crn_vec3 *axis1)
 {
@@ -78,7 +78,8 @@ static void material_axis(const crn_vec3 *reference, const crn_vec3 *tangent, ui
     crn_frames_orthonormalise(axis1, tangent);
 }
 
-/* Reference axes from the inserter to the tip, and material axes where a rest shape needs them. */
+/* Computes the reference axes from the introducer sheath to the tip, and the material axes where a rest shape
+ * needs them. */
 void crn_frames_carry(const crn_model *model, crn_state *state)
 {
     crn_node_state *nodes = state->words.nodes;

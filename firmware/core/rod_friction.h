@@ -1,12 +1,12 @@
-/* Friction of one node on the wall: its limit and its stiffness in the matrix (docs/rod.md, "Contact"). */
+/* This header computes the friction of one node on the wall: its limit and its stiffness in the matrix
+ * (docs/rod.md, "Contact"). */
 #ifndef CRN_CORE_ROD_FRICTION_H
 #define CRN_CORE_ROD_FRICTION_H
 
 #include "firmware/core/rod.h"
 
-/* Returns an upper bound of the length: half of the sum of the largest magnitude and of all magnitudes.
- * Overflow:
- * saturates. */
+/* Returns an upper bound of a vector's length: half of the sum of the largest magnitude and of all magnitudes
+ * of its components. Overflow: saturates. */
 static inline int32_t length_at_most(const crn_vec3 *a)
 {
     int64_t sum = 0, most = 0;
@@ -23,19 +23,19 @@ static inline int32_t friction_of(const crn_node_state *node, const crn_line_nod
     return node->contact == CRN_CONTACT_SLIPS ? line->kinetic_q30 : line->static_q30;
 }
 
-/* Returns the bristle at its limit mu N / k_t. Format: Q22 N -> Q33 m: 2^11 / 2000 = 1 + 25166 / 2^20.
- * Overflow:
- * impossible, 128 N. */
+/* Returns the length of a bristle at its limit mu N / k_t. Format: Q22 N -> Q33 m: 2^11 / 2000 = 1 + 25166 /
+ * 2^20. Overflow: impossible, 128 N. */
 static inline int32_t bristle_limit(int32_t limit_N_q22)
 {
     return limit_N_q22 + crn_mulh(limit_N_q22, 25166 << 12);
 }
 
-/* The limit of friction while a node does not stick. In each tick it is CRN_FRICTION_GROWTH times k_t |z|,
- * which is mu N after the last solve (|z| is taken up to a sixth too long), plus CRN_FRICTION_FRESH. mu N of
- * the predicted depth alone would let a node that hops on the wall by micrometres rub with many times its
- * real force (5 mN for each micrometre). The nodes that this pushes on would hop in turn: a soft wire at 40
- * mm/s felt six times as hard. Format: Q33 m -> Q22 N, 2000 / 2^11. Overflow: impossible in 64 bits. */
+/* Returns the limit of friction while a node does not stick. In each tick the limit is CRN_FRICTION_GROWTH
+ * times k_t |z|, plus CRN_FRICTION_FRESH; the product k_t |z| is mu N after the last solve (|z| is taken up
+ * to a sixth too long). The friction mu N of the predicted depth alone would be wrong: a node that hops on
+ * the wall by micrometres would rub with many times its real force (5 mN for each micrometre). Such friction
+ * would make neighbouring nodes hop in turn: a soft wire fed at 40 mm/s then felt six times as hard to push.
+ * Format: Q33 m -> Q22 N, 2000 / 2^11. Overflow: impossible in 64 bits. */
 static inline int32_t growing_limit(const crn_node_state *node, int32_t limit_N_q22)
 {
     const int64_t last_m_q33 = length_at_most(&node->bristle_m_q33);
@@ -44,7 +44,7 @@ static inline int32_t growing_limit(const crn_node_state *node, int32_t limit_N_
     return most_N_q22 < limit_N_q22 ? (int32_t)most_N_q22 : limit_N_q22;
 }
 
-/* Returns 1 / |a| from |a|^2 > 0 as reciprocal root and shift: 1/|a| = root_q30 2^(half_lead - 62). */
+/* Returns 1 / |a| from |a|^2 > 0 as a reciprocal root and a shift: 1/|a| = root_q30 2^(half_lead - 62). */
 static inline int32_t inverse_root(int64_t square, unsigned *half_lead)
 {
     unsigned lead = (unsigned)__builtin_clzll((uint64_t)square) & ~1u;
@@ -52,7 +52,7 @@ static inline int32_t inverse_root(int64_t square, unsigned *half_lead)
     return crn_rsqrt_q30((uint32_t)(((uint64_t)square << lead) >> 32));
 }
 
-/* k_f in Q(a): k_t while the bristle's reach is within its limit, else mu N / reach.
+/* Returns the stiffness k_f in Q(a): k_t while the bristle's reach is within its limit, else mu N / reach.
  * Format: N Q22 / m Q33 -> Q(a): N root 2^(half_lead - 62) 2^(11 + a). */
 static inline int32_t friction_stiffness(const crn_model *model, int32_t limit_N_q22,
                                          const crn_vec3 *reach_m_q33)

@@ -1,7 +1,8 @@
-/* Edges that turn fast keep their length (docs/rod.md, "Turning edges"). When the two ends of an edge move
- * straight on while it turns by an angle, it gets longer by half the angle's square. For a line of some kN of
- * axial stiffness that is a pull of many newtons. The excess length is taken back by moving the nodes ahead
- * of the edge, towards the tip. */
+/* This file makes edges keep their length while they turn fast (docs/rod.md, "Turning edges"). When both ends
+ * of an edge move along straight lines while the edge turns by a small angle, the edge gets longer by the
+ * fraction angle^2 / 2 of its length. In a line with an axial stiffness of some kN, this elongation causes a
+ * tension of many newtons. The excess length is taken back by moving the nodes ahead of the edge, towards the
+ * tip. */
 #include "firmware/core/rod.h"
 
 enum {
@@ -10,7 +11,8 @@ enum {
     SHIFT_MAX_M_Q33 = 1 << 22,
 };
 
-/* Shifts the nodes ahead by `way` along `along_q30`. Overflow: clamped, both are below 2^31 - 2^22. */
+/* Adds the displacement `way_m_q33` along `along_q30` to the shift of the nodes ahead. Overflow is
+ * impossible: the sum is clamped, and both terms are below 2^31 - 2^22. */
 static void shift_on(crn_vec3 *shift_m_q33, int32_t way_m_q33, const crn_vec3 *along_q30)
 {
     for (int k = 0; k < 3; k++) {
@@ -19,15 +21,15 @@ static void shift_on(crn_vec3 *shift_m_q33, int32_t way_m_q33, const crn_vec3 *a
     }
 }
 
-/* Returns a displacement that is a fraction of an edge's length. Format: Q30 x Q30 m -> Q33 m. Overflow: a
- * length is below 2^25, the part at most 0.4. */
+/* Returns a displacement that is a fraction of an edge's length. Format: Q30 x Q30 m -> Q33 m. Overflow is
+ * impossible, because a length is below 2^25 and the fraction at most 0.4. */
 static int32_t way_of(int32_t part_q30, int32_t length_m_q30)
 {
     return crn_mulh(part_q30, length_m_q30 * 32);
 }
 
-/* One component of an edge divided by its length. Format: Q30 m x Q18 1/m -> Q30. Overflow: saturates; the
- * sum of both is then still correct in 64 bits. */
+/* Returns one component of an edge divided by the edge's rest length. Format: Q30 m x Q18 1/m -> Q30.
+ * Overflow: the result saturates; the sum of two such results is still correct in 64 bits. */
 static int32_t over_length(int32_t from_m_q30, int32_t to_m_q30, int32_t inverse_per_m_q18)
 {
     return crn_sat32(crn_asr64((int64_t)crn_sub_sat(to_m_q30, from_m_q30) * inverse_per_m_q18, 18));
@@ -54,8 +56,8 @@ void crn_slide_keep_length(const crn_model *model, const crn_state *state, uint3
     shift_on(shift_m_q33, way_of(part, model->mesh[i].length_m_q30), &w);
 }
 
-/* Do the deviations of an edge's ends differ by more than a sixteenth of it in any axis? Below that, the edge
- * gets 0.4 % longer at most. */
+/* Returns whether the deviations of an edge's two ends differ along any axis by more than a sixteenth of the
+ * edge's length. Below this limit, the edge gets 0.4 % longer at most. */
 static inline bool is_fast(const crn_vec3 *front_m_q33, const crn_vec3 *end_m_q33, int32_t length_m_q30)
 {
     const int32_t most = length_m_q30 / 2; /* a sixteenth in Q33 */
@@ -67,8 +69,8 @@ static inline bool is_fast(const crn_vec3 *front_m_q33, const crn_vec3 *end_m_q3
     return beyond >> 31 != 0;
 }
 
-/* Rotation of an edge in the solve's deviation: the displacement of its end relative to its front, divided by
- * its length; each component is at most 1. */
+/* Returns the rotation of an edge in the deviation that the solve found: the displacement of the edge's end
+ * relative to its front, divided by its length. Each component is at most 1. */
 static crn_vec3 turn_of(const crn_model *model, uint32_t i, const crn_vec3 *front_m_q33,
                         const crn_vec3 *end_m_q33)
 {
@@ -81,8 +83,8 @@ static crn_vec3 turn_of(const crn_model *model, uint32_t i, const crn_vec3 *fron
     return turn_q30;
 }
 
-/* Takes back the length that edge i gains by turning: half the square of the turn across it, along its final
- * direction. */
+/* Takes back the length that edge i gains by turning, along the edge's final direction. The gain is the
+ * fraction angle^2 / 2 of the edge's length. */
 CRN_RARE static void take_back(const crn_model *model, crn_state *state, uint32_t i,
                                const crn_vec3 *front_m_q33, const crn_vec3 *end_m_q33, crn_vec3 *shift_m_q33)
 {

@@ -1,11 +1,11 @@
-/* A tip with a tight curve moves on as a rigid body: with the displacement of the node behind it and, while
- * it touches nothing, with the rotation of the last tick.
+/* A tip with a tight curve moves as a rigid body. It takes the displacement of the node behind it and, while
+ * it touches nothing, the rotation of the last tick.
  *
- * If the tip slid along its own curve, that would turn it by ds / R in each tick. If it did not turn, that
- * would hold it back when the hand turns it, because the matrix keeps rest turns fixed in space: for a tip of
- * length s on a wire of length L the solve recovers about 1 / (kappa^2 s L) of the missing rotation in each
- * tick (docs/rod.md, "feed"). A tip on the wall gets no predicted rotation: there the solve ends the turn,
- * and a tip that is expected to turn on trembles. */
+ * If such a tip slid along its own curve, it would turn by ds / R in each tick. If the tip's rotation were
+ * not predicted, the tip would lag when the hand turns it, because the matrix keeps rest rotations fixed in
+ * space. For a tip of length s on a wire of length L, the solve recovers only about 1 / (kappa^2 s L) of the
+ * missing rotation in each tick (docs/rod.md, "feed"). A tip on the wall gets no predicted rotation. There
+ * the solve ends the rotation, and a tip for which further rotation is predicted trembles. */
 #include "firmware/core/rod.h"
 
 enum {
@@ -17,11 +17,12 @@ enum {
     AXIS_LEAST_M_Q24 = 64, /* 4 um: smallest sum of distances that determines a plane */
 };
 
-/* Number of nodes from the tip that move on as one rigid body. They reach to the last joint, within 40 mm,
- * whose rest shape is curved more tightly than 110 / m (a J, a pigtail, the first bend of a guide). Sliding
- * along its own curve would turn such a tip by ds / R in each tick. The solve, whose matrix holds rest turns
- * fixed in space, undoes that only over EI kappa^2 s / (EI / L) ticks: a J of 1.5 mm on 50 mm of soft wire
- * lagged by 20 mm at 30 mm/s. Overflow: turns are below 1.3 rad, a cell below 2^24 m Q30. */
+/* Returns the number of nodes from the tip that move as one rigid body. These nodes reach to the last joint
+ * within 40 mm whose rest shape is curved more tightly than 110 / m (a J, a pigtail, the first bend of a
+ * guiding catheter). Sliding along its own curve would turn such a tip by ds / R in each tick. The solve,
+ * whose matrix keeps rest rotations fixed in space, undoes this only over EI kappa^2 s / (EI / L) ticks. A J
+ * of 1.5 mm on 50 mm of soft wire therefore lagged by 20 mm at 30 mm/s. Overflow is impossible: rotations are
+ * below 1.3 rad, and a cell is below 2^24 in Q30 m. */
 static uint32_t count_rigid(const crn_model *model, const crn_state *state, uint32_t free_count)
 {
     uint32_t rigid = 0;
@@ -42,11 +43,12 @@ static uint32_t count_rigid(const crn_model *model, const crn_state *state, uint
     return rigid < free_count ? rigid : free_count - 1;
 }
 
-/* Removes the rotation about an axis through node `root` from the remaining motion of the tip, and adds the
- * part that is kept to the slide. `drift_m_q33` holds that motion here, relative to the root's. Least
- * squares: angle = sum (a x r).w / sum (a x r)^2. Returns the sum of a x r, Q24 m. Overflow: arms are below
- * 2^26.7 in Q30 (96 mm, where restored edges are twice as long), motions below 2^26.9 in Q33, nodes below
- * 2^8: sums below 2^62. */
+/* Removes the rotation about an axis through node `root` from the remaining motion of the tip. The part of
+ * this rotation that is predicted to go on is added to the slide. `drift_m_q33` holds the tip's motion
+ * relative to the root's motion here. The angle follows from least squares: sum (a x r).w / sum (a x r)^2.
+ * Returns the sum of the products a x r, in Q24 m. Overflow is impossible: lever arms are below 2^26.7 in Q30
+ * (96 mm, where restored edges are twice as long), motions below 2^26.9 in Q33, and there are fewer than 2^8
+ * nodes, so sums stay below 2^62. */
 static crn_vec3 turn_about(crn_state *state, uint32_t root, const crn_vec3 *axis_q30)
 {
     const crn_vec3 *centre = &state->words.nodes[root].position_m_q30;
@@ -103,8 +105,8 @@ uint32_t crn_tip_predict(const crn_model *model, crn_state *state, uint32_t free
     if (touching != CRN_CONTACT_NONE || model->hold.pinned || model->hold.turn) {
         return rigid;
     }
-    /* First about the line behind the tip, then about two axes across it: in the tip's plane, and out of
-     * it. */
+    /* The tip's rotation is predicted first about the direction of the line behind the tip, then about two
+     * axes across that direction: in the tip's plane, and perpendicular to this plane. */
     crn_vec3 out = turn_about(state, rigid, &root->tangent_q30);
     int32_t size = 0;
     out = crn_vec3_normalise(out, root->tangent_q30, &size);

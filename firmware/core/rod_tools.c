@@ -1,13 +1,14 @@
-/* Forces between coaxial tools and on their hands (docs/rod.md, "tools").
+/* This file computes the forces between coaxial tools and on their hands (docs/rod.md, "tools").
  *
- * The tools share a centreline, so the wall between them is implied: a tool presses on the next one with the
- * force that its bending puts on the nodes they share. Friction mu N then resists sliding (one bristle along
- * the line for each pair) and turning (one bristle for each edge, in rod_twist.c), in both directions.
+ * The tools share a centreline, so contact between them is not computed at a wall. Instead, a tool presses on
+ * the next one with the force that its bending puts on the nodes they share. Friction mu N then resists
+ * sliding (one bristle along the line for each pair) and turning (one bristle for each edge, in rod_twist.c),
+ * in both directions.
  *
- * The hand of a tool that does not lead feels how the line's energy changes as the tool slides at fixed
- * shape. At a place where the tool's properties change, that is the jump of psi = |M + P|^2 / (2 EI) - S / 2.
- * M is the moment, P = sum EI_m kappa_m and S = sum EI_m kappa_m^2 over all tools there (the configurational
- * force of a rod whose section jumps). */
+ * The hand of a tool that does not lead feels how the line's elastic energy changes as the tool slides at
+ * fixed shape. At a place where the tool's properties change, the force on the hand is the jump of psi = |M +
+ * P|^2 / (2 EI) - S / 2. M is the moment; P = sum EI_m kappa_m and S = sum EI_m kappa_m^2 are sums over all
+ * tools at this place. This is the configurational force of a rod whose section jumps. */
 #include "firmware/core/rod.h"
 
 /* --- how hard tools press on each other ----------------------------------------------------------------- */
@@ -17,7 +18,7 @@ enum {
     FORCE_MAX_N_Q22 = 1 << 30,    /* 256 N: three squares fit 64 bits */
 };
 
-/* Format: same in and out. Overflow: |value| and most below 2^62. */
+/* Format: same in and out. Overflow: the caller keeps |value| and `most` below 2^62. */
 static inline int32_t limited(int64_t value, int64_t most)
 {
     if ((uint64_t)(value + most) <= (uint64_t)most * 2) { /* one comparison for the usual case */
@@ -26,8 +27,8 @@ static inline int32_t limited(int64_t value, int64_t most)
     return (int32_t)(value > 0 ? most : -most);
 }
 
-/* a / 2^n limited to +-2^log2_most; a 32-bit machine looks at the upper word only. 32 - log2_most < n <
- * 32. */
+/* Returns a / 2^n limited to +-2^log2_most, for 32 - log2_most < n < 32. On a 32-bit machine the code
+ * examines only the upper word. */
 static inline int32_t limited_shift(int64_t a, unsigned n, unsigned log2_most)
 {
     if (sizeof(void *) > 4) {
@@ -41,8 +42,8 @@ static inline int32_t limited_shift(int64_t a, unsigned n, unsigned log2_most)
     return high < 0 ? -((int32_t)1 << log2_most) : (int32_t)1 << log2_most;
 }
 
-/* Returns the length of a vector, relative error 2^-16. Format: same in and out. Overflow: impossible for
- * components within 2^30. */
+/* Returns the length of a vector with a relative error of 2^-16. Format: same in and out. Overflow is
+ * impossible for components within 2^30. */
 static int32_t length_of(const crn_vec3 *a)
 {
     uint64_t square = (uint64_t)crn_vec3_dot64(*a, *a);
@@ -56,9 +57,8 @@ static int32_t length_of(const crn_vec3 *a)
     return (int32_t)((top * root) >> (30 + (lead >> 1)));
 }
 
-/* Computes the moments W b of all joints at the configuration of the solution, for the line without rest
- * turning. Format:
- * b in Q29 so that it fits, W Q26 -> Q30 N m, limited. */
+/* Computes the moments W b of all joints at the predicted configuration, as if the line had no rest shape.
+ * Format: b in Q29 so that it fits, W Q26 -> Q30 N m, limited. */
 static void bending_moments(crn_state *state)
 {
     for (uint32_t i = 1; i <= state->words.free_count; i++) {
@@ -72,7 +72,7 @@ static void bending_moments(crn_state *state)
     }
 }
 
-/* Subtracts W times a rest turning. */
+/* Subtracts W times a rest rotation from a moment. */
 static void take_turn(const crn_vec3 *turn_q30, int32_t bend_N_m_q26, crn_vec3 *moment)
 {
     for (int c = 0; c < 3; c++) {
@@ -81,7 +81,7 @@ static void take_turn(const crn_vec3 *turn_q30, int32_t bend_N_m_q26, crn_vec3 *
     }
 }
 
-/* Returns the rest turning of the tools up to `pair` at joint i. */
+/* Returns the rest rotation of the tools 0 .. `pair` at joint i. */
 static crn_vec3 inner_turn(const crn_state *state, const crn_joint *joint, uint32_t pair, uint32_t i)
 {
     crn_vec3 turn = {{0, 0, 0}};
@@ -93,7 +93,8 @@ static crn_vec3 inner_turn(const crn_state *state, const crn_joint *joint, uint3
     return turn;
 }
 
-/* Moment of joint i that the tools up to `pair` bear: their share of W b less their rest shapes. Q30 N m. */
+/* Computes the part of joint i's moment that the tools 0 .. `pair` bear: their share of W b, less the part of
+ * their rest shapes. Q30 N m. */
 static inline void inner_moment(const crn_state *state, uint32_t pair, uint32_t i, crn_vec3 *moment)
 {
     const crn_joint *joint = crn_rod_joint(state, i);
@@ -108,7 +109,7 @@ static inline void inner_moment(const crn_state *state, uint32_t pair, uint32_t 
     }
 }
 
-/* First edge where both tools of a pair are present. */
+/* Returns the first edge where both tools of a pair are present. */
 static uint32_t first_shared(const crn_model *model, const crn_state *state, uint32_t pair)
 {
     int32_t a = state->line.offset_m_q30[pair];
@@ -121,9 +122,9 @@ static uint32_t first_shared(const crn_model *model, const crn_state *state, uin
     return j;
 }
 
-/* Returns the force of the inner tools' bending on a node from the moments of the joints around it. Q22 N.
- * Overflow:
- * differences of moments fit 32 bits, 1 / edge is below 2^31. */
+/* Returns the force in Q22 N that the bending of the inner tools puts on a node, from the moments of the
+ * joints around the node. Overflow is impossible: differences of moments fit 32 bits, and 1 / edge is below
+ * 2^31. */
 static inline int32_t pressing_force(const crn_vec3 *before, const crn_vec3 *here, const crn_vec3 *after,
                                      int32_t a_per_m_q18, int32_t c_per_m_q18)
 {
@@ -136,9 +137,9 @@ static inline int32_t pressing_force(const crn_vec3 *before, const crn_vec3 *her
     return length_of(&force);
 }
 
-/* A tool bears on the next one over a length that its clearance and stiffness set: about 3 mm for a wire in a
- * catheter (sqrt(2 EI delta / M) with 0.05 mm, docs/rod.md). Without this length a step of the moment would
- * press harder the finer the mesh is. */
+/* The length over which a tool bears on the next one depends on clearance and stiffness; it is about 3 mm for
+ * a wire in a catheter (sqrt(2 EI delta / M) with 0.05 mm, docs/rod.md). Without this length, a finer mesh
+ * would give a larger pressing force at a step of the moment. */
 static inline void soften(int32_t share_q30, crn_vec3 *moment, const crn_vec3 *ahead)
 {
     for (int c = 0; c < 3; c++) {
@@ -146,9 +147,9 @@ static inline void soften(int32_t share_q30, crn_vec3 *moment, const crn_vec3 *a
     }
 }
 
-/* Stiffness of the friction against turning: that of the bristle while its reach is within the limit mu N r,
- * else limit / reach. The reach is that of the last tick's rotations. Overflow: the quotient is then below
- * 4e-4 N m. */
+/* Returns the stiffness of the friction against turning: that of the bristle while the bristle's reach is
+ * within the limit mu N r, else limit / reach. The reach follows from the rotations of the last tick.
+ * Overflow is impossible, because the quotient is then below 4e-4 N m. */
 static inline uint16_t grip_stiffness(const crn_node_state *node, uint32_t pair, int32_t limit_N_m_q30)
 {
     int32_t turned = crn_sub_sat(node->spin_q30[pair], node->spin_q30[pair + 1]);
@@ -160,8 +161,8 @@ static inline uint16_t grip_stiffness(const crn_node_state *node, uint32_t pair,
     return (uint16_t)crn_quotient(limit_N_m_q30, reach, 26);
 }
 
-/* Turning limit mu N r of every edge of a pair with its stiffness, and the sum of mu N, which limits
- * sliding. */
+/* Computes the limit mu N r against turning and its stiffness for every edge of a pair of tools. It also sums
+ * mu N, which limits sliding. */
 static void grip_pair(const crn_model *model, crn_state *state, uint32_t pair)
 {
     uint32_t na = state->words.free_count;
@@ -210,14 +211,14 @@ void crn_tools_grip(const crn_model *model, crn_state *state)
 
 /* --- forces on the hand of a tool that does not lead ---------------------------------------------------- */
 
-/* All tools at one place: EI, P and S of the header. */
+/* Sums EI, P and S, as defined at the top of this file, over all tools at one place. */
 typedef struct section {
     int32_t bend_q35;
     crn_vec3 curved_N_m_q30; /* P */
     int32_t stored_N_q22;    /* S */
 } section;
 
-/* Adds tool k at its arc length `arc` to the section of joint i. */
+/* Adds tool k, at its arc length `arc_m_q30`, to the section of joint i. */
 static void add_tool(const crn_model *model, const crn_state *state, uint32_t k, int32_t arc_m_q30,
                      uint32_t i, section *sum)
 {
@@ -288,8 +289,8 @@ static int32_t straight_handle(const crn_vec3 *moment_N_m_q30, int32_t before_q3
     return crn_mul(crn_sat32(sum), crn_quotient(change_q35, before_q35, 30), 31);
 }
 
-/* Returns the moment at joint i from the joints around it. Moments are continuous, but that of the cell
- * itself lags while a tip slides through it. Q30 N m. */
+/* Returns the moment at joint i from the joints around it. Moments are continuous along the line, but the
+ * moment of the cell itself lags while a tip slides through the cell. Q30 N m. */
 static crn_vec3 moment_around(const crn_model *model, const crn_state *state, uint32_t i)
 {
     crn_vec3 ahead, behind, moment;
@@ -301,7 +302,8 @@ static crn_vec3 moment_around(const crn_model *model, const crn_state *state, ui
     return moment;
 }
 
-/* Joint i's part of tool k's handle force: psi where the cell begins less psi where it ends. */
+/* Returns joint i's part of the force on tool k's hand: psi where the cell begins less psi where the cell
+ * ends. */
 static int32_t joint_handle(const crn_model *model, const crn_state *state, uint32_t k, uint32_t i,
                             int32_t from, int32_t to)
 {
@@ -325,7 +327,8 @@ static int32_t joint_handle(const crn_model *model, const crn_state *state, uint
     return crn_sub_sat(potential(&before, &moment), potential(&after, &moment));
 }
 
-/* Energy per length that a curved tool stores in the straight inserter, at the inserter's distal end. */
+/* A curved tool that lies in the straight introducer sheath stores elastic energy. Returns the force that
+ * this energy per length causes on the tool's hand, at the sheath's distal end. */
 static int32_t mouth_handle(const crn_model *model, const crn_state *state, uint32_t k, int32_t arc_m_q30)
 {
     section own = {0, {{0, 0, 0}}, 0};
@@ -345,8 +348,8 @@ static bool holds_tip(const crn_model *model, const crn_state *state, uint32_t i
     return false;
 }
 
-/* Like joint_handle(), for a cell within one span of tool k: EI comes from the joint, its change from the
- * span. */
+/* Does the same as joint_handle(), for a cell within one span of tool k. EI comes from the joint, and the
+ * change of EI from the span. */
 static int32_t smooth_handle(const crn_model *model, const crn_state *state, uint32_t k, uint32_t i,
                              const crn_span *span, int32_t from, int32_t to)
 {
@@ -399,10 +402,10 @@ static int32_t elastic_handle(const crn_model *model, const crn_state *state, ui
     return inserted > offset ? crn_add_sat(sum, mouth_handle(model, state, k, inserted - offset)) : 0;
 }
 
-/* A bent line pushes on the inserter along its axis with EI kappa^2 / 2 at the distal end, because the part
- * that is fed in has to be straight (the configurational force of a sliding sleeve; Bigoni et al., Mech. Res.
- * Commun. 2014). The cut joint's W is EI / part and its edges differ by kappa part.
- * Format: Q26 N m x Q30^2 -> Q30 N m, / Q30 m -> Q22 N. */
+/* A bent line pushes on the introducer sheath along the sheath's axis with EI kappa^2 / 2 at the distal end,
+ * because the part that is fed in has to be straight. This is the configurational force of a sliding sleeve
+ * (Bigoni et al. 2014, Mechanics Research Communications). The joint that the distal end cuts has W = EI /
+ * part, and its edges differ by kappa part. Format: Q26 N m x Q30^2 -> Q30 N m, / Q30 m -> Q22 N. */
 static int32_t mouth_axial(const crn_model *model, const crn_state *state)
 {
     uint32_t na = state->words.free_count;
@@ -436,7 +439,7 @@ void crn_tools_handles(const crn_model *model, crn_state *state)
 
 /* --- after the solve ------------------------------------------------------------------------------------ */
 
-/* Elastic rotation of each edge of a pair, limited to mu N r / stiffness. */
+/* Updates the elastic rotation of each edge of a pair of tools, limited to mu N r / stiffness. */
 void crn_tools_turned(const crn_model *model, crn_state *state)
 {
     for (uint32_t pair = 0; pair + 1 < model->tool_count; pair++) {
@@ -452,7 +455,8 @@ void crn_tools_turned(const crn_model *model, crn_state *state)
     }
 }
 
-/* Sliding between neighbours: a bristle along the line puts the same force on both hands. */
+/* Computes the friction of sliding between neighbouring tools; a bristle along the line puts equal and
+ * opposite forces on the two hands. */
 void crn_tools_slide(const crn_model *model, crn_state *state)
 {
     for (uint32_t pair = 0; pair + 1 < model->tool_count; pair++) {

@@ -1,10 +1,11 @@
-/* The quasi-static twist of every tool, at the predicted configuration.
+/* This file computes the quasi-static twist of every tool at the predicted configuration.
  *
  * The unknown rotations theta of a tool's edges minimise sum k/2 (m + theta[i] - theta[i-1])^2 plus the
- * bending energy, which depends on the rest curvature that turns with the frames: this makes a J tip follow
- * the hand. Two kinds of friction resist: that of the wall on the tool that touches it, and that between a
- * tool and the next one. There is one tridiagonal solve per tool from its tip to the base. The inserter's
- * edge is held at the hand's angle, so torque reaches the tip within the tick (docs/rod.md, "twist"). */
+ * bending energy. The bending energy depends on the rest curvature, which turns with the frames; this makes a
+ * J tip follow the hand. Two kinds of friction resist the rotation: friction of the wall on the tool that
+ * touches it, and friction between a tool and the next one. Each tool takes one tridiagonal solve, from its
+ * tip to the base. The edge in the introducer sheath is held at the hand's angle, so torque reaches the tip
+ * within the tick (docs/rod.md, "twist"). */
 #include "firmware/core/rod.h"
 
 enum {
@@ -22,8 +23,8 @@ static int32_t joint_angle(uint32_t ahead_turn32, uint32_t here_turn32)
     return crn_mul_q30((int32_t)(here_turn32 - ahead_turn32), HALF_PI_Q30);
 }
 
-/* Terms that tool k's rest curvature adds to the twist equations of the two edges of joint i: torque W b.(t x
- * half) on the right, max(0, W b.half) on the diagonal. */
+/* Computes the terms that tool k's rest curvature adds to the twist equations of the two edges of joint i:
+ * the torque W b.(t x half) on the right side, and max(0, W b.half) on the diagonal. */
 static void curvature_torque(const crn_state *state, uint32_t k, uint32_t i, int32_t *torque_N_m_q30,
                              int32_t *stiffness_q26)
 {
@@ -44,14 +45,15 @@ static void curvature_torque(const crn_state *state, uint32_t k, uint32_t i, int
     }
 }
 
-/* Resistance to the rotation theta of an edge: torque - stiffness theta. */
+/* Holds the resistance to the rotation theta of an edge, which is torque - stiffness theta. */
 typedef struct resistance {
     int32_t torque_N_m_q30, stiffness_q26;
 } resistance;
 
-/* The wall's friction on the tool that touches it. The surface moves by r theta along n x t in addition to
- * its displacement along the wall, and one bristle carries both (rod_contact.c). Overflow: impossible; k_f r
- * is below 2000 N/m x 2 mm = 2^24 in Q22, the reach below 2^30.5, so the torque below 2^29. */
+/* Returns the wall's friction on the tool that touches it. The surface moves by r theta along n x t in
+ * addition to its displacement along the wall, and one bristle represents both (rod_contact.c). Overflow is
+ * impossible: k_f r is below 2000 N/m x 2 mm = 2^24 in Q22 and the reach is below 2^30.5, so the torque is
+ * below 2^29. */
 static inline __attribute__((always_inline)) resistance
 wall_resistance(unsigned exponent, const crn_work *work, int32_t radius_m_q30)
 {
@@ -62,9 +64,9 @@ wall_resistance(unsigned exponent, const crn_work *work, int32_t radius_m_q30)
     return (resistance){crn_mulh(lever_N_q28, -work->reach_m_q33) * 2, crn_mulh(lever_N_q28, radius_m_q30)};
 }
 
-/* Returns the friction on tool k at an edge: that between the tool and its neighbours (with the newest known
- * rotation of the neighbour), and that of the wall. Overflow: stiffnesses of pairs are below 2^15, so a
- * pair's torque is below 2^20. */
+/* Returns the friction on tool k at an edge: friction between the tool and its neighbours, with the newest
+ * known rotation of the neighbour, and friction of the wall. Overflow is impossible: stiffnesses of pairs of
+ * tools are below 2^15, so the torque of a pair is below 2^20. */
 static inline __attribute__((always_inline)) resistance
 edge_resistance(unsigned exponent, const crn_node_state *node, const crn_work *work,
                 const crn_line_node *line, uint32_t k, bool outermost)
@@ -88,7 +90,7 @@ edge_resistance(unsigned exponent, const crn_node_state *node, const crn_work *w
     return sum;
 }
 
-/* Values that elimination passes from one edge to the next. */
+/* Holds the values that elimination passes from one edge to the next. */
 typedef struct twist_carry {
     int32_t left_q26; /* k of the joint ahead less what eliminating the edge ahead takes away: not negative */
     int32_t moment;   /* k m of the joint ahead */
@@ -96,8 +98,8 @@ typedef struct twist_carry {
     int32_t reduced_torque;          /* the remaining torque after the edge ahead was eliminated */
 } twist_carry;
 
-/* A 32-bit machine looks at the upper word. right / pivot in Q30 for right in Q30 and pivot = mantissa 2^(1 -
- * lead) in Q26, given the reciprocal 2^61 / mantissa. Overflow: saturates. */
+/* Returns right / pivot in Q30, given the reciprocal 2^61 / mantissa, for `right` in Q30 and pivot = mantissa
+ * 2^(1 - lead) in Q26. On a 32-bit machine the code examines only the upper word. Overflow: saturates. */
 static inline __attribute__((always_inline)) int32_t over_pivot(int32_t right, int32_t reciprocal,
                                                                 unsigned lead)
 {
@@ -114,9 +116,10 @@ static inline __attribute__((always_inline)) int32_t over_pivot(int32_t right, i
     return crn_narrow64(product, shift);
 }
 
-/* Eliminates the row of edge j of tool k. Pivots and couplings in Q26 N m, right side in Q30 N m, angles in
- * Q30 rad. Overflow: k is below 2^30 (rod_line.c), curvature terms below 2^29 each, friction and the hold
- * below 2^30 + 2^20: the pivot fits 32 bits without a sign. Moments saturate. */
+/* Eliminates the equation of edge j of tool k. Pivots and couplings are in Q26 N m, the right side is in Q30
+ * N m, and angles are in Q30 rad. Overflow is impossible: k is below 2^30 (rod_line.c), curvature terms are
+ * below 2^29 each, and friction and the hold are below 2^30 + 2^20, so the pivot fits 32 bits without a sign.
+ * Moments saturate. */
 static inline __attribute__((always_inline)) void eliminate_edge(const crn_model *model, crn_state *state,
                                                                  uint32_t k, uint32_t j, bool outermost,
                                                                  twist_carry *carry)
@@ -156,7 +159,7 @@ static inline __attribute__((always_inline)) void eliminate_edge(const crn_model
     carry->reduced_torque = crn_mul_q30(right, ratio);
 }
 
-/* Turns the material axis of an edge: d1 (1 - a^2/2) + d2 a. */
+/* Turns the material axis of an edge by the angle a, to d1 (1 - a^2/2) + d2 a. */
 static void turn_axis(const crn_vec3 *tangent, int32_t angle_q30, crn_vec3 *axis1)
 {
     crn_vec3 axis2 = crn_vec3_cross_unit(tangent, axis1);
@@ -167,8 +170,8 @@ static void turn_axis(const crn_vec3 *tangent, int32_t angle_q30, crn_vec3 *axis
     crn_frames_orthonormalise(axis1, tangent);
 }
 
-/* Substitutes back from the base to tool k's tip. Edges that the tip is about to reach take the frame of its
- * last edge. */
+/* Substitutes back from the base to tool k's tip. Edges that the tip is about to reach take the frame of the
+ * edge in which the tip lies. */
 static inline __attribute__((always_inline)) void substitute(crn_state *state, uint32_t k, uint32_t first)
 {
     uint32_t na = state->words.free_count;
@@ -198,7 +201,8 @@ static inline __attribute__((always_inline)) void substitute(crn_state *state, u
     }
 }
 
-/* The edge that tool k's tip lies in, or free_count when the tool is still in the inserter. */
+/* Returns the edge in which tool k's tip lies, or free_count when the tool is still in the introducer
+ * sheath. */
 static uint32_t tip_edge(const crn_model *model, const crn_state *state, uint32_t k)
 {
     uint32_t j = 0;
@@ -217,7 +221,7 @@ static void hold_turn(const crn_model *model, const crn_state *state, twist_carr
     carry->curve_q26 = 16 << 26;
 }
 
-/* The function is inline, so that k and whether a tool is the outermost are constants in the loops. */
+/* The function is inline, so that `k` and `outermost` are constants in the loops. */
 static inline __attribute__((always_inline)) void twist_tool(const crn_model *model, crn_state *state,
                                                              uint32_t k, bool outermost)
 {

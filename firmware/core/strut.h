@@ -1,5 +1,5 @@
-/* Contact between a tool and the struts of deployed stents. A tool inside the stent stays inside; one outside
- * it is confined between struts and vessel wall.
+/* This header handles contact between a tool and the struts of deployed stents. A tool inside the stent stays
+ * inside; a tool outside the stent is confined between struts and vessel wall.
  *
  * A stent is a chain of rings. A ring is a circle along the inside of the struts, with a thickness, in the
  * reference pose of a vessel that moves:
@@ -13,10 +13,10 @@
  *        inside the middle of the struts   (rho - R) / g + r                 normal (s t - e) / g
  *        outside                           (R + thickness - rho) / g + r,    the opposite normal
  *
- * The node's centre decides on which side of the struts it lies. An end of the chain is a round edge; its
- * normal is tilted at least 45 degrees to one side, so that no friction holds a tip there. Orders move an
- * existing ring by 5 um a tick. Where there is no ring the cost is one comparison for each node.
- * docs/lesions.md has more. */
+ * The position of a node's centre decides on which side of the struts the node lies. An end of the chain is a
+ * round edge. The normal at this edge is tilted at least 45 degrees to one side, so that no friction holds a
+ * tip there. Orders move an existing ring by at most 5 um a tick. Where there is no ring, the cost is one
+ * comparison for each node. The file docs/lesions.md explains more. */
 #ifndef CRN_STRUT_H
 #define CRN_STRUT_H
 
@@ -25,17 +25,18 @@
 /* Begins a tick: rings move on towards their ordered places, and a box is put around all of them. */
 void crn_struts_step(crn_state *state);
 
-/* The deepest of the shells around or beside a node of this radius, in the reference pose: the distance is
- * below 0 on the node's own side, and the normal points away from the struts. Returns false when no shell is
- * within half a millimetre of the node. */
+/* Samples the deepest of the shells around or beside a node of this radius, in the reference pose. The
+ * distance is negative on the node's own side, and the normal points away from the struts. Returns false when
+ * no shell is within half a millimetre of the node. */
 bool crn_struts_contact(const crn_strut_state *struts, const crn_vec3 *place_m_q30, int32_t radius_m_q30,
                         crn_lumen_sample *sample);
 
-/* Does the same at a place in the world, where the vessel may have moved. */
+/* Does the same at a place in world coordinates, where the vessel may have moved. */
 bool crn_struts_wall(const crn_model *model, const crn_state_words *words, crn_motion_pose *pose,
                      const crn_vec3 *world_m_q30, int32_t radius_m_q30, crn_lumen_sample *sample);
 
-/* Does the same in a tick, right after the wall was sampled there; the tick's box rules most places out. */
+/* Does the same in a tick, right after the wall was sampled at this place; the tick's box excludes most
+ * places at once. */
 bool crn_struts_here(const crn_model *model, crn_state *state, const crn_vec3 *world_m_q30,
                      int32_t radius_m_q30, crn_lumen_sample *sample);
 

@@ -1,8 +1,8 @@
-/* The vector functions that are too long to be inline; vector.h states formats and bounds. */
+/* These vector functions are too long to be inline; vector.h states formats and bounds. */
 #include "firmware/core/vector.h"
 
-/* a b - c d, rounded once. Overflow: impossible before saturation, since |a b - c d| <= 2^63 - 2^31; the half
- * is added after the shift so that rounding cannot overflow either. */
+/* Returns a b - c d, rounded once. Overflow is impossible before saturation, because |a b - c d| <= 2^63 -
+ * 2^31; the half is added after the shift so that rounding cannot overflow either. */
 static int32_t minor_2x2(int32_t a, int32_t b, int32_t c, int32_t d, unsigned n)
 {
     int64_t difference = (int64_t)a * b - (int64_t)c * d;

@@ -1,4 +1,5 @@
-/* Three-component vectors in fixed point. A vector has the format of its components, which ends its name. */
+/* Three-component vectors in fixed point. A vector has the format of its components, which is the suffix of
+ * its name. */
 #ifndef CRN_VECTOR_H
 #define CRN_VECTOR_H
 
@@ -26,28 +27,30 @@ static inline crn_vec3 crn_vec3_sub(crn_vec3 a, crn_vec3 b)
                          crn_sub_sat(a.v[2], b.v[2]));
 }
 
-/* Raw dot product. Format: Qa . Qb -> Q(a+b) in 64 bits. Overflow: impossible while the components of both
- * stay below 2^31 * 0.81 (3 * 0.81^2 < 2) or those of one within +-2^30 (3 * 2^61 < 2^63). Error: exact. */
+/* Raw dot product. Format: Qa . Qb -> Q(a+b) in 64 bits. Overflow is impossible while the components of both
+ * vectors stay below 2^31 * 0.81 (3 * 0.81^2 < 2), or those of one vector stay within +-2^30 (3 * 2^61 <
+ * 2^63). Error: exact. */
 static inline int64_t crn_vec3_dot64(crn_vec3 a, crn_vec3 b)
 {
     return crn_product_add(crn_product_add(crn_product(a.v[0], b.v[0]), a.v[1], b.v[1]), a.v[2], b.v[2]);
 }
 
-/* Dot product of a vector and a unit vector, rounded once. Format: Qa . Q30 -> Qa in steps of 4 LSB.
- * Overflow: impossible while the vector's length is below 2^31 (1 - 2^-9). Error: 2 LSB. */
+/* Returns the dot product of a vector and a unit vector, rounded once. Format: Qa . Q30 -> Qa in steps of 4
+ * LSB. Overflow: impossible while the vector's length is below 2^31 (1 - 2^-9). Error: 2 LSB. */
 static inline int32_t crn_vec3_dot_unit(const crn_vec3 *a, const crn_vec3 *unit_q30)
 {
     return crn_round_high64(crn_vec3_dot64(*a, *unit_q30)) * 4;
 }
 
-/* a b - c d, the high words rounded. Format: Qa x Q30 -> Qa in steps of 4 LSB. Error: 4 LSB. */
+/* Returns a b - c d from the rounded high words of the products. Format: Qa x Q30 -> Qa in steps of 4 LSB.
+ * Error: 4 LSB. */
 static inline int32_t crn_minor_unit(int32_t a, int32_t b_q30, int32_t c, int32_t d_q30)
 {
     return crn_mulh_sub(crn_mulh(a, b_q30), c, d_q30) * 4;
 }
 
-/* Cross product with a unit vector on the left. Format: Q30 x Qa -> Qa in steps of 4 LSB. Overflow:
- * impossible while the other's length is below 2^31 (1 - 2^-9). Error: 4 LSB. */
+/* Returns the cross product with a unit vector on the left. Format: Q30 x Qa -> Qa in steps of 4 LSB.
+ * Overflow: impossible while the other's length is below 2^31 (1 - 2^-9). Error: 4 LSB. */
 static inline crn_vec3 crn_vec3_cross_unit(const crn_vec3 *unit_q30, const crn_vec3 *a)
 {
     const int32_t *u = unit_q30->v;
@@ -60,10 +63,10 @@ static inline crn_vec3 crn_vec3_cross_unit(const crn_vec3 *unit_q30, const crn_v
  * saturates. Error: 1/2 LSB. */
 crn_vec3 crn_vec3_cross(crn_vec3 a, crn_vec3 b, unsigned n);
 
-/* Scale to unit length. Format: any Q -> Q30. Overflow: none; *length saturates at INT32_MAX. Error: <= 3 LSB
- * of Q30 per component for a vector of any length >= 1 LSB; *length <= 1/2 LSB + 2^-29 relative. A zero
- * vector gives `fallback` and length 0. If `length` is not NULL, *length receives the length in the input's
- * format. */
+/* Scale to unit length. Format: any Q -> Q30. Overflow: only *length can overflow, and it saturates at its
+ * largest value. The error is at most 3 LSB of Q30 per component for a vector of any length >= 1 LSB, and 1/2
+ * LSB + 2^-29 relative for *length. For a zero vector, the result is `fallback` and the length 0. If `length`
+ * is not NULL, *length receives the length in the input's format. */
 crn_vec3 crn_vec3_normalise(crn_vec3 a, crn_vec3 fallback, int32_t *length);
 
 #endif

@@ -1,4 +1,4 @@
-/* Decimal digits for a board's console. It is freestanding. */
+/* This header converts numbers to decimal digits for a board's console. It is freestanding. */
 #ifndef CRN_PORT_CONSOLE_DIGITS_H
 #define CRN_PORT_CONSOLE_DIGITS_H
 

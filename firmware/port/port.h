@@ -1,12 +1,12 @@
-/* The complete hardware interface: what a port provides to the app, and which functions it calls.
+/* This is the complete hardware interface: what a port provides, and which functions of the app it calls.
  *
  * A port owns the memory (one crn_app, two scene slots), the pipe of bytes, and the 1 ms timer:
  *   at power-up      crn_app_init(app, &port)               outputs are off from here on
  *   bytes came in    crn_app_receive(app, bytes, count)     from the main loop, never from an interrupt
  *   1 ms passed      crn_app_timer(app)                     from the main loop, per edge of the timer, late ones too
  *
- * The timer owns the tick in FREE_RUN, and in every mode and state the app reads `inputs` and writes
- * `outputs` once per edge. A port uses nothing else of the app. */
+ * In FREE_RUN the timer decides when a tick runs. In every mode and state, the app reads `inputs` and writes
+ * `outputs` once per edge of the timer. A port calls nothing else of the app. */
 #ifndef CRN_PORT_H
 #define CRN_PORT_H
 
@@ -20,7 +20,7 @@ enum {
     CRN_PORT_SERIAL_BYTES = 24, /* longest serial */
 };
 
-/* Verdict of a sensor, or of its electronics, on its own reading. Only OK readings are used. */
+/* States whether a reading is valid, as judged by the sensor. Only OK readings are used. */
 typedef enum crn_port_sensor {
     CRN_PORT_SENSOR_OK = 0,
     CRN_PORT_SENSOR_ABSENT, /* not fitted; a motor without a force sensor needs the local unlock */
@@ -33,7 +33,7 @@ typedef struct crn_port_hand {
     int32_t rotation_counts;    /* absolute, may wrap; + right-handed about the direction of insertion */
 } crn_port_hand;
 
-/* Reports of the electronics of one track beside its encoders. */
+/* Holds what the electronics of one track report, apart from its encoders. */
 typedef struct crn_port_track {
     int32_t force_raw; /* axial force on the hand in the sensor's counts, + pushes the hand back out */
     uint8_t translation_sensor; /* CRN_PORT_SENSOR_* */
@@ -42,7 +42,7 @@ typedef struct crn_port_track {
     bool over_current; /* a motor driver of this track limits its current or has tripped */
 } crn_port_track;
 
-/* One sample of the whole rig. */
+/* Holds one sample of the whole rig. */
 typedef struct crn_port_inputs {
     crn_port_hand hands[CRN_PORT_TOOL_MAX];
     crn_port_track tracks[CRN_PORT_TOOL_MAX];
@@ -80,19 +80,20 @@ typedef struct crn_port_outputs {
 
 typedef struct crn_port {
     void *context; /* passed back in every call */
-    /* Queues one whole frame for the host. When there is no room it queues nothing and returns false. */
+    /* Queues one whole frame for the host. Without space it queues nothing, and returns false. */
     bool (*transmit)(void *context, const uint8_t *frame, size_t frame_bytes);
     size_t (*transmit_room)(void *context); /* length of the longest frame that `transmit` would accept now */
-    /* Samples the rig. False: there is no rig; the app uses the host's `input` messages, powers nothing. */
+    /* Samples the rig. Without a rig it returns false; the app uses `input` messages and powers nothing. */
     bool (*inputs)(void *context, crn_port_inputs *inputs);
     void (*outputs)(void *context, const crn_port_outputs *outputs);
     uint32_t (*now_us)(void *context); /* free-running, wraps at 2^32; measures how long a tick took */
-    const char *serial;          /* unique to this device, printable ASCII, at most CRN_PORT_SERIAL_BYTES */
-    uint8_t *scene_slots[2];     /* two buffers: the old scene stays valid until the new one is validated */
-    uint32_t scene_slot_bytes;   /* size of each, 4-byte aligned */
-    uint32_t capabilities;       /* CRN_WIRE_CAPABILITY_* that depend on the port: encoders, motors */
-    uint32_t force_uN_per_count; /* scale of the force sensors; 0: 1,000. Hosts may change it by a quarter */
-    crn_port_built built;        /* port_built.h */
+    const char *serial;        /* unique to this device, printable ASCII, at most CRN_PORT_SERIAL_BYTES */
+    uint8_t *scene_slots[2];   /* two buffers: the old scene stays valid until the new one is validated */
+    uint32_t scene_slot_bytes; /* size of each, 4-byte aligned */
+    uint32_t capabilities;     /* CRN_WIRE_CAPABILITY_* that depend on the port: encoders, motors */
+    uint32_t
+        force_uN_per_count; /* scale of the force sensors, 0 for 1,000; hosts may change it by a quarter */
+    crn_port_built built;   /* port_built.h */
 } crn_port;
 
 #endif

@@ -1,11 +1,12 @@
-/* A port's data about the rig for which it was built. */
+/* This header has a port's data about the rig for which the port was built. */
 #ifndef CRN_PORT_BUILT_H
 #define CRN_PORT_BUILT_H
 
 #include <stdint.h>
 
-/* The builder's data, which hold for every track. They bound what a host may state without a person at the
- * rig (docs/haptics.md, "Who may state what"); 0 where the builder states nothing. */
+/* These are the builder's data, which hold for every track. The data limit what a host may state without a
+ * person at the rig (docs/haptics.md, "Who may state what"); a value is 0 where the builder states
+ * nothing. */
 typedef struct crn_port_built {
     uint32_t translation_pm_per_count; /* 0: 1,000,000 */
     uint32_t rotation_counts_per_turn; /* 0: 65,536 */

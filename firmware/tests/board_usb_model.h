@@ -1,8 +1,8 @@
-/* Compiles firmware/port/imxrt1062/usb_udc.c unchanged against a model of the controller as the chip's manual
- * describes it (i.MX RT1060, chapter 42). The model covers heads, transfer descriptors, prime, flush, bits
- * that are cleared by writing ones, the trip wire of setup packets, and the host on its bus. The code
- * accesses every register through the macros LOAD and STORE of imxrt1062_registers.h, which the model defines
- * here. */
+/* This header compiles firmware/port/imxrt1062/usb_udc.c unchanged against a model of the controller as the
+ * chip's manual describes it (i.MX RT1060, chapter 42). The model covers heads, transfer descriptors, prime,
+ * flush, bits that are cleared by writing ones, the trip wire of setup packets, and the host on its bus. The
+ * code accesses every register through the macros LOAD and STORE of imxrt1062_registers.h, which the model
+ * defines here. */
 #ifndef CRN_BOARD_USB_MODEL_H
 #define CRN_BOARD_USB_MODEL_H
 
@@ -51,7 +51,8 @@ static volatile uint32_t *model_place(uint32_t base, uint32_t offset)
     return cell(offset);
 }
 
-/* Descriptors hold 32 bits of an address, which stand for the address nearest to the controller's memory. */
+/* Descriptors hold only 32 bits of an address, which stand for the address nearest to the controller's
+ * memory. */
 static uint8_t *address_of(uint32_t low)
 {
     uintptr_t here = (uintptr_t)&memory;
@@ -105,7 +106,7 @@ static void prime_pipe(uint32_t pipe)
 
 static void write_control(uint32_t number, uint32_t value)
 {
-    /* Both directions use the same bits here; a direction that is off keeps no toggle. */
+    /* Both directions use the same bits here; a direction that is switched off keeps no toggle. */
     if (number != 0 && (value & MASK(USB_ENDPTCTRL_0_RXR)) != 0) model.toggle[2 * number] = 0;
     if (number != 0 && (value & MASK(USB_ENDPTCTRL_0_TXR)) != 0) model.toggle[2 * number + 1] = 0;
     *cell(USB_ENDPTCTRL0 + 4 * number) = value & ~(MASK(USB_ENDPTCTRL_0_RXR) | MASK(USB_ENDPTCTRL_0_TXR));

@@ -1,5 +1,5 @@
-/* Exposes the whole app to arbitrary hosts and rigs, behind a port of its own. The input is a list of
- * operations, so that the fuzzer gets past the CRC:
+/* This fuzz target exposes the whole app to arbitrary hosts and rigs, behind a port of its own. The input is
+ * a list of operations, so that the fuzzer gets past the CRC:
  *
  *   op u8:  0 .. 0x7f  a message of that type, properly framed: length u8, payload
  *           0x80       raw bytes into the pipe: length u8, bytes
@@ -15,10 +15,10 @@
  *           0x89       an order without a frame, as HID sends it: action u8
  *           0x8a       every millisecond's work takes this long: u8 x 50 us
  *
- * There are at most 48 operations, so that an input ends in time. Devices are built once and copied, because
- * building a line for every input took a hundred times as long as the fuzzed operations. After every write of
- * the outputs the guarantees of docs/faults.md hold: no power except in FREE_RUN and RUNNING, no force beyond
- * limit and slew, and no flips of the drive line without power. */
+ * An input has at most 48 operations, so that it ends in time. Devices are built once and copied, because
+ * building a line of tools for every input took a hundred times as long as the fuzzed operations. After every
+ * write of the outputs the guarantees of docs/faults.md must hold: no power except in FREE_RUN and RUNNING,
+ * no force beyond limit and slew limit, and no flips of the drive line without power. */
 #include "firmware/app/app.h"
 #include "firmware/tests/reference/client.h"
 
@@ -86,8 +86,8 @@ static int32_t size_of(int32_t value)
     return value < 0 ? -value : value;
 }
 
-/* Checks the limit, and the growth in one write: a force may begin and fall at once, and it may change its
- * sign within the slew limit. */
+/* Checks the limit of a force, and its growth in one write. A force may start and fall at once, and may
+ * change its sign within the slew limit. */
 static void check_motor(int32_t value, int32_t last, int32_t limit, int32_t slew)
 {
     promise(size_of(value) <= limit);
@@ -185,7 +185,7 @@ static size_t read_pipe(void *context, uint8_t *bytes, size_t capacity)
     return count;
 }
 
-/* Short tools of few elements: one of their ticks costs a tenth of a real one. */
+/* Uses short tools of few elements, whose ticks cost a tenth of a real one. */
 static void short_tools(crn_wire_tools *tools, uint16_t count)
 {
     client_plain_tools(tools, count);
@@ -324,7 +324,7 @@ static void step(input *in, uint8_t count)
     send(CRN_WIRE_TYPE_step, payload, writer.length);
 }
 
-/* Acts as if the chunks had arrived: behind the CRC, the checks of head and core decide. */
+/* Acts as if the chunks had arrived and the CRC were right, so that the checks of head and core decide. */
 static void restore_damaged(input *in, uint8_t count)
 {
     command(CRN_WIRE_ACTION_STOP, 0);
@@ -434,10 +434,11 @@ enum {
     FREE = CRN_WIRE_ACTION_FREE_RUN
 };
 
-/* A command as an operation: code and tick are 0. */
+/* Makes an operation of a command with code and tick 0. */
 #define COMMAND(action) 0x16, CRN_WIRE_BYTES_command, action, 0, 0, 0, 0, 0, 0, 0, 0
 
-/* A device back in READY, then one long message as an operation: the start for mutations of set-up. */
+/* Starts from a device back in READY and sends one long message as an operation; mutations of set-up begin
+ * here. */
 static size_t message_seed(uint8_t type, const crn_wire_writer *writer, uint8_t *bytes)
 {
     const uint8_t begin[] = {0x82, 1,    COMMAND(STOP),           COMMAND(RESET),
@@ -447,7 +448,7 @@ static size_t message_seed(uint8_t type, const crn_wire_writer *writer, uint8_t 
     return sizeof begin + writer->length;
 }
 
-/* A typical commercial wire: a shaped tip, a taper and a shaft, with 2 + `knots` knots. */
+/* Makes a typical commercial wire: a shaped tip, a taper and a shaft, with 2 + `knots` knots. */
 static void shaped_wire(crn_wire_tools *tools, uint16_t knots)
 {
     short_tools(tools, 1);
@@ -466,7 +467,7 @@ static void shaped_wire(crn_wire_tools *tools, uint16_t knots)
     wire->element_fine_um = 10000;
 }
 
-/* Messages `tools`: plain ones of two knots, then one with a shape. */
+/* Makes messages `tools`: first plain tools of two knots, then one with a shape. */
 static size_t tools_seed(uint16_t which, uint8_t *bytes)
 {
     static crn_wire_tools tools;

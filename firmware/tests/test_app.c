@@ -1,6 +1,6 @@
-/* Claims about the app, shown through bytes on the sim port: states and modes follow the diagram of app.h,
- * refusals are typed and change nothing, encoder jumps stop the session, forces are limited, snapshots
- * continue bit for bit. */
+/* These tests check the claims about the app through bytes on the sim port: states and modes follow the
+ * diagram of app.h, refusals are typed and change nothing, and encoder jumps stop the session. Forces are
+ * limited, and snapshots continue bit for bit. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -232,8 +232,8 @@ static void a_step_at_another_tick_is_refused_and_changes_nothing(void **state)
     assert_int_equal(status.tick, 10);
 }
 
-/* 20 um per tick for 1000 ticks is 20 mm at the hand; the first reading only sets the zero. Tolerance 0.1 mm:
- * the hand's coupling yields to inertia. */
+/* The hand moves 20 um per tick for 1000 ticks, which is 20 mm; the first reading only sets the zero. The
+ * tolerance is 0.1 mm, because the tool's inertia makes the hand's coupling yield. */
 static void the_instrument_follows_the_encoder(void **state)
 {
     (void)state;
@@ -249,7 +249,8 @@ static void the_instrument_follows_the_encoder(void **state)
     }
 }
 
-/* The same motion gives the same hashes with a counter that starts anywhere and so wraps during it. */
+/* The same motion gives the same hashes when the encoder's counter starts at any other value and wraps during
+ * the motion. */
 static void counters_may_wrap(void **state)
 {
     (void)state;
@@ -266,7 +267,7 @@ static void counters_may_wrap(void **state)
     assert_memory_equal(lanes[0], lanes[1], sizeof lanes[0]);
 }
 
-/* 5 mm in a tick is the largest plausible change at 1 um per count. */
+/* A change of 5 mm in a tick is the largest plausible change, at 1 um per count. */
 static void an_encoder_jump_stops_the_session(void **state)
 {
     (void)state;
@@ -314,8 +315,8 @@ static void force_limits_can_be_lowered_but_not_raised(void **state)
     assert_int_equal(reject.detail2, 2);
 }
 
-/* With a jerk of the hand at gain 4, the motor command stays within its limit and grows within its slew in
- * every tick. */
+/* When the hand jerks at a gain of 4, the motor command stays within its limit and grows by at most its slew
+ * limit in every tick. */
 static void motor_commands_stay_within_limit_and_slew(void **state)
 {
     (void)state;
@@ -456,8 +457,8 @@ static void a_snapshot_is_refused_while_running(void **state)
     assert_int_equal(host.decoder.header.type, CRN_WIRE_TYPE_reject);
 }
 
-/* Hostile fields of the snapshot's head: unknown flags, a motor beyond its limit, a tick that differs from
- * the core's. */
+/* The test damages fields of the snapshot's head: unknown flags, a motor beyond its limit, and a tick that
+ * differs from the core's. */
 static void a_snapshot_with_impossible_contents_leaves_the_state(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
-/* Claims about balloon and stent on the wire. A count of the inflator is a kilopascal in the balloon of the
- * tools that were sent. An invalid table, or a stent where there is no lesion, is refused as a whole.
- * Pressures of FREE_RUN replay bit for bit. */
+/* These tests check claims about balloon and stent on the wire protocol. One count of the inflator is a
+ * pressure of one kilopascal in the balloon of the tools that were sent. An invalid table, or a stent where
+ * there is no lesion, is refused as a whole. The pressures of a FREE_RUN session replay bit for bit. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,7 +14,7 @@
 
 static crn_wire_reject reject;
 
-/* One wire with a balloon of 3 x 18 mm at 8 bar that measures 0.89 mm folded. */
+/* Makes one wire with a balloon of 3 x 18 mm at 8 bar, which measures 0.89 mm when folded. */
 static void balloon_tools(crn_wire_tools *tools)
 {
     static const crn_wire_balloon_point table[] = {{600, 2920}, {800, 3000}, {1200, 3120}};
@@ -46,8 +46,8 @@ static void step_at(uint32_t tick, int32_t inflator_raw)
     assert_true(client_expect_ticks(&b.host, &ticks));
 }
 
-/* In open space the balloon has the table's diameter at 8 bar, within its rounding; pressures below 0 have no
- * effect, and it bursts above its limit. */
+/* In open space the balloon has the table's diameter at 8 bar, within the table's rounding. Pressures below 0
+ * have no effect, and the balloon bursts above its limit. */
 static void a_count_of_the_inflator_is_a_kilopascal(void **state)
 {
     (void)state;
@@ -87,7 +87,7 @@ static void tools_with_a_table_that_is_none_are_refused(void **state)
     }
 }
 
-/* Sends two inputs, the second of which has the order. */
+/* Sends two inputs, of which the second has the order. */
 static void ask_for_strut(crn_wire_step *step, const crn_wire_strut *strut)
 {
     *step = (crn_wire_step){.tick = 0, .inputs_count = 2};
@@ -117,8 +117,8 @@ static void a_stent_where_no_lesion_is_is_refused_whole(void **state)
     }
 }
 
-/* A ring of struts needs no scene. An invalid ring is refused, with its kind and place, before any tick is
- * done. */
+/* A ring of struts can be ordered without a scene. An order for an invalid ring is refused before any tick is
+ * computed, and the answer names the kind of the order and its place in the list. */
 static void struts_that_are_none_are_refused_whole(void **state)
 {
     (void)state;
@@ -153,8 +153,8 @@ static void place_rings(int ms)
     if (ms == 200) place_ring(2, 1800);
 }
 
-/* In FREE_RUN a message orders struts. Each order is in the input of the tick that applied it, so the record
- * replays. */
+/* In FREE_RUN the message `orders` transmits the orders of struts. Each order is recorded in the input of the
+ * tick that applied it, so the record replays. */
 static void struts_of_free_run_replay_in_lockstep_bit_for_bit(void **state)
 {
     (void)state;
@@ -171,7 +171,8 @@ static void struts_of_free_run_replay_in_lockstep_bit_for_bit(void **state)
     replays(count);
 }
 
-/* The rig's inflator rises in steps and stays: the record ends while the balloon is inflated. */
+/* The pressure of the rig's inflator rises in steps and stays; the record ends while the balloon is
+ * inflated. */
 static void pump(int ms)
 {
     b.rig.inflator_raw = ms < 150 ? 5 * ms : 900;

@@ -1,7 +1,8 @@
-/* Claims about the virtual coupling (docs/haptics.md), shown on the sim port. In free motion the tool follows
- * without lag and no force is felt. A seal is felt as its own friction and holds without chatter; a blocked
- * tool is felt as a spring. The hand slips at the force limit; gain, limit and slew hold. The state is in the
- * snapshot. Unexplained energy removes the force. */
+/* These tests check the claims about the virtual coupling (docs/haptics.md) on the sim port. In free motion
+ * the tool follows the hand without lag, and the hand feels no force. A seal is felt as friction and holds
+ * without chatter; a blocked tool is felt as a spring. The hand slips at the force limit, and the effects of
+ * gain, limit and slew limit are as set. The coupling's state is part of the snapshot. Unexplained energy
+ * removes the force. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -30,7 +31,8 @@ static void start_lockstep(const crn_wire_track *track)
     tick_now = 0;
 }
 
-/* One tick with the hand at (um, 2^-16 turn); returns the result of the tool. */
+/* Computes one tick in which the hand is at `translation` um and `rotation` x 2^-16 turn. Returns the state
+ * of the tool after it. */
 static const crn_wire_tool_state *step_to(int32_t translation, int32_t rotation)
 {
     uint8_t payload[64];
@@ -50,8 +52,8 @@ static double inserted_um(const crn_wire_tool_state *tool)
     return tool->inserted_m_q30 / 1073741824.0 * 1e6;
 }
 
-/* At 0.1 m/s through free space the tool lags by the few um that the wire's own weight and inertia
- * require. */
+/* At 0.1 m/s through free space the tool lags behind the hand by the few um that the wire's own weight and
+ * inertia cause. */
 static void a_free_tool_follows_without_lag_or_drag(void **state)
 {
     (void)state;
@@ -72,8 +74,8 @@ static void a_free_tool_follows_without_lag_or_drag(void **state)
     assert_true(worst_um < 120 && worst_mN < 120);
 }
 
-/* With the seal alone, the hand feels its friction against the motion in both directions, and it comes to
- * rest without chatter. */
+/* When only the seal acts, the hand feels the seal's friction against the motion in both directions, and the
+ * friction settles without chatter. */
 static void a_seal_is_felt_as_its_friction_and_does_not_chatter(void **state)
 {
     (void)state;
@@ -107,8 +109,8 @@ static void a_seal_resists_turning_too(void **state)
     assert_in_range(tool->motor_torque_uN_m, 350, 450);
 }
 
-/* With a seal of 2 N, 1 mm of lead is 1 N at 1 N/mm; 20 mm give the 2 N at which the tool slides, and no
- * more. */
+/* With a seal of 2 N and a coupling of 1 N/mm, a lead of 1 mm gives 1 N. A lead of 20 mm gives the 2 N at
+ * which the tool slides, and no more. */
 static void a_held_tool_is_felt_as_the_coupling_s_spring(void **state)
 {
     (void)state;
@@ -142,8 +144,8 @@ static void the_hand_slips_at_the_force_limit(void **state)
     assert_true(inserted_um(tool) > end_um + 500);
 }
 
-/* A snapshot is taken while the hand presses against the seal: the session that continues from it gives the
- * same ticks. */
+/* A snapshot is taken while the hand presses against the seal; the session that continues from this snapshot
+ * gives the same ticks. */
 static void the_coupling_is_part_of_the_snapshot(void **state)
 {
     (void)state;
@@ -193,9 +195,9 @@ static void shake(int tick)
     bench_tick(&b);
 }
 
-/* A hand that shakes by 0.5 mm from tick to tick gains energy from every sampled spring. The observer detects
- * it, removes the force and reports it. A hand that then pushes on has returned the energy, and the session
- * continues. */
+/* A hand that shakes by 0.5 mm from tick to tick gains energy from every sampled spring. The passivity
+ * observer detects the energy, removes the force and reports it. When the hand then pushes on, it has
+ * returned the energy, and the session continues. */
 static void forces_that_give_energy_are_reduced(void **state)
 {
     (void)state;
@@ -216,8 +218,8 @@ static void forces_that_give_energy_are_reduced(void **state)
     assert_true(least_mN < begin_mN / 4);
 }
 
-/* The same hand continues to shake. After 100 such ticks in a row the power is removed, because a limit cycle
- * would never end by itself. */
+/* In this test the shaking hand continues to shake. After 100 such ticks in a row the power is removed,
+ * because a limit cycle would never end by itself. */
 static void energy_that_a_track_gives_for_100_ms_takes_the_power(void **state)
 {
     (void)state;

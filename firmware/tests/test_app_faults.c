@@ -1,7 +1,8 @@
-/* Claims about everything that can hurt a finger, one test per fault of shared/wire/wire_faults.def
- * (tools/check/tests/test_faults.py compares the names). With a force at the motor, the test injects the
- * fault at the sensors and counts the time until no motor gives a force, in edges of the timer, behind the
- * power stage. That time is at most the table's value, and the force does not return. */
+/* These tests check claims about everything that can hurt a finger, with one test per fault of
+ * shared/wire/wire_faults.def (tools/check/tests/test_faults.py compares the names). Each test injects a
+ * fault at the sensors while a motor gives a force. It counts the time until no motor gives a force any more,
+ * in edges of the timer, behind the power stage. This time is at most the value in the table of faults, and
+ * the force does not return. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -35,7 +36,7 @@ static void expect_state(uint8_t expected)
     }
 }
 
-/* Neither time nor START nor a healthy rig restores the power; RESET and both steps of arming do. */
+/* Neither time nor START nor a healthy rig restores the power; only RESET and both steps of arming do. */
 static void expect_latched(crn_fault_code code)
 {
     const crn_port_inputs healthy = crn_sim_healthy_inputs();
@@ -134,8 +135,8 @@ static void a_power_stage_that_does_not_go_off_is_told(void **state)
     expect_latched(CRN_FAULT_CODE_STAGE_STUCK);
 }
 
-/* FAULT has another cause, which stays. The log still records, once, that a person must cut the supply by
- * hand. */
+/* The state FAULT has another cause, which remains the reported one. The log still records, once, that a
+ * person must cut the supply by hand. */
 static void a_stage_that_does_not_go_off_in_a_fault_is_told_too(void **state)
 {
     (void)state;
@@ -235,7 +236,7 @@ static void a_force_that_was_not_asked_takes_the_power(void **state)
     expect_latched(CRN_FAULT_CODE_FORCE_MISMATCH);
 }
 
-/* This is shown in READY, ARMED and RUNNING while no force is commanded. */
+/* The test shows this in READY, ARMED and RUNNING while no force is commanded. */
 static void a_force_while_none_is_asked_takes_the_power(void **state)
 {
     (void)state;
@@ -293,7 +294,8 @@ static void one_spike_of_over_current_is_no_fault(void **state)
     expect_state(CRN_WIRE_STATE_RUNNING);
 }
 
-/* The hand releases the handle: nobody holds the motor's 1.5 N, and the carriage of 0.1 kg runs away. */
+/* The hand releases the handle: nobody opposes the motor's 1.5 N any more, and the carriage of 0.1 kg runs
+ * away. */
 static int released_ms;
 static void release(int encoder_sign)
 {
@@ -410,7 +412,7 @@ static void a_device_that_cannot_keep_up_takes_the_power(void **state)
     expect_latched(CRN_FAULT_CODE_TICK_STALLED);
 }
 
-/* The stage drops the power by itself, and the firmware reports it as soon as it runs again. */
+/* The power stage removes the power by itself, and the firmware reports this as soon as it runs again. */
 static void a_frozen_processor_has_no_power_and_says_so_afterwards(void **state)
 {
     (void)state;

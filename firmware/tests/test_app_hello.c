@@ -1,6 +1,7 @@
-/* Claims about a second program at a rig that has power, and about what feeds a port's watchdog. A
- * conversation that begins in the middle of another takes nothing away, and one that begins after a program
- * has gone works. Only edges that the app has completed count as signs of life. */
+/* These tests check claims about a second program at a rig that has power, and about what feeds a port's
+ * watchdog. A conversation that begins in the middle of another one takes nothing away from it, and a
+ * conversation that begins after a program has gone works. Only edges that the app has completed count as
+ * signs of life. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -41,8 +42,8 @@ static void a_second_program_is_refused_while_the_first_leads_with_power(void **
     assert_int_equal(bench_status(&b).state, CRN_WIRE_STATE_RUNNING);
 }
 
-/* A refused HELLO is no sign of life of the program in charge: its silence ends the forces in the usual
- * time. */
+/* A refused HELLO does not count as a sign of life of the program in charge, whose silence ends the forces in
+ * the usual time. */
 static void a_refused_hello_does_not_keep_the_forces_of_a_dead_host(void **state)
 {
     (void)state;
@@ -78,7 +79,7 @@ static void after_a_host_that_is_gone_hello_works(void **state)
     assert_true(bench_power(&b));
 }
 
-/* STOP or a stopping fault also ends a program's control. */
+/* STOP, or a fault that stops the device, also ends a program's control. */
 static void after_stop_hello_works_at_once(void **state)
 {
     (void)state;
@@ -131,8 +132,8 @@ static uint32_t no_time(void *context)
     return 0;
 }
 
-/* The test leaves the middle of an edge's work by a jump, to simulate work that never returns, so that the
- * test can continue. */
+/* To simulate work that never returns, the test leaves the work of an edge in the middle by a jump; the test
+ * can then continue. */
 static void outputs(void *context, const crn_port_outputs *wanted)
 {
     (void)context;

@@ -1,6 +1,6 @@
-/* Claims about the list of orders of a tick: it is taken whole or refused whole with a code that says which
- * one is wrong, hostile bytes change nothing, and in FREE_RUN the orders of one message share one tick, which
- * shows them. */
+/* These tests check claims about the list of orders of a tick. The list is accepted or refused as a whole,
+ * with a code that says which order is wrong, and hostile bytes change nothing. In FREE_RUN the orders of one
+ * message share one tick, which reports them. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -88,7 +88,8 @@ static void a_good_order_does_not_pass_beside_a_bad_one(void **state)
     expect_counts((const uint16_t[16]){0}, 16);
 }
 
-/* Every cut, every kind that is none and a count too large of a message that would be good. */
+/* Sends variants of a valid message: cut at every byte, with every invalid kind of order, and with a count
+ * that is too large. */
 static void hostile_bytes_are_malformed_and_order_nothing(void **state)
 {
     (void)state;
@@ -114,7 +115,7 @@ static void hostile_bytes_are_malformed_and_order_nothing(void **state)
     expect_counts((const uint16_t[16]){0}, 16);
 }
 
-/* The messages of protocol 4 that carried one order each. */
+/* These are the messages of protocol 4, which had one order each. */
 static void messages_of_the_protocol_before_are_unknown(void **state)
 {
     (void)state;
@@ -141,8 +142,8 @@ static void orders_have_their_own_message_in_free_run(void **state)
     expect_counts((const uint16_t[16]){0}, 16);
 }
 
-/* Eight ticks' orders wait; the ninth message is refused and leaves them alone, and there is room again after
- * a tick. */
+/* The orders of eight ticks can wait. The ninth message is refused and leaves them unchanged, and there is
+ * space again after a tick. */
 static void a_full_queue_refuses_and_keeps_what_waits(void **state)
 {
     (void)state;
@@ -161,7 +162,7 @@ static void a_full_queue_refuses_and_keeps_what_waits(void **state)
     expect_counts((const uint16_t[16]){2, 1, 2, 1, 2, 1, 2, 1, 1}, 16);
 }
 
-/* Two kinds in one tick, and an order in every tick for longer than the ring of bytes is. */
+/* Sends two kinds of orders in one tick, and an order in every tick until the ring of bytes has wrapped. */
 static void order_all_the_time(int ms)
 {
     const crn_wire_order orders[] = {ring((uint8_t)(ms % 64 + 1)), heart_rate((uint16_t)(60 + ms % 60))};

@@ -1,6 +1,6 @@
-/* Claims about commands and set-up: motors need two steps that no stray frame can complete, an interrupted
- * upload can be resumed, settings are read back as they were set, and a refused message changes nothing. They
- * are shown through bytes on the sim port. */
+/* These tests check the claims about commands and set-up. Motors need two steps that no stray frame can
+ * complete, an interrupted upload can be resumed, settings are read back as they were set, and a refused
+ * message changes nothing. The tests use bytes on the sim port only. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -70,7 +70,7 @@ static void motors_need_both_steps_in_their_order_and_time(void **state)
     assert_int_equal(crn_sim_read_motors(host->sim).drive, 1);
 }
 
-/* A permission powers one START; STOP, RESET, another mode and a fault all require both steps again. */
+/* A permission serves for one START; STOP, RESET, another mode and a fault all require both steps again. */
 static void a_permission_is_good_for_one_start(void **state)
 {
     (void)state;
@@ -88,8 +88,8 @@ static void a_permission_is_good_for_one_start(void **state)
     refuse(CRN_WIRE_ACTION_START, CRN_REJECT_NOT_CONFIRMED);
 }
 
-/* A person confirmed and did not press START: neither a host that comes an hour later nor one that sends
- * HELLO now has that permission. */
+/* A person has confirmed but not pressed START. Neither a host that comes an hour later nor one that sends
+ * HELLO now has this permission. */
 static void a_permission_is_not_left_lying_about(void **state)
 {
     (void)state;
@@ -112,8 +112,8 @@ static void a_permission_is_not_left_lying_about(void **state)
     expect_reject(CRN_REJECT_CODE_WRONG);
 }
 
-/* Every frame of a conversation that powers the motors is sent alone, and twice, to an armed device: none of
- * them powers a motor. */
+/* Every frame of a conversation that powers the motors is sent alone, and sent twice, to an armed device.
+ * None of these frames powers a motor. */
 static void no_single_frame_powers_a_motor(void **state)
 {
     (void)state;
@@ -165,8 +165,8 @@ static void an_unsafe_rig_is_not_armed_and_the_cause_is_named(void **state)
     refuse(CRN_WIRE_ACTION_ARM_MOTORS, CRN_REJECT_NO_RIG);
 }
 
-/* Without a sensor forces cannot be checked, so power is only for a person at the rig who closes the switch
- * inside. */
+/* Without a sensor, forces cannot be checked. Power is therefore allowed only to a person at the rig, who
+ * closes the switch inside. */
 static void a_rig_without_force_sensor_is_powered_only_by_the_local_unlock(void **state)
 {
     (void)state;
@@ -233,9 +233,9 @@ static void begin_upload(uint32_t bytes, uint32_t crc32)
     assert_true(client_expect_status(host, &status));
 }
 
-/* The upload is cut after 1,000 of 3,000 bytes; the host returns, requests the number of received bytes, and
- * sends the rest. The CRC over everything decides at the end (here the scene's own check fails on purpose,
- * after the CRC was found good). */
+/* The upload is interrupted after 1,000 of 3,000 bytes. The host returns, requests the number of received
+ * bytes, and sends the rest. The CRC over all bytes decides at the end whether an upload is accepted. Here
+ * the check of the scene itself fails on purpose, after the CRC was found good. */
 static void an_upload_that_was_cut_goes_on_where_it_stopped(void **state)
 {
     (void)state;
@@ -300,7 +300,8 @@ static void the_rig_is_read_back_as_it_is_in_force(void **state)
     assert_int_equal(rig.tracks[2].force_limit_mN, CRN_APP_FORCE_LIMIT_mN);
 }
 
-/* Each field out of its range, alone, is refused with the field's number, and nothing changes. */
+/* Each field alone is set out of its range: the message is refused with the field's number, and nothing
+ * changes. */
 static void a_rig_that_cannot_be_is_refused_by_field(void **state)
 {
     (void)state;
@@ -329,7 +330,8 @@ static void a_rig_that_cannot_be_is_refused_by_field(void **state)
     }
 }
 
-/* b > K (T / 2 + t) + B without lag: 1 N s/m less 0.2 of damping support 1,600 N/m, not 1,601. */
+/* By b > K (T / 2 + t) + B without lag, 1 N s/m less 0.2 N s/m of damping supports 1,600 N/m, but not 1,601
+ * N/m. */
 static void a_coupling_stiffer_than_the_rig_can_render_is_refused(void **state)
 {
     (void)state;
@@ -342,8 +344,8 @@ static void a_coupling_stiffer_than_the_rig_can_render_is_refused(void **state)
     expect_reject(CRN_REJECT_RIG_RANGE);
 }
 
-/* A host that states a count as a thousandth of its true value would defeat every check of forces. The
- * bench's sensors have 1 mN per count; the present value may always be stated again. */
+/* A host that states a thousandth of the true value of a sensor's count would defeat every check of forces.
+ * The bench's sensors have 1 mN per count, and a host may always state this present value again. */
 static void the_force_sensors_scale_moves_by_a_quarter_without_the_local_unlock(void **state)
 {
     (void)state;
@@ -422,7 +424,7 @@ static void the_sensors_are_read_as_they_are(void **state)
     assert_int_equal(sensors.lines, CRN_WIRE_LINE_SUPPLY);
 }
 
-/* A separate app, since a sim hides its own; its messages are discarded. */
+/* The test uses an app of its own, because a sim hides its app; messages of this app are discarded. */
 static crn_app alone;
 static uint32_t frames_sent;
 
@@ -462,7 +464,7 @@ static void hear_hello(uint16_t sequence)
     hear(sequence, CRN_WIRE_TYPE_hello, writer.length, payload);
 }
 
-/* These orders come between the frames of the stream, of which none is counted as missing. */
+/* These HID requests come between the frames of the stream, and no frame is counted as missing. */
 static void orders_without_a_frame_take_power_away_and_do_nothing_else(void **state)
 {
     (void)state;

@@ -1,7 +1,8 @@
-/* Claims about a carriage that nobody holds. Its force disappears within 32 ms, it gets no faster than a hand
- * would make it, and a motor that accelerates it nevertheless loses its power. Neither a hand that throws it
- * nor one that moves it fast is mistaken for a motor. A cycle that the loop sustains in a hand ends, while a
- * tremor may continue. The test defines the bench's hand; its sensor reads the force that the hand holds. */
+/* These tests check claims about a carriage that nobody holds. The force on such a carriage disappears within
+ * 32 ms, and the carriage gets no faster than a hand would make it. A motor that accelerates it nevertheless
+ * loses its power. A hand that throws the carriage or moves it fast is not mistaken for a motor. A cycle that
+ * the control loop sustains in a hand is ended, while a tremor may continue. The test sets the force with
+ * which a hand holds the carriage, and the bench's force sensor reads this force. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -29,8 +30,8 @@ static void expect_running(void)
         fail_msg("ended by %s", crn_wire_fault_name(status.fault_code));
 }
 
-/* One edge at which the carriage moved by `um` and the hand holds `held_mN`; the bench adds the motor's force
- * to the sensor. */
+/* Runs one edge at which the carriage moved by `um` and the hand holds `held_mN`; the bench adds the motor's
+ * force to the sensor. */
 static void edge(int32_t um, int32_t held_mN)
 {
     b.rig.hands[0].translation_counts += um;
@@ -38,7 +39,8 @@ static void edge(int32_t um, int32_t held_mN)
     bench_tick(&b);
 }
 
-/* A wire in a seal of 2 N, and a hand that has pushed in by `um` against the coupling's 1 N/mm and holds. */
+/* Starts a session with a wire in a seal of 2 N, and a hand that has pushed in by `um` against the coupling's
+ * 1 N/mm and holds. */
 static void push_seal(int32_t um)
 {
     crn_wire_track track = client_plain_track();
@@ -53,9 +55,9 @@ static void push_seal(int32_t um)
     assert_in_range(motor_mN(), um - 100, um + 100);
 }
 
-/* No hand holds against 0.8 N, and friction keeps the carriage at rest. All of the force remains for a
- * moment, then less from tick to tick, until it is less than a hand feels. The force returns when a hand
- * returns. */
+/* No hand opposes the motor's 0.8 N, and friction keeps the carriage at rest. At first all of the force
+ * remains; then it falls from tick to tick until it is less than a hand can feel. The force returns when a
+ * hand returns. */
 static void a_force_that_nobody_holds_goes(void **state)
 {
     (void)state;
@@ -72,7 +74,7 @@ static void a_force_that_nobody_holds_goes(void **state)
     assert_in_range(motor_mN(), 700, 900);
 }
 
-/* A force of 0.8 N oscillates in a carriage that no hand holds: after 32 ms the oscillation is gone. */
+/* A force of 0.8 N oscillates on a carriage that no hand holds, and after 32 ms the oscillation is gone. */
 static void a_cycle_of_a_carriage_that_nobody_holds_ends(void **state)
 {
     (void)state;
@@ -87,8 +89,8 @@ static void a_cycle_of_a_carriage_that_nobody_holds_ends(void **state)
     assert_true(largest <= LOOSE_mN);
 }
 
-/* The carriage runs away from the wall along its motor's force: when it would reach 0.1 m/s in the next tick,
- * no unheld force is left. */
+/* The carriage runs away from the wall along its motor's force. When it would reach 0.1 m/s in the next tick,
+ * no force remains that a hand does not hold. */
 static void a_carriage_that_runs_along_its_force_loses_it(void **state)
 {
     (void)state;
@@ -102,8 +104,8 @@ static void a_carriage_that_runs_along_its_force_loses_it(void **state)
 
 /* --- causes of a stop --- */
 
-/* No hand touches the carriage. With 1.8 N on its motor it gets 20 to 40 mm/s faster from ms to ms, as if the
- * motor gave more than commanded. */
+/* No hand touches the carriage. With 1.8 N on its motor, the carriage gets 20 to 40 mm/s faster in each
+ * millisecond, as if the motor gave more force than commanded. */
 static void a_carriage_that_its_motor_drives_too_fast_takes_the_power(void **state)
 {
     (void)state;
@@ -120,7 +122,7 @@ static void a_carriage_that_its_motor_drives_too_fast_takes_the_power(void **sta
     assert_in_range(fast, 1, crn_wire_fault_safe_ms(CRN_FAULT_CODE_CARRIAGE_FAST) + 1);
 }
 
-/* A hand throws the carriage at 0.5 m/s against the coupling and has released it: the hand caused the
+/* A hand has thrown the carriage at 0.5 m/s against the coupling and released it, so the hand caused the
  * speed. */
 static void a_carriage_that_was_thrown_is_no_fault(void **state)
 {
@@ -131,8 +133,8 @@ static void a_carriage_that_was_thrown_is_no_fault(void **state)
     expect_running();
 }
 
-/* The hand moves in at 0.25 m/s against a seal that gives way at 0.3 N, and out at 0.5 m/s, with an
- * acceleration of 5 m/s^2, which takes 0.4 N for the carriage's 80 g. */
+/* The hand moves in at 0.25 m/s against a seal that gives way at 0.3 N, and out at 0.5 m/s. Its acceleration
+ * of 5 m/s^2 takes 0.4 N for the carriage's 80 g. */
 static void a_fast_hand_is_no_fault(void **state)
 {
     (void)state;
@@ -154,8 +156,8 @@ static void a_fast_hand_is_no_fault(void **state)
     expect_running();
 }
 
-/* The hand yields to a force that oscillates with it, like a hand that is shaken: 0.3 N, 20 Hz. Every
- * oscillation takes work from the motor. It ends within 0.2 s. */
+/* The hand yields to a force of 0.3 N that oscillates with it at 20 Hz, like a hand that is shaken. In each
+ * oscillation, the motor does work on the hand. It ends within 0.2 s. */
 static void a_cycle_that_the_loop_keeps_up_in_a_hand_takes_the_power(void **state)
 {
     (void)state;
@@ -173,7 +175,7 @@ static void a_cycle_that_the_loop_keeps_up_in_a_hand_takes_the_power(void **stat
     assert_in_range(ms, 50, 200);
 }
 
-/* A hand that trembles makes the same motion, but it supplies the work. */
+/* A hand that trembles makes the same motion, but the hand does the work. */
 static void a_tremor_goes_on(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
-/* Claims about the configuration of the tracks: which couplings a rig can render, given the gain of its
- * force, and what a host may state about a rig without a person at it. They are shown through bytes on the
- * sim port, whose rig was built with 1 um per count, 1 N s/m and 2 uN m s/rad of its own damping and no
+/* These tests check claims about the configuration of the tracks: which couplings a rig can render at a given
+ * force gain, and what a host may state about a rig without a person at the rig. The tests use bytes on the
+ * sim port, whose rig was built with 1 um per count, 1 N s/m and 2 uN m s/rad of its own damping, and no
  * lag. */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -26,7 +26,7 @@ enum {
     FIELD_COUPLING_ABOUT = 16,
 };
 
-/* A port with motors that sends and receives nothing. */
+/* Makes a port with motors that sends and receives nothing. */
 static bool swallow(void *context, const uint8_t *frame, size_t bytes)
 {
     (void)context;
@@ -76,8 +76,8 @@ static void expect_refused(const crn_wire_track *track, uint32_t field)
 
 /* --- couplings that a rig can render --- */
 
-/* b > G (K (T / 2 + t) + B): 1 N s/m just supports 800 N/m and 0.2 N s/m at 0.5 ms of lag. A gain of 2 makes
- * the hand feel 1,600 N/m, so only half of both is allowed. */
+/* By b > G (K (T / 2 + t) + B), a damping of 1 N s/m just supports 800 N/m and 0.2 N s/m at a lag of 0.5 ms.
+ * A gain of 2 makes the hand feel 1,600 N/m, so only half of both values is allowed. */
 static void a_gain_above_one_counts_as_stiffness_and_damping(void **state)
 {
     (void)state;
@@ -99,7 +99,8 @@ static void a_gain_above_one_counts_as_stiffness_and_damping(void **state)
     expect_refused(&track, FIELD_COUPLING_ALONG);
 }
 
-/* The tool pushes back less than the hand feels, but the coupling itself is as stiff as before. */
+/* With a gain below one, the tool pushes back less than with true force, but the coupling itself is as stiff
+ * as before. */
 static void a_gain_below_one_allows_nothing_stiffer(void **state)
 {
     (void)state;
@@ -127,7 +128,7 @@ static void a_gain_counts_about_the_line_too(void **state)
 
 /* --- who may state which values --- */
 
-/* Values of one field, which are stated one after the other with the local unlock open or closed. */
+/* Lists values of one field, which are stated one after the other with the local unlock open or closed. */
 typedef struct ask {
     uint32_t value;
     bool is_unlocked, is_taken;
@@ -160,8 +161,8 @@ static crn_wire_track soft_track(void)
     return track;
 }
 
-/* No user gets a force greater than the tool's without a person at the rig. Less is always allowed, and the
- * present value may be stated again. */
+/* Without a person at the rig, no user gets a force greater than that of the tool. A smaller value is always
+ * allowed, and the present value may be stated again. */
 static void a_gain_above_one_needs_the_local_unlock(void **state)
 {
     (void)state;
@@ -184,7 +185,7 @@ static void more_damping_than_was_built_needs_the_local_unlock(void **state)
         {2001, true, true}, {0, false, true});
 }
 
-/* A concealed lag does the same. The rig was built with 700 us. */
+/* A lag that the host conceals has the same effect. The rig was built with a lag of 700 us. */
 static void less_lag_than_was_built_needs_the_local_unlock(void **state)
 {
     (void)state;
@@ -212,8 +213,8 @@ static void less_lag_than_was_built_needs_the_local_unlock(void **state)
     }
 }
 
-/* The rule is that of the force sensor: a quarter up or down from the built value, and any value with the
- * unlock. Before this rule it could change by a factor of 5 x 10^5. */
+/* The rule is that of the force sensor: a host may change the scale by a quarter from the built value, and to
+ * any value with the unlock. Before this rule a host could change the scale by a factor of 5 x 10^5. */
 static void an_encoder_s_scale_moves_by_a_quarter_without_the_local_unlock(void **state)
 {
     (void)state;
@@ -228,8 +229,8 @@ static void an_encoder_s_scale_moves_by_a_quarter_without_the_local_unlock(void 
         {65536, false, true});
 }
 
-/* A host that states a count as a quarter more than its true value makes the coupling a quarter stiffer than
- * stated. */
+/* When a host states a quarter more travel per count than there is, the coupling becomes a quarter stiffer
+ * than stated. */
 static void a_larger_scale_counts_as_stiffness(void **state)
 {
     (void)state;
@@ -253,7 +254,7 @@ static void a_larger_scale_counts_as_stiffness(void **state)
     expect_taken(&track);
 }
 
-/* An encoder that is said to count in the opposite direction turns every spring into a push. */
+/* An encoder that is stated to count in the wrong direction turns every spring into a push. */
 static void the_sense_of_an_encoder_changes_only_with_the_local_unlock(void **state)
 {
     (void)state;
@@ -264,9 +265,9 @@ static void the_sense_of_an_encoder_changes_only_with_the_local_unlock(void **st
         {CRN_WIRE_OPTION_TRANSLATION_REVERSED, false, false});
 }
 
-/* A session in LOCKSTEP has its hands on the host, in counts of its own, and drives nothing. Values that a
- * person at the rig stated are still valid when the host returns the rig; values that only the host stated
- * are not valid for a coupling. */
+/* In LOCKSTEP the host provides the hands' positions, in its own counts, and no motor is driven. Values that
+ * a person at the rig stated are still valid when the host sends the rig's settings again. Values that only
+ * the host stated are not valid for a coupling. */
 static void a_track_without_a_coupling_may_have_any_scale(void **state)
 {
     (void)state;
@@ -288,7 +289,7 @@ static void a_track_without_a_coupling_may_have_any_scale(void **state)
     expect_taken(&rig);
 }
 
-/* The same table applies to every path; this is the one that HID uses. */
+/* The same table of rules applies to every path; this test uses the path of HID. */
 static void settings_without_frames_obey_the_same_table(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
-/* Claims about safety and continuation with several tools, shown through bytes on the sim port. Limits, slew
- * and faults are per tool, and snapshots hold all of them. In FREE_RUN neither a hand that moved while the
- * session was stopped nor a silent host does harm. */
+/* These tests check the claims about safety and continuation with several tools through bytes on the sim
+ * port. Limits, slew limits and faults are per tool, and snapshots hold all of them. In FREE_RUN, neither a
+ * hand that moved while the session was stopped nor a silent host does harm. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -97,7 +97,7 @@ static void start_three(void)
 
 /* --- safety --- */
 
-/* The second hand jumps by 6 mm: all tools stop, and the fault names tool and counts. */
+/* The second hand jumps by 6 mm: all tools stop, and the fault names the tool and the counts. */
 static void a_jump_of_one_hand_stops_all_and_names_it(void **state)
 {
     (void)state;
@@ -133,8 +133,8 @@ static void send_rig(const uint32_t *limits_mN, uint16_t count)
     client_rig(&host, tracks, count);
 }
 
-/* The third track requests more than it may have: the first two, which request less, keep their old
- * values. */
+/* The third track requests more than is allowed. The first two tracks, which request less, keep their old
+ * values all the same. */
 static void a_rig_is_taken_over_whole_or_not_at_all(void **state)
 {
     (void)state;
@@ -157,8 +157,8 @@ static bool grows_within(int32_t last, int32_t now, int32_t slew)
     return now <= (last > 0 ? last : 0) + slew && now >= (last < 0 ? last : 0) - slew;
 }
 
-/* All hands jerk at gain 4: every motor stays within its own limit and the slew in every tick, and more than
- * one moves. */
+/* All hands jerk at a gain of 4: every motor stays within its own limit and slew limit in every tick, and
+ * more than one motor moves. */
 static void motors_stay_within_their_own_limit_and_slew(void **state)
 {
     (void)state;
@@ -189,8 +189,9 @@ static void motors_stay_within_their_own_limit_and_slew(void **state)
 
 /* --- snapshots --- */
 
-/* Their hands hold three heavy tools (100 g/m) upright. Each weighs 0.25 N, so every motor is commanded to
- * give 1 N at gain 4, and a motor that lost its slew state needs 20 ticks to return. */
+/* Three heavy tools (100 g/m) are held upright by their hands. Each tool weighs 0.25 N, so every motor is
+ * commanded to give 1 N at a gain of 4. A motor that had lost its slew state would need 20 ticks to return to
+ * this force. */
 static void start_upright(uint16_t count)
 {
     static crn_wire_tools tools;
@@ -214,7 +215,7 @@ static void expect_weight(int32_t axial_mN)
     if (axial_mN < 800 || axial_mN > 1200) fail_msg("motor = %d mN, expected 981 +- 20 %%", axial_mN);
 }
 
-/* Every result of every tick, including the motors, is that of the uninterrupted session. */
+/* Every result of every tick, including the motors' forces, equals that of the uninterrupted session. */
 static void a_snapshot_of_three_tools_continues_bit_for_bit(void **state)
 {
     (void)state;
@@ -261,7 +262,7 @@ static void a_lockstep_session_goes_on_after_stop_as_if_it_had_not_stopped(void 
     assert_memory_equal(&last[0], &last[1], sizeof last[0]);
 }
 
-/* Hostile head fields of every tool, and a snapshot of fewer tools, are refused. */
+/* Damaged fields of every tool in the head, and a snapshot of fewer tools, are refused. */
 static void a_damaged_or_foreign_snapshot_leaves_the_state(void **state)
 {
     (void)state;
@@ -308,8 +309,8 @@ static void take_ticks(void)
     }
 }
 
-/* One hand was far from zero before the session began, and one moves while the session is stopped: neither is
- * a jump, and neither moves the tool. */
+/* One hand was far from zero before the session began, and another one moves while the session is stopped.
+ * Neither counts as a jump, and neither moves its tool. */
 static void what_hands_do_while_stopped_is_no_motion(void **state)
 {
     (void)state;
@@ -335,9 +336,9 @@ static void what_hands_do_while_stopped_is_no_motion(void **state)
     expect_inserted(CATHETER, 50, 0.05);
 }
 
-/* The motor holds the weight of an upright wire. When the host falls silent, the force fades to nothing (30
- * ticks of patience, 20 of fading). The force stays at zero although the weight remains, and returns with the
- * next frame. */
+/* The motor holds the weight of a wire that stands upright. When the host falls silent, the force fades to
+ * nothing, after 30 ticks without effect and 20 ticks of fading. The force stays at zero although the weight
+ * remains, and returns with the host's next frame. */
 static void forces_fade_when_the_host_is_silent_and_come_back(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
-/* Claims about the device's unsolicited messages. FREE_RUN loses a picture rather than a tick and reports the
- * loss. Notices report what happened at which tick, a STOP acts at its tick, and the ticks of FREE_RUN replay
- * in LOCKSTEP bit for bit. */
+/* These tests check claims about the device's unsolicited messages. When the pipe is full, FREE_RUN loses a
+ * picture rather than a tick, and reports the loss. Notices report what happened at which tick, a STOP takes
+ * effect at its tick, and the ticks of FREE_RUN replay in LOCKSTEP bit for bit. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -17,7 +17,8 @@ static client *const host = &b.host;
 
 /* --- stream --- */
 
-/* The pipe has room for little more than the ticks: pictures are dropped and counted, and no tick is. */
+/* The pipe has space for little more than the ticks: pictures are dropped and counted, but no tick is
+ * dropped. */
 static void a_slow_host_loses_pictures_and_no_tick(void **state)
 {
     (void)state;
@@ -52,8 +53,8 @@ static void a_slow_host_loses_pictures_and_no_tick(void **state)
     assert_int_equal(status.ticks_lost, 0);
 }
 
-/* The host does not read for a second, then it reads: 256 ticks were kept, the gap is reported, and the rest
- * is in order. */
+/* The host does not read for a second, then it reads again: 256 ticks were kept, the gap is reported, and the
+ * rest is in order. */
 static void ticks_that_nobody_takes_are_counted_as_lost(void **state)
 {
     (void)state;

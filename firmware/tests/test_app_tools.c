@@ -1,5 +1,6 @@
-/* Claims about several tools on one line, shown through bytes on the sim port: each hand moves its own tool,
- * set-up succeeds or fails as a whole and names the tool at fault, and the wall's forces come on request. */
+/* These tests check the claims about several tools on one line through bytes on the sim port. Each hand moves
+ * its own tool, and set-up succeeds or fails as a whole and names the tool at fault. The wall's forces are
+ * sent on request. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -100,8 +101,8 @@ static void start_three(void)
 /* --- motion --- */
 
 /* The wire is pushed by 30 mm and the catheter by 10 mm, while the guiding catheter is pulled back by 10 mm.
- * In free space each follows its own hand; 0.3 mm is the allowance for friction between them and for the
- * hands' coupling. */
+ * In free space each tool follows its own hand; 0.3 mm is the allowance for friction between the tools and
+ * for the hands' coupling. */
 static void each_hand_moves_its_own_tool(void **state)
 {
     (void)state;
@@ -166,7 +167,7 @@ static void tools_that_do_not_nest_are_refused_by_name_and_leave_the_old_ones(vo
     assert_int_equal(ticks.states[0].tools_count, TOOLS);
 }
 
-/* One wrong value anywhere refuses the whole set and names the tool and the knot. */
+/* One wrong value in any place causes the refusal of the whole set, which names the tool and the knot. */
 static void a_wrong_value_names_its_tool_and_knot(void **state)
 {
     (void)state;
@@ -270,7 +271,7 @@ static void read_contacts(crn_wire_contacts *contacts)
     assert_true(crn_wire_decode_contacts(host.decoder.payload, host.decoder.payload_bytes, contacts));
 }
 
-/* A tube of 2 mm around the x axis as a scene, and the entry at its beginning. */
+/* Makes a scene of a tube of 2 mm around the x axis, and the entry at the tube's beginning. */
 static void send_tube(void)
 {
     static uint8_t file[1 << 20], section[1 << 20];
@@ -299,9 +300,9 @@ static void send_tube(void)
     assert_true(client_load_scene(&host, file, (uint32_t)bytes));
 }
 
-/* A straight wire lies on the floor of a horizontal tube. In sum the wall carries its weight outside the
- * inserter, less the part that the inserter carries. Every force points up, and their number is the one that
- * the tick reports. */
+/* A straight wire lies on the floor of a horizontal tube. In sum, the wall supports the weight outside the
+ * introducer sheath, less the part that the sheath supports. Every force on the wire points up, and the
+ * number of forces is the one that the tick reports. */
 static void contact_forces_carry_the_weight(void **state)
 {
     (void)state;

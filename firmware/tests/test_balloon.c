@@ -1,7 +1,7 @@
-/* Claims about a balloon on a tool (docs/balloon.md). It follows its maker's table where nothing confines it.
- * It fills a rigid vessel narrower than itself, presses on it with pressure times area, and holds by
- * friction. It leaves no trace when it is deflated, and it bursts above its limit. They are shown against
- * closed forms. */
+/* These tests check claims about a balloon on a tool (docs/balloon.md). The balloon follows its maker's table
+ * where nothing confines it. In a rigid vessel narrower than itself, the balloon fills the vessel, presses on
+ * the wall with pressure times area, and holds by friction. The balloon leaves no trace when it is deflated,
+ * and it bursts above its limit. The tests compare the results with closed forms. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -29,7 +29,7 @@ typedef struct rig {
     reference_tube *tube;
 } rig;
 
-/* Makes a balloon catheter of 0.9 mm, balloon 3.0 x 18 mm at 8 bar, 6 mm behind its tip. */
+/* Makes a balloon catheter of 0.9 mm with a balloon of 3.0 x 18 mm at 8 bar, 6 mm behind its tip. */
 static crn_instrument balloon_catheter(void)
 {
     crn_instrument tool = reference_wire(2e-5, 600000, 4000, friction);
@@ -95,7 +95,8 @@ static double diameter_mm(int32_t radius_m_q30)
     return 2e3 * radius_m_q30 / Q30;
 }
 
-/* Bar: 2 %. The table is linear between its points. Below its first pressure the balloon is still unfolding.
+/* Bar: 2 %. The balloon's table is linear between its points. Below the first pressure of its table the
+ * balloon is still unfolding.
  */
 static void a_free_balloon_has_the_diameter_of_its_table(void **state)
 {
@@ -114,8 +115,9 @@ static void a_free_balloon_has_the_diameter_of_its_table(void **state)
     rig_free(r);
 }
 
-/* Bars: 0.1 mm, and 5 % of pressure times the area covered, 2 pi r 18 mm. The vessel is narrower than the
- * unfolded balloon, so the balloon's own wall bears nothing. */
+/* The tolerances are 0.1 mm for the diameter, and 5 % of pressure times the covered area, 2 pi r 18 mm, for
+ * the wall force. The vessel is narrower than the unfolded balloon, so the balloon's own wall supports no
+ * pressure. */
 static void in_a_rigid_tube_it_fills_the_bore_and_presses_with_pressure_times_area(void **state)
 {
     (void)state;
@@ -135,8 +137,8 @@ static void in_a_rigid_tube_it_fills_the_bore_and_presses_with_pressure_times_ar
     }
 }
 
-/* When it is pulled at 5 mm/s it slips once the hand bears friction times wall force; no other part of the
- * catheter presses hard. */
+/* When the catheter is pulled at 5 mm/s, it slips once the hand's force reaches friction times wall force; no
+ * other part of the catheter presses hard. */
 static void an_inflated_balloon_is_held_by_friction_times_wall_force(void **state)
 {
     (void)state;
@@ -162,7 +164,7 @@ static void an_inflated_balloon_is_held_by_friction_times_wall_force(void **stat
     rig_free(r);
 }
 
-/* The largest force at the hands, and the worst length error, since the last call. */
+/* Holds the largest force at the hands and the worst length error since the last call. */
 typedef struct worst {
     double hand_N, length_pct, aside_mm;
 } worst;
@@ -174,7 +176,7 @@ static void look(const rig *r, uint32_t tools, worst *w)
     w->length_pct = fmax(w->length_pct, 100 * fabs(r->output.strain_max_q30 / Q30));
 }
 
-/* Makes a patient's sheath: neither at the origin nor on a line through it. */
+/* Makes a sheath as in a patient, neither at the origin nor on a line through the origin. */
 static crn_entry entry_of_a_patient(void)
 {
     const crn_entry entry = {{{(int32_t)(-0.08 * Q30), (int32_t)(-0.3 * Q30), (int32_t)(0.04 * Q30)}},
@@ -182,7 +184,7 @@ static crn_entry entry_of_a_patient(void)
     return entry;
 }
 
-/* Largest distance of a free node from the sheath's axis. */
+/* Returns the largest distance of a free node from the sheath's axis. */
 static double aside_mm(const rig *r)
 {
     double most = 0;
@@ -196,10 +198,11 @@ static double aside_mm(const rig *r)
     return most;
 }
 
-/* In free space nothing can press, so the hand feels only the weight. A ball that leaves the sheath or
- * another tool begins on the line there. In an earlier version it began at the origin of the patient frame,
- * some 300 mm away, and was tied to it by 2 N/mm. This gave 512 N at the hand, 9.5 % of length error and 3.5
- * mm in the wall of the shipped scene. The bars are a few times the printed values. */
+/* In free space nothing presses on the balloon, so the hand feels only the weight. A ball of the balloon that
+ * leaves the sheath or another tool begins on the line at that place. In an earlier version such a ball began
+ * at the origin of the patient frame, some 300 mm away, and was tied to the line by 2 N/mm. This error gave
+ * 512 N at the hand, 9.5 % of length error, and a depth of 3.5 mm in the wall of the shipped scene. The
+ * limits in this test are a few times the printed values. */
 static void an_inflated_balloon_comes_out_of_sheath_and_guide_without_a_jolt(void **state)
 {
     (void)state;
@@ -238,9 +241,9 @@ static void an_inflated_balloon_comes_out_of_sheath_and_guide_without_a_jolt(voi
     }
 }
 
-/* 20 bar in a bore of 1.2 mm hold 36 N at mu 0.1, more than any hand. Pushed and pulled at 250 mm/s the tool
- * stalls and slips through the hand (docs/rod.md, "Feed"), and no value leaves its range. Bar: 30 N, which a
- * hand's grip can bear. */
+/* At 20 bar in a bore of 1.2 mm the balloon holds 36 N at a friction of 0.1, more than any hand. When the
+ * tool is pushed and pulled at 250 mm/s, it stalls and slips through the hand (docs/rod.md, "Feed"), and no
+ * value leaves its range. The limit is 30 N, which a hand's grip can withstand. */
 static void a_balloon_that_holds_harder_than_a_hand_yields_in_the_hand(void **state)
 {
     (void)state;
@@ -261,8 +264,9 @@ static void a_balloon_that_holds_harder_than_a_hand_yields_in_the_hand(void **st
     rig_free(r);
 }
 
-/* Bar 2 for an elastic vessel: the words of the balloon are equal exactly, the nodes within 1 um. The
- * friction that remains of the first inflations is there before the count begins. */
+/* In an elastic vessel, this test also requires that the words of the balloon are equal exactly, and the
+ * nodes within 1 um. The first five inflations are not counted, because they leave some friction that later
+ * ones do not change. */
 static void two_hundred_inflations_leave_nothing_behind(void **state)
 {
     (void)state;
@@ -291,8 +295,8 @@ static void two_hundred_inflations_leave_nothing_behind(void **state)
     rig_free(r);
 }
 
-/* The vessel is narrowed about 105 mm, where the balloon's middle is with the tip at 120 mm. The lumen is
- * kept, because making it takes long. */
+/* The vessel is narrowed at 105 mm, where the balloon's middle lies when the tip is at 120 mm. The lumen is
+ * kept for all tests, because making it takes long. */
 static rig *rig_in_stenosis(uint32_t inserted_um)
 {
     static reference_tube *tube;
@@ -330,7 +334,8 @@ static void across_a_hard_stenosis_it_takes_the_shape_of_a_dog_bone(void **state
     free(r);
 }
 
-/* Only its distal end is in the stenosis: the taper's slope, up to 0.18, exceeds what friction holds, 0.1. */
+/* Only the balloon's distal end is in the stenosis. The slope of the taper, up to 0.18, exceeds what friction
+ * holds, which is 0.1. */
 static void badly_placed_it_is_squeezed_out(void **state)
 {
     (void)state;

@@ -1,7 +1,7 @@
-/* Tests the USB controller driver of the real board (firmware/port/imxrt1062/usb_udc.c), which nobody has run
- * on hardware, on a model of the controller (board_usb_model.h). Claims: a host on the bus sees exactly what
- * the stack requests, packet by packet, and the host's actions arrive as the events of firmware/port/udc.h. A
- * model cannot show what the chip's manual does not state. */
+/* This program tests the USB controller driver of the real board (firmware/port/imxrt1062/usb_udc.c) on a
+ * model of the controller (board_usb_model.h). Nobody has run this driver on hardware. The claims are: a host
+ * on the bus sees exactly what the stack requests, packet by packet, and the host's actions arrive as the
+ * events of firmware/port/udc.h. The model cannot show anything that the chip's manual does not state. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -23,7 +23,7 @@ static bool poll(void)
     return udc->poll(udc->context, &event);
 }
 
-/* Puts a controller on the bus with power, after a reset at high speed. */
+/* Puts a powered controller on the bus, after a reset at high speed. */
 static void begin(void)
 {
     memset(&model, 0xa5, sizeof model); /* contents from before the reset have no meaning */
@@ -58,7 +58,7 @@ static uint8_t pattern(uint32_t i)
     return (uint8_t)(i * 167 + i / 251);
 }
 
-/* The buffer begins anywhere in a page. */
+/* The buffer of the transfer begins at any place in a page. */
 static _Alignas(4096) uint8_t area[TRANSFER_BYTES_MAX + 2 * PAGE_BYTES];
 static uint8_t packet[1024];
 static uint32_t count;
@@ -101,7 +101,7 @@ static void a_reset_voids_everything_and_tells_the_speed(void **state)
     }
 }
 
-/* The loop was busy during a whole reset. */
+/* The main loop was busy during a whole reset of the bus. */
 static void a_reset_that_is_seen_late_is_one_reset(void **state)
 {
     (void)state;
@@ -161,7 +161,8 @@ static void a_setup_packet_comes_whole_and_voids_endpoint_0(void **state)
     assert_false(poll());
 }
 
-/* The bytes must be those of one packet: here the second packet comes when the first has been read. */
+/* The bytes of a setup packet must be those of one packet; here the second packet comes while the first is
+ * being read. */
 static void a_setup_packet_that_another_overtakes_is_not_mixed_with_it(void **state)
 {
     (void)state;
@@ -171,7 +172,8 @@ static void a_setup_packet_that_another_overtakes_is_not_mixed_with_it(void **st
     model.next_setup = second;
     assert_true(poll());
     assert_memory_equal(event.setup, second, 8);
-    /* A transfer armed for an earlier packet is never sent; the last packet is reported. */
+    /* A transfer that was armed for an earlier setup packet is never sent, and the last setup packet is
+     * reported. */
     udc->arm(udc->context, 0x80, area, 18);
     assert_int_equal(host_in(0, packet, &count), HOST_NAKED);
     assert_true(poll());
@@ -199,8 +201,8 @@ static void a_stall_of_endpoint_0_ends_with_the_next_setup_packet(void **state)
 }
 
 /* --- transfers ------------------------------------------------------------------------------------------ */
-/* Every byte arrives, for every length and from every place in a page, in packets of 512 and a short or full
- * last one. */
+/* Every byte arrives, for every length and from every place in a page, in packets of 512 bytes and a last
+ * packet that is short or full. */
 static void bytes_leave_as_they_lie_in_memory(void **state)
 {
     (void)state;
@@ -269,7 +271,7 @@ static void endpoints_end_in_one_poll_each_and_none_is_lost(void **state)
     assert_int_equal(seen, bit_of(2) | bit_of(0x82) | bit_of(0x81));
 }
 
-/* A transfer that the bus disturbed is started again; one with more bytes than requested is refused
+/* A transfer that the bus disturbed is started again; a transfer with more bytes than requested is refused
  * permanently. */
 static void a_broken_transfer_is_repeated_and_a_longer_one_stalls(void **state)
 {
@@ -314,8 +316,8 @@ static void an_endpoint_that_is_opened_begins_afresh(void **state)
     assert_int_equal(host_in(2, packet, &count), HOST_SILENT);
 }
 
-/* If a number is used in one direction only, the other direction must not be of type control (the manual's
- * note to ENDPTCTRL). */
+/* If an endpoint number is used in one direction only, the other direction must not be of type control (the
+ * manual's note to ENDPTCTRL). */
 static void no_half_of_an_endpoint_is_left_a_control_one(void **state)
 {
     (void)state;

@@ -1,7 +1,7 @@
-/* Claims about the closed loop of hand, rig, coupling and rod (docs/haptics.md). In the five contact
- * situations a hand approaches, holds and leaves, firmly or loosely. No limit cycle above 0.05 N, no fault,
- * and no energy beyond the observer's bound occurs. The plant is firmware/tests/reference/haptic_rig.c; its
- * motor lags, its encoder has steps and jitter. */
+/* These tests check claims about the closed loop of hand, rig, coupling and rod (docs/haptics.md). In each of
+ * the five contact situations a hand approaches, holds and leaves, firmly or loosely. There is no limit cycle
+ * above 0.05 N, no fault, and no energy beyond the observer's bound. The plant is
+ * firmware/tests/reference/haptic_rig.c; its motor lags, its encoder has steps and jitter. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -167,9 +167,9 @@ static void a_buckled_wire_in_the_aorta_is_quiet(void **state)
     check_both(4);
 }
 
-/* The control case: twice the stiffness, which is accepted because the rig's damping was stated wrongly,
- * oscillates at the end wall in a loose hand. Either the sustained cycle in the hand or the measured force
- * reveals it, and the power is off. */
+/* The control case is a coupling of twice the stiffness, which is accepted because the rig's damping was
+ * stated wrongly. It oscillates at the end wall in a loose hand. Either the sustained cycle in the hand or
+ * the measured force reveals the oscillation, and the power is removed. */
 static void twice_the_allowed_stiffness_shakes_and_ends_safe(void **state)
 {
     (void)state;
@@ -192,7 +192,7 @@ static void twice_the_allowed_stiffness_shakes_and_ends_safe(void **state)
     reference_tube_free(tube);
 }
 
-/* No hand holds the handle: the remaining force moves the carriage, and it comes to rest. */
+/* No hand holds the handle: the remaining force moves the carriage, which then comes to rest. */
 static void a_hand_that_lets_go_leaves_a_rig_at_rest(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
-/* Claims about the forces that the haptics ask for, shown from positions and forces alone, without a rod, a
- * scene or the wire: limits and slew of force and torque, the fade of a silent host, the coupling's slip,
- * passivity, and encoder jumps. */
+/* These tests check claims about the forces that the haptics request, from positions and forces alone,
+ * without a rod, a scene or the wire protocol. They cover limits and slew limits of force and torque, the
+ * fade at a silent host, the coupling's slip, passivity, and encoder jumps. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -35,7 +35,8 @@ static void begin(uint32_t stiffness_N_per_m, uint32_t seal_mN)
     crn_haptics_reset(&haptics);
 }
 
-/* One tick in which the tool does not move; the core is asked to bring it to what this returns. */
+/* Computes one tick in which the tool does not move; returns the position to which the core would have to
+ * move the tool. */
 static crn_hand_position tick(void)
 {
     crn_hand_position followed[CRN_PORT_TOOL_MAX];
@@ -127,8 +128,8 @@ static void a_coupling_takes_hand_and_tool_as_they_are_and_gives_no_force(void *
     }
 }
 
-/* 1 N/mm times 2 mm are 2 N; the tool follows by at most 0.48 mm a tick, and the core's feed by four times
- * that. */
+/* The force is 1 N/mm times 2 mm = 2 N. The tool follows by at most 0.48 mm a tick, so the core's feed is
+ * four times that. */
 static void a_lead_of_the_hand_is_a_force_on_it_and_a_step_of_the_tool(void **state)
 {
     (void)state;
@@ -141,7 +142,7 @@ static void a_lead_of_the_hand_is_a_force_on_it_and_a_step_of_the_tool(void **st
     assert_in_range(force(), 1999, 2001);
 }
 
-/* 1 000 uN m/rad times 1 rad. */
+/* The torque is 1 000 uN m/rad times 1 rad. */
 static void a_lead_about_the_line_is_a_torque(void **state)
 {
     (void)state;
@@ -167,7 +168,8 @@ static void within_the_friction_the_tool_does_not_move(void **state)
     assert_true(tick().feed_m_q30 > 0);
 }
 
-/* 8 N are reached after 8 mm; then the hand slips, and coming back it meets less force at once. */
+/* The force reaches 8 N after 8 mm; then the hand slips, and when the hand comes back the force is smaller at
+ * once. */
 static void a_hand_slips_beyond_the_force_limit(void **state)
 {
     (void)state;
@@ -185,8 +187,8 @@ static void a_hand_slips_beyond_the_force_limit(void **state)
 
 /* --- passivity --- */
 
-/* The tool runs away from a hand that follows it and is pushed: 2 mJ per tick. More than 10 mJ is a finding
- * in every tick, and 32 ticks later no force is left. */
+/* The tool moves outwards and pushes the hand, which yields at the same speed, so the hand receives 2 mJ per
+ * tick. More than 10 mJ is reported as a finding in every tick, and 32 ticks later no force is left. */
 static void a_force_that_gives_energy_is_reported_and_reduced_to_nothing(void **state)
 {
     (void)state;
@@ -272,7 +274,7 @@ static void expect_jump(int32_t translation_counts, int32_t rotation_counts, crn
     assert_memory_equal(&hands, &before, sizeof hands);
 }
 
-/* 5 mm and a quarter turn in one tick are the borders. */
+/* The borders of a plausible reading are 5 mm and a quarter turn in one tick. */
 static void a_jump_of_one_encoder_is_found_and_no_hand_moves(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
-/* Claims: an edge keeps its length while it turns fast, both when a folded line slides along itself and in
- * the deviation that the solve finds. They are shown by the distances of the nodes. See docs/rod.md, "Turning
- * edges". */
+/* These tests check that an edge keeps its length while it turns fast, both when a folded line slides along
+ * itself and in the deviation that the solve finds. The claims are shown by the distances of the nodes. See
+ * docs/rod.md, "Turning edges". */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -16,8 +16,8 @@
 static const double Q30 = 1073741824.0, Q33 = 8589934592.0;
 enum { FOLD_AT = 5 };
 
-/* Makes a wire in elements of 1 mm in free space. It is straight along +x except for its first five elements,
- * which point `angle_rad` away from it. */
+/* Makes a wire in elements of 1 mm in free space. The wire is straight along +x except for its first five
+ * elements, which point `angle_rad` away from +x. */
 static rig *folded_rig(double angle_rad)
 {
     crn_instrument wire = reference_wire(1e-5, 300000, 1000, 0);
@@ -37,7 +37,7 @@ static rig *folded_rig(double angle_rad)
     return r;
 }
 
-/* Length of edge i between predicted places, plus the deviation of the solve. */
+/* Returns the length of edge i between predicted places, plus the deviation of the solve. */
 static double length_m(const rig *r, int i, bool has_solved)
 {
     double square = 0;
@@ -60,8 +60,9 @@ static double worst_length_error(const rig *r, int edges, bool has_solved)
     return worst;
 }
 
-/* The line is drawn back and pushed by 0.25 mm a tick, as by a hand at 250 mm/s. Tolerance: 12 ppm; 4 are
- * measured. A slide along the mean of two tangents alone makes it 12 % at a right angle. */
+/* The line is drawn back and pushed by 0.25 mm a tick, as by a hand at 250 mm/s. The tolerance of the edges'
+ * length is 12 ppm, and 4 ppm are measured. With a slide along the mean of two tangents alone, the error is
+ * 12 % at a right angle. */
 static void a_fold_that_is_drawn_along_keeps_its_edges(void **context)
 {
     (void)context;
@@ -77,9 +78,9 @@ static void a_fold_that_is_drawn_along_keeps_its_edges(void **context)
     }
 }
 
-/* The corner of a right angle, fed by 10 um a tick, moves as far along both its edges as their other ends do.
- * Tolerance 0.1 um: the square of the feed over an edge. With the mean of two tangents it moves half as
- * far. */
+/* The corner of a right angle, fed by 10 um a tick, moves as far along both of its edges as the other ends of
+ * these edges move. The tolerance is 0.1 um, the square of the feed divided by the length of an edge. With a
+ * slide along the mean of two tangents the corner moves half as far. */
 static void the_corner_of_a_fold_goes_as_far_along_both_edges(void **context)
 {
     (void)context;
@@ -93,8 +94,9 @@ static void the_corner_of_a_fold_goes_as_far_along_both_edges(void **context)
     free(r);
 }
 
-/* The solve swings the first two edges aside by 0.25 rad. Tolerance: 0.4 %; 0.14 remain from the fourth
- * power. Without the correction each edge is 3.1 % longer. */
+/* In this test the solve rotates the first two edges by 0.25 rad to the side. The tolerance of the length is
+ * 0.4 %; an error of 0.14 % remains from the fourth power of the angle. Without the correction each edge is
+ * 3.1 % longer. */
 static void edges_that_the_solve_swings_keep_their_length(void **context)
 {
     (void)context;
@@ -112,7 +114,7 @@ static void edges_that_the_solve_swings_keep_their_length(void **context)
     free(r);
 }
 
-/* Makes a rig whose solve has moved every second node aside by this displacement. */
+/* Makes a rig in which the solve has moved every second node aside by this displacement. */
 static rig *shaken_rig(double way_m)
 {
     rig *r = folded_rig(0);
@@ -124,8 +126,8 @@ static rig *shaken_rig(double way_m)
     return r;
 }
 
-/* Where no edge of 1 mm turns by more than 0.06 rad, the solve's nodes are unchanged to the last bit, and
- * nothing is counted as taken back. */
+/* Where no edge of 1 mm turns by more than 0.06 rad, the solve's nodes are unchanged to the last bit, and no
+ * length is counted as taken back. */
 static void a_small_deviation_is_left_as_it_is(void **context)
 {
     (void)context;
@@ -143,8 +145,8 @@ static void a_small_deviation_is_left_as_it_is(void **context)
     free(r);
 }
 
-/* Beyond a right angle the limits of rod_length.c leave a remainder. Tolerances: three times the remainder,
- * which is 0.23 % at 120 degrees and 1.4 % at 150. */
+/* Beyond a right angle the limits of rod_length.c leave a remaining error of the length. The tolerances are
+ * three times this error, which is 0.23 % at 120 degrees and 1.4 % at 150 degrees. */
 static void a_sharp_fold_keeps_its_edges_nearly(void **context)
 {
     (void)context;

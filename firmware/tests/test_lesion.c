@@ -1,7 +1,8 @@
-/* Claims about lesions (docs/lesions.md). A fully opened lesion is the healthy vessel, a partly opened one
- * lies in between, and its normals are those of its distances. A balloon opens it by its pressure on the
- * wall. It recoils by its recoil share, completely where it is elastic, and a scaffold holds it. They are
- * shown against the closed form of a stenosis in a straight tube. */
+/* Claims about lesions (docs/lesions.md). A fully opened lesion equals the healthy vessel, a partly opened
+ * one lies in between, and the normals of its wall match its distances. A balloon opens a lesion by its
+ * pressure on the wall. The lesion recoils by its recoil share, completely where it is elastic, and a
+ * scaffold holds it open. The tests compare the results with the closed form of a stenosis in a straight
+ * tube. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -45,8 +46,8 @@ static double channel_m(double x_m)
     return fabs(u) > 0.5 ? healthy_m : healthy_m - (healthy_m - throat_m) * 0.5 * (1 + cos(2 * pi * u));
 }
 
-/* A soft lesion: it begins to open at 2 bar and is completely open with 2 more. With a `recoil` of 1 it
- * recoils completely. */
+/* Describes a soft lesion, which begins to open at 2 bar and is completely open at 2 bar more. With a
+ * `recoil` of 1 the lesion recoils completely. */
 static void describe(rig *r, double yield_kPa, double recoil)
 {
     for (int i = 0; i < STATIONS; i++) {
@@ -123,7 +124,7 @@ static double open_at(const rig *r, uint32_t station)
     return crn_state_open(&r->state, 0, station) / Q30;
 }
 
-/* All stations are open to the same share. */
+/* Makes a state in which all stations are open to the same share. */
 static crn_lesion_state opened(double share)
 {
     crn_lesion_state lesions = {.bits = 1};
@@ -146,7 +147,7 @@ static double distance_mm(const rig *r, const crn_lesion_state *lesions, crn_vec
 }
 
 /* The distance is checked on the expected wall. The tolerance is 0.02 mm, the error of the field of the
- * narrow channel (docs/lesions.md), times the factor of widening. */
+ * narrow channel (docs/lesions.md), times the factor by which the lesion is widened. */
 static void open_by_a_share_its_radius_is_between_channel_and_vessel(void **state)
 {
     (void)state;
@@ -169,8 +170,8 @@ static void open_by_a_share_its_radius_is_between_channel_and_vessel(void **stat
     free(r);
 }
 
-/* Finite differences over 0.02 mm, near the wall, where contact takes place: the distance's gradient is the
- * normal within 4 degrees. The map between stations is linear and has edges at them. */
+/* The gradient of the distance, by finite differences over 0.02 mm near the wall, where contact takes place,
+ * equals the normal within 4 degrees. The map between stations is linear and has kinks at the stations. */
 static void normals_are_those_of_the_distance(void **state)
 {
     (void)state;
@@ -201,8 +202,8 @@ static void normals_are_those_of_the_distance(void **state)
     free(r);
 }
 
-/* In a vessel that beats, a point on the open wall in the reference pose lies on it in the world, wherever
- * the wall has moved. */
+/* In a vessel that beats, a point on the open wall in the reference pose also lies on the wall in world
+ * coordinates, wherever the wall has moved. */
 static void an_open_lesion_goes_with_a_beating_vessel(void **state)
 {
     (void)state;
@@ -251,8 +252,8 @@ static void closed_it_is_the_lumen_as_described(void **state)
     free(r);
 }
 
-/* The balloon is as wide as the vessel at 8 bar. Its pressure is more than the lesion bears, so it opens;
- * after deflation, 30 % of the opening recoils. */
+/* The balloon is as wide as the vessel at 8 bar. The pressure is higher than the lesion withstands, so the
+ * lesion opens; after deflation, 30 % of the opening recoils. */
 static void a_balloon_opens_a_soft_lesion_which_keeps_its_plastic_share(void **state)
 {
     (void)state;
@@ -270,7 +271,7 @@ static void a_balloon_opens_a_soft_lesion_which_keeps_its_plastic_share(void **s
     free(r);
 }
 
-/* At 8 bar the lesion leaves a waist in the balloon; at 14 it gives way. */
+/* At 8 bar the lesion leaves a waist in the balloon; at 14 bar the lesion gives way. */
 static void a_hard_lesion_leaves_a_waist_until_its_yield(void **state)
 {
     (void)state;
@@ -285,8 +286,8 @@ static void a_hard_lesion_leaves_a_waist_until_its_yield(void **state)
     free(r);
 }
 
-/* A balloon of 2 mm comes to rest where its own wall bears the pressure that the lesion does not: the lesion
- * opens no farther than the balloon. */
+/* A balloon of 2 mm stops growing where its own wall takes the part of the pressure that the lesion does not.
+ * The lesion opens no farther than the balloon. */
 static void a_balloon_too_small_opens_no_farther_than_itself(void **state)
 {
     (void)state;
@@ -306,8 +307,8 @@ static void a_balloon_too_small_opens_no_farther_than_itself(void **state)
     free(r);
 }
 
-/* Bar 2: the words of an elastic lesion return exactly after every inflation, the nodes within 1 um; a
- * plastic one has its residual opening from the first inflation on. */
+/* This test also requires that the words of an elastic lesion return exactly after every inflation, and the
+ * nodes within 1 um. A plastic lesion has its residual opening from the first inflation on. */
 static void inflations(int count, double recoil, bool is_elastic)
 {
     rig *r = rig_make(200, recoil);
@@ -353,8 +354,8 @@ static void two_hundred_inflations_leave_a_plastic_lesion_at_its_residual(void *
     inflations(REFERENCE_RUN(200), 0.3, false);
 }
 
-/* The host orders a scaffold: its stations stay open to the ordered extent once the balloon is deflated; an
- * order for stations that do not exist does nothing. */
+/* When the host orders a scaffold, its stations stay open to the ordered extent once the balloon is deflated.
+ * An order for stations that do not exist has no effect. */
 static void a_scaffold_holds_its_stations(void **state)
 {
     (void)state;

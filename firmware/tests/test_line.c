@@ -1,6 +1,7 @@
-/* Claims about the sum of the tools on the line. It is the series average of their compliances wherever a tip
- * lies in a cell. A tool's twist is its own, whichever tool's tip is near. Tools whose shape, twist or mass
- * do not fit the line's cells are refused by name. */
+/* These tests check claims about the sum of the tools on the line. The stiffness of a cell is the series
+ * average of the tools' compliances wherever a tip lies in the cell. A tool's twist stiffness is its own,
+ * whichever tool's tip is near. Tools whose shape, twist stiffness or mass does not fit the line's cells are
+ * refused by name. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -40,8 +41,9 @@ static crn_build_status build(rig *r, const crn_instrument *tools, uint32_t coun
     return crn_model_build(&r->model, tools, count, NULL, &entry, place);
 }
 
-/* Two uniform tools; the tip of the outer one is at 101 places of one cell. 1/W = (cell - part) / EI + part /
- * (EI + EI'); the tolerance is 1/1000, for the rounding of the reciprocals and of the cell. */
+/* There are two uniform tools, and the tip of the outer one is at 101 places of one cell. The expected value
+ * is 1/W = (cell - part) / EI + part / (EI + EI'). The tolerance is 1/1000, for the rounding of the
+ * reciprocals and of the cell. */
 static void check_divided_cell(double inner_N_m2, double outer_N_m2, uint32_t element_um)
 {
     rig *r = calloc(1, sizeof *r);
@@ -79,8 +81,8 @@ static void a_tip_anywhere_in_a_cell_gives_the_series_average(void **context)
     check_divided_cell(5e-6, 5e-4, 1000);
 }
 
-/* A wire whose twist stiffness grows 500 times over 300 mm keeps it at the catheter's tip: GJ(arc) / cell.
- * The tolerance of 2 % is the taper over one cell. */
+/* The twist stiffness of a wire grows 500 times over 300 mm, and keeps its value GJ(arc) / cell at the
+ * catheter's tip. The tolerance of 2 % is the taper over one cell. */
 static void a_catheters_tip_leaves_the_wires_twist_stiffness(void **context)
 {
     (void)context;
@@ -122,7 +124,8 @@ static void check_refused(const crn_instrument *tools, uint32_t count, crn_build
     free(r);
 }
 
-/* Elements of 4 mm cannot follow a radius of 3 mm: that is 1.33 rad in one. Elements of 3 mm (1 rad) can. */
+/* Elements of 4 mm cannot follow a radius of 3 mm, because they would turn by 1.33 rad each. Elements of 3 mm
+ * can follow this radius, because they turn by 1 rad each. */
 static void a_curve_tighter_than_the_elements_is_refused_at_its_knot(void **context)
 {
     (void)context;
@@ -151,7 +154,7 @@ static void a_tool_that_cannot_reach_the_shortest_line_is_refused(void **context
     check_refused(tools, 2, CRN_BUILD_LENGTH, 0, 0);
 }
 
-/* 3e-2 N m^2 in 1 mm are 30 N m a joint, beyond the limit of 16. */
+/* A stiffness of 3e-2 N m^2 in elements of 1 mm gives 30 N m a joint, beyond the limit of 16 N m. */
 static void a_twist_beyond_the_joints_format_is_refused(void **context)
 {
     (void)context;
@@ -160,8 +163,8 @@ static void a_twist_beyond_the_joints_format_is_refused(void **context)
     check_refused(&tool, 1, CRN_BUILD_OVERFLOW, 0, 0);
 }
 
-/* 1e-7 N m^2 for 100 mm and 3e-2 behind are each in range, in elements of 8 mm. No single exponent has room
- * for both, and the tip would consist of noise. */
+/* A stiffness of 1e-7 N m^2 for 100 mm and one of 3e-2 N m^2 behind it are each in range, in elements of 8
+ * mm. No single exponent has enough bits for both stiffnesses, and the tip would consist of noise. */
 static void a_tip_too_soft_beside_its_shaft_is_refused(void **context)
 {
     (void)context;

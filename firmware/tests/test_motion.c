@@ -1,6 +1,7 @@
 /* Claims about vessels that move. The lattice reproduces the map from which it was made, and its normal and
- * its wall's step are those of that map. A wire in a beating vessel is carried along and stays within the
- * penetration of one in a resting vessel. A wall that moves along the wire drags it with mu N. */
+ * the displacement of its wall are those of this map. A wire in a beating vessel is carried along, and
+ * penetrates the wall no deeper than a wire in a resting vessel. A wall that moves along the wire drags it
+ * with mu N. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -47,8 +48,8 @@ static uint32_t phase32(double phase)
     return (uint32_t)(uint64_t)floor((phase - floor(phase)) * 4294967296.0);
 }
 
-/* Pose of a tick that ends at `phase` and began `step` before, with the chest at rest or, at `breath` 1,
- * full. */
+/* Makes the pose of a tick that ends at `phase` and began `step` before. The chest is at rest or, at `breath`
+ * 1, full. */
 static crn_motion_pose pose_of(const crn_motion *motion, double phase, double step, double breath)
 {
     crn_rhythm now = {.heart_phase32 = phase32(phase), .breath_phase32 = breath > 0 ? 1u << 31 : 0},
@@ -74,7 +75,7 @@ static double distance_m(const double *a, const double *b)
     return sqrt(pow(a[0] - b[0], 2) + pow(a[1] - b[1], 2) + pow(a[2] - b[2], 2));
 }
 
-/* A place in the moved lumen: a point of the path, moved by the map. */
+/* Draws a place in the moved lumen: a point of the path, moved by the map. */
 static void draw_place(reference_random *random, double phase, double breath, double *X, double *x)
 {
     const double *p = tube->points_m[40 + reference_random_below(random, tube->point_count - 60)];
@@ -82,7 +83,7 @@ static void draw_place(reference_random *random, double phase, double breath, do
     reference_beating_sphere(X, phase, breath, x);
 }
 
-/* At the nodes and keyframes the lattice equals the map, apart from half a unit of its numbers and the
+/* At the nodes and keyframes the lattice equals the map, apart from half a unit of the stored numbers and the
  * rounding of the weights. */
 static void the_lattice_passes_through_its_keyframes(void **state)
 {
@@ -101,8 +102,8 @@ static void the_lattice_passes_through_its_keyframes(void **state)
     assert_true(worst < 3e-6);
 }
 
-/* Between nodes and keyframes: 7.8 mm and 24 keyframes represent 11 mm of beating within 0.3 mm, and 8 mm of
- * breath at any moment of it within as much. */
+/* Between nodes and keyframes, a spacing of 7.8 mm and 24 keyframes represent 11 mm of beating within 0.3 mm.
+ * They also represent 8 mm of breath within 0.3 mm at any moment of the breath. */
 static void the_lattice_represents_the_map(void **state)
 {
     (void)state;
@@ -127,8 +128,8 @@ static void the_lattice_represents_the_map(void **state)
     assert_true(worst < 0.3e-3 && deepest < 0.3e-3);
 }
 
-/* The cycle closes. From cell to cell and from keyframe to keyframe no value jumps by more than the distance
- * between explains. */
+/* The cycle closes. From cell to cell and from keyframe to keyframe, no value changes by more than the
+ * distance between the points explains. */
 static void the_map_is_continuous_in_place_and_time(void **state)
 {
     (void)state;
@@ -161,7 +162,7 @@ static void outside_the_lattice_nothing_moves(void **state)
     }
 }
 
-/* Depth that the core computes at a place, metres. */
+/* Returns the depth that the core computes at a place, in metres. */
 static double depth_at(crn_motion_pose *pose, const double *x)
 {
     crn_vec3 world = to_q30(x);
@@ -169,9 +170,9 @@ static double depth_at(crn_motion_pose *pose, const double *x)
     return crn_lumen_contact(&tube->lumen, &reference).distance_m_q30 / q30_per_m;
 }
 
-/* Central differences over 20 um of the pulled-back distance give the direction within 1 degree, and the
- * distance is phi over the length of the gradient. Near cell borders the difference covers both cells, so 2 %
- * of the points may fail. */
+/* Central differences of the distance in the reference pose, over 20 um, give the direction of the normal
+ * within 1 degree. The distance is phi over the length of the gradient. Near cell borders the difference
+ * covers both cells, so 2 % of the points may fail. */
 static void the_normal_is_the_gradient_of_the_moved_distance(void **state)
 {
     (void)state;
@@ -212,9 +213,9 @@ static int16_t up_to(reference_random *random, int32_t most)
     return (int16_t)((int32_t)reference_random_below(random, 2u * (uint32_t)most + 1) - most);
 }
 
-/* The cheap distance alone decides that a node is far from the wall, so where the contact's distance is not
- * far it must not be either. This is shown in the beating lattice, and in one as steep as a scene may be,
- * where neighbours differ at random. */
+/* The cheap distance alone decides that a node is far from the wall. So where the contact's distance is not
+ * far, the cheap distance must not be far either. The test uses the beating lattice, and one as steep as a
+ * scene may be, where neighbours differ at random. */
 static void the_cheap_distance_never_hides_a_contact(void **state)
 {
     (void)state;
@@ -261,8 +262,9 @@ static void the_cheap_distance_never_hides_a_contact(void **state)
     }
 }
 
-/* The step is compared with the displacement of the map's own point in the tick, at 120 /min: within 5 % of
- * the fastest wall (0.13 mm in a tick) and 2 um. Every other time the chest fills as well, at 20 /min. */
+/* The step of the wall is compared with the displacement of the map's own point in the tick, at 120 beats a
+ * minute. The difference must be below 2 um plus 5 % of the fastest wall's step (0.13 mm in a tick). In every
+ * second case the chest also moves, at 20 breaths a minute. */
 static void the_wall_step_is_that_of_the_map(void **state)
 {
     (void)state;
@@ -337,8 +339,8 @@ typedef struct beat_figures {
     uint32_t solved_twice, faults;
 } beat_figures;
 
-/* Runs four seconds at 90 /min with breath. `miss` is the largest distance of a node of the wire from the
- * moved vessel's axis. */
+/* Runs four seconds at 90 beats a minute with breath. `miss` receives the largest distance of a node of the
+ * wire from the moved vessel's axis. */
 static beat_figures beat_on(crn_input *input)
 {
     beat_figures f = {0};
@@ -366,7 +368,7 @@ static beat_figures beat_on(crn_input *input)
     return f;
 }
 
-/* The wire moves by more than 8 mm where the wall moves by 10, and no node is ever deeper in the wall than
+/* The wire moves by more than 8 mm where the wall moves by 10 mm, and no node is ever deeper in the wall than
  * 0.15 mm. */
 static void a_wire_in_a_beating_vessel_is_carried(void **state)
 {
@@ -408,7 +410,8 @@ static void a_beating_state_can_be_saved_and_goes_on_the_same(void **state)
     }
 }
 
-/* Everything moves 6 mm along +x at the end of systole: a floor that slides under a wire lying on it. */
+/* Makes everything move 6 mm along +x at the end of systole, like a floor that slides under a wire lying on
+ * it. */
 static void slide_along(const double *X, double phase, double breath, double *x)
 {
     memcpy(x, X, 3 * sizeof *x);
@@ -428,8 +431,8 @@ static double normal_sum_N(void)
 
 /* A soft wire of 5 g/m lies on the floor of a narrow straight tube, and its hand holds it while the floor
  * slides. The hand feels mu times the weight on the floor, within 2 %, in one direction in systole and in the
- * other in diastole. The floor bears the weight except for the span that hangs at the inserter's distal
- * end. */
+ * other in diastole. The floor supports the weight except for the span that hangs at the introducer sheath's
+ * distal end. */
 static void a_wall_that_slides_drags_at_mu_N(void **state)
 {
     (void)state;

@@ -1,7 +1,7 @@
-/* Claims about heartbeat and breath. Beats have the ordered length, systole follows its formula and not the
- * interval, and the phase has no jumps whatever is ordered. Intervals vary as stated and identically on every
- * run. A premature beat is followed by the pause that brings the rhythm back into step. An out-of-range order
- * has no effect. */
+/* Claims about heartbeat and breath. Heartbeats have the ordered length. The length of systole follows its
+ * formula and not the interval, and the phase has no jumps whatever is ordered. Intervals vary as stated, and
+ * in the same way on every run. A premature beat is followed by the pause that brings the rhythm back into
+ * step. An out-of-range order has no effect. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -22,7 +22,7 @@ static void ask(crn_rhythm *rhythm, uint32_t action, uint32_t value)
     crn_rhythm_step(rhythm, &order);
 }
 
-/* Ticks until the next beat begins; the phase must rise throughout. */
+/* Returns the number of ticks until the next beat begins; the phase must rise throughout. */
 static uint32_t to_next_beat(crn_rhythm *rhythm)
 {
     uint32_t ticks = 0, count = rhythm->beat_count, phase = rhythm->heart_phase32;
@@ -37,9 +37,9 @@ static uint32_t to_next_beat(crn_rhythm *rhythm)
     return ticks;
 }
 
-/* The interval is 60 000 / rate ms to 1 ms, and the aortic valve closes 540 - 2.1 rate ms after the QRS: 456
- * ms at 40 /min, 204 ms at 160 /min. Linear scaling with the interval would give 624 ms at 40 /min from the
- * correct 393 ms at 70 /min. */
+/* The interval is 60 000 / rate ms, within 1 ms. The aortic valve closes 540 - 2.1 rate ms after the QRS: 456
+ * ms at 40 beats a minute, 204 ms at 160 beats a minute. Linear scaling with the interval would turn the
+ * correct 393 ms at 70 beats a minute into 624 ms at 40 beats a minute. */
 static void systole_follows_its_formula_and_not_the_interval(void **state)
 {
     (void)state;
@@ -59,7 +59,7 @@ static void systole_follows_its_formula_and_not_the_interval(void **state)
     }
 }
 
-/* Within each part, the phase per tick differs by at most one part in 2^20 of a cycle. */
+/* Within systole and within diastole, the phase per tick varies by at most one part in 2^20 of a cycle. */
 static void the_phase_is_linear_in_systole_and_in_diastole(void **state)
 {
     (void)state;
@@ -75,8 +75,9 @@ static void the_phase_is_linear_in_systole_and_in_diastole(void **state)
     }
 }
 
-/* 4000 beats at 75 /min with 5 %: mean within 0.3 %, standard deviation within 5 % (four standard errors are
- * 0.3 % and 4.5 %); no interval beyond three deviations; another run gives the same. */
+/* The test runs 4000 beats at 75 beats a minute with a variability of 5 %. The mean is within 0.3 % and the
+ * standard deviation within 5 % (four standard errors are 0.3 % and 4.5 %). No interval is beyond three
+ * deviations, and another run gives the same. */
 static void intervals_vary_as_stated_and_the_same_on_every_run(void **state)
 {
     (void)state;
@@ -101,9 +102,9 @@ static void intervals_vary_as_stated_and_the_same_on_every_run(void **state)
     assert_true(fabs(mean - 800) < 2.4 && fabs(deviation - 40) < 2);
 }
 
-/* The beat is ordered 100 ms after a QRS with a coupling of 60 %. The next QRS comes at 60 % of the interval,
- * that beat is marked, and the one after it comes where the second regular one would have come. Its own
- * systole is that of its short interval. */
+/* The premature beat is ordered 100 ms after a QRS with a coupling of 60 %. The next QRS comes at 60 % of the
+ * interval, and this beat is marked. The beat after it comes where the second regular beat would have come.
+ * The systole of the premature beat is that of its short interval. */
 static void a_premature_beat_is_followed_by_its_pause(void **state)
 {
     (void)state;
@@ -121,7 +122,7 @@ static void a_premature_beat_is_followed_by_its_pause(void **state)
     assert_int_equal(to_next_beat(&rhythm), 857);
 }
 
-/* Late in a beat no time is left: the beat after the next QRS is the early one. */
+/* When the order comes late in a beat, no time is left, and the beat after the next QRS is the early one. */
 static void a_premature_beat_that_is_asked_for_too_late_comes_in_the_next_cycle(void **state)
 {
     (void)state;
@@ -134,7 +135,7 @@ static void a_premature_beat_that_is_asked_for_too_late_comes_in_the_next_cycle(
     assert_true((rhythm.bits & CRN_RHYTHM_IS_PREMATURE) != 0);
 }
 
-/* The present beat ends; then the heart rests at the end of filling until it is ordered to beat. */
+/* The present beat ends; then the heart rests at the end of filling until it is ordered to beat again. */
 static void asystole_stands_at_the_end_of_filling(void **state)
 {
     (void)state;
@@ -152,7 +153,8 @@ static void asystole_stands_at_the_end_of_filling(void **state)
     assert_int_equal(to_next_beat(&rhythm), 857);
 }
 
-/* 15 breaths take a minute to 1 ms (the increment's rounding is 3e-6); a held breath keeps its phase. */
+/* Fifteen breaths take a minute, within 1 ms (the increment's rounding is 3e-6); a held breath keeps its
+ * phase. */
 static void breath_has_its_rate_and_can_be_held(void **state)
 {
     (void)state;
@@ -207,8 +209,9 @@ static void what_is_out_of_range_is_no_order(void **state)
     }
 }
 
-/* 200,000 ticks run with random orders, in 1 of 50 ticks. Every state is one that a snapshot may restore, and
- * the phase goes from one keyframe to the next in no less than 2 ms (this bounds the wall's speed). */
+/* The test runs 200,000 ticks, with a random order in 1 of 50 ticks. Every state of this run is valid, so
+ * that a snapshot may restore it. The phase goes from one keyframe to the next in no less than 2 ms, which
+ * bounds the wall's speed. */
 static void whatever_is_asked_for_the_phase_has_no_jumps(void **state)
 {
     (void)state;

@@ -1,6 +1,7 @@
-/* Claims: the rod bends, hangs, slides and stalls as the equations of docs/rod.md state; the state can be
- * hashed, saved and restored; bad instruments and states are refused by name. They are shown against closed
- * forms (elastica), exact tube distances in double precision, and invariants. */
+/* These tests check that the rod bends, hangs, slides and stalls as the equations of docs/rod.md state. They
+ * also claim that the state can be hashed, saved and restored, and that bad instruments and states are
+ * refused by name. The tests compare the results with closed forms (elastica) and exact tube distances in
+ * double precision, and check invariants. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -21,8 +22,8 @@ static const double Q30 = 1073741824.0;
 
 /* --- elastica: FACTS of docs/validation.md, cases 1 and 2 ----------------------------------------------- */
 
-/* The tolerance of 0.5 % of L at 64 elements is the project's bar; the discretisation's own error is 0.03 %.
- * `make bench` runs every stiffness of the range; this test runs the softest and a stiff one. */
+/* The project allows an error of 0.5 % of the length L at 64 elements; the discretisation alone causes 0.03
+ * %. `make bench` runs every stiffness of the range; this test runs the softest and a stiff one. */
 static void tip_loaded_cantilever_takes_the_elastica(void **context)
 {
     (void)context;
@@ -72,7 +73,7 @@ typedef struct insertion {
     double depth_mm, strain_pct, force_N, resting_um;
 } insertion;
 
-/* Worst values of a whole insertion at 0.1 m/s and one second of rest. */
+/* Holds the worst values of a whole insertion at 0.1 m/s and one second of rest. */
 static insertion insert(const reference_tube *tube, double bend_N_m2, double to_m)
 {
     crn_instrument wire = reference_wire(bend_N_m2, 900000, 3000, 0.2);
@@ -100,8 +101,8 @@ static insertion insert(const reference_tube *tube, double bend_N_m2, double to_
     return worst;
 }
 
-/* 450 mm through two bends of 51 and 57 mm radius: nodes stay within 0.3 mm of the exact wall, the length
- * within 0.45 %, and the wire comes to rest (no chatter above 1 um per tick). */
+/* A wire is pushed 450 mm through two bends of 51 and 57 mm radius. Its nodes stay within 0.3 mm of the exact
+ * wall and its length within 0.45 %, and the wire comes to rest (no chatter above 1 um per tick). */
 static void wires_pass_the_bends_without_leaving_the_tube(void **context)
 {
     (void)context;
@@ -116,7 +117,7 @@ static void wires_pass_the_bends_without_leaving_the_tube(void **context)
     reference_tube_free(tube);
 }
 
-/* This is the narrow vessel in which a trilinear field chatters at 0.4 mm per tick (docs/lumen.md). */
+/* This vessel is so narrow that a wire in a trilinear field chatters at 0.4 mm per tick (docs/lumen.md). */
 static void wire_rests_in_a_vessel_of_1_5_mm_radius(void **context)
 {
     (void)context;
@@ -127,8 +128,8 @@ static void wire_rests_in_a_vessel_of_1_5_mm_radius(void **context)
     reference_tube_free(tube);
 }
 
-/* The end wall blocks the tip: the hand slips at 6 N instead of crushing the wire, with 10 % for the last
- * step. */
+/* The end wall blocks the tip: the hand slips at 6 N instead of crushing the wire, with a tolerance of 10 %
+ * for the last step. */
 static void blocked_tip_stalls_the_feed(void **context)
 {
     (void)context;
@@ -152,10 +153,10 @@ static void blocked_tip_stalls_the_feed(void **context)
 
 /* --- friction ------------------------------------------------------------------------------------------- */
 
-/* In both directions: a wire rests on the floor of a straight tube of 1.5 mm radius and is pulled and pushed
- * at constant speed. The handle carries mu N, where N is the weight less what the inserter carries: two
- * thirds of the span (72 EI h / w)^(1/4) that hangs from height h. The first 10 mm of travel bring every
- * bristle to its limit. Tolerance 10 %: the push bends the hanging span. */
+/* A wire rests on the floor of a straight tube of 1.5 mm radius, and is pulled and pushed at constant speed.
+ * The force on the handle is mu N, where N is the weight less what the introducer sheath supports. The sheath
+ * supports two thirds of the span (72 EI h / w)^(1/4) that hangs from height h. The first 10 mm of travel
+ * bring every bristle to its limit. The tolerance is 10 %, because the push bends the hanging span. */
 static void sliding_on_the_floor_costs_mu_times_weight(void **context)
 {
     (void)context;
@@ -180,8 +181,8 @@ static void sliding_on_the_floor_costs_mu_times_weight(void **context)
     reference_tube_free(tube);
 }
 
-/* Mean push on a wire that is fed along the floor at 20 mm/s while its weight changes every 3 ms by `share`
- * of it. */
+/* Returns the mean push on a wire that is fed along the floor at 20 mm/s while its weight changes every 3 ms
+ * by `share` of itself. */
 static double push_when_shaken_N(double share)
 {
     const reference_piece straight = {0.4, 0, 0};
@@ -201,9 +202,10 @@ static double push_when_shaken_N(double share)
     return sum_N / 1000;
 }
 
-/* A wire shaken between no weight and twice its weight needs the same push as one at rest, because friction
- * follows the mean. Tolerance: 20 %, as the nodes hop. When friction used the predicted force of a hopping
- * node (5 mN for each micrometre), the push was 19 times as large. */
+/* A wire whose weight alternates between zero and twice its value needs the same push as a wire of constant
+ * weight, because friction follows the mean. The tolerance is 20 %, because the nodes hop. When friction used
+ * the predicted force of a hopping node (5 mN for each micrometre), the push was 19 times as large as
+ * this. */
 static void a_shaken_wire_rubs_with_its_mean_weight(void **context)
 {
     (void)context;
@@ -213,9 +215,9 @@ static void a_shaken_wire_rubs_with_its_mean_weight(void **context)
 
 /* --- hostile hand --------------------------------------------------------------------------------------- */
 
-/* A hand jumps at random for 20 s and turns at up to 12 rad/s. The rod stays stable, and it leaves the lumen
- * by more than 1 mm in at most 1 in 1000 ticks. The length error is within 0.6 %, as in the prototype's fuzz
- * test. */
+/* A hand jumps at random for 20 s and turns at up to 12 rad/s. The rod stays stable, and leaves the lumen by
+ * more than 1 mm in at most 1 of 1000 ticks. The length error stays within 0.6 %, as in the fuzz test of the
+ * project's prototype. */
 static void random_hand_does_not_blow_the_rod_up(void **context)
 {
     (void)context;
@@ -245,10 +247,11 @@ static void random_hand_does_not_blow_the_rod_up(void **context)
     reference_tube_free(tube);
 }
 
-/* A contact that a tick's prediction missed is hardly deeper than 0.1 mm when the first tick of several ends:
- * there the deviation of all nodes is cut short, which costs no second solve. The depth is measured along the
- * normal at x*. A displacement of 0.75 mm (the cap) along a wall of 4 mm radius leaves its plane by 0.07 mm
- * more, which is the bound; 0.0135 were seen. */
+/* When a tick's prediction has missed a contact, the node is hardly deeper than 0.1 mm at the end of the
+ * first of several such ticks. In that tick the deviation of all nodes is scaled down, which costs no second
+ * solve. The depth is measured along the normal at the predicted configuration. A displacement of 0.75 mm
+ * (the cap) along a wall of 4 mm radius leaves the wall's plane by another 0.07 mm, which is the bound;
+ * 0.0135 mm were seen. */
 static void a_contact_that_was_missed_ends_0_1_mm_deep(void **context)
 {
     (void)context;
@@ -285,8 +288,9 @@ static void a_contact_that_was_missed_ends_0_1_mm_deep(void **context)
     reference_tube_free(tube);
 }
 
-/* Beyond the field there is no normal and so no contact, but such a node counts as the deepest. The whole
- * wire lies 0.1 m beside the tube; the field's far value is 15.6 mm, and the wire's radius is added. */
+/* Beyond the field there is no normal and so no contact, but a node there counts as the deepest. The whole
+ * wire lies 0.1 m beside the tube. The expected depth is the field's far value of 15.6 mm plus the wire's
+ * radius. */
 static void a_node_beyond_the_field_is_the_deepest(void **context)
 {
     (void)context;
@@ -353,8 +357,8 @@ static void restored_state_goes_on_bit_for_bit(void **context)
     reference_tube_free(tube);
 }
 
-/* Every word that a check guards, set to a value no state can have, is refused and leaves the old state
- * unchanged. */
+/* Every word that a check guards is set to a value that no state can have; the state is then refused and the
+ * old state left unchanged. */
 static void restore_refuses_impossible_words(void **context)
 {
     (void)context;
@@ -442,8 +446,8 @@ static void bad_instruments_are_refused_with_their_knot(void **context)
     assert_int_equal(build(&good, &entry, &place), CRN_BUILD_ENTRY);
 }
 
-/* Inserting past the end or pulling out completely stops at the end, reports it, and does not store up hand
- * motion: when the hand reverses, the wire follows within 2 mm. */
+/* A tool that is inserted past its end or pulled out completely stops at the end and reports it. The motion
+ * of the hand is not stored up: when the hand reverses, the wire follows within 2 mm. */
 static void feed_stops_at_both_ends(void **context)
 {
     (void)context;

@@ -1,6 +1,6 @@
-/* Claims about the checks of every edge, shown from samples alone, without a rod, a scene or the wire: each
- * limit holds on both sides of its border, each fault has the code and the number of edges that
- * shared/wire/wire_faults.def states, and nothing is found in a rig at rest. */
+/* These tests check claims about the checks of every edge, from samples alone, without a rod, a scene or the
+ * wire protocol. Each limit holds on both sides of its border, and each fault has the code and the number of
+ * edges that shared/wire/wire_faults.def states. In a rig at rest nothing is found. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -187,7 +187,7 @@ static void a_force_that_nobody_asked_for_counts_in_every_state_from_its_third_e
     assert_int_equal(bench.found.value1, 2);
 }
 
-/* The requested force is 400 mN, so 400 + 1000 + 400 / 4 mN is the border. */
+/* The requested force is 400 mN, so the border of the measured force is 400 + 1000 + 400 / 4 mN. */
 static void a_force_larger_than_asked_for_is_a_mismatch_from_its_third_edge(void **state)
 {
     (void)state;
@@ -217,7 +217,7 @@ static void the_sensors_zero_and_scale_are_those_of_the_track(void **state)
 /* --- balance --- */
 
 /* A hand pulls with 950 mN, and the carriage moves by `counts` in every edge. The heaviest carriage needs
- * four edges for 20 um. */
+ * four edges to move 20 um. */
 static int pull(int32_t counts)
 {
     safety_bench_drive(&bench);

@@ -1,6 +1,6 @@
-/* Claims about time, shown from the clock's readings alone, without a rod, a scene or the wire: a processor
- * that stops and ticks that fall behind remove the power, a silent host makes the forces fade within 42 ms,
- * and the permission to power motors is spent by any answer and expires. */
+/* These tests check claims about time, from the clock's readings alone, without a rod, a scene or the wire
+ * protocol. A processor that stops, or ticks that fall behind, remove the power. A silent host makes the
+ * forces fade within 42 ms, and the permission to power motors is spent by any answer and expires. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -23,7 +23,7 @@ static void expect(const crn_finding *found, crn_fault_code code, int32_t value1
 
 /* --- the clock --- */
 
-/* Two edges that are `gap_us` apart; the clock wraps between them. */
+/* Runs two edges that are `gap_us` apart; the clock wraps between them. */
 static crn_findings edges_apart(uint32_t gap_us, bool is_driving)
 {
     crn_clock clock = {.has_edge = false};

@@ -1,6 +1,7 @@
-/* Claims about what a motor is given, shown from samples alone, without a rod, a scene or the wire: limit and
- * slew hold, a carriage that nobody holds loses its force within 32 ms, and a carriage that its motor drives
- * too fast, energy that a track gives for 100 ms, and a cycle that a motor sustains stop the device. */
+/* These tests check claims about the force that a motor is given, from samples alone, without a rod, a scene
+ * or the wire protocol. Limit and slew limit hold, and a carriage that nobody holds loses its force within 32
+ * ms. The device stops when a motor drives a carriage too fast, when a track gives energy for 100 ms, and
+ * when a motor sustains a cycle. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -96,7 +97,7 @@ static void power_begins_without_a_memory_of_earlier_faults(void **state)
 
 /* --- a carriage that nobody holds --- */
 
-/* A carriage of 80 g that only its motor moves, from rest. */
+/* Moves a carriage of 80 g from rest by its motor alone. */
 typedef struct carriage {
     int64_t at_nm, speed_nm;
 } carriage;
@@ -126,8 +127,8 @@ static void a_force_that_nobody_holds_ends_within_32_ms_at_a_hands_speed(void **
     }
 }
 
-/* The carriage does not move, so that its speed does not count: 12 edges of grace, and 20 in which the force
- * fades. */
+/* The carriage does not move, so its speed does not matter. There are 12 edges of grace, and 20 edges in
+ * which the force fades. */
 static void a_force_that_nobody_holds_ends_in_time_without_any_motion(void **state)
 {
     (void)state;
@@ -141,7 +142,7 @@ static void a_force_that_nobody_holds_ends_in_time_without_any_motion(void **sta
     }
 }
 
-/* The sensor may be wrong by a quarter, so a third more than measured counts as held. */
+/* The sensor may be wrong by a quarter, so a hand counts as holding a third more than the measured force. */
 static void a_force_that_a_hand_holds_stays(void **state)
 {
     (void)state;
@@ -157,8 +158,8 @@ static void a_force_that_a_hand_holds_stays(void **state)
 
 /* --- what stops --- */
 
-/* `edges` in which the motor gives 40 mN to a carriage at rest that nobody touches; then it moves by
- * `counts`. */
+/* Runs `edges` edges in which the motor gives 40 mN to a carriage at rest that nobody touches; then the
+ * carriage moves by `counts`. */
 static int run_away(int edges, int32_t counts, int32_t felt_mN)
 {
     safety_bench_drive(&bench);
@@ -172,8 +173,8 @@ static int run_away(int edges, int32_t counts, int32_t felt_mN)
     return 0;
 }
 
-/* A speed is known from counts less one: 252 um in 1 ms are 251 mm/s at least. Over eight edges 250 um per ms
- * are just below 250 mm/s. */
+/* A speed follows from one count less than was read: 252 um in 1 ms mean at least 251 mm/s. Over eight edges,
+ * 250 um per ms mean just less than 250 mm/s. */
 static void a_carriage_that_its_motor_made_fast_stops(void **state)
 {
     (void)state;
@@ -186,7 +187,8 @@ static void a_carriage_that_its_motor_made_fast_stops(void **state)
     assert_int_equal(run_away(50, 252, 0), 0);   /* the motor gave too little: 2 mN s */
 }
 
-/* A hand gave the carriage its speed, so it is fast from the first edge that nobody touches it. */
+/* A hand has thrown the carriage, so the carriage is already fast at the first edge at which nobody touches
+ * it. */
 static void a_carriage_that_a_hand_throws_goes_on(void **state)
 {
     (void)state;
@@ -216,8 +218,8 @@ static void energy_that_a_track_gives_stops_at_the_hundredth_edge(void **state)
     assert_int_equal(bench.found.value2, -10000);
 }
 
-/* A carriage that goes there and back by 100 um per tick. The hand's force is `hand_mN` along the motion, and
- * the motor's force is `motor_mN` against it. The result is how many ticks the cycle lasted until it was
+/* Moves a carriage back and forth by 100 um per tick. The hand's force is `hand_mN` along the motion, and the
+ * motor's force is `motor_mN` against the motion. Returns for how many ticks the cycle lasted until it was
  * found. */
 static int oscillate(int ticks_per_swing, int32_t hand_mN, int32_t motor_mN, bool is_felt,
                      int narrower_counts)
@@ -238,7 +240,7 @@ static int oscillate(int ticks_per_swing, int32_t hand_mN, int32_t motor_mN, boo
     return 0;
 }
 
-/* It is found at a turn, once the swings after the first one have lasted 25 ms. */
+/* The cycle is found at a reversal, once the swings after the first one have lasted 25 ms. */
 static void a_cycle_that_the_motor_sustains_is_found(void **state)
 {
     (void)state;

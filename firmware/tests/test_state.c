@@ -1,6 +1,6 @@
-/* Claims: no snapshot, however wrong, leads to undefined behaviour. Either it is refused and changes nothing,
- * or its ticks stay within their formats and are the same on every run (the sanitizers are the judges of this
- * test). */
+/* These tests check that no snapshot, however wrong, leads to undefined behaviour. Either a snapshot is
+ * refused and changes nothing, or its ticks stay within their formats and are the same on every run (the
+ * sanitizers are the judges of this test). */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -29,7 +29,7 @@ typedef struct rig {
 static const double stiffness_N_m2[CRN_TOOL_MAX] = {1.85e-3, 4e-4, 1e-3};
 static const uint32_t radius_um[CRN_TOOL_MAX] = {445, 900, 1300}, bore_um[CRN_TOOL_MAX] = {0, 500, 950};
 
-/* Three curved, heavy tools that have pushed and turned for 200 ticks. */
+/* The state has three curved, heavy tools that have pushed and turned for 200 ticks. */
 static rig *rig_make(void)
 {
     rig *r = calloc(1, sizeof *r);
@@ -129,8 +129,9 @@ static void any_one_word_of_a_snapshot_may_be_wrong(void **context)
     rig_free(r);
 }
 
-/* The test makes its own line: zigzags of whole edges along one axis, which fold back by 180 degrees at every
- * node, with random velocities, bristles, rotations and forces. It ends with the held nodes unchanged. */
+/* The test makes a line of its own: zigzags of whole edges along one axis, which fold back by 180 degrees at
+ * every node. Velocities, bristles, rotations and forces are random. The line ends with the held nodes
+ * unchanged. */
 static void a_folded_line_with_wild_velocities_stays_defined(void **context)
 {
     (void)context;
@@ -161,7 +162,7 @@ static void a_folded_line_with_wild_velocities_stays_defined(void **context)
     rig_free(r);
 }
 
-/* The straight start of a tool near the border of space stays inside it. */
+/* The straight start of a tool near the border of the coordinate space stays inside it. */
 static void a_start_beyond_the_border_of_space_is_cut_off_there(void **context)
 {
     (void)context;

@@ -1,8 +1,10 @@
-/* Claims about a wire and the struts of a deployed stent (docs/lesions.md). It meets them like a wall: from
- * inside it rests on their inside, from outside on their outside, and it does not pass through below the
- * force that a cell bears. Between struts and wall, friction on both holds it. An end sends a tip to one
- * side. Balloons do not feel the struts. All of this is state, and an invalid order changes nothing. They are
- * shown against closed forms of shells in straight tubes. */
+/* These tests check claims about a wire and the struts of a deployed stent (docs/lesions.md). The struts act
+ * on the wire like a wall. A wire inside the stent rests on the inside of the struts, and a wire outside
+ * rests on their outside. The wire does not pass through as long as its force is below the force that a cell
+ * of the stent withstands. A wire between struts and wall is held by friction on both. An end of the stent
+ * deflects a wire's tip to one side. The struts do not act on balloons. The struts are part of the state, and
+ * an invalid order changes nothing. The tests compare the results with closed forms of shells in straight
+ * tubes. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -65,7 +67,7 @@ static void run(rig *r, int ticks)
     for (int t = 0; t < ticks; t++) crn_step(&r->model, &r->state, &r->input, &r->output);
 }
 
-/* Makes a straight stent along x with its middle line at this height; one order a tick. */
+/* Makes a straight stent along x with its middle line at this height, by one order a tick. */
 static crn_strut_order ring(uint32_t i, int32_t z_um, uint32_t inside_um)
 {
     return (crn_strut_order){i + 1,
@@ -89,7 +91,7 @@ static double place_m(const rig *r, uint32_t node, int axis)
     return crn_state_position(&r->state, node).v[axis] / Q30;
 }
 
-/* Nodes between the rings, at least a millimetre from either end. */
+/* Counts nodes between the rings that are at least a millimetre from either end. */
 static bool is_in_stent(const rig *r, uint32_t node)
 {
     const double x_m = place_m(r, node, 0);
@@ -118,8 +120,8 @@ static felt feel(const crn_strut_state *struts, double x, double y, double z)
     return f;
 }
 
-/* A straight stent, 1.5 mm inside: distances on both sides and round the edge agree to a hundredth of a
- * micrometre. */
+/* In a straight stent of 1.5 mm inner radius, distances on both sides and round the edge agree with the
+ * closed form to a hundredth of a micrometre. */
 static void a_straight_shell_is_a_tube_with_a_round_edge(void **state)
 {
     (void)state;
@@ -161,8 +163,8 @@ static void a_straight_shell_is_a_tube_with_a_round_edge(void **state)
     assert_false(feel(struts, 27e-3, 1.5e-3, -0.7e-3).is_near);
 }
 
-/* A stent in a bend of 20 mm that widens by a tenth follows the torus between its rings, apart from what
- * chords of 2 mm cut off (25 um) and what the cone's slope adds. */
+/* A stent in a bend of 20 mm that widens by a tenth follows the torus between its rings. The tolerance covers
+ * what chords of 2 mm cut off (25 um) and what the cone's slope adds. */
 static void a_bent_shell_follows_its_rings(void **state)
 {
     (void)state;
@@ -196,7 +198,8 @@ static void a_bent_shell_follows_its_rings(void **state)
     assert_true(worst_m < 30e-6 && least > cos(3.5 * pi / 180));
 }
 
-/* In a vessel that beats, a point on the struts in the reference pose lies on them in the world. */
+/* In a vessel that beats, a point on the struts in the reference pose also lies on the struts in world
+ * coordinates. */
 static void struts_go_with_a_beating_vessel(void **state)
 {
     (void)state;
@@ -235,8 +238,8 @@ static void struts_go_with_a_beating_vessel(void **state)
 
 /* --- a wire on one side --------------------------------------------------------------------------------- */
 
-/* The wire is pressed on the inside by ten times its weight, in a wider tube. It rests at the struts' radius
- * less its own, apart from the penetration that the weight causes. */
+/* The wire is pressed on the inside of the struts by ten times its weight, in a wider tube. The wire's axis
+ * rests at the struts' radius less the wire's radius, apart from the penetration that the weight causes. */
 static void from_inside_a_wire_rests_on_the_struts_inside(void **state)
 {
     (void)state;
@@ -258,8 +261,8 @@ static void from_inside_a_wire_rests_on_the_struts_inside(void **state)
     free(r);
 }
 
-/* The stent lies beneath the wire, which rests on top. The wire is stiffer than in the test inside, so that
- * the span between sheath and stent does not lift the rest. */
+/* The stent lies beneath the wire, which rests on top of it. The wire is stiffer than in the test of a wire
+ * inside the stent, so that the span between sheath and stent does not lift the rest of it. */
 static void from_outside_a_wire_rests_on_the_struts_outside(void **state)
 {
     (void)state;
@@ -281,7 +284,7 @@ static void from_outside_a_wire_rests_on_the_struts_outside(void **state)
     free(r);
 }
 
-/* A cell bears k_c (r + t/2) + k_deep (r + t/2 - 0.2 mm) of one node: 3.25 N here. */
+/* One cell withstands k_c (r + t/2) + k_deep (r + t/2 - 0.2 mm) of one node, which is 3.25 N here. */
 static void below_the_force_of_a_cell_it_does_not_go_through(void **state)
 {
     (void)state;
@@ -304,8 +307,8 @@ static void below_the_force_of_a_cell_it_does_not_go_through(void **state)
     }
 }
 
-/* The tip meets the edge head on and beside it, with a friction of 0.3: it moves on at one side, inside or
- * outside. */
+/* The tip touches the edge of the stent head on and beside it, with a friction of 0.3; it moves on along one
+ * side, inside or outside. */
 static void an_end_sends_a_tip_to_one_side(void **state)
 {
     (void)state;
@@ -334,8 +337,8 @@ static void an_end_sends_a_tip_to_one_side(void **state)
 
 /* --- between struts and wall ---------------------------------------------------------------------------- */
 
-/* The wire lies on the wall of a tube of 2 mm; struts that grow from 1.2 to 1.66 mm leave it 0.26 mm of its
- * 0.5. */
+/* The wire lies on the wall of a tube of 2 mm radius. Struts that grow from 1.2 to 1.66 mm leave a gap of
+ * 0.26 mm for the wire, which is 0.5 mm thick. */
 static rig *jailed(double friction)
 {
     const crn_instrument tool = wire(1e-6, friction);
@@ -361,7 +364,7 @@ static uint32_t held_nodes(const rig *r, double *worst_m)
     return count;
 }
 
-/* It rests in the middle of the remaining gap, and does not move for 10,000 ticks. */
+/* The wire rests in the middle of the remaining gap, and does not move for 10,000 ticks. */
 static void between_struts_and_wall_it_rests_without_chatter(void **state)
 {
     (void)state;
@@ -381,7 +384,8 @@ static void between_struts_and_wall_it_rests_without_chatter(void **state)
     free(r);
 }
 
-/* When pulled, it slips at friction times the forces of struts and wall on it; it stays outside. */
+/* When the wire is pulled, it slips at friction times the forces of struts and wall on it; it stays outside
+ * the stent. */
 static void pulling_it_out_needs_friction_on_both_sides(void **state)
 {
     (void)state;
@@ -407,7 +411,8 @@ static void pulling_it_out_needs_friction_on_both_sides(void **state)
 
 /* --- balloon, orders, states ---------------------------------------------------------------------------- */
 
-/* A balloon in struts narrower than itself grows as wide as without them, because the host opens them. */
+/* A balloon in struts narrower than itself grows as wide as without the struts, because the host opens
+ * them. */
 static void a_balloon_presses_through(void **state)
 {
     (void)state;
@@ -435,7 +440,7 @@ static void a_balloon_presses_through(void **state)
     assert_true(fabs(widest_m[0] - 1.6e-3) < 2e-6 && fabs(widest_m[1] - widest_m[0]) < 2e-6);
 }
 
-/* A ring moves by 5 um a tick and arrives exactly, to the last bit. */
+/* A ring moves by 5 um a tick and arrives at its place exactly, to the last bit. */
 static void a_ring_goes_where_it_is_ordered(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
-/* Claims: a wire with a rest shape takes it, turns with the hand, keeps it while it is fed, and rests on a
- * wall. They are shown against closed forms (circles, the hand's own angle) and by the motion of its nodes.
- * See docs/rod.md, "Feed", "Rows", "Twist". */
+/* These tests check that a wire with a rest shape takes this shape, turns with the hand, keeps the shape
+ * while it is fed, and rests on a wall. The tests compare the results with closed forms (circles, the hand's
+ * own angle) and check the motion of the wire's nodes. See docs/rod.md, "Feed", "Rows", "Twist". */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -21,8 +21,8 @@ static rig *rig_in_air(const crn_instrument *wire, uint32_t inserted_um)
     return r;
 }
 
-/* Makes a wire of the softest tip with a half circle of this radius at its end; from 80 to 200 mm EI rises to
- * that of the shaft. */
+/* Makes a wire with the softest tip and a half circle of this radius at its end; from 80 to 200 mm EI rises
+ * to that of the shaft. */
 static crn_instrument make_j(double radius_m, double shaft_N_m2)
 {
     crn_instrument wire = reference_wire(2e-6, 600000, 500, 0.1);
@@ -43,7 +43,7 @@ static crn_instrument make_j(double radius_m, double shaft_N_m2)
     return wire;
 }
 
-/* Angle of the tip about the axis of the inserter, degrees. */
+/* Returns the angle of the tip about the axis of the introducer sheath, in degrees. */
 static double tip_angle_deg(const rig *r)
 {
     crn_vec3 p = crn_state_position(&r->state, 0);
@@ -51,7 +51,7 @@ static double tip_angle_deg(const rig *r)
 }
 
 /* A J in free space without gravity follows the hand: after three quarters of a turn the tip's offset has
- * turned by 270 degrees. 0.5 degrees is a tenth of what a hand can perceive. */
+ * turned by 270 degrees. The tolerance of 0.5 degrees is a tenth of what a hand can perceive. */
 static void curved_tip_follows_the_hand_in_free_space(void **context)
 {
     (void)context;
@@ -80,9 +80,9 @@ static void curved_tip_follows_the_hand_in_free_space(void **context)
     free(r);
 }
 
-/* A J of 1.5 mm radius (a Rosen's), 200 mm out, turned at half a turn a second: its lag behind the hand is
- * measured. Tolerance: 6 degrees; 5.4 are measured, 0.7 of them from the filter of the hand. A tip without
- * predicted rotation lagged by 23. */
+/* A J of 1.5 mm radius (a Rosen's), 200 mm out of the sheath, is turned at half a turn a second, and its lag
+ * behind the hand is measured. The tolerance is 6 degrees. The measured lag is 5.4 degrees, of which the
+ * filter of the hand causes 0.7. A tip without predicted rotation lagged by 23 degrees. */
 static void a_tight_j_keeps_up_with_a_turning_hand(void **context)
 {
     (void)context;
@@ -102,8 +102,8 @@ static void a_tight_j_keeps_up_with_a_turning_hand(void **context)
     free(r);
 }
 
-/* Rest curvature only: without load a uniform curve of radius R takes its circular shape. Chord after arc s:
- * 2 R sin(s / 2R). */
+/* The wire has only rest curvature: without load a uniform curve of radius R takes its circular shape. The
+ * chord after the arc length s is 2 R sin(s / 2R). */
 static void curved_wire_without_load_takes_its_circle(void **context)
 {
     (void)context;
@@ -119,9 +119,9 @@ static void curved_wire_without_load_takes_its_circle(void **context)
     free(r);
 }
 
-/* A half circle of 1.5 mm (a Rosen's J) on soft wire is fed at 30 mm/s through free space and drawn back: its
- * tip stays 2 R off the axis. Tolerance: 0.1 mm; 0.05 mm remain from settling when the hand starts. A tip
- * that slid along its own curve swung 50 mm aside. */
+/* A half circle of 1.5 mm (a Rosen's J) on soft wire is fed at 30 mm/s through free space and drawn back. Its
+ * tip stays 2 R off the axis. The tolerance is 0.1 mm; an error of 0.05 mm remains from settling when the
+ * hand starts. A tip that slid along its own curve would swing 50 mm aside. */
 static void tight_tip_keeps_its_shape_while_it_is_fed(void **context)
 {
     (void)context;
@@ -139,9 +139,9 @@ static void tight_tip_keeps_its_shape_while_it_is_fed(void **context)
     free(r);
 }
 
-/* The same J lies on the wall of a tube, three seconds after the hand has stopped: no node moves by more than
- * a micrometre a tick, as in a wire without a tip (0.1 measured). Without the twist's resistance in the
- * matrix it oscillated by 11 um. */
+/* A J of 1.5 mm radius lies on the wall of a tube, three seconds after the hand has stopped. No node moves by
+ * more than a micrometre a tick, as in a wire without a curved tip (0.1 um is measured). Without the twist's
+ * resistance in the matrix the J oscillated by 11 um. */
 static void a_tight_j_rests_on_the_wall(void **context)
 {
     (void)context;

@@ -1,7 +1,7 @@
-/* Claims about coaxial tools on one line (docs/rod.md, "tools"). They add their stiffness and keep their own
- * feed, rotation and rest shape. They press and rub on each other in both directions, and may lead in turn
- * without a jolt. The wall resists turning by Coulomb's law. They are shown against closed forms of composite
- * beams, stored energy, and force balances. */
+/* These tests check claims about coaxial tools on one line (docs/rod.md, "tools"). The tools add their
+ * stiffness and keep their own feed, rotation and rest shape. The tools press and rub on each other in both
+ * directions, and may lead in turn without a jolt. The wall resists turning by Coulomb's law. The tests
+ * compare the results with closed forms of composite beams, stored energy, and force balances. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -23,7 +23,8 @@ static const double pi = 3.14159265358979;
 
 enum { WIRE, CATHETER, GUIDE };
 
-/* A tool with a bent end: rest curvature over the first `bent_mm`, straight and `shaft` stiff behind it. */
+/* Makes a tool with a bent end: it has rest curvature over the first `bent_mm`, and behind that it is
+ * straight and has the stiffness `shaft`. */
 typedef struct tool_plan {
     double tip_N_m2, shaft_N_m2, curve_per_m, bent_mm;
     uint32_t radius_um, bore_um;
@@ -52,8 +53,8 @@ static crn_instrument make_tool(const tool_plan *plan)
     return tool;
 }
 
-/* From the tip: 6 mm straight, 90 degrees of R = 7 mm, 23 mm of arm, 180 degrees of R = 10 mm in the opposite
- * direction. */
+/* From the tip on, the shape is 6 mm straight, 90 degrees of R = 7 mm, 23 mm of arm, and 180 degrees of R =
+ * 10 mm in the opposite direction. */
 static void judkins(crn_instrument *tool)
 {
     static const uint32_t arc_um[] = {0, 6000, 6000, 17000, 17000, 40000, 40000, 71400, 71400};
@@ -92,7 +93,7 @@ static double torque_N_m(const rig *r, int tool)
     return r->output.tools[tool].torque_N_m_q24 / 16777216.0;
 }
 
-/* Returns the largest displacement of a node in the last tick, mm. */
+/* Returns the largest displacement of a node in the last tick, in mm. */
 static double largest_step_mm(const rig *r)
 {
     double largest = 0;
@@ -109,8 +110,8 @@ typedef struct journey {
     double work_J, step_mm;
 } journey;
 
-/* Moves one tool by `way_m` at `speed_m_s` and lets it rest for two seconds; returns the work of all hands
- * and the largest node motion. */
+/* Moves one tool by `way_m` at `speed_m_s` and lets it rest for two seconds. Returns the work of all hands
+ * and the largest motion of a node. */
 static journey move_tool(rig *r, int tool, double way_m, double speed_m_s)
 {
     journey j = {0, 0};
@@ -132,7 +133,7 @@ static journey move_tool(rig *r, int tool, double way_m, double speed_m_s)
     return j;
 }
 
-/* Angle between the first edge and the one at `arc_m`, degrees. */
+/* Returns the angle between the first edge and the one at `arc_m`, in degrees. */
 static double turning_deg(const rig *r, double arc_m)
 {
     uint32_t edge = 0;
@@ -168,8 +169,9 @@ static rig *rig_in_air(const tool_plan *wire, const tool_plan *catheter, uint32_
 
 /* --- shapes: a composite beam rests at kappa = sum EI_k kappa_k / sum EI_k ------------------------------ */
 
-/* A wire of EI 1e-4, 60/m over 30 mm, lies in a catheter of 4e-4: 60 / 5 = 12/m over 30 mm = 20.6 degrees.
- * Tolerance 1 degree: the catheter's frictionless tip is 5 mm beyond. */
+/* A wire of EI 1e-4 N m^2, curved by 60/m over 30 mm, lies in a catheter of 4e-4 N m^2. The expected
+ * curvature is 60 / 5 = 12/m over 30 mm, that is, 20.6 degrees. The tolerance is 1 degree, because the
+ * catheter's frictionless tip is 5 mm beyond the curve. */
 static void a_catheter_opens_the_j_of_the_wire_inside_it(void **context)
 {
     (void)context;
@@ -181,7 +183,8 @@ static void a_catheter_opens_the_j_of_the_wire_inside_it(void **context)
     free(r);
 }
 
-/* 20/m over 60 mm: alone it bends by 68.8 degrees; with the straight wire inside, by a quarter of that. */
+/* A curvature of 20/m over 60 mm bends the catheter alone by 68.8 degrees; with the straight wire inside it
+ * bends by a quarter of that. */
 static void withdrawing_the_wire_lets_a_shaped_catheter_take_its_shape(void **context)
 {
     (void)context;
@@ -197,8 +200,8 @@ static void withdrawing_the_wire_lets_a_shaped_catheter_take_its_shape(void **co
     free(r);
 }
 
-/* Sag of a heavy line under both tools: (m_w + m_c) g L^4 / (8 (EI_w + EI_c)) for small sags. L 100 mm, 1
- * %. */
+/* The sag of a heavy line under the weight of both tools is (m_w + m_c) g L^4 / (8 (EI_w + EI_c)) for small
+ * sags. L 100 mm, 1 %. */
 static void stiffness_and_weight_add_where_tools_overlap(void **context)
 {
     (void)context;
@@ -215,9 +218,9 @@ static void stiffness_and_weight_add_where_tools_overlap(void **context)
 
 /* --- forces --------------------------------------------------------------------------------------------- */
 
-/* Pushing the catheter over the J stores EI_w EI_c / (EI_w + EI_c) kappa^2 / 2 x 30 mm = 4.32 mJ. The hands'
- * work equals that, and it is returned when the wire is pushed out again. The tolerance of 5 % allows for the
- * drag of the moving tip in blood. */
+/* Pushing the catheter over the J stores EI_w EI_c / (EI_w + EI_c) kappa^2 / 2 x 30 mm = 4.32 mJ of energy.
+ * The work of the hands equals this energy, which is returned when the wire is pushed out again. The
+ * tolerance of 5 % allows for the drag of the blood on the moving tip. */
 static void work_of_the_hands_is_the_energy_stored_in_the_j(void **context)
 {
     (void)context;
@@ -231,8 +234,8 @@ static void work_of_the_hands_is_the_energy_stored_in_the_j(void **context)
     free(r);
 }
 
-/* With friction in the catheter's lumen the same move costs more in both directions, and neither direction
- * returns energy. */
+/* With friction in the catheter's lumen the same motion costs more work in both directions, and neither
+ * direction returns energy. */
 static void friction_between_tools_takes_work_both_ways(void **context)
 {
     (void)context;
@@ -246,7 +249,8 @@ static void friction_between_tools_takes_work_both_ways(void **context)
     free(r);
 }
 
-/* The catheter slides while the wire is held: one hand feels more by what the other feels less. */
+/* The catheter slides while the wire is held: the force on one hand increases by as much as the force on the
+ * other hand decreases. */
 static void sliding_friction_acts_on_both_hands(void **context)
 {
     (void)context;
@@ -264,7 +268,8 @@ static void sliding_friction_acts_on_both_hands(void **context)
     free(r);
 }
 
-/* A catheter turned about a bent wire drags it along: equal and opposite torques at the hands. */
+/* A catheter that is turned about a bent wire drags the wire along, with equal and opposite torques at the
+ * hands. */
 static void turning_friction_acts_on_both_hands(void **context)
 {
     (void)context;
@@ -284,7 +289,7 @@ static void turning_friction_acts_on_both_hands(void **context)
 
 /* --- lead ----------------------------------------------------------------------------------------------- */
 
-/* 0.05 mm of this is the feed itself. */
+/* The largest motion of a node is 0.1 mm, of which the feed itself is 0.05 mm. */
 static void a_change_of_the_lead_moves_no_node_by_more_than_0_1_mm(void **context)
 {
     (void)context;
@@ -303,7 +308,8 @@ static void a_change_of_the_lead_moves_no_node_by_more_than_0_1_mm(void **contex
     free(r);
 }
 
-/* The catheter follows the wire round three bends; it stays in the tube and the wire's tip does not move. */
+/* The catheter follows the wire round three bends. The catheter stays in the tube, and the wire's tip does
+ * not move. */
 static void a_catheter_tracks_over_the_wire_round_the_bends(void **context)
 {
     (void)context;
@@ -333,8 +339,8 @@ static void a_catheter_tracks_over_the_wire_round_the_bends(void **context)
 
 /* --- turning -------------------------------------------------------------------------------------------- */
 
-/* The tools are straight and frictionless: every edge of either tool has the angle of its own hand. 1e-6 turn
- * = 0.0004 degrees. */
+/* The tools are straight and frictionless, so every edge of either tool has the angle of its own hand. The
+ * tolerance is 1e-6 turn = 0.0004 degrees. */
 static void without_friction_each_tool_follows_its_own_hand(void **context)
 {
     (void)context;
@@ -373,8 +379,9 @@ static double resting_torque(double friction, double sliding_m_s)
     return torque;
 }
 
-/* A wire that lies on the floor of a tube resists turning with mu N r. N is its weight less what the inserter
- * carries (from 2 mm height: (72 EI h / w)^(1/4) = 123 mm, two thirds of it); the tolerance is 8 %. */
+/* A wire that lies on the floor of a tube resists turning with mu N r. N is the wire's weight less what the
+ * sheath supports, which is two thirds of the span (72 EI h / w)^(1/4) = 123 mm from a height of 2 mm. The
+ * tolerance is 8 %. */
 static void the_wall_resists_turning_with_mu_n_r(void **context)
 {
     (void)context;
@@ -384,8 +391,9 @@ static void the_wall_resists_turning_with_mu_n_r(void **context)
     assert_true(fabs(resting_torque(0, 0)) < 1e-7);
 }
 
-/* One limit mu N holds for the whole slip. A wire that is drawn ten times as fast as its surface turns
- * resists turning a tenth as much (0.667 mm/s of surface against 6.67 mm/s): 1 / sqrt(101). */
+/* One limit mu N holds for the combined slip along and around the wire. When a wire is drawn ten times as
+ * fast as its surface turns (6.67 mm/s against 0.667 mm/s), it resists turning by only about a tenth, 1 /
+ * sqrt(101). */
 static void a_wire_that_slides_turns_almost_freely(void **context)
 {
     (void)context;
@@ -426,7 +434,7 @@ static const tool_plan three_shaped[] = {{1e-5, 5e-4, 66, 20, 445, 0, 0.1, 0},
                                          {2e-4, 5e-4, 30, 40, 800, 500, 0.1, 0.05},
                                          {5e-4, 8e-4, 15, 40, 1150, 850, 0.1, 0.05}};
 
-/* The long form, a million ticks, is the row hands.length_error_max_pct of `make bench`. */
+/* The long form of this test, a million ticks, is the row hands.length_error_max_pct of `make bench`. */
 static void random_hands_keep_three_tools_in_the_vessel(void **context)
 {
     (void)context;
@@ -469,8 +477,8 @@ static void three_tools_are_restored_bit_for_bit(void **context)
     free(r);
 }
 
-/* The part of the line that is kept between ticks equals what a fresh start derives, wherever the tools
- * slide. */
+/* The part of the line that is kept between ticks equals the values that a fresh start computes, wherever the
+ * tools slide. */
 static void a_line_that_is_kept_is_the_line_built_afresh(void **context)
 {
     (void)context;
@@ -502,9 +510,9 @@ static void a_line_that_is_kept_is_the_line_built_afresh(void **context)
 }
 
 /* A 6F Judkins left guiding catheter with a 0.014 in wire and a balloon catheter in it leaves the sheath and
- * enters an artery of 3.6 mm radius. The artery keeps its primary curve (R = 7 mm, 0.052 N m when straight)
- * from closing, and the sheath's distal end bends it in the opposite direction: more than 60 N in elements of
- * 1 mm. */
+ * enters an artery of 3.6 mm radius. The artery keeps the guiding catheter's primary curve (R = 7 mm, 0.052 N
+ * m when straight) from closing, and the sheath's distal end bends it in the opposite direction. The forces
+ * exceed 60 N in elements of 1 mm. */
 static void a_tight_guide_comes_out_of_the_sheath_without_saturating(void **context)
 {
     (void)context;

@@ -18,7 +18,8 @@ namespace
     throw crn::LinkError("the device is gone: its cable was cut. Remedy: plug it in, then begin with HELLO");
 }
 
-// The device claims a scene that it does not have: all of ours, another of this size, or all of our upload.
+// Makes the device claim a scene that it does not have: our whole scene, another scene of this size, or our
+// completed upload.
 void claim_scene(std::uint32_t lie, std::vector<std::uint8_t> &payload)
 {
     crn_wire_set_up there;
@@ -37,8 +38,8 @@ void claim_scene(std::uint32_t lie, std::vector<std::uint8_t> &payload)
     crn_wire_put_set_up(&writer, &there);
 }
 
-// Changes one thing in a message. The numbers are ones that no device sends: far too large, negative, all
-// ones.
+// Changes one thing in a message. The changed numbers are values that no device sends: far too large,
+// negative, or all ones.
 void change(std::uint32_t lie, Random &random, crn_wire_header &header, std::vector<std::uint8_t> &payload)
 {
     const std::size_t size = payload.size(),
@@ -181,7 +182,7 @@ void FaultyPipe::write(std::span<const std::uint8_t> bytes)
     if (!late.empty()) inner_.write(late);
 }
 
-// Splits the device's bytes into frames, and applies the fault to its frame.
+// Splits the device's bytes into frames, and applies the fault to the frame for which it is meant.
 void FaultyPipe::take_from_device()
 {
     std::uint8_t bytes[4096];

@@ -1,7 +1,7 @@
-// One fault in one session at any level, and the conditions that must hold afterwards: the force stays within
-// its limit, the force ends in time, the host is informed, every tick up to the fault is recorded, and the
-// session is resumed to the same hash or ended as documented (docs/hil.md). The reference sessions without a
-// fault always come from level 0, so levels are compared, too.
+// This header judges one fault in one session at any level. Afterwards these conditions must hold: the force
+// stayed within its limit and ended in time, and the host was informed. Every tick up to the fault is
+// recorded, and the session was resumed to the same hash or ended as documented (docs/hil.md). The reference
+// sessions without a fault always run at level 0, so the levels are compared with each other, too.
 #pragma once
 #include "hil_tests/campaign/fault.hpp"
 #include "hil_tests/campaign/faulty_pipe.hpp"
@@ -16,7 +16,7 @@ inline constexpr double torque_limit_N_m = 0.02; // likewise
 inline constexpr double force_none_N = 0.02,
                         torque_none_N_m = 0.0002; // less than the friction of the bearings
 
-// Results of the same sessions without a fault.
+// Holds the results of the same sessions without a fault.
 struct Undisturbed {
     std::vector<crn_wire_tick_state> lockstep, free_run;
     std::uint64_t lockstep_hash = 0;
@@ -37,7 +37,7 @@ struct Outcome {
     double peak_N = 0.0, peak_N_m = 0.0;
 };
 
-// Set-up of the campaign: a short wire in the tube, a seal that holds it, one driven track.
+// This is the set-up of the campaign: a short wire in the tube, a seal that holds it, and one driven track.
 void campaign_set_up(crn::Link &link);
 PlantSettings campaign_plant(bool has_stuck_motor = false);
 bool same_state(const crn_wire_tick_state &a, const crn_wire_tick_state &b);
@@ -45,12 +45,13 @@ bool same_state(const crn_wire_tick_state &a, const crn_wire_tick_state &b);
 Undisturbed run_undisturbed(Level &level);
 Outcome run_fault(Level &level, const Fault &fault, const Undisturbed &undisturbed);
 
-// The two kinds of session; both throw Failure.
+// These functions run the two kinds of session; both throw Failure.
 void run_asked(Level &level, const Fault &fault, const Undisturbed &undisturbed, Outcome &outcome);
 void run_free(Level &level, const Fault &fault, const Undisturbed &undisturbed, Outcome &outcome);
 void free_run_undisturbed(Level &level, Undisturbed &undisturbed);
 
-// Messages of another host in the middle of a session, to the same device; its answers take the usual path.
+// Sends messages of another host to the same device in the middle of a session; the answers take the usual
+// path.
 void strange_host(const Fault &fault, crn::Transport &pipe);
 
 } // namespace hil

@@ -1,5 +1,5 @@
-// Sessions in which every frame is an answer to one: set-up and LOCKSTEP, where a disturbed session comes to
-// the same hash.
+// This file judges sessions in which the device sends frames only as answers: set-up and LOCKSTEP, where a
+// disturbed session must come to the same hash.
 #include "hil_tests/campaign/judge.hpp"
 
 namespace hil
@@ -10,7 +10,7 @@ namespace
 
 constexpr int attempts_max = 6;
 
-// A host that records. After an error it begins with HELLO and continues at the device's tick.
+// A host that records. After an error this host begins with HELLO and continues at the device's tick.
 class Host
 {
   public:
@@ -47,7 +47,7 @@ class Host
     }
 
   private:
-    // The device still runs this session, at the tick that was recorded last.
+    // Returns whether the device still runs this session, at the tick that was recorded last.
     bool goes_on()
     {
         link_.emplace(pipe_);
@@ -105,7 +105,8 @@ class Host
               static_cast<unsigned long long>(undisturbed_.lockstep_hash));
     }
 
-    // The recording equals that of the undisturbed session, except for the false content of the one frame.
+    // The recording must equal that of the undisturbed session, except for the false content of the one
+    // frame.
     void take(const crn_wire_tick_state &state)
     {
         const std::size_t i = state.tick - 1;

@@ -1,5 +1,5 @@
-// Sessions in FREE_RUN: a hand pushes against a wire that a seal holds, the motors have power, and a fault
-// occurs.
+// This file judges sessions in FREE_RUN: a hand pushes against a wire that a seal holds, the motors have
+// power, and a fault occurs.
 #include "hil_tests/campaign/judge.hpp"
 #include <cmath>
 #include <cstring>
@@ -14,8 +14,8 @@ constexpr std::uint32_t host_every_ms = 8, silent_ms = 30, latched_ms = 20, last
 constexpr double hand_m_per_s = 0.1, hand_rad_per_s = 3.0, harm_N = 1.0;
 constexpr double reversed_growth_N = 12 * 0.050; // the lag that is assumed, 4 ms of judging, 50 mN per ms
 
-// Reports that the device may send after a fault of the rig. A 0 in the list allows no report, if the fault
-// had no effect.
+// Lists the reports that the device may send after a fault of the rig. A 0 in the list means that the device
+// may also send no report, if the fault had no effect.
 struct Answer {
     const char *kind;
     std::vector<int> codes;
@@ -141,7 +141,7 @@ void Loop::talk()
     is_cut_ = fault_ != nullptr && is("link.cut") && pipe_.has_struck();
 }
 
-// From now on no force may remain after the time of the class.
+// From now on the force must end within the time of this class of faults.
 void Loop::expect_off(SafeClass which)
 {
     if (onset_ms_ >= 0) return;
@@ -158,7 +158,8 @@ void Loop::observe()
     if (fault_ == nullptr) return;
     if (fault_->is_group("link.")) watch_silence();
     if (is_wrong_way()) {
-        // Checks for a lasting motor force of 1 N that no hand holds, as docs/faults.md defines it.
+        // Checks for a motor force of 1 N that lasts although no hand holds the carriage, as docs/faults.md
+        // defines it.
         const double held = plant.track(0).translation.force_on_hand();
         double least = harm_N;
         for (std::size_t i = motor_N_.size(); i > 0 && i + lasting_ms > motor_N_.size(); i--)
@@ -178,7 +179,7 @@ void Loop::observe()
               plant.motor_torque_peak_N_m() * 1e3, since, bar_ms(outcome_.safe_class));
 }
 
-// Silence counts from the last frame that arrived complete.
+// The host's silence counts from the last frame that arrived complete.
 void Loop::watch_silence()
 {
     const std::uint32_t gap = ms_ - last_frame_ms_;
@@ -351,8 +352,8 @@ void Loop::judge()
           "the actuator gave %.3f N and %.2f mN m, limits %.3f and %.2f", outcome_.peak_N,
           outcome_.peak_N_m * 1e3, force_limit_N, torque_limit_N_m * 1e3);
     if (is("rig.encoder_reversed") && fault_->value == 0) {
-        // No hand holds the carriage. Allowed are the force that was present, or the force that frees the
-        // carriage, and 12 ms of the slew limit until the fault is judged.
+        // No hand holds the carriage. The allowed force is the one that was present, or the one that frees
+        // the carriage, plus 12 ms of the slew limit until the fault is detected.
         const double there_N = std::max(harm_N, std::abs(undisturbed_.motor_N[fault_->at - 1]));
         check(outcome_.peak_N <= there_N + reversed_growth_N, "the reversed track rose to %.3f N from %.3f N",
               outcome_.peak_N, there_N);

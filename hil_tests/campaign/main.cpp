@@ -1,5 +1,5 @@
-// The program hil_campaign: it runs faults on purpose (docs/hil.md), all of them, a spread, or one by its
-// line.
+// This is the program hil_campaign. It injects faults on purpose (docs/hil.md): all faults, a spread of them,
+// or one that a line names.
 #include "hil_tests/campaign/passivity.hpp"
 #include "hil_tests/campaign/table.hpp"
 #include "hil_tests/l0/sim_bench.hpp"

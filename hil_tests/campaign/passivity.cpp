@@ -30,7 +30,7 @@ const std::vector<std::uint8_t> &end_wall()
     return scene;
 }
 
-// Returns false when the rule refused the settings.
+// Returns false when the rule of passivity refused the settings.
 bool set_up(Bench &bench, crn::Link &link, const PassivityTrial &trial)
 {
     link.hello();
@@ -105,7 +105,8 @@ class HandSession
             if (ms_++ % talk_every_ms == 0) keep_talking(link_);
             bench_.advance(1);
             if (meter != nullptr) meter->take(axis().motor_force());
-            // A hand that pushes against a motor which loses its power moves the carriage itself.
+            // When a motor loses its power, a hand that pushes against the motor moves the carriage by
+            // itself.
             if (bench_.plant().is_stage_on() || is_released_)
                 outcome_.fastest_m_per_s = std::max(outcome_.fastest_m_per_s, std::abs(axis().tool_speed()));
             outcome_.largest_N = std::max(outcome_.largest_N, axis().motor_peak());
@@ -213,7 +214,8 @@ std::size_t run_passivity_grid(Level &level, std::size_t nth, const std::string 
         fastest_m_per_s = std::max(fastest_m_per_s, outcome.fastest_m_per_s);
         if (!outcome.failure.empty()) std::printf("BROKEN %s", line.c_str());
     }
-    // Name and value, one line each, which make bars reads, also at the end of the table.
+    // Prints each name with its value on a line of its own, also at the end of the table. `make bars` reads
+    // these lines.
     char totals[256];
     std::snprintf(totals, sizeof totals,
                   "passivity.combinations\t%zu\npassivity.accepted\t%zu\npassivity.stopped\t%zu\n"

@@ -1,12 +1,12 @@
-// A grid of gain, coupling, stated damping and lag, and hand, on the rig's model at an end wall. The device
-// refuses what its rule forbids, and every setting that it accepts must be quiet. Nobody is at the rig who
-// could state a false damping or lag: the local unlock is closed, so that the rule of passivity alone
-// refuses.
+// This header tests passivity on a grid of gain, coupling, stated damping and lag, and hand, with the rig's
+// model at an end wall. The device refuses the settings that its rule forbids, and every setting that it
+// accepts must be quiet. There is no person at the rig who could state a false damping or lag. The local
+// unlock is closed, so only the rule of passivity refuses settings.
 //
 // A trial pushes a stiff wire by 30 mm against the end of its tube, holds it for 0.6 s, and releases it for
 // 0.6 s. A trial fails when the carriage got faster than 0.25 m/s, or the motor's force oscillated by more
-// than 50 mN for more than 100 ms. This is judged from the moment of the release on, and before it in the
-// second half of the hold, when the impact on the wall is over.
+// than 50 mN for more than 100 ms. These limits apply from the moment of the release on. Before the release
+// they apply in the second half of the hold, when the impact on the wall is over.
 #pragma once
 #include "hil_tests/cases/conversation.hpp"
 #include <vector>
@@ -26,8 +26,8 @@ struct PassivityOutcome {
     std::string failure;    // empty: all held
 };
 
-// Measures how long a force has oscillated by more than `span_N`, with each reversal within 150 ms of the
-// last.
+// Measures for how long a force has oscillated by more than `span_N`, where each reversal follows the last
+// within 150 ms.
 class CycleMeter
 {
   public:
@@ -44,8 +44,8 @@ class CycleMeter
 std::vector<PassivityTrial> passivity_grid();
 PassivityOutcome run_passivity(Level &level, const PassivityTrial &trial);
 
-// Runs every `nth` trial of the grid, prints the four rows, and writes one line for each trial to `file`
-// unless it is empty. Returns the number of failed trials.
+// Runs every `nth` trial of the grid and prints the four rows. Writes one line for each trial to `file`,
+// unless `file` is empty. Returns the number of failed trials.
 std::size_t run_passivity_grid(Level &level, std::size_t nth, const std::string &file);
 
 } // namespace hil

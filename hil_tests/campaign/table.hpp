@@ -1,5 +1,5 @@
-// Counts of a campaign, as a table and as a file of tab-separated values: one line per kind, and the worst
-// times to safety per class.
+// This header prints the counts of a campaign as a table, and writes them as a file of tab-separated values:
+// one line per kind, and the worst times to safety per class.
 #pragma once
 #include "hil_tests/campaign/judge.hpp"
 #include <map>

@@ -1,5 +1,5 @@
-// The aorta session of `make run` on a device at the other end of any pipe, tick by tick: hashes, and the
-// cost of a tick.
+// This header runs the aorta session of `make run` on a device at the other end of any pipe, tick by tick,
+// and reports hashes and the cost of a tick.
 #pragma once
 #include "host/link/link.hpp"
 #include "host/script/session.hpp"
@@ -32,21 +32,22 @@ struct AortaRun {
 void set_up_aorta(crn::Link &link, const AortaFiles &files, const crn::Session &session,
                   const crn_wire_rig &rig);
 
-// Returns the vessels whose names the session uses for steering, from the bodies beside the scene.
+// Returns the vessels whose names the session uses for steering. They are read from the file of bodies that
+// lies beside the scene file.
 std::unique_ptr<crn::TipPlaces> vessels_of(const AortaFiles &files);
-// Reads from the device the state on which the session decides when it checks the tip.
+// Reads from the device the state by which the session decides when it checks the tip.
 void look_at_aorta(crn::Link &link, const AortaFiles &files, const crn::TipPlaces &vessels,
                    crn::SessionPlayer &player, double inserted_m);
 
-// Runs one step per tick when `counts` is given, which returns the instructions spent so far; otherwise steps
-// are as long as possible.
+// Runs the session. When `counts` is given, which returns the instructions spent so far, each step is one
+// tick; otherwise steps are as long as possible.
 AortaRun run_aorta(crn::Transport &pipe, const AortaFiles &files, std::uint32_t ticks_max,
                    const std::function<double()> &instructions = {});
 
 // Returns the shaft's element length in um that gives the wire at most this many elements.
 std::uint32_t shaft_of(const AortaFiles &files, std::uint32_t elements);
 
-// The value that a share `quantile` of the values does not exceed.
+// Returns the value that a share `quantile` of the values does not exceed.
 double quantile_of(std::vector<double> values, double quantile);
 
 } // namespace hil

@@ -1,12 +1,12 @@
-// A device on a test bench: the pipe to it, the rig around it, and time. It is the same at every level; cases
-// use nothing else.
+// This header describes a device on a test bench: the pipe to the device, the rig around it, and time. The
+// interface is the same at every level, and the cases use nothing else.
 //
 //   L0  SimBench        the app as a library in this process            (hil_tests/l0)
 //   L1  EmulatedBench   the image on an emulated Cortex-M7              (hil_tests/l1)
 //   L2, L3  RemoteBench the image beside a program hil_rig, by USB      (remote_bench.hpp)
 //
-// The bench makes time: advance() makes milliseconds of device and plant in turn. A device that is not
-// advanced does not move.
+// The bench controls time: advance() runs the device and the plant in turn, millisecond by millisecond. While
+// advance() does not run, the device does nothing.
 #pragma once
 #include "hil_tests/plant/plant.hpp"
 #include "host/link/transport.hpp"
@@ -27,7 +27,7 @@ class Bench
     Plant &plant() { return plant_; }
     const crn_port_outputs &outputs() const { return outputs_; }
 
-    // Runs milliseconds of the device with its rig.
+    // Runs the device with its rig for this many milliseconds.
     void advance(std::uint32_t milliseconds)
     {
         for (std::uint32_t i = 0; i < milliseconds; i++) {
@@ -36,8 +36,8 @@ class Bench
         }
     }
 
-    // Halts the processor, as under a debugger; the rig runs on. `wall_s` makes this last that long in
-    // wall-clock time, too.
+    // Halts the processor, as under a debugger, while the rig runs on. `wall_s` makes the halt last that long
+    // in wall-clock time, too.
     void freeze(std::uint32_t milliseconds, double wall_s = 0.0)
     {
         hold(true);
@@ -49,17 +49,17 @@ class Bench
         hold(false);
     }
 
-    // The device's cable comes out once this many more bytes have been sent to it, in the middle of a
-    // transfer, and is plugged in again after `away_ms` of the rig. Returns false when the device has no
-    // cable here.
+    // Pulls the device's cable once this many more bytes have been sent to the device, in the middle of a
+    // transfer. The cable is plugged in again after `away_ms` of the rig's time. Returns false when the
+    // device has no cable at this level.
     virtual bool pull_cable(std::uint32_t bytes, std::uint32_t away_ms)
     {
         static_cast<void>(bytes), static_cast<void>(away_ms);
         return false;
     }
 
-    // The supply fails and returns: the device restarts, whatever it was doing. The rig sees `milliseconds`
-    // without supply.
+    // Lets the supply fail and return: the device restarts, whatever it was doing. The rig is without supply
+    // for `milliseconds`.
     void brown_out(std::uint32_t milliseconds)
     {
         plant_.supply_good = false;

@@ -8,8 +8,8 @@
 namespace hil
 {
 
-// Runs the aorta session in LOCKSTEP, one step per transfer. It counts every instruction from the first byte
-// of a step to the end of its answer (shift 7).
+// Runs the aorta session in LOCKSTEP, one step per transfer. Every instruction is counted, from the first
+// byte of a step to the end of its answer (shift 7).
 AortaRun count_aorta(const AortaFiles &files, std::uint32_t ticks_max);
 
 struct Overruns {

@@ -1,6 +1,6 @@
-// The cases: claims about a device with its rig, the same at every level. A case makes its own bench, talks
-// to the device through host/link and to the rig through the plant. It fails by an exception whose text
-// contains the value and the bar. Its measurements go into the report.
+// A case is a claim about a device with its rig, and is the same at every level. A case makes its own bench,
+// talks to the device through host/link and to the rig through the plant. A case fails by an exception whose
+// text contains the measured value and the bar. The measurements of a case go into the report.
 #pragma once
 #include "hil_tests/cases/bench.hpp"
 #include <span>
@@ -17,7 +17,7 @@ class Failure : public std::runtime_error
     using std::runtime_error::runtime_error;
 };
 
-// Results of a case for the table: "power off after 5 ms".
+// Holds the results of a case for the table, such as "power off after 5 ms".
 struct Report {
     std::string text;
     std::string hash;              // of the aorta session

@@ -1,4 +1,5 @@
-// Common parts of the haptic cases and the grid of passivity: a wire, and a carriage in a hand.
+// This header has the common parts of the haptic cases and the grid of passivity: a wire, and a carriage in a
+// hand.
 #pragma once
 #include "hil_tests/plant/plant.hpp"
 #include "shared/wire/wire.h"
@@ -6,10 +7,10 @@
 namespace hil
 {
 
-// Makes 350 mm of a solid wire of 0.89 mm.
+// Makes 350 mm of a solid wire of 0.89 mm diameter.
 crn_wire_instrument haptic_wire(double bend_N_m2);
-// Makes a carriage of 80 g with 1 N s/m and 20 mN of friction and a motor with 0.5 ms of lag, in a hand of
-// the given N/m and N s/m.
+// Makes a carriage of 80 g with a damping of 1 N s/m, 20 mN of friction, and a motor with 0.5 ms of lag. The
+// carriage is held by a hand of the given N/m and N s/m.
 PlantSettings haptic_plant(double hand_stiffness, double hand_damping);
 
 } // namespace hil

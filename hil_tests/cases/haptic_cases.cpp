@@ -1,7 +1,8 @@
-// The closed loop of hand, rig, coupling and rod in the five contact situations of docs/haptics.md. A hand
-// approaches, holds, goes half of the distance back and holds, loosely and firmly. No limit cycle above 0.05
-// N occurs, and the passivity observer sees nothing beyond its bound. firmware/tests/test_haptics.c does the
-// same with a plant of its own; here the actual image of a device is in the loop.
+// These cases test the closed loop of hand, rig, coupling and rod in the five contact situations of
+// docs/haptics.md. A hand approaches, holds, goes half of the distance back and holds again, once loosely and
+// once firmly. There must be no limit cycle above 0.05 N, and the passivity observer must see nothing beyond
+// its bound. The program firmware/tests/test_haptics.c does the same with a plant of its own; here the actual
+// image of a device is in the loop.
 #include "hil_tests/cases/conversation.hpp"
 #include "hil_tests/cases/haptic_bench.hpp"
 #include "hil_tests/cases/tube_scene.h"
@@ -41,7 +42,8 @@ struct Grip {
 };
 constexpr Grip grips[] = {{200, 1}, {800, 5}}; // loose, firm
 
-// The stiffest coupling along the line that the device accepts for this rig; there is none about it.
+// Returns the stiffest coupling along the line that the device accepts for this rig, without a coupling about
+// the line.
 crn_wire_rig rig_of(std::uint32_t seal_mN)
 {
     crn_wire_rig rig = crn::host_rig();
@@ -89,7 +91,7 @@ class Trial
         axis().move_hand(0.0);
     }
 
-    // Returns half the span of the hand's force in the second half.
+    // Holds still; returns half the span of the hand's force in the second half of the time.
     double hold()
     {
         pass(hold_ms / 2);

@@ -1,5 +1,5 @@
-// The program hil: it runs the cases and the aorta session at every level, measures the session's cost, and
-// prints one table at the end.
+// This is the program hil. It runs the cases and the aorta session at every level, measures the cost of the
+// session, and prints one table at the end.
 #include "hil_tests/cases/budget.hpp"
 #include "hil_tests/cases/cases.hpp"
 #include "hil_tests/cases/conversation.hpp"
@@ -51,7 +51,7 @@ struct Sum {
 class Table
 {
   public:
-    // Runs one piece of work; an exception is its failure.
+    // Runs one piece of work; an exception counts as its failure.
     template <class Work> void run(const std::string &level, const std::string &name, Work work)
     {
         if (crn::is_interrupted()) return;
@@ -135,7 +135,8 @@ void check_hash(const hil::AortaRun &expected, const hil::AortaRun &run, hil::Re
                hex(expected.hash).c_str(), unsigned{expected.ticks});
 }
 
-// Bars of the issue: median 500 k, p99.9 600 k, maximum 900 k.
+// The bars for instructions per tick are 500,000 for the median, 600,000 for 99.9 %, and 900,000 for the
+// maximum.
 void judge_instructions(const hil::AortaRun &run, hil::Report &report)
 {
     const double median = hil::quantile_of(run.tick_instructions, 0.5),
@@ -151,7 +152,8 @@ void judge_instructions(const hil::AortaRun &run, hil::Report &report)
                "%s; allowed: median 500,000, p99.9 600,000, max 900,000", report.text.c_str());
 }
 
-// Every tick of the counted session, one line each: instructions and solves, for finding expensive ticks.
+// Writes every tick of the counted session, one line each, with instructions and solves, so that expensive
+// ticks can be found.
 void write_counts(const hil::AortaRun &run, crn::PendingFile &file)
 {
     for (std::size_t i = 0; i < run.tick_instructions.size(); i++)
@@ -159,7 +161,7 @@ void write_counts(const hil::AortaRun &run, crn::PendingFile &file)
     file.commit();
 }
 
-// Work on every edge of the session in FREE_RUN: the edge's number and microseconds.
+// Writes the work on every edge of the session in FREE_RUN: the edge's number and microseconds.
 void write_overruns(const hil::Overruns &run, crn::PendingFile &file)
 {
     for (std::size_t i = 0; i < run.edge_us.size(); i++)
@@ -175,8 +177,8 @@ void judge_overruns(const hil::Overruns &run, hil::Report &report)
     hil::check(run.count() == 0, "%s; allowed: none", report.text.c_str());
 }
 
-// Only the counted sessions: the cost of a tick on the emulated processor, which is the same on every
-// machine.
+// Runs only the counted sessions, which measure the cost of a tick on the emulated processor. This cost is
+// the same on every machine.
 void count_only(const Options &options, Table &table)
 {
     hil::AortaFiles files = options.files;
@@ -231,8 +233,8 @@ void run_aorta(const Options &options, Table &table)
         crn::EmulatedTransport pipe(emulator);
         check_hash(expected, hil::run_aorta(pipe, options.files, options.ticks_max), report);
     });
-    // Each run takes minutes on a processor whose time is counted in instructions, so they may share the
-    // machine.
+    // Each run takes minutes on an emulated processor whose time is counted in instructions. Other load
+    // therefore does not matter, and the runs may share the machine.
     std::array<std::future<hil::Overruns>, 2> overruns;
     for (std::size_t shift : {0, 1})
         overruns[shift] = std::async(std::launch::async, hil::overruns_of_aorta, budget,
@@ -252,8 +254,8 @@ void run_aorta(const Options &options, Table &table)
     }
 }
 
-// Passes a command's output on to the user while it runs. Its cases are counted, and its figures are the
-// lines with a dash behind the number sign ("#- 3,000 round trips/s").
+// Passes a command's output on to the user while it runs. The command's cases are counted, and its figures
+// are the lines with a dash behind the number sign ("#- 3,000 round trips/s").
 void follow(const std::string &command, hil::Report &report)
 {
     std::FILE *pipe = popen((command + " 2>&1").c_str(), "r");
@@ -264,7 +266,7 @@ void follow(const std::string &command, hil::Report &report)
         std::fputs(buffer, stderr);
         std::string line(buffer);
         line.erase(line.find_last_not_of("\r\n") + 1);
-        // TAP, or a row of a table like this program's.
+        // A line of results is in TAP format, or is a row of a table like this program's.
         const bool is_row = line.size() > 12 && line[0] == 'L' && line[2] == ' ';
         const bool is_ok = line.starts_with("ok ") || (is_row && line.compare(6, 6, "ok    ") == 0);
         const bool is_not_ok = line.starts_with("not ok ") || (is_row && line.compare(6, 6, "FAILED") == 0);

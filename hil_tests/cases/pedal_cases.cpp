@@ -1,6 +1,6 @@
-// The pedals: pressing one at the rig reaches the X-ray room of the host in the same tick, and makes
-// fluoroscopy, a roadmap and a cine run. Pictures are blank here; host/xray/tests claims that X-rays are
-// drawn in them.
+// These cases test the pedals. When a pedal at the rig is pressed, the host's X-ray room receives this in the
+// same tick, and makes fluoroscopy, a roadmap or a cine run. Pictures are blank here; the tests in
+// host/xray/tests show that X-rays are drawn in them.
 #include "hil_tests/cases/conversation.hpp"
 #include "host/rig/pedals.hpp"
 #include "host/room/room_screen.hpp"
@@ -24,13 +24,13 @@ crn::XrayPicture blank_picture(std::uint32_t tick)
     return picture;
 }
 
-// A press by the plant's clock, and the ticks in which the room received it.
+// Describes the press of a pedal by the plant's clock, and the ticks in which the room received it.
 struct Press {
     std::uint64_t down_ms = 0, up_ms = 0;
     std::uint32_t down_tick = 0, up_tick = 0, pulses = 0;
 };
 
-// A session that the rig leads, with an X-ray room behind its pedals, as in run_free.cpp.
+// Runs a session that the rig leads, with an X-ray room behind its pedals, as in run_free.cpp.
 class Suite
 {
   public:

@@ -93,7 +93,7 @@ crn_port_outputs RemoteBench::restart()
     return channel_.ask(BenchOrder::power_cycle).outputs;
 }
 
-// The device itself does this: vendor request 0x21 of docs/usb.md.
+// The device disconnects itself, by the vendor request 0x21 of docs/usb.md.
 bool RemoteBench::pull_cable(std::uint32_t bytes, std::uint32_t away_ms)
 {
     constexpr std::uint8_t to_device = 0x40, unplug = 0x21;
@@ -107,7 +107,7 @@ bool RemoteBench::pull_cable(std::uint32_t bytes, std::uint32_t away_ms)
     return true;
 }
 
-// A device that disappeared is searched for again, and the last caller has been informed by then.
+// When a device disappeared, the last caller has already been informed, and the device is searched for again.
 crn::UsbTransport &RemoteBench::usb()
 {
     if (usb_) return *usb_;
@@ -118,8 +118,8 @@ crn::UsbTransport &RemoteBench::usb()
     return *usb_;
 }
 
-// The bus may still show a device that has just been switched off: one that has not answered yet is searched
-// for again.
+// The bus may still list a device that has just been switched off. A device that has not answered yet is
+// therefore searched for again.
 void RemoteBench::write(std::span<const std::uint8_t> bytes)
 {
     for (int attempt = 0;; attempt++) {
@@ -175,7 +175,7 @@ class MetalBench final : public Bench
 
 } // namespace
 
-// Clears whatever the session before left.
+// Clears everything that the previous session left behind.
 std::unique_ptr<Bench> MetalLevel::make(const PlantSettings &settings)
 {
     auto bench = std::make_unique<MetalBench>(settings, serial_);

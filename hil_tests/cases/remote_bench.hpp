@@ -1,8 +1,8 @@
-// Levels 2 and 3: the device is in an emulator elsewhere (hil_rig), and the host's real USB code accesses it;
-// the plant is here.
+// At levels 2 and 3 the device is in an emulator of another process (hil_rig), and the host's real USB code
+// accesses it. The plant is in this process.
 //
-// The plant makes time. The device has taken all written bytes before the next millisecond begins. Its
-// messages arrive a little later, in order and complete.
+// The plant makes time. The device has received all written bytes before the next millisecond begins. The
+// device's messages arrive a little later, in order and complete.
 #pragma once
 #include "hil_tests/cases/bench.hpp"
 #include "hil_tests/l1/bench_server.hpp"
@@ -11,7 +11,8 @@
 namespace hil
 {
 
-// The pipe to a hil_rig: its bench socket, or in a guest the port of a virtual serial line.
+// This class is the pipe to a hil_rig: its bench socket, or in a guest system the port of a virtual serial
+// line.
 class BenchChannel
 {
   public:
@@ -19,7 +20,8 @@ class BenchChannel
     ~BenchChannel();
     BenchChannel(const BenchChannel &) = delete;
     BenchChannel &operator=(const BenchChannel &) = delete;
-    // Throws std::runtime_error when the other end is gone, or with the error that occurred there.
+    // Throws std::runtime_error when the other end of the pipe is gone, or with the error that occurred
+    // there.
     BenchAnswer ask(BenchOrder order, const crn_port_inputs &inputs = {}, std::uint32_t milliseconds = 0);
 
   private:
@@ -50,7 +52,8 @@ class RemoteBench final : public Bench, private crn::Transport
     bool has_answered_ = false;
 };
 
-// A real rig, or its replacement: it has no simulated plant, so only cases that need none run on it.
+// This level is a real rig, or a replacement of one. It has no simulated plant, so only cases that need none
+// run on it.
 class MetalLevel final : public Level
 {
   public:

@@ -1,6 +1,6 @@
-// Safety: whatever fails while the motors hold a hand, they lose power in time, and the device reports why.
-// The meter is clamped to the emulated actuator, behind the power stage: it shows the largest force within
-// each millisecond.
+// These cases test safety: whatever fails while the motors drive against a hand, they lose power in time, and
+// the device reports why. The meter of these cases is clamped to the emulated actuator, behind the power
+// stage, and shows the largest force within each millisecond.
 #include "hil_tests/cases/conversation.hpp"
 
 namespace hil
@@ -14,7 +14,7 @@ constexpr double torque_safe_N_m = 0.0002; // likewise
 constexpr int safe_ms = 5, silent_safe_ms = 50;
 constexpr std::uint32_t warm_up_ms = 400;
 
-// A session in FREE_RUN with force on the hand, in which one thing then fails.
+// Runs a session in FREE_RUN with force on the hand, in which one thing then fails.
 struct Running {
     explicit Running(Level &level) : bench(level.make({})), link(bench->pipe())
     {
@@ -31,7 +31,7 @@ struct Running {
         Plant &plant = bench->plant();
         return plant.motor_peak_N() <= force_safe_N && plant.motor_torque_peak_N_m() <= torque_safe_N_m;
     }
-    // Milliseconds until the motors give no force any more.
+    // Returns the number of milliseconds until the motors give no force any more.
     int time_to_safe_ms(int limit_ms)
     {
         for (int ms = 1; ms <= limit_ms; ms++) {
@@ -41,7 +41,7 @@ struct Running {
         }
         return limit_ms + 1;
     }
-    // Returns the cause that the device latched.
+    // Returns the cause of the state FAULT that the device has latched.
     std::uint16_t fault_code()
     {
         link.free_run(0);
@@ -50,7 +50,7 @@ struct Running {
               crn_wire_state_name(status.state));
         return status.fault_code;
     }
-    // Power stays off until RESET, whatever the rig does afterwards.
+    // Checks that power stays off until RESET, whatever the rig does afterwards.
     void check_latched()
     {
         for (int ms = 0; ms < 50; ms++) {
@@ -133,8 +133,8 @@ void a_frozen_processor_loses_power_in_5_ms_and_latches_a_fault(Level &level, co
     report.add(text("power off after %d ms, then %s", off_ms, crn_wire_fault_name(code)));
 }
 
-// The supply dips and the processor restarts, at any moment of a session. There is no power and no memory of
-// the session, and a new one gives the usual hashes.
+// The supply dips and the processor restarts, at an arbitrary moment of a session. Afterwards there is no
+// power and no memory of the session, and a new session gives the usual hashes.
 void a_brown_out_is_safe_and_a_new_session_starts_clean(Level &level, const CaseOptions &, Report &report)
 {
     Running session(level);
@@ -160,7 +160,8 @@ void a_brown_out_is_safe_and_a_new_session_starts_clean(Level &level, const Case
     report.add("power off, INIT, same hashes again");
 }
 
-// When no host sends anything any more, the forces fade. The bar counts from the last frame to zero force.
+// When the host no longer sends anything, the forces fade. The limit of 50 ms counts from the last frame to
+// zero force.
 void a_silent_host_ends_the_forces_in_50_ms(Level &level, const CaseOptions &, Report &report)
 {
     Running session(level);

@@ -1,4 +1,4 @@
-// Sessions: the same hashes wherever the device runs, and pauses that change nothing.
+// These cases test sessions: they have the same hashes wherever the device runs, and pauses change nothing.
 #include "hil_tests/cases/conversation.hpp"
 #include "hil_tests/l0/sim_bench.hpp"
 #include <chrono>
@@ -72,7 +72,7 @@ void a_free_run_closes_the_loop_as_at_level_0(Level &level, const CaseOptions &o
                     places_m[1] * 1e3, peaks_N[1]));
 }
 
-// Pedals, syringe and inflator of the rig: every signal level arrives with the next ticks, in the recorded
+// Each signal level of the rig's pedals, syringe and inflator arrives with the next ticks, in the recorded
 // input.
 void pedals_syringe_and_inflator_reach_the_host(Level &level, const CaseOptions &, Report &report)
 {
@@ -99,8 +99,8 @@ void pedals_syringe_and_inflator_reach_the_host(Level &level, const CaseOptions 
     report.add(text("%d levels of two pedals, syringe and inflator", changes));
 }
 
-// A tool slips on its roller: the encoder sees the roller, the session continues, and the hand gets no more
-// than the grip.
+// A tool slips on its roller: the encoder measures the roller, the session continues, and the hand feels at
+// most the force of the grip.
 void a_roller_that_slips_is_no_fault(Level &level, const CaseOptions &, Report &report)
 {
     PlantSettings settings;

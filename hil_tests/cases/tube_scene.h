@@ -1,4 +1,5 @@
-/* Scenes from a closed form for cases that need a wall: tubes around a path of straight pieces and bends. */
+/* This header makes scenes from a closed form for cases that need a wall: tubes around a path of straight
+ * pieces and bends. */
 #ifndef CRN_HIL_TUBE_SCENE_H
 #define CRN_HIL_TUBE_SCENE_H
 
@@ -15,12 +16,12 @@ typedef struct hil_piece {
     double length_m, angle_rad; /* 0: straight */
 } hil_piece;
 
-/* Writes the scene file of a closed tube; returns its size, or 0 when `capacity` is too small. The entry is
- * the origin, along +x. `level` 0 or 1 is the refinement of the field. */
+/* Writes the scene file of a closed tube; returns the size of the file, or 0 when `capacity` is too small.
+ * The entry of the tools is at the origin, along +x. `level` 0 or 1 is the refinement of the field. */
 size_t hil_scene_of(const hil_piece *pieces, uint32_t count, double radius_m, uint32_t level, uint8_t *file,
                     size_t capacity);
 
-/* Makes the same for a tube of 2 mm radius with one bend. */
+/* Makes the scene of a tube of 2 mm radius with one bend. */
 size_t hil_tube_scene(uint8_t *file, size_t capacity);
 
 #ifdef __cplusplus

@@ -1,6 +1,6 @@
-// The cable is pulled in the middle of a transfer. A device on USB takes itself off the bus with a packet of
-// the transfer (docs/usb.md); elsewhere the pipe ends within a frame. Bytes under way are lost in both
-// directions.
+// In these cases the cable is pulled in the middle of a transfer. A device on USB disconnects itself from the
+// bus with a packet of the transfer (docs/usb.md); with other pipes, the pipe ends within a frame. Bytes that
+// are being transferred are lost in both directions.
 #include "hil_tests/cases/conversation.hpp"
 #include <algorithm>
 #include <optional>
@@ -14,7 +14,7 @@ namespace
 constexpr std::uint32_t away_ms = 60, batch = 64, pulls_per_session = 2;
 constexpr int attempts_max = 6;
 
-// The cable of a bench that has none of its own.
+// This class is the cable of a bench that has no cable of its own.
 class Cable final : public crn::Transport
 {
   public:
@@ -25,7 +25,8 @@ class Cable final : public crn::Transport
         if (!bench_.pull_cable(bytes, away_ms)) left_ = bytes;
     }
 
-    // The device stays unplugged for this long. After that, it or a replacement can be reached again.
+    // Plugs the cable in again after the device was unplugged for `away_ms`. After that, the device or a
+    // replacement can be reached again.
     void plug()
     {
         bench_.advance(away_ms + 1);
@@ -71,8 +72,8 @@ class Cable final : public crn::Transport
     bool is_out_ = false;
 };
 
-// A host whose cable is pulled once in the upload of the scene and once in the session, and which continues
-// each time.
+// This is a host whose cable is pulled once in the upload of the scene and once in the session, and which
+// continues each time.
 class Traveller
 {
   public:
@@ -109,7 +110,7 @@ class Traveller
         cable_.pull(bytes_[which]);
     }
 
-    // The device executed the last request, and is at the point where the answers ended.
+    // Returns whether the device has executed the last request and is at the point where the answers ended.
     bool goes_on()
     {
         const crn_wire_status status = link_->read_status();
@@ -162,7 +163,8 @@ void a_cable_pulled_in_mid_transfer_costs_no_bit(Level &level, const CaseOptions
         std::max<std::uint32_t>(4 * batch, std::min<std::uint32_t>(options.ticks, 400));
     const Ending alone = host_only_session(ticks, batch);
     std::uint32_t pulls = 0, resumed = 0;
-    // The cable is pulled within a frame of the upload and of the session, and between two frames.
+    // The cable is pulled at these places: within a frame of the upload and of the session, and between two
+    // frames.
     static constexpr std::uint32_t places[][2] = {{9000, 1}, {700, 700}, {30000, 1300}};
     for (std::size_t i = 0; i < std::size(places); i += options.spread) {
         const auto bench = level.make({});
@@ -177,8 +179,8 @@ void a_cable_pulled_in_mid_transfer_costs_no_bit(Level &level, const CaseOptions
                     unsigned{pulls - resumed}));
 }
 
-// The forces are zero 50 ms after the last byte, the session continues without a host, and with one the
-// forces return.
+// The forces are zero 50 ms after the last byte. The session continues without a host, and when the host
+// returns, the forces return.
 void a_cable_pulled_under_power_fades_the_forces(Level &level, const CaseOptions &, Report &report)
 {
     constexpr std::uint32_t push_ms = 200, silent_ms = 50;

@@ -1,4 +1,4 @@
-// Level 0: the app as a library in this process, in turn with the plant.
+// At level 0 the app is a library in this process and runs in turn with the plant.
 #pragma once
 #include "firmware/port/sim/sim.h"
 #include "hil_tests/cases/bench.hpp"

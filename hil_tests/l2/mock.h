@@ -1,10 +1,11 @@
-/* Declarations shared by the files of level L2: a device, its transfers, and the nodes under which programs
- * see it. One lock guards each device; umockdev's thread answers the programs' calls, and the bus moves in
- * another thread.
+/* This header has the declarations that the files of level L2 share: a device, its transfers, and the nodes
+ * under which programs see the device. One lock guards each device, because umockdev's thread answers the
+ * programs' calls while the bus moves in another thread.
  *
- * Programs poll their nodes. A plain file is always ready, which would make libusb spin. So a node is a FIFO.
- * /dev/bus/usb/... is ready for writing (this is how usbfs reports it) while a transfer is done and not
- * reaped, and full otherwise; /dev/hidraw0 holds one byte per report that waits. */
+ * Programs poll their nodes. If a node were a plain file, it would always be ready, which would make libusb
+ * spin. A node is therefore a FIFO. The node /dev/bus/usb/... is ready for writing, as with the real usbfs,
+ * while a transfer is done and not reaped, and full otherwise. The node /dev/hidraw0 holds one byte per
+ * report that waits. */
 #ifndef CRN_MOCK_H
 #define CRN_MOCK_H
 

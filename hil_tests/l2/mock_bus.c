@@ -1,12 +1,12 @@
-/* Level L2: runs a program that sees rigs on USB, on a machine without USB. umockdev, loaded into the
- * program, redirects its calls to /dev/bus/usb and /dev/hidraw* to this file, where they become tokens for
- * the device on the mailbox. The program and its libraries are the shipped ones.
+/* Level L2 runs a program that sees rigs on USB, on a machine without USB. The library umockdev, loaded into
+ * the program, redirects its calls to /dev/bus/usb and /dev/hidraw* to this file, where they become tokens
+ * for the device on the mailbox. The program and its libraries are those that users run, without changes.
  *
  *   umockdev-wrapper mock_bus --here -- PROGRAM ARGUMENT...     the loop-back rig
  *   umockdev-wrapper mock_bus --app -- PROGRAM ARGUMENT...      the whole app
  *   umockdev-wrapper mock_bus --mailbox FILE:OFFSET -- PROGRAM ARGUMENT...
  *
- * Several devices may be named; --here and --app are allowed once each.
+ * The command line may name several devices; --here and --app are allowed once each.
  *
  * The exit code is the program's, 1 when the device does not start, or 2 for bad arguments. */
 #define _GNU_SOURCE
@@ -77,8 +77,8 @@ static char *describe(mock *m, const uint8_t *descriptors, uint32_t count)
     return g_string_free(text, FALSE);
 }
 
-/* A node that can be polled; it is made here, since umockdev makes one only once. The descriptor stays open,
- * so that neither end ever sees the other as gone. */
+/* Makes a node that can be polled; it is made here, because umockdev makes a node only once. The file
+ * descriptor stays open, so that neither end ever sees the other as gone. */
 static int make_fifo(const mock *m, const char *node)
 {
     char *path = g_build_filename(m->root, node, NULL);
@@ -128,9 +128,9 @@ static void tell(mock *m, const char *what)
     g_free(path);
 }
 
-/* umockdev ends a program that is in the middle of a call when its node is removed. So the nodes of an
- * unplugged device answer ENODEV until it returns, and it does not return before programs had time to release
- * it. */
+/* umockdev would end a program that is in the middle of a call when its node is removed. The nodes of an
+ * unplugged device therefore answer ENODEV until the device returns. The device does not return before
+ * programs had time to release it. */
 static void detach(mock *m)
 {
     if (!m->is_attached) return;
@@ -198,8 +198,8 @@ static void on_complete(void *context, const usb_urb *urb)
         mock_usbfs_complete(m, urb);
 }
 
-/* A device in this process acts when its millisecond comes or a transfer is submitted; one in another process
- * is polled. */
+/* A device in this process acts when its millisecond comes or a transfer is submitted; a device in another
+ * process is polled. */
 static void wait_for_work(mock *m)
 {
     const int64_t until = m->peer.kind == USB_PEER_FILE ? usb_peer_now_ns() + STEP_ns : m->peer.next_tick_ns;
@@ -258,7 +258,7 @@ static void name_nodes(mock *m, unsigned number)
     snprintf(m->hid_node, sizeof m->hid_node, "/dev/hidraw%u", number);
 }
 
-/* Returns NULL, or an error message. The first `used` words name devices. */
+/* Returns NULL, or an error message. The first `used` words of the command line name devices. */
 static const char *open_devices(int count, char **words, int *used)
 {
     const char *wrong = NULL;
@@ -298,9 +298,9 @@ static void make_nodes(mock *m, UMockdevTestbed *testbed)
     m->urbs = (usb_urbs){.host = m->peer.host, .complete = on_complete, .context = m};
 }
 
-/* An ioctl is an exchange of half a dozen messages between two threads, and waking a thread on another
- * processor costs more than the message itself. On one processor the round trips of the loop-back rig fit
- * into their milliseconds. */
+/* For umockdev, an ioctl is an exchange of half a dozen messages between two threads. Waking a thread on
+ * another processor costs more than the message itself. On one processor, the loop-back rig's round trips are
+ * fast enough to finish each millisecond of work in time. */
 static void stay_on_one_processor(void)
 {
     cpu_set_t here;
@@ -321,9 +321,9 @@ int main(int argc, char **argv)
                 wrong);
         return 2;
     }
-    /* Threads and the program inherit this setting. umockdev sleeps for a zero duration behind every ioctl,
-     * which takes 50 us by Linux's usual slack: the six ioctls of an interrupt transfer in each direction
-     * would then not fit into a frame. */
+    /* Threads and the program inherit this setting of the timer slack. After every ioctl, umockdev sleeps for
+     * a duration of zero, which takes 50 us by Linux's usual slack. The six ioctls of an interrupt transfer
+     * in each direction would then not fit into a frame. */
     prctl(PR_SET_TIMERSLACK, SLACK_ns);
     if (mocks[0].peer.kind == USB_PEER_RIG) stay_on_one_processor();
     UMockdevTestbed *testbed = umockdev_testbed_new();

@@ -1,5 +1,6 @@
-/* The work of the kernel's usbhid and hidraw for hidapi: it reads reports while a program has the node open,
- * keeps the last 64, sends written ones, and turns feature reports into control transfers. */
+/* This file does the work of the kernel's usbhid and hidraw for hidapi. It reads reports while a program has
+ * the node open, keeps the last 64, sends written reports, and turns feature reports into control
+ * transfers. */
 #include "hil_tests/l2/mock.h"
 
 #include <errno.h>

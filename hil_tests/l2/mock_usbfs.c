@@ -1,5 +1,6 @@
-/* The work of the kernel's usbfs for libusb: transfers are submitted, reaped and discarded by ioctl. An
- * ioctl's argument is the pointer that the program passed; resolving it fetches the data behind it. */
+/* This file does the work of the kernel's usbfs for libusb: transfers are submitted, reaped and discarded by
+ * ioctl. An ioctl's argument is the pointer that the program passed; resolving the pointer fetches the data
+ * behind it. */
 #include "hil_tests/l2/mock.h"
 
 #include <errno.h>
@@ -63,7 +64,7 @@ void mock_usbfs_complete(mock *m, const usb_urb *urb)
         if ((uint64_t)(uintptr_t)one == urb->id) finish(m, one, mock_errno(urb->result), urb->done);
 }
 
-/* Ends transfers under way as the kernel does, and makes the node ready for its readers. */
+/* Ends transfers that are in progress as the kernel does, and makes the node ready for its readers. */
 void mock_usbfs_unplugged(mock *m)
 {
     usb_urb urb;
@@ -178,8 +179,8 @@ static int clear_halt(mock *m, UMockdevIoctlData *argument)
     return m->is_plugged ? mock_errno(usb_host_clear_halt(m->peer.host, (uint8_t)endpoint)) : ENODEV;
 }
 
-/* Interface 0 is the HID one: libusb takes it from usbhid when a program claims it. In both calls, the first
- * number behind the argument is the interface. */
+/* Interface 0 is the HID interface: libusb takes it from usbhid when a program claims it. In both calls, the
+ * interface is the first number at the argument's address. */
 static int claim(mock *m, UMockdevIoctlData *argument, bool is_taken)
 {
     unsigned interface;
@@ -248,7 +249,7 @@ gboolean mock_usbfs_ioctl(UMockdevIoctlBase *base, UMockdevIoctlClient *client, 
     return TRUE;
 }
 
-/* A program closed the node, or died: the kernel takes back its transfers. */
+/* When a program has closed the node, or has crashed, the kernel takes back the program's transfers. */
 void mock_usbfs_vanished(UMockdevIoctlBase *base, UMockdevIoctlClient *client, mock *m)
 {
     (void)base;

@@ -1,12 +1,13 @@
-/* Shows a device on the token mailbox to a machine in QEMU, by usbredir over a unix socket.
+/* This program makes a device on the token mailbox visible to a machine in QEMU, by usbredir over a unix
+ * socket.
  *
  *   bridge SOCKET --here                     the loop-back rig, in this process
  *   bridge SOCKET --app                      the whole app, in this process
  *   bridge SOCKET --mailbox FILE[:OFFSET]    whatever serves the mailbox in FILE
  *
- * It waits for QEMU to connect (`-chardev socket,path=SOCKET -device usb-redir`), and ends when QEMU
- * disconnects. The device may unplug itself, restart and come back at any time. Exit code 0; 1 when the
- * device hangs; 2 for bad arguments. */
+ * The program waits for QEMU to connect (`-chardev socket,path=SOCKET -device usb-redir`), and ends when QEMU
+ * disconnects. The device may unplug itself, restart, and come back at any time. The exit code is 0; it is 1
+ * when the device hangs, and 2 for bad arguments. */
 #define _GNU_SOURCE /* ppoll */
 #include <errno.h>
 #include <poll.h>
@@ -80,9 +81,9 @@ static bool address_device(bridge *b)
 }
 
 /* Enters interfaces and endpoints of the configuration into usbredir's two tables. Interrupt endpoints are
- * reported as bulk, because usbredir would read them at the bridge's pace and pile up what the guest does not
- * fetch. This way every read of the guest is one read of the device, at the pace of the guest's own xHCI, as
- * on a cable. The guest sees the type in the descriptors. */
+ * reported as bulk endpoints. Otherwise usbredir would read them at the bridge's pace and pile up what the
+ * guest does not fetch. With bulk endpoints, every read of the guest is one read of the device, at the pace
+ * of the guest's own xHCI, as on a cable. The guest takes the true type from the descriptors. */
 static void describe(bridge *b, const uint8_t *bytes, uint32_t count)
 {
     struct usb_redir_interface_info_header interfaces;
@@ -140,7 +141,7 @@ static bool show(bridge *b)
     return true;
 }
 
-/* The device was plugged, unplugged, or restarted unnoticed. */
+/* Handles a device that was plugged, unplugged, or restarted unnoticed. */
 static void watch_plug(bridge *b)
 {
     const usb_host *host = b->peer.host;
@@ -242,7 +243,7 @@ static void on_control(void *context, uint64_t id, struct usb_redir_control_pack
     usbredirparser_send_control_packet(b->parser, id, header, count > 0 ? bytes : NULL, (int)count);
 }
 
-/* A transfer of the guest: the bridge owns its buffer until the answer is sent. */
+/* Holds a transfer of the guest; the bridge owns its buffer until the answer is sent. */
 static bool submit(bridge *b, uint64_t id, uint8_t endpoint, uint32_t length, const uint8_t *data,
                    int data_bytes)
 {

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Debian's own kernel for the guest of level L3: fetches the packages and extracts what the guest needs.
+"""Provides Debian's own kernel for the guest of level L3: fetches the packages and extracts what the guest needs.
 
   kernel.py FOLDER     leaves FOLDER/vmlinux and FOLDER/initrd; does nothing when this program has made them
 
-The kernel is the one that the package linux-image-amd64 depends on today. It is unpacked, never installed. vmlinux is
-the payload of vmlinuz: without the real-mode stub and its own unpacking the guest boots three seconds sooner. The
-initrd holds busybox, the modules for 9p, xHCI, HID and a virtual serial port with all that they depend on, and an
-init. The init runs one script in the host's own file tree, which is read-only; a folder of the host at /mnt is
-writable."""
+The kernel is the one that the package linux-image-amd64 depends on today. The package is unpacked, never installed.
+The file vmlinux is the payload of vmlinuz: without the real-mode stub and the unpacking by the kernel itself, the
+guest boots three seconds sooner. The initrd holds busybox, the modules for 9p, xHCI, HID and a virtual serial port
+with all modules on which these depend, and an init program. The init program runs one script in the host's own file
+tree, which is read-only; a folder of the host at /mnt is writable."""
 
 import hashlib
 import io
@@ -76,7 +76,7 @@ def extract_vmlinux(vmlinuz):
 
 
 def module_paths(root):
-    """Maps module names to files; - and _ are treated as equal."""
+    """Maps names of kernel modules to files; - and _ are treated as equal."""
     paths = {}
     for folder, _, names in os.walk(root):
         for name in names:
@@ -92,7 +92,7 @@ def dependencies(path):
 
 
 def module_order(paths, wanted):
-    """Lists files in the order of loading. A module without a file is built into the kernel."""
+    """Lists the modules' files in the order of loading. A module without a file is built into the kernel."""
     order, seen = [], set()
 
     def add(name):
@@ -152,7 +152,7 @@ def write(path, data):
 
 
 def prepare(folder):
-    """Returns (vmlinux, initrd), and makes them when they are missing."""
+    """Returns the paths of vmlinux and initrd, and makes these files when they are missing."""
     vmlinux, initrd, stamp = (os.path.join(folder, name) for name in ("vmlinux", "initrd", "made_by"))
     with open(os.path.abspath(__file__), "rb") as file:
         made_by = hashlib.sha256(file.read()).hexdigest()

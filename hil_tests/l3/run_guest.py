@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Level L3: runs a command in a virtual machine with Debian's kernel that has rigs on its USB.
+"""Runs a command of level L3 in a virtual machine with Debian's kernel that has rigs on its USB.
 
   run_guest.py [options] (--here | --app | --mailbox FILE[:OFFSET])... -- COMMAND ARGUMENT...
 
 QEMU emulates an x86-64 PC with an xHCI controller; a bridge connects each device by usbredir. COMMAND runs in the
-guest in the current folder, with the host's file tree mounted read-only, so it runs the programs of the build tree
-itself. --out's folder is /mnt there and is writable. The output is printed as it comes; the exit code is that of
-COMMAND, or 1 when something did not start or took too long. No process outlives the deadline."""
+guest in the current folder. The host's file tree is mounted read-only, so COMMAND can run the programs of the build
+tree. The folder of --out is /mnt in the guest and is writable. The output is printed as it comes; the exit code is
+that of COMMAND, or 1 when something did not start or took too long. No process outlives the deadline."""
 
 import argparse
 import os
@@ -98,7 +98,7 @@ def write_script(path, command):
 
 
 def watch(guest, deadline):
-    """Returns the command's exit code and prints its output; None when the guest did not start the command."""
+    """Prints the command's output and returns its exit code, or None when the guest did not start the command."""
     late = threading.Timer(max(deadline - time.monotonic(), 0), guest.kill)
     late.start()
     code = None

@@ -1,6 +1,6 @@
-/* A LOCKSTEP session with three tools through the whole app and its wire, in this process. It prints the
- * state's hashes after every batch, as they came over the wire, and the wire's schema. The lines are the same
- * on every machine, whatever its byte order. */
+/* This program runs a LOCKSTEP session with three tools through the whole app and its wire protocol, in this
+ * process. The program prints the state's hashes after every batch, as they came over the wire protocol, and
+ * the protocol's schema hash. The printed lines are the same on every machine, whatever its byte order. */
 #include <stdio.h>
 
 #include "firmware/tests/reference/client.h"

@@ -1,5 +1,5 @@
-/* A LOCKSTEP session with three tools over libusb, against the whole app on USB, gives the state hashes of
- * the same session over the sim's pipe in this process. Prints TAP. */
+/* This program checks that a LOCKSTEP session with three tools over libusb, against the whole app on USB,
+ * gives the same state hashes as the same session over the sim's pipe in this process. Prints TAP. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -36,7 +36,7 @@ static void bulk_write(void *context, const uint8_t *bytes, size_t count)
         b->is_broken = true;
 }
 
-/* Waits for bytes from the device; no bytes within the time-out are a valid answer too. */
+/* Waits for bytes from the device; a time-out without bytes is a valid answer, too. */
 static size_t bulk_read(void *context, uint8_t *bytes, size_t capacity)
 {
     bulk *b = context;

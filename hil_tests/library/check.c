@@ -1,4 +1,4 @@
-/* TAP lines, a clock, and one option. */
+/* This file prints TAP lines, reads a clock, and reads one option. */
 #define _POSIX_C_SOURCE 200809L
 #include "hil_tests/library/check.h"
 

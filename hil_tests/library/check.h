@@ -1,5 +1,5 @@
-/* Functions shared by the programs of this folder: TAP lines, a clock, and the option that names the
- * device. */
+/* This header has functions that the programs of this folder share: TAP lines, a clock, and the option that
+ * names the device. */
 #ifndef CRN_LIBRARY_CHECK_H
 #define CRN_LIBRARY_CHECK_H
 
@@ -18,12 +18,13 @@ bool check(bool good, const char *name);
 /* Prints a line "# ...", with printf's format. */
 void check_note(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/* Prints the plan; returns the program's exit code. */
+/* Prints the TAP plan; returns the program's exit code. */
 int check_end(void);
 
 int64_t check_now_us(void);
 
-/* Returns the serial number in `--serial NUMBER`, or NULL without it; other arguments end the program (2). */
+/* Returns the serial number in `--serial NUMBER`, or NULL without this option; other arguments end the
+ * program with exit code 2. */
 const char *check_serial(int argc, char **argv);
 
 #endif

@@ -1,6 +1,6 @@
-/* hidapi, as shipped by Debian, against a loop-back device (hil_tests/usb/usb_peer.h): feature reports, state
- * reports tick by tick, commands and their answer. It is built twice: for hidraw and for libusb. Prints
- * TAP. */
+/* This program tests hidapi, as shipped by Debian, against a loop-back device (hil_tests/usb/usb_peer.h):
+ * feature reports, state reports tick by tick, and commands with their answer. The program is built twice:
+ * for hidraw and for libusb. Prints TAP. */
 #include <stdlib.h>
 #include <string.h>
 #include <wchar.h>
@@ -66,7 +66,7 @@ static bool read_state(crn_hid_state *state)
     return count == 64 && bytes[0] == CRN_HID_ID_state && crn_hid_decode_state(bytes + 1, 63, state);
 }
 
-/* Earlier reports are skipped; then every tick counts. */
+/* Reports from before the test are skipped; after that every tick counts. */
 static bool states_follow(void)
 {
     crn_hid_state state;
@@ -84,9 +84,9 @@ static bool states_follow(void)
     const int64_t us = check_now_us() - begin;
     check_note("link.hid_reports_per_s %lld", (long long)REPORTS * 1000000 / us);
     check_note("link.hid_ticks_lost %u of %u", (unsigned)lost, (unsigned)(REPORTS + lost));
-    /* A busy machine loses a few; a program that shares the reports with another one loses every second
-     * report. A machine that is too slow for 1 kHz loses as many, so `make test` prints the figure and leaves
-     * the verdict to `make hil-mock`. */
+    /* A busy machine loses a few reports; a program that shares the reports with another one loses every
+     * second report. A machine that is too slow for 1 kHz loses as many reports, so `make test` only prints
+     * the figure, and `make hil-mock` judges it. */
     return getenv("UNPACED") != NULL || lost < REPORTS / 2;
 }
 

@@ -1,6 +1,6 @@
-/* libusb, as shipped by Debian, against a loop-back device (hil_tests/usb/usb_peer.h): descriptors, refusals,
- * the stream in both directions, time-outs, cancelling, halts, and a device that unplugs itself. Prints
- * TAP. */
+/* This program tests libusb, as shipped by Debian, against a loop-back device (hil_tests/usb/usb_peer.h). It
+ * tests descriptors, refusals, the stream in both directions, time-outs, cancelling, halts, and a device that
+ * unplugs itself. Prints TAP. */
 #define _POSIX_C_SOURCE 200809L
 #include <stdlib.h>
 #include <string.h>
@@ -68,7 +68,7 @@ static void make_frame(int length)
     frame[length - 1] = 0;
 }
 
-/* Reads everything up to `length` bytes; short reads are joined. */
+/* Reads all bytes up to `length`, and joins short reads. */
 static bool read_bytes(int length)
 {
     int got = 0;
@@ -237,9 +237,9 @@ static bool recovers_from_a_halt(void)
     return begin_stream() && echo(700);
 }
 
-/* A device that returned is listed before it can be accessed: the bus's table has it first, and its node's
- * rights (and at L2 the program that answers for it) come after. So a program that finds the device but gets
- * no answer searches again. */
+/* A device that has returned is listed before it can be accessed. First the bus's table lists it; the access
+ * rights of its node (and at L2 the program that answers for it) follow later. A program that finds the
+ * device but gets no answer therefore searches again. */
 static bool answers(void)
 {
     return libusb_claim_interface(device, STREAM_INTERFACE) == 0 && begin_stream() && echo(64);

@@ -1,4 +1,4 @@
-// The HID interface of a lying rig, in the form of hidapi.
+// This is the HID interface of a lying rig, in the form of hidapi.
 #pragma once
 #include "hil_tests/lies/lie.hpp"
 #include "host/link/hid_rig.hpp"
@@ -7,7 +7,7 @@
 namespace hil
 {
 
-// There can be one at a time, because the functions have no user data.
+// Only one such interface can exist at a time, because the functions have no user data.
 crn::HidApi lying_hid(const Lie &lie, std::function<void()> struck);
 
 } // namespace hil

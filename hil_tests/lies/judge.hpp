@@ -1,5 +1,5 @@
-// One lie to one command, in a separate process: how it ended, how soon, how soon after Ctrl-C, and whether a
-// falsehood was recorded.
+// This header judges one lie to one command, in a separate process: how the command ended, how soon, how soon
+// after Ctrl-C, and whether a falsehood was recorded.
 #pragma once
 #include "hil_tests/lies/commands.hpp"
 

@@ -23,7 +23,7 @@ Frame notice_frame()
     return {{1, 0, CRN_WIRE_TYPE_notice}, empty_message(CRN_WIRE_TYPE_notice).payload};
 }
 
-// The campaign defines the lies about whole messages.
+// The fault campaign defines the lies about whole messages.
 std::uint32_t campaign_lie(const Lie &lie)
 {
     static const char *const words[] = {"half",     "longer", "type",  "",      "ones",
@@ -158,7 +158,8 @@ bool Liar::lie_about_frame(const Frame &frame, const Bytes &raw)
 
 // --- messages ---
 
-// Begin, chunks and end belong together: a change in the middle needs another checksum at the beginning.
+// A snapshot's begin, chunks and end belong together: a change in the middle needs another checksum at the
+// beginning.
 bool Liar::lie_about_snapshot(const Frame &frame, const Bytes &raw)
 {
     if (!lie_.is_group("snapshot.")) return false;
@@ -285,7 +286,7 @@ std::size_t Liar::stream(std::span<std::uint8_t> bytes)
 std::size_t Liar::give(std::span<std::uint8_t> bytes)
 {
     pull();
-    // Messages from before the lie arrive complete.
+    // Messages from before the lie are delivered complete.
     if (is_streaming_ && out_.empty() && !is_only_slow()) return stream(bytes);
     if (is_streaming_ && lie_.is("stream.drip_frames")) return drip(bytes);
     while (!late_.empty() && late_.front().first <= Clock::now()) {

@@ -1,5 +1,5 @@
-// A rig on the fake bus that tells one lie: the firmware's own device behind a filter that changes its
-// messages. The bus calls it with its lock held.
+// This is a rig on the simulated bus that tells one lie: the firmware's own device behind a filter that
+// changes its messages. The bus holds its own lock while it calls the rig.
 #pragma once
 #include "firmware/port/sim/sim.h"
 #include "hil_tests/lies/lie.hpp"
@@ -67,9 +67,9 @@ class Liar
 // Changes one field of a message as the lie states; returns false when the lie is not about this message.
 // (liar_fields.cpp)
 bool change_field(const Lie &lie, Frame &frame, const Bytes &last_ticks);
-// Returns the type of message that a lie about a field concerns; 0: no particular type.
+// Returns the type of message that a lie about a field concerns, or 0 for no particular type.
 std::uint16_t type_of(const Lie &lie);
-// Returns an empty message of that type, for an unsolicited lie.
+// Returns an empty message of that type, for a lie in an unsolicited message.
 Frame empty_message(std::uint16_t type);
 
 } // namespace hil

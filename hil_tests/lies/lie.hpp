@@ -1,4 +1,4 @@
-// Lies of a device; one line names each of them completely: "ticks.lane0 at=3 value=0".
+// This header describes the lies of a device. One line names each lie completely: "ticks.lane0 at=3 value=0".
 //
 //   stream.*   from the n-th frame on the device only does this, for ever: zeros, garbage, silence, drips
 //   frame.*    the n-th frame is damaged, lost, repeated, or answers something else
@@ -23,12 +23,12 @@ struct Lie {
 };
 
 std::string line_of(const Lie &lie);
-// Throws std::invalid_argument that names the word it does not recognise.
+// Throws std::invalid_argument with the word that the function does not recognise.
 Lie lie_of_line(const std::string &line);
 
 std::vector<Lie> stream_lies(); // of the wire
 std::vector<Lie> hid_lies();    // of the HID interface.
-// Returns `count` of them, spread evenly.
+// Returns `count` lies, spread evenly.
 std::vector<Lie> spread_lies(const std::vector<Lie> &lies, std::size_t count);
 
 } // namespace hil

@@ -1,5 +1,5 @@
-// The program hil_lies: it applies lies of a device to every command that talks to one (docs/hil.md), all of
-// them, a spread, or one by its line.
+// This is the program hil_lies. It applies lies of a device to every command that talks to a device
+// (docs/hil.md): all lies, a spread of them, or one that a line names.
 #include "hil_tests/lies/judge.hpp"
 #include "host/base/interrupt.hpp"
 #include "host/base/pending_file.hpp"
@@ -41,7 +41,8 @@ Totals totals_of(const std::vector<hil::Verdict> &verdicts)
     return totals;
 }
 
-// One line each, name and value, which make bars reads, also at the end of the table.
+// Prints each name with its value on a line of its own, also at the end of the table. `make bars` reads these
+// lines.
 std::string text_of(const Totals &totals, char between)
 {
     std::ostringstream text;

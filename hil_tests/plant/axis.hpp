@@ -1,4 +1,5 @@
-// One axis of a track, translation or rotation: hand -> tool -> (grip, may slip) -> roller <- motor.
+// This header models one axis of a track, translation or rotation: hand -> tool -> (grip, may slip) -> roller
+// <- motor.
 //
 //      hand (prescribed, spring and damper, or none)
 //        | force
@@ -6,9 +7,10 @@
 //                                                                                 |
 //      motor force, first-order lag ----> roller, inertia m_r, speed w: Coulomb and viscous friction, encoder
 //
-// Positions in m or rad, + into the patient; forces in N or N m. A motor command is + when it pushes the hand
-// back out, so it accelerates towards minus. In every step of 50 us the two frictions are solved together as
-// bounded impulses, so that sticking is exact: a body at rest under less than its friction does not creep.
+// Positions are in m or rad and positive into the patient; forces are in N or N m. A motor command is
+// positive when it pushes the hand back out, so it accelerates the tool in the negative direction. In every
+// step of 50 us the two frictions are solved together as bounded impulses. Sticking is therefore exact: a
+// body at rest under a force below its friction does not creep.
 #pragma once
 
 namespace hil
@@ -27,7 +29,7 @@ struct AxisSettings {
     double hand_damping = 6.0;     // N s/m
 };
 
-// The same for a torque about the tool's axis: kg m^2, N m, N m s, rad.
+// These are the same settings for a torque about the tool's axis, in kg m^2, N m, N m s and rad.
 inline constexpr AxisSettings rotation_axis_settings{2e-7,  2e-7,   2e-4,   2e-6, 0.05,
                                                      0.025, 0.0015, 0.0003, 0.02, 1e-4};
 
@@ -48,7 +50,8 @@ class Axis
   public:
     explicit Axis(const AxisSettings &settings) : settings_(settings) {}
 
-    // Runs one millisecond. `command` in N is the motor's commanded force; `powered` is the power stage.
+    // Runs one millisecond. `command` is the motor's commanded force in N; `powered` says whether the power
+    // stage is on.
     void step(double command, bool powered);
 
     void set_hand(Hand hand) { hand_ = hand; }

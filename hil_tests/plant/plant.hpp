@@ -1,13 +1,14 @@
-// A simulated rig: three tracks with two axes each, syringe, inflator, switches and the power stage, advanced
-// by one millisecond at a time. It reads the outputs of a port (crn_port_outputs) and makes the samples of a
-// port (crn_port_inputs).
+// This header simulates a rig: three tracks with two axes each, syringe, inflator, switches and the power
+// stage, advanced by one millisecond at a time. The plant reads the outputs of a port (crn_port_outputs) and
+// makes the samples of a port (crn_port_inputs).
 //
 //   outputs of the device --> power stage --> motors --> axes --> encoders, force sensors --> inputs of the
 //   device
 //
 // The power stage is on while the supply is good, the stop released, `enable` set, and the last flip of the
-// drive line at most CRN_PORT_DRIVE_HOLD_ms ago. It monitors this by itself: a halted device loses power,
-// whatever halted it. It is deterministic: the same seed and the same outputs give the same inputs.
+// drive line at most CRN_PORT_DRIVE_HOLD_ms ago. The power stage monitors these conditions by itself: a
+// halted device loses power, whatever halted it. The plant is deterministic: the same seed and the same
+// outputs give the same inputs.
 #pragma once
 #include "firmware/port/port.h"
 #include "hil_tests/plant/axis.hpp"
@@ -32,7 +33,7 @@ enum class SensorFault {
     silent,   // no new sample, which the electronics report
 };
 
-// A counter behind an encoder, with its faults.
+// This is the counter behind an encoder, with its faults.
 class Encoder
 {
   public:
@@ -78,15 +79,15 @@ class Plant
 
     explicit Plant(const PlantSettings &settings);
 
-    // Runs one millisecond with these outputs; `inputs()` is the sample at its end.
+    // Runs one millisecond with these outputs; `inputs()` is the sample at the millisecond's end.
     void step(const crn_port_outputs &outputs);
     const crn_port_inputs &inputs() const { return inputs_; }
 
     Track &track(int k) { return tracks_[static_cast<std::size_t>(k)]; }
     std::uint64_t milliseconds() const { return milliseconds_; }
     bool is_stage_on() const { return is_stage_on_; }
-    // Returns the largest force of any motor within the last millisecond: the reading of a meter at the
-    // actuator.
+    // Returns the largest force of any motor within the last millisecond, as a meter at the actuator would
+    // show it.
     double motor_peak_N() const;
     double motor_torque_peak_N_m() const;
 

@@ -1,4 +1,4 @@
-// Seeded noise that is the same on every machine, because it depends on no library.
+// This header makes seeded noise that is the same on every machine, because it depends on no library.
 #pragma once
 #include <cstdint>
 
@@ -20,7 +20,7 @@ class Random
     }
     double uniform() { return static_cast<double>(next() >> 11) * 0x1p-53; } // [0, 1)
     std::uint32_t below(std::uint32_t count) { return static_cast<std::uint32_t>(next() % count); }
-    // Standard deviation 1, never beyond +-6: the sum of twelve uniform numbers.
+    // Returns a number with the standard deviation 1, never beyond +-6: the sum of twelve uniform numbers.
     double normal()
     {
         double sum = -6.0;

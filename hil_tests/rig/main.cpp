@@ -1,11 +1,13 @@
-// The program hil_rig: a simulated rig with an emulated device, which runs as long as a command beside it.
+// This is the program hil_rig. It starts a simulated rig with an emulated device, runs a command, and ends
+// when this command ends.
 //
 //   hil_rig [--serial S] [--live] -- COMMAND ARGUMENT...
 //
-// The image runs in an emulator. Its milliseconds and its sensors come from a plant in this process, in real
-// time (--live: a hand that pushes, turns and pulls back against the motors), or from the client of the bench
-// socket. In COMMAND, {mailbox} is replaced by the place of the device's USB tokens, for bridge and mock_bus,
-// and {bench} by the socket. The exit code is the command's, or 1.
+// The device's image runs in an emulator. Its milliseconds and its sensor values come from a plant in this
+// process, in real time (--live: a hand that pushes, turns and pulls back against the motors), or from the
+// client of the bench socket. In COMMAND, {mailbox} is replaced by the place of the device's USB tokens, for
+// bridge and mock_bus, and {bench} by the path of the socket. The exit code is that of the command, or 1 when
+// something did not start.
 #include "hil_tests/l1/bench_server.hpp"
 #include "hil_tests/l1/emulated_bench.hpp"
 #include "host/base/interrupt.hpp"
@@ -37,7 +39,7 @@ struct Options {
 
 // --- the rig by itself ---
 
-// Readings of the meters of a live rig.
+// Holds the readings of the meters of a live rig.
 struct Meters {
     double motor_N = 0.0, torque_N_m = 0.0, way_m = 0.0;
     std::uint64_t milliseconds = 0, powered_ms = 0, stalls = 0;
@@ -45,7 +47,7 @@ struct Meters {
     double edge_us = 0.0;
 };
 
-// Pushes for 3 s, turns, and pulls back for 2 s.
+// Makes the hand push for 3 s, turn, and pull back for 2 s.
 void move_hand(hil::Plant &plant)
 {
     const std::uint64_t ms = plant.milliseconds() % 5000;
@@ -65,8 +67,8 @@ class LiveRig
 
     std::string mailbox() { return bench_.emulator().memory_path() + ":0"; }
 
-    // Runs in real time until `is_over`. Time in which the machine was suspended is not made up for: neither
-    // rig nor device saw it.
+    // Runs in real time until `is_over`. Time in which the machine was suspended is not made up for, because
+    // neither rig nor device noticed it.
     void run(const std::atomic<bool> &is_over)
     {
         Clock::time_point due = Clock::now();
@@ -136,7 +138,7 @@ pid_t start(const std::vector<std::string> &command)
     _exit(127);
 }
 
-// Returns the exit code once the command has ended; empty while it runs.
+// Returns the exit code once the command has ended, and nothing while it runs.
 std::optional<int> ended(pid_t child)
 {
     int status = 0;

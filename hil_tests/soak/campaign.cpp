@@ -44,7 +44,7 @@ void write_script(const std::string &path, const Shrunk &shrunk, const Verdict &
     crn::write_whole_file(path, text + script_of(shrunk.session));
 }
 
-// The worker processes, and their output so far.
+// Holds the worker processes, and their output so far.
 class Pool
 {
   public:
@@ -75,7 +75,7 @@ class Pool
         std::string text;
     };
 
-    // Sessions under way count as sessions, but not yet their ticks.
+    // Sessions in progress count as sessions, but their ticks do not count yet.
     bool is_done() const
     {
         if (settings_.hours > 0) return seconds_since(begin_) >= settings_.hours * 3600;
@@ -90,7 +90,7 @@ class Pool
         workers_.push_back({process, session, ""});
     }
 
-    // Returns the session's row as a line, or nothing when it could not be judged.
+    // Returns the session's row as a line, or nothing when the session could not be judged.
     std::optional<std::string> work(const DrawnSession &session) const
     {
         try {

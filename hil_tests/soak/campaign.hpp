@@ -1,6 +1,6 @@
-// Many sessions of one seed, in separate processes, as many at a time as there are jobs. Sessions are drawn,
-// judged, shrunk when a bar breaks, and written row by row. Ctrl-C ends the campaign; a later call continues
-// it.
+// This header runs many sessions of one seed in separate processes, `jobs` of them at a time. Sessions are
+// drawn, judged, shrunk when a bar breaks, and written to a file row by row. Ctrl-C ends the campaign; a
+// later call continues it.
 #pragma once
 #include "hil_tests/soak/draw.hpp"
 #include "hil_tests/soak/rows.hpp"
@@ -11,9 +11,12 @@ namespace soak
 
 struct CampaignSettings {
     std::uint64_t seed = 1;
-    // It ends when both are reached, rows of former calls included; 0: that limit does not apply.
+    // The campaign ends when both limits are reached, where rows of former calls count; a limit of 0 does not
+    // apply.
     std::uint64_t sessions = 500, ticks = 20'000'000;
-    double hours = 0; // of this call; 0: no limit by the clock. With hours, sessions and ticks do not end it
+    // This is the limit of this call by the clock; 0 means no limit. With such a limit, the numbers of
+    // sessions and ticks do not end the campaign.
+    double hours = 0;
     int jobs = 1;
     std::string folder = "out/soak";
     double trial_seconds_max = 900; // of wall-clock time; a session that takes longer is broken
@@ -23,8 +26,8 @@ struct CampaignSettings {
     bool shows_progress = true;
 };
 
-// Judges one session by its number in a separate process, and shrinks it into the folder when it broke.
-// Returns nothing when it was interrupted.
+// Judges one session in a separate process, and writes its shrunk form into the folder when a bar broke.
+// Returns nothing when the call was interrupted.
 std::optional<Row> judge_session(const Catalogue &catalogue, const CampaignSettings &settings,
                                  const DrawnSession &session);
 

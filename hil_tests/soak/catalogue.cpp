@@ -25,7 +25,8 @@ double length_mm(const crn::VesselBranch &branch, std::size_t last_point)
     return sum_m * 1e3;
 }
 
-// Distance from the sheath, against the blood flow, to the place where it enters the tree.
+// Returns the distance from the sheath, against the blood flow, to the place where the sheath's vessel enters
+// the tree.
 int depth_of(const SoakScene &scene)
 {
     const crn::VesselTree &tree = scene.vessels;
@@ -96,7 +97,8 @@ SoakTool read_soak_tool(const std::string &path)
     return tool;
 }
 
-// Adds every set that begins with `set`, by the same rule as the core's (crn_check_tools).
+// Adds every set of instruments that begins with `set`, by the same rule as that of the core
+// (crn_check_tools).
 void add_sets(const std::vector<SoakTool> &tools, const std::vector<std::size_t> &set,
               std::vector<std::vector<std::size_t>> &sets)
 {

@@ -21,8 +21,8 @@ struct Cast {
     std::optional<std::size_t> balloon; // index into tools
 };
 
-// An instrument is drawn first, then any set that contains it, so that every one comes about as often as
-// another. Three of ten sessions have one tool.
+// First an instrument is drawn, then any set that contains it, so that every instrument comes about as often
+// as another. Three of ten sessions have one tool.
 Cast draw_tools(const Catalogue &catalogue, const SoakScene &scene, Dice &dice)
 {
     const bool is_treated = !scene.stations.empty(); // there is a lesion for a balloon
@@ -110,7 +110,8 @@ void move_two_hands(Scribe &scribe)
     scribe.end();
 }
 
-// Injects as much as a hand or a pump can through such a lumen with a wire in it.
+// Injects contrast medium through the lumen of a tool, as fast as a hand or a pump can while a wire is in the
+// lumen.
 void inject(Scribe &scribe)
 {
     Dice &dice = scribe.dice();
@@ -235,7 +236,7 @@ DrawnSession draw_session(const Catalogue &catalogue, std::uint64_t seed, std::u
         scribe.begin(k, std::min(begin_mm, begin_max_mm));
     }
     go_in(scribe, cast);
-    // When the script loads the first stent, none is on the balloon at the start.
+    // When the script loads the first stent, no stent is on the balloon at the start.
     std::size_t loads_left = cast.stents.empty() || dice.chance(50) ? 0 : cast.stents.size();
     const int seconds = dice.between(settings.seconds_min, settings.seconds_max);
     for (int k = 0; scribe.seconds() < seconds && k < statements_max; k++) wander(scribe, cast, loads_left);

@@ -1,4 +1,4 @@
-// A trial in a separate process, and verdicts as lines.
+// This file runs a trial in a separate process, and writes verdicts as lines.
 #include "hil_tests/soak/process.hpp"
 #include "hil_tests/soak/trial.hpp"
 #include "host/base/interrupt.hpp"
@@ -31,7 +31,7 @@ std::string without_tabs(std::string text)
     return text.empty() ? "-" : text;
 }
 
-// Reads until the pipe is closed. Returns false when it took too long.
+// Reads the process's output until the pipe is closed. Returns false when the process took too long.
 bool read_all(int pipe, pid_t who, double seconds_max, std::string &text)
 {
     const Clock::time_point begin = Clock::now();

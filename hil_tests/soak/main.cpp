@@ -1,5 +1,6 @@
-// The program soak: random legal sessions for hours, judged by the bars of docs/soak.md. Exit codes: 0 every
-// bar held, 1 one broke or the program failed, 2 wrong usage.
+// This is the program soak, which runs random legal sessions for hours and judges them by the bars of
+// docs/soak.md. The exit code is 0 when every bar held, 1 when one broke or the program failed, and 2 for
+// wrong usage.
 #include "hil_tests/soak/campaign.hpp"
 #include "host/base/interrupt.hpp"
 #include "host/base/output_files.hpp"
@@ -110,8 +111,8 @@ void check(Options &options)
         };
 }
 
-// Returns the inputs on which the rows depend: with another program, scene, instrument or bar they start from
-// the beginning.
+// Returns the inputs on which the rows depend: with another program, scene, instrument or bar, the rows start
+// from the beginning.
 std::string key_of(const Options &options, const soak::Catalogue &catalogue)
 {
     std::uint32_t crc = 0;
@@ -146,7 +147,7 @@ std::vector<std::string> lines_of(const std::string &text)
     return lines;
 }
 
-// Judges one session and prints the details.
+// Judges one session and prints the details of the verdict.
 int judge_one(const Options &options, const soak::Catalogue &catalogue, const soak::DrawnSession &session)
 {
     const std::optional<soak::Row> row = soak::judge_session(catalogue, options.campaign, session);

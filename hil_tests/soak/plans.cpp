@@ -10,7 +10,7 @@ namespace
 
 constexpr int bar_kPa = 100;
 
-// A step of a plan: the tools move to these depths at the same time; -1: this tool stays.
+// In a step of a plan, the tools move to these depths at the same time; -1 means that a tool stays.
 struct Step {
     int wire_mm, catheter_mm, guide_mm;
     int mm_s;
@@ -31,7 +31,7 @@ void walk(Scribe &scribe, const Step &step, double hurry)
     if (moves) scribe.end();
 }
 
-// Hands are up to three times as fast as those of the shipped session.
+// In these plans hands are up to three times as fast as those of the shipped session.
 double some_hurry(Scribe &scribe)
 {
     return scribe.dice().between(10, 30) * 0.1;
@@ -43,7 +43,7 @@ void turn_by_about(Scribe &scribe, std::size_t k, int deg)
     scribe.end();
 }
 
-// Rows: burst pressure and labelled pressure, both rounded down to whole bar.
+// Returns the burst pressure and the labelled pressure of a balloon, both rounded down to whole bar.
 int burst_bar(const SoakTool &tool)
 {
     return tool.instrument.balloon ? static_cast<int>(tool.instrument.balloon->rated_burst_kPa / bar_kPa)
@@ -159,7 +159,7 @@ void plan_balloon(Scribe &scribe, std::size_t balloon, bool load)
         scribe.push_until(balloon, std::max(back_mm, 4), std::max(60, scribe.some_speed_mm_s()));
         scribe.end();
     } else if (dice.chance(60)) {
-        // The balloon moves along the wire; it is also filled while it is still in its sheath.
+        // The balloon moves along the wire; sometimes it is filled while it is still in its sheath.
         const int most_mm = std::max(scribe.inserted_mm(0), 20);
         scribe.push_until(balloon, std::clamp(dice.between(5, most_mm), 1, scribe.depth_max_mm(balloon)),
                           std::max(20, scribe.some_speed_mm_s()));

@@ -1,6 +1,6 @@
-// Routes into the vessels that chance alone would not find: over the wire, round the arch into a coronary
-// artery, into a renal artery. Also the uses of a balloon. Each is a sequence of statements whose numbers are
-// drawn around those of the shipped sessions.
+// This header has routes into the vessels that chance alone would not find: over the wire, round the arch
+// into a coronary artery, into a renal artery. The header also has sequences that use a balloon. Each plan is
+// a sequence of statements whose numbers are drawn around those of the shipped sessions.
 #pragma once
 #include "hil_tests/soak/scribe.hpp"
 

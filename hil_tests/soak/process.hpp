@@ -1,4 +1,4 @@
-// A process that writes one text and ends.
+// This header starts a process that writes one text and ends.
 #pragma once
 #include <functional>
 #include <optional>
@@ -13,11 +13,11 @@ struct Process {
     int pipe; // carries its output; it is closed when the process ends
 };
 
-// Runs `work` in the new process. It ends with 0 when the whole returned text was read, otherwise, or without
-// a text, with 1. It ends with its parent. Throws std::runtime_error.
+// Runs `work` in the new process. The process ends with 0 when the whole text that `work` returned was read.
+// Otherwise, or without a text, it ends with 1. It ends with its parent. Throws std::runtime_error.
 Process start_process(const std::function<std::optional<std::string>()> &work);
 
-// Returns the status in the form of waitpid().
+// Waits for the process and returns its status in the form of waitpid().
 int status_of_end(pid_t who);
 
 } // namespace soak

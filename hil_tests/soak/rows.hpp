@@ -1,4 +1,5 @@
-// The results of one seed as a file of tab-separated rows, one per session, which a later call continues.
+// This header keeps the results of one seed as a file of tab-separated rows, one per session, which a later
+// call continues.
 #pragma once
 #include "hil_tests/soak/trial.hpp"
 #include <map>
@@ -20,7 +21,7 @@ Row row_of(const std::string &line); // throws std::runtime_error
 class RowsFile
 {
   public:
-    // `key` states how the rows were made; rows of another key are put aside as "path.old". An incomplete
+    // `key` states how the rows were made; rows with another key are put aside as "path.old". An incomplete
     // last line is dropped. Throws std::runtime_error.
     RowsFile(const std::string &path, const std::string &key);
 
@@ -44,7 +45,7 @@ struct Summary {
     std::map<std::string, std::uint64_t> by_bar;                   // broken ones
 };
 Summary sum_of(const RowsFile &rows);
-// Lines in the format of out/bench.tsv: name, value, unit, context (docs/bench.md).
+// Returns lines in the format of out/bench.tsv: name, value, unit, context (docs/bench.md).
 std::string bench_rows(const Summary &summary, std::uint64_t seed);
 
 } // namespace soak

@@ -102,7 +102,7 @@ void Scribe::inflate(int bar, int bar_s)
     bar_ = bar;
 }
 
-// Most hands are steady, some hurry, and one in eight is as fast as possible.
+// Draws the speed of a hand: most hands are steady, some hurry, and one in eight is as fast as possible.
 int Scribe::some_speed_mm_s()
 {
     switch (dice_.weighted({25, 45, 18, 12})) {

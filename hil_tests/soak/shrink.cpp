@@ -46,7 +46,7 @@ std::vector<std::string> parts_of(const std::string &line)
     return parts;
 }
 
-// The present session, and the remaining budget.
+// Holds the present session and the remaining budget of trials and time.
 class Shrinker
 {
   public:
@@ -74,7 +74,7 @@ class Shrinker
                std::chrono::duration<double>(Clock::now() - begin_).count() > limits_.seconds;
     }
 
-    // Returns true when the shorter session breaks the same bar; it is the best one from then on.
+    // Returns true when the shorter session breaks the same bar; it is then the best session so far.
     bool accept(const DrawnSession &shorter)
     {
         if (is_spent() || shorter.lines.empty() || shorter.tools.empty()) return false;
@@ -94,7 +94,7 @@ class Shrinker
         return accept(shorter);
     }
 
-    // Statements behind the one of the break do not matter, and cost no ticks.
+    // Statements after the one at which the bar broke do not matter, and cost no ticks.
     void cut_the_end()
     {
         for (std::size_t count = best_.session.lines.size() / 2; count > 0;) {
@@ -105,7 +105,7 @@ class Shrinker
         }
     }
 
-    // Blocks of lines, from half of them down to one (Zeller's delta debugging, complements only).
+    // Leaves out blocks of lines, from half of them down to one (Zeller's delta debugging, complements only).
     bool leave_out_lines()
     {
         bool is_shorter = false;
@@ -155,8 +155,8 @@ class Shrinker
     Shrunk best_;
 };
 
-// The part without a tool: its own name is removed, and those outside of it move in by one. The result is
-// empty when nothing is left.
+// Returns a piece of the script without a tool: the tool's own name is removed, and the tools outside of it
+// move in by one. The result is empty when nothing of the line is left.
 std::string part_without(const std::string &part, std::size_t tool)
 {
     std::vector<std::string> words = words_of(part);
@@ -174,7 +174,7 @@ std::string part_without(const std::string &part, std::size_t tool)
     return join(words, " ");
 }
 
-// Halves the number before such a unit, when there is one of at least `least`.
+// Halves each number that stands before this unit and is at least `least`.
 std::vector<std::string> halved(const std::string &part, const std::string &unit, int least)
 {
     std::vector<std::string> words = words_of(part);

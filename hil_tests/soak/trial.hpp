@@ -1,6 +1,7 @@
-// Judges one session by the bars, on the host's own run_session(): hands, device, stents, contrast medium and
-// recording are those of `cournand run`, without pictures. It ends at the first tick that breaks a bar; a
-// session that breaks none is replayed from its recording, tick by tick.
+// This header judges one session by the bars (the limits in docs/soak.md), on the host's own run_session().
+// Hands, device, stents, contrast medium and recording are those of `cournand run`, without pictures. The
+// session ends at the first tick that breaks a bar; a session that breaks none is replayed from its
+// recording, tick by tick.
 #pragma once
 #include "hil_tests/soak/catalogue.hpp"
 #include "hil_tests/soak/drawn.hpp"
@@ -15,9 +16,9 @@ struct Bars {
     double iodine_share = 1e-6; // share of the injected iodine that may be missing
 };
 
-// The result of a session. `broken` is the name of the bar: saturation, penetration, length, force, iodine,
-// replay, fault (another one of the core), error (an exception, or a refused input), crash, time; it is empty
-// when no bar broke.
+// The result of a session. `broken` is the name of the broken bar, or empty when no bar broke. The names are
+// saturation, penetration, length, force, iodine, replay, fault (another fault of the core), error (an
+// exception, or a refused input), crash and time.
 struct Verdict {
     std::string broken, text; // one sentence
     std::uint32_t tick = 0;   // at which it broke
@@ -39,10 +40,10 @@ struct TrialSettings {
 
 Verdict run_trial(const Catalogue &catalogue, const DrawnSession &session, const TrialSettings &settings);
 
-// Runs the trial in a separate process, so that a crash and an endless loop are verdicts, too.
+// Runs the trial in a separate process, so that a crash and an endless loop also give a verdict.
 Verdict run_isolated(const std::function<Verdict()> &trial, double seconds_max);
 
-// Writes a verdict as words separated by tabs, and reads it back. Throws std::runtime_error.
+// These functions write a verdict as words separated by tabs, and read it back. Throws std::runtime_error.
 std::string line_of(const Verdict &verdict);
 Verdict verdict_of(const std::string &line);
 

@@ -10,8 +10,8 @@ namespace soak
 namespace
 {
 
-// A snap is scaled down, a tool that is completely out or in slips, and a hand that is too fast is reported:
-// none of these is wrong physics.
+// None of these reports means wrong physics: a snap is scaled down, a tool that is completely out or in
+// slips, and a hand that is too fast is reported.
 bool is_allowed(std::uint16_t code)
 {
     return code == CRN_FAULT_CODE_CORE_STEP_CAPPED || code == CRN_FAULT_CODE_CORE_INSERT_END ||
@@ -60,8 +60,9 @@ void Watch::tick(const crn_wire_tick_input &, const crn_wire_tick_state &state)
     fault_bits_ = state.core_fault_bits;
 }
 
-// After a new bit of the core the log is read at the end of the next batch. A session that is long enough
-// ends where device and recording are at the same tick. Neither tick moves while a batch is processed.
+// After the core has set a new fault bit, the log is read at the end of the next batch. A session that is
+// long enough ends at a batch's end, where device and recording are at the same tick. The tick of that
+// reading and the tick of that end do not change while a batch is processed.
 std::uint32_t Watch::next_tick() const
 {
     const std::uint32_t end = seen_tick_ <= settings_.ticks_max ? settings_.ticks_max : UINT32_MAX;

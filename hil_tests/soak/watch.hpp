@@ -1,4 +1,5 @@
-// The sink of a trial: it compares every tick with the bars.
+// This is the sink of a trial. It compares every tick with the bars, which are the limits that docs/soak.md
+// sets.
 #pragma once
 #include "hil_tests/soak/trial.hpp"
 #include "host/patient/patient.hpp"
@@ -26,10 +27,10 @@ class Watch final : public crn::FrameSink
     std::uint32_t next_tick() const override;
     void frame(const crn::SessionFrame &frame) override;
 
-    // Reads the device's present log. Throws Enough for a fault that no session may have.
+    // Reads the device's present log. Throws Enough for a fault that must not occur in any session.
     void look_at_faults(std::uint32_t tick);
-    // Checks that the injected iodine = iodine in the vessels + iodine that left, when the session is over.
-    // Throws Enough.
+    // Checks, when the session is over, that the injected iodine equals the iodine in the vessels plus the
+    // iodine that left. Throws Enough.
     void balance_iodine(std::uint32_t tick) const;
     const Verdict &worst() const { return worst_; }
 

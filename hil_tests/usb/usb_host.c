@@ -1,4 +1,4 @@
-/* A host controller on the token mailbox. */
+/* This file implements a host controller on the token mailbox. */
 #include "hil_tests/usb/usb_host.h"
 
 #include <string.h>
@@ -71,7 +71,8 @@ usb_result usb_host_token(usb_host *host, crn_mailbox_token kind, uint8_t endpoi
     return USB_OK;
 }
 
-/* The result of a packet with this reply: USB_OK on success; USB_NAKED and USB_SILENT may be tried again. */
+/* Returns the result of a packet with this reply: USB_OK on success; USB_NAKED and USB_SILENT may be tried
+ * again. */
 static usb_result judge(crn_mailbox_reply reply)
 {
     switch (reply) {

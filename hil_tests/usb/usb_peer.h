@@ -1,5 +1,6 @@
-/* The device that a bridge shows to a host: the loop-back rig or the whole app in this process, or the
- * program that serves a mailbox in a file that another process has mapped too (an emulator's memory). */
+/* This header opens the device that a bridge shows to a host. It is the loop-back rig or the whole app in
+ * this process, or the program that serves a mailbox in a file that another process has mapped too (an
+ * emulator's memory). */
 #ifndef CRN_USB_PEER_H
 #define CRN_USB_PEER_H
 
@@ -23,21 +24,21 @@ enum { USB_PEER_DEADLINE_s = 5 }; /* of a token */
 
 int64_t usb_peer_now_ns(void);
 
-/* Opens a rig in this process, whose ticks follow the clock. On command 200 it sends a burst of frames:
- * value1 frames of value2 bytes. */
+/* Opens a loop-back rig in this process, whose ticks follow the clock. On command 200 the rig sends a burst
+ * of frames: value1 frames of value2 bytes. */
 void usb_peer_open_here(usb_peer *peer);
 
-/* The app in this process, with milliseconds by the clock. There can be only one. */
+/* Opens the app in this process, with milliseconds by the clock. There can be only one. */
 void usb_peer_open_app(usb_peer *peer, const char *serial);
 
-/* A mailbox at `offset` of a file that is large enough. Returns NULL, or an error message. */
+/* Opens a mailbox at `offset` of a file that is large enough. Returns NULL, or an error message. */
 const char *usb_peer_open_file(usb_peer *peer, const char *path, uint64_t offset);
 
-/* Opens a device by the words of a command line: "--here", "--app", "--app=SERIAL", or "--mailbox" and
- * FILE[:OFFSET]. Counts the words that were used. Returns NULL, or an error message. */
+/* Opens a device by the words of a command line ("--here", "--app", "--app=SERIAL", or "--mailbox" and
+ * FILE[:OFFSET]), and counts the words that it used. Returns NULL, or an error message. */
 const char *usb_peer_open(usb_peer *peer, int count, char **words, int *used);
 
-/* Lets a device in this process do its work up to now. */
+/* Lets a device in this process do all work that is due by now. */
 void usb_peer_run(usb_peer *peer);
 
 #endif

@@ -1,5 +1,5 @@
-/* A rig that is only its USB side, in this process: stack, controller in memory, and an app that sends back
- * every frame it gets and records the requests. */
+/* This header has a rig that is only its USB side, in this process: the stack, the controller in memory, and
+ * an app that sends back every frame it receives and records the requests. */
 #ifndef CRN_USB_RIG_H
 #define CRN_USB_RIG_H
 
@@ -36,22 +36,22 @@ typedef struct usb_rig {
     uint32_t waits; /* polls left until the host gives up */
 } usb_rig;
 
-/* Powers up, on the bus; the host is there and has not reset it yet. */
+/* Powers up the rig on the bus; a host is connected and has not reset the bus yet. */
 void usb_rig_open(usb_rig *rig, bool can_high_speed);
 
-/* Powers the device up again, with the host's half unchanged: a brown-out. */
+/* Powers the device up again, with the host's half of the mailbox unchanged, as after a brown-out. */
 void usb_rig_reboot(usb_rig *rig, bool can_high_speed);
 
-/* One millisecond on the device: the next state report. */
+/* Runs one millisecond on the device, which makes the next state report. */
 void usb_rig_tick(usb_rig *rig);
 
-/* Lets the device do everything it can do without the host. */
+/* Lets the device do everything that it can do without an action of the host. */
 void usb_rig_settle(usb_rig *rig);
 
 /* Reset, address 5, configuration 1. */
 usb_result usb_rig_configure(usb_rig *rig, bool high_speed);
 
-/* Carries out a control transfer in one line. */
+/* Carries out a control transfer by one call. */
 usb_result usb_rig_control(usb_rig *rig, uint8_t type, uint8_t request, uint16_t value, uint16_t index,
                            uint16_t length, uint8_t *bytes, uint32_t *count);
 

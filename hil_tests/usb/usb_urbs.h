@@ -1,6 +1,6 @@
-/* Transfers that wait: the records of a host controller driver for each endpoint. Each step tries one packet
- * of the first transfer of every endpoint. It never waits for a device that has no data, so that one slow
- * endpoint holds up no other. */
+/* This header keeps the transfers that wait: the records of a host controller driver for each endpoint. Each
+ * step tries one packet of the first waiting transfer of every endpoint. A step never waits for a device that
+ * has no data, so that one slow endpoint holds up no other. */
 #ifndef CRN_USB_URBS_H
 #define CRN_USB_URBS_H
 
@@ -38,15 +38,15 @@ static inline unsigned usb_urbs_pipe(uint8_t endpoint)
 /* Returns false when there is no such endpoint, or too many transfers wait. */
 bool usb_urbs_submit(usb_urbs *urbs, const usb_urb *urb);
 
-/* Takes a transfer back; the submitter owns its buffer again, and `complete` is not called. Returns false
- * when it does not exist. */
+/* Takes a transfer back: the submitter owns the transfer's buffer again, and `complete` is not called.
+ * Returns false when the transfer does not exist. */
 bool usb_urbs_cancel(usb_urbs *urbs, uint64_t id, usb_urb *urb);
 
-/* Takes back the first one of an endpoint, if there is one. */
+/* Takes back the first transfer of an endpoint, if there is one. */
 bool usb_urbs_cancel_any(usb_urbs *urbs, usb_urb *urb);
 
-/* Tries one packet per endpoint. Returns true when something moved. USB_DEAD becomes the result of the
- * transfer. */
+/* Tries one packet per endpoint. Returns true when something moved. The result of the transfer is then
+ * USB_DEAD. */
 bool usb_urbs_step(usb_urbs *urbs);
 
 #endif

@@ -3,9 +3,9 @@
 
   with_image.py IMAGE COMMAND ARGUMENT...
 
-In an argument, `{mailbox}` is replaced by the place of the USB tokens in the emulator's memory: FILE:OFFSET, for
-`bridge` and `mock_bus`. The device has no rig; its milliseconds are the emulator's. The exit code is the command's,
-or 1 when the device does not start. No process outlives the command."""
+In an argument, `{mailbox}` is replaced by the place of the USB tokens in the emulator's memory, FILE:OFFSET, as
+`bridge` and `mock_bus` expect it. The device has no rig, and the emulator makes its milliseconds. The exit code is
+that of the command, or 1 when the device does not start. No process outlives the command."""
 
 import os
 import struct

@@ -4,10 +4,10 @@
  *   host writes its half, then counts up `token` (or `bus`)  --->  device sees a new number, acts, writes its half
  *   host reads the answer when `token_done` has its number   <---  and then repeats the number in `token_done`
  *
- * One token is under way at a time, as on a real bus; the host never waits for a device that is busy for
- * longer than its deadline. Each half has one writer. Every field is a little-endian 32-bit word; numbers
- * that order the exchange are written with release and read with acquire. Neither side trusts the other:
- * lengths are bounded after they are read once. A flag reports lost handshakes, since memory loses nothing.
+ * One token at a time is exchanged, as on a real bus. The host never waits longer than its deadline for a
+ * device that is busy. Each half has one writer. Every field is a little-endian 32-bit word; the numbers that
+ * order the exchange are written with release and read with acquire semantics. Neither side trusts the other:
+ * a length is read once and then bounded. A flag simulates lost handshakes, because memory loses nothing.
  *
  * C11 (gcc, clang). */
 #ifndef CRN_MAILBOX_H
@@ -25,7 +25,7 @@ enum {
     CRN_MAILBOX_VERSION = 1,
 };
 
-/* State of the bus that the host sets. */
+/* Lists the states of the bus that the host sets. */
 typedef enum crn_mailbox_bus {
     CRN_MAILBOX_UNPLUGGED = 0, /* no power on the cable */
     CRN_MAILBOX_RESET_FULL,    /* reset that ends at full speed */
@@ -102,7 +102,7 @@ static inline uint32_t crn_mailbox_little(uint32_t value)
 #endif
 }
 
-/* Reads a word of the other half: once, and before anything that is read after it. */
+/* Reads a word of the other side's half: once, and before anything that is read after it. */
 static inline uint32_t crn_mailbox_read(const uint32_t *word)
 {
     return crn_mailbox_little(__atomic_load_n(word, __ATOMIC_ACQUIRE));

@@ -1,11 +1,13 @@
-/* The scene container: device and host run one check before they use anything of a scene.
+/* This header reads the scene container; device and host run the same check before they use anything of a
+ * scene.
  *
  *   crn_scene_open()   bytes -> status; on OK a view into the bytes (nothing is copied, nothing is kept)
  *   crn_scene_body()   one body of a body file
  *   crn_scene_branch() one vessel of its tree, where it has one
  *
- * A caller that replaces a scene opens the new bytes first, in another place, and switches only on OK, so a
- * refused scene leaves the old one unchanged. docs/scene.md has every byte.
+ * A caller that replaces a scene opens the new bytes first, in another place, and switches only when the
+ * status is OK. A refused scene thus leaves the old one unchanged. The file docs/scene.md describes every
+ * byte.
  *
  * C11 and C++20. */
 #ifndef CRN_SCENE_H
@@ -92,7 +94,7 @@ typedef enum crn_scene_section {
     CRN_SCENE_PARTNER = 19,
 } crn_scene_section;
 
-/* One line of text each: crn_scene_status_text. */
+/* The function crn_scene_status_text gives a line of text for each status. */
 typedef enum crn_scene_status {
     CRN_SCENE_OK = 0,
     CRN_SCENE_UNALIGNED,       /* the bytes do not lie at a multiple of 4 */
@@ -139,7 +141,7 @@ typedef enum crn_scene_status {
     CRN_SCENE_STATUS_COUNT,
 } crn_scene_status;
 
-/* The lumen, in the form that crn_lumen of firmware/core needs. */
+/* Holds the lumen in the form that crn_lumen of firmware/core needs. */
 typedef struct crn_scene_lumen {
     int32_t origin_m_q30[3];
     uint16_t brick_count_xyz[3];
@@ -150,8 +152,8 @@ typedef struct crn_scene_lumen {
     const int8_t *samples;
 } crn_scene_lumen;
 
-/* The motion of the lumen, in the form that crn_motion of firmware/core needs. For each of a node's three
- * components the beat has a row of CRN_SCENE_MOTION_ROW numbers, and breath has one number. */
+/* Holds the motion of the lumen in the form that crn_motion of firmware/core needs. For each of a node's
+ * three components, the heartbeat has a row of CRN_SCENE_MOTION_ROW numbers, and breath has one number. */
 typedef struct crn_scene_motion {
     int32_t origin_m_q30[3];
     uint16_t node_count_xyz[3];
@@ -159,7 +161,7 @@ typedef struct crn_scene_motion {
     const int16_t *rows;
 } crn_scene_motion;
 
-/* A checked file. It is valid as long as the bytes are. */
+/* A checked file. The scene is valid as long as the bytes are. */
 typedef struct crn_scene {
     crn_scene_kind kind;
     uint32_t hash; /* the header's CRC-32, which covers the CRCs of the sections */
@@ -196,7 +198,7 @@ typedef struct crn_scene_body_view {
     const uint8_t *triangles;   /* 3 x u32 each: crn_scene_u32 */
 } crn_scene_body_view;
 
-/* The organ that a vessel feeds; it decides when in the beat blood flows there. */
+/* Names the organ that a vessel feeds; the organ decides when in the heartbeat blood flows to it. */
 typedef enum crn_scene_bed {
     CRN_SCENE_BED_SYSTEMIC = 0,
     CRN_SCENE_BED_LEFT_CORONARY = 1,
@@ -204,8 +206,8 @@ typedef enum crn_scene_bed {
     CRN_SCENE_BED_COUNT,
 } crn_scene_bed;
 
-/* A vessel from the place where it leaves its parent to its end. Branch 0 is the root: blood enters at its
- * first point. */
+/* A branch is a vessel from the place where it leaves its parent to its end. Branch 0 is the root: blood
+ * enters at its first point. */
 typedef struct crn_scene_branch_view {
     const char *name;
     int32_t parent;        /* an earlier branch; -1: the root */
@@ -216,7 +218,8 @@ typedef struct crn_scene_branch_view {
     const uint8_t *points;   /* i32 x 3 in um and u32 radius in um each */
 } crn_scene_branch_view;
 
-/* A stretch of a branch that disease has narrowed; the branch's points are those of the narrowed lumen. */
+/* A lesion is a stretch of a branch that disease has narrowed; the branch's points are those of the narrowed
+ * lumen. */
 typedef struct crn_scene_lesion_view {
     const char *name;
     uint32_t branch;
@@ -225,7 +228,7 @@ typedef struct crn_scene_lesion_view {
     const uint8_t *healthy_points; /* one for each point: i32 x 3 in um and u32 radius in um */
 } crn_scene_lesion_view;
 
-/* A lesion that gives way, in the form that crn_lesion of firmware/core needs. */
+/* Holds a lesion that gives way, in the form that crn_lesion of firmware/core needs. */
 typedef struct crn_scene_plaque_view {
     int32_t low_m_q30[3], high_m_q30[3], chord_q30[3], stretch_q28;
     uint32_t spacing_log2_q30, station_count;
@@ -234,15 +237,15 @@ typedef struct crn_scene_plaque_view {
                                 along i32[3], 0 */
 } crn_scene_plaque_view;
 
-/* Checks everything. On OK it fills *scene. Otherwise it leaves *scene alone and, when where_byte is not
- * NULL, stores the byte of the file at which the fault is. Time is linear in size; it needs no memory and no
- * recursion. */
+/* Checks everything. On OK it fills *scene. Otherwise the function leaves *scene alone and, when where_byte
+ * is not NULL, stores the byte of the file at which the fault is. The time is linear in the size of the file,
+ * and the function needs no memory and no recursion. */
 crn_scene_status crn_scene_open(const uint8_t *bytes, size_t size, crn_scene *scene, uint32_t *where_byte);
 
-/* The meaning of a status and what to do about it: one line without a full stop. */
+/* Returns the meaning of a status and what to do about it, as one line without a full stop. */
 const char *crn_scene_status_text(crn_scene_status status);
 
-/* Body number `index` < body_count of an opened body file. */
+/* Returns body number `index` < body_count of an opened body file. */
 crn_scene_body_view crn_scene_body(const crn_scene *scene, uint32_t index);
 
 /* Branch number `index` < branch_count. */

@@ -1,4 +1,4 @@
-/* Declarations shared by the parts of the scene check. */
+/* This header has the declarations that the parts of the scene check share. */
 #ifndef CRN_SCENE_CHECK_H
 #define CRN_SCENE_CHECK_H
 
@@ -21,13 +21,13 @@ typedef struct crn_scene_span {
     uint32_t size;
 } crn_scene_span;
 
-/* Stores the place and returns the status. */
+/* Stores the place of a fault and returns the status. */
 crn_scene_status crn_scene_fault_at(crn_scene_check *check, crn_scene_status status, size_t where);
 
-/* Row `index` of the section table; not checked. */
+/* Returns row `index` of the section table, which is not checked here. */
 crn_scene_span crn_scene_section_span(const uint8_t *bytes, uint32_t index);
 
-/* A text of at most capacity - 1 bytes, filled up with zeros. */
+/* Checks a text of at most capacity - 1 bytes, filled up with zeros. */
 crn_scene_status crn_scene_check_text(crn_scene_check *check, size_t where, size_t capacity);
 
 crn_scene_status crn_scene_check_lumen(crn_scene_check *check, crn_scene_span span, crn_scene_lumen *lumen);
@@ -36,7 +36,7 @@ crn_scene_status crn_scene_check_motion(crn_scene_check *check, crn_scene_span s
                                         crn_scene_motion *motion);
 crn_scene_status crn_scene_check_bodies(crn_scene_check *check, uint32_t body_count);
 crn_scene_status crn_scene_check_tree(crn_scene_check *check, crn_scene_span span, uint32_t *branch_count);
-/* The tree must have passed its check. */
+/* The tree must have passed its own check before. */
 crn_scene_status crn_scene_check_lesions(crn_scene_check *check, crn_scene_span span, const crn_scene *scene,
                                          uint32_t *lesion_count);
 crn_scene_status crn_scene_check_plaques(crn_scene_check *check, crn_scene_span span, uint32_t *plaque_count);

@@ -1,7 +1,7 @@
-/* Checks the LESIONS section of a body file and gives access to it. */
+/* This file checks the LESIONS section of a body file and gives access to it. */
 #include "shared/scene/scene_check.h"
 
-/* Fields of a lesion, as bytes from its beginning. */
+/* The fields of a lesion are given as bytes from the lesion's beginning. */
 enum {
     BRANCH_AT = 32,
     POINT_AT = 36,
@@ -28,7 +28,8 @@ crn_scene_lesion_view crn_scene_lesion(const crn_scene *scene, uint32_t index)
     return view;
 }
 
-/* A lesion must lie on points that its branch has; healthy points follow each other without a gap. */
+/* A lesion must lie on points that its branch has, and the points of its healthy vessel must follow each
+ * other without a gap. */
 static crn_scene_status check_lesion(crn_scene_check *check, const crn_scene *scene, size_t where,
                                      uint32_t *points_before)
 {

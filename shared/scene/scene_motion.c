@@ -1,11 +1,11 @@
-/* Check of the MOTION and BREATH sections. Every number must be within the range for which the core's
- * arithmetic is proved. Neighbours must be close enough that the map is one to one for any wall that a heart
- * has. The boundary, where a lattice ends, must not move. */
+/* This file checks the MOTION and BREATH sections. Every number must be within the range for which the core's
+ * arithmetic is proved to be correct. The displacements of neighbouring nodes must be so close that the map
+ * is one to one for any wall that a heart has. The nodes on the boundary of a lattice must not move. */
 #include "shared/scene/scene_check.h"
 
 enum { COMPONENTS = 3, COPIES = 2 };
 
-/* The differences between the two lattices. */
+/* Describes the differences between the two lattices. */
 typedef struct lattice_rules {
     uint32_t keyframes; /* as stated in the header */
     uint32_t row;       /* numbers of a component */
@@ -68,8 +68,8 @@ static bool is_still(const int16_t *node, uint32_t count)
     return true;
 }
 
-/* Checks the node at (x, y, z): its rows, the differences from its next neighbours, and that it does not move
- * where it must not. */
+/* Checks the node at (x, y, z): its rows, the differences from its next neighbours, and that the node does
+ * not move where it must not. */
 static crn_scene_status check_node(const lattice_rules *rules, const crn_scene_motion *motion,
                                    const uint32_t at[3])
 {
@@ -109,7 +109,7 @@ crn_scene_status crn_scene_check_motion(crn_scene_check *check, crn_scene_span s
     motion->spacing_log2_q30 = crn_scene_u16(header + 18);
     if (span.size != CRN_SCENE_MOTION_HEADER_BYTES + 2 * COMPONENTS * rules.row * nodes)
         return crn_scene_fault_at(check, CRN_SCENE_SECTION_SIZE, span.offset + 12);
-    /* The rows are used in place, like the lumen's samples. */
+    /* The core uses the rows in place, like the lumen's samples. */
     const size_t rows_at = span.offset + CRN_SCENE_MOTION_HEADER_BYTES;
     motion->rows = (const int16_t *)(const void *)(check->bytes + rows_at);
     size_t node = 0;

@@ -1,8 +1,8 @@
-/* Check and access of the PLAQUES section: every number must be within the range for which the core's
- * arithmetic is proved. */
+/* This file checks the PLAQUES section and gives access to it. Every number must be within the range for
+ * which the core's arithmetic is proved to be correct. */
 #include "shared/scene/scene_check.h"
 
-/* Fields, as bytes from the beginning of a plaque's record and of a station. */
+/* The fields are given as bytes from the beginning of a plaque's record and of a station. */
 enum {
     BOX_AT = 0,
     CHORD_AT = 24,
@@ -38,7 +38,7 @@ static bool is_between(int32_t value, int32_t low, int32_t high)
     return value >= low && value <= high;
 }
 
-/* Returns whether the length of three words in Q30 is within 2^-19 of one. */
+/* Returns whether the length of a vector of three words in Q30 is within 2^-19 of one. */
 static bool is_unit(const uint8_t *words)
 {
     const uint64_t one_q60 = (uint64_t)1 << 60, tolerance_q60 = (uint64_t)1 << 42;

@@ -1,4 +1,4 @@
-/* Writes the layout of a scene container (scene_write.h). */
+/* This file writes the layout of a scene container (scene_write.h). */
 #include "shared/scene/scene_write.h"
 #include "shared/wire/wire_frame.h"
 
@@ -30,7 +30,7 @@ size_t crn_scene_write_bytes(const crn_scene_part *parts, uint32_t part_count)
     return (size_t)padded(total);
 }
 
-/* The oldest version that can read this part. */
+/* Returns the oldest version of the format that can read this part. */
 static uint16_t minor_of_part(const crn_scene_part *part)
 {
     if (part->type == CRN_SCENE_PARTNER) return 5;

@@ -1,4 +1,4 @@
-/* The codes of faults, without the messages of the wire. C11 and C++20. */
+/* This header has the codes of faults, without the messages of the wire protocol. C11 and C++20. */
 #ifndef CRN_FAULT_CODE_H
 #define CRN_FAULT_CODE_H
 

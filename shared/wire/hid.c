@@ -1,4 +1,5 @@
-/* Codecs, report descriptor and hash of the HID reports, made from hid_reports.def. */
+/* This file has the codecs, the report descriptor and the hash of the HID reports, made from
+ * hid_reports.def. */
 #include "shared/wire/hid.h"
 
 /* --- plain values --- */

@@ -1,4 +1,4 @@
-/* The HID reports as structs and codecs, made from hid_reports.def.
+/* This header has the HID reports as structs and codecs, made from hid_reports.def.
  *
  *   crn_hid_<name>          the struct of a record or report
  *   CRN_HID_ID_<name>       the report's id
@@ -63,7 +63,7 @@ enum {
     bool crn_hid_decode_##name(const uint8_t *bytes, size_t length, crn_hid_##name *value);
 #include "shared/wire/hid_reports.def"
 
-/* The report descriptor: one vendor-defined collection, every report an array of bytes. */
+/* The report descriptor has one vendor-defined collection, in which every report is an array of bytes. */
 enum {
     CRN_HID_REPORT_BYTES_MAX = 64, /* with the id: one packet at both speeds */
     CRN_HID_DESCRIPTOR_HEAD_BYTES = 14,
@@ -75,7 +75,7 @@ enum {
 /* clang-format on */
 extern const uint8_t crn_hid_descriptor[CRN_HID_DESCRIPTOR_BYTES];
 
-/* Hash over every name, id, type and unit of hid_reports.def. */
+/* Returns a hash over every name, id, type and unit of hid_reports.def. */
 uint64_t crn_hid_report_hash(void);
 
 #ifdef __cplusplus

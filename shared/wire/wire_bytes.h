@@ -1,5 +1,5 @@
-/* Bounded reading and writing of little-endian values. A writer that overflows and a reader that runs out
- * stop for good and say so; neither ever touches a byte outside its buffer. */
+/* This header has bounded reading and writing of little-endian values. A writer that overflows and a reader
+ * that runs out of bytes stop for good and report this; neither ever touches a byte outside its buffer. */
 #ifndef CRN_WIRE_BYTES_H
 #define CRN_WIRE_BYTES_H
 
@@ -33,7 +33,7 @@ static inline crn_wire_reader crn_wire_reader_make(const uint8_t *bytes, size_t 
     return reader;
 }
 
-/* Four stores; a compiler merges them into one. */
+/* Writes by four stores, which a compiler merges into one. */
 static inline void crn_wire_put_u32_at(uint8_t *to, uint32_t value)
 {
     to[0] = (uint8_t)value;
@@ -42,7 +42,8 @@ static inline void crn_wire_put_u32_at(uint8_t *to, uint32_t value)
     to[3] = (uint8_t)(value >> 24);
 }
 
-/* Write the low `count` bytes (1 .. 8) of `value`. Four bytes, the commonest count, need no loop. */
+/* Writes the low `count` bytes (1 .. 8) of `value`. A count of four bytes is the commonest and needs no
+ * loop. */
 static inline void crn_wire_write(crn_wire_writer *writer, uint64_t value, unsigned count)
 {
     if (writer->overflowed || writer->capacity - writer->length < count) {
@@ -58,7 +59,7 @@ static inline void crn_wire_write(crn_wire_writer *writer, uint64_t value, unsig
     for (unsigned i = 0; i < count; i++) to[i] = (uint8_t)(value >> (8 * i));
 }
 
-/* Read `count` bytes (1 .. 8); 0 when they are not there. */
+/* Reads `count` bytes (1 .. 8); returns 0 when there are too few bytes. */
 static inline uint64_t crn_wire_read(crn_wire_reader *reader, unsigned count)
 {
     if (reader->failed || reader->length - reader->position < count) {
@@ -70,7 +71,7 @@ static inline uint64_t crn_wire_read(crn_wire_reader *reader, unsigned count)
     return value;
 }
 
-/* Two's complement of 32 bits without implementation-defined conversion. */
+/* Converts a two's complement number of 32 bits without an implementation-defined conversion. */
 static inline int32_t crn_wire_i32_from_u32(uint32_t value)
 {
     return value <= (uint32_t)INT32_MAX ? (int32_t)value : -(int32_t)(UINT32_MAX - value) - 1;

@@ -1,4 +1,4 @@
-/* Codecs of every record and message, made from wire_messages.def. */
+/* This file has the codecs of every record and message, made from wire_messages.def. */
 #include "shared/wire/wire.h"
 
 /* --- plain values --- */

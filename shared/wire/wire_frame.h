@@ -3,10 +3,10 @@
  *   frame  = COBS(body) 0x00
  *   body   = sequence u16 | answers u16 | type u16 | length u16 | payload (length bytes) | CRC-32 u32
  *
- * The CRC covers everything before it. `sequence` counts the sender's frames; `answers` repeats the sequence
+ * The CRC covers all bytes before it. `sequence` counts the sender's frames; `answers` repeats the sequence
  * of the request in a reply (0 in a message without a request). COBS leaves no zero inside a frame, so a
- * receiver that lost its place finds the next frame behind the next zero. The decoder accepts bytes in pieces
- * of any size. It never writes outside its buffer, and counts dropped frames by cause.
+ * receiver that lost its place finds the next frame behind the next zero byte. The decoder accepts bytes in
+ * pieces of any size. The decoder never writes outside its buffer, and counts dropped frames by cause.
  *
  * C11 and C++20.
  */
@@ -23,7 +23,7 @@ enum {
     CRN_WIRE_HEADER_BYTES = 8,
     CRN_WIRE_CRC_BYTES = 4,
     CRN_WIRE_BODY_MAX = CRN_WIRE_HEADER_BYTES + CRN_WIRE_PAYLOAD_MAX + CRN_WIRE_CRC_BYTES,
-    /* COBS adds one byte per begun block of 254, and the frame ends with a zero. */
+    /* COBS adds one byte for each block of 254 bytes or part of one, and the frame ends with a zero. */
     CRN_WIRE_FRAME_MAX = CRN_WIRE_BODY_MAX + CRN_WIRE_BODY_MAX / 254 + 2,
 };
 
@@ -33,11 +33,12 @@ typedef struct crn_wire_header {
     uint16_t type;
 } crn_wire_header;
 
-/* CRC-32 of IEEE 802.3 (reflected 0xEDB88320, start and end inverted). `crc` is 0 or the result so far. */
+/* Returns the CRC-32 of IEEE 802.3 (reflected 0xEDB88320, start and end inverted). `crc` is 0 at the
+ * beginning, or the result so far. */
 uint32_t crn_wire_crc32(uint32_t crc, const uint8_t *bytes, size_t length);
 
-/* Makes one frame from a header and payload. Returns its bytes in `frame` (with the closing zero), or 0 when
- * the payload exceeds CRN_WIRE_PAYLOAD_MAX or the frame its capacity. */
+/* Makes one frame from a header and payload. Returns the number of bytes written to `frame` (with the closing
+ * zero), or 0 when the payload exceeds CRN_WIRE_PAYLOAD_MAX or the frame exceeds `capacity`. */
 size_t crn_wire_frame_encode(const crn_wire_header *header, const uint8_t *payload, size_t payload_bytes,
                              uint8_t *frame, size_t capacity);
 

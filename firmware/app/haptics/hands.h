@@ -1,12 +1,12 @@
-/* Converts encoder counts to the positions of the hands, one per tool. Counts are absolute and may wrap, so
- * changes are summed in 64 bits. The position is scaled from the sum and never summed itself, so that
- * rounding does not drift. */
+/* This header converts encoder counts to the positions of the hands, one per tool. Counts are absolute and
+ * may wrap, so their changes are summed in 64 bits. The position is computed from this sum and never summed
+ * itself, so that rounding errors do not accumulate. */
 #ifndef CRN_HANDS_H
 #define CRN_HANDS_H
 
 #include "firmware/app/safety/finding.h"
 
-/* The scales of one track's encoders. */
+/* Holds the scales of one track's encoders. */
 typedef struct crn_hand_track {
     uint64_t translation_m_q46_per_count;
     uint64_t rotation_turn48_per_count; /* one turn = 2^48 */
@@ -15,7 +15,7 @@ typedef struct crn_hand_track {
     bool is_translation_reversed, is_rotation_reversed;
 } crn_hand_track;
 
-/* One hand's encoder counts; part of the snapshot. */
+/* Holds one hand's encoder counts, which are part of the snapshot. */
 typedef struct crn_hand_counts {
     bool is_known; /* false until the first reading, which only sets the zero */
     crn_port_hand last;
@@ -28,20 +28,20 @@ typedef struct crn_hands {
     crn_hand_counts counts[CRN_PORT_TOOL_MAX];
 } crn_hands;
 
-/* The position of a hand, or the position that the core shall use for it. */
+/* Holds the position of a hand, or the position that the core shall use in its place. */
 typedef struct crn_hand_position {
     int32_t feed_m_q30; /* along the line, + into the patient */
     uint32_t turn32;    /* about it, one turn = 2^32 */
 } crn_hand_position;
 
-/* All hands are at zero, and the next reading is a reference. */
+/* Sets all hands to zero; the next reading becomes the reference. */
 void crn_hands_reset(crn_hands *hands);
 
-/* The next reading is where the hands are, not a motion. */
+/* Takes the next reading as the present positions of the hands, not as a motion. */
 void crn_hands_take_reference(crn_hands *hands);
 
-/* Take a reading of every tool. One unbelievable jump is a finding, and then all hands stay where they were:
- * false. */
+/* Takes a reading for every tool. One implausible jump is a finding; the function then returns false and all
+ * hands keep their positions. */
 bool crn_hands_update(crn_hands *hands, uint32_t tool_count, const crn_port_hand now[CRN_PORT_TOOL_MAX],
                       crn_findings *findings);
 

@@ -1,12 +1,12 @@
-/* The haptics: a virtual coupling between hands and tools, and the forces requested from the motors
- * (docs/haptics.md). These files use positions, forces and their own memory; they use neither the app, nor
- * the wire, nor the rod. All results depend only on encoder counts and the core's own results, so they are
- * bit-reproducible; the memory is part of the snapshot.
+/* The haptics consist of a virtual coupling between hands and tools, and of the forces requested from the
+ * motors (docs/haptics.md). These files use positions, forces and their own memory. They use neither the app,
+ * nor the wire protocol, nor the rod. All results depend only on encoder counts and the core's own results,
+ * so they are bit-reproducible; the haptics' memory is part of the snapshot.
  *
  *   hands, tools before the tick -> crn_haptics_before -> what the core takes for the hands
  *   hands, tools after the tick  -> crn_haptics_after  -> motors (requested), findings
  *
- * crn_safety_drive decides how much of it the motors are given. */
+ * crn_safety_drive decides how much of the requested forces the motors are given. */
 #ifndef CRN_HAPTICS_H
 #define CRN_HAPTICS_H
 
@@ -14,14 +14,14 @@
 #include "firmware/app/safety/finding.h"
 #include "firmware/app/safety/limits.h"
 
-/* Spring, damper and friction of one axis as a rig's owner states them: along the line in N/m, mN s/m and mN,
- * about it in uN m/rad, nN m s/rad and uN m. */
+/* Holds spring, damper and friction of one axis as a rig's owner states them: in N/m, mN s/m and mN along the
+ * line, and in uN m/rad, nN m s/rad and uN m about the line. */
 typedef struct crn_haptics_coupling {
     uint32_t stiffness, damping, seal;
 } crn_haptics_coupling;
 
-/* The same in the axis' own units: travel in Q30 m and force in Q22 N, or travel in 2^-32 turn and torque in
- * Q24 N m. Force per travel is stiffness / 2^shift. */
+/* Holds the same values in the axis's own units: travel in Q30 m and force in Q22 N, or travel in 2^-32 turn
+ * and torque in Q24 N m. The force per travel is stiffness / 2^shift. */
 typedef struct crn_haptics_axis {
     int64_t stiffness; /* 0: no coupling */
     int64_t damping;   /* the same format, per travel of one tick */
@@ -42,7 +42,7 @@ typedef struct crn_haptics_track {
     int32_t torque_limit_uN_m, torque_slew_uN_m_per_tick;
 } crn_haptics_track;
 
-/* State of one axis of the coupling; part of the snapshot. */
+/* Holds the state of one axis of the coupling, which is part of the snapshot. */
 typedef struct crn_haptics_spring {
     bool is_set;       /* false: the first tick takes hand and tool as they are */
     int32_t reference; /* hand less tool without force; modulo 2^32 */
@@ -54,7 +54,7 @@ typedef struct crn_haptics_spring {
     int32_t output;   /* the force that the coupling asks the motor for */
 } crn_haptics_spring;
 
-/* Energy between motor and hand; part of the snapshot. */
+/* Holds the energy exchanged between motor and hand, which is part of the snapshot. */
 typedef struct crn_haptics_energy {
     int64_t taken_pJ;   /* put in by the hand less given back, at most what may be stored */
     int32_t hand_m_q30; /* where the hand was */
@@ -63,7 +63,7 @@ typedef struct crn_haptics_energy {
     bool is_set;
 } crn_haptics_energy;
 
-/* One tool as its hand feels it. */
+/* Describes one tool as its hand feels the tool. */
 typedef struct crn_haptics_tool {
     int32_t inserted_m_q30, hand_offset_m_q30;
     uint32_t base_turn32;
@@ -90,20 +90,23 @@ typedef struct crn_haptics {
 /* The constants of one axis; `which` is CRN_APP_ALONG or CRN_APP_ABOUT. */
 void crn_haptics_axis_set(crn_haptics_axis *axis, int which, const crn_haptics_coupling *coupling);
 
-/* The next tick takes hands and tools as they are: no lead, no force. */
+/* Resets the coupling: the next tick takes the positions of hands and tools as they are, without lead and
+ * without force. */
 void crn_haptics_reset(crn_haptics *haptics);
 
-/* The requested forces begin at zero again. */
+/* Sets the requested forces to zero. */
 void crn_haptics_rest(crn_haptics *haptics);
 
-/* Before the core's tick: `followed` starts as the hands' positions, and a coupling replaces them. */
+/* Runs before the core's tick. `followed` starts as the hands' positions, and a coupling replaces them. */
 void crn_haptics_before(crn_haptics *haptics, const crn_haptics_input *input,
                         crn_hand_position followed[CRN_PORT_TOOL_MAX]);
 
-/* After the core's tick: the coupling's forces, then gain, passivity, slew limit, force limit and fade. */
+/* Runs after the core's tick. The function computes the coupling's forces and applies gain, passivity, slew
+ * limit, force limit and fade. */
 void crn_haptics_after(crn_haptics *haptics, const crn_haptics_input *input, crn_findings *findings);
 
-/* The first half of crn_haptics_after: what the coupling feels of the tools (coupling.c). */
+/* Runs as the first half of crn_haptics_after, and computes the forces of the coupling from the motion of the
+ * tools (coupling.c). */
 void crn_haptics_settle(crn_haptics *haptics, const crn_haptics_input *input);
 
 #endif

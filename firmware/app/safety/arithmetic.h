@@ -1,13 +1,13 @@
-/* Arithmetic that the parts around the motors share. */
+/* This header has the arithmetic that the parts around the motors share. */
 #ifndef CRN_ARITHMETIC_H
 #define CRN_ARITHMETIC_H
 
 #include <stdint.h>
 
-/* value / divisor towards zero, for divisors of at most 65 535 and |value| < 2^63. A 32-bit processor divides
- * 64 bits only by a helper of hundreds of instructions. This function needs three divisions of 32 bits, one
- * for each digit of 16 bits from the top: a remainder is below the divisor, so that remainder and next digit
- * fit 32 bits and their quotient fits 16. */
+/* Returns value / divisor, rounded towards zero, for divisors of at most 65 535 and |value| < 2^63. A 32-bit
+ * processor divides 64-bit numbers only by a library function of hundreds of instructions. This function
+ * needs three divisions of 32 bits, one for each digit of 16 bits from the top. A remainder is below the
+ * divisor, so that remainder and next digit fit 32 bits and their quotient fits 16. */
 static inline int64_t crn_quotient(int64_t value, uint32_t divisor)
 {
     const uint64_t size = value < 0 ? 0u - (uint64_t)value : (uint64_t)value;
@@ -19,13 +19,14 @@ static inline int64_t crn_quotient(int64_t value, uint32_t divisor)
     return value < 0 ? -(int64_t)quotient : (int64_t)quotient;
 }
 
-/* Two's complement without a conversion that C leaves to the implementation. */
+/* Converts a two's complement number without a conversion that C leaves to the implementation. */
 static inline int32_t crn_i32_from_u32(uint32_t value)
 {
     return value <= INT32_MAX ? (int32_t)value : -(int32_t)(UINT32_MAX - value) - 1;
 }
 
-/* a - b of two counters or angles that may wrap. Format: exact while the difference is below 2^31. */
+/* Returns the difference a - b of two counters or angles that may wrap. Format: exact while the difference is
+ * below 2^31. */
 static inline int32_t crn_wrapped_difference(int32_t a, int32_t b)
 {
     return crn_i32_from_u32((uint32_t)a - (uint32_t)b);
@@ -43,10 +44,10 @@ static inline int32_t crn_limited(int64_t value, int64_t low, int64_t high)
     return (int32_t)value;
 }
 
-/* Move from `present` towards `target`: the size grows by no more than `slew` per tick and never beyond the
- * limit. It may fall at once, because a force that outlives its cause drives the hand: when the slew limit
- * also applied to decreasing forces, a handle released at 4 N recoiled at 1.2 m/s during the 80 ms that the
- * force took to end. The target may be far out of range. */
+/* Moves from `present` towards `target`. The magnitude grows by no more than `slew` per tick, and never
+ * beyond the limit. The magnitude may fall at once, because a force that outlives its cause drives the hand.
+ * When the slew limit also applied to decreasing forces, a handle released at 4 N recoiled at 1.2 m/s during
+ * the 80 ms that the force took to end. `target` may be far out of range. */
 static inline int32_t crn_approach(int32_t present, int64_t target, int32_t slew, int32_t limit)
 {
     const int64_t low = present < 0 ? present : 0, high = present > 0 ? present : 0;

@@ -1,7 +1,7 @@
-/* A carriage that nobody holds (docs/haptics.md, "A carriage that nobody holds"): its motor's force ends, and
- * the motor makes it no faster than a hand would. This runs once per edge on this edge's sample, behind
- * everything that decides the requested force. The requested force therefore depends on encoder counts and
- * the core alone, and a session replays. */
+/* This file protects against a carriage that nobody holds (docs/haptics.md, "A carriage that nobody holds"):
+ * its motor's force ends, and the motor makes the carriage no faster than a hand would. The checks run once
+ * per edge on this edge's sample, after everything that decides the requested force. The requested force
+ * therefore depends on encoder counts and the core alone, and a session can be replayed. */
 #include "firmware/app/safety/carriage.h"
 #include "firmware/app/safety/arithmetic.h"
 
@@ -9,11 +9,13 @@ enum {
     LOOSE_mN = 40, /* allowed on a carriage without a hand: below the 50 mN of a cycle that a hand may feel */
     LOOSE_GRACE_ticks = 12, /* a hand meets a wall with as much: the force that brakes it is not held yet */
     LOOSE_FADE_ticks = 20,
-    /* A carriage that moves along its motor's force gets all of the requested force up to the first speed,
-     * and only what the hand holds from the second one on. A tick and a motor's lag later it has 0.25 m/s. */
+    /* A carriage that moves along its motor's force gets the full requested force up to the first speed. From
+     * the second speed on it gets only the force that the hand holds. One tick and one motor lag later, the
+     * carriage reaches 0.25 m/s. */
     DRIVEN_FULL_um_s = 30000,
     DRIVEN_NONE_um_s = 100000,
-    /* These are the two speeds of a carriage that moves against its motor's force, if its encoder is right.
+    /* A carriage that moves against its motor's force has these two speeds instead, provided that its encoder
+     * is right.
      */
     BRAKED_FULL_um_s = 80000,
     BRAKED_NONE_um_s = 180000,
@@ -35,9 +37,9 @@ int32_t crn_carriage_moved(const crn_safety *safety, const crn_port_inputs *rig,
     return crn_i32_from_u32(safety->tracks[k].is_reversed ? last - now : now - last);
 }
 
-/* The smallest speed that explains the counts, whatever lies between two of them: over one tick, or over
- * eight where counts are coarse. Format: counts x pm / 1000 per ms = um/s. Overflow: 8 x twice 5 mm in pm is
- * below 2^37; the result is held to 10 m/s. */
+/* Returns the smallest speed that explains the counts, whatever lies between two counts. The speed is taken
+ * over one tick, or over eight ticks where counts are coarse. Format: counts x pm / 1000 per ms = um/s.
+ * Overflow is impossible: 8 x twice 5 mm in pm is below 2^37, and the result is limited to 10 m/s. */
 static int32_t speed_um_s(const crn_safety *safety, uint32_t k)
 {
     const crn_safety_watch *watch = &safety->watches[k];
@@ -58,15 +60,16 @@ static int32_t speed_um_s(const crn_safety *safety, uint32_t k)
 
 enum { SHARE_ONE = 4096 };
 
-/* Returns the share of a force that no hand holds: all of it up to `full`, none from `none` on. */
+/* Returns which share of a force that no hand holds may remain: all of it up to the value `full`, and none
+ * from the value `none` on. */
 static int32_t share_of(int32_t value, int32_t full, int32_t none)
 {
     if (value <= full) return SHARE_ONE;
     return value >= none ? 0 : (none - value) / 16 * SHARE_ONE / ((none - full) / 16);
 }
 
-/* The share by the speed that the carriage will have when the force acts, if it gains as much in this tick as
- * in the last one. */
+/* Returns the share that remains because of the speed. This is the speed that the carriage will have when the
+ * force acts, if it gains as much in this tick as in the last one. */
 static int32_t speed_share(const crn_safety *safety, uint32_t k, int32_t asked_mN)
 {
     const crn_safety_watch *watch = &safety->watches[k];
@@ -81,8 +84,8 @@ static int32_t speed_share(const crn_safety *safety, uint32_t k, int32_t asked_m
                      : share_of(size, DRIVEN_FULL_um_s, DRIVEN_NONE_um_s);
 }
 
-/* The force sensor measures the force of a hand that holds the carriage, with an error of up to a quarter. A
- * track without a sensor gives no information about the hand, and only the speed counts. */
+/* The force sensor measures the force of a hand that holds the carriage, with an error of up to a quarter.
+ * For a track without a force sensor nothing is known about the hand, and only the speed counts. */
 int32_t crn_carriage_bound_mN(crn_safety *safety, const crn_port_inputs *rig, uint32_t k, int32_t asked_mN)
 {
     crn_safety_watch *watch = &safety->watches[k];
@@ -104,9 +107,9 @@ int32_t crn_carriage_bound_mN(crn_safety *safety, const crn_port_inputs *rig, ui
 
 /* --- what stops --- */
 
-/* A hand may throw a carriage, which is then fast without a motor. A hand may also move it at any speed, and
- * then the sensor measures the hand's force. The remaining case is a carriage that gained its speed while no
- * hand touched it and a motor pushed. */
+/* Detects a carriage that its motor drives too fast. A hand may throw a carriage, which is then fast without
+ * a motor. A hand may also move the carriage at any speed, but then the sensor measures the hand's force.
+ * What remains is a carriage that gained its speed while no hand touched it and a motor pushed. */
 static bool is_driven_fast(crn_safety *safety, const crn_port_inputs *rig, uint32_t k)
 {
     crn_safety_watch *watch = &safety->watches[k];
@@ -147,7 +150,8 @@ crn_fault_code crn_carriage_check(crn_safety *safety, const crn_safety_input *in
                                   int32_t *value)
 {
     crn_safety_watch *watch = &safety->watches[k];
-    /* More than twice a jump is no motion, and sums of what is left fit. */
+    /* A change of more than twice the largest believable jump is not a motion; limited to this, the sums
+     * cannot overflow. */
     const int32_t most = 2 * (int32_t)safety->tracks[k].jump_counts;
     const int32_t moved = crn_limited(crn_carriage_moved(safety, input->rig, k), -most, most);
     watch->moved[safety->asked_at] = moved;

@@ -1,22 +1,22 @@
-/* Detects two effects of a motor on its carriage: motion of a carriage that no hand holds, and cycles that
- * the motor sustains. */
+/* This header detects two effects of a motor on its carriage: motion of a carriage that no hand holds, and
+ * cycles that the motor sustains. */
 #ifndef CRN_CARRIAGE_H
 #define CRN_CARRIAGE_H
 
 #include "firmware/app/safety/safety.h"
 
-/* Counts since the last edge, + into the patient. */
+/* Returns the travel since the last edge in counts, + into the patient. */
 int32_t crn_carriage_moved(const crn_safety *safety, const crn_port_inputs *rig, uint32_t track);
 
-/* The largest force that the track may be given now. */
+/* Returns the largest force that the track may be given now. */
 int32_t crn_carriage_bound_mN(crn_safety *safety, const crn_port_inputs *rig, uint32_t track,
                               int32_t asked_mN);
 
-/* Checks a driven track in this edge's sample. *value belongs to the fault, if there is one. */
+/* Checks a driven track in this edge's sample; *value receives the value of the fault, if there is one. */
 crn_fault_code crn_carriage_check(crn_safety *safety, const crn_safety_input *input, uint32_t track,
                                   int32_t *value);
 
-/* The measurements of one edge about the carriage. */
+/* Holds the measurements of one edge for a carriage. */
 typedef struct crn_carriage_edge {
     int32_t moved_counts;
     int32_t driven_mN, measured_mN;
@@ -24,7 +24,7 @@ typedef struct crn_carriage_edge {
     bool is_felt; /* the force sensor is in order */
 } crn_carriage_edge;
 
-/* True while the motor has sustained a cycle for too long. */
+/* Returns true while the motor has sustained a cycle for too long. */
 bool crn_cycle_lasts(crn_safety_cycle *cycle, const crn_carriage_edge *edge);
 
 #endif

@@ -1,5 +1,6 @@
-/* How long edges and ticks take. A tick that took too long held the last force meanwhile. The time that the
- * next ticks leave unused makes up for it, and the state is the same as if the tick had been in time. */
+/* This header measures how long edges and ticks take. During a tick that took too long, the motors held the
+ * last force. The following ticks catch up in their unused time, and the state is the same as if the tick had
+ * been in time. */
 #ifndef CRN_CLOCK_H
 #define CRN_CLOCK_H
 
@@ -10,10 +11,11 @@ typedef struct crn_clock {
     bool has_edge, was_late;
 } crn_clock;
 
-/* The power comes on: earlier edges no longer count. */
+/* Runs when the power comes on: earlier edges no longer count. */
 void crn_clock_restart(crn_clock *clock);
 
-/* Before a tick: a processor that stood still since the last edge is a finding while motors have power. */
+/* Runs before a tick. A processor that has stood still since the last edge is a finding while motors have
+ * power. */
 void crn_clock_begin(crn_clock *clock, uint32_t now_us, bool is_driving, crn_findings *findings);
 
 /* After a tick. */

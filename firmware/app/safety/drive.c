@@ -1,4 +1,4 @@
-/* Switches the power on and off, and sets the forces of the motors. */
+/* This file switches the power on and off, and sets the forces of the motors. */
 #include "firmware/app/safety/arithmetic.h"
 #include "firmware/app/safety/carriage.h"
 #include "firmware/app/safety/safety.h"
@@ -23,8 +23,8 @@ void crn_safety_off(crn_safety *safety, crn_port_outputs *outputs)
     *outputs = (crn_port_outputs){.drive = safety->drive_level};
 }
 
-/* A track is driven along or about its line only through a coupling, because the rod itself is stiffer than
- * any rig renders. It is driven along its line only to the extent that a hand holds it. */
+/* A motor drives a track along or about the line only through a coupling, because the rod itself is stiffer
+ * than any rig can render. Along the line, the track is driven only as far as a hand holds it. */
 static crn_port_motor driven(crn_safety *safety, const crn_safety_input *input, uint32_t k,
                              const crn_port_motor *asked)
 {

@@ -1,8 +1,8 @@
-/* The permission to power the motors. */
+/* This file manages the permission to power the motors. */
 #include "firmware/app/safety/permission.h"
 #include "firmware/app/safety/limits.h"
 
-/* Clock and counter, mixed by a permutation of 32 bits. */
+/* Mixes clock and counter by a permutation of 32 bits. */
 static uint32_t mixed(uint32_t code)
 {
     code = (code ^ (code >> 16)) * 0x7feb352du;

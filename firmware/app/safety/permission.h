@@ -1,5 +1,6 @@
 /* Two steps are required before START may power the motors: the device answers ARM_MOTORS with a code, and
- * CONFIRM returns it. Code and permission are for a person who is about to press START, so both expire. */
+ * CONFIRM returns it. Code and permission are meant for a person who is about to press START, so both
+ * expire. */
 #ifndef CRN_PERMISSION_H
 #define CRN_PERMISSION_H
 
@@ -13,19 +14,22 @@ typedef struct crn_permission {
     uint32_t code_count;
 } crn_permission;
 
-/* ARM_MOTORS: a new code, never 0, which no frame holds by chance. `now_us` is the port's clock. */
+/* Makes a new code for ARM_MOTORS. The code is never 0, and no frame contains it by chance. `now_us` is the
+ * port's clock. */
 void crn_permission_offer(crn_permission *permission, uint32_t now_us);
 
-/* CONFIRM: any answer spends the code, the wrong one too. True: it was the right one. */
+/* Checks the answer of CONFIRM and returns whether it was right; any answer spends the code, even a wrong
+ * one. */
 bool crn_permission_answer(crn_permission *permission, uint32_t code);
 
-/* The answer was right and the rig is ready: the next START may power the motors. */
+/* Gives the permission, because the answer was right and the rig is ready: the next START may power the
+ * motors. */
 void crn_permission_give(crn_permission *permission);
 
-/* One edge of the timer has passed. */
+/* Counts one edge of the timer. */
 void crn_permission_age(crn_permission *permission);
 
-/* No code and no permission is valid any more. */
+/* Makes any code and any permission invalid. */
 void crn_permission_spend(crn_permission *permission);
 
 #endif

@@ -1,4 +1,4 @@
-/* The host's silence, counted in ticks. */
+/* This file measures the host's silence in ticks. */
 #include "firmware/app/safety/watchdog.h"
 #include "firmware/app/safety/limits.h"
 

@@ -1,5 +1,6 @@
-/* Decides whether the host still leads the motors. While FREE_RUN runs, every tick counts as silence until
- * the next valid frame. After CRN_APP_HOST_SILENT_ticks the forces fade within CRN_APP_FADE_ticks. */
+/* This header decides whether the host is still in control of the motors. While FREE_RUN runs, every tick
+ * counts as silence until the next valid frame arrives. After CRN_APP_HOST_SILENT_ticks the forces fade
+ * within CRN_APP_FADE_ticks. */
 #ifndef CRN_WATCHDOG_H
 #define CRN_WATCHDOG_H
 
@@ -9,16 +10,18 @@ typedef struct crn_watchdog {
     uint32_t silent_ticks; /* since the host's last valid frame; no longer counted when the fade has ended */
 } crn_watchdog;
 
-/* Notes that a valid frame came. Returns true if it ends a silence that had made the forces fade. */
+/* Records that a valid frame came. Returns true if the frame ends a silence that had made the forces fade. */
 bool crn_watchdog_feed(crn_watchdog *watchdog);
 
-/* One tick of FREE_RUN begins. The tick in which the host becomes silent is a finding. */
+/* One tick of FREE_RUN begins. Counts a tick of silence; the tick in which the limit is reached is a
+ * finding. */
 void crn_watchdog_tick(crn_watchdog *watchdog, crn_findings *findings);
 
-/* The host is silent, and the forces fade or have faded. */
+/* Returns whether the host is silent, so that the forces fade or have faded. */
 bool crn_watchdog_is_fading(const crn_watchdog *watchdog);
 
-/* Ticks until no force is left: CRN_APP_FADE_ticks while the host is heard. */
+/* Returns the number of ticks until no force is left, which is CRN_APP_FADE_ticks while the host is
+ * active. */
 uint32_t crn_watchdog_left_ticks(const crn_watchdog *watchdog);
 
 #endif

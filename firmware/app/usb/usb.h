@@ -1,20 +1,22 @@
-/* The USB device: chapter 9, a HID interface and a vendor bulk pair over any controller of
- * firmware/port/udc.h.
+/* This header declares the USB device: the standard requests (chapter 9), a HID interface and a vendor bulk
+ * pair, over any controller of firmware/port/udc.h.
  *
  *   at power-up        crn_usb_init(usb, &config)      off the bus; then crn_usb_connect(usb, true)
  *   always             crn_usb_poll(usb)               from the main loop: events, replies, bytes to the app
  *   1 ms passed        crn_usb_timer(usb, &state)      the state report of this tick
  *   a frame to send    crn_usb_transmit(usb, ...)      carries out crn_port.transmit
  *
- * Rules of the stream (bulk pair): frames are bytes, packets have no meaning.
- *  - To the host: a frame is queued whole or refused. When the queue runs empty behind a full packet, an
- * empty packet follows, so that a host's longer read ends.
- *  - To the device: an empty packet means nothing. Bytes are handed to the app frame by frame, and only while
- * the queue has room for the longest answer (`reply_bytes`); otherwise the packet is held and the host sees
- * NAK.
- *  - A stream begins (SET_CONFIGURATION, SET_INTERFACE, CLEAR_FEATURE of a halt) with an empty queue and a
- * zero byte, both ways, which ends a frame that was cut.
- */
+ * The stream (bulk pair) carries frames as bytes, and the borders of packets have no meaning:
+ *
+ *  - In the direction to the host, a frame is queued whole or refused. When the queue runs empty behind a
+ * full packet, an empty packet follows, so that a host's longer read ends.
+ *
+ *  - In the direction to the device, an empty packet means nothing. The app receives bytes frame by frame,
+ * and only while the queue has space for the longest answer (`reply_bytes`). Otherwise the packet is held and
+ * the host sees NAK.
+ *
+ *  - A stream begins after SET_CONFIGURATION, SET_INTERFACE or CLEAR_FEATURE of a halt. It begins with an
+ * empty queue and a zero byte in both directions; the zero ends a frame that was cut. */
 #ifndef CRN_USB_H
 #define CRN_USB_H
 
@@ -53,7 +55,7 @@ typedef enum crn_usb_link {
     CRN_USB_SUSPENDED,    /* it was configured, and the bus sleeps */
 } crn_usb_link;
 
-/* Callbacks of the glue in a port; each one runs inside crn_usb_poll. */
+/* Lists the callbacks that a port's connecting code provides; each one runs inside crn_usb_poll. */
 typedef struct crn_usb_app {
     void *context;
     void (*receive)(void *context, const uint8_t *bytes, size_t count); /* of the stream; may transmit */
@@ -74,11 +76,11 @@ typedef struct crn_usb_config {
     const char *serial; /* ASCII, 1 .. CRN_USB_SERIAL_MAX characters; it distinguishes two rigs */
     uint8_t *queue;     /* frames on their way to the host */
     uint32_t queue_bytes;
-    uint32_t reply_bytes; /* room that a request must find, for all frames that may answer it. At least
-                             CRN_WIRE_FRAME_MAX, at most half of the queue */
+    uint32_t reply_bytes; /* This is the space that must be free for all frames that may answer a request. At
+                             least CRN_WIRE_FRAME_MAX, at most half of the queue */
 } crn_usb_config;
 
-/* Endpoints in the order of usb_table.def. */
+/* Lists the endpoints in the order of usb_table.def. */
 typedef enum crn_usb_pipe {
 #define USB_ENDPOINT(INTERFACE, NAME, address, type, full_bytes, full_interval, high_bytes, high_interval,   \
                      text)                                                                                   \
@@ -138,27 +140,28 @@ typedef struct crn_usb {
     _Alignas(32) uint8_t stream_out[CRN_USB_STREAM_PACKET];
 } crn_usb;
 
-/* `config` is copied; what it points to must outlive the stack. False: the queue or the room for replies is
- * too short, or the serial number is empty, too long or not printable ASCII. */
+/* `config` is copied; the objects to which it points must outlive the stack. False: the queue or the room for
+ * replies is too short, or the serial number is empty, too long or not printable ASCII. */
 bool crn_usb_init(crn_usb *usb, const crn_usb_config *config);
 
-/* Shows the device to the host, or takes it off the bus as if the cable were pulled. */
+/* Connects the device to the bus, or disconnects it as if the cable were pulled. */
 void crn_usb_connect(crn_usb *usb, bool connected);
 
-/* Does bounded work: at most CRN_USB_EVENTS_PER_POLL events and one frame for the app. True: there may be
- * more to do. */
+/* Does a bounded amount of work: at most CRN_USB_EVENTS_PER_POLL events and one frame for the app. Returns
+ * true when there may be more to do. */
 bool crn_usb_poll(crn_usb *usb);
 
-/* One millisecond has passed. `state` becomes a state report, queued behind those that wait. When the queue
- * is full, the oldest report is dropped. No report waits while no host has configured the device, or while
- * the bus sleeps. */
+/* One millisecond has passed. Makes a state report from `state` and queues it behind the reports that wait.
+ * When the queue is full, the oldest report is dropped. No report is queued while no host has configured the
+ * device, or while the bus sleeps. */
 void crn_usb_timer(crn_usb *usb, const crn_hid_state *state);
 
-/* Queues a whole frame for the host. False: the device is not configured, or there is no room; nothing was
- * queued. */
+/* Queues a whole frame that goes to the host. Returns false when the device is not configured or there is no
+ * space; nothing is queued in that case. */
 bool crn_usb_transmit(crn_usb *usb, const uint8_t *frame, size_t frame_bytes);
 
-/* Returns how many bytes the queue still takes. A caller can thus drop a picture instead of being refused. */
+/* Returns how many more bytes the queue can take. With this number, a caller can drop a picture instead of
+ * having a frame refused. */
 uint32_t crn_usb_queue_room(const crn_usb *usb);
 
 #endif

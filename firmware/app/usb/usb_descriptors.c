@@ -156,7 +156,8 @@ static bool put_string(const crn_usb *usb, const crn_usb_setup *setup, crn_wire_
  * ---------------- */
 static void put_bos(crn_wire_writer *reply)
 {
-    /* D8DD60DF-4589-4CC7-9CD2-659D9E648A9F, in the order of its bytes on the bus. It announces the set below.
+    /* This is the identifier D8DD60DF-4589-4CC7-9CD2-659D9E648A9F, in the order of its bytes on the bus. It
+     * announces the set below.
      */
     static const uint8_t platform[16] = {0xdf, 0x60, 0xdd, 0xd8, 0x89, 0x45, 0xc7, 0x4c,
                                          0x9c, 0xd2, 0x65, 0x9d, 0x9e, 0x64, 0x8a, 0x9f};
@@ -175,8 +176,8 @@ static void put_bos(crn_wire_writer *reply)
     crn_wire_write(reply, 0, 1); /* no alternate enumeration */
 }
 
-/* Writes the set: header of 10, configuration subset of 8, function subset of 8, compatible id of 20,
- * registry property of 132. */
+/* Writes the descriptor set: a header of 10 bytes, a configuration subset of 8, a function subset of 8, a
+ * compatible id of 20, and a registry property of 132. */
 bool crn_usb_ms_os_set(crn_wire_writer *reply)
 {
     static const uint8_t compatible[16] = {'W', 'I', 'N', 'U', 'S', 'B'};

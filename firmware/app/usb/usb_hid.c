@@ -1,5 +1,5 @@
-/* The HID interface: class requests (HID 1.11, 7.2), state reports, command reports, settings as feature
- * reports. */
+/* This file implements the HID interface: class requests (HID 1.11, 7.2), state reports, command reports, and
+ * settings as feature reports. */
 #include "firmware/app/usb/usb_internal.h"
 
 enum { REPORT_INPUT = 1, REPORT_OUTPUT = 2, REPORT_FEATURE = 3 }; /* high byte of wValue */
@@ -56,8 +56,8 @@ static bool get_report(const crn_usb *usb, const crn_usb_setup *setup, crn_wire_
     }
 }
 
-/* Idle rates are kept and answered, but change nothing, because every report differs from the last one by its
- * tick. */
+/* Idle rates are stored and can be read back, but change nothing, because every report differs from the last
+ * one by its tick. */
 bool crn_usb_hid_request(crn_usb *usb, const crn_usb_setup *setup, crn_wire_writer *reply)
 {
     const bool to_host = (setup->type & CRN_USB_TYPE_IN) != 0;
@@ -72,7 +72,7 @@ bool crn_usb_hid_request(crn_usb *usb, const crn_usb_setup *setup, crn_wire_writ
     return true;
 }
 
-/* Reports that waited for another host, or before a halt, are out of date. */
+/* Drops reports that waited for another host, or from before a halt, because they are out of date. */
 void crn_usb_hid_begin(crn_usb *usb)
 {
     usb->report_first = usb->report_count = 0;
@@ -148,8 +148,9 @@ bool crn_usb_hid_data(crn_usb *usb, const crn_usb_setup *setup, const uint8_t *b
     }
 }
 
-/* An invalid report is counted and changes nothing. The command number in the state report stays, so the
- * host's program sees it. A halted pipe would cost the rig its next command. */
+/* An invalid report is counted and changes nothing. After an invalid report the command number in the state
+ * report does not change, so the host's program notices the refusal. The pipe is not halted, because a halt
+ * would lose the next command. */
 void crn_usb_hid_received(crn_usb *usb, uint32_t bytes)
 {
     if (!take_command(usb, usb->report_out, bytes)) usb->reports_refused++;

@@ -1,5 +1,5 @@
-/* Declarations that the files of the stack share. From top to bottom they are: events, control transfers,
- * standard and class requests, descriptors; and events, reports, stream. */
+/* This header has the declarations that the files of the stack share. Their groups, from top to bottom, are:
+ * events, control transfers, standard and class requests, descriptors; and then events, reports, stream. */
 #ifndef CRN_USB_INTERNAL_H
 #define CRN_USB_INTERNAL_H
 
@@ -48,7 +48,7 @@ enum {
     CRN_USB_DESCRIPTOR_REPORT = 0x22,
 };
 
-/* Interfaces in the order of usb_table.def. */
+/* Lists the interfaces in the order of usb_table.def. */
 typedef enum crn_usb_interface {
 #define USB_INTERFACE(NAME, class, text) CRN_USB_INTERFACE_##NAME,
 #include "firmware/app/usb/usb_table.def"
@@ -79,8 +79,8 @@ void crn_usb_control_reset(crn_usb *usb);
 void crn_usb_control_setup(crn_usb *usb, const uint8_t bytes[CRN_UDC_SETUP_BYTES]);
 void crn_usb_control_done(crn_usb *usb, uint8_t endpoint, uint32_t bytes);
 
-/* usb_standard.c, usb_hid.c: false is answered with STALL. `reply` is empty and takes the data of IN
- * requests. */
+/* In usb_standard.c and usb_hid.c, a handler that returns false is answered with STALL. `reply` is empty at
+ * first and receives the data of IN requests. */
 bool crn_usb_standard(crn_usb *usb, const crn_usb_setup *setup, crn_wire_writer *reply);
 bool crn_usb_hid_request(crn_usb *usb, const crn_usb_setup *setup, crn_wire_writer *reply);
 bool crn_usb_hid_takes(const crn_usb *usb, const crn_usb_setup *setup);

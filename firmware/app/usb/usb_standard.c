@@ -63,7 +63,8 @@ static bool halt(crn_usb *usb, const crn_usb_setup *setup, bool set)
     return true;
 }
 
-/* The selector is in the high byte of wIndex; it exists at high speed only (USB 2.0, 9.4.9). */
+/* The selector of the test mode is in the high byte of wIndex; test modes exist at high speed only (USB 2.0,
+ * 9.4.9). */
 static bool test_mode(crn_usb *usb, const crn_usb_setup *setup)
 {
     const uint16_t selector = setup->index >> 8;
@@ -104,7 +105,7 @@ static bool set_configuration(crn_usb *usb, const crn_usb_setup *setup)
     return true;
 }
 
-/* There is one setting, 0. Choosing it starts the interface's endpoints anew. */
+/* There is one setting, 0. Choosing an alternate setting starts the interface's endpoints anew. */
 static bool set_interface(crn_usb *usb, const crn_usb_setup *setup)
 {
     if (!interface_exists(usb, setup->index) || setup->value != 0 || setup->length != 0) return false;

@@ -1,7 +1,8 @@
-/* The bulk pair: frames to the host through a ring, bytes from the host frame by frame. */
+/* This file implements the bulk pair: frames go to the host through a ring, and bytes from the host are
+ * passed on frame by frame. */
 #include "firmware/app/usb/usb_internal.h"
 
-/* The ring is sent in place: [queue_begin, queue_begin + sending) belongs to the controller. */
+/* The ring is sent in place; the bytes [queue_begin, queue_begin + sending) belong to the controller. */
 static void queue_byte(crn_usb *usb, uint8_t byte)
 {
     uint32_t place = usb->queue_begin + usb->queue_count;
@@ -10,9 +11,8 @@ static void queue_byte(crn_usb *usb, uint8_t byte)
     usb->queue_count++;
 }
 
-/* A stream starts anew: a frame that was cut ends with a zero, and messages that waited for another
- * conversation are dropped. The zero for the app is kept like a byte from the host, and the first packet is
- * awaited behind it. */
+/* Starts a stream anew: a zero ends a frame that was cut, and messages of an earlier conversation are
+ * dropped. The zero for the app is stored like a byte from the host, and the first packet follows it. */
 void crn_usb_stream_begin(crn_usb *usb, bool to_host)
 {
     if (to_host) {
@@ -42,8 +42,8 @@ bool crn_usb_transmit(crn_usb *usb, const uint8_t *frame, size_t frame_bytes)
     return true;
 }
 
-/* Sends as much as lies in one piece. A piece that ends at the ring's end may end with a short packet, which
- * means nothing. */
+/* Sends as many bytes as lie in one piece of the ring. A piece that ends at the end of the ring may end with
+ * a short packet, which has no meaning in the stream. */
 void crn_usb_stream_send(crn_usb *usb)
 {
     if (!crn_usb_pipe_is_free(usb, CRN_USB_STREAM_IN)) return;
@@ -73,8 +73,8 @@ void crn_usb_stream_received(crn_usb *usb, uint32_t bytes)
     usb->held_end = bytes < sizeof usb->stream_out ? bytes : (uint32_t)sizeof usb->stream_out;
 }
 
-/* Takes bytes up to the end of the next frame, so that one request meets room for its reply, and then awaits
- * the next packet. */
+/* Takes bytes up to the end of the next frame, so that there is space for the reply to one request, and then
+ * awaits the next packet. */
 bool crn_usb_stream_deliver(crn_usb *usb)
 {
     if (usb->configuration == 0 || usb->is_halted[CRN_USB_STREAM_OUT]) return false;

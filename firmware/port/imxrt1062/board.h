@@ -1,5 +1,5 @@
-/* This port has never run on hardware. Declarations that the files of this port share, and values that a
- * builder sets for their rig.
+/* This port has never run on hardware. This header has declarations that the files of this port share, and
+ * values that a builder sets for their rig.
  *
  *   boot_header.c  what the processor's ROM reads from the flash     start.c    reset, memory, vectors, exceptions
  *   memory_map.c   caches and protection                             clocks.c   600 MHz, tick, time, watchdog, serial
@@ -53,7 +53,8 @@ enum {
 
 int main(void);
 
-/* Waits for `register & mask` to become `value`; returns false if it does not. It is for start-up only. */
+/* Waits for `register & mask` to become `value`; returns false if this takes too long. It is for start-up
+ * only. */
 static inline bool board_wait(volatile uint32_t *where, uint32_t mask, uint32_t value)
 {
     for (int i = 0; i < BOARD_WAIT_MAX; i++) {

@@ -1,9 +1,9 @@
-/* This port has never run on hardware. Data that the processor's ROM reads from the flash before it starts
- * the image: how to read the flash (FlexSPI configuration block, at 0), where the image is (image vector
- * table, at 0x1000), how long it is (boot data).
+/* This port has never run on hardware. The processor's ROM reads the data in this file from the flash before
+ * it starts the image. They say how to read the flash (FlexSPI configuration block, at 0), where the image is
+ * (image vector table, at 0x1000), and how long it is (boot data).
  *
  * The layout is that of the i.MX RT1060 reference manual, chapter 9 (system boot), tables "FlexSPI NOR
- * configuration block" and "image vector table"; the read command and its dummy cycles are those of the
+ * configuration block" and "image vector table". The read command and its dummy cycles are those of the
  * flash's data sheet (W25Q64JV, fast read quad I/O, 0xeb). */
 #include "firmware/port/imxrt1062/board.h"
 
@@ -11,7 +11,8 @@ struct start_entry; /* start.c */
 extern const uint32_t image_flash_begin[], image_flash_bytes[];
 extern const struct start_entry start_vectors;
 
-/* One half of a word of a sequence: opcode, lines (0: one, 2: four), operand. */
+/* Makes one step of a FlexSPI sequence, which is half of a word: the opcode, the number of lines (0: one, 2:
+ * four), and the operand. */
 #define STEP(opcode, lines, operand) (((opcode) << 10 | (lines) << 8 | (operand)) & 0xffffu)
 #define STEPS(first, second) (STEP first | STEP second << 16)
 #define COMMAND 1u

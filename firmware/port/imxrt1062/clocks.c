@@ -1,5 +1,5 @@
-/* This port has never run on hardware. The processor's clock, the edge of every millisecond, the time, the
- * watchdog and the chip's serial number.
+/* This port has never run on hardware. This file controls the processor's clock, the edge of every
+ * millisecond, the time and the watchdog, and reads the chip's serial number.
  *
  *   crystal 24 MHz -> ARM PLL 1,200 MHz / 2 -> processor 600 MHz / 4 -> peripherals 150 MHz
  *   crystal 24 MHz -> PIT (the 1 ms edge), GPT1 (microseconds), console */
@@ -27,7 +27,7 @@ static void open_gates(void)
         R32(BASE_CCM, gate) = (uint32_t)ALL_GATES_OPEN;
 }
 
-/* The processor runs on the crystal while its PLL is set. */
+/* The processor runs on the crystal's clock while its PLL is set. */
 static bool take_clocks(void)
 {
     volatile uint32_t *pll = &R32(BASE_CCM_ANALOG, CCM_ANALOG_PLL_ARM), *bus = &R32(BASE_CCM, CCM_CBCDR);
@@ -58,8 +58,8 @@ static bool take_clocks(void)
 
 static void start_watchdog(void)
 {
-    /* The ROM may have left the other watchdog on. It is unlocked, then turned off, before its window of 255
-     * clocks ends. */
+    /* The ROM may have left the chip's other watchdog on. That watchdog is unlocked, then turned off, before
+     * its window of 255 clocks ends. */
     if (R32(BASE_RTWDOG, RTWDOG_CS) & MASK(RTWDOG_CS_EN)) {
         R32(BASE_RTWDOG, RTWDOG_CNT) = 0xd928c520u;
         R32(BASE_RTWDOG, RTWDOG_TOVAL) = 0xffffu;

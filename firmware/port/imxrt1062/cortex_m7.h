@@ -1,5 +1,5 @@
-/* This port has never run on hardware. The Cortex-M7's own registers, at the addresses that ARM's
- * architecture (ARMv7-M, B3) gives them on every such processor. */
+/* This port has never run on hardware. This header has the Cortex-M7's own registers, at the addresses that
+ * ARM's architecture (ARMv7-M, B3) gives them on every such processor. */
 #ifndef CRN_CORTEX_M7_H
 #define CRN_CORTEX_M7_H
 
@@ -42,7 +42,7 @@ static inline void core_barrier(void)
     __asm__ volatile("dsb\n isb" ::: "memory");
 }
 
-/* Makes everything written so far visible in memory to others than the processor, before anything that
+/* Makes everything that was written so far visible in memory to other bus masters, before anything that
  * follows. */
 static inline void core_data_barrier(void)
 {

@@ -1,4 +1,5 @@
-/* This port has never run on hardware. The i.MX RT1062's registers that this port uses, and no others.
+/* This port has never run on hardware. This header has the i.MX RT1062's registers that this port uses, and
+ * no others.
  *
  *   BASE_<instance>            address of a peripheral
  *   <MODULE>_<REGISTER>        offset; _0 is the first of an array, <MODULE>_STRIDE_<REGISTER> the step to the next
@@ -16,12 +17,13 @@
 #ifndef R32
 #define R16(base, offset) (*(volatile uint16_t *)(uintptr_t)((base) + (offset)))
 #define R32(base, offset) (*(volatile uint32_t *)(uintptr_t)((base) + (offset)))
-/* Where a test provides a model, these macros pass it every access by name. */
+/* Where a test provides a model of the chip, these macros pass every access to the model by name. */
 #define LOAD(REGISTER) (REGISTER)
 #define STORE(REGISTER, value) ((REGISTER) = (value))
 #endif
 
-/* BITS(FIELD, value), MASK(FIELD), SET_FIELD(REGISTER, FIELD, value): FIELD is one of the pairs below. */
+/* In BITS(FIELD, value), MASK(FIELD) and SET_FIELD(REGISTER, FIELD, value), FIELD is one of the pairs
+ * below. */
 #define BITS(...) BITS_(__VA_ARGS__)
 #define BITS_(shift, bits, value) ((uint32_t)(value) << (shift))
 #define MASK(...) MASK_(__VA_ARGS__)

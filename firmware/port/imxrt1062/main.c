@@ -1,11 +1,11 @@
-/* This port has never run on hardware. The device on an i.MX RT1062 (Teensy 4.1): memory, the port's table,
- * and the loop that passes bytes and milliseconds to the app. Nothing here allocates memory; the one
+/* This port has never run on hardware. This is the device on an i.MX RT1062 (Teensy 4.1): memory, the port's
+ * table, and the loop that passes bytes and milliseconds to the app. Nothing here allocates memory; the one
  * interrupt only counts.
  *
  *   loop:  USB -> crn_app_receive
  *          an edge is due -> crn_app_timer (reads inputs, writes outputs), then the state report
  *
- * A round handles some packets and one edge, so that neither starves the other. */
+ * One round of the loop handles some packets and one edge, so that neither delays the other without bound. */
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/usb/rig_usb.h"
 
@@ -50,7 +50,7 @@ static void greet(bool has_scenes)
     if (clocks_was_watchdog()) console_text("the last start ended by the watchdog\n");
 }
 
-/* The hardware is broken: reports it, keeps everything off, and lets the watchdog restart the device. */
+/* Handles broken hardware: reports it, keeps everything off, and lets the watchdog restart the device. */
 static void give_up(const char *what)
 {
     rig_outputs_off();
@@ -71,7 +71,7 @@ static void tick(void)
 }
 
 /* Only edges that the app has completed feed the watchdog. Neither a loop that runs without its milliseconds
- * nor a host that keeps the pipe busy can feed it. */
+ * nor a host that keeps the pipe busy can feed the watchdog. */
 static void feed_watchdog(void)
 {
     static uint32_t fed;

@@ -1,5 +1,5 @@
-/* This port has never run on hardware. Caches and protection. Memory that others than the processor write is
- * never cached: registers, and the OCRAM with the USB controller's lists and buffers. */
+/* This port has never run on hardware. Caches and protection. Memory that is also written by others than the
+ * processor is never cached: registers, and the OCRAM with the USB controller's lists and buffers. */
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/imxrt1062/cortex_m7.h"
 
@@ -27,7 +27,7 @@ typedef struct region {
     uint32_t attributes, size;
 } region;
 
-/* Where two regions overlap, the later one applies. */
+/* Where two regions overlap, the region later in the list applies. */
 static void protect(void)
 {
     const region regions[] = {

@@ -1,5 +1,5 @@
-/* This port has never run on hardware. The function of every pin: the table of docs/porting.md, "Pins", row
- * by row. */
+/* This port has never run on hardware. This file sets the function of every pin, row by row as in the table
+ * of docs/porting.md, "Pins". */
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/imxrt1062/imxrt1062_registers.h"
 
@@ -82,7 +82,8 @@ static const pin pins[] = {
     {PAD_EMC_29_FLEXSPI2_A_DATA03, MEMORY, DAISY_FLEXSPI2_IPP_IND_IO_FA_BIT3_EMC_29},
 };
 
-/* Outputs are set low before they become outputs. The pins' fast alternatives (GPIO6 to 9) are not used. */
+/* Sets the level of outputs low before they become outputs. The pins' fast alternatives (GPIO6 to 9) are not
+ * used. */
 void pins_start(void)
 {
     for (uint32_t gpr = IOMUXC_GPR_GPR26; gpr <= IOMUXC_GPR_GPR29; gpr += 4) R32(BASE_IOMUXC_GPR, gpr) = 0;

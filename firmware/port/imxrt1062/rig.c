@@ -1,6 +1,6 @@
-/* This port has never run on hardware. The port's inputs and outputs: encoders, sensors, switches, motors and
- * the two lines to the power stage. The power stage removes the power by itself when the drive line has not
- * toggled for 5 ms. */
+/* This port has never run on hardware. This file reads the port's inputs and sets its outputs: encoders,
+ * sensors, switches, motors and the two lines to the power stage. The power stage removes the power by itself
+ * when the drive line has not toggled for 5 ms. */
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/imxrt1062/imxrt1062_registers.h"
 
@@ -17,7 +17,7 @@ enum { /* bits of GPIO1 and GPIO2: docs/porting.md, "Pins" */
        BLINK_FAST_ticks = 100,
 };
 
-/* A level that counts only after it has been constant for some ticks. */
+/* Holds a level that counts only after it has been constant for some ticks. */
 typedef struct debounced {
     uint32_t ticks;
     bool level;
@@ -46,7 +46,8 @@ static uint8_t range_of(bool is_sampled, uint16_t raw)
                                                                     : CRN_PORT_SENSOR_OK;
 }
 
-/* The stop's loop is closed to ground. An open or broken loop counts as pressed, at once. */
+/* The emergency stop is a loop that is closed to ground. An open or broken loop counts at once as a pressed
+ * stop. */
 static bool read_stop(uint32_t gpio1)
 {
     bool is_open = gpio1 >> GPIO1_STOP & 1u;
@@ -114,8 +115,8 @@ static bool lamp_level(uint8_t lamp)
     return false;
 }
 
-/* The motors are written first when power is wanted, the power first when it is not. A latched fault of the
- * PWM is cleared when power is requested again, which the app allows only after RESET and arming. */
+/* Sets the motors first when power is wanted, and the power first when it is not. A latched fault of the PWM
+ * is cleared when power is requested again, which the app allows only after RESET and arming. */
 void rig_outputs(void *context, const crn_port_outputs *outputs)
 {
     (void)context;

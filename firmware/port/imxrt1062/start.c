@@ -1,7 +1,8 @@
-/* This port has never run on hardware. From reset to main(): the ROM jumps to `start` in the flash, which
- * splits the FlexRAM, copies code and data, and switches to the stack in the data memory. It also handles an
- * exception that ends the program: power off, a line on the console, and the watchdog's reset. The
- * floating-point unit stays off, because nothing uses it. */
+/* This port has never run on hardware. This file leads from reset to main(). The ROM jumps to `start` in the
+ * flash, which splits the FlexRAM, copies code and data, and switches to the stack in the data memory. The
+ * file also handles an exception that ends the program: it removes the power and writes a line on the
+ * console, and the watchdog then resets the processor. The floating-point unit stays off, because nothing
+ * uses it. */
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/imxrt1062/cortex_m7.h"
 #include "firmware/port/imxrt1062/imxrt1062_registers.h"
@@ -12,8 +13,8 @@ extern uint32_t bss_begin[], bss_end[], dma_begin[], dma_end[], stack_top[], sta
 void start(void);
 
 enum {
-    /* FlexRAM has 16 banks of 32 kB, with two bits each: 3 is code memory (the lowest 6 banks), 2 is data
-     * memory (10 banks). */
+    /* FlexRAM has 16 banks of 32 kB, each with a code of two bits: 3 is code memory (the lowest 6 banks), and
+     * 2 is data memory (10 banks). */
     BANKS_CODE = 6,
     SIZE_512_kB = 10, /* size field of both memories, which must hold their banks: a power of two */
     EXCEPTIONS = 16,
@@ -33,7 +34,7 @@ __attribute__((section(".start"))) static void clear(uint32_t *to, const uint32_
     while (to < end) *to++ = 0;
 }
 
-/* It runs in the flash, on a stack in the OCRAM, before any other memory exists. */
+/* This function runs in the flash, on a stack in the OCRAM, before any other memory exists. */
 __attribute__((section(".start"), noreturn)) void start(void)
 {
     __asm__ volatile("cpsid i");
@@ -55,7 +56,7 @@ __attribute__((section(".start"), noreturn)) void start(void)
     __builtin_unreachable();
 }
 
-/* `frame` is what the processor pushed at the exception. */
+/* `frame` is the stack frame that the processor pushed at the exception. */
 __attribute__((used)) static void crashed(const uint32_t *frame)
 {
     rig_outputs_off();
@@ -70,9 +71,9 @@ __attribute__((used)) static void crashed(const uint32_t *frame)
     }
 }
 
-/* Switches to the stack of `start`, because the one in use may have overflowed. A frame that could not be
- * pushed into the guard is not read: then the old stack pointer lies below the stack, and the words shown are
- * those at the guard's end. */
+/* Switches to the stack of `start`, because the one in use may have overflowed. When the frame could not be
+ * pushed because of the guard, it is not read. The old stack pointer then lies below the stack, and the words
+ * shown are those at the guard's end. */
 __attribute__((naked)) static void unexpected(void)
 {
     __asm__ volatile("mrs r0, msp\n"
@@ -87,7 +88,7 @@ __attribute__((naked)) static void unexpected(void)
 }
 
 typedef void vector(void);
-/* boot_header.c points the ROM to this table: stack and entry, in the form that a processor reads after
+/* boot_header.c directs the ROM to this table of stack and entry, in the form that a processor reads after
  * reset. */
 __attribute__((section(".start_vectors"), used)) const struct start_entry {
     const uint32_t *stack;
@@ -97,7 +98,7 @@ __attribute__((section(".start_vectors"), used)) const struct start_entry {
 #define UNEXPECTED_32                                                                                        \
     UNEXPECTED_4, UNEXPECTED_4, UNEXPECTED_4, UNEXPECTED_4, UNEXPECTED_4, UNEXPECTED_4, UNEXPECTED_4,        \
         UNEXPECTED_4
-/* 15 exceptions and 122 interrupts before the tick's, 37 behind it. */
+/* The table has 15 exceptions and 122 interrupts before the tick's interrupt, and 37 behind it. */
 __attribute__((section(".vectors"), used)) static const struct {
     const uint32_t *stack;
     vector *handlers[EXCEPTIONS - 1 + INTERRUPTS];

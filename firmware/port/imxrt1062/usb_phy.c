@@ -1,5 +1,5 @@
-/* This port has never run on hardware. Clock and transceiver of the USB controller: the chip makes 480 MHz
- * from its crystal and contains the high-speed transceiver. */
+/* This port has never run on hardware. This file starts the clock and the transceiver of the USB controller:
+ * the chip makes 480 MHz from its crystal and contains the high-speed transceiver. */
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/imxrt1062/imxrt1062_registers.h"
 

@@ -1,11 +1,11 @@
-/* This port has never run on hardware. The USB device controller (EHCI's registers, used from the device's
- * side) behind firmware/port/udc.h.
+/* This port has never run on hardware. This file drives the USB device controller (EHCI's registers, used
+ * from the device's side) behind the functions of firmware/port/udc.h.
  *
  * Every endpoint has a head (64 bytes, in one table whose address the controller holds) and one transfer
- * descriptor of up to 16 kB. Arming writes the descriptor, points the head at it and primes the endpoint; the
- * controller transfers the packets and sets a bit of ENDPTCOMPLETE. Heads, descriptors and buffers lie in
- * memory that is not cached (the section .dma, or tightly coupled memory). Interrupts stay off: poll() reads
- * what has happened. Every loop has a bound. */
+ * descriptor of up to 16 kB. Arming writes the descriptor, points the head at it and primes the endpoint. The
+ * controller then transfers the packets and sets a bit of ENDPTCOMPLETE when this is done. Heads, descriptors
+ * and buffers lie in memory that is not cached (the section .dma, or tightly coupled memory). Interrupts stay
+ * off; poll() reads the controller's events. Every loop has a bound. */
 #include "firmware/port/imxrt1062/board.h"
 #include "firmware/port/imxrt1062/cortex_m7.h"
 #include "firmware/port/imxrt1062/imxrt1062_registers.h"
@@ -87,8 +87,8 @@ static void wait_clear(volatile uint32_t *where, uint32_t bits)
     }
 }
 
-/* A packet under way may outlive one flush, so it repeats until the endpoint's status shows that nothing is
- * ready. */
+/* A packet that is being transferred may outlive one flush, so the flush repeats until the endpoint's status
+ * shows that nothing is ready. */
 static void flush(uint32_t bits)
 {
     for (int i = 0; i < 4; i++) {
@@ -214,8 +214,8 @@ static void close_all(void)
     }
 }
 
-/* Events of the bus: a reset begins (URI) and ends (port change, the speed is known); the bus is quiet for 3
- * ms (SLI); the cable changes (BSV). */
+/* Reports events of the bus: a reset begins (URI) and ends (port change, the speed is known), the bus is
+ * quiet for 3 ms (SLI), or the cable changes (BSV). */
 static bool take_bus(crn_udc_event *event)
 {
     uint32_t status = LOAD(R32(BASE_USB1, USB_USBSTS)), port = LOAD(R32(BASE_USB1, USB_PORTSC1));
@@ -247,8 +247,8 @@ static bool take_bus(crn_udc_event *event)
     return event->kind != CRN_UDC_NOTHING;
 }
 
-/* The eight bytes are read again when another setup packet came meanwhile; in that case the controller has
- * cleared the trip wire. */
+/* The eight bytes are read again when another setup packet came while they were read; in that case the
+ * controller has cleared the trip wire. */
 static bool take_setup(crn_udc_event *event)
 {
     volatile uint32_t *command = &R32(BASE_USB1, USB_USBCMD);
@@ -323,7 +323,7 @@ const crn_udc *usb_udc_start(void)
     STORE(R32(BASE_USB1, USB_USBMODE), BITS(USB_USBMODE_CM, MODE_DEVICE) | BITS(USB_USBMODE_SLOM, 1));
     change(command, MASK(USB_USBCMD_ITC), 0);
     close_all();
-    /* In device mode this register holds the address of the heads (ENDPTLISTADDR). */
+    /* In device mode this register (ENDPTLISTADDR) holds the address of the heads. */
     STORE(R32(BASE_USB1, USB_ASYNCLISTADDR), (uint32_t)(uintptr_t)memory.heads);
     controller.udc = (crn_udc){
         .context = NULL,

@@ -1,5 +1,5 @@
-/* The part of <string.h> that shared/ and firmware/app use, for images that are linked without a C library;
- * the port provides the functions (memory.c). */
+/* This header is the part of <string.h> that shared/ and firmware/app use, for images that are linked without
+ * a C library; the port provides the functions (memory.c). */
 #ifndef CRN_PORT_STRING_H
 #define CRN_PORT_STRING_H
 

@@ -1,4 +1,4 @@
-/* The controller in memory. Its functions are called through crn_udc. */
+/* The controller in memory. The functions of this file are called through crn_udc. */
 #include "firmware/port/mailbox/mailbox_udc.h"
 
 /* --- requests of the stack --- */

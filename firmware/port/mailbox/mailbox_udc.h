@@ -1,6 +1,6 @@
-/* A USB device controller made of memory. It answers the tokens of shared/mailbox as the chip on a board
- * would, with addresses, data toggles, NAK and STALL. It serves tests in one process and the image in an
- * emulator. */
+/* This is a USB device controller made of memory. The controller answers the tokens of shared/mailbox as the
+ * chip on a board would, with addresses, data toggles, NAK and STALL. It serves tests in one process and the
+ * image in an emulator. */
 #ifndef CRN_MAILBOX_UDC_H
 #define CRN_MAILBOX_UDC_H
 
@@ -26,13 +26,13 @@ typedef struct crn_mailbox_udc {
     crn_mailbox_endpoint out[CRN_MAILBOX_ENDPOINT_COUNT];
 } crn_mailbox_udc;
 
-/* Powers up on `mailbox`, 64 KiB aligned to 4 bytes, all zero before the first start; both must outlive the
- * controller. A start while a host is waiting leaves its token without an answer, like a device that loses
- * power. */
+/* Powers up on `mailbox`, which has 64 KiB, is aligned to 4 bytes, and is all zero before the first start.
+ * Both `mailbox` and `controller` must outlive the use of the controller. A start while a host is waiting
+ * leaves the host's token without an answer, like a device that loses power. */
 void crn_mailbox_udc_init(crn_mailbox_udc *controller, crn_mailbox *mailbox, bool can_high_speed);
 
-/* The state that an idle loop may check instead of polling: whether the host has a request, and whether that
- * request may bring the device work (this is not the case when the host only requests data). */
+/* Lists what an idle loop may check instead of polling: whether the host has a request, and whether that
+ * request may cause work in the device. A host that only requests data causes no work. */
 typedef enum crn_mailbox_demand {
     CRN_MAILBOX_IDLE,
     CRN_MAILBOX_ASKS_DATA,

@@ -1,5 +1,5 @@
-/* Semihosting calls of ARM's specification (version 2.0) by BKPT 0xAB: operation in r0, address of its
- * arguments in r1. */
+/* This file makes the semihosting calls of ARM's specification (version 2.0) by BKPT 0xAB, with the operation
+ * in r0 and the address of its arguments in r1. */
 #include "firmware/port/mps2_an500/semihost.h"
 
 enum {

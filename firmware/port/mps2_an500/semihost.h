@@ -1,4 +1,5 @@
-/* Services of the debugger or emulator that runs the image ("semihosting"): text, files, arguments, exit. */
+/* This header gives access to services of the debugger or emulator that runs the image ("semihosting"): text,
+ * files, arguments, exit. */
 #ifndef CRN_PORT_SEMIHOST_H
 #define CRN_PORT_SEMIHOST_H
 
@@ -7,10 +8,12 @@
 
 void semihost_write(const char *text);
 
-/* Reads a whole file. Returns its size, or 0 when it cannot be read or is larger than `capacity`. */
+/* Reads a whole file. Returns the size of the file, or 0 when it cannot be read or is larger than
+ * `capacity`. */
 size_t semihost_read_file(const char *path, void *bytes, size_t capacity);
 
-/* Splits the command line at blanks; argv[count] is NULL. Returns the count, at most `most`. */
+/* Splits the command line at blanks, so that argv[count] is NULL, and returns the count, which is at most
+ * `most`. */
 int semihost_arguments(char *line, size_t capacity, char **argv, int most);
 
 _Noreturn void semihost_exit(int code);

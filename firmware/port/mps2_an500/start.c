@@ -1,5 +1,5 @@
-/* From reset to main() on a Cortex-M7. An unexpected exception ends the program with exit code 1 and its
- * number. */
+/* This file leads from reset to main() on a Cortex-M7. An unexpected exception prints its number and
+ * ends the program with exit code 1. */
 #include <stddef.h>
 #include <stdint.h>
 

@@ -1,4 +1,4 @@
-/* The sim port: memory, a byte pipe and a timer around the app. */
+/* This is the sim port: memory, a byte pipe and a timer around the app. */
 #include "firmware/port/sim/sim.h"
 #include "firmware/app/app.h"
 
@@ -41,7 +41,7 @@ static bool sim_transmit(void *context, const uint8_t *frame, size_t frame_bytes
 
 /* --- the rig --- */
 
-/* Sampling begins a tick's work, so its time passes there. */
+/* Sampling the rig begins a tick's work, so the time of a tick passes there. */
 static bool sim_inputs(void *context, crn_port_inputs *inputs)
 {
     crn_sim *sim = context;

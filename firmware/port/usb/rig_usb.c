@@ -180,7 +180,7 @@ static bool set_limits(void *context, const crn_hid_limits *report)
 
 /* --- the loop --- */
 
-/* Nothing is needed here: the app notices an absent host by its silence, whatever the cause. */
+/* This function does nothing, because the app notices an absent host by its silence, whatever the cause. */
 static void link(void *context, crn_usb_link link)
 {
     (void)context;

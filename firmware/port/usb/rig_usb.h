@@ -1,14 +1,14 @@
-/* The app on USB: joins crn_app and the USB device stack for a port that has a controller.
+/* This header joins crn_app and the USB device stack for a port that has a USB controller.
  *
  *   at power-up     fill crn_port with crn_rig_usb_transmit and crn_rig_usb_room and this as context of those two,
  *                   crn_app_init, crn_rig_usb_init, crn_rig_usb_connect
  *   always          crn_rig_usb_poll        from the main loop: bytes, commands and settings of the host
  *   1 ms passed     crn_app_timer, then crn_rig_usb_timer
  *
- * The stream carries the wire. HID carries the state, STOP and RESET, and reads and writes calibration and
- * limits, like the wire's `command` and `rig`. The app applies the same checks to both, so HID cannot do
- * anything that the wire would refuse. Its answer to such a message goes to the stream as an unsolicited
- * message. */
+ * The stream carries the wire. The HID interface transfers the state, STOP and RESET, and reads and writes
+ * calibration and limits, like the wire protocol's messages `command` and `rig`. The app applies the same
+ * checks to both paths, so a HID report cannot do anything that the wire protocol would refuse. The app's
+ * answer to such a report goes to the stream as an unsolicited message. */
 #ifndef CRN_RIG_USB_H
 #define CRN_RIG_USB_H
 
@@ -16,7 +16,8 @@
 #include "firmware/app/usb/usb.h"
 
 enum {
-    /* The longest answer is a snapshot: chunks with their heads and COBS bytes, begin, end, status. */
+    /* The longest answer is a snapshot: chunks with their heads and COBS bytes, and the messages begin, end
+     * and status. */
     CRN_RIG_USB_REPLY_BYTES = CRN_APP_SNAPSHOT_BYTES + CRN_APP_SNAPSHOT_BYTES / 50 + CRN_WIRE_FRAME_MAX,
     CRN_RIG_USB_QUEUE_BYTES = 2 * CRN_RIG_USB_REPLY_BYTES,
 };
@@ -30,20 +31,20 @@ typedef struct crn_rig_usb {
     uint8_t queue[CRN_RIG_USB_QUEUE_BYTES];
 } crn_rig_usb;
 
-/* `app` and `udc` must outlive it. The serial number is that of the app's port. Returns false when it is
- * empty or not printable. */
+/* `app` and `udc` must outlive `rig`. The serial number is that of the app's port. Returns false when the
+ * serial number is empty or not printable. */
 bool crn_rig_usb_init(crn_rig_usb *rig, crn_app *app, const crn_udc *udc);
 void crn_rig_usb_connect(crn_rig_usb *rig, bool connected);
 
-/* True when a host has configured the device. The app's messages are then kept for it, also while the bus
- * sleeps. */
+/* Returns true when a host has configured the device. The app's messages are then kept for this host, even
+ * while the bus sleeps. */
 bool crn_rig_usb_is_configured(const crn_rig_usb *rig);
 
 /* Returns true when there may be more to do. */
 bool crn_rig_usb_poll(crn_rig_usb *rig);
 void crn_rig_usb_timer(crn_rig_usb *rig);
 
-/* Functions for crn_port; `context` is the crn_rig_usb. */
+/* These functions are for crn_port, with the crn_rig_usb as `context`. */
 bool crn_rig_usb_transmit(void *context, const uint8_t *frame, size_t frame_bytes);
 size_t crn_rig_usb_room(void *context);
 

@@ -57,7 +57,7 @@ void bench_tick(bench *b)
     b->edge++;
 }
 
-/* This is faster than the tool may be fed, so the coupling is loaded. */
+/* This motion is faster than the tool may be fed, so the coupling is loaded. */
 bool bench_push(bench *b, int32_t axial_mN)
 {
     for (int i = 0; i < 400; i++) {

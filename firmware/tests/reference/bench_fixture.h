@@ -1,5 +1,5 @@
-/* One bench for all tests of a file, opened anew for each: set_up and tear_down for cmocka, and a command
- * with its answer. Include it behind cmocka.h, once per file. */
+/* This header has one bench for all tests of a file, opened anew for each: set_up and tear_down for cmocka,
+ * and a command with its answer. A test includes this header after cmocka.h, once per file. */
 #ifndef CRN_TEST_BENCH_FIXTURE_H
 #define CRN_TEST_BENCH_FIXTURE_H
 

@@ -1,5 +1,5 @@
-/* A session on the bench of a test file: steps in LOCKSTEP, and a FREE_RUN session that is recorded and
- * replayed. Include it behind bench_fixture.h, once per file. */
+/* This header has a session on the bench of a test file: steps in LOCKSTEP, and a FREE_RUN session that is
+ * recorded and replayed. A test includes this header after bench_fixture.h, once per file. */
 #ifndef CRN_TEST_BENCH_SESSION_H
 #define CRN_TEST_BENCH_SESSION_H
 
@@ -39,8 +39,8 @@ static void start_free_run(void)
     command(CRN_WIRE_ACTION_START);
 }
 
-/* Records ticks of FREE_RUN into `session`; `meanwhile` acts before each. The host keeps sending but reads
- * later. Returns the number of ticks. */
+/* Records ticks of FREE_RUN into `session`; the function `meanwhile` acts before each tick. Runs ticks during
+ * which the host keeps sending but does not read until later. Returns the number of ticks. */
 static uint32_t record(void (*meanwhile)(int ms))
 {
     static crn_wire_live live;

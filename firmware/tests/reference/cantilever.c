@@ -1,4 +1,4 @@
-/* Elastica cases on the core; see cantilever.h. */
+/* This file runs the elastica cases on the core; see cantilever.h. */
 #include "firmware/tests/reference/cantilever.h"
 #include "firmware/tests/reference/tube_lumen.h"
 
@@ -25,8 +25,8 @@ typedef struct cantilever {
     double length_m;
 } cantilever;
 
-/* An element of ceil(L / n) micrometres places the inserter's distal end inside the last element, where its
- * cell is clipped. */
+/* With elements of ceil(L / n) micrometres, the introducer sheath's distal end lies inside the last element,
+ * where the element's cell is clipped. */
 static cantilever *make(double bend_N_m2, uint32_t elements)
 {
     cantilever *c = malloc(sizeof *c);

@@ -1,4 +1,4 @@
-/* Saved states that are invalid. Include it behind cmocka.h and core_state.h. */
+/* Saved states that are invalid. A test includes this header after cmocka.h and core_state.h. */
 #ifndef CRN_TEST_DAMAGE_H
 #define CRN_TEST_DAMAGE_H
 
@@ -11,8 +11,8 @@ typedef struct damaged_word {
     uint32_t value;
 } damaged_word;
 
-/* The unchanged state can be restored, but not with any one of these words in the part that begins at
- * `part`. */
+/* Checks that the unchanged state can be restored, but that it is refused when any one of these words is
+ * written to the part that begins at `part`. */
 static inline void refuses_each(const crn_model *model, crn_state *state, size_t part,
                                 const damaged_word *words, size_t count)
 {

@@ -1,4 +1,4 @@
-/* Exact integer arithmetic in 128 bits, the reference of the fixed-point tests. */
+/* This header has exact integer arithmetic in 128 bits, the reference of the fixed-point tests. */
 #ifndef CRN_REFERENCE_EXACT_H
 #define CRN_REFERENCE_EXACT_H
 
@@ -6,7 +6,7 @@
 
 __extension__ typedef __int128 reference_wide;
 
-/* floor(a / 2^n), by division, so that it does not rely on a shift of a negative value. */
+/* Returns floor(a / 2^n) by division, so that the function does not rely on a shift of a negative value. */
 static inline reference_wide reference_floor_shift(reference_wide a, unsigned n)
 {
     reference_wide unit = (reference_wide)1 << n;
@@ -14,7 +14,7 @@ static inline reference_wide reference_floor_shift(reference_wide a, unsigned n)
     return a % unit < 0 ? quotient - 1 : quotient;
 }
 
-/* floor(a / 2^n + 1/2): to nearest, ties up. */
+/* Returns floor(a / 2^n + 1/2), which rounds to the nearest value and ties upwards. */
 static inline reference_wide reference_round_shift(reference_wide a, unsigned n)
 {
     return reference_floor_shift(a + ((reference_wide)1 << (n - 1)), n);

@@ -1,7 +1,7 @@
-/* A rig with a hand on it, in double precision, for tests of the haptic loop. It consists of the app itself
- * behind its own port, a carriage with mass, damping, friction and a lagging motor, an encoder with steps and
- * jitter, and a hand modelled as a spring and damper towards a wanted position. A tick takes 20 steps of
- * physics. */
+/* This header models a rig with a hand on it, in double precision, for tests of the haptic loop. The model
+ * consists of the app itself behind its own port, a carriage with mass, damping, friction and a lagging
+ * motor, an encoder with steps and jitter, and a hand. The hand is a spring and damper towards a wanted
+ * position. Each tick has 20 steps of physics. */
 #ifndef CRN_TEST_HAPTIC_RIG_H
 #define CRN_TEST_HAPTIC_RIG_H
 
@@ -29,12 +29,12 @@ typedef struct haptic_rig {
 
 enum { HAPTIC_MASS_g = 80, HAPTIC_DAMPING_mN_s_m = 1000, HAPTIC_FRICTION_mN = 20, HAPTIC_MOTOR_LAG_us = 500 };
 
-/* Begins a session with power in `lumen` (NULL: free space) with one wire, `inserted_um` of it outside, on
- * the given track. Returns false when the device refused something. */
+/* Begins a powered session in `lumen` (NULL: free space) with one wire, of which `inserted_um` is outside the
+ * sheath, on the given track. Returns false when the device refused something. */
 bool haptic_begin(haptic_rig *rig, const crn_lumen *lumen, const crn_wire_instrument *wire,
                   uint32_t inserted_um, const crn_wire_track *track, const haptic_hand *hand);
 
-/* Runs one millisecond in which the hand wants to be at `wanted_m`. */
+/* Runs one millisecond in which the hand's wanted position is `wanted_m`. */
 void haptic_tick(haptic_rig *rig, double wanted_m);
 
 #endif

@@ -1,10 +1,10 @@
-/* Length of long runs in tests: the whole run, or a tenth of it under the sanitizers, which take five times
- * as long and find their errors in a tenth. The build without sanitizers proves what the test claims of the
- * whole run. C11 and C++. */
+/* This header sets the length of long runs in tests. Sanitized builds do only a tenth of a run, because they
+ * take five times as long and find their errors in a tenth. The build without sanitizers proves the test's
+ * claims for the whole run. C11 and C++. */
 #ifndef CRN_REFERENCE_LONG_RUN_H
 #define CRN_REFERENCE_LONG_RUN_H
 
-// gcc reports it by a macro, clang by a feature.
+// gcc reports a sanitizer by a macro, and clang by a feature.
 #if defined __SANITIZE_ADDRESS__
 #define REFERENCE_SANITIZED
 #elif defined __has_feature

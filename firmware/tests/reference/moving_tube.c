@@ -1,4 +1,4 @@
-/* Moving vessels from closed forms; see moving_tube.h. */
+/* This file makes moving vessels from closed forms; see moving_tube.h. */
 #include "firmware/tests/reference/moving_tube.h"
 
 #include <math.h>
@@ -20,7 +20,8 @@ double reference_contraction(double phase)
     return (1 - cos(turn * share)) / 2;
 }
 
-/* Distance from the sphere's middle, and the share of its motion that is left there. */
+/* Computes the distance from the sphere's middle, and the share of the sphere's motion that remains at this
+ * distance. */
 static double faded(const double *place, double *r)
 {
     static const double middle[3] = {0.09, 0.005, 0.045}, reach = 0.09;
@@ -46,7 +47,7 @@ void reference_beating_sphere(const double *X, double phase, double breath, doub
     x[1] -= deep * breath * faded(x, r);
 }
 
-/* X <- X - (map(X) - x): the iteration converges to the fixed point, because the maps move neighbours by less
+/* The iteration X <- X - (map(X) - x) converges to the fixed point, because the maps move neighbours by less
  * than their distance. */
 void reference_pull(reference_map map, const double *x, double phase, double breath, double *X)
 {
@@ -62,8 +63,8 @@ void reference_pull(reference_map map, const double *x, double phase, double bre
     }
 }
 
-/* Finds coefficients c with (c[i-1] + 6 c[i] + c[i+1]) / 8 = w[i], periodic, by Gauss-Seidel iteration, which
- * gains a factor of 9 in each round. */
+/* Finds periodic coefficients c with (c[i-1] + 6 c[i] + c[i+1]) / 8 = w[i] by Gauss-Seidel iteration, whose
+ * error falls by a factor of 9 in each round. */
 static void prefilter(const double *w, double *c)
 {
     enum { N = CRN_MOTION_KEYFRAMES };
@@ -143,14 +144,15 @@ void reference_motion_free(reference_motion *motion)
     free(motion);
 }
 
-/* Number of nodes between a node and the nearer end of its axis of `count` nodes, at most `most`. */
+/* Returns the number of nodes between a node and the nearer end of its axis of `count` nodes, at most
+ * `most`. */
 static uint32_t steps_inside(uint32_t at, uint32_t count, uint32_t most)
 {
     const uint32_t from_edge = at < count - 1 - at ? at : count - 1 - at;
     return from_edge < most ? from_edge : most;
 }
 
-/* 3.2 mm along x, on nodes twice as far apart, fading to 0 over the four outermost nodes. */
+/* The motion is 3.2 mm along x, on nodes twice as far apart, and fades to 0 over the four outermost nodes. */
 static void make_breath(reference_motion *m)
 {
     enum { FADE = 4 };
@@ -169,7 +171,8 @@ static void make_breath(reference_motion *m)
     }
 }
 
-/* Contraction and place are factors of the displacement, so the filter in time is needed only once. */
+/* The displacement is a product of contraction and a function of the place, so the filter in time is needed
+ * only once. */
 reference_motion *reference_waves_make(const double *low_m, const double *high_m, uint32_t spacing_log2_q30)
 {
     enum { FADE = 4 };

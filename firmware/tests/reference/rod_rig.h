@@ -1,5 +1,5 @@
-/* A line of tools with everything that its ticks need, and a check of a named bound, for tests of the rod.
- * Include it after cmocka.h. */
+/* This header has a line of tools with everything that its ticks need, and a check of a named bound, for
+ * tests of the rod. Include it after cmocka.h. */
 #ifndef CRN_REFERENCE_ROD_RIG_H
 #define CRN_REFERENCE_ROD_RIG_H
 
@@ -15,7 +15,8 @@ typedef struct rig {
     crn_output output;
 } rig;
 
-/* Tools at the entry of all reference scenes; each has its own inserted length. The caller frees the rig. */
+/* Places tools at the entry of all reference scenes; each tool has its own inserted length. The caller frees
+ * the rig. */
 static inline rig *rig_of(const crn_instrument *tools, uint32_t count, const crn_lumen *lumen,
                           const uint32_t *inserted_um)
 {

@@ -1,5 +1,5 @@
-/* A bench for crn_safety: one sample of a rig, the requested forces, and edges one by one. It has neither a
- * rod, nor a scene, nor the wire. */
+/* This header has a bench for crn_safety: one sample of a rig, the requested forces, and edges one by one.
+ * The bench has neither a rod, nor a scene, nor the wire protocol. */
 #ifndef CRN_TESTS_SAFETY_BENCH_H
 #define CRN_TESTS_SAFETY_BENCH_H
 
@@ -14,7 +14,8 @@ typedef struct safety_bench {
     crn_finding found; /* at the last edge */
 } safety_bench;
 
-/* Two tools on a rig at rest; a count is 1 um, and 1 mN of the force sensor. No power. */
+/* Puts two tools on a rig at rest, where a count of an encoder is 1 um and a count of the force sensor is 1
+ * mN. The motors have no power. */
 static inline void safety_bench_rest(safety_bench *bench)
 {
     *bench = (safety_bench){.rig = {.supply_good = true}, .input = {.tool_count = 2}};
@@ -32,7 +33,8 @@ static inline void safety_bench_rest(safety_bench *bench)
     }
 }
 
-/* Runs one edge of the timer: checks, then outputs. A finding takes the power, as the app does. */
+/* Runs one edge of the timer: first the checks, then the outputs. A finding removes the power, as in the
+ * app. */
 static inline crn_fault_code safety_bench_edge(safety_bench *bench)
 {
     crn_findings findings = {.count = 0};
@@ -44,7 +46,7 @@ static inline crn_fault_code safety_bench_edge(safety_bench *bench)
     return bench->found.code;
 }
 
-/* How many edges it takes to find a fault; 0: none in `edges`. */
+/* Returns after how many edges a fault is found, or 0 when there is none within `edges`. */
 static inline int safety_bench_find(safety_bench *bench, int edges)
 {
     for (int i = 1; i <= edges; i++) {
@@ -53,7 +55,7 @@ static inline int safety_bench_find(safety_bench *bench, int edges)
     return 0;
 }
 
-/* Does the same with power, for long enough that the power stage drives. */
+/* Sets up the same rig with power, for long enough that the power stage drives. */
 static inline void safety_bench_drive(safety_bench *bench)
 {
     safety_bench_rest(bench);
@@ -61,7 +63,7 @@ static inline void safety_bench_drive(safety_bench *bench)
     for (int i = 0; i < 20; i++) (void)safety_bench_edge(bench);
 }
 
-/* A hand holds whatever the first motor is given. */
+/* Makes a hand hold exactly the force of the first motor. */
 static inline int safety_bench_hold(safety_bench *bench, int32_t asked_mN, int edges)
 {
     bench->asked[0].axial_mN = asked_mN;

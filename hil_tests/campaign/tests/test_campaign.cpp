@@ -1,5 +1,5 @@
-// Runs faults on purpose, a spread over every kind (make hil runs all), and checks the claims of the campaign
-// itself.
+// This test injects a spread of faults over every kind (make hil runs all), and checks the claims of the
+// campaign itself.
 #include "hil_tests/campaign/table.hpp"
 #include "hil_tests/l0/sim_bench.hpp"
 #include <csetjmp>
@@ -53,7 +53,7 @@ void a_line_that_names_no_fault_is_refused_with_the_word(void **)
     }
 }
 
-// Half a frame of a host that died precedes the HELLO of the next one.
+// Half a frame of a host that crashed precedes the HELLO of the next host.
 void a_host_that_died_within_a_frame_does_not_keep_the_next_one_out(void **)
 {
     hil::SimBench bench(hil::campaign_plant());
@@ -63,7 +63,7 @@ void a_host_that_died_within_a_frame_does_not_keep_the_next_one_out(void **)
     assert_true(link.hello().accepted);
 }
 
-// The host library sends messages by itself while its caller only waits.
+// The host library sends messages by itself while its caller waits.
 void a_host_that_waits_is_not_silent(void **)
 {
     hil::SimBench bench(hil::campaign_plant());

@@ -1,6 +1,6 @@
-// Runs a spread of the grid of gain, coupling, damping, lag and hand (make hil-passivity runs all): no
-// setting that the device accepts drives a carriage too fast or keeps oscillating. It also tests the meter
-// that measures this.
+// This test runs a spread of the grid of gain, coupling, damping, lag and hand (make hil-passivity runs all).
+// No setting that the device accepts may drive a carriage too fast or keep oscillating. The test also checks
+// the meter that measures these oscillations.
 #include "hil_tests/campaign/passivity.hpp"
 #include "hil_tests/l0/sim_bench.hpp"
 #include <cmath>
@@ -21,7 +21,8 @@ void nothing_that_is_accepted_is_fast_or_goes_on_to_and_fro(void **)
     assert_int_equal(hil::run_passivity_grid(level, 41, ""), 0);
 }
 
-// 800 N/m at a gain of 2 on honestly stated damping reached 0.34 m/s in a loose hand; it is refused.
+// A coupling of 800 N/m at a gain of 2, on honestly stated damping, reached 0.34 m/s in a loose hand; this
+// setting is refused.
 void a_gain_of_two_on_honest_damping_is_refused(void **)
 {
     hil::SimLevel level;
@@ -29,7 +30,8 @@ void a_gain_of_two_on_honest_damping_is_refused(void **)
     assert_false(hil::run_passivity(level, {2000, 800, 1000, 500, false}).is_accepted);
 }
 
-// A sine of 20 Hz for 250 ms is a cycle at 60 mN and none at 40 mN; a step is none.
+// A sine of 20 Hz for 250 ms counts as a cycle at 60 mN but not at 40 mN, and a step does not count as a
+// cycle.
 void the_meter_measures_cycles(void **)
 {
     hil::CycleMeter felt(0.1), unfelt(0.1), step(0.1);

@@ -1,6 +1,7 @@
-// The state after a failure of the firmware itself, on the image: a debugger causes a jump to an invalid
-// address (a hard fault) and a loop that never ends. Power is off before any text is printed, the console
-// shows where it failed, the watchdog restarts the device, and the next start repeats the cause and works.
+// This test checks the state after a failure of the firmware itself, on the image. A debugger causes a jump
+// to an invalid address (a hard fault) and a loop that never ends. The power is off before any text is
+// printed, and the console shows where the program failed. The watchdog restarts the device, which reports
+// the cause again at its next start and works.
 #include "hil_tests/cases/conversation.hpp"
 #include "hil_tests/l1/emulated_bench.hpp"
 #include <csetjmp>
@@ -25,15 +26,15 @@ constexpr std::uint32_t spare = 0x003ff000;   // code memory behind the image
 constexpr int hard_fault = 3, watchdog = 2;
 constexpr int patience_s = 120;
 
-// The part of gdb's protocol that is needed to stop a processor, change its program counter and memory, and
-// resume it.
+// This class has the part of gdb's protocol that is needed to stop a processor, change its program counter
+// and memory, and resume it.
 class Debugger
 {
   public:
     explicit Debugger(const std::string &path) : path_(path) {}
     ~Debugger() { ::close(socket_); }
 
-    // The emulator waits for this at its start.
+    // Connects to the emulator, which waits for this connection at its start.
     void release()
     {
         sockaddr_un address{};
@@ -107,7 +108,7 @@ class Debugger
     int socket_ = -1;
 };
 
-// A device that a debugger may crash.
+// This is a device that a debugger may crash.
 class Patient
 {
   public:
@@ -121,7 +122,7 @@ class Patient
     }
     ~Patient() { std::filesystem::remove(path_); }
 
-    // Waits for this text on the console.
+    // Waits until this text appears on the console.
     void expect_console(const char *words)
     {
         for (int i = 0; i < 100 * patience_s; i++, usleep(10000))
@@ -135,8 +136,9 @@ class Patient
         debugger.set_program_counter(address);
         debugger.go_on();
     }
-    // Turns interrupts off, so that the watchdog never finds the processor in the millisecond's handler (its
-    // minute is a whole number of milliseconds, so a feed right behind an edge ends there).
+    // Turns interrupts off and hangs the device. The watchdog then never finds the processor in the
+    // millisecond's handler. The watchdog's minute is a whole number of milliseconds, so it may end right
+    // behind an edge, in the millisecond's handler.
     void hang()
     {
         debugger.stop();
@@ -172,7 +174,8 @@ class Patient
     hil::EmulatedBench bench;
 };
 
-// cmocka leaves a test by a jump that runs no destructors, so errors leave as exceptions first.
+// cmocka leaves a failed test by a jump that runs no destructors, so errors leave the function as exceptions
+// first.
 void guarded(void (*body)())
 {
     std::string why;
@@ -184,7 +187,7 @@ void guarded(void (*body)())
     if (!why.empty()) fail_msg("%s", why.c_str());
 }
 
-// There is a force at the motors, and the processor runs 1,000 instructions per us.
+// In this test there is a force at the motors, and the processor runs 1,000 instructions per us.
 void power_goes_with_a_hard_fault()
 {
     Patient patient(0);
@@ -205,8 +208,8 @@ void power_goes_with_a_hard_fault()
     patient.expect_console("fault: exception 3 at pc 0x50000000");
 }
 
-// There are no milliseconds and scenes, so that the watchdog's minute passes within a second: 1 us per
-// instruction.
+// In this test each instruction takes 1 us of emulated time. There are no millisecond edges and no scenes, so
+// the emulator runs through the watchdog's minute within a second.
 constexpr int slowest = 10;
 
 void the_watchdog_starts_a_crashed_device_again_and_it_says_why()

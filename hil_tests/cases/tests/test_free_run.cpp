@@ -1,7 +1,7 @@
-// Claims about sessions that the rig leads (docs/rig.md). The motion of the hands at its encoders is recorded
-// tick by tick and replays in LOCKSTEP bit for bit, also when the cable was pulled meanwhile. A rig that
-// stops ends the session with the cause. The rig is the model of level 0 with a hand that pushes against
-// powered motors.
+// These tests check claims about sessions that the rig leads (docs/rig.md). The motion of the hands at the
+// rig's encoders is recorded tick by tick and replays in LOCKSTEP bit for bit, even when the cable was pulled
+// meanwhile. When a rig stops, the session ends and reports the cause. The rig is the model of level 0 with a
+// hand that pushes against powered motors.
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>
@@ -25,7 +25,8 @@ extern "C" {
 namespace
 {
 
-// A cable to a bench: it fails after this many reads, and the next open of the device gets a new one.
+// This is a cable to a bench. It fails after this many reads, and the next open of the device gets a new
+// cable.
 class Cable final : public crn::Transport
 {
   public:
@@ -96,7 +97,7 @@ struct Trial {
         return crn::run_free_session(device, patient, {}, seconds, &recorder, nullptr, {});
     }
 
-    // Runs every tick again, on a device of the host's own.
+    // Replays every tick on a device of the host's own.
     void check_replay(const crn::RunResult &result)
     {
         const crn::Recording recording = crn::read_recording(path);
@@ -159,7 +160,8 @@ void a_session_goes_on_after_an_unplug_and_replays_bit_for_bit(void **)
     }
 }
 
-// Beyond free_run_kept_max ticks a resume begins with a snapshot, which is part of the recording.
+// After a gap of more than free_run_kept_max ticks, a resumed session begins with a snapshot, which is part
+// of the recording.
 void a_long_session_resumes_from_a_snapshot(void **)
 {
     Trial trial(false);

@@ -1,4 +1,4 @@
-// Runs every case of hil_tests/cases at level 0 and at level 1.
+// This test runs every case of hil_tests/cases at level 0 and at level 1.
 #include "firmware/tests/reference/long_run.h"
 #include "hil_tests/cases/cases.hpp"
 #include "hil_tests/l0/sim_bench.hpp"
@@ -41,8 +41,8 @@ void run(void **state)
                  job.what->name);
 }
 
-// On the image ten trials of the haptic loop take a minute, as they do under the sanitizers at level 0, and
-// every fault of the rig takes half of one. make hil runs them all.
+// On the image, ten trials of the haptic loop take a minute, as they do under the sanitizers at level 0, and
+// each fault of the rig takes half a minute. So this test runs a part of them, and `make hil` runs all.
 std::uint32_t spread_of(const hil::Case &one, bool is_image)
 {
     const bool is_short = REFERENCE_RUN(5) != 5;

@@ -1,5 +1,6 @@
-// The image's USB side, token by token: it enumerates, takes its configuration, answers HELLO through the
-// bulk pair, keeps its messages for a bus that sleeps, and counts requests by USB as work.
+// This test exercises the image's USB side, token by token. The device enumerates, takes its configuration,
+// answers HELLO through the bulk pair, keeps its messages for a bus that sleeps, and counts requests by USB
+// as work.
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>
@@ -47,7 +48,7 @@ void expect(usb_result result, const char *what)
     if (result != USB_OK) fail_msg("%s: %s", what, usb_result_name(result));
 }
 
-// A device in the emulator with a configured host on its USB side.
+// This is a device in the emulator with a configured host on its USB side.
 class Session
 {
   public:
@@ -106,7 +107,7 @@ class Session
                "a frame to the device");
     }
 
-    // Sends the frame by the rings of the rig page, and waits until the device has taken it.
+    // Sends the frame through the rings of the rig page, and waits until the device has taken it.
     void write_page(const std::vector<std::uint8_t> &frame)
     {
         rig_page &page = emulator.page();
@@ -116,7 +117,7 @@ class Session
         emulator.wait([&] { return rig_read(&page.device.to_device_tail) == head; }, "a request");
     }
 
-    // Expects that the next frame over USB is of this type, and leaves it in the decoder.
+    // Expects that the next frame over USB is of this type, and leaves the frame in the decoder.
     void expect_frame(std::uint16_t type)
     {
         for (int packets = 0; packets < 8; packets++) {
@@ -178,8 +179,8 @@ void a_sleeping_bus_keeps_what_the_app_says(void **)
     assert_int_equal(session.decoder.header.answers, 2);
 }
 
-// When the plant makes the time, waiting takes no time. Work takes its own time, whichever path the request
-// came by.
+// When the plant controls time, waiting takes no time. Work takes the same time whether the request came by
+// USB or by the rings.
 void work_that_comes_by_usb_takes_the_plants_time(void **)
 {
     Session session;

@@ -1,6 +1,6 @@
-// Claims: whatever a device sends, every command that talks to it ends within 10 s with exit code 0 or 1 and
-// a message about it. It ends within 1 s after Ctrl-C, and records nothing but what this machine's core
-// computes. This test runs a spread of the lies; `make hil-lies` runs all.
+// These tests check that whatever a device sends, every command that talks to it ends within 10 s with exit
+// code 0 or 1 and a message about it. After Ctrl-C the command ends within 1 s, and it records nothing but
+// what this machine's core computes. This test runs a spread of the lies; `make hil-lies` runs all.
 #include <algorithm>
 #include <csetjmp>
 #include <cstdarg>
@@ -65,7 +65,8 @@ void a_device_that_never_frames_holds_no_command(void **)
     expect_good(cases, 600);
 }
 
-// Before there was a witness, each of these ended with exit code 0 and a falsehood in the recording.
+// Before a second device checked the results, each of these lies ended with exit code 0 and a falsehood in
+// the recording.
 void no_falsehood_is_recorded(void **)
 {
     const std::vector<std::string> lies = {"ticks.lane0 at=3 value=0",
@@ -87,7 +88,7 @@ void no_falsehood_is_recorded(void **)
     for (std::size_t i = 0; i < cases.size(); i++) {
         if (!verdicts[i].failure.empty())
             fail_msg("%s: %s", line_of(cases[i]).c_str(), verdicts[i].failure.c_str());
-        // The lie was detected and named.
+        // The message shows that the lie was detected and named.
         if (verdicts[i].code != 1) fail_msg("%s: exit code %d", line_of(cases[i]).c_str(), verdicts[i].code);
     }
 }

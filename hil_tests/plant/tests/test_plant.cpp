@@ -1,6 +1,6 @@
-// Claims about the rig model, shown against closed forms: motion under constant forces, friction that stops
-// and holds, slip at its threshold, lag of the motors, quantisation of the encoders, the power stage's
-// timing, and determinism.
+// These tests check the claims about the rig model against closed forms: motion under constant forces,
+// friction that stops and holds, slip at its threshold, lag of the motors, quantisation of the encoders, the
+// power stage's timing, and determinism.
 #include <cmath>
 #include <csetjmp>
 #include <cstdarg>
@@ -55,7 +55,8 @@ void a_free_tool_accelerates_by_newton(void **)
     near("tool in m", axis.tool(), expected, 1e-9);
 }
 
-// Released at v0, it is stopped by the friction F after v0^2 m / 2 F; then it rests to the last bit.
+// A tool that is released at the speed v0 is stopped by the friction F after v0^2 m / 2 F; then it rests to
+// the last bit.
 void friction_stops_a_free_tool_and_holds_it(void **)
 {
     AxisSettings s = ideal();
@@ -85,8 +86,8 @@ void viscous_friction_gives_a_terminal_speed(void **)
     near("speed in m/s", axis.tool_speed(), 0.5, 1e-9);
 }
 
-// A held tool keeps the roller at rest up to grip + bearing; beyond that, the roller slips by the rest of the
-// force.
+// A tool that is held keeps the roller at rest up to the force grip + bearing; beyond that, the rest of the
+// force makes the roller slip.
 void the_roller_slips_at_its_threshold(void **)
 {
     AxisSettings s = ideal();
@@ -114,7 +115,7 @@ void the_hand_feels_the_motor_at_rest(void **)
     near("deflection of the hand's spring in m", -spring.tool(), 1.5 / 600.0, 0.0501 / 600.0);
 }
 
-// i = I (1 - exp(-t / tau)); without power it decays, and the command does not matter.
+// The motor's current is i = I (1 - exp(-t / tau)); without power it decays, whatever the command.
 void the_motor_lags_and_loses_power(void **)
 {
     const AxisSettings s;
@@ -140,7 +141,7 @@ void a_motor_that_sticks_on_needs_the_power_stage(void **)
     near("force without power in N", axis.motor_force(), 0.0, 1e-5);
 }
 
-// counts = floor(place / width + 1/2), so the error is at most half a count, plus jitter.
+// The counts are floor(place / width + 1/2), so the error is at most half a count, plus jitter.
 void encoders_quantise_by_half_a_count(void **)
 {
     hil::Random random(3);
@@ -179,8 +180,8 @@ void encoders_wrap_and_have_faults(void **)
     assert_int_equal(faulty.health(), CRN_PORT_SENSOR_RANGE);
 }
 
-// A device that flips the line every millisecond has power; n ms after the last flip the power is off, n =
-// CRN_PORT_DRIVE_HOLD_ms.
+// A device that flips the drive line every millisecond has power. The power is off n ms after the last flip,
+// with n = CRN_PORT_DRIVE_HOLD_ms.
 void the_power_stage_drops_power_5_ms_after_the_last_flip(void **)
 {
     Plant plant(PlantSettings{});

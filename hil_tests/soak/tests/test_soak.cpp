@@ -1,8 +1,8 @@
-// Claims about the soak itself, in free space, so that each trial takes moments. Sessions follow from seed
-// and number alone, and a device accepts them. A bar that breaks is found at its tick, and the session
-// shrinks to the cause. A replay that differs, a crash and an endless trial are verdicts. Rows survive an
-// interruption, an incomplete last line and a change of program. hil_tests/soak/test_soak.sh tests the
-// program on vessels.
+// These tests check claims about the soak itself, in free space, so that each trial takes only moments.
+// Sessions depend on seed and number alone, and a device accepts them. A bar that breaks is found at its
+// tick, and the session shrinks to the cause. A replay that differs, a crash and an endless trial are
+// reported as verdicts. Rows survive an interruption, an incomplete last line and a change of program. The
+// script hil_tests/soak/test_soak.sh tests the program on vessels.
 #include "hil_tests/soak/campaign.hpp"
 #include <algorithm>
 #include <csetjmp>
@@ -78,7 +78,8 @@ void another_seed_or_number_gives_another_session(void **)
             assert_true(scripts.insert(soak::script_of(soak::draw_session(catalogue, seed, index))).second);
 }
 
-// Every instrument, one to three tools, balloons, stents, and hands up to 250 mm/s and 12 rad/s.
+// The drawn sessions contain every instrument, one to three tools, balloons, stents, and hands up to 250 mm/s
+// and 12 rad/s.
 void three_hundred_sessions_have_every_instrument_and_every_kind_of_statement(void **)
 {
     std::set<std::string> tools, verbs;
@@ -161,8 +162,8 @@ void a_recording_that_lost_its_end_is_told(void **)
     assert_string_equal(verdict.broken.c_str(), "replay");
 }
 
-// Only the wire resists a hand here, with millinewtons: the first push breaks a bar of 1 uN, and no pause
-// does.
+// Only the wire resists a hand here, with millinewtons: the first push breaks a bar of 1 uN, whereas no pause
+// breaks it.
 void a_bar_that_is_much_too_low_ends_the_session_at_the_first_push(void **)
 {
     const soak::Bars bars{1.0, 1.0, 1e-6, 1e-6};
@@ -211,8 +212,8 @@ void a_verdict_keeps_its_numbers_as_a_line(void **)
 
 // --- shrinking ---
 
-// A judge of texts: the session is broken while it has a push of the catheter by at least 20 mm behind an
-// inflation.
+// This judge looks only at the text: the session is broken while it has a push of the catheter by at least 20
+// mm after an inflation.
 soak::Verdict judge_of_words(const soak::DrawnSession &session)
 {
     soak::Verdict verdict;
@@ -236,7 +237,8 @@ void a_broken_session_shrinks_to_the_statements_that_break_it(void **)
          "wait 1000 ms", "deflate at 4 bar/s"},
         {instrument("coronary_014"), instrument("balloon_3x20"), instrument("guide_jl4_6f")});
     const soak::Shrunk shrunk = soak::shrink(session, judge_of_words(session), judge_of_words);
-    // The wire is not needed, so the balloon is the innermost tool; 100 mm are halved to 25.
+    // The wire is not needed and is removed, so the balloon becomes the innermost tool; the push of 100 mm is
+    // halved to 25 mm.
     assert_string_equal(soak::script_of(shrunk.session).c_str(),
                         "inflate to 1 bar at 10 bar/s\nadvance wire 25 mm at 50 mm/s\n");
     assert_string_equal(soak::tools_of(shrunk.session).c_str(), "balloon_3x20 + guide_jl4_6f");

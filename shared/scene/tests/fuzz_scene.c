@@ -1,6 +1,6 @@
-/* Fuzz target: any bytes may be offered as a scene. The target walks an accepted scene as the core and the
- * host do, and a broken guarantee ends the program. Each input is tried as it is and with corrected CRCs, so
- * that the checks behind them are reached. */
+/* This fuzz target offers any bytes as a scene. The target reads an accepted scene in the same way as the
+ * core and the host do, and a broken guarantee ends the program. Each input is tried unchanged and with
+ * corrected CRCs, so that the checks behind the CRCs are reached. */
 #include "shared/scene/tests/scene_sample.h"
 
 #include <stdlib.h>

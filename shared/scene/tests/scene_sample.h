@@ -1,5 +1,5 @@
-/* Small valid files for the tests of the scene container, and a function that seals files changed on
- * purpose. */
+/* This header has small valid files for the tests of the scene container, and a function that seals files
+ * changed on purpose. */
 #ifndef CRN_SCENE_SAMPLE_H
 #define CRN_SCENE_SAMPLE_H
 
@@ -35,8 +35,8 @@ static inline void sample_entry(uint8_t *entry)
     crn_scene_put_u32(entry + 16, 1u << 30); /* +y */
 }
 
-/* Coarse brick 0 is brick 0; coarse brick 1 is row 0, whose first octant is row 1; all others are bricks 1
- * and 2. */
+/* In the index, coarse brick 0 has brick 0; coarse brick 1 has row 0, whose first octant has row 1; all other
+ * octants have bricks 1 and 2. */
 static inline void sample_lumen(uint8_t *lumen)
 {
     memset(lumen, 0, SAMPLE_LUMEN_BYTES);
@@ -80,7 +80,7 @@ static inline void sample_lattice(uint8_t *motion)
     crn_scene_put_u16(motion + 18, 23);
 }
 
-/* The middle node moves by 0.5 mm along y with the breath. */
+/* In this sample, the middle node moves by 0.5 mm along y with the breath. */
 static inline void sample_breath(uint8_t *breath)
 {
     memset(breath, 0, SAMPLE_BREATH_BYTES);
@@ -88,7 +88,7 @@ static inline void sample_breath(uint8_t *breath)
     crn_scene_put_u16(breath + 32 + 2 * (3 * SAMPLE_MIDDLE + 1), 262);
 }
 
-/* The middle node moves by 1 mm along x and back. */
+/* In this sample, the middle node moves by 1 mm along x and back in each heartbeat. */
 static inline void sample_motion(uint8_t *motion)
 {
     memset(motion, 0, SAMPLE_MOTION_BYTES);
@@ -120,7 +120,8 @@ static inline size_t sample_moving_scene(uint8_t *file, size_t capacity)
 
 enum { SAMPLE_STATIONS = 3, SAMPLE_PLAQUES_BYTES = 16 + 80 + SAMPLE_STATIONS * 48 };
 
-/* One plaque along +y: its stations are 0.98 mm apart, and 1 mm of 2 mm is left. */
+/* Writes one plaque along +y, with stations 0.98 mm apart. The plaque leaves 1 mm of the healthy radius of 2
+ * mm. */
 static inline void sample_plaques(uint8_t *plaques)
 {
     const uint32_t one_q30 = 1u << 30, mm_q30 = 1073742, spacing = 1u << 20;
@@ -147,7 +148,7 @@ static inline void sample_plaques(uint8_t *plaques)
     }
 }
 
-/* The plaques follow the lumen, or its motion. */
+/* The section of plaques follows the lumen, or the lumen's motion. */
 static inline size_t sample_diseased_scene(uint8_t *file, size_t capacity, bool moves)
 {
     uint8_t meta[CRN_SCENE_META_BYTES], entry[CRN_SCENE_ENTRY_BYTES], lumen[SAMPLE_LUMEN_BYTES],
@@ -165,7 +166,7 @@ static inline size_t sample_diseased_scene(uint8_t *file, size_t capacity, bool 
     return crn_scene_write(CRN_SCENE_KIND_SCENE, parts, moves ? 5 : 4, file, capacity);
 }
 
-/* A tetrahedron of 1 m named by `name`. */
+/* Writes a tetrahedron of 1 m with the name `name`. */
 static inline void sample_body(uint8_t *body, const char *name, int32_t parent)
 {
     static const uint32_t triangles[12] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
@@ -189,7 +190,8 @@ static inline void sample_branch(uint8_t *branch, const char *name, int32_t pare
     crn_scene_put_u32(branch + 44, count);
 }
 
-/* An aorta of three points along +y, 10 mm wide, and a renal artery of two that leaves its middle. */
+/* Writes an aorta of three points along +y, 10 mm wide, and a renal artery of two points that leaves the
+ * aorta's middle. */
 static inline void sample_tree(uint8_t *tree)
 {
     static const int32_t points_um[5][3] = {
@@ -206,7 +208,7 @@ static inline void sample_tree(uint8_t *tree)
     }
 }
 
-/* One lesion along the whole aorta. */
+/* Writes one lesion along the whole aorta. */
 enum { SAMPLE_LESIONS_BYTES = 16 + 48 + 3 * 16 };
 static inline void sample_lesions(uint8_t *lesions)
 {
@@ -221,9 +223,9 @@ static inline void sample_lesions(uint8_t *lesions)
     }
 }
 
-/* The sections behind the two bodies of a body file. */
+/* These are the sections behind the two bodies of a body file. */
 typedef enum sample_vessels { SAMPLE_NO_TREE, SAMPLE_TREE, SAMPLE_LESIONS } sample_vessels;
-/* The scene to which the bodies belong follows these on request. */
+/* When `has_partner` is set, one more section follows, which names the scene of the bodies. */
 enum { SAMPLE_PARTNER_BYTES = 4112, SAMPLE_PARTNER_CRC32 = 0x1234abcd };
 static inline size_t sample_body_file_of(uint8_t *file, size_t capacity, sample_vessels vessels,
                                          int has_partner)

@@ -1,6 +1,6 @@
-/* Claims: a body file names the scene with which it was baked, behind all other contents. The name is read as
- * it was written, and a file is refused where it is in another place or has another size. They are shown on
- * small valid files whose section table is changed and whose CRCs are corrected. */
+/* These tests check that a body file names the scene with which it was baked, behind all other contents. The
+ * name is read as it was written, and a file is refused where the name is in another place or has another
+ * size. The tests use small valid files whose section table is changed and whose CRCs are corrected. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

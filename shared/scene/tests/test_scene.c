@@ -1,6 +1,6 @@
-/* Claims: every broken scene is refused with its own code and place, and no part of it reaches the caller.
- * They are shown on small valid files: cut at every length, every bit flipped, each rule of docs/scene.md
- * broken alone. */
+/* These tests check that every broken scene is refused with its own code and place, and that no part of it
+ * reaches the caller. The tests use small valid files that are cut at every length, have every bit flipped,
+ * and break each rule of docs/scene.md alone. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -11,13 +11,13 @@
 
 #include "shared/scene/tests/scene_sample.h"
 
-/* The sample scene: header 32 + table 48 = 80; META 80, ENTRY 336, LUMEN 368. Its bodies: BODY 336, 496. */
+/* In the sample scene, META is at 32 + 48 = 80, ENTRY at 336, LUMEN at 368. Its bodies: BODY 336, 496. */
 enum { META_AT = 80, ENTRY_AT = 336, LUMEN_AT = 368, BONE_AT = 336, SKIN_AT = 496 };
-/* With a tree the table is a row longer. Branches at 16 and 80 of the section, points at 144. */
+/* With a tree, the table has one row more. The branches are at 16 and 80 of the section, points at 144. */
 enum { TREE_AT = 672, RENAL_AT = TREE_AT + 80, POINTS_AT = TREE_AT + 144 };
-/* With lesions the table has one row more, and LESIONS begins behind the tree of 224 bytes. */
+/* In a file with lesions, the table has one more row, and LESIONS begins behind the tree of 224 bytes. */
 enum { LESIONS_AT = TREE_AT + 16 + 224, LESION_AT = LESIONS_AT + 16, HEALTHY_AT = LESION_AT + 48 };
-/* The moving scene: header 32 + table 80 = 112; META 112, LUMEN 400 .. 3468, MOTION 3472 .. 7716. */
+/* In the moving scene, META is at 112 = 32 + 80, LUMEN at 400 .. 3468, and MOTION at 3472 .. 7716. */
 enum { MOTION_AT = 3472, BREATH_AT = 7728 };
 
 static _Alignas(16) uint8_t file[SAMPLE_BYTES_MAX];
@@ -146,7 +146,7 @@ static void a_tree_gives_back_what_was_written(void **state)
     assert_int_equal(crn_scene_u32(renal.points + 12), 3000);
 }
 
-/* Only files that hold a tree require a reader that knows trees. */
+/* Only files that contain a vessel tree require a reader that can read trees. */
 static void a_file_without_a_tree_is_of_the_old_version(void **state)
 {
     (void)state;
@@ -326,7 +326,7 @@ static void a_tree_must_hang_together(void **state)
     refuses_word(POINTS_AT + 12, 4, 100001, CRN_SCENE_TREE_POINT, POINTS_AT + 12);
 }
 
-/* The tree comes behind the bodies, and once: row 3 of the table belongs to it. */
+/* The tree comes behind the bodies, and only once: row 3 of the table belongs to it. */
 static void a_tree_stands_behind_the_bodies(void **state)
 {
     (void)state;
@@ -414,8 +414,8 @@ static void a_body_may_move(void **state)
     assert_true(crn_scene_body(&scene, 1).moves);
 }
 
-/* Each rule of the MOTION and BREATH sections is broken alone. The spacing is 4096 units: neighbours may
- * differ by 2560, in breath by 1536. */
+/* Each rule of the MOTION and BREATH sections is broken alone. The spacing is 4096 units, so neighbours may
+ * differ by 2560 units in the beat and by 1536 in breath. */
 static void a_lattice_must_fit_the_cores_arithmetic_and_stand_still_at_its_boundary(void **state)
 {
     (void)state;
@@ -448,7 +448,7 @@ static void a_motion_of_an_older_format_is_refused_by_name(void **state)
     refuses_word(10, 2, 3, CRN_SCENE_MOTION_OLDER, 10);
 }
 
-/* In the scene with plaques: header 32 + table 64; LUMEN 384 .. 3452; PLAQUES behind it. */
+/* In the scene with plaques, LUMEN is at 384 .. 3452, behind a table of 64 bytes, and PLAQUES follows. */
 enum { PLAQUES_AT = 3456, PLAQUE_AT = PLAQUES_AT + 16, STATIONS_AT = PLAQUE_AT + 80 };
 
 static int make_diseased_scene(void **state)
@@ -542,7 +542,7 @@ static void writer_refuses_a_buffer_that_is_too_small(void **state)
     assert_int_equal(sample_scene(file, file_bytes), file_bytes);
 }
 
-/* An empty file: no bytes, and no address either. The sanitized run shows that no byte is read. */
+/* An empty file has no bytes, and no address either. The sanitizers show that no byte is read. */
 static void no_bytes_at_all_are_refused(void **state)
 {
     (void)state;

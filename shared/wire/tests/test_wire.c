@@ -1,6 +1,6 @@
-/* Claims about frames and codecs: what is encoded comes back, whatever is damaged is dropped and counted, and
- * a receiver that lost its place finds the next frame. Shown on seeded random messages and on every
- * single-bit flip. Seeds are fixed: running the program again reproduces a failure. */
+/* These tests check claims about frames and codecs. An encoded message comes back, a damaged one is dropped
+ * and counted, and a receiver that lost its place finds the next frame. The tests use seeded random messages
+ * and every single-bit flip. Seeds are fixed: running the program again reproduces a failure. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -40,7 +40,7 @@ static uint8_t payload[CRN_WIRE_PAYLOAD_MAX];
 static uint8_t frame[CRN_WIRE_FRAME_MAX];
 static crn_wire_decoder decoder;
 
-/* The published check value of CRC-32 (IEEE 802.3) for the digits 1 to 9. */
+/* This is the published check value of CRC-32 (IEEE 802.3) for the digits 1 to 9. */
 static void crc32_of_the_digits_is_the_published_value(void **state)
 {
     (void)state;
@@ -50,8 +50,8 @@ static void crc32_of_the_digits_is_the_published_value(void **state)
     assert_int_equal(in_two, 0xcbf43926u);
 }
 
-/* Every entry of the table agrees with the definition: one bit after the other through the polynomial
- * 0xedb88320. */
+/* Every entry of the table agrees with the definition, which passes one bit after the other through the
+ * polynomial 0xedb88320. */
 static void crc32_of_every_byte_is_that_of_its_bits(void **state)
 {
     (void)state;
@@ -62,7 +62,8 @@ static void crc32_of_every_byte_is_that_of_its_bits(void **state)
     }
 }
 
-/* Lengths around the COBS block border of 254, and the largest; with few and many zeros. */
+/* The lengths lie around the COBS block border of 254, and include the largest; the bytes have few and many
+ * zeros. */
 static void frames_of_every_length_come_back(void **state)
 {
     (void)state;
@@ -101,8 +102,8 @@ static void the_longest_payload_fits_and_one_more_byte_is_refused(void **state)
     assert_int_equal(crn_wire_frame_encode(&header, longer, 100, frame, 100), 0);
 }
 
-/* Every bit of a frame flipped once: never a frame with other contents. A flip may split it or eat the end
- * mark. */
+/* Every bit of a frame is flipped once, and the receiver must never see a frame with other contents. A
+ * flipped bit may split the frame or remove its end mark. */
 static void a_flipped_bit_never_gives_another_message(void **state)
 {
     (void)state;
@@ -154,7 +155,7 @@ static void idle_zeros_between_frames_are_no_errors(void **state)
     assert_int_equal(decoder.event_counts[CRN_WIRE_BAD_SIZE], 0);
 }
 
-/* The bytes stand here as the document states them: little end first, count before the elements. */
+/* The expected bytes follow the document: the little end first, and the count before the elements. */
 static void a_step_is_laid_out_as_documented(void **state)
 {
     (void)state;
@@ -189,7 +190,7 @@ static void a_step_is_laid_out_as_documented(void **state)
     assert_int_equal(back.inputs[0].orders.items[2].strut.z_um, 0x10203);
 }
 
-/* The list costs one byte, which states that it is empty. */
+/* An empty list of orders costs one byte, which states that it is empty. */
 static void a_tick_without_orders_pays_a_byte_for_them(void **state)
 {
     (void)state;
@@ -200,7 +201,7 @@ static void a_tick_without_orders_pays_a_byte_for_them(void **state)
     assert_int_equal(payload[writer.length - 1], 0);
 }
 
-/* A list with as many orders as it may hold, of every kind in turn. */
+/* The test sends a list with as many orders as it may hold, of every kind in turn. */
 static size_t put_full_list(uint8_t *to)
 {
     crn_wire_orders message = {.orders = {.items_count = CRN_WIRE_MAX_order_list_items}};
@@ -214,8 +215,8 @@ static size_t put_full_list(uint8_t *to)
     return writer.length;
 }
 
-/* The messages are as a hostile host would send them: cut at every byte, one byte too many, an unknown kind,
- * one order too many. */
+/* The messages are those of a hostile host: cut at every byte, one byte too long, with an unknown kind, or
+ * with one order too many. */
 static void lists_of_orders_that_are_damaged_are_refused(void **state)
 {
     (void)state;
@@ -281,7 +282,8 @@ static void extreme_values_come_back(void **state)
     }
 }
 
-/* Every length of every message from 0 to its largest: accepted only when the bytes fit its counts. */
+/* Every message is tried with every length from 0 to its largest, and is accepted only when the bytes fit its
+ * counts. */
 static void a_payload_of_wrong_length_is_refused(void **state)
 {
     (void)state;
@@ -315,7 +317,7 @@ static void a_payload_of_wrong_length_is_refused(void **state)
     assert_false(crn_wire_put_ticks(&writer, &ticks));
 }
 
-/* CRN_WIRE_PAYLOAD_MAX must be the largest of all. */
+/* CRN_WIRE_PAYLOAD_MAX must be the largest payload of all messages. */
 static void no_message_is_longer_than_the_longest_payload(void **state)
 {
     (void)state;
@@ -332,7 +334,8 @@ static void every_message_number_is_used_once(void **state)
 #include "shared/wire/wire_messages.def"
 }
 
-/* FNV-1a over names, types and units; the constant in wire_schema.c must follow every change of the messages.
+/* The test computes FNV-1a over names, types and units; the constant in wire_schema.c must follow every
+ * change of the messages.
  */
 static void the_schema_hash_covers_names_types_and_units(void **state)
 {

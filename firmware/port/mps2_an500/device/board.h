@@ -1,4 +1,4 @@
-/* The registers that the device uses of ARM's MPS2 board with the AN500 image. */
+/* This header has those registers of ARM's MPS2 board (AN500 image) that the device uses. */
 #ifndef CRN_AN500_BOARD_H
 #define CRN_AN500_BOARD_H
 

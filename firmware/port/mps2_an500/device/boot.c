@@ -1,5 +1,5 @@
-/* From reset to main(), and the end of a program by an exception: power off, a line on the console, and a
- * record that survives the watchdog's reset. */
+/* This file leads from reset to main(). It also ends the program at an exception: power off, a line on the
+ * console, and a record that survives the watchdog's reset. */
 #include "firmware/port/mps2_an500/device/board.h"
 #include "firmware/port/mps2_an500/device/device.h"
 
@@ -16,7 +16,7 @@ void reset(void)
     main();
 }
 
-/* `frame` is what the processor pushed at the exception. */
+/* `frame` is the stack frame that the processor pushed at the exception. */
 __attribute__((used)) static void crashed(const uint32_t *frame)
 {
     rig_outputs_off();
@@ -37,7 +37,7 @@ __attribute__((used)) static void crashed(const uint32_t *frame)
     }
 }
 
-/* `crashed` needs the stack pointer at entry, before a prologue moves it. */
+/* The function `crashed` needs the stack pointer at entry, before the function's own prologue moves it. */
 __attribute__((naked)) static void unexpected(void)
 {
     __asm__ volatile("mrs r0, msp\n b crashed");

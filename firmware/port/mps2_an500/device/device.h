@@ -1,4 +1,4 @@
-/* Declarations shared by the files of the image.
+/* This header has declarations that the files of the image share.
  *
  *   boot.c     reset, vectors, exceptions            clock.c    time, the 1 ms edge, the watchdog
  *   console.c  text on UART 0                        rig.c      port inputs and outputs <-> rig_page.h

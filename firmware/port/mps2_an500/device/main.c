@@ -1,9 +1,11 @@
-/* The device on ARM's MPS2 board (AN500, Cortex-M7) with an emulated rig: memory, the port's table, and the
- * loop that passes bytes and milliseconds to the app. Nothing here allocates memory; interrupts only count.
+/* This is the device on ARM's MPS2 board (AN500, Cortex-M7) with an emulated rig: memory, the port's table,
+ * and the loop that passes bytes and milliseconds to the app. Nothing here allocates memory; interrupts only
+ * count.
  *
  *   loop:  bytes came -> crn_app_receive     USB tokens -> crn_rig_usb_poll     an edge is due -> crn_app_timer
  *
- * A round handles one piece of bytes and one edge, so that neither starves the other. */
+ * One round of the loop handles one piece of bytes and one edge, so that neither delays the other without
+ * bound. */
 #include "firmware/app/app.h"
 #include "firmware/port/mailbox/mailbox_udc.h"
 #include "firmware/port/mps2_an500/device/device.h"
@@ -27,8 +29,8 @@ static uint32_t now_us(void *context)
     return clock_us();
 }
 
-/* A host on the USB owns the device, also while its bus sleeps. Without such a host the rings of the rig page
- * own it, where instructions can be counted. */
+/* A host on the USB owns the device, also while its bus sleeps. Without such a host, the rings of the rig
+ * page own the device; on this path instructions can be counted. */
 static bool transmit(void *context, const uint8_t *frame, size_t frame_bytes)
 {
     return crn_rig_usb_is_configured(&usb) ? crn_rig_usb_transmit(context, frame, frame_bytes)
@@ -57,7 +59,8 @@ _Static_assert((int)RIG_TRACK_COUNT == (int)CRN_PORT_TOOL_MAX &&
                    (int)RIG_SERIAL_BYTES == (int)CRN_PORT_SERIAL_BYTES,
                "page and port agree");
 
-/* The serial of the emulated device, when the program that started it has set one. */
+/* Returns the serial number of the emulated device, when the program that started the emulator has set
+ * one. */
 static void take_serial(void)
 {
     if (!rig_is_there() || rig->host.serial[0] == '\0') return;
@@ -91,7 +94,7 @@ static void greet(void)
     tell_crash();
 }
 
-/* Ends the work on bytes from the host. */
+/* Ends the measurement of work on bytes from the host. */
 static void end_receiving(uint32_t begin)
 {
     rig_write(&rig->device.receive_counts, rig->device.receive_counts + (clock_counts() - begin));
@@ -111,7 +114,7 @@ static void receive(void)
     pipe_release(count);
 }
 
-/* Only bytes that reached the app count as work: how often a host polls for data that is not ready does not
+/* Only bytes that reached the app count as work, because polls of a host for data that are not ready do not
  * concern the plant. The clock is read only where work may come, because reading it costs an emulator more
  * than all the rest of a round. */
 static void poll_usb(void)
@@ -140,9 +143,9 @@ static void tick(void)
     clock_edge_done();
 }
 
-/* Only edges that the app has completed feed the watchdog. Neither a loop that runs without its milliseconds
- * nor a host that keeps the pipe busy can feed it. There is one exception: the watchdog is also fed when the
- * plant makes the milliseconds and none is due. */
+/* Only edges that the app has completed feed the watchdog. Neither a loop that runs without milliseconds nor
+ * a host that keeps the pipe busy can feed the watchdog. There is one exception: the watchdog is also fed
+ * while the plant makes the milliseconds and none is due. */
 static void feed_watchdog(uint32_t round)
 {
     static uint32_t fed;

@@ -1,5 +1,6 @@
-/* Bytes from and to the host through the page's two rings. Heads and tails count bytes and wrap. A head that
- * is ahead by more than the ring's length is an error of the other side and empties the ring. */
+/* This file moves bytes from and to the host through the page's two rings. The heads and tails of the rings
+ * count bytes and wrap. A head that is ahead of its tail by more than the ring's length is an error of the
+ * other side and empties the ring. */
 #include "firmware/port/mps2_an500/device/device.h"
 
 enum {
@@ -41,7 +42,7 @@ size_t pipe_room(void *context)
     return used <= RIG_RING_BYTES ? RIG_RING_BYTES - used : 0;
 }
 
-/* Words are copied first, aligned or not, because the PSRAM is normal memory. */
+/* The copy uses words first, aligned or not, because the PSRAM is normal memory. */
 static void copy(uint8_t *to, const uint8_t *from, size_t count)
 {
     size_t i = 0;

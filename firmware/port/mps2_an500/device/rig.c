@@ -1,5 +1,5 @@
-/* The rig's registers as the port's inputs and outputs. Values from the page are bounded before they are
- * used. */
+/* This file presents the rig's registers as the port's inputs and outputs. Values from the rig page are
+ * limited to their ranges before they are used. */
 #include "firmware/port/mps2_an500/device/device.h"
 
 bool rig_is_there(void)
@@ -43,7 +43,7 @@ static void take_sample(const rig_inputs *from, crn_port_inputs *to)
     to->local_unlock = (from->switches & RIG_LOCAL_UNLOCK) != 0;
 }
 
-/* There is no new sample: the app holds the hands and decides how long that may last. */
+/* When there is no new sample, the app keeps the hands at rest and decides how long that may last. */
 static void mark_stale(crn_port_inputs *inputs)
 {
     for (int k = 0; k < RIG_TRACK_COUNT; k++) {
