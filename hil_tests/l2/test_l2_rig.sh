@@ -1,8 +1,7 @@
 #!/bin/sh
 # Level L2: the program cournand itself, with libusb and hidapi unmodified, sees the whole app on a machine without USB.
-# The programs come from $BUILD, by default the sanitized ones. Prints TAP.
+# The programs come from $BUILD; test_l2_rig_sanitized.sh takes the sanitized ones. Prints TAP.
 build="${BUILD:-build}"
-[ -n "$HIL" ] || build="$build/san"
 # gcc's address sanitizer is a library that must be loaded first; clang's is in the program.
 preload="$(ldd "$build/hil/mock_bus" | awk '/libasan/ { print $3 }') libumockdev-preload.so.0"
 folder=$(mktemp -d)

@@ -3,8 +3,8 @@
 
   run_tests.py --build build --jobs 2 --label product|lab
 
-The list comes from CTest: all tests of the folder BUILD that have the label. With the label `product` the list also
-includes the tests of BUILD/san, which are the same tests under sanitizers, and the fuzz targets. Every program and
+The list comes from CTest: all tests of the folder BUILD that have the label, and those of BUILD/san, which are the same
+tests under sanitizers, and the fuzz targets (only with the label `product`). Every program and
 script prints TAP: a plan `1..N` and one line per test. A program that is missing, crashes, exceeds its time limit or
 breaks its plan counts as one failed test, whatever else it printed. Lines that begin with `#- ` are figures; they are
 printed below the line of their program. The list of failures is followed by the seconds of each program, slowest first.
@@ -165,7 +165,7 @@ def find_tests(options):
     plain = list(listed(options.build, options.label))
     options.scripts = [name for name, labels in plain if "script" in labels]
     options.programs = [name for name, labels in plain if "script" not in labels]
-    under = list(listed(os.path.join(options.build, "san"), "product")) if options.label == "product" else []
+    under = list(listed(os.path.join(options.build, "san"), options.label))
     options.sanitized = [name for name, labels in under if "fuzz" not in labels]
     options.fuzz = [name[len("fuzz/") :] for name, labels in under if "fuzz" in labels]
 

@@ -161,20 +161,25 @@ function(crn_scripts)
 endfunction()
 
 function(crn_needed_by_tests labels)
-    if("lab" IN_LIST labels)
+    if("lab" IN_LIST labels OR (CRN_SANITIZE AND "sanitized_in_lab" IN_LIST labels))
         add_dependencies(crn_tests_lab ${ARGN})
     else()
         add_dependencies(crn_tests ${ARGN})
     endif()
 endfunction()
 
-# Sets labels: `lab` for evidence, `product` for all other tests, and `sanitized` in the sanitizers' build.
+# Sets labels: `lab` for evidence, `product` for all other tests, and `sanitized` in the sanitizers' build. `make test`
+# sanitizes the C code, parsers and state machines. What computes has the label `sanitized_in_lab`: `make test` runs it
+# plain, and `make test-lab` runs it under the sanitizers.
 function(crn_register name command labels)
-    if(NOT "lab" IN_LIST labels)
-        list(APPEND labels product)
-    endif()
     if(CRN_SANITIZE)
         list(APPEND labels sanitized)
+        if("sanitized_in_lab" IN_LIST labels)
+            list(APPEND labels lab)
+        endif()
+    endif()
+    if(NOT "lab" IN_LIST labels)
+        list(APPEND labels product)
     endif()
     add_test(NAME ${name} COMMAND ${command} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
     set_tests_properties(${name} PROPERTIES LABELS "${labels}" TIMEOUT 600 ENVIRONMENT

@@ -1,0 +1,3 @@
+#!/bin/sh
+# Level L2 with the program, libusb's and hidapi's callers and the device under the sanitizers. Prints TAP.
+BUILD="${BUILD:-build}/san" exec "$(dirname "$0")/test_l2_rig.sh"
