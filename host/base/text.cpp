@@ -40,7 +40,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b)
 } // namespace
 
 FileError::FileError(const std::string &file, int line, int column, const std::string &text)
-    : std::runtime_error(place(file, line, column, text))
+    : Fault(place(file, line, column, text))
 {
 }
 

@@ -1,6 +1,6 @@
 // Makes error messages with a place in a file, and suggestions for misspelt words.
 #pragma once
-#include <stdexcept>
+#include "host/base/fault.hpp"
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,7 +10,7 @@ namespace crn
 
 // The message is "file:line:column: what is wrong". Line 0 refers to the whole file, and column 0 to the
 // whole line.
-class FileError : public std::runtime_error
+class FileError : public Fault
 {
   public:
     FileError(const std::string &file, int line, int column, const std::string &text);

@@ -27,6 +27,8 @@
 namespace crn
 {
 
+struct TomlKind;
+
 inline constexpr std::size_t toml_bytes_max = std::size_t{4} << 20; // the largest legitimate text has 11 kB
 inline constexpr int toml_key_names_max = 32, toml_brackets_max = 32;
 
@@ -41,6 +43,10 @@ struct TomlError : std::runtime_error {
 
 // Throws TomlError. `file` is the file name that the source positions of nodes contain.
 toml::table parse_toml(std::string_view text, const std::string &file);
+
+// Reads the file as a tree that can be changed and written; toml_reader.hpp is for everything else. Throws
+// FileError.
+toml::table read_toml_tree(const std::string &file, const TomlKind &kind);
 
 // Checks only the size, the names of a key and the nested brackets, without parsing. Throws TomlError.
 void check_toml(std::string_view text);

@@ -1,10 +1,10 @@
 // Reads an instrument file as a whole: head, sources and presets. This file also makes the preset that the
 // thesis' table describes.
 #include "host/model/instrument.hpp"
-#include "host/base/text.hpp"
 #include "host/model/instrument_parts.hpp"
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 namespace crn
@@ -17,71 +17,40 @@ using namespace instrument_file;
 
 const std::string default_preset = "physical";
 
-toml::table parse(const std::string &file, const std::string &text)
+void read_head(const TomlTable &root, Instrument &instrument)
 {
-    try {
-        return parse_toml(text, file);
-    } catch (const TomlError &error) {
-        throw FileError(file, error.line, error.column, error.what());
-    }
+    root.check_keys({"format", "name", "kind", "description", "shape_name", "sources", "elements", "shape",
+                     "side_holes", "balloon", "preset"});
+    instrument.name = root.words("name");
+    instrument.description = root.words("description");
+    instrument.shape_name = root.words("shape_name");
+    const std::string kind = root["kind"].one_of({"wire", "catheter"});
+    instrument.kind = kind == "wire" ? InstrumentKind::wire : InstrumentKind::catheter;
 }
 
-Sources read_sources(const Place &place, const toml::table &root)
+double read_lumen_friction(const TomlTable &table, InstrumentKind kind)
 {
-    Sources sources;
-    if (!root.contains("sources")) return sources;
-    for (const auto &[key, node] : require_table(place, root, "sources")) {
-        to_text(place.inside("sources"), node, std::string(key.str()));
-        sources.add(std::string(key.str()), node);
-    }
-    return sources;
-}
-
-void read_head(const Place &place, const toml::table &root, Instrument &instrument)
-{
-    check_keys(place, root,
-               {"format", "name", "kind", "description", "shape_name", "sources", "elements", "shape",
-                "side_holes", "balloon", "preset"});
-    instrument.name = to_text(place, require(place, root, "name"), "name");
-    instrument.description = to_text(place, require(place, root, "description"), "description");
-    instrument.shape_name = to_text(place, require(place, root, "shape_name"), "shape_name");
-    const toml::node &kind = require(place, root, "kind");
-    const std::string text = to_text(place, kind, "kind");
-    if (text != "wire" && text != "catheter") {
-        fail(place, &kind, "'kind' is '" + text + "'" + suggestion(text, {"wire", "catheter"}));
-    }
-    instrument.kind = text == "wire" ? InstrumentKind::wire : InstrumentKind::catheter;
-}
-
-double read_lumen_friction(const Place &place, const toml::table &table, InstrumentKind kind)
-{
-    if (kind == InstrumentKind::catheter) return sourced_value(place, table, "lumen_friction", {0.0, 1.0});
-    if (const toml::node *node = table.get("lumen_friction")) {
-        fail(place, node, "a wire has no lumen: 'lumen_friction' is for catheters");
-    }
+    if (kind == InstrumentKind::catheter) return table.sourced("lumen_friction", {0.0, 1.0});
+    if (const TomlValue value = table["lumen_friction"])
+        value.fail("a wire has no lumen: 'lumen_friction' is for catheters");
     return 0.0;
 }
 
-ThesisRow read_thesis_row(const Place &place, const toml::table &table)
+ThesisRow read_thesis_row(const TomlTable &table)
 {
-    check_keys(place, table, {"row", "young_modulus_1e7", "radius_1e3", "density_1e5", "kp_1e3", "source"});
-    check_source(place, table);
-    auto read = [&](const char *key, Bounds bounds = {0.01, 1000.0}) {
-        const toml::node &node = require(place, table, key);
-        const double value = to_number(place, node, key);
-        check_bounds(place, node, key, value, bounds);
-        return value;
-    };
+    table.check_keys({"row", "young_modulus_1e7", "radius_1e3", "density_1e5", "kp_1e3", "source"});
+    table.check_source();
+    constexpr NumberRange positive = {0.01, 1000.0};
     ThesisRow thesis;
-    thesis.row = to_text(place, require(place, table, "row"), "row");
-    thesis.young_modulus = read("young_modulus_1e7") * 1e7;
-    thesis.radius_m = read("radius_1e3", {1.0, 20.0}) * 1e-4;
-    thesis.density = read("density_1e5") * 1e5;
-    thesis.kp = read("kp_1e3") * 1e3;
+    thesis.row = table.words("row");
+    thesis.young_modulus = table.number("young_modulus_1e7", positive) * 1e7;
+    thesis.radius_m = table.number("radius_1e3", {1.0, 20.0}) * 1e-4;
+    thesis.density = table.number("density_1e5", positive) * 1e5;
+    thesis.kp = table.number("kp_1e3", positive) * 1e3;
     return thesis;
 }
 
-Range scaled(const Range &range, double factor, Bounds bounds)
+TomlRange scaled(const TomlRange &range, double factor, NumberRange bounds)
 {
     return {std::clamp(range.from * factor, bounds.low, bounds.high),
             std::clamp(range.to * factor, bounds.low, bounds.high)};
@@ -90,7 +59,7 @@ Range scaled(const Range &range, double factor, Bounds bounds)
 // See docs/instruments.md, "vcsim3-fit". The shaft gets E and radius from the table. Along the instrument all
 // values keep their ratio to the shaft's, as in the base preset, because the table has no tip. Mass and
 // friction stay too.
-void apply_thesis(const Place &place, const ThesisRow &thesis, std::vector<Section> &sections)
+void apply_thesis(const TomlTable &table, const ThesisRow &thesis, std::vector<Section> &sections)
 {
     const double factor = thesis.bend_stiffness_N_m2() / sections.back().bend_N_m2.to;
     const double radius_mm = thesis.radius_m * 1e3;
@@ -102,66 +71,62 @@ void apply_thesis(const Place &place, const ThesisRow &thesis, std::vector<Secti
         for (InstrumentLayer &layer : section.layers)
             layer.radius_share = std::min(1.0, layer.radius_share * share);
         section.radius_outer_mm = {radius_mm, radius_mm};
-        if (section.radius_inner_mm.from >= radius_mm || section.radius_inner_mm.to >= radius_mm) {
-            fail(place, section.node,
-                 "the lumen of section " + in_quotes(section.name) + " is wider than the table's radius");
-        }
+        if (section.radius_inner_mm.from >= radius_mm || section.radius_inner_mm.to >= radius_mm)
+            section.table.in_place_of(table).fail("the lumen of section " + in_quotes(section.name) +
+                                                  " is wider than the table's radius");
     }
 }
 
-Preset read_based_preset(const Place &place, const toml::table &table,
-                         const std::map<std::string, Preset> &known)
+Preset read_based_preset(const TomlTable &table, const std::map<std::string, Preset> &known)
 {
-    check_keys(place, table, {"description", "based_on", "table_5_1"});
-    const toml::node &base_node = require(place, table, "based_on");
-    const std::string base = to_text(place, base_node, "based_on");
+    table.check_keys({"description", "based_on", "table_5_1"});
+    const std::string base = table.words("based_on");
     std::vector<std::string> names;
     for (const auto &[name, preset] : known) names.push_back(name);
     if (!known.contains(base))
-        fail(place, &base_node, "there is no preset " + in_quotes(base) + suggestion(base, names));
+        table["based_on"].fail("there is no preset " + in_quotes(base) + suggestion(base, names));
     Preset preset = known.at(base);
-    const toml::table &row = require_table(place, table, "table_5_1");
-    preset.thesis = read_thesis_row(place.inside("table_5_1"), row);
-    apply_thesis(place.inside("table_5_1"), *preset.thesis, preset.sections);
+    const TomlTable row = table.table("table_5_1").inside("table_5_1");
+    preset.thesis = read_thesis_row(row);
+    apply_thesis(row, *preset.thesis, preset.sections);
     return preset;
 }
 
-Preset read_preset(const Place &place, const toml::table &table, InstrumentKind kind,
-                   const std::map<std::string, Preset> &known)
+Preset read_preset(const TomlTable &table, InstrumentKind kind, const std::map<std::string, Preset> &known)
 {
     Preset preset;
-    if (table.contains("based_on")) {
-        preset = read_based_preset(place, table, known);
+    if (table.has("based_on")) {
+        preset = read_based_preset(table, known);
     } else {
-        check_keys(place, table, {"description", "lumen_friction", "all", "section", "based_on"});
-        preset.lumen_friction = read_lumen_friction(place, table, kind);
-        preset.sections = read_sections(place, table, kind);
+        table.check_keys({"description", "lumen_friction", "all", "section", "based_on"});
+        preset.lumen_friction = read_lumen_friction(table, kind);
+        preset.sections = read_sections(table, kind);
     }
-    preset.description = to_text(place, require(place, table, "description"), "description");
+    preset.description = table.words("description");
     return preset;
 }
 
-std::map<std::string, Preset> read_presets(const Place &place, const toml::table &root, InstrumentKind kind)
+std::map<std::string, Preset> read_presets(const TomlTable &root, InstrumentKind kind)
 {
-    const toml::table &table = require_table(place, root, "preset");
+    const TomlTable table = root.table("preset");
     std::map<std::string, Preset> presets;
-    require_table(place.inside("preset"), table, default_preset);
+    table.inside("preset").table(default_preset);
     // Presets with sections of their own are read first, so that the other presets can be based on them
     // whatever the order in the file.
     for (const bool is_based : {false, true}) {
-        for (const auto &[key, node] : table) {
-            const std::string name(key.str());
-            const Place inner = place.inside("preset " + in_quotes(name));
-            const toml::table *one = node.as_table();
-            if (!one) fail(inner, &node, "must be a table: [preset." + name + "]");
-            if (one->contains("based_on") != is_based) continue;
-            presets[name] = read_preset(inner, *one, kind, presets);
+        for (const TomlValue &value : table.values()) {
+            const std::string &name = value.key();
+            if (!value.is_table())
+                value.fail("preset " + in_quotes(name) + ": must be a table: [preset." + name + "]");
+            const TomlTable one = value.table().inside("preset " + in_quotes(name));
+            if (one.has("based_on") == is_based) presets[name] = read_preset(one, kind, presets);
         }
     }
     return presets;
 }
 
-Instrument assemble(const Place &place, const Instrument &head, const std::string &name, const Preset &preset)
+Instrument assemble(const TomlTable &root, const Instrument &head, const std::string &name,
+                    const Preset &preset)
 {
     Instrument instrument = head;
     instrument.preset = name;
@@ -169,7 +134,7 @@ Instrument assemble(const Place &place, const Instrument &head, const std::strin
     instrument.table.lumen_friction_milli =
         static_cast<std::uint32_t>(std::lround(preset.lumen_friction * 1e3));
     instrument.thesis = preset.thesis;
-    add_profile(place.inside("preset " + in_quotes(name)), preset.sections, instrument);
+    add_profile(root.inside("preset " + in_quotes(name)), preset.sections, instrument);
     add_markers(instrument);
     return instrument;
 }
@@ -192,35 +157,27 @@ std::pair<std::string, std::string> split_preset(const std::string &path)
 Instrument read_instrument(const std::string &path)
 {
     const auto [file, asked] = split_preset(path);
-    const toml::table root = parse(file, read_text_file(file));
-    Sources sources;
-    const Place place{file, sources, ""};
-    const toml::node &format = require(place, root, "format");
-    if (format.value<std::int64_t>() != 2) {
-        fail(place, &format, "'format' must be 2; this file is of another version");
-    }
+    const TomlTable root = read_toml(file, {"an instrument", "an instrument's file (docs/instruments.md)"});
+    root.check_format(2);
     Instrument head;
-    read_head(place, root, head);
-    sources = read_sources(place, root);
-    read_elements(place, root, head.table);
-    head.shape = read_shape(place, root);
-    head.side_holes = read_side_holes(place, root, head.kind);
-    head.balloon = read_balloon(place, root, head.kind, head.table);
-    const std::map<std::string, Preset> presets = read_presets(place, root, head.kind);
-    std::string unused;
-    if (const toml::node *node = sources.unused(unused))
-        fail(place, node, "no value names the source " + in_quotes(unused));
+    read_head(root, head);
+    root.read_sources();
+    read_elements(root, head.table);
+    head.shape = read_shape(root);
+    head.side_holes = read_side_holes(root, head.kind);
+    head.balloon = read_balloon(root, head.kind, head.table);
+    const std::map<std::string, Preset> presets = read_presets(root, head.kind);
+    root.check_sources_used();
     head.presets = {default_preset};
     for (const auto &[name, preset] : presets) {
         if (name != default_preset) head.presets.push_back(name);
     }
     std::optional<Instrument> wanted;
     for (const std::string &name : head.presets) {
-        Instrument instrument = assemble(place, head, name, presets.at(name));
+        Instrument instrument = assemble(root, head, name, presets.at(name));
         if (name == (asked.empty() ? default_preset : asked)) wanted = std::move(instrument);
     }
-    if (!wanted)
-        throw FileError(file, 0, 0, "has no preset " + in_quotes(asked) + suggestion(asked, head.presets));
+    if (!wanted) root.fail_file("has no preset " + in_quotes(asked) + suggestion(asked, head.presets));
     return *wanted;
 }
 

@@ -1,8 +1,8 @@
 // Reads the parts of an instrument file: sections of uniform construction, arcs of the unloaded shape, and
 // elements. It also makes the profile that follows from them.
 #pragma once
+#include "host/base/toml_reader.hpp"
 #include "host/model/instrument.hpp"
-#include "host/model/instrument_toml.hpp"
 
 namespace crn::instrument_file
 {
@@ -11,11 +11,12 @@ namespace crn::instrument_file
 // from the section's distal to its proximal end; all other values change linearly.
 struct Section {
     std::string name;
-    const toml::node *node = nullptr; // for error messages
+    TomlTable table; // for error messages
     double from_mm = 0.0, to_mm = 0.0;
     int steps = 1;
-    Range bend_N_m2, twist_N_m2, mass_kg_per_m, radius_outer_mm, radius_inner_mm, kinetic, statical;
-    std::vector<InstrumentLayer> layers;
+    TomlRange bend_N_m2{}, twist_N_m2{}, mass_kg_per_m{}, radius_outer_mm{}, radius_inner_mm{}, kinetic{},
+        statical{};
+    std::vector<InstrumentLayer> layers{};
 };
 
 struct Preset {
@@ -25,31 +26,31 @@ struct Preset {
     std::optional<ThesisRow> thesis;
 };
 
-inline constexpr Bounds stiffness_bounds = {
+inline constexpr NumberRange stiffness_bounds = {
     1e-7, 3e-2}; // N m^2, the core's limits (firmware/core/core.h, crn_knot)
-inline constexpr Bounds radius_bounds = {0.1, 2.0}; // mm
+inline constexpr NumberRange radius_bounds = {0.1, 2.0}; // mm
 inline constexpr double length_max_mm = 1600.0;
 
 // Reads [[section]] of a preset; values missing in a section come from [all].
-std::vector<Section> read_sections(const Place &place, const toml::table &preset, InstrumentKind kind);
+std::vector<Section> read_sections(const TomlTable &preset, InstrumentKind kind);
 
 // Reads [[shape]] from the tip.
-std::vector<InstrumentArc> read_shape(const Place &place, const toml::table &root);
+std::vector<InstrumentArc> read_shape(const TomlTable &root);
 
 // Reads [[side_holes]]; returns none if the key is missing.
-std::vector<SideHoles> read_side_holes(const Place &place, const toml::table &root, InstrumentKind kind);
+std::vector<SideHoles> read_side_holes(const TomlTable &root, InstrumentKind kind);
 
 // Reads [balloon]: its table goes into `wire`, and its label is returned. Returns nothing if the key is
 // missing.
-std::optional<BalloonLabel> read_balloon(const Place &place, const toml::table &root, InstrumentKind kind,
+std::optional<BalloonLabel> read_balloon(const TomlTable &root, InstrumentKind kind,
                                          crn_wire_instrument &wire);
 
 // Adds the marker bands of the balloon to the instrument's X-ray layers.
 void add_markers(Instrument &instrument);
 
-void read_elements(const Place &place, const toml::table &root, crn_wire_instrument &wire);
+void read_elements(const TomlTable &root, crn_wire_instrument &wire);
 
 // Adds a knot to the instrument's table wherever a section or an arc changes.
-void add_profile(const Place &place, const std::vector<Section> &sections, Instrument &instrument);
+void add_profile(const TomlTable &preset, const std::vector<Section> &sections, Instrument &instrument);
 
 } // namespace crn::instrument_file

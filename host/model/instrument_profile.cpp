@@ -18,12 +18,12 @@ constexpr double same_mm = 1e-3; // boundaries closer than this count as one
 
 // Returns a stiffness at share u of a section. A stiffness changes geometrically, because a ground taper
 // spans decades; other values change linearly.
-double by_ratio(const Range &range, double u)
+double by_ratio(const TomlRange &range, double u)
 {
     return range.is_constant() ? range.from : range.from * std::pow(range.to / range.from, u);
 }
 
-double linearly(const Range &range, double u)
+double linearly(const TomlRange &range, double u)
 {
     return range.from + (range.to - range.from) * u;
 }
@@ -107,7 +107,7 @@ void append(std::vector<crn_wire_knot> &knots, const crn_wire_knot &knot)
 
 } // namespace
 
-void add_profile(const Place &place, const std::vector<Section> &sections, Instrument &instrument)
+void add_profile(const TomlTable &preset, const std::vector<Section> &sections, Instrument &instrument)
 {
     std::vector<crn_wire_knot> knots;
     for (const Section &section : sections) {
@@ -120,20 +120,20 @@ void add_profile(const Place &place, const std::vector<Section> &sections, Instr
         instrument.layers.insert(instrument.layers.end(), section.layers.begin(), section.layers.end());
     }
     if (knots.size() > CRN_WIRE_MAX_instrument_knots) {
-        fail(place, sections.front().node,
-             "the profile needs " + std::to_string(knots.size()) + " knots, at most " +
-                 std::to_string(CRN_WIRE_MAX_instrument_knots) + "; use fewer steps, sections or shapes");
+        sections.front().table.in_place_of(preset).fail(
+            "the profile needs " + std::to_string(knots.size()) + " knots, at most " +
+            std::to_string(CRN_WIRE_MAX_instrument_knots) + "; use fewer steps, sections or shapes");
     }
     for (const crn_wire_knot &knot : knots) instrument.table.knots[instrument.table.knots_count++] = knot;
     instrument.length_m = sections.back().to_mm * 1e-3;
     if (!instrument.shape.empty() && instrument.shape.back().arc_end_m > instrument.length_m) {
-        fail(place, sections.back().node, "the shape is longer than the instrument");
+        sections.back().table.in_place_of(preset).fail("the shape is longer than the instrument");
     }
     const int nodes = line_node_count(instrument.table);
     if (nodes > line_nodes_max) {
-        fail(place, sections.front().node,
-             "the elements make " + std::to_string(nodes) + " nodes, at most " +
-                 std::to_string(line_nodes_max) + "; use longer elements or fewer fine ones");
+        sections.front().table.in_place_of(preset).fail("the elements make " + std::to_string(nodes) +
+                                                        " nodes, at most " + std::to_string(line_nodes_max) +
+                                                        "; use longer elements or fewer fine ones");
     }
 }
 

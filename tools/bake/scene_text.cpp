@@ -1,8 +1,8 @@
-// Reads the text of a scene with toml++. Every error message names file, line and key.
+// Reads the text of a scene. Every error message names file, line and key.
 #include "tools/bake/scene_text.hpp"
+#include "host/base/toml_reader.hpp"
 #include "shared/scene/scene.h"
 #include "tools/bake/fault.hpp"
-#include "tools/bake/toml_file.hpp"
 #include "tools/mesh/lesion_ranges.hpp"
 
 #include <Eigen/Geometry>
@@ -16,132 +16,57 @@ namespace crn::bake
 namespace
 {
 
-// Holds one table of the text, with the place that error messages name.
-struct Table {
-    const SceneText &scene;
+// Holds one table of the text, and the folders to which its file names may refer.
+struct Table : TomlTable {
+    Table(const TomlTable &table, const Folders &folders_) : TomlTable(table), folders(folders_) {}
     const Folders &folders;
-    std::string name; // "[lumen]"
-    const toml::table &table;
 
-    [[noreturn]] void fail(const toml::node *node, const std::string &what) const
-    {
-        const auto line = node ? node->source().begin.line : table.source().begin.line;
-        throw Fault(scene.file.string() + ":" + std::to_string(line) + ": " + name + " " + what);
-    }
-
-    void only(const std::set<std::string> &keys) const
-    {
-        for (const auto &[key, node] : table) {
-            if (keys.count(std::string(key.str()))) continue;
-            std::string list;
-            for (const std::string &known : keys) list += (list.empty() ? "" : ", ") + known;
-            fail(&node, "has no key '" + std::string(key.str()) + "': use one of " + list);
-        }
-    }
-
-    std::string text(const char *key, const std::string &standard, std::size_t bytes_max) const
-    {
-        const toml::node *node = table.get(key);
-        if (!node) return standard;
-        if (!node->is_string()) fail(node, std::string(key) + " must be a text in quotes");
-        const std::string value = node->value<std::string>().value();
-        if (value.size() > bytes_max)
-            fail(node,
-                 std::string(key) + " is longer than " + std::to_string(bytes_max) + " bytes: shorten it");
-        for (unsigned char c : value)
-            if (c < 0x20 || c == 0x7f) fail(node, std::string(key) + " holds a control character: remove it");
-        return value;
-    }
-    double number(const char *key, double standard, const NumberRange &range) const
-    {
-        return number(key, standard, range.low, range.high);
-    }
-
-    double number(const char *key, double standard, double low, double high) const
-    {
-        const toml::node *node = table.get(key);
-        if (!node) return standard;
-        const double value = node->value<double>().value_or(NAN);
-        if (!(value >= low && value <= high)) {
-            char range[64];
-            std::snprintf(range, sizeof range, " must be a number from %g to %g", low, high);
-            fail(node, key + std::string(range));
-        }
-        return value;
-    }
-
-    Eigen::Vector3d vector(const char *key) const { return vector(table.get(key), key); }
-
-    Eigen::Vector3d vector(const toml::node *node, const char *key) const
-    {
-        const toml::array *array = node ? node->as_array() : nullptr;
-        Eigen::Vector3d value;
-        for (std::size_t k = 0; k < 3; ++k) {
-            const auto component =
-                array && array->size() == 3 ? array->get(k)->value<double>() : std::nullopt;
-            if (!component || !std::isfinite(*component) || std::abs(*component) > 1e6)
-                fail(node,
-                     std::string(key) + " must be three numbers within a million, like [1.0, 0.0, 0.0]");
-            value[static_cast<int>(k)] = *component;
-        }
-        return value;
-    }
+    Eigen::Vector3d vector(const char *key) const { return vector((*this)[key]); }
+    static Eigen::Vector3d vector(const TomlValue &value) { return Eigen::Vector3d(value.three(1e6).data()); }
 
     // Returns the box between two opposite corners; the box is empty when the key is missing.
     Eigen::AlignedBox3d box(const char *key) const
     {
-        const toml::node *node = table.get(key);
-        if (!node) return {};
-        const toml::array *array = node->as_array();
-        if (!array || array->size() != 2)
-            fail(node, std::string(key) + " must be two corners, like [[-50, 0, -50], [50, 90, 50]]");
-        const Eigen::AlignedBox3d box(vector(array->get(0), key), vector(array->get(1), key));
-        if ((box.sizes().array() <= 0).any())
-            fail(node, std::string(key) + " must name the lower corner first");
+        const TomlValue value = (*this)[key];
+        if (!value) return {};
+        if (!value.is_list() || value.list().size() != 2)
+            value.fail_key("must be two corners, like [[-50, 0, -50], [50, 90, 50]]");
+        const std::vector<TomlValue> corners = value.list();
+        const Eigen::AlignedBox3d box(vector(corners[0]), vector(corners[1]));
+        if ((box.sizes().array() <= 0).any()) value.fail_key("must name the lower corner first");
         return box;
     }
 
     // Reads a value that is either a string or a list of strings.
     std::vector<std::string> texts(const char *key) const
     {
-        const toml::node *node = table.get(key);
-        if (!node) return {};
-        if (node->is_string()) return {text(key, "", 255)};
-        std::vector<std::string> list;
-        const toml::array *array = node->as_array();
-        for (std::size_t i = 0; array && i < array->size(); ++i)
-            list.push_back(array->get(i)->value<std::string>().value_or(""));
-        for (const std::string &word : list)
-            if (word.empty()) list.clear();
-        if (list.empty()) fail(node, std::string(key) + " must be a list of names in quotes");
-        return list;
+        return has(key) ? (*this)[key].texts() : std::vector<std::string>{};
     }
 
-    std::filesystem::path resolve(const toml::node *node, const char *key) const
+    std::filesystem::path resolve(const TomlValue &value) const
     {
         std::string advice;
-        const std::filesystem::path path = locate(node, key, advice);
+        const std::filesystem::path path = locate(value, advice);
         std::error_code ignored;
         if (!std::filesystem::is_regular_file(path, ignored))
-            fail(node, std::string(key) + " names " + path.string() + ", which is no readable file" + advice);
+            value.fail_key("names " + path.string() + ", which is no readable file" + advice);
         return path;
     }
 
-    std::filesystem::path resolve_folder(const toml::node *node, const char *key) const
+    std::filesystem::path resolve_folder(const TomlValue &value) const
     {
         std::string advice;
-        const std::filesystem::path path = locate(node, key, advice);
+        const std::filesystem::path path = locate(value, advice);
         std::error_code ignored;
         if (!std::filesystem::is_directory(path, ignored))
-            fail(node, std::string(key) + " names " + path.string() + ", which is no folder" + advice);
+            value.fail_key("names " + path.string() + ", which is no folder" + advice);
         return path;
     }
 
   private:
-    std::filesystem::path locate(const toml::node *node, const char *key, std::string &advice) const
+    std::filesystem::path locate(const TomlValue &value, std::string &advice) const
     {
-        const std::string written = node->value<std::string>().value_or("");
-        if (written.empty()) fail(node, std::string(key) + " must be a file name in quotes");
+        const std::string written = value.words();
         if (written.rfind("data:", 0) == 0) {
             advice = ": give the data's folder with --data";
             return folders.data / written.substr(5);
@@ -150,40 +75,39 @@ struct Table {
             advice = ": make it with `anatomy aorta -o FOLDER`, and give that folder with --shipped";
             return folders.shipped / written.substr(8);
         }
-        return scene.file.parent_path() / written;
+        return std::filesystem::path(file()).parent_path() / written;
     }
 };
 
 Eigen::Matrix3d axes_of(const Table &t)
 {
-    const toml::node *node = t.table.get("axes");
-    if (!node) return Eigen::Matrix3d::Identity();
-    const toml::array *array = node->as_array();
-    Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();
+    const TomlValue axes = t["axes"];
+    if (!axes) return Eigen::Matrix3d::Identity();
+    const std::vector<TomlValue> words = axes.is_list() ? axes.list() : std::vector<TomlValue>{};
+    Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
     static const std::string letters = "xyz";
     for (std::size_t k = 0; k < 3; ++k) {
-        const std::string word =
-            array && array->size() == 3 ? array->get(k)->value<std::string>().value_or("") : "";
+        const std::string word = words.size() == 3 && words[k].is_text() ? words[k].text() : "";
         const std::size_t axis = word.size() == 2 ? letters.find(word[1]) : std::string::npos;
         if (axis == std::string::npos || (word[0] != '+' && word[0] != '-'))
-            t.fail(node,
-                   "axes must name the file axes of left, head and anterior, like [\"+x\", \"+y\", \"+z\"]");
-        axes(static_cast<int>(k), static_cast<int>(axis)) = word[0] == '+' ? 1.0 : -1.0;
+            axes.fail_key(
+                "must name the file axes of left, head and anterior, like [\"+x\", \"+y\", \"+z\"]");
+        matrix(static_cast<int>(k), static_cast<int>(axis)) = word[0] == '+' ? 1.0 : -1.0;
     }
-    if (std::abs(axes.determinant()) < 0.5)
-        t.fail(node, "axes uses a file axis twice: name each of x, y, z once");
-    if (axes.determinant() < 0)
-        t.fail(node, "axes would mirror the patient: check the signs against a place whose side is known");
-    return axes;
+    if (std::abs(matrix.determinant()) < 0.5)
+        axes.fail_key("uses a file axis twice: name each of x, y, z once");
+    if (matrix.determinant() < 0)
+        axes.fail_key("would mirror the patient: check the signs against a place whose side is known");
+    return matrix;
 }
 
 Eigen::Vector3d scale_of(const Table &t)
 {
-    const toml::node *node = t.table.get("scale");
-    if (!node || !node->is_array()) return Eigen::Vector3d::Constant(t.number("scale", 1.0, 1e-3, 1e3));
+    const NumberRange range = {1e-3, 1e3};
+    if (!t["scale"].is_list()) return Eigen::Vector3d::Constant(t.number("scale", range, 1.0));
     const Eigen::Vector3d scale = t.vector("scale");
-    if (scale.minCoeff() < 1e-3 || scale.maxCoeff() > 1e3)
-        t.fail(node, "scale must be a number, or three for left, head and anterior, from 0.001 to 1000");
+    if (!range.contains(scale.minCoeff()) || !range.contains(scale.maxCoeff()))
+        t["scale"].fail_key("must be a number, or three for left, head and anterior, from 0.001 to 1000");
     return scale;
 }
 
@@ -200,23 +124,21 @@ Eigen::Matrix3d rotation_of(const Eigen::Vector3d &deg)
 
 Cap cap_of(const Table &t)
 {
-    const toml::node *node = t.table.get("cap");
-    if (!node) return Cap::none;
-    if (node->is_string() && node->value<std::string>().value() == "any") return Cap::any;
-    if (!node->is_boolean()) t.fail(node, "cap must be true, false or \"any\"");
-    return node->value<bool>().value() ? Cap::flat : Cap::none;
+    const TomlValue cap = t["cap"];
+    if (!cap) return Cap::none;
+    if (cap.is_text() && cap.text() == "any") return Cap::any;
+    if (!cap.is_truth()) cap.fail_key("must be true, false or \"any\"");
+    return cap.truth() ? Cap::flat : Cap::none;
 }
 
 Placement placement_of(const Table &t)
 {
     Placement placement;
-    placement.unit = t.text("unit", "", 8);
-    if (!placement.unit.empty() && millimetres_per(placement.unit) == 0)
-        t.fail(t.table.get("unit"), "unit is '" + placement.unit + "': use m, cm, mm or um");
+    if (t.has("unit")) placement.unit = t["unit"].one_of({"m", "cm", "mm", "um"});
     placement.axes = axes_of(t);
     placement.scale = scale_of(t);
-    if (t.table.contains("rotate_deg")) placement.rotation = rotation_of(t.vector("rotate_deg"));
-    if (t.table.contains("offset_mm")) placement.offset_mm = t.vector("offset_mm");
+    if (t.has("rotate_deg")) placement.rotation = rotation_of(t.vector("rotate_deg"));
+    if (t.has("offset_mm")) placement.offset_mm = t.vector("offset_mm");
     return placement;
 }
 
@@ -224,185 +146,175 @@ MeshText mesh_of(const Table &t)
 {
     MeshText mesh;
     mesh.placement = placement_of(t);
-    mesh.file = t.resolve(t.table.get("mesh"), "mesh");
+    mesh.file = t.resolve(t["mesh"]);
     mesh.cap = cap_of(t);
     mesh.parts = t.texts("parts");
     mesh.pieces_mm = t.box("pieces_mm");
-    mesh.pieces_min_mm = t.number("pieces_min_mm", 0, 0, 1000);
-    if (mesh.placement.unit.empty())
-        t.fail(t.table.get("mesh"), "mesh needs its unit: add unit = \"mm\" (or m, cm, um)");
+    mesh.pieces_min_mm = t.number("pieces_min_mm", {0, 1000}, 0);
+    if (mesh.placement.unit.empty()) t["mesh"].fail_key("needs its unit: add unit = \"mm\" (or m, cm, um)");
     return mesh;
 }
 
-std::vector<std::filesystem::path> centrelines_of(const Table &t, const toml::node *lines)
+std::vector<std::filesystem::path> centrelines_of(const Table &t)
 {
     std::vector<std::filesystem::path> files;
-    const toml::array *array = lines->as_array();
-    if (!array || array->empty()) t.fail(lines, "centrelines must be a list of file names");
-    for (const toml::node &node : *array) files.push_back(t.resolve(&node, "centrelines"));
+    const TomlValue lines = t["centrelines"];
+    if (!lines.is_list() || lines.list().empty()) lines.fail_key("must be a list of file names");
+    for (const TomlValue &line : lines.list()) files.push_back(t.resolve(line));
     return files;
+}
+
+// Which end of a centreline is meant: true for the last point.
+bool is_last(const Table &t, const char *key, const char *standard)
+{
+    return (t.has(key) ? t[key].one_of({"first", "last"}) : standard) == "last";
 }
 
 LumenText lumen_of(const Table &t)
 {
-    t.only({"mesh", "unit", "centrelines", "parts", "surface_mm", "axes", "scale", "rotate_deg", "offset_mm",
-            "cap", "tolerance_mm", "level_max", "inside_mm", "outside_mm"});
+    t.check_keys({"mesh", "unit", "centrelines", "parts", "surface_mm", "axes", "scale", "rotate_deg",
+                  "offset_mm", "cap", "tolerance_mm", "level_max", "inside_mm", "outside_mm"});
     LumenText lumen;
-    const toml::node *mesh = t.table.get("mesh"), *lines = t.table.get("centrelines");
-    if (!mesh == !lines) t.fail(nullptr, "needs either mesh or centrelines");
-    lumen.surface_mm = t.number("surface_mm", lumen.surface_mm, 0.1, 2);
-    lumen.tolerance_mm = t.number("tolerance_mm", lumen.tolerance_mm, 0.005, 1);
-    lumen.level_max = static_cast<int>(t.number("level_max", lumen.level_max, 0, 2));
-    lumen.inside_mm = t.number("inside_mm", lumen.inside_mm, 1, 3.5);
-    lumen.outside_mm = t.number("outside_mm", lumen.outside_mm, 1, 3.5);
-    if (mesh) {
+    if (t.has("mesh") == t.has("centrelines")) t.fail("needs either mesh or centrelines");
+    lumen.surface_mm = t.number("surface_mm", {0.1, 2}, lumen.surface_mm);
+    lumen.tolerance_mm = t.number("tolerance_mm", {0.005, 1}, lumen.tolerance_mm);
+    lumen.level_max = t.has("level_max") ? t.whole("level_max", {0, 2}) : lumen.level_max;
+    lumen.inside_mm = t.number("inside_mm", {1, 3.5}, lumen.inside_mm);
+    lumen.outside_mm = t.number("outside_mm", {1, 3.5}, lumen.outside_mm);
+    if (t.has("mesh")) {
         lumen.mesh = mesh_of(t);
         return lumen;
     }
-    if (t.table.contains("unit"))
-        t.fail(t.table.get("unit"), "unit belongs to a mesh: centreline files state their own");
+    if (t.has("unit")) t["unit"].fail_key("belongs to a mesh: centreline files state their own");
     lumen.mesh.placement = placement_of(t);
-    lumen.centrelines = centrelines_of(t, lines);
+    lumen.centrelines = centrelines_of(t);
     return lumen;
 }
 
 TreeText tree_of(const Table &t)
 {
-    t.only({"centrelines", "axes", "scale", "rotate_deg", "offset_mm", "inlet", "inlet_end", "flow_ml_min",
-            "left_coronary", "right_coronary"});
+    t.check_keys({"centrelines", "axes", "scale", "rotate_deg", "offset_mm", "inlet", "inlet_end",
+                  "flow_ml_min", "left_coronary", "right_coronary"});
     TreeText tree;
-    if (!t.table.contains("centrelines")) t.fail(nullptr, "needs centrelines");
-    tree.centrelines = centrelines_of(t, t.table.get("centrelines"));
+    tree.centrelines = centrelines_of(t);
     tree.placement = placement_of(t);
-    tree.inlet = t.text("inlet", "", CRN_SCENE_BRANCH_NAME_BYTES - 1);
-    const std::string end = t.text("inlet_end", "first", 8);
-    if (end != "first" && end != "last")
-        t.fail(t.table.get("inlet_end"), "inlet_end must be \"first\" or \"last\"");
-    tree.inlet_is_last = end == "last";
+    tree.inlet = t.text("inlet", CRN_SCENE_BRANCH_NAME_BYTES - 1, "");
+    tree.inlet_is_last = is_last(t, "inlet_end", "first");
     tree.left_coronary = t.texts("left_coronary");
     tree.right_coronary = t.texts("right_coronary");
-    const toml::node *flows = t.table.get("flow_ml_min");
-    if (!flows) return tree;
-    if (!flows->is_table()) t.fail(flows, "flow_ml_min must be a table, like { right_renal_artery = 500 }");
-    for (const auto &[name, node] : *flows->as_table()) {
-        const double flow = node.value<double>().value_or(NAN);
+    if (!t.has("flow_ml_min")) return tree;
+    if (!t["flow_ml_min"].is_table())
+        t["flow_ml_min"].fail_key("must be a table, like { right_renal_artery = 500 }");
+    for (const TomlValue &value : t.table("flow_ml_min").values()) {
+        const double flow = value.number();
         if (!(flow > 0.0 && flow <= 20000.0))
-            t.fail(&node, "flow_ml_min of '" + std::string(name.str()) + "' must be above 0, at most 20000");
-        tree.flow_ml_min[std::string(name.str())] = flow;
+            value.fail("flow_ml_min of '" + value.key() + "' must be above 0, at most 20000");
+        tree.flow_ml_min[value.key()] = flow;
     }
     return tree;
 }
 
 EntryText entry_of(const Table &t)
 {
-    t.only({"position_mm", "direction", "centreline", "end", "distance_mm"});
+    t.check_keys({"position_mm", "direction", "centreline", "end", "distance_mm"});
     EntryText entry;
-    if (const toml::node *line = t.table.get("centreline")) {
-        if (t.table.contains("position_mm") || t.table.contains("direction"))
-            t.fail(line, "takes either centreline or position_mm and direction, not both");
-        entry.centreline = t.resolve(line, "centreline");
-        entry.distance_mm = t.number("distance_mm", entry.distance_mm, 0, 1000);
-        const std::string end = t.text("end", "last", 8);
-        if (end != "first" && end != "last") t.fail(t.table.get("end"), "end must be \"first\" or \"last\"");
-        entry.from_last = end == "last";
+    if (const TomlValue line = t["centreline"]) {
+        if (t.has("position_mm") || t.has("direction"))
+            line.fail("takes either centreline or position_mm and direction, not both");
+        entry.centreline = t.resolve(line);
+        entry.distance_mm = t.number("distance_mm", {0, 1000}, entry.distance_mm);
+        entry.from_last = is_last(t, "end", "last");
         return entry;
     }
     entry.position_mm = t.vector("position_mm");
     entry.direction = t.vector("direction");
-    if (entry.direction.norm() < 1e-6) t.fail(t.table.get("direction"), "direction has no length");
+    if (entry.direction.norm() < 1e-6) t["direction"].fail_key("has no length");
     entry.direction.normalize();
     return entry;
 }
 
-MotionText motion_of(const Table &t)
+MotionText motion_of(const Table &t, const LumenText &lumen)
 {
-    t.only(
+    t.check_keys(
         {"frames", "inhaled", "guides", "inhaled_guides", "spacing_mm", "breath_spacing_mm", "end_systole"});
     MotionText motion;
-    const toml::node *frames = t.table.get("frames");
-    if (!frames) t.fail(nullptr, "needs frames, the folder of the 24 meshes");
-    motion.frames = t.resolve_folder(frames, "frames");
-    if (const toml::node *inhaled = t.table.get("inhaled")) motion.inhaled = t.resolve(inhaled, "inhaled");
-    if (const toml::node *guides = t.table.get("guides")) motion.guides = t.resolve_folder(guides, "guides");
-    if (const toml::node *inhaled = t.table.get("inhaled_guides"))
-        motion.inhaled_guides = t.resolve(inhaled, "inhaled_guides");
+    const TomlValue frames = t["frames"];
+    if (!frames) t.fail("needs frames, the folder of the 24 meshes");
+    motion.frames = t.resolve_folder(frames);
+    if (t.has("inhaled")) motion.inhaled = t.resolve(t["inhaled"]);
+    if (t.has("guides")) motion.guides = t.resolve_folder(t["guides"]);
+    if (t.has("inhaled_guides")) motion.inhaled_guides = t.resolve(t["inhaled_guides"]);
     if (!motion.inhaled_guides.empty() && (motion.guides.empty() || motion.inhaled.empty()))
-        t.fail(frames, "has inhaled_guides: give guides and inhaled as well");
-    motion.spacing_mm = t.number("spacing_mm", motion.spacing_mm, 0.98, 15.7);
-    motion.breath_spacing_mm = t.number("breath_spacing_mm", motion.breath_spacing_mm, 0.98, 15.7);
-    motion.end_systole = t.number("end_systole", motion.end_systole, 4, 18);
-    if (t.scene.lumen.mesh.file.empty())
-        t.fail(frames, "moves a lumen that is made of centrelines: give [lumen] a mesh, the first frame");
+        frames.fail("has inhaled_guides: give guides and inhaled as well");
+    motion.spacing_mm = t.number("spacing_mm", {0.98, 15.7}, motion.spacing_mm);
+    motion.breath_spacing_mm = t.number("breath_spacing_mm", {0.98, 15.7}, motion.breath_spacing_mm);
+    motion.end_systole = t.number("end_systole", {4, 18}, motion.end_systole);
+    if (lumen.mesh.file.empty())
+        frames.fail("moves a lumen that is made of centrelines: give [lumen] a mesh, the first frame");
     return motion;
 }
 
 FormText form_of(const Table &t)
 {
     FormText form;
-    form.solid_mm = t.number("solid_mm", 0, 0.2, 10);
-    form.error_mm = t.number("error_mm", 0, 0.01, 10);
-    form.shell_mm = t.number("shell_mm", 0, 0.2, 20);
-    form.gap_mm = t.number("gap_mm", form.gap_mm, 0, 20);
+    form.solid_mm = t.number("solid_mm", {0.2, 10}, 0);
+    form.error_mm = t.number("error_mm", {0.01, 10}, 0);
+    form.shell_mm = t.number("shell_mm", {0.2, 20}, 0);
+    form.gap_mm = t.number("gap_mm", {0, 20}, form.gap_mm);
     form.less = t.texts("less");
-    form.close_mm = t.number("close_mm", 0, 0.2, 50);
+    form.close_mm = t.number("close_mm", {0.2, 50}, 0);
     form.clip_mm = t.box("clip_mm");
-    form.marrow = t.text("marrow", "trabecular_bone", CRN_SCENE_MATERIAL_BYTES - 1);
+    form.marrow = t.text("marrow", CRN_SCENE_MATERIAL_BYTES - 1, "trabecular_bone");
     const bool needs_solid =
         !form.less.empty() || form.shell_mm > 0 || form.close_mm > 0 || !form.clip_mm.isEmpty();
     if (form.solid_mm == 0 && needs_solid)
-        t.fail(nullptr,
-               "needs solid_mm, the voxel in which close_mm, clip_mm, less and shell_mm are made: about "
+        t.fail("needs solid_mm, the voxel in which close_mm, clip_mm, less and shell_mm are made: about "
                "0.8 for bones");
     return form;
 }
 
-BodyText body_of(const Table &t)
+BodyText body_of(const Table &t, bool scene_moves)
 {
-    t.only({"name", "mesh",   "parts",      "pieces_mm", "pieces_min_mm", "unit",     "material", "inside",
-            "axes", "scale",  "rotate_deg", "offset_mm", "cap",           "solid_mm", "close_mm", "clip_mm",
-            "less", "gap_mm", "error_mm",   "shell_mm",  "marrow",        "moves"});
+    t.check_keys({"name",     "mesh",     "parts",    "pieces_mm", "pieces_min_mm", "unit",
+                  "material", "inside",   "axes",     "scale",     "rotate_deg",    "offset_mm",
+                  "cap",      "solid_mm", "close_mm", "clip_mm",   "less",          "gap_mm",
+                  "error_mm", "shell_mm", "marrow",   "moves"});
     BodyText body;
-    body.name = t.text("name", "", CRN_SCENE_BODY_NAME_BYTES - 1);
-    body.material = t.text("material", "", CRN_SCENE_MATERIAL_BYTES - 1);
-    body.inside = t.text("inside", "", CRN_SCENE_BODY_NAME_BYTES - 1);
-    if (body.name.empty()) t.fail(nullptr, "needs a name");
-    if (body.material.empty()) t.fail(nullptr, "'" + body.name + "' needs a material");
-    if (!t.table.contains("mesh")) t.fail(nullptr, "'" + body.name + "' needs a mesh");
-    body.is_lumen = t.text("mesh", "", 4096) == "lumen";
+    body.name = t.text("name", CRN_SCENE_BODY_NAME_BYTES - 1, "");
+    body.material = t.text("material", CRN_SCENE_MATERIAL_BYTES - 1, "");
+    body.inside = t.text("inside", CRN_SCENE_BODY_NAME_BYTES - 1, "");
+    if (body.name.empty()) t.fail("needs a name");
+    if (body.material.empty()) t.fail("'" + body.name + "' needs a material");
+    if (!t.has("mesh")) t.fail("'" + body.name + "' needs a mesh");
+    body.is_lumen = t.text("mesh", 4096, "") == "lumen";
     if (!body.is_lumen) body.mesh = mesh_of(t);
     body.form = form_of(t);
-    if (const toml::node *moves = t.table.get("moves")) {
-        if (!moves->is_boolean()) t.fail(moves, "moves must be true or false");
-        body.moves = moves->value<bool>().value();
-        if (body.moves && t.scene.motion.frames.empty())
-            t.fail(moves, "'" + body.name + "' moves, but the scene has no [motion]");
-    }
+    if (t.has("moves")) body.moves = t["moves"].truth();
+    if (body.moves && !scene_moves)
+        t["moves"].fail("'" + body.name + "' moves, but the scene has no [motion]");
     return body;
 }
 
 LesionText lesion_of(const Table &t)
 {
-    t.only({"name", "branch", "at_mm", "length_mm", "stenosis_percent", "eccentricity", "plaque_deg",
-            "calcified_deg", "inside", "yield_kPa", "full_kPa", "recoil"});
-    for (const char *key : {"name", "branch", "at_mm", "length_mm", "stenosis_percent"})
-        if (!t.table.contains(key)) t.fail(nullptr, "needs " + std::string(key));
+    t.check_keys({"name", "branch", "at_mm", "length_mm", "stenosis_percent", "eccentricity", "plaque_deg",
+                  "calcified_deg", "inside", "yield_kPa", "full_kPa", "recoil"});
     LesionText lesion;
-    lesion.name =
-        t.text("name", "", CRN_SCENE_BODY_NAME_BYTES - 1 - 8); // "_calcium" must fit behind the name
-    lesion.branch = t.text("branch", "", CRN_SCENE_BRANCH_NAME_BYTES - 1);
-    lesion.at_mm = t.number("at_mm", 0, lesion_at_mm);
-    lesion.length_mm = t.number("length_mm", 0, lesion_length_mm);
-    lesion.stenosis_percent = t.number("stenosis_percent", 0, lesion_stenosis_percent);
-    lesion.eccentricity = t.number("eccentricity", 0, lesion_eccentricity);
-    lesion.plaque_deg = t.number("plaque_deg", 0, lesion_plaque_deg);
-    lesion.calcified_deg = t.number("calcified_deg", 0, lesion_calcified_deg);
-    lesion.inside = t.text("inside", "", CRN_SCENE_BODY_NAME_BYTES - 1);
-    lesion.yield_kPa = t.number("yield_kPa", 300 + 2 * lesion.calcified_deg, 1, 4000);
-    lesion.full_kPa = t.number("full_kPa", 300, 1, 4000);
-    lesion.recoil = t.number("recoil", 0.35, 0, 1);
-    if (lesion.name.empty()) t.fail(t.table.get("name"), "needs a name that is not empty");
+    lesion.name = t["name"].text(CRN_SCENE_BODY_NAME_BYTES - 1 - 8); // "_calcium" must fit behind the name
+    lesion.branch = t["branch"].text(CRN_SCENE_BRANCH_NAME_BYTES - 1);
+    lesion.at_mm = t.number("at_mm", lesion_at_mm);
+    lesion.length_mm = t.number("length_mm", lesion_length_mm);
+    lesion.stenosis_percent = t.number("stenosis_percent", lesion_stenosis_percent);
+    lesion.eccentricity = t.number("eccentricity", lesion_eccentricity, 0);
+    lesion.plaque_deg = t.number("plaque_deg", lesion_plaque_deg, 0);
+    lesion.calcified_deg = t.number("calcified_deg", lesion_calcified_deg, 0);
+    lesion.inside = t.text("inside", CRN_SCENE_BODY_NAME_BYTES - 1, "");
+    lesion.yield_kPa = t.number("yield_kPa", {1, 4000}, 300 + 2 * lesion.calcified_deg);
+    lesion.full_kPa = t.number("full_kPa", {1, 4000}, 300);
+    lesion.recoil = t.number("recoil", {0, 1}, 0.35);
+    if (lesion.name.empty()) t["name"].fail("needs a name that is not empty");
     if (!lesion.inside.empty() && lesion.calcified_deg == 0)
-        t.fail(t.table.get("inside"), "inside says where calcium lies: give calcified_deg as well");
+        t["inside"].fail_key("says where calcium lies: give calcified_deg as well");
     return lesion;
 }
 
@@ -476,51 +388,37 @@ void check_bodies(const SceneText &scene)
                     " bodies: join some");
 }
 
-const toml::table &table_of(const SceneText &scene, const toml::table &root, const char *key)
-{
-    const toml::node *node = root.get(key);
-    if (!node || !node->is_table())
-        throw Fault(scene.file.string() + ": the table [" + key +
-                    "] is missing: docs/scene.md has an example");
-    return *node->as_table();
-}
-
 } // namespace
 
 SceneText read_scene_text(const std::filesystem::path &file, const Folders &folders)
 {
     SceneText scene;
     scene.file = file;
-    const toml::table root =
-        read_toml(file, {4, "a scene text", "the scene's TOML text", ": give the TOML file, not a mesh"});
-    const Table top{scene, folders, "the file", root};
-    top.only({"scene", "lumen", "tree", "entry", "motion", "lesion", "body"});
-    const Table head{scene, folders, "[scene]", table_of(scene, root, "scene")};
-    head.only({"name", "source"});
-    scene.name = head.text("name", "", CRN_SCENE_NAME_BYTES - 1);
-    scene.source = head.text("source", "", CRN_SCENE_SOURCE_BYTES - 1);
-    if (scene.name.empty()) head.fail(nullptr, "needs a name");
-    scene.lumen = lumen_of({scene, folders, "[lumen]", table_of(scene, root, "lumen")});
-    if (root.contains("tree")) {
-        scene.tree = tree_of({scene, folders, "[tree]", table_of(scene, root, "tree")});
+    const TomlTable root = read_toml(file.string(), {"a scene text", "the scene's TOML text (docs/scene.md)",
+                                                     ": give the TOML file, not a mesh"});
+    const auto table = [&](const char *key) {
+        return Table(root.table(key).inside("[" + std::string(key) + "]"), folders);
+    };
+    root.check_keys({"scene", "lumen", "tree", "entry", "motion", "lesion", "body"});
+    const Table head = table("scene");
+    head.check_keys({"name", "source"});
+    scene.name = head.text("name", CRN_SCENE_NAME_BYTES - 1, "");
+    scene.source = head.text("source", CRN_SCENE_SOURCE_BYTES - 1, "");
+    if (scene.name.empty()) head.fail("needs a name");
+    scene.lumen = lumen_of(table("lumen"));
+    if (root.has("tree")) {
+        scene.tree = tree_of(table("tree"));
     } else {
         scene.tree.centrelines = scene.lumen.centrelines;
         scene.tree.placement = scene.lumen.mesh.placement;
         scene.tree.is_of_lumen = true;
     }
-    scene.entry = entry_of({scene, folders, "[entry]", table_of(scene, root, "entry")});
-    if (root.contains("motion"))
-        scene.motion = motion_of({scene, folders, "[motion]", table_of(scene, root, "motion")});
-    if (const toml::node *bodies = root.get("body")) {
-        if (!bodies->is_array_of_tables()) top.fail(bodies, "has [body]: write [[body]]");
-        for (const toml::node &node : *bodies->as_array())
-            scene.bodies.push_back(body_of({scene, folders, "[[body]]", *node.as_table()}));
-    }
-    if (const toml::node *lesions = root.get("lesion")) {
-        if (!lesions->is_array_of_tables()) top.fail(lesions, "has [lesion]: write [[lesion]]");
-        for (const toml::node &node : *lesions->as_array())
-            scene.lesions.push_back(lesion_of({scene, folders, "[[lesion]]", *node.as_table()}));
-    }
+    scene.entry = entry_of(table("entry"));
+    if (root.has("motion")) scene.motion = motion_of(table("motion"), scene.lumen);
+    for (const TomlTable &body : root.tables("body"))
+        scene.bodies.push_back(body_of({body.inside("[[body]]"), folders}, root.has("motion")));
+    for (const TomlTable &lesion : root.tables("lesion"))
+        scene.lesions.push_back(lesion_of({lesion.inside("[[lesion]]"), folders}));
     add_marrows(scene);
     check_bodies(scene);
     check_lesions(scene);

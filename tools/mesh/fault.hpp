@@ -1,15 +1,11 @@
 // A Fault states in one sentence why a file or an option cannot be used: file, element and remedy. The main
 // function of each tool prints this sentence and exits with 1.
 #pragma once
-#include <stdexcept>
+#include "host/base/fault.hpp"
 #include <string>
 
 namespace crn
 {
-
-struct Fault : std::runtime_error {
-    using std::runtime_error::runtime_error;
-};
 
 // Returns the millimetres per unit ("m", "cm", "mm", "um"), or 0 for an unknown unit.
 inline double millimetres_per(const std::string &unit)

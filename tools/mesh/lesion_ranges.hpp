@@ -1,13 +1,10 @@
 // Defines the permitted ranges of a lesion's numbers (docs/lesions.md) once, for writers and readers of scene
 // texts.
 #pragma once
+#include "host/base/number_range.hpp"
 
 namespace crn
 {
-
-struct NumberRange {
-    double low, high;
-};
 
 constexpr NumberRange lesion_at_mm = {0, 1000}, lesion_length_mm = {2, 100},
                       lesion_stenosis_percent = {1, 95}, // of the diameter

@@ -265,7 +265,7 @@ void a_value_without_source_is_refused(void **)
                  "'tip_mm' must be { value = ..., source");
     expect_error("source = \"@tips\"", "source = \"@tip\"",
                  "there is no 'tip' in [sources], did you mean 'tips'?");
-    expect_error("source = \"@tips\"", "source = \"\"", "'source' is not a text");
+    expect_error("source = \"@tips\"", "source = \"\"", "'source' is empty");
     expect_error("[sources]\n", "[sources]\nspare = \"nobody\"\n", "no value names the source 'spare'");
 }
 
@@ -397,6 +397,7 @@ void wrong_side_holes_are_refused(void **)
         expect_error_in("pigtail_5f.toml", old_piece, new_piece, expected);
     };
     expect("to_mm = 60, count", "to_mm = 6, count", "side_holes 1: 'to_mm' is below 'from_mm'");
+    expect("count = 10", "count = 2.5", "side_holes 1: 'count' is not a whole number");
     expect("count = 10", "count = 0", "'count' = 0 is outside 1 .. 40");
     expect("diameter_mm = 0.7", "diameter_mm = 3", "'diameter_mm' = 3 is outside 0.1 .. 2");
     expect("diameter_mm = 0.7, ", "", "'diameter_mm' is missing");

@@ -107,14 +107,14 @@ static void faulty_stent_files_are_refused_with_line_and_remedy(void **)
         {"crowns = 6", "crown = 6", "unknown key 'crown', did you mean 'crowns'?"},
         {"rings = 12", "rings = 14", "do not fit into 'length_mm' = 18"},
         {"links = 2", "links = 7", "more than the 6 'crowns' of a ring"},
-        {"\"offset\"", "\"spiral\"", "neither 'offset' nor 'facing'"},
+        {"\"offset\"", "\"spiral\"", "'connection' is 'spiral'; known: offset, facing"},
         {"value = 3.75", "value = 2.75", "'diameter_max_mm' is below 'diameter_mm' = 3"},
         {"strut_length_mm = { value = 1.3", "strut_length_mm = { value = 0.9",
          "does not reach from crown to crown"},
         {"recoil_percent = { value = 3", "recoil_percent = { value = 30",
          "'recoil_percent' = 30 is outside 0 .. 20"},
         {"@drawn", "@dawn", "there is no 'dawn' in [sources]"},
-        {"format = 1", "format = 2", "'format' is not 1"},
+        {"format = 1", "format = 2", "'format' must be 1"},
         {"rings = 12", "rings 12", ":"},
     };
     const tests::Folder folder("stent");

@@ -216,16 +216,21 @@ void faults_of_the_text_name_line_and_key(void **)
     write_torus(folder, "lumen.ply");
     const std::string good = scene_text_of("lumen.ply");
     contains(refusal(folder, "[scene\n"), {"scene.toml:1:"});
-    contains(refusal(folder, ""), {"[scene] is missing"});
+    contains(refusal(folder, ""), {"'scene' is missing: add the table [scene]"});
     contains(refusal(folder, "[scene]\nname = 3\n" + good.substr(good.find("[lumen]"))),
-             {"scene.toml:2:", "name must be a text"});
+             {"scene.toml:2:", "'name' is not a text"});
     contains(refusal(folder, scene_text_of("none.ply")), {"scene.toml:4:", "none.ply", "no readable file"});
     contains(refusal(folder, scene_text_of("data:none.ply")), {"--data"});
     contains(refusal(folder, scene_text_of("lumen.ply", "tolerance_mm = \"x\"")),
              {"scene.toml:6:", "tolerance_mm", "0.005 to 1"});
-    contains(refusal(folder, scene_text_of("lumen.ply", "level_max = 7")), {"level_max"});
+    contains(refusal(folder, scene_text_of("lumen.ply", "level_max = 7")),
+             {"'level_max' = 7 is outside 0 .. 2"});
+    contains(refusal(folder, scene_text_of("lumen.ply", "level_max = 0.5")),
+             {"[lumen]: 'level_max' is not a whole number"});
     contains(refusal(folder, scene_text_of("lumen.ply", "colour = 1")),
-             {"scene.toml:6:", "no key 'colour'", "tolerance_mm"});
+             {"scene.toml:6:", "[lumen]: unknown key 'colour'; known:", "tolerance_mm"});
+    contains(refusal(folder, scene_text_of("lumen.ply", "tolerence_mm = 0.1")),
+             {"scene.toml:6:", "[lumen]: unknown key 'tolerence_mm', did you mean 'tolerance_mm'?"});
     contains(refusal(folder, scene_text_of("lumen.ply", "axes = [\"+x\", \"+x\", \"+z\"]")),
              {"axes", "twice"});
     contains(refusal(folder, scene_text_of("lumen.ply", "axes = [\"-x\", \"+y\", \"+z\"]")),

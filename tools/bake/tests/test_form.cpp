@@ -336,11 +336,11 @@ void faults_of_the_form_are_named(void **)
     };
     contains(refusal("shell_mm = 1\n"), {"scene.toml:10:", "needs solid_mm"});
     contains(refusal("solid_mm = 1\nless = [\"b\"]\n"), {"'a' is less 'b'", "no body above"});
-    contains(refusal("cap = \"all\"\n"), {"cap must be true, false or \"any\""});
-    contains(refusal("scale = [1, 0, 1]\n"), {"scale must be"});
+    contains(refusal("cap = \"all\"\n"), {"'cap' must be true, false or \"any\""});
+    contains(refusal("scale = [1, 0, 1]\n"), {"'scale' must be"});
     contains(refusal("solid_mm = 1\nclip_mm = [[0, 0, 0], [1, -1, 1]]\n"), {"clip_mm", "lower corner first"});
-    contains(refusal("parts = 3\n"), {"parts must be a list"});
-    contains(refusal("rotate_deg = 30\n"), {"rotate_deg must be three numbers"});
+    contains(refusal("parts = 3\n"), {"'parts' must be a list"});
+    contains(refusal("rotate_deg = 30\n"), {"'rotate_deg' must be three numbers"});
     contains(
         refusal(
             "solid_mm = 1\nshell_mm = 1\n[[body]]\nname = \"b\"\nmesh = \"shipped:skin.ply\"\nunit = \"mm\"\n"

@@ -511,10 +511,11 @@ void a_text_says_where_it_is_wrong(void **)
     const std::string whole =
         "name = \"p\"\nbranch = \"lad\"\nat_mm = 10\nlength_mm = 8\nstenosis_percent = 75\n";
     assert_string_equal(refusal(whole).c_str(), "");
-    assert_non_null(std::strstr(refusal("name = \"p\"\n").c_str(), ":10: [[lesion]] needs branch"));
-    assert_non_null(std::strstr(refusal(whole + "percent = 3\n").c_str(), "has no key 'percent'"));
-    assert_non_null(
-        std::strstr(refusal(whole + "eccentricity = 2\n").c_str(), ":16: [[lesion]] eccentricity must be"));
+    assert_non_null(std::strstr(refusal("name = \"p\"\n").c_str(), ":10:1: [[lesion]]: 'branch' is missing"));
+    assert_non_null(std::strstr(refusal(whole + "recoill = 3\n").c_str(),
+                                "[[lesion]]: unknown key 'recoill', did you mean 'recoil'?"));
+    assert_non_null(std::strstr(refusal(whole + "eccentricity = 2\n").c_str(),
+                                ":16:16: [[lesion]]: 'eccentricity' = 2 is outside 0 .. 1"));
     assert_non_null(
         std::strstr(refusal(whole + "inside = \"heart\"\n").c_str(), "give calcified_deg as well"));
     assert_non_null(std::strstr(refusal(whole + "calcified_deg = 90\ninside = \"heart\"\n").c_str(),

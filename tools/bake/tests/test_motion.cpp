@@ -262,7 +262,8 @@ void what_is_no_sequence_is_refused(void **)
         if (text.find(part) == std::string::npos) fail_msg("\"%s\" does not say \"%s\"", text.c_str(), part);
     };
     says(why("[motion]\nframes = \"nowhere\"\n"), "which is no folder");
-    says(why("[motion]\nframes = \"frames\"\nspacing = 8\n"), "has no key 'spacing'");
+    says(why("[motion]\nframes = \"frames\"\nspacin_mm = 8\n"),
+         "[motion]: unknown key 'spacin_mm', did you mean 'spacing_mm'?");
     Mesh other = torus(ring_mm, tube_mm, around - 1, across);
     folder.write(frame_name(7), obj_of(other));
     says(why("[motion]\nframes = \"frames\"\n"), "has other triangles than");

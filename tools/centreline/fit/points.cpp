@@ -1,68 +1,25 @@
 // Reads and writes points as TOML.
 #include "tools/centreline/fit/points.hpp"
 #include "host/base/pending_file.hpp"
-#include "tools/bake/toml_file.hpp"
+#include "host/base/toml_reader.hpp"
 #include "tools/centreline/formats.hpp"
-
-#include <cmath>
-#include <set>
 
 namespace crn::centreline
 {
 namespace
 {
 
-struct Reader {
-    std::string file;
-
-    [[noreturn]] void fail(const toml::node &node, const std::string &what) const
-    {
-        throw Fault(file + ":" + std::to_string(node.source().begin.line) + ": " + what);
-    }
-
-    void only(const toml::table &table, const std::set<std::string> &keys) const
-    {
-        for (const auto &[key, node] : table) {
-            if (keys.count(std::string(key.str()))) continue;
-            std::string list;
-            for (const std::string &known : keys) list += (list.empty() ? "" : ", ") + known;
-            fail(node, "there is no key '" + std::string(key.str()) + "' here: use one of " + list);
-        }
-    }
-
-    std::string text(const toml::table &table, const char *key) const
-    {
-        const toml::node *node = table.get(key);
-        if (!node) return "";
-        if (!node->is_string()) fail(*node, std::string(key) + " must be a text in quotes");
-        return node->value<std::string>().value();
-    }
-
-    Point point(const toml::table &table) const
-    {
-        only(table, {"kind", "name", "after", "position_mm"});
-        Point made;
-        const std::string kind = text(table, "kind");
-        if (kind == "start")
-            made.kind = PointKind::start;
-        else if (kind == "bifurcation")
-            made.kind = PointKind::bifurcation;
-        else if (kind != "end")
-            fail(table, "kind is '" + kind + "': use \"start\", \"end\" or \"bifurcation\"");
-        made.name = plain_name(text(table, "name"));
-        made.after = plain_name(text(table, "after"));
-        const toml::node *position = table.get("position_mm");
-        if (!position) fail(table, "the point needs position_mm = [x, y, z]");
-        const toml::array *array = position->as_array();
-        for (std::size_t k = 0; k < 3; ++k) {
-            const auto value = array && array->size() == 3 ? array->get(k)->value<double>() : std::nullopt;
-            if (!value || !std::isfinite(*value) || std::abs(*value) > 1e5)
-                fail(*position, "position_mm must be three numbers within 100 m, like [1.0, 0.0, 0.0]");
-            made.position_mm[static_cast<int>(k)] = *value;
-        }
-        return made;
-    }
-};
+Point point_of(const TomlTable &table)
+{
+    table.check_keys({"kind", "name", "after", "position_mm"});
+    Point made;
+    const std::string kind = table["kind"].one_of({"start", "end", "bifurcation"});
+    made.kind = kind == "start" ? PointKind::start : kind == "end" ? PointKind::end : PointKind::bifurcation;
+    if (table.has("name")) made.name = plain_name(table["name"].text());
+    if (table.has("after")) made.after = plain_name(table["after"].text());
+    made.position_mm = Eigen::Vector3d(table["position_mm"].three(1e5).data());
+    return made;
+}
 
 } // namespace
 
@@ -73,26 +30,17 @@ const char *kind_name(PointKind kind)
 
 PointText read_points(const std::filesystem::path &file)
 {
-    const Reader reader{file.string()};
-    const toml::table root =
-        bake::read_toml(file, {4, "a text of points", "a text of points (docs/centreline.md has one)", ""});
-    reader.only(root, {"format", "mesh", "unit", "point"});
-    const toml::node *format = root.get("format");
-    if (!format || format->value<std::int64_t>().value_or(0) != 1)
-        throw Fault(file.string() + ": must begin with format = 1");
+    const TomlTable root =
+        read_toml(file.string(), {"a text of points", "a text of points (docs/centreline.md has one)"});
+    root.check_keys({"format", "mesh", "unit", "point"});
+    root.check_format(1);
     PointText text;
-    text.mesh = reader.text(root, "mesh");
-    if (root.contains("unit")) text.unit = reader.text(root, "unit");
-    if (millimetres_per(text.unit) == 0)
-        reader.fail(*root.get("unit"), "unit is '" + text.unit + "': use m, cm, mm or um");
-    const toml::node *points = root.get("point");
-    if (!points) return text;
-    if (!points->is_array_of_tables()) reader.fail(*points, "has [point]: write [[point]]");
-    for (const toml::node &node : *points->as_array()) {
+    if (root.has("mesh")) text.mesh = root["mesh"].text();
+    if (root.has("unit")) text.unit = root["unit"].one_of({"m", "cm", "mm", "um"});
+    for (const TomlTable &table : root.tables("point")) {
         if (text.points.size() == points_max)
-            reader.fail(node,
-                        "there are more than " + std::to_string(points_max) + " points: leave some out");
-        text.points.push_back(reader.point(*node.as_table()));
+            table.fail("there are more than " + std::to_string(points_max) + " points: leave some out");
+        text.points.push_back(point_of(table.inside("point " + std::to_string(text.points.size() + 1))));
     }
     return text;
 }

@@ -124,6 +124,29 @@ void damaged_texts_of_points_are_points_or_faults(void **)
     assert_true(faults > 200);
 }
 
+void a_mistyped_key_or_word_gets_a_suggestion(void **)
+{
+    const Folder folder;
+    const std::filesystem::path file = folder.path / "p.toml";
+    const auto refusal = [&](const std::string &text) -> std::string {
+        std::ofstream(file) << text;
+        try {
+            read_points(file);
+        } catch (const Fault &fault) {
+            return fault.what();
+        }
+        return "";
+    };
+    const std::string point = "format = 1\n[[point]]\nkind = \"start\"\nposition_mm = [0, 0, 0]\n";
+    assert_string_equal(refusal(point).c_str(), "");
+    assert_string_equal(refusal(point + "nam = \"a\"\n").c_str(),
+                        (file.string() + ":5:7: point 1: unknown key 'nam', did you mean 'name'?").c_str());
+    assert_string_equal(refusal("format = 1\nmess = \"a.obj\"\n").c_str(),
+                        (file.string() + ":2:8: unknown key 'mess', did you mean 'mesh'?").c_str());
+    assert_string_equal(refusal("format = 1\n[[point]]\nkind = \"strat\"\n").c_str(),
+                        (file.string() + ":3:8: point 1: 'kind' is 'strat', did you mean 'start'?").c_str());
+}
+
 void a_click_means_the_middle_of_the_first_vessel_behind_it(void **)
 {
     // The test has two tubes, one behind the other, seen from the front.
@@ -172,6 +195,7 @@ int main()
     const CMUnitTest tests[] = {cmocka_unit_test(a_project_is_saved_and_resumed),
                                 cmocka_unit_test(every_change_can_be_undone_and_done_again),
                                 cmocka_unit_test(damaged_texts_of_points_are_points_or_faults),
+                                cmocka_unit_test(a_mistyped_key_or_word_gets_a_suggestion),
                                 cmocka_unit_test(a_click_means_the_middle_of_the_first_vessel_behind_it),
                                 cmocka_unit_test(views_look_from_where_they_say)};
     cmocka_set_message_output(CM_OUTPUT_TAP);

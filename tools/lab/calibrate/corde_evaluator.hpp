@@ -24,7 +24,7 @@ CordeValues nominal_corde_values(const Instrument &instrument);
 class CordeEvaluator final : public Evaluator
 {
   public:
-    // `vessel` must outlive this object. Reads the instrument's file. Throws CaseError, FileError.
+    // `vessel` must outlive this object. Reads the instrument's file. Throws Fault.
     CordeEvaluator(const insertion::Case &c, const vcsim3::Vessel &vessel, const CordeSettings &settings);
 
     std::string rod() const override { return "corde"; }

@@ -19,9 +19,8 @@ void Evaluator::set_bounds(std::size_t parameter, double low, double high)
 {
     Parameter &p = parameters_.at(parameter);
     if (!(low > 0.0) || !(low < high) || p.nominal < low || p.nominal > high)
-        throw insertion::CaseError("bounds of " + p.name +
-                                   ": give LOW..HIGH above 0 with the file's value, " +
-                                   insertion::number_text(p.nominal) + " " + p.unit + ", between them");
+        throw Fault("bounds of " + p.name + ": give LOW..HIGH above 0 with the file's value, " +
+                    insertion::number_text(p.nominal) + " " + p.unit + ", between them");
     p.low = low;
     p.high = high;
 }

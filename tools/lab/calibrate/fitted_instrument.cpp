@@ -1,6 +1,6 @@
 #include "tools/lab/calibrate/fitted_instrument.hpp"
-#include "host/base/text.hpp"
 #include "host/base/toml.hpp"
+#include "host/base/toml_reader.hpp"
 #include <cmath>
 #include <set>
 #include <sstream>
@@ -112,7 +112,7 @@ std::string fitted_instrument_text(const std::string &nominal, const crn_wire_in
                                    const std::string &source)
 {
     const auto [file, asked] = split_preset(nominal);
-    toml::table root = parse_toml(read_text_file(file), file);
+    toml::table root = read_toml_tree(file, {"an instrument", "the nominal instrument's file"});
     const std::string preset_name = asked.empty() ? "physical" : asked;
     const toml::table *preset = root["preset"][preset_name].as_table();
     if (!preset || !(*preset)["section"].as_array())

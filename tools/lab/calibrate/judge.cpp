@@ -80,10 +80,9 @@ Judge::Judge(const insertion::Case &c, const JudgeSettings &settings) : settings
     force_ = insertion::read_force(c.path_in(c.force));
     const double to_mm = inserted_mm_[settings_.fit_depths - 1];
     if (!force_error(force_, force_, settings_.force_from_mm, to_mm, settings_.force_smooth_mm))
-        throw insertion::CaseError(
-            c.path_in(c.force).string() + ": has no force between " +
-            std::to_string(settings_.force_from_mm) + " and " + std::to_string(to_mm) +
-            " mm of insertion, where it is fitted: give a trace that covers it, or none");
+        throw Fault(c.path_in(c.force).string() + ": has no force between " +
+                    std::to_string(settings_.force_from_mm) + " and " + std::to_string(to_mm) +
+                    " mm of insertion, where it is fitted: give a trace that covers it, or none");
 }
 
 std::optional<double> Judge::force_error_to(const Insertion &insertion, std::size_t depth) const

@@ -47,7 +47,7 @@ struct Verdict {
 class Judge
 {
   public:
-    // Reads the case's centrelines and force trace. Throws CaseError.
+    // Reads the case's centrelines and force trace. Throws Fault.
     Judge(const insertion::Case &c, const JudgeSettings &settings);
     Verdict judge(const Insertion &insertion) const;
     // Runs the insertion and judges it; a refused trial also gets a verdict.

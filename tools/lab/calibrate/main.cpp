@@ -94,8 +94,7 @@ struct Setup {
         std::error_code ignored;
         const fs::path scene = c.path_in(c.scene);
         if (!fs::is_regular_file(scene, ignored))
-            throw insertion::CaseError(scene.string() +
-                                       ": no such scene: `bake` makes it from the phantom's mesh");
+            throw crn::Fault(scene.string() + ": no such scene: `bake` makes it from the phantom's mesh");
         vessel = std::make_unique<vcsim3::Vessel>(scene.string());
         if (options.rod == "corde") {
             make_evaluators<CordeEvaluator>(options, corde_settings(), careful_corde_settings());

@@ -34,7 +34,7 @@ crn_wire_instrument shortened(const crn_wire_instrument &table, double length_mm
 class RodEvaluator final : public Evaluator
 {
   public:
-    // `vessel` must outlive this object. Reads the instrument's file. Throws CaseError, FileError.
+    // `vessel` must outlive this object. Reads the instrument's file. Throws Fault.
     RodEvaluator(const insertion::Case &c, const vcsim3::Vessel &vessel, const InsertionSettings &settings);
 
     std::string rod() const override { return "core"; }

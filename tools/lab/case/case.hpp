@@ -10,22 +10,15 @@
 // hand turns evenly from the angle of one depth to that of the next; before the first depth it keeps the
 // first depth's angle. The hand rests at each depth.
 #pragma once
+#include "host/base/fault.hpp"
 #include <Eigen/Core>
 #include <filesystem>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 namespace crn::insertion
 {
-
-// Thrown for an error in a case's file; the text is "FILE: field: cause; remedy".
-class CaseError : public std::runtime_error
-{
-  public:
-    using std::runtime_error::runtime_error;
-};
 
 // Describes a depth at which the insertion rests and at which it was scanned.
 struct Depth {
@@ -82,7 +75,7 @@ std::vector<Eigen::Vector3d> read_centreline(const std::filesystem::path &file);
 void write_centreline(const std::filesystem::path &file, const std::vector<Eigen::Vector3d> &points_mm);
 
 // Reads force.csv with the header inserted_mm,axial_mN; the inserted length must never decrease. Throws
-// CaseError.
+// Fault.
 std::vector<ForceSample> read_force(const std::filesystem::path &file);
 void write_force(const std::filesystem::path &file, const std::vector<ForceSample> &samples);
 

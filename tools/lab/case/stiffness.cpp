@@ -36,12 +36,12 @@ crn_wire_instrument with_stiffness(const crn_wire_instrument &table, const Stiff
 {
     const Stiffness nominal = stiffness_of(table);
     if (!(wanted.shaft_N_m2 > 0.0) || !(wanted.tip_over_shaft > 0.0))
-        throw CaseError("stiffness: EI of the shaft and alpha must be above 0, not " +
-                        std::to_string(wanted.shaft_N_m2) + " and " + std::to_string(wanted.tip_over_shaft));
+        throw Fault("stiffness: EI of the shaft and alpha must be above 0, not " +
+                    std::to_string(wanted.shaft_N_m2) + " and " + std::to_string(wanted.tip_over_shaft));
     if (std::abs(std::log(nominal.tip_over_shaft)) < same && std::abs(std::log(wanted.tip_over_shaft)) > same)
-        throw CaseError("stiffness: alpha shall be " + std::to_string(wanted.tip_over_shaft) +
-                        ", but this instrument's tip is as stiff as its shaft, so nothing says where the tip "
-                        "ends; give it a soft section");
+        throw Fault("stiffness: alpha shall be " + std::to_string(wanted.tip_over_shaft) +
+                    ", but this instrument's tip is as stiff as its shaft, so nothing says where the tip "
+                    "ends; give it a soft section");
     crn_wire_instrument out = table;
     for (std::uint32_t i = 0; i < out.knots_count; i++) {
         crn_wire_knot &knot = out.knots[i];

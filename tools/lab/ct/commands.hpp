@@ -44,7 +44,7 @@ struct SegmentCommand {
         output; // a scan or a case; the folder, empty: beside the case, or out/segmentation
 };
 
-// Throws Fault, CaseError.
+// Throws Fault.
 void command_segment(const SegmentCommand &command);
 
 // Compares a case's centrelines and lumen with its truth; returns false if a distance is over its bar.

@@ -248,7 +248,7 @@ void bounds_without_the_nominal_value_are_refused(void **)
     bool is_refused = false;
     try {
         evaluator.set_bounds(0, 1.0, 2.0);
-    } catch (const insertion::CaseError &error) {
+    } catch (const crn::Fault &error) {
         is_refused = std::string(error.what()).find("young: give LOW..HIGH") != std::string::npos;
     }
     assert_true(is_refused);

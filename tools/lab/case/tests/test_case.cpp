@@ -44,7 +44,7 @@ template <class Read> std::string refusal(Read read)
 {
     try {
         read();
-    } catch (const CaseError &error) {
+    } catch (const crn::Fault &error) {
         return error.what();
     }
     return {};
@@ -127,13 +127,15 @@ void wrong_cases_are_refused_with_file_line_and_field(void **)
     const struct {
         const char *from, *to, *wanted;
     } faults[] = {
-        {"format = 1", "format = 2", "format: is not 1"},
-        {"speed_mm_per_s = 20", "speed_mm_per_s = nan", "speed_mm_per_s: is out of range"},
-        {"friction_static = 0.12", "friction_static = 0.05", "friction_static: is out of range"},
-        {"direction = [0.6,", "direction = [0.7,", "direction: is not of length 1"},
-        {"inserted_mm = 110", "inserted_mm = 50", "depth 2: inserted_mm: is not more"},
-        {"scene = ", "scenes = ", "scenes: is no key of a case"},
-        {"turn_deg = 10", "turn_deg = \"10\"", "depth 1: turn_deg: is no number"},
+        {"format = 1", "format = 2", "'format' must be 1"},
+        {"speed_mm_per_s = 20", "speed_mm_per_s = nan",
+         "'speed_mm_per_s' is not a finite number: give one from 1 to 200"},
+        {"friction_static = 0.12", "friction_static = 0.05", "'friction_static' = 0.05 is outside"},
+        {"direction = [0.6,", "direction = [0.7,", "'direction' is not of length 1"},
+        {"inserted_mm = 110", "inserted_mm = 50", "depth 2: 'inserted_mm' is not more"},
+        {"scene = ", "scenes = ", "unknown key 'scenes', did you mean 'scene'?"},
+        {"turn_deg = 10", "turndeg = 10", "depth 1: unknown key 'turndeg', did you mean 'turn_deg'?"},
+        {"turn_deg = 10", "turn_deg = \"10\"", "depth 1: 'turn_deg' is not a finite number"},
         {"[[depth]]", "[[depth]", "case.toml:"},
     };
     for (const auto &fault : faults) {

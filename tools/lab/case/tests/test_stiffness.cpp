@@ -65,7 +65,7 @@ bool is_refused(const crn_wire_instrument &table, const Stiffness &wanted)
 {
     try {
         with_stiffness(table, wanted);
-    } catch (const CaseError &) {
+    } catch (const crn::Fault &) {
         return true;
     }
     return false;
