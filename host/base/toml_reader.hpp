@@ -16,11 +16,14 @@
 #include <string>
 #include <vector>
 
-namespace toml::inline v3
+namespace toml
+{
+inline namespace v3
 {
 class node;
 class table;
-} // namespace toml::inline v3
+} // namespace v3
+} // namespace toml
 
 namespace crn
 {
