@@ -1,5 +1,5 @@
-// The reason why a file or an option cannot be used: one sentence with file, element and remedy. The main of
-// each program prints it and exits with 1.
+// A Fault states in one sentence why a file or an option cannot be used: file, element and remedy. The main
+// function of each program prints this sentence and exits with 1.
 #pragma once
 #include <stdexcept>
 

@@ -1,4 +1,5 @@
 #include "host/base/pending_file.hpp"
+#include "host/base/number_text.hpp"
 #include <atomic>
 #include <cerrno>
 #include <climits>
@@ -85,10 +86,8 @@ std::string pending_name(const fs::path &path)
 {
     std::uint64_t random = 0;
     if (::getentropy(&random, sizeof random) != 0) throw OutputError(path.string(), errno);
-    char ending[48];
-    std::snprintf(ending, sizeof ending, ".part%d-%012llx", static_cast<int>(::getpid()),
-                  static_cast<unsigned long long>(random >> 16));
-    const std::size_t room = NAME_MAX - std::strlen(ending);
+    const std::string ending = ".part" + std::to_string(::getpid()) + "-" + hex_text(random >> 16, 12);
+    const std::size_t room = NAME_MAX - ending.size();
     return (path.parent_path() / (path.filename().string().substr(0, room) + ending)).string();
 }
 

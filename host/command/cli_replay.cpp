@@ -1,4 +1,5 @@
 // cournand replay
+#include "host/base/format.hpp"
 #include "host/base/interrupt.hpp"
 #include "host/base/terminal.hpp"
 #include "host/base/text.hpp"
@@ -27,9 +28,8 @@ SceneFile recorded_scene(const RecordingHeader &header, const std::string &given
                                  "; name the scene of this recording with --scene");
     }
     if (scene.bytes.size() == header.scene_bytes && scene.crc32 == header.scene_crc32) return scene;
-    char text[256];
-    std::snprintf(text, sizeof text,
-                  " is not the scene of this recording: it has %zu bytes, CRC-32 %08x; recorded was one of "
+    const std::string text =
+        formatted(" is not the scene of this recording: it has %zu bytes, CRC-32 %08x; recorded was one of "
                   "%u bytes, CRC-32 %08x; name that one with --scene",
                   scene.bytes.size(), unsigned{scene.crc32}, unsigned{header.scene_bytes},
                   unsigned{header.scene_crc32});

@@ -1,6 +1,6 @@
 #include "host/dicom/dicom_uid.hpp"
+#include "host/base/format.hpp"
 #include <algorithm>
-#include <cstdio>
 
 namespace crn
 {
@@ -48,10 +48,8 @@ void Digest::add(std::string_view text)
 std::string Digest::hex() const
 {
     const Wide value = mixed(value_);
-    char text[40];
-    std::snprintf(text, sizeof text, "%016llx%016llx", static_cast<unsigned long long>(value >> 64),
-                  static_cast<unsigned long long>(value));
-    return text;
+    return formatted("%016llx%016llx", static_cast<unsigned long long>(value >> 64),
+                     static_cast<unsigned long long>(value));
 }
 
 std::string Digest::uid() const

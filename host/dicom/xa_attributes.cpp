@@ -1,9 +1,9 @@
 #include "host/dicom/xa_attributes.hpp"
+#include "host/base/format.hpp"
 #include "host/dicom/xa_put.hpp"
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <dcmtk/dcmdata/dcuid.h>
 #include <stdexcept>
 
@@ -183,11 +183,9 @@ void put_times(XaItem &item, const XrayRun &run)
 std::string mask_in_words(const RunMask &mask)
 {
     if (mask.shift_x_px == 0.0 && mask.shift_y_px == 0.0) return "mean of the mask frames, not moved";
-    char text[128];
-    std::snprintf(text, sizeof text, "mean of the mask frames, moved %g pixels %s and %g %s",
-                  std::abs(mask.shift_x_px), mask.shift_x_px < 0.0 ? "left" : "right",
-                  std::abs(mask.shift_y_px), mask.shift_y_px < 0.0 ? "up" : "down");
-    return text;
+    return formatted("mean of the mask frames, moved %g pixels %s and %g %s", std::abs(mask.shift_x_px),
+                     mask.shift_x_px < 0.0 ? "left" : "right", std::abs(mask.shift_y_px),
+                     mask.shift_y_px < 0.0 ? "up" : "down");
 }
 
 // By C.7.6.10 the mean of the mask frames is subtracted from every other frame.

@@ -1,6 +1,6 @@
 #include "host/dicom/xa_put.hpp"
+#include "host/base/number_text.hpp"
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 
 namespace crn
@@ -22,11 +22,8 @@ std::string decimal_string(double value)
 {
     if (!std::isfinite(value)) throw std::invalid_argument("a DICOM attribute would not be a finite number");
     if (std::abs(value) < 1e-9) return "0"; // also for -0
-    char text[32];
-    int digits = 9;
-    do {
-        if (std::snprintf(text, sizeof text, "%.*g", digits--, value) < 0) break;
-    } while (std::string_view(text).size() > 16);
+    std::string text;
+    for (int digits = 9; text.empty() || text.size() > 16; --digits) text = number_text(value, digits);
     return text;
 }
 

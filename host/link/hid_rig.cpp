@@ -1,4 +1,5 @@
 #include "host/link/hid_rig.hpp"
+#include "host/base/number_text.hpp"
 #include "host/link/usb_devices.hpp"
 #include <chrono>
 #include <cstring>
@@ -58,13 +59,6 @@ HidApi load(const std::string &name)
     return api;
 }
 
-std::string hex(std::uint64_t value)
-{
-    char text[24];
-    std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value));
-    return text;
-}
-
 HidEntry choose(const HidApi &api, const std::string &serial)
 {
     const std::vector<HidEntry> there = HidRig::list(api);
@@ -121,8 +115,8 @@ HidRig::HidRig(const HidApi &api, const std::string &serial) : api_(api)
     identity_ = get<crn_hid_identity>(CRN_HID_ID_identity, CRN_HID_BYTES_identity, crn_hid_decode_identity,
                                       "identity");
     if (identity_.report_hash != crn_hid_report_hash()) {
-        throw LinkError("the rig '" + serial_ + "' has other reports: device " + hex(identity_.report_hash) +
-                        ", host " + hex(crn_hid_report_hash()) +
+        throw LinkError("the rig '" + serial_ + "' has other reports: device " +
+                        hex_text(identity_.report_hash) + ", host " + hex_text(crn_hid_report_hash()) +
                         ". Remedy: install the same release on both");
     }
 }

@@ -1,6 +1,6 @@
 #include "host/link/link.hpp"
+#include "host/base/format.hpp"
 #include "host/base/interrupt.hpp"
-#include "host/link/link_text.hpp"
 #include <algorithm>
 #include <utility>
 
@@ -9,10 +9,10 @@ namespace crn
 
 std::string describe(const crn_wire_reject &reject)
 {
-    return format("device refused %s: %s: %s [%lu, %lu]. Remedy: %s",
-                  crn_wire_message_name(reject.request_type), crn_wire_reject_name(reject.code),
-                  crn_wire_reject_text(reject.code), static_cast<unsigned long>(reject.detail1),
-                  static_cast<unsigned long>(reject.detail2), crn_wire_reject_remedy(reject.code));
+    return formatted("device refused %s: %s: %s [%lu, %lu]. Remedy: %s",
+                     crn_wire_message_name(reject.request_type), crn_wire_reject_name(reject.code),
+                     crn_wire_reject_text(reject.code), static_cast<unsigned long>(reject.detail1),
+                     static_cast<unsigned long>(reject.detail2), crn_wire_reject_remedy(reject.code));
 }
 
 Link::Link(Transport &transport, Patience::Span patience)
@@ -37,7 +37,8 @@ void Link::send_message(std::uint16_t type, const Message &message, Put put, boo
 {
     crn_wire_writer writer = crn_wire_writer_make(outgoing_.data(), outgoing_.size());
     if (!put(&writer, &message)) {
-        throw LinkError(format("%s does not fit a message: a list is too long", crn_wire_message_name(type)));
+        throw LinkError(
+            formatted("%s does not fit a message: a list is too long", crn_wire_message_name(type)));
     }
     send(type, writer);
     if (!goes_on) asked_from_ = sequence_;
@@ -92,12 +93,12 @@ crn_wire_hello_reply Link::hello_once()
     if (!is_answered && is_torn) is_answered = ask_hello(hello);
     if (!is_answered) silent();
     if (!hello_reply_.accepted) {
-        throw LinkError(format("device and host speak different versions: device %u.%u schema %016llx, "
-                               "host %u.%u schema %016llx; install the same release on both",
-                               unsigned{hello_reply_.protocol_major}, unsigned{hello_reply_.protocol_minor},
-                               static_cast<unsigned long long>(hello_reply_.schema_hash),
-                               unsigned{hello.protocol_major}, unsigned{hello.protocol_minor},
-                               static_cast<unsigned long long>(hello.schema_hash)));
+        throw LinkError(formatted(
+            "device and host speak different versions: device %u.%u schema %016llx, "
+            "host %u.%u schema %016llx; install the same release on both",
+            unsigned{hello_reply_.protocol_major}, unsigned{hello_reply_.protocol_minor},
+            static_cast<unsigned long long>(hello_reply_.schema_hash), unsigned{hello.protocol_major},
+            unsigned{hello.protocol_minor}, static_cast<unsigned long long>(hello.schema_hash)));
     }
     return hello_reply_;
 }
@@ -135,7 +136,8 @@ void Link::load_tools(std::span<const crn_wire_instrument> tools)
 {
     crn_wire_tools message{};
     if (tools.empty() || tools.size() > CRN_WIRE_TOOL_MAX) {
-        throw LinkError(format("a line holds 1 to %d tools, not %zu", int{CRN_WIRE_TOOL_MAX}, tools.size()));
+        throw LinkError(
+            formatted("a line holds 1 to %d tools, not %zu", int{CRN_WIRE_TOOL_MAX}, tools.size()));
     }
     message.tools_count = static_cast<std::uint16_t>(tools.size());
     std::copy(tools.begin(), tools.end(), message.tools);
@@ -232,7 +234,7 @@ void Link::set_stream(const crn_wire_stream &stream)
 std::span<const crn_wire_tick_state> Link::step(std::span<const crn_wire_tick_input> inputs, bool want_nodes)
 {
     if (inputs.empty() || inputs.size() > steps_max) {
-        throw LinkError(format("a step takes 1 .. %zu inputs, not %zu", steps_max, inputs.size()));
+        throw LinkError(formatted("a step takes 1 .. %zu inputs, not %zu", steps_max, inputs.size()));
     }
     crn_wire_step step;
     step.tick = tick_;
@@ -248,9 +250,9 @@ std::span<const crn_wire_tick_state> Link::step(std::span<const crn_wire_tick_in
     tick_ += ticks_.states_count;
     if (ticks_.states_count != inputs.size()) {
         const std::uint16_t code = read_status().fault_code;
-        throw LinkError(format("device fault at tick %lu: %s: %s. Remedy: %s",
-                               static_cast<unsigned long>(tick_), crn_wire_fault_name(code),
-                               crn_wire_fault_text(code), crn_wire_fault_remedy(code)));
+        throw LinkError(formatted("device fault at tick %lu: %s: %s. Remedy: %s",
+                                  static_cast<unsigned long>(tick_), crn_wire_fault_name(code),
+                                  crn_wire_fault_text(code), crn_wire_fault_remedy(code)));
     }
     return {ticks_.states, ticks_.states_count};
 }

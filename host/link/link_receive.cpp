@@ -1,9 +1,9 @@
 // Finds the frames in the bytes from the device, stores them by their type, and throws refusals. No device
 // can keep the host here for ever, because three things have limits: bytes without a frame, frames without an
 // answer, and the time.
+#include "host/base/format.hpp"
 #include "host/base/interrupt.hpp"
 #include "host/link/link.hpp"
-#include "host/link/link_text.hpp"
 #include <algorithm>
 
 namespace crn
@@ -30,9 +30,10 @@ void Link::check_patience()
     if (is_interrupted()) silent();
     throw LinkError(
         transport_.name() +
-        format(" kept the host waiting for %.1f s%s%s; take it off the bus, and use another firmware",
-               static_cast<double>(patience_.spent().count()) * 1e-3, waits_for_ != 0 ? ", at last for " : "",
-               waits_for_ != 0 ? crn_wire_message_name(waits_for_) : ""));
+        formatted(" kept the host waiting for %.1f s%s%s; take it off the bus, and use another firmware",
+                  static_cast<double>(patience_.spent().count()) * 1e-3,
+                  waits_for_ != 0 ? ", at last for " : "",
+                  waits_for_ != 0 ? crn_wire_message_name(waits_for_) : ""));
 }
 
 // A device that sends without end is an error, as is a silent one. `frames` counts down from a number that no
@@ -64,9 +65,9 @@ bool Link::receive()
         incoming_count_ = 0;
         throw LinkError(
             transport_.name() +
-            format(" sends bytes that are no message: %zu of them without a whole frame. Remedy: plug "
-                   "it out and in; install this release's firmware, or unplug what uses the rig's number",
-                   bytes_without_frame_max));
+            formatted(" sends bytes that are no message: %zu of them without a whole frame. Remedy: plug "
+                      "it out and in; install this release's firmware, or unplug what uses the rig's number",
+                      bytes_without_frame_max));
     }
 }
 
@@ -189,8 +190,8 @@ void Link::file_stream()
         break;
     default:
         throw LinkError(transport_.name() +
-                        format(" sent a message of unknown type %u; use the same version on both sides",
-                               static_cast<unsigned>(decoder_.header.type)));
+                        formatted(" sent a message of unknown type %u; use the same version on both sides",
+                                  static_cast<unsigned>(decoder_.header.type)));
     }
 }
 

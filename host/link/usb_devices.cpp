@@ -1,4 +1,5 @@
 #include "host/link/usb_devices.hpp"
+#include "host/base/format.hpp"
 #include "host/base/interrupt.hpp"
 #include <algorithm>
 #include <array>
@@ -111,9 +112,7 @@ std::string list_of(const std::vector<UsbRig> &rigs)
 
 std::string id_text()
 {
-    char text[16];
-    std::snprintf(text, sizeof text, "%04x:%04x", unsigned{usb_vendor_id}, unsigned{usb_product_id});
-    return text;
+    return formatted("%04x:%04x", unsigned{usb_vendor_id}, unsigned{usb_product_id});
 }
 
 int LIBUSB_CALL on_plug(libusb_context *, libusb_device *, libusb_hotplug_event, void *changed) noexcept

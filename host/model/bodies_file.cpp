@@ -1,10 +1,10 @@
 // Reads body files. The format of body files is the container of shared/scene with KIND_BODIES
 // (docs/scene.md).
+#include "host/base/format.hpp"
 #include "host/base/text.hpp"
 #include "host/model/bodies.hpp"
 #include "shared/scene/scene.h"
 #include "shared/wire/wire_frame.h"
-#include <cstdio>
 
 namespace crn
 {
@@ -66,9 +66,7 @@ VesselLesion read_lesion(const crn_scene_lesion_view &view)
 
 std::string describe(const SceneName &scene)
 {
-    char text[64];
-    std::snprintf(text, sizeof text, "%zu bytes, CRC-32 %08x", scene.size_bytes, unsigned{scene.crc32});
-    return text;
+    return formatted("%zu bytes, CRC-32 %08x", scene.size_bytes, unsigned{scene.crc32});
 }
 
 std::string strangers(const std::string &scene_path, const SceneName &scene, const std::string &path,

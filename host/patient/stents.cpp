@@ -1,10 +1,10 @@
 #include "host/patient/stents.hpp"
+#include "host/base/number_text.hpp"
 #include "host/base/text.hpp"
 #include "host/model/units.hpp"
 #include "host/patient/balloon.hpp"
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 
 namespace crn
@@ -27,9 +27,7 @@ constexpr double strut_moved_um = 100.0,
 
 std::string millimetres(double mm)
 {
-    char text[40];
-    std::snprintf(text, sizeof text, "%.3g mm", mm);
-    return text;
+    return number_text(mm, 3) + " mm";
 }
 
 // Returns the diameter of the free balloon at its nominal pressure. Without a label it is the diameter in the

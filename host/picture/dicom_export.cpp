@@ -1,7 +1,7 @@
 #include "host/picture/dicom_export.hpp"
+#include "host/base/format.hpp"
 #include "host/base/output_files.hpp"
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <stdexcept>
 
@@ -176,8 +176,7 @@ void DicomExport::begin_part()
 {
     end_part();
     if (part_of_run_++ == 0) run_count_++;
-    char name[64];
-    std::snprintf(name, sizeof name, "run_%02d_%s", header_.number, kind_word(header_.kind).c_str());
+    const std::string name = formatted("run_%02d_%s", header_.number, kind_word(header_.kind).c_str());
     parts_.push_back({header_, {}, name});
     if (part_of_run_ > 1) parts_.back().name += "_" + std::to_string(part_of_run_);
     parts_.back().name += ".dcm";

@@ -1,11 +1,11 @@
 #include "host/picture/surface_file.hpp"
+#include "host/base/format.hpp"
 #include "host/base/pending_file.hpp"
 #include "host/model/lesion_wall.hpp"
 #include "host/model/scene_anatomy.hpp"
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <numbers>
 #include <stdexcept>
@@ -20,13 +20,6 @@ using Eigen::Vector3d;
 constexpr double vessel_radii = 1.8; // places farther from the vessel's line belong to other vessels
 constexpr std::uint32_t balloon_around = 24;
 constexpr int panel_pixels = 480;
-
-std::string line(const char *format, double a, double b, double c)
-{
-    char text[100];
-    std::snprintf(text, sizeof text, format, a, b, c);
-    return text;
-}
 
 // Returns the place on the line at an arc length from its leading tip, and the direction of the line there.
 bool place_at(const WireFrame &wire, double arc_m, Vector3d &place_m, Vector3d &along)
@@ -210,10 +203,9 @@ void SurfaceSink::finish()
     std::size_t before = 1; // vertices of an OBJ file are numbered from 1
     for (const SurfacePanel &panel : panels_)
         for (const SurfaceMesh &mesh : panel.meshes) {
-            char name[80];
-            std::snprintf(name, sizeof name, "o t%07.3f_%s\n", panel.time_s, mesh.name.c_str());
-            obj += name;
-            for (const Vector3d &v : mesh.vertices_mm) obj += line("v %.3f %.3f %.3f\n", v.x(), v.y(), v.z());
+            obj += formatted("o t%07.3f_%s\n", panel.time_s, mesh.name.c_str());
+            for (const Vector3d &v : mesh.vertices_mm)
+                obj += formatted("v %.3f %.3f %.3f\n", v.x(), v.y(), v.z());
             for (const auto &corners : mesh.triangles) {
                 obj += "f";
                 for (const std::uint32_t corner : corners) obj += " " + std::to_string(before + corner);

@@ -1,9 +1,9 @@
 #include "host/picture/surface_picture.hpp"
+#include "host/base/format.hpp"
 #include "host/picture/canvas.hpp"
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 namespace crn
@@ -187,8 +187,7 @@ Image draw_surfaces(const std::vector<SurfacePanel> &panels, const SurfaceView &
         const int left = static_cast<int>(k) * size;
         for (int y = 0; y < size; ++y)
             for (int x = 0; x < size; ++x) sheet.blend(left + x, y, panel.at(x, y), 1.0);
-        char text[40];
-        std::snprintf(text, sizeof text, "%.1f s", panels[k].time_s);
+        const std::string text = formatted("%.1f s", panels[k].time_s);
         sheet.text(left + 12, 12, text, 2, {});
     }
     draw_scale(sheet, size, frame.pixels_per_mm / finer);

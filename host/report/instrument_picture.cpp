@@ -1,9 +1,9 @@
 // Draws the picture of `cournand instruments`: one row per instrument, with the same axes in every row.
+#include "host/base/format.hpp"
 #include "host/picture/canvas.hpp"
 #include "host/report/instrument_list.hpp"
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace crn
 {
@@ -38,13 +38,6 @@ Row row_at(std::size_t index)
     return {top + gap_px, top + row_px - gap_px};
 }
 
-std::string number(const char *pattern, double value)
-{
-    char text[40];
-    std::snprintf(text, sizeof text, pattern, value);
-    return text;
-}
-
 void centred(Sheet &sheet, double x, int y, const std::string &text, int scale, Ink ink)
 {
     sheet.text(static_cast<int>(std::lround(x)) - Sheet::text_width(text, scale) / 2, y, text, scale, ink);
@@ -58,14 +51,16 @@ void draw_figures(Sheet &sheet, const ListedInstrument &item, const Row &row)
     const Instrument &one = item.instrument;
     const crn_wire_knot &hub = one.table.knots[one.table.knots_count - 1];
     std::string size =
-        number("%.0f mm, ", one.length_m * 1e3) + number("OD %.2f", hub.radius_outer_um * 2e-3);
-    size += one.kind == InstrumentKind::wire
-                ? " mm"
-                : number(", ID %.2f mm", one.table.knots[one.table.knots_count - 1].radius_inner_um * 2e-3);
+        formatted("%.0f mm, ", one.length_m * 1e3) + formatted("OD %.2f", hub.radius_outer_um * 2e-3);
+    size +=
+        one.kind == InstrumentKind::wire
+            ? " mm"
+            : formatted(", ID %.2f mm", one.table.knots[one.table.knots_count - 1].radius_inner_um * 2e-3);
     std::string presets;
     for (const std::string &name : one.presets) presets += (presets.empty() ? "" : ", ") + name;
-    const std::string stiffness = number("EI %.2e", stiffness_at(one, Stiffness::bend, 0.0)) +
-                                  number(" to %.2e N m^2", stiffness_at(one, Stiffness::bend, one.length_m));
+    const std::string stiffness =
+        formatted("EI %.2e", stiffness_at(one, Stiffness::bend, 0.0)) +
+        formatted(" to %.2e N m^2", stiffness_at(one, Stiffness::bend, one.length_m));
     const std::string lines[] = {(one.kind == InstrumentKind::wire ? "wire, " : "catheter, ") +
                                      one.shape_name,
                                  size, stiffness, presets};

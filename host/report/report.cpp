@@ -1,11 +1,11 @@
 // Writes the figures of a session as JSON.
+#include "host/base/number_text.hpp"
 #include "host/base/pending_file.hpp"
 #include "host/effects/lesion_figures.hpp"
 #include "host/report/report_angioplasty.hpp"
 #include "host/report/score.hpp"
 #include "host/session/run.hpp"
 #include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 namespace crn
@@ -190,8 +190,7 @@ nlohmann::ordered_json report_of(const RunResult &result, const std::string &sce
 {
     const PatientContrast &contrast = patient.contrast();
     const SessionFigures &figures = result.figures;
-    char hash[20];
-    std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(result.hash));
+    const std::string hash = hex_text(result.hash);
     nlohmann::ordered_json report;
     report["scene"] = scene;
     report["session"] = session;

@@ -1,4 +1,5 @@
 #include "host/report/session_summary.hpp"
+#include "host/base/format.hpp"
 #include "host/base/terminal.hpp"
 #include "host/patient/contrast.hpp"
 #include "host/patient/stents.hpp"
@@ -135,9 +136,8 @@ void give_score(const std::string &path, const nlohmann::ordered_json &report, c
         if (const auto &stored = screen->store().runs()[i]; stored->run.kind == RunKind::cine &&
                                                             !stored->grey.empty() &&
                                                             pictures.size() < score_pictures_max) {
-            char caption[64];
-            std::snprintf(caption, sizeof caption, "Run %d, at %.0f s", stored->run.number,
-                          stored->run.frames.front().tick * 1e-3);
+            const std::string caption =
+                formatted("Run %d, at %.0f s", stored->run.number, stored->run.frames.front().tick * 1e-3);
             pictures.push_back({caption, darkest_frame(*stored)});
         }
     write_score_page(path, report, report.at("score"), pictures);

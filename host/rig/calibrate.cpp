@@ -1,6 +1,7 @@
 // Implements the command cournand rig calibrate: motion that the user makes as instructed determines what one
 // count means. All measurements come first, and then one message writes them all, which the device accepts as
 // a whole or not at all. So nothing changes if the user stops the calibration in the middle.
+#include "host/base/number_text.hpp"
 #include "host/base/output_files.hpp"
 #include "host/base/pending_file.hpp"
 #include "host/rig/rig.hpp"
@@ -9,7 +10,6 @@
 #include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 namespace crn
 {
@@ -48,7 +48,7 @@ class Guide
         const auto read = [](const crn_wire_track_sensors &now) { return now.translation_counts; };
         const auto good = [](const crn_wire_track_sensors &now) { return now.translation_sensor == 0; };
         const double counts = way("Put the carriage at the first mark and press Enter.",
-                                  "Push it " + text(options_.distance_mm) +
+                                  "Push it " + number_text(options_.distance_mm) +
                                       " mm into the patient, to the second mark, and press Enter.",
                                   "translation encoder", read, good);
         const double pm = options_.distance_mm * 1e9 / std::abs(counts);
@@ -62,7 +62,7 @@ class Guide
         const auto good = [](const crn_wire_track_sensors &now) { return now.rotation_sensor == 0; };
         const double counts =
             way("Hold the handle at its mark and press Enter.",
-                "Turn it " + text(options_.turns) +
+                "Turn it " + number_text(options_.turns) +
                     " turns, right-handed about the direction of insertion, and press Enter.",
                 "rotation encoder", read, good);
         set(track.rotation_counts_per_turn, std::abs(counts) / options_.turns, 16.0, 16777216.0,
@@ -74,11 +74,11 @@ class Guide
     {
         talk_.ask("Take the hands off the track and press Enter.");
         const double zero = mean_force();
-        talk_.ask("Let " + text(options_.weight_g) +
+        talk_.ask("Let " + number_text(options_.weight_g) +
                   " g pull the handle back out along the track (a thread over a pulley) and press Enter.");
         const double loaded = mean_force();
         if (std::abs(loaded - zero) < 10.0) {
-            throw LinkError("the force sensor changed by " + text(loaded - zero) +
+            throw LinkError("the force sensor changed by " + number_text(loaded - zero) +
                             " counts only. Remedy: check the thread, or take a larger --weight");
         }
         if (loaded < zero) {
@@ -92,13 +92,6 @@ class Guide
     }
 
   private:
-    static std::string text(double value)
-    {
-        char buffer[32];
-        std::snprintf(buffer, sizeof buffer, "%.6g", value);
-        return buffer;
-    }
-
     crn_wire_track_sensors sample()
     {
         if (talk_.is_interrupted()) throw RigStopped("interrupted; nothing was changed");
@@ -147,8 +140,8 @@ class Guide
     static void set(std::uint32_t &field, double value, double low, double high, const char *unit)
     {
         if (value < low || value > high) {
-            throw LinkError("measured " + text(value) + " " + unit + ", which is outside " + text(low) +
-                            " to " + text(high) +
+            throw LinkError("measured " + number_text(value) + " " + unit + ", which is outside " +
+                            number_text(low) + " to " + number_text(high) +
                             ". Remedy: check that distance and weight are the ones given");
         }
         field = static_cast<std::uint32_t>(std::llround(value));

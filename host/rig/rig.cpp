@@ -1,6 +1,7 @@
 // Implements the commands of cournand rig that only read, and calls the functions of all commands.
 #include "host/rig/rig.hpp"
 #include "host/base/interrupt.hpp"
+#include "host/base/number_text.hpp"
 #include "host/base/output_files.hpp"
 #include "host/base/terminal.hpp"
 #include "host/link/usb_transport.hpp"
@@ -211,8 +212,7 @@ int rig_info(Link &link, const crn_wire_hello_reply &hello, const RigOptions &op
 {
     const crn_wire_status status = link.read_status();
     const crn_wire_rig rig = link.read_rig();
-    char schema[20];
-    std::snprintf(schema, sizeof schema, "%016llx", static_cast<unsigned long long>(hello.schema_hash));
+    const std::string schema = hex_text(hello.schema_hash);
     if (options.json) {
         nlohmann::ordered_json report = {{"serial", serial_of(hello)},
                                          {"protocol_major", hello.protocol_major},
@@ -235,7 +235,7 @@ int rig_info(Link &link, const crn_wire_hello_reply &hello, const RigOptions &op
     }
     std::fprintf(talk.out, "serial        %s\n", serial_of(hello).c_str());
     std::fprintf(talk.out, "firmware      protocol %u.%u, schema %s, core version %u\n",
-                 unsigned{hello.protocol_major}, unsigned{hello.protocol_minor}, schema,
+                 unsigned{hello.protocol_major}, unsigned{hello.protocol_minor}, schema.c_str(),
                  unsigned{hello.core_version});
     std::fprintf(talk.out, "can           %s; tick %u us, scenes up to %u bytes\n",
                  capability_text(hello.capabilities).c_str(), unsigned{hello.tick_us},

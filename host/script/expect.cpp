@@ -1,9 +1,9 @@
 #include "host/script/expect.hpp"
+#include "host/base/number_text.hpp"
 #include "host/effects/lesion_figures.hpp"
 #include "host/patient/patient.hpp"
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace crn
 {
@@ -16,9 +16,7 @@ const std::vector<std::string> kinds = {"tip", "iodine", "residual", "apposition
 
 std::string rounded(double value)
 {
-    char text[40];
-    std::snprintf(text, sizeof text, std::fabs(value) < 9.95 ? "%.1f" : "%.0f", value);
-    return text;
+    return decimals_text(value, std::fabs(value) < 9.95 ? 1 : 0);
 }
 
 const char *unit_of(Expectation::Kind kind)

@@ -1,4 +1,5 @@
 #include "host/script/room.hpp"
+#include "host/base/format.hpp"
 #include "host/room/presets.hpp"
 #include <algorithm>
 #include <iterator>
@@ -35,9 +36,7 @@ template <std::size_t count> std::int32_t rate(LineParser &line, const std::int3
     if (std::find(std::begin(rates), std::end(rates), asked) != std::end(rates)) return asked;
     std::string known;
     for (std::int32_t one : rates) {
-        char text[16];
-        std::snprintf(text, sizeof text, "%s%g", known.empty() ? "" : ", ", one * 0.01);
-        known += text;
+        known += formatted("%s%g", known.empty() ? "" : ", ", one * 0.01);
     }
     before.fail("no such rate; there are " + known + " per second");
 }

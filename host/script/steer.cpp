@@ -1,7 +1,7 @@
 #include "host/script/steer.hpp"
+#include "host/base/format.hpp"
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace crn
 {
@@ -270,19 +270,16 @@ void Steerer::look_watching()
 
 std::string Steerer::failure() const
 {
-    char text[400];
     const std::string &goal = map_.vessels()[goal_].name;
     if (!tip_.is_known)
         return "the tip was nowhere in a vessel; remedy: bake the scene with its tree of vessels";
-    std::snprintf(
-        text, sizeof text,
+    return formatted(
         "the %s did not come %.0f mm into %s in %.0f s and %d tries: its tip was %.0f mm inside %s, %.0f mm "
         "of vessel from there; remedy: begin nearer to it, turn the hand before, choose a tool with "
         "another tip, or give it more time (within %.0f s)",
         tool_name(what_.tool).c_str(), what_.depth_um * 1e-3, goal.c_str(), tick_ * 1e-3, tries_,
         tip_.inside_m * 1e3, map_.vessels()[tip_.place.vessel].name.c_str(), left_um() * 1e-3,
         what_.limit_ticks * 2e-3);
-    return text;
 }
 
 } // namespace crn

@@ -1,10 +1,10 @@
 #include "host/session/device.hpp"
+#include "host/base/number_text.hpp"
 #include "host/model/timeline.hpp"
 #include "host/model/units.hpp"
 #include "host/script/hand_motion.hpp"
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace crn
 {
@@ -28,9 +28,7 @@ namespace
 
 std::string millimetres(double um)
 {
-    char text[40];
-    std::snprintf(text, sizeof text, "%.3g mm", um * 1e-3);
-    return text;
+    return number_text(um * 1e-3, 3) + " mm";
 }
 
 // "'Bentson' (0.889 mm) does not pass the lumen of 'Terumo 4F' (0.8 mm, at 30 mm from its tip)"

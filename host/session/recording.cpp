@@ -1,3 +1,4 @@
+#include "host/base/format.hpp"
 #include "host/base/text.hpp"
 #include "host/session/recording_chunks.hpp"
 #include "host/session/recording_format.hpp"
@@ -57,9 +58,8 @@ class Reader
         header.core_version = static_cast<std::uint32_t>(crn_wire_read(&payload_, 4));
         header.schema_hash = crn_wire_read(&payload_, 8);
         if (header.schema_hash != crn_wire_schema_hash()) {
-            char text[160];
-            std::snprintf(text, sizeof text,
-                          "was written with another wire schema (file %016llx, program %016llx); use the "
+            const std::string text =
+                formatted("was written with another wire schema (file %016llx, program %016llx); use the "
                           "release that wrote it",
                           static_cast<unsigned long long>(header.schema_hash),
                           static_cast<unsigned long long>(crn_wire_schema_hash()));

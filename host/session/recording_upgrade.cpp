@@ -1,4 +1,5 @@
 #include "host/session/recording_upgrade.hpp"
+#include "host/base/format.hpp"
 #include "host/base/pending_file.hpp"
 #include "host/base/text.hpp"
 #include "host/model/order_queue.hpp"
@@ -83,9 +84,7 @@ class Upgrade
         const std::size_t place = payload.position;
         const std::uint64_t schema = crn_wire_read(&payload, 8);
         if (schema != schema_of_protocol_4) {
-            char text[160];
-            std::snprintf(
-                text, sizeof text,
+            const std::string text = formatted(
                 "was written with another wire schema (file %016llx, converted is %016llx); use the "
                 "release that wrote it",
                 static_cast<unsigned long long>(schema),

@@ -1,5 +1,7 @@
 #include "host/session/replay.hpp"
+#include "host/base/format.hpp"
 #include "host/base/interrupt.hpp"
+#include "host/base/number_text.hpp"
 #include <algorithm>
 #include <charconv>
 #include <chrono>
@@ -17,13 +19,6 @@ namespace
 using Clock = std::chrono::steady_clock;
 constexpr std::uint32_t ticks_per_second = 1000;
 constexpr std::uint32_t batch_ticks = 16;
-
-std::string hash_text(std::uint64_t value)
-{
-    char text[20];
-    std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value));
-    return text;
-}
 
 class Replayer
 {
@@ -173,10 +168,9 @@ class Replayer
         result_.ticks_compared++;
         if (recorded.hash_lane[0] == state.hash_lane0 && recorded.hash_lane[1] == state.hash_lane1) return;
         result_.first_difference_tick = state.tick;
-        char text[120];
-        std::snprintf(text, sizeof text, "hash lanes are %08x %08x, recorded %08x %08x",
-                      unsigned{state.hash_lane0}, unsigned{state.hash_lane1}, unsigned{recorded.hash_lane[0]},
-                      unsigned{recorded.hash_lane[1]});
+        const std::string text = formatted("hash lanes are %08x %08x, recorded %08x %08x",
+                                           unsigned{state.hash_lane0}, unsigned{state.hash_lane1},
+                                           unsigned{recorded.hash_lane[0]}, unsigned{recorded.hash_lane[1]});
         result_.difference = text;
     }
 
@@ -188,7 +182,7 @@ class Replayer
             result_.hashes_compared++;
             if (recorded.hash == hash) continue;
             result_.first_difference_tick = tick;
-            result_.difference = "full hash is " + hash_text(hash) + ", recorded " + hash_text(recorded.hash);
+            result_.difference = "full hash is " + hex_text(hash) + ", recorded " + hex_text(recorded.hash);
             return;
         }
     }

@@ -1,6 +1,6 @@
 #include "host/session/witness.hpp"
+#include "host/base/number_text.hpp"
 #include <algorithm>
-#include <cstdio>
 
 namespace crn
 {
@@ -8,16 +8,9 @@ namespace crn
 namespace
 {
 
-std::string hex(std::uint64_t value)
-{
-    char text[20];
-    std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value));
-    return text;
-}
-
 std::string lanes(const crn_wire_tick_state &state)
 {
-    return hex(std::uint64_t{state.hash_lane0} << 32 | state.hash_lane1);
+    return hex_text(std::uint64_t{state.hash_lane0} << 32 | state.hash_lane1);
 }
 
 template <class Message, class Put> std::vector<std::uint8_t> bytes_of(const Message &message, Put put)
@@ -108,15 +101,15 @@ void Witness::hash(const Hash64 &told)
 {
     if (told.tick == link_.tick()) {
         const Hash64 ours = link_.read_hash64();
-        if (ours.hash != told.hash) differ("full hash", told.tick, hex(told.hash), hex(ours.hash));
+        if (ours.hash != told.hash) differ("full hash", told.tick, hex_text(told.hash), hex_text(ours.hash));
         return;
     }
     for (const Hash64 &ours : hashes_) {
         if (ours.tick != told.tick) continue;
-        if (ours.hash != told.hash) differ("full hash", told.tick, hex(told.hash), hex(ours.hash));
+        if (ours.hash != told.hash) differ("full hash", told.tick, hex_text(told.hash), hex_text(ours.hash));
         return;
     }
-    differ("full hash", told.tick, hex(told.hash),
+    differ("full hash", told.tick, hex_text(told.hash),
            "none of that tick: " + std::to_string(link_.tick()) + " are done, and one comes every 100");
 }
 
@@ -134,7 +127,7 @@ void Witness::snapshot(std::uint32_t tick, std::span<const std::uint8_t> bytes, 
     const std::uint64_t before = link_.read_hash64().hash;
     restore(bytes);
     const std::uint64_t after = link_.read_hash64().hash;
-    if (link_.tick() != tick || after != before) differ("snapshot", tick, hex(after), hex(before));
+    if (link_.tick() != tick || after != before) differ("snapshot", tick, hex_text(after), hex_text(before));
 }
 
 void Witness::restore(std::span<const std::uint8_t> bytes)

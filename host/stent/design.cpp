@@ -1,8 +1,8 @@
 // Defines the allowed values of a stent's numbers, and computes the lengths that follow from its geometry.
 #include "host/stent/design.hpp"
+#include "host/base/number_text.hpp"
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 namespace crn
@@ -29,13 +29,6 @@ constexpr StentCount counts[] = {
     {"crowns", &StentDesign::crowns, 4, 24},
     {"links", &StentDesign::links, 1, 24},
 };
-
-std::string number(double value)
-{
-    char text[40];
-    std::snprintf(text, sizeof text, "%g", value);
-    return text;
-}
 
 } // namespace
 
@@ -76,25 +69,26 @@ double StentDesign::length_at_mm(double radius_mm) const
 StentFault stent_fault(const StentDesign &stent)
 {
     if (stent.links > stent.crowns)
-        return {"links", "'links' = " + number(stent.links) + " is more than the " + number(stent.crowns) +
-                             " 'crowns' of a ring"};
+        return {"links", "'links' = " + number_text(stent.links) + " is more than the " +
+                             number_text(stent.crowns) + " 'crowns' of a ring"};
     if (stent.crimped_diameter_mm >= stent.diameter_mm)
         return {"crimped_diameter_mm",
-                "'crimped_diameter_mm' is not below 'diameter_mm' = " + number(stent.diameter_mm)};
+                "'crimped_diameter_mm' is not below 'diameter_mm' = " + number_text(stent.diameter_mm)};
     if (stent.diameter_max_mm < stent.diameter_mm)
-        return {"diameter_max_mm", "'diameter_max_mm' is below 'diameter_mm' = " + number(stent.diameter_mm)};
+        return {"diameter_max_mm",
+                "'diameter_max_mm' is below 'diameter_mm' = " + number_text(stent.diameter_mm)};
     const double widest = stent.chord_mm(stent.radius_on_mm(stent.diameter_max_mm / 2));
     if (stent.strut_length_mm < 1.05 * widest)
-        return {"strut_length_mm", "'strut_length_mm' = " + number(stent.strut_length_mm) +
+        return {"strut_length_mm", "'strut_length_mm' = " + number_text(stent.strut_length_mm) +
                                        " does not reach from crown to crown at 'diameter_max_mm': " +
-                                       number(1.05 * widest) + " at least, or more 'crowns'"};
+                                       number_text(1.05 * widest) + " at least, or more 'crowns'"};
     const double height = stent.ring_height_mm(stent.crimped_radius_mm());
     const bool is_facing = stent.connection == StentConnection::facing;
     const double least = is_facing ? 0.0 : stent.strut_width_mm;
     const double room = stent.link_length_mm() - (is_facing ? 0.0 : height);
     if (room < least)
-        return {"rings", "'rings' = " + number(stent.rings) + " of " + number(height) +
-                             " mm do not fit into 'length_mm' = " + number(stent.length_mm) +
+        return {"rings", "'rings' = " + number_text(stent.rings) + " of " + number_text(height) +
+                             " mm do not fit into 'length_mm' = " + number_text(stent.length_mm) +
                              ": fewer, or shorter struts"};
     return {};
 }

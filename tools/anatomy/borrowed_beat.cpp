@@ -1,10 +1,10 @@
 #include "tools/anatomy/borrowed_beat.hpp"
+#include "host/base/format.hpp"
 #include "tools/anatomy/output.hpp"
 #include "tools/anatomy/vessels.hpp"
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <stdexcept>
 
 namespace anatomy
@@ -29,16 +29,9 @@ Eigen::Matrix3d columns(const Places &places)
     return all;
 }
 
-std::string text_of(const char *format, auto... values)
-{
-    char text[256];
-    std::snprintf(text, sizeof text, format, values...);
-    return text;
-}
-
 std::filesystem::path frame_file(const std::filesystem::path &folder, const std::string &name, int frame)
 {
-    return folder / text_of("%s_%02d.ply", name.c_str(), frame);
+    return folder / crn::formatted("%s_%02d.ply", name.c_str(), frame);
 }
 
 } // namespace
@@ -89,7 +82,7 @@ HeartPlacement place_heart(const HeartLandmarks &other)
     placement.rotation = found.block<3, 3>(0, 0) / placement.scale;
     placement.shift_mm = found.block<3, 1>(0, 3);
     if (placement.scale < SCALE_MIN || placement.scale > SCALE_MAX)
-        throw std::invalid_argument(text_of(
+        throw std::invalid_argument(crn::formatted(
             "this heart would be %.2f times as large as the shipped one, beyond %.1f to %.1f: look at "
             "--left, --right and --apex, in mm",
             1.0 / placement.scale, 1.0 / SCALE_MAX, 1.0 / SCALE_MIN));
@@ -97,7 +90,7 @@ HeartPlacement place_heart(const HeartLandmarks &other)
     for (size_t k = 0; k < 3; k++) {
         placement.residual_mm[k] = (placement.from_shipped(to[k]) - from[k]).norm();
         if (placement.residual_mm[k] > RESIDUAL_MAX_MM)
-            throw std::invalid_argument(text_of(
+            throw std::invalid_argument(crn::formatted(
                 "%s is %.0f mm off where a heart like the shipped one has it, more than %.0f: is it right?",
                 names[k], placement.residual_mm[k], RESIDUAL_MAX_MM));
     }

@@ -1,9 +1,9 @@
 #include "tools/anatomy/heart_sequence.hpp"
+#include "host/base/format.hpp"
 #include "host/base/pending_file.hpp"
 #include "tools/anatomy/output.hpp"
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 namespace anatomy
@@ -14,16 +14,7 @@ namespace
 
 std::string numbered(const char *stem, int frame, const char *ending)
 {
-    char name[64];
-    std::snprintf(name, sizeof name, "%s_%02d%s", stem, frame, ending);
-    return name;
-}
-
-void append_line(std::string &text, const char *format, auto... values)
-{
-    char line[128];
-    const int length = std::snprintf(line, sizeof line, format, values...);
-    text.append(line, std::min(static_cast<size_t>(length), sizeof line - 1));
+    return crn::formatted("%s_%02d%s", stem, frame, ending);
 }
 
 /* Writes every body as an object; `frame` -1 means inhaled. */
@@ -33,17 +24,17 @@ std::string frame_text(const HeartSequence &sequence, int frame)
     if (frame < 0)
         text += "# Cournand heart: the first frame at the end of inspiration, millimetres\n";
     else
-        append_line(text,
-                    "# Cournand heart: frame %d of %d of a beat from the end of diastole, millimetres\n",
-                    frame, BEAT_FRAMES);
+        text += crn::formatted(
+            "# Cournand heart: frame %d of %d of a beat from the end of diastole, millimetres\n", frame,
+            BEAT_FRAMES);
     uint32_t first = 1;
     for (const MovingBody &body : sequence.bodies) {
         const std::vector<Vec3> &vertices =
             frame < 0 ? body.inhaled_mm : body.frames_mm[static_cast<size_t>(frame)];
         text += "o " + body.name + "\n";
-        for (const Vec3 &v : vertices) append_line(text, "v %.3f %.3f %.3f\n", v.x(), v.y(), v.z());
+        for (const Vec3 &v : vertices) text += crn::formatted("v %.3f %.3f %.3f\n", v.x(), v.y(), v.z());
         for (const auto &t : body.triangles)
-            append_line(text, "f %u %u %u\n", first + t[0], first + t[1], first + t[2]);
+            text += crn::formatted("f %u %u %u\n", first + t[0], first + t[1], first + t[2]);
         first += static_cast<uint32_t>(vertices.size());
     }
     return text;

@@ -1,8 +1,8 @@
 #include "tools/anatomy/lesions.hpp"
+#include "host/base/number_text.hpp"
 #include "tools/anatomy/output.hpp"
 #include "tools/mesh/lesion_ranges.hpp"
 #include <array>
-#include <cstdio>
 #include <sstream>
 #include <stdexcept>
 
@@ -40,13 +40,6 @@ constexpr std::array<Number, 6> NUMBERS = {
      {"PLAQUE_DEG", &Lesion::plaque_deg, crn::lesion_plaque_deg},
      {"CALCIFIED_DEG", &Lesion::calcified_deg, crn::lesion_calcified_deg}}};
 
-std::string number_text(double value)
-{
-    char text[32];
-    std::snprintf(text, sizeof text, "%g", value);
-    return text;
-}
-
 } // namespace
 
 Lesion lesion_from(const std::string &wish)
@@ -63,8 +56,8 @@ Lesion lesion_from(const std::string &wish)
         const double value = number_from(wish, words[i]);
         if (!(value >= number.range.low && value <= number.range.high))
             throw std::invalid_argument("--lesion " + wish + ": " + number.name + " must be " +
-                                        number_text(number.range.low) + " to " +
-                                        number_text(number.range.high));
+                                        crn::number_text(number.range.low) + " to " +
+                                        crn::number_text(number.range.high));
         lesion.*number.value = value;
     }
     return lesion;
@@ -86,12 +79,14 @@ std::string lesions_text(const std::vector<Lesion> &lesions, const VesselTree &t
             throw std::invalid_argument("--lesion " + lesion.branch + ": no such vessel; there are " + known);
         text += "\n[[lesion]]\nname = \"lesion_" + std::to_string(++count) + "\"\nbranch = \"" +
                 lesion.branch + "\"\n";
-        text += "at_mm = " + number_text(lesion.at_mm) + "\nlength_mm = " + number_text(lesion.length_mm) +
-                "\nstenosis_percent = " + number_text(lesion.stenosis_percent) + " # of the diameter\n";
-        if (lesion.eccentricity != 0) text += "eccentricity = " + number_text(lesion.eccentricity) + "\n";
-        if (lesion.plaque_deg != 0) text += "plaque_deg = " + number_text(lesion.plaque_deg) + "\n";
+        text += "at_mm = " + crn::number_text(lesion.at_mm) +
+                "\nlength_mm = " + crn::number_text(lesion.length_mm) +
+                "\nstenosis_percent = " + crn::number_text(lesion.stenosis_percent) + " # of the diameter\n";
+        if (lesion.eccentricity != 0)
+            text += "eccentricity = " + crn::number_text(lesion.eccentricity) + "\n";
+        if (lesion.plaque_deg != 0) text += "plaque_deg = " + crn::number_text(lesion.plaque_deg) + "\n";
         if (lesion.calcified_deg == 0) continue;
-        text += "calcified_deg = " + number_text(lesion.calcified_deg) + "\n";
+        text += "calcified_deg = " + crn::number_text(lesion.calcified_deg) + "\n";
         if (!inside.empty()) text += "inside = \"" + inside + "\"\n";
     }
     return text;

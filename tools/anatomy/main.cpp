@@ -1,5 +1,6 @@
 /* anatomy: makes the anatomy that ships with Cournand (docs/anatomy.md). */
 #include "host/base/command_values.hpp"
+#include "host/base/format.hpp"
 #include "host/base/output_files.hpp"
 #include "host/base/pending_file.hpp"
 #include "host/base/terminal.hpp"
@@ -203,10 +204,9 @@ void add_beat_options(CLI::App &command, BeatOptions &options)
         ->take_all();
     const HeartLandmarks shipped = shipped_landmarks();
     const auto place = [&](const char *name, std::vector<double> &xyz, const char *what, const Vec3 &there) {
-        char text[160];
-        std::snprintf(text, sizeof text,
-                      "%s: X Y Z in mm, patient frame (in the shipped heart %.1f %.1f %.1f)", what, there.x(),
-                      there.y(), there.z());
+        const std::string text =
+            crn::formatted("%s: X Y Z in mm, patient frame (in the shipped heart %.1f %.1f %.1f)", what,
+                           there.x(), there.y(), there.z());
         command.add_option(name, xyz, text)->expected(3)->required();
     };
     place("--left", options.left_mm, "where the left coronary artery begins", shipped.left_ostium_mm);

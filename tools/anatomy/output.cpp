@@ -1,9 +1,9 @@
 #include "tools/anatomy/output.hpp"
+#include "host/base/number_text.hpp"
 #include "host/base/pending_file.hpp"
 #include "tools/anatomy/heart_sequence.hpp"
 #include <algorithm>
 #include <bit>
-#include <cstdio>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -24,16 +24,10 @@ template <typename T> void append(std::string &bytes, T value)
     bytes.append(raw, sizeof value);
 }
 
-std::string number(double value)
-{
-    char text[32];
-    std::snprintf(text, sizeof text, "%.4f", value);
-    return text;
-}
-
 std::string triple(const Vec3 &v)
 {
-    return "[" + number(v.x()) + ", " + number(v.y()) + ", " + number(v.z()) + "]";
+    return "[" + crn::decimals_text(v.x(), 4) + ", " + crn::decimals_text(v.y(), 4) + ", " +
+           crn::decimals_text(v.z(), 4) + "]";
 }
 
 nlohmann::ordered_json control_point(const CurvePoint &point, const std::string &vessel, size_t index)
@@ -57,8 +51,8 @@ std::string tree_text(const VesselTree &tree)
     for (const Vessel &vessel : tree.vessels) {
         files += (files.empty() ? "" : ", ") + ("\"" + file_stem(vessel.name) + ".mrk.json\"");
         if (vessel.flow_ml_min > 0)
-            flows +=
-                (flows.empty() ? "" : ", ") + file_stem(vessel.name) + " = " + number(vessel.flow_ml_min);
+            flows += (flows.empty() ? "" : ", ") + file_stem(vessel.name) + " = " +
+                     crn::decimals_text(vessel.flow_ml_min, 4);
     }
     std::string left, right;
     for (size_t i = tree.vessels.size() - tree.coronary_count; i < tree.vessels.size(); i++) {

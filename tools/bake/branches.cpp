@@ -1,10 +1,10 @@
 #include "tools/bake/branches.hpp"
+#include "host/base/format.hpp"
 #include "shared/scene/scene.h"
 #include "tools/bake/fault.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 namespace crn::bake
@@ -137,8 +137,7 @@ VesselTree join_branches(const std::vector<Centreline> &lines, const TreeText &t
     while (!loose.empty()) {
         const Join join = best_join(loose, tree.branches);
         if (join.radii > apart_max_radii) {
-            char text_apart[80];
-            std::snprintf(text_apart, sizeof text_apart, "ends %.1f radii away from", join.radii);
+            const std::string text_apart = formatted("ends %.1f radii away from", join.radii);
             throw Fault("[tree] '" + loose[join.line].name + "' " + text_apart + " the nearest vessel, '" +
                         tree.branches[join.parent].name +
                         "': lengthen it into that vessel, or leave it out of [tree]");
@@ -179,12 +178,9 @@ std::string branches_report(const VesselTree &tree)
         ++outlets;
         stated += branch.flow_ml_s > 0.0;
     }
-    char text[200];
-    std::snprintf(
-        text, sizeof text,
+    return formatted(
         "vessels           %zu branches, %.0f mm, %.0f ml, from %s to %zu outlets (%zu with a stated flow)\n",
         tree.branches.size(), length_mm, volume_ml, tree.branches[0].name.c_str(), outlets, stated);
-    return text;
 }
 
 } // namespace crn::bake

@@ -1,10 +1,10 @@
 #include "tools/bake/lesion.hpp"
+#include "host/base/format.hpp"
 #include "shared/scene/scene.h"
 #include "tools/bake/fault.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 namespace crn::bake
@@ -173,11 +173,9 @@ void place(VesselTree &tree, const LesionText &text)
     const double start_m = vessel_start_m(tree, index), middle_m = start_m + text.at_mm * 1e-3;
     const double begin_m = middle_m - text.length_mm * 0.5e-3, end_m = middle_m + text.length_mm * 0.5e-3;
     if (begin_m < 0 || end_m > length_m) {
-        char range[120];
-        std::snprintf(range, sizeof range,
-                      "reaches from %.1f to %.1f mm behind the ostium, but the branch from %.1f to %.1f",
-                      (begin_m - start_m) * 1e3, (end_m - start_m) * 1e3, -start_m * 1e3,
-                      (length_m - start_m) * 1e3);
+        const std::string range = formatted(
+            "reaches from %.1f to %.1f mm behind the ostium, but the branch from %.1f to %.1f",
+            (begin_m - start_m) * 1e3, (end_m - start_m) * 1e3, -start_m * 1e3, (length_m - start_m) * 1e3);
         throw Fault(named(text) + range + ": change at_mm or length_mm");
     }
     for (const VesselLesion &other : tree.lesions) {
@@ -329,9 +327,8 @@ std::string lesions_report(const VesselTree &tree, const TriangleTree &surface)
         double measured_mm = std::numeric_limits<double>::infinity();
         for (std::size_t i = lesion.first_point; i < lesion.first_point + lesion.size(); ++i)
             measured_mm = std::min(measured_mm, -2 * surface.nearest(branch.points_m[i] * 1e3).distance_mm);
-        char line[400];
-        std::snprintf(line, sizeof line,
-                      "lesion            %s in %s: %.2f of %.2f mm diameter left at %s, %.0f %% by diameter, "
+        std::string line =
+            formatted("lesion            %s in %s: %.2f of %.2f mm diameter left at %s, %.0f %% by diameter, "
                       "%.0f %% by "
                       "area; %.2f mm on the surface\n",
                       lesion.name.c_str(), branch.name.c_str(), left * reference_mm, reference_mm,
@@ -340,8 +337,7 @@ std::string lesions_report(const VesselTree &tree, const TriangleTree &surface)
         report += line;
         const double wanted_mm = left * reference_mm, off_mm = std::abs(measured_mm - wanted_mm);
         if (off_mm <= std::max(throat_off_mm, throat_off_share * wanted_mm)) continue;
-        std::snprintf(
-            line, sizeof line,
+        line = formatted(
             "warning: lesion %s: the mesh leaves %.2f mm where the tree says %.2f mm, so flow and wire "
             "meet different throats: correct the centreline's middle and radii on %s, or the mesh\n",
             lesion.name.c_str(), measured_mm, wanted_mm, branch.name.c_str());

@@ -1,10 +1,10 @@
 // Decides whether a mesh is the boundary of a body: edges, openings, caps, orientation.
+#include "host/base/format.hpp"
 #include "tools/bake/fault.hpp"
 #include "tools/bake/mesh.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cstdio>
 #include <map>
 
 namespace crn::bake
@@ -171,8 +171,7 @@ Opening describe(const Mesh &mesh, const Loop &loop)
 
 std::string opening_text(const Opening &opening, std::size_t edges)
 {
-    char text[64];
-    std::snprintf(text, sizeof text, " (%zu edges, %.1f mm across)", edges, opening.across_mm);
+    const std::string text = formatted(" (%zu edges, %.1f mm across)", edges, opening.across_mm);
     return place_text(opening.centre_mm) + text;
 }
 
@@ -211,9 +210,8 @@ void close_openings(Mesh &mesh, const std::vector<Loop> &loops, Cap cap)
             mesh.notes.push_back("capped the opening at " + opening_text(opening, loop.size()));
     }
     if (loops.size() > named_max) {
-        char text[96];
-        std::snprintf(text, sizeof text, "capped %zu openings, the widest %.1f mm across", loops.size(),
-                      widest_mm);
+        const std::string text =
+            formatted("capped %zu openings, the widest %.1f mm across", loops.size(), widest_mm);
         mesh.notes.push_back(text);
     }
 }

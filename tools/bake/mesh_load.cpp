@@ -1,4 +1,5 @@
 // Places a mesh in the patient's frame, merges equal vertices, and writes the mesh. mesh_file.cpp reads it.
+#include "host/base/format.hpp"
 #include "host/base/pending_file.hpp"
 #include "tools/bake/fault.hpp"
 #include "tools/bake/mesh.hpp"
@@ -6,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 #include <sstream>
 
@@ -69,11 +69,8 @@ void drop_unused(Mesh &mesh)
 
 std::string place_text(const Eigen::Vector3d &p_mm)
 {
-    char text[96];
     const auto plain = [](double mm) { return std::abs(mm) < 0.05 ? 0.0 : mm; }; // avoids printing "-0.0"
-    std::snprintf(text, sizeof text, "(%.1f, %.1f, %.1f) mm", plain(p_mm.x()), plain(p_mm.y()),
-                  plain(p_mm.z()));
-    return text;
+    return formatted("(%.1f, %.1f, %.1f) mm", plain(p_mm.x()), plain(p_mm.y()), plain(p_mm.z()));
 }
 
 Mesh load_mesh(const MeshText &text)
@@ -113,8 +110,7 @@ void check_extent(const Mesh &mesh, const std::string &unit)
             if (guessed_mm >= 20 && guessed_mm <= 2500)
                 other += std::string(other.empty() ? "" : " or ") + "'" + guess + "'";
         }
-        char size[64];
-        std::snprintf(size, sizeof size, "%.4g mm", extent_mm);
+        const std::string size = formatted("%.4g mm", extent_mm);
         throw Fault(mesh.name + ": is " + size + " long with unit '" + unit +
                     "', a patient's parts are 5 mm to 3 m: " +
                     (other.empty() ? "check unit and scale" : "did you mean unit " + other + "?"));

@@ -1,5 +1,6 @@
 // Reads a sequence of meshes, checks that all have the same triangles and that no vertex jumps, and measures
 // a fitted lattice against the sequence.
+#include "host/base/format.hpp"
 #include "tools/bake/fault.hpp"
 #include "tools/bake/motion.hpp"
 
@@ -53,8 +54,7 @@ void check_jumps(const Sequence &frames, const std::vector<std::filesystem::path
         for (std::size_t i = 0; i < frames.moved_mm[0].size(); ++i) {
             const double step = (frames.moved_mm[next][i] - frames.moved_mm[k][i]).norm();
             if (step <= jump_mm) continue;
-            char size[32];
-            std::snprintf(size, sizeof size, "%.1f", step);
+            const std::string size = formatted("%.1f", step);
             throw Fault(files[next].string() + ": vertex " + std::to_string(i) + " jumps by " + size +
                         " mm from " + files[k].filename().string() + " at " +
                         place_text(frames.moved_mm[k][i]) +
@@ -202,9 +202,8 @@ void refuse_steep(const Motion &motion)
     const Steepness steepest = steepness(motion);
     const auto check = [](const Worst &worst, double most, const char *what) {
         if (worst.mm <= most) return;
-        char text[96];
-        std::snprintf(text, sizeof text, "%.2f of their distance to each other in a %s, more than %.3f",
-                      worst.mm, what, most);
+        const std::string text =
+            formatted("%.2f of their distance to each other in a %s, more than %.3f", worst.mm, what, most);
         throw Fault("[motion]: at " + place_text(worst.place_mm) + " neighbours move by " + text +
                     ": let the motion fade out more slowly in the frames");
     };

@@ -1,6 +1,7 @@
 // Uses OpenVDB's level sets to turn a mesh into a volume, to offset and subtract volumes, and to turn a
 // volume into a mesh.
 #include "tools/bake/solid.hpp"
+#include "host/base/format.hpp"
 #include "tools/bake/fault.hpp"
 #include "tools/bake/level_set.hpp"
 
@@ -10,7 +11,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 #include <tuple>
 
@@ -27,9 +27,8 @@ void check_grid(const Mesh &mesh, double voxel_mm)
     for (const Eigen::Vector3d &v : mesh.vertices_mm) box.extend(v);
     const double voxels = (box.sizes() / voxel_mm).array().ceil().prod();
     if (voxels <= solid_voxels_max) return;
-    char text[96];
-    std::snprintf(text, sizeof text, "a box of %.0f million voxels of %.2f mm, over %.0f", voxels * 1e-6,
-                  voxel_mm, solid_voxels_max * 1e-6);
+    const std::string text = formatted("a box of %.0f million voxels of %.2f mm, over %.0f", voxels * 1e-6,
+                                       voxel_mm, solid_voxels_max * 1e-6);
     throw Fault(mesh.name + ": " + text + ": make solid_mm larger");
 }
 

@@ -1,5 +1,6 @@
 // Reads and writes our own table (.csv), which has one sphere per line and names its columns in the first
 // line.
+#include "host/base/number_text.hpp"
 #include "tools/centreline/formats.hpp"
 
 #include <array>
@@ -62,7 +63,8 @@ struct Row {
     {
         const double value = number(column);
         if (value == std::floor(value) && value >= low && value < 1e9) return static_cast<long long>(value);
-        throw Fault(where + std::string(titles[column]) + " must be a whole number from " + number_text(low));
+        throw Fault(where + std::string(titles[column]) + " must be a whole number from " +
+                    trimmed_text(low, file_decimals));
     }
 };
 
@@ -161,7 +163,7 @@ std::string csv_text(const Tree &tree)
             text += head + std::to_string(i);
             for (double value :
                  {s.centre_mm.x(), s.centre_mm.y(), s.centre_mm.z(), s.radius_mm, s.speed_mm_s})
-                text += "," + number_text(value);
+                text += "," + trimmed_text(value, file_decimals);
             text += s.is_manual ? ",1\n" : ",0\n";
         }
     }

@@ -1,5 +1,6 @@
 // VMTK writes centrelines as VTK's polydata (.vtp): every line is a branch, with MaximumInscribedSphereRadius
 // at its points. Our own files also state for each line which branch it leaves, and where.
+#include "host/base/number_text.hpp"
 #include "tools/centreline/vtk_array.hpp"
 
 #include <cmath>
@@ -37,7 +38,7 @@ class Piece
         const std::vector<double> ends = file_.values(line_array("offsets"), lines_);
         const double total = ends.back();
         if (!(total >= 0 && total <= static_cast<double>(spheres_max)))
-            file_.fail("has lines of " + number_text(total) + " points, at most " +
+            file_.fail("has lines of " + trimmed_text(total, file_decimals) + " points, at most " +
                        std::to_string(spheres_max) + " are read: thin them");
         const std::vector<double> order =
             file_.values(line_array("connectivity"), static_cast<std::size_t>(total));
@@ -69,7 +70,7 @@ class Piece
         const double most = std::string(attribute) == "NumberOfLines" ? branches_max : spheres_max;
         if (value == std::floor(value) && value >= 0 && value <= most) return static_cast<std::size_t>(value);
         file_.fail(std::string("Piece has ") + attribute + " = '" + node_.attribute(attribute).value() +
-                   "': a whole number up to " + number_text(most) + " is needed");
+                   "': a whole number up to " + trimmed_text(most, file_decimals) + " is needed");
     }
 
     // The value -1 (no parent) is returned as the largest std::size_t, which becomes -1 again when it is
@@ -78,8 +79,9 @@ class Piece
     {
         if (value == std::floor(value) && value >= low && value <= high)
             return static_cast<std::size_t>(static_cast<long long>(value));
-        file_.fail("has the index " + number_text(value) + ", expected " + number_text(low) + " to " +
-                   number_text(high) + ": the file is damaged, export it again");
+        file_.fail("has the index " + trimmed_text(value, file_decimals) + ", expected " +
+                   trimmed_text(low, file_decimals) + " to " + trimmed_text(high, file_decimals) +
+                   ": the file is damaged, export it again");
     }
 
     pugi::xml_node named(const char *place, const std::string &name) const
@@ -154,9 +156,10 @@ std::string polydata_text(const Tree &tree)
     for (std::size_t b = 0; b < tree.branches.size(); ++b) {
         const Branch &branch = tree.branches[b];
         for (const Sphere &s : branch.spheres) {
-            for (int k = 0; k < 3; ++k) points += number_text(s.centre_mm[k]) + (k < 2 ? " " : "\n");
-            radii += number_text(s.radius_mm) + " ";
-            speeds += number_text(s.speed_mm_s) + " ";
+            for (int k = 0; k < 3; ++k)
+                points += trimmed_text(s.centre_mm[k], file_decimals) + (k < 2 ? " " : "\n");
+            radii += trimmed_text(s.radius_mm, file_decimals) + " ";
+            speeds += trimmed_text(s.speed_mm_s, file_decimals) + " ";
             manual += s.is_manual ? "1 " : "0 ";
             order += std::to_string(next++) + " ";
         }

@@ -1,5 +1,6 @@
 // In a Wavefront OBJ the centrelines are lines, with one object per branch. OBJ has no radius, so our own
 // files state it in a comment after each point.
+#include "host/base/number_text.hpp"
 #include "tools/centreline/formats.hpp"
 
 #include <cmath>
@@ -141,9 +142,11 @@ std::string polyline_text(const Tree &tree)
                     "\n";
         std::string line = "l";
         for (const Sphere &s : branch.spheres) {
-            text += "v " + number_text(s.centre_mm.x()) + " " + number_text(s.centre_mm.y()) + " " +
-                    number_text(s.centre_mm.z()) + "\n# radius_mm " + number_text(s.radius_mm) + "\n";
-            if (s.speed_mm_s != 0) text += "# speed_mm_s " + number_text(s.speed_mm_s) + "\n";
+            text += "v " + trimmed_text(s.centre_mm.x(), file_decimals) + " " +
+                    trimmed_text(s.centre_mm.y(), file_decimals) + " " +
+                    trimmed_text(s.centre_mm.z(), file_decimals) + "\n# radius_mm " +
+                    trimmed_text(s.radius_mm, file_decimals) + "\n";
+            if (s.speed_mm_s != 0) text += "# speed_mm_s " + trimmed_text(s.speed_mm_s, file_decimals) + "\n";
             line += " " + std::to_string(next++);
         }
         text += line + "\n";

@@ -6,7 +6,6 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <sstream>
 
@@ -167,16 +166,6 @@ std::string plain_name(const std::string &name)
         plain += is_plain ? c : '_';
     }
     return plain;
-}
-
-std::string number_text(double value)
-{
-    char text[40];
-    std::snprintf(text, sizeof text, "%.6f", value);
-    std::string number = text;
-    number.erase(number.find_last_not_of('0') + 1);
-    if (number.back() == '.') number.pop_back();
-    return number == "-0" ? "0" : number;
 }
 
 } // namespace crn::centreline

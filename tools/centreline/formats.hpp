@@ -41,6 +41,8 @@ std::vector<std::string_view> words_of(std::string_view line);
 double number_of(std::string_view word);
 // Returns a name that every format can hold: letters, digits, blanks and _-.(), at most 63 bytes.
 std::string plain_name(const std::string &name);
-std::string number_text(double value); // the shortest text that preserves the value to a micrometre or better
+// Lengths in files have this many decimals, so they are exact to a micrometre; zeros at their end are left
+// out.
+inline constexpr int file_decimals = 6;
 
 } // namespace crn::centreline

@@ -1,6 +1,6 @@
 #include "tools/docs/dissector.hpp"
+#include "host/base/number_text.hpp"
 #include "shared/wire/wire.h"
-#include <cstdio>
 
 namespace
 {
@@ -32,10 +32,7 @@ std::string dissector_tables()
 {
     std::string out = "-- Generated from shared/wire by `make dissector`; do not edit.\n-- Protocol " +
                       std::to_string(CRN_WIRE_PROTOCOL_MAJOR) + "." + std::to_string(CRN_WIRE_PROTOCOL_MINOR);
-    char hash[40];
-    std::snprintf(hash, sizeof hash, ", schema hash %016llx\n",
-                  static_cast<unsigned long long>(crn_wire_schema_hash()));
-    out += hash;
+    out += ", schema hash " + crn::hex_text(crn_wire_schema_hash()) + "\n";
     out += "local records, choices, messages, faults, rejects = {}, {}, {}, {}, {}\n";
 #define RECORD(name, text) out += "records." #name " = { fields = {\n";
 #define MESSAGE(name, number, direction, text)                                                               \

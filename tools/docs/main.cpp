@@ -3,6 +3,7 @@
 //   docs --write    puts the tables between the marks in the documents
 //   docs --check    exit 1 when a document is not current
 //   docs --dissector FILE   writes the Wireshark dissector
+#include "host/base/number_text.hpp"
 #include "shared/version.h"
 #include "shared/wire/hid.h"
 #include "shared/wire/wire.h"
@@ -46,18 +47,15 @@ std::string row(std::initializer_list<std::string> cells)
 
 std::string message_tables()
 {
-    char hash[40];
-    std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(crn_wire_schema_hash()));
+    const std::string hash = crn::hex_text(crn_wire_schema_hash());
     std::string out = "Protocol " + std::to_string(CRN_WIRE_PROTOCOL_MAJOR) + "." +
                       std::to_string(CRN_WIRE_PROTOCOL_MINOR) + ", schema hash `" + hash + "`.\n\n";
-    char number[16];
     const char *const head = "\n| field | type | unit | meaning |\n|---|---|---|---|\n";
 #define RECORD(name, text)                                                                                   \
     out += "### Record `" #name "` (at most " + std::to_string(CRN_WIRE_BYTES_##name) + " bytes)\n" +        \
            wrapped(text ".") + head;
 #define MESSAGE(name, type, direction, text)                                                                 \
-    std::snprintf(number, sizeof number, "0x%02x", type);                                                    \
-    out += "### " + std::string(number) + " `" #name "` (from " direction ", up to " +                       \
+    out += "### 0x" + crn::hex_text(type, 2) + " `" #name "` (from " direction ", up to " +                  \
            std::to_string(CRN_WIRE_BYTES_##name) + " bytes)\n" + wrapped(text ".") + head;
 #define FIELD(owner, type, name, unit, text) out += row({"`" #name "`", #type, unit, bar_safe(text)});
 #define ARRAY(owner, type, name, max, unit, text)                                                            \
@@ -77,9 +75,8 @@ std::string message_tables()
 
 std::string report_tables()
 {
-    char hash[40];
-    std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(crn_hid_report_hash()));
-    std::string out = "Report hash `" + std::string(hash) + "`.\n\n";
+    const std::string hash = crn::hex_text(crn_hid_report_hash());
+    std::string out = "Report hash `" + hash + "`.\n\n";
     const char *const head = "\n| field | type | unit | meaning |\n|---|---|---|---|\n";
 #define HID_RECORD(name, text)                                                                               \
     out += "### Record `" #name "` (" + std::to_string(CRN_HID_BYTES_##name) + " bytes)\n" +                 \

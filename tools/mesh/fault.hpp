@@ -1,5 +1,4 @@
-// A Fault states in one sentence why a file or an option cannot be used: file, element and remedy. The main
-// function of each tool prints this sentence and exits with 1.
+// Provides Fault, and the units of lengths in files.
 #pragma once
 #include "host/base/fault.hpp"
 #include <string>

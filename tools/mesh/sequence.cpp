@@ -1,4 +1,5 @@
 #include "tools/mesh/sequence.hpp"
+#include "host/base/number_text.hpp"
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -174,14 +175,6 @@ Vec3 normal_of(const SequenceBody &body, size_t frame, size_t triangle)
     return (v[t[1]] - v[t[0]]).cross(v[t[2]] - v[t[0]]);
 }
 
-std::string text_of(double value)
-{
-    std::ostringstream text;
-    text.precision(3);
-    text << value;
-    return text.str();
-}
-
 SequenceReport check_body(const SequenceBody &body)
 {
     /* If the last frame of a beat does not lead back to the first, the vertices jump much farther there than
@@ -208,9 +201,9 @@ SequenceReport check_body(const SequenceBody &body)
                        std::to_string(report.inverted_triangle) + ", turned in frame " +
                        std::to_string(report.inverted_frame);
     else if (report.wrap_max > JUMP * report.step_max)
-        report.fault = "jumps by " + text_of(report.wrap_max) +
-                       " from the last frame to the first, elsewhere by at most " + text_of(report.step_max) +
-                       " per frame: is a frame missing at one end?";
+        report.fault = "jumps by " + crn::number_text(report.wrap_max, 3) +
+                       " from the last frame to the first, elsewhere by at most " +
+                       crn::number_text(report.step_max, 3) + " per frame: is a frame missing at one end?";
     return report;
 }
 

@@ -1,4 +1,5 @@
 #include "host/xray/gl/gl_device.hpp"
+#include "host/base/format.hpp"
 #include "host/xray/gl/gl_program.hpp"
 #include <algorithm>
 #include <cmath>
@@ -173,8 +174,7 @@ void GlDevice::check(const char *doing) const
     if (code == gl::context_lost) throw GlLost(at + "the context was lost while " + doing);
     if (code == gl::out_of_memory)
         throw GlError(at + "out of memory while " + doing + "; use a smaller --size");
-    char text[16];
-    std::snprintf(text, sizeof text, "0x%04x", code);
+    const std::string text = formatted("0x%04x", code);
     throw GlError(at + "error " + text + " while " + doing);
 }
 

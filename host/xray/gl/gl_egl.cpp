@@ -1,5 +1,6 @@
 // Implements EGL without a surface, which Mesa offers as the replacement for OSMesa. Like OSMesa, it needs no
 // display server.
+#include "host/base/format.hpp"
 #include "host/xray/gl/gl_headless.hpp"
 #include "host/xray/gl/gl_library.hpp"
 #include <mutex>
@@ -66,9 +67,7 @@ struct Egl {
 
 std::string code_of(const Egl &egl)
 {
-    char text[16];
-    std::snprintf(text, sizeof text, "0x%04x", static_cast<unsigned>(egl.error()));
-    return text;
+    return formatted("0x%04x", static_cast<unsigned>(egl.error()));
 }
 
 // Holds the display of a process for EGL without a surface; a process has only one. EGL gives every caller

@@ -1,10 +1,10 @@
 // Paths are traced back from the farthest voxel, as in TEASAR (Sato et al. 2000), until every voxel is
 // covered.
 #include "tools/centreline/fit/automatic.hpp"
+#include "host/base/format.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 
 namespace crn::centreline
@@ -176,9 +176,8 @@ void note_unreached(const Voxels &voxels, const Ways &ways, std::vector<std::str
     }
     const double share = 1 - static_cast<double>(reached) / static_cast<double>(voxels.size());
     if (share < 1e-3) return;
-    char text[160];
-    std::snprintf(text, sizeof text,
-                  "%.1f %% of the inside cannot be reached from the inlet, its widest place is at %s: "
+    const std::string text =
+        formatted("%.1f %% of the inside cannot be reached from the inlet, its widest place is at %s: "
                   "another vessel, or one closed between",
                   100 * share, bake::place_text(voxels.centre_mm(sample)).c_str());
     notes.push_back(text);

@@ -1,10 +1,10 @@
 // Closes or remakes the mesh, and distinguishes openings from walls.
 #include "tools/centreline/fit/lumen.hpp"
+#include "host/base/format.hpp"
 #include "tools/bake/solid.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace crn::centreline
 {
@@ -78,9 +78,8 @@ Lumen::Lumen(bake::Mesh mesh, const LumenWish &wish, bake::Progress &progress)
         // If capping has missed a hole, the level set has no inside, and only a thin shell remains.
         if (bake::volume_mm3(made) < 0.5 * before_mm3) throw;
         notes_.push_back(std::string(fault.what()));
-        char text[96];
-        std::snprintf(text, sizeof text, "made the surface anew from a level set of %.2f mm instead",
-                      voxel_mm);
+        const std::string text =
+            formatted("made the surface anew from a level set of %.2f mm instead", voxel_mm);
         notes_.push_back(text);
         closed = std::move(made);
         is_remade = true;

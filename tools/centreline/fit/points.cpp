@@ -1,5 +1,6 @@
 // Reads and writes points as TOML.
 #include "tools/centreline/fit/points.hpp"
+#include "host/base/number_text.hpp"
 #include "host/base/pending_file.hpp"
 #include "host/base/toml_reader.hpp"
 #include "tools/centreline/formats.hpp"
@@ -61,8 +62,9 @@ std::string points_text(const PointText &text)
         out += "\n[[point]]\nkind = \"" + std::string(kind_name(point.kind)) + "\"\n";
         if (!point.name.empty()) out += "name = " + quoted(point.name) + "\n";
         if (!point.after.empty()) out += "after = " + quoted(point.after) + "\n";
-        out += "position_mm = [" + number_text(point.position_mm.x()) + ", " +
-               number_text(point.position_mm.y()) + ", " + number_text(point.position_mm.z()) + "]\n";
+        out += "position_mm = [" + trimmed_text(point.position_mm.x(), file_decimals) + ", " +
+               trimmed_text(point.position_mm.y(), file_decimals) + ", " +
+               trimmed_text(point.position_mm.z(), file_decimals) + "]\n";
     }
     return out;
 }

@@ -1,10 +1,10 @@
 // Draws in software: first the glass vessel, then the spheres from far to near, and then points and letters.
 #include "tools/centreline/fit/tree_picture.hpp"
+#include "host/base/format.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace crn::centreline
 {
@@ -84,8 +84,7 @@ void draw_scale(Sheet &sheet, const View &view)
         if (step * view.pixels_per_mm < 0.3 * view.width) length_mm = step;
     const double y = view.height - 18, x = 16, end = x + length_mm * view.pixels_per_mm;
     draw_line(sheet, {x, y}, {end, y}, 3, letter_ink);
-    char text[32];
-    std::snprintf(text, sizeof text, "%g mm", length_mm);
+    const std::string text = formatted("%g mm", length_mm);
     sheet.text(static_cast<int>(x), static_cast<int>(y) - 24, text, 2, letter_ink);
 }
 

@@ -24,6 +24,8 @@ CORE_PUBLIC = [
 # Files that the command lines of all tools share.
 COMMAND_LINE = [
     "host/base/command_values.hpp",
+    "host/base/format.hpp",
+    "host/base/number_text.hpp",
     "host/base/version.hpp",
     "host/base/output_files.hpp",
     "host/base/terminal.hpp",
@@ -172,8 +174,13 @@ ALLOWED = {
         "tools/centreline/formats.hpp",
     ]
     + CORE_PUBLIC,
-    "tools/centreline": ["tools/mesh", "host/base/pending_file.hpp", "host/base/guarded_read.hpp"],
-    # The window and pictures are those of the host, which does not depend on this program.
+    "tools/centreline": [
+        "tools/mesh",
+        "host/base/guarded_read.hpp",
+        "host/base/number_text.hpp",
+        "host/base/pending_file.hpp",
+    ],
+    # The window and pictures are the host's, which know nothing of it.
     "tools/centreline/fit": [
         "tools/centreline",
         "tools/bake",
@@ -244,17 +251,17 @@ ALLOWED = {
         "host/base/guarded_read.hpp",
         "host/base/interrupt.hpp",
         "host/base/number_range.hpp",
+        "host/base/number_text.hpp",
     ],
     "tools/mesh/files": ["tools/mesh", "host/base/guarded_read.hpp"],
     # core_hash.c owns the core's memory and reads it; it also runs on a bare board.
     "tools/lab/validate": COMMAND_LINE
     + [
         "firmware/core",
-        "host/base/format.hpp",
         "host/base/pending_file.hpp",
     ],  # owns the memory of models and states (rig.cpp)
     "tools/check": CORE_PUBLIC + ["firmware/core/core_state.h", "firmware/port/mps2_an500"],
-    "tools/docs": ["shared/version.h", "shared/wire", "firmware/app/usb/usb_table.def"],
+    "tools/docs": ["host/base/number_text.hpp", "shared/version.h", "shared/wire", "firmware/app/usb/usb_table.def"],
     "tools/lab/vcsim3": ["shared/scene"] + CORE_PUBLIC,
     # Two files of the host write the pictures; these files use nothing else of the host.
     "tools/lab/figures": COMMAND_LINE

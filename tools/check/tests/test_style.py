@@ -135,6 +135,23 @@ def banned_words(path, text):
             yield "%s:%d: '%s' is banned on the device: use %s" % (path, line, word, instead)
 
 
+# The host and the tools make text from numbers in one way, and read TOML in one way.
+NUMBERS = re.compile(r"\b(?:v?sn?printf|to_chars|setprecision)\b|\bstd::fixed\b")
+NUMBER_FILES = ("host/base/format.cpp", "host/base/number_text.cpp")
+# The reader, one writer, and the program that compares the parser with another one.
+TOML_FILES = ("host/base/toml.cpp", "host/base/toml_reader.cpp", "tools/lab/calibrate/fitted_instrument.cpp",
+              "tools/importers/main.cpp")
+
+
+def other_readers_and_numbers(path, text):
+    if path not in NUMBER_FILES:
+        for match in NUMBERS.finditer(tree.code_only(text)):
+            yield "%s:%d: '%s': use host/base/number_text.hpp, or formatted() of host/base/format.hpp" % (
+                path, tree.line_of(text, match.start()), match.group())
+    if path not in TOML_FILES and '#include "host/base/toml.hpp"' in text:
+        yield "%s: includes toml++: use host/base/toml_reader.hpp" % path
+
+
 CAST = r"(?:\(+\s*(?:u?int\d+_t|unsigned|int|size_t)\s*\))?"
 CONSTANT = CAST + r"\s*\(*\s*(?:\d\w*|[A-Z][A-Z0-9_]*(?:_[a-z]\w*)?\b|sizeof\b)"
 
@@ -269,6 +286,12 @@ def self_test_code(report):
     report.catches("a mark of unfinished work is caught", unfinished("a.c", "/* TO" "DO later */"))
     for word in BANNED:
         report.catches("banned word %s is caught" % word, banned_words("a.c", "void f(void) { %s(1); }" % word))
+    report.catches("a second way from numbers to text is caught",
+                   other_readers_and_numbers("host/a.cpp", 'char t[9]; std::snprintf(t, 9, "%g", 1.0);'))
+    report.catches("an include of toml++ is caught",
+                   other_readers_and_numbers("host/a.cpp", '#include "host/base/toml.hpp"\n'))
+    report.accepts("formatted() is accepted",
+                   other_readers_and_numbers("host/a.cpp", 'return formatted("%g", 1.0); // as snprintf does'))
     report.catches("a banned word in a macro is caught", banned_words("a.c", "#define SIZE(x) ((float)(x))\n"))
     report.accepts("banned words in comments, strings, includes and longer names are accepted",
                    banned_words("a.c", '#include <float.h>\n/* free */ int set_free_count(void) { return "sin"[0]; }'))
@@ -340,6 +363,10 @@ def check_tree(report):
     report.check("nothing is marked as unfinished",
                  findings_of(unfinished, written + tree.files(".md", ".toml", ".txt")))
     report.check("the device uses no floating point, heap, libm, printf or goto", findings_of(banned_words, device))
+    report.check("host and tools make text from numbers, and read TOML, in one way",
+                 findings_of(other_readers_and_numbers,
+                             [p for p in sources if p.startswith(("host/", "tools/")) and "/tests/" not in p
+                              and p.endswith((".cpp", ".hpp"))]))
     report.check("the core divides by constants only",
                  findings_of(variable_division, [p for p in device if p.startswith("firmware/core/")]))
     report.check("nothing on the device calls itself", recursion({path: tree.read(path) for path in device}))

@@ -1,9 +1,9 @@
 #include "tools/lab/calibrate/checkpoint.hpp"
+#include "host/base/format.hpp"
 #include "host/base/pending_file.hpp"
 #include "host/model/instrument.hpp"
 #include <bit>
 #include <cinttypes>
-#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
@@ -17,9 +17,7 @@ constexpr const char *magic = "cournand-calibrate-checkpoint 1";
 
 void put_number(std::string &text, double value)
 {
-    char number[40];
-    std::snprintf(number, sizeof number, " %a", value);
-    text += number;
+    text += formatted(" %a", value);
 }
 
 void put_trials(std::string &text, const char *name, const std::vector<Trial> &trials)
@@ -36,9 +34,7 @@ void put_trials(std::string &text, const char *name, const std::vector<Trial> &t
 
 std::string head_text(std::uint64_t hash)
 {
-    char head[100];
-    std::snprintf(head, sizeof head, "%s\nhash %016" PRIx64 "\n", magic, hash);
-    return head;
+    return formatted("%s\nhash %016" PRIx64 "\n", magic, hash);
 }
 
 // Reads the words of a checkpoint one after the other.

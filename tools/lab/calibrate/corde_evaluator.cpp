@@ -1,4 +1,5 @@
 #include "tools/lab/calibrate/corde_evaluator.hpp"
+#include "host/base/number_text.hpp"
 #include "tools/lab/calibrate/rod_evaluator.hpp"
 #include "tools/lab/case/stiffness.hpp"
 #include <algorithm>
@@ -126,10 +127,11 @@ Insertion CordeEvaluator::insert(const std::vector<double> &values, std::size_t 
 
 std::string CordeEvaluator::settings_text() const
 {
-    const auto number = insertion::number_text;
-    return "corde 1 " + settings_.text() + " of " + number(settings_.element_mm) + " mm steps " +
-           std::to_string(settings_.substeps_max) + " drag " + number(settings_.drag_per_s) + " " +
-           number(settings_.spin_drag_per_s) + " " + settings_.mode.token();
+    return "corde 1 " + settings_.text() + " of " +
+           number_text(settings_.element_mm, insertion::file_digits) + " mm steps " +
+           std::to_string(settings_.substeps_max) + " drag " +
+           number_text(settings_.drag_per_s, insertion::file_digits) + " " +
+           number_text(settings_.spin_drag_per_s, insertion::file_digits) + " " + settings_.mode.token();
 }
 
 } // namespace crn::calibrate

@@ -1,4 +1,5 @@
 #include "tools/lab/calibrate/evaluator.hpp"
+#include "host/base/number_text.hpp"
 #include <algorithm>
 #include <cmath>
 
@@ -20,7 +21,7 @@ void Evaluator::set_bounds(std::size_t parameter, double low, double high)
     Parameter &p = parameters_.at(parameter);
     if (!(low > 0.0) || !(low < high) || p.nominal < low || p.nominal > high)
         throw Fault("bounds of " + p.name + ": give LOW..HIGH above 0 with the file's value, " +
-                    insertion::number_text(p.nominal) + " " + p.unit + ", between them");
+                    number_text(p.nominal, insertion::file_digits) + " " + p.unit + ", between them");
     p.low = low;
     p.high = high;
 }

@@ -49,7 +49,7 @@ class Evaluator
   public:
     virtual ~Evaluator() = default;
     const std::vector<Parameter> &parameters() const { return parameters_; }
-    // Throws CaseError when 0 < low < high does not hold, or when the nominal value lies outside this range.
+    // Throws Fault when 0 < low < high does not hold, or when the nominal value lies outside this range.
     void set_bounds(std::size_t parameter, double low, double high);
 
     virtual std::string rod() const = 0; // "core": our rod; "corde": the thesis' rod

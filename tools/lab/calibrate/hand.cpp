@@ -1,4 +1,5 @@
 #include "tools/lab/calibrate/hand.hpp"
+#include "host/base/number_text.hpp"
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -123,11 +124,13 @@ class Hand
 
 std::string InsertionSettings::text() const
 {
-    const auto number = insertion::number_text;
-    return "start " + number(start_mm) + " speed " + number(speed_mm_per_s) + " last " + number(approach_mm) +
-           " at " + number(approach_mm_per_s) + " still " + number(still_um_per_tick) + " over " +
+    return "start " + number_text(start_mm, insertion::file_digits) + " speed " +
+           number_text(speed_mm_per_s, insertion::file_digits) + " last " +
+           number_text(approach_mm, insertion::file_digits) + " at " +
+           number_text(approach_mm_per_s, insertion::file_digits) + " still " +
+           number_text(still_um_per_tick, insertion::file_digits) + " over " +
            std::to_string(rest_window_ticks) + " at most " + std::to_string(settle_max_ticks) + " elements " +
-           number(element_factor);
+           number_text(element_factor, insertion::file_digits);
 }
 
 Insertion insert_by_hand(HeldRod &rod, const insertion::Case &c, const InsertionSettings &settings,

@@ -1,7 +1,7 @@
 #include "tools/lab/calibrate/judge.hpp"
+#include "host/base/format.hpp"
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace crn::calibrate
 {
@@ -118,11 +118,8 @@ Verdict Judge::evaluate(const Evaluator &evaluator, const std::vector<double> &v
 
 std::string Judge::settings_text() const
 {
-    char text[160];
-    std::snprintf(text, sizeof text, "judge 1 depths %zu force weight %.9g from %.9g smooth %.9g",
-                  settings_.fit_depths, settings_.force_weight_mm, settings_.force_from_mm,
-                  settings_.force_smooth_mm);
-    return text;
+    return formatted("judge 1 depths %zu force weight %.9g from %.9g smooth %.9g", settings_.fit_depths,
+                     settings_.force_weight_mm, settings_.force_from_mm, settings_.force_smooth_mm);
 }
 
 } // namespace crn::calibrate

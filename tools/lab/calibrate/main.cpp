@@ -1,5 +1,6 @@
 // Command line of `calibrate` (docs/calibrate.md).
 #include "host/base/command_values.hpp"
+#include "host/base/format.hpp"
 #include "host/base/interrupt.hpp"
 #include "host/base/output_files.hpp"
 #include "host/base/pending_file.hpp"
@@ -188,9 +189,8 @@ Finished search(const Options &options, Method method, const Setup &setup, const
     std::error_code ignored;
     if (options.resume && fs::exists(file, ignored)) state = read_checkpoint(file, hash, count);
     while (state.generation < finished.settings.generations && !has_converged(finished.settings, state)) {
-        char text[120];
-        std::snprintf(text, sizeof text, "%s, generation %u of %u", method_token(method),
-                      state.generation + 1, finished.settings.generations);
+        const std::string text = crn::formatted("%s, generation %u of %u", method_token(method),
+                                                state.generation + 1, finished.settings.generations);
         doing = text;
         advance(finished.settings, count, evaluate, state);
         write_checkpoint(file, hash, finished.settings, state);

@@ -1,6 +1,7 @@
 // Writes a result as JSON, as a page and as pictures, with the canvas, charts and tables of the thesis
 // baseline (vcsim3).
 #include "host/base/format.hpp"
+#include "host/base/number_text.hpp"
 #include "tools/lab/calibrate/result.hpp"
 #include "tools/lab/figures/chart.hpp"
 #include "tools/lab/figures/page.hpp"
@@ -18,7 +19,6 @@ namespace
 using Json = nlohmann::ordered_json;
 using vcsim3::Canvas;
 using vcsim3::Colour;
-using vcsim3::number;
 
 constexpr Colour reference_colour{200, 30, 30}, simulated_colour{10, 140, 50};
 constexpr Colour method_colours[] = {{52, 101, 164}, {204, 85, 0}, {120, 60, 150}};
@@ -84,7 +84,7 @@ Json json_of(const MethodResult &method)
 
 std::string range_text(const ParameterResult &p)
 {
-    return number(p.identified.low, 3) + " to " + number(p.identified.high, 3);
+    return number_text(p.identified.low, 3) + " to " + number_text(p.identified.high, 3);
 }
 
 vcsim3::Table parameter_table(const Result &result)
@@ -92,16 +92,18 @@ vcsim3::Table parameter_table(const Result &result)
     vcsim3::Table table{
         {"parameter", "unit", "nominal", "fitted", "as good within", "bounds", "verdict", "in the file"}, {}};
     for (const ParameterResult &p : result.parameters)
-        table.rows.push_back({p.parameter.text, p.parameter.unit, number(p.parameter.nominal),
-                              number(p.fitted), range_text(p),
-                              number(p.parameter.low, 3) + " to " + number(p.parameter.high, 3),
-                              p.is_determined ? "determined" : "undetermined: " + p.why, number(p.kept)});
+        table.rows.push_back({p.parameter.text, p.parameter.unit, number_text(p.parameter.nominal, 4),
+                              number_text(p.fitted, 4), range_text(p),
+                              number_text(p.parameter.low, 3) + " to " + number_text(p.parameter.high, 3),
+                              p.is_determined ? "determined" : "undetermined: " + p.why,
+                              number_text(p.kept, 4)});
     return table;
 }
 
 std::vector<std::string> distance_cells(const Distances &d)
 {
-    return {number(d.rms_mm, 3), number(d.mean_mm, 3), number(d.deviation_mm, 3), number(d.max_mm, 3)};
+    return {number_text(d.rms_mm, 3), number_text(d.mean_mm, 3), number_text(d.deviation_mm, 3),
+            number_text(d.max_mm, 3)};
 }
 
 vcsim3::Table depth_table(const Result &result)
@@ -115,10 +117,10 @@ vcsim3::Table depth_table(const Result &result)
         table.rows.push_back(row);
     };
     for (const DepthResult &depth : result.depths)
-        add({depth.name + (depth.is_fitted ? "" : " (validation)"), number(depth.inserted_mm)},
+        add({depth.name + (depth.is_fitted ? "" : " (validation)"), number_text(depth.inserted_mm, 4)},
             depth.distances,
-            {depth.force_error ? number(*depth.force_error, 3) : "-",
-             depth.short_cuts_mm ? number(*depth.short_cuts_mm, 2) : "-"});
+            {depth.force_error ? number_text(*depth.force_error, 3) : "-",
+             depth.short_cuts_mm ? number_text(*depth.short_cuts_mm, 2) : "-"});
     add({"average", ""}, result.average, {"", ""});
     return table;
 }
@@ -171,10 +173,11 @@ std::string page_html(const Result &result)
             ", fitted by <code>calibrate</code> (" + method_token(result.search.method) + ", " +
             std::to_string(result.evaluations) + " insertions, seed " + std::to_string(result.search.seed) +
             "). The error is equation 19 of the thesis, averaged over the fitted depths: " +
-            number(result.kept.error_mm, 3) + " mm. Method and limits: <code>docs/calibrate.md</code>.</p>\n";
+            number_text(result.kept.error_mm, 3) +
+            " mm. Method and limits: <code>docs/calibrate.md</code>.</p>\n";
     text += "<h2>Parameters</h2>\n" + vcsim3::to_html(parameter_table(result)) +
             "<p>\"As good within\": how far a number can go while the objective rises by less than " +
-            number(result.noise_mm) +
+            number_text(result.noise_mm, 4) +
             " mm, the others at the optimum or as the search has varied them.</p>\n";
     text +=
         "<h2>Distances</h2>\n" + vcsim3::to_html(depth_table(result)) +
@@ -205,8 +208,8 @@ void draw_shapes(const Result &result, const vcsim3::Vessel &vessel, const std::
         const double left = gap + panel * static_cast<double>(i), top = head + 40;
         canvas.text(left + panel / 2, head, depth.name, 2.0, vcsim3::ink, vcsim3::Align::centre);
         canvas.text(left + panel / 2, head + 20,
-                    "RMS " + number(depth.distances.rms_mm, 3) + " mm, max " +
-                        number(depth.distances.max_mm, 3) + " mm",
+                    "RMS " + number_text(depth.distances.rms_mm, 3) + " mm, max " +
+                        number_text(depth.distances.max_mm, 3) + " mm",
                     1.5, vcsim3::quiet, vcsim3::Align::centre);
         picture.draw(canvas, left, top, {}, 0, 0);
         draw_line(canvas, picture, left, top, depth.reference_mm, 4.0, reference_colour);
@@ -243,11 +246,11 @@ void draw_curves(const Result &result, const std::string &path)
                         colour);
         }
         legend.emplace_back(colour, std::string(method_token(method.search.method)) + ": " +
-                                        number(method.best, 3) + " mm");
+                                        number_text(method.best, 3) + " mm");
     }
     for (int i = 0; i <= 5; i++)
         canvas.text(chart.left() + (chart.right() - chart.left()) * i / 5.0, chart.bottom() + 10,
-                    number(most * i / 5.0), 1.5, vcsim3::ink, vcsim3::Align::centre);
+                    number_text(most * i / 5.0, 4), 1.5, vcsim3::ink, vcsim3::Align::centre);
     vcsim3::draw_legend(canvas, 560, 100, legend);
     canvas.write_png(path);
 }

@@ -1,8 +1,8 @@
 #include "tools/lab/case/case.hpp"
+#include "host/base/number_text.hpp"
 #include "host/base/pending_file.hpp"
 #include "host/base/toml_reader.hpp"
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 
@@ -90,13 +90,6 @@ std::string toml_quoted(const std::filesystem::path &path)
 
 } // namespace
 
-std::string number_text(double value)
-{
-    char text[40];
-    std::snprintf(text, sizeof text, "%.9g", value);
-    return text;
-}
-
 std::filesystem::path Case::path_in(const std::filesystem::path &path) const
 {
     return path.empty() || path.is_absolute() ? path : folder / path;
@@ -155,7 +148,8 @@ Case read_case(const std::filesystem::path &folder_or_file, CaseParts wanted)
 // Returns three numbers as TOML, with the end of the line.
 static std::string vector_text(const Eigen::Vector3d &v)
 {
-    return "[" + number_text(v.x()) + ", " + number_text(v.y()) + ", " + number_text(v.z()) + "]\n";
+    return "[" + number_text(v.x(), file_digits) + ", " + number_text(v.y(), file_digits) + ", " +
+           number_text(v.z(), file_digits) + "]\n";
 }
 
 void complete_case(const Case &c)
@@ -191,13 +185,13 @@ void write_case(const Case &c)
     if (!c.force.empty()) text += "force = " + toml_quoted(c.force) + "\n";
     text += "mouth_mm = " + vector_text(c.mouth_mm) + "direction = " + vector_text(c.direction);
     if (c.gravity_m_s2 != Eigen::Vector3d::Zero()) text += "gravity_m_s2 = " + vector_text(c.gravity_m_s2);
-    text += "friction_kinetic = " + number_text(c.friction_kinetic) +
-            "\nfriction_static = " + number_text(c.friction_static) +
-            "\nspeed_mm_per_s = " + number_text(c.speed_mm_per_s) + "\n";
+    text += "friction_kinetic = " + number_text(c.friction_kinetic, file_digits) +
+            "\nfriction_static = " + number_text(c.friction_static, file_digits) +
+            "\nspeed_mm_per_s = " + number_text(c.speed_mm_per_s, file_digits) + "\n";
     for (const Depth &depth : c.depths) {
         text += "\n[[depth]]\nname = " + toml_quoted(depth.name) +
-                "\ninserted_mm = " + number_text(depth.inserted_mm) +
-                "\nturn_deg = " + number_text(depth.turn_deg) + "\n";
+                "\ninserted_mm = " + number_text(depth.inserted_mm, file_digits) +
+                "\nturn_deg = " + number_text(depth.turn_deg, file_digits) + "\n";
         if (!depth.scan.empty()) text += "scan = " + toml_quoted(depth.scan) + "\n";
         text += "centreline = " + toml_quoted(depth.centreline) + "\n";
     }
@@ -217,7 +211,8 @@ void write_centreline(const std::filesystem::path &file, const std::vector<Eigen
 {
     std::string text = "x_mm,y_mm,z_mm\n";
     for (const Eigen::Vector3d &point : points_mm)
-        text += number_text(point.x()) + "," + number_text(point.y()) + "," + number_text(point.z()) + "\n";
+        text += number_text(point.x(), file_digits) + "," + number_text(point.y(), file_digits) + "," +
+                number_text(point.z(), file_digits) + "\n";
     write_whole_file(file.string(), text);
 }
 
@@ -238,7 +233,8 @@ void write_force(const std::filesystem::path &file, const std::vector<ForceSampl
 {
     std::string text = "inserted_mm,axial_mN\n";
     for (const ForceSample &sample : samples)
-        text += number_text(sample.inserted_mm) + "," + number_text(sample.axial_mN) + "\n";
+        text += number_text(sample.inserted_mm, file_digits) + "," +
+                number_text(sample.axial_mN, file_digits) + "\n";
     write_whole_file(file.string(), text);
 }
 

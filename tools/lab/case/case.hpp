@@ -61,16 +61,16 @@ struct Case {
 // States which parts a case must have: all parts, or only those that are known from scans alone. `ct segment`
 // later adds scene, surface and mouth_mm.
 enum class CaseParts { all, before_segmentation };
-// Reads FOLDER/case.toml, or the given file itself. Throws CaseError.
+// Reads FOLDER/case.toml, or the given file itself. Throws Fault.
 Case read_case(const std::filesystem::path &folder_or_file, CaseParts wanted = CaseParts::all);
 // Writes FOLDER/case.toml. Throws crn::OutputError.
 void write_case(const Case &c);
 // Adds scene, surface, mouth_mm and direction if FOLDER/case.toml lacks them, and keeps the rest of the text
-// as a person wrote it. Throws CaseError, crn::OutputError.
+// as a person wrote it. Throws Fault, crn::OutputError.
 void complete_case(const Case &c);
 
 // Reads ordered points in mm under the header x_mm,y_mm,z_mm; further columns are ignored. The file must have
-// at least two points. Throws CaseError.
+// at least two points. Throws Fault.
 std::vector<Eigen::Vector3d> read_centreline(const std::filesystem::path &file);
 void write_centreline(const std::filesystem::path &file, const std::vector<Eigen::Vector3d> &points_mm);
 
@@ -79,7 +79,7 @@ void write_centreline(const std::filesystem::path &file, const std::vector<Eigen
 std::vector<ForceSample> read_force(const std::filesystem::path &file);
 void write_force(const std::filesystem::path &file, const std::vector<ForceSample> &samples);
 
-// Returns the number with nine digits, as in all files of a case.
-std::string number_text(double value);
+// Numbers in all files of a case have this many significant digits.
+inline constexpr int file_digits = 9;
 
 } // namespace crn::insertion

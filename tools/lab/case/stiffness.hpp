@@ -26,7 +26,7 @@ Stiffness stiffness_of(const crn_wire_instrument &table);
 double tip_weight(double bend_N_m2, const Stiffness &nominal);
 
 // Returns the same instrument with another stiffness. The EI and GJ of knots are rounded to nN m^2 and kept
-// within the core's limits (1e-7 to 3e-2 N m^2). Throws CaseError when a number is not above 0, or when alpha
+// within the core's limits (1e-7 to 3e-2 N m^2). Throws Fault when a number is not above 0, or when alpha
 // should change although the file's alpha is 1.
 crn_wire_instrument with_stiffness(const crn_wire_instrument &table, const Stiffness &wanted);
 

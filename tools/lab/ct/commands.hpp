@@ -35,7 +35,7 @@ struct SimulateOptions {
 };
 
 // Scans every depth of a case that has a truth/ folder, and writes the scans' names into case.toml. Throws
-// Fault, CaseError, and any exception that reference::make_case throws.
+// Fault, and any exception that reference::make_case throws.
 void command_simulate(SimulateOptions options);
 
 struct SegmentCommand {

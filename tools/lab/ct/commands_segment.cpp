@@ -1,5 +1,6 @@
 // The command `ct segment` makes files from scans, and `ct check` measures the distance of these files from
 // the truth.
+#include "host/base/format.hpp"
 #include "host/base/output_files.hpp"
 #include "host/base/pending_file.hpp"
 #include "tools/bake/bake.hpp"
@@ -72,22 +73,21 @@ void bake_lumen(const insertion::Case &c, const bake::Mesh &lumen, const fs::pat
                 const fs::path &scene)
 {
     const double wall_mm = bake::TriangleTree(lumen).nearest(c.mouth_mm).distance_mm;
-    char text[400];
+    std::string text;
     if (wall_mm > -1) {
-        std::snprintf(text, sizeof text,
-                      ": the mouth at (%.1f, %.1f, %.1f) mm is %.1f mm %s the wall of the lumen that was "
+        text =
+            formatted(": the mouth at (%.1f, %.1f, %.1f) mm is %.1f mm %s the wall of the lumen that was "
                       "found, and must be 1 mm inside: mend inserted_mm of the depths in case.toml, or write "
                       "mouth_mm and direction",
                       c.mouth_mm.x(), c.mouth_mm.y(), c.mouth_mm.z(), std::abs(wall_mm),
                       wall_mm > 0 ? "outside" : "from");
         throw Fault(c.folder.string() + text);
     }
-    std::snprintf(text, sizeof text,
-                  "[scene]\nname = \"scanned lumen\"\nsource = \"ct segment\"\n\n[lumen]\nmesh = \"%s\"\n"
-                  "unit = \"mm\"\n\n[entry]\nposition_mm = [%.4f, %.4f, %.4f]\n"
-                  "direction = [%.6f, %.6f, %.6f]\n",
-                  surface.filename().c_str(), c.mouth_mm.x(), c.mouth_mm.y(), c.mouth_mm.z(), c.direction.x(),
-                  c.direction.y(), c.direction.z());
+    text = formatted("[scene]\nname = \"scanned lumen\"\nsource = \"ct segment\"\n\n[lumen]\nmesh = \"%s\"\n"
+                     "unit = \"mm\"\n\n[entry]\nposition_mm = [%.4f, %.4f, %.4f]\n"
+                     "direction = [%.6f, %.6f, %.6f]\n",
+                     surface.filename().c_str(), c.mouth_mm.x(), c.mouth_mm.y(), c.mouth_mm.z(),
+                     c.direction.x(), c.direction.y(), c.direction.z());
     bake::Options options;
     options.scene = surface.parent_path() / "scene.toml";
     options.output = scene;

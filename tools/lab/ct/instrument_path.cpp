@@ -1,8 +1,8 @@
 #include "tools/lab/ct/instrument_path.hpp"
+#include "host/base/format.hpp"
 #include "tools/mesh/fault.hpp"
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <functional>
 #include <queue>
 
@@ -128,9 +128,7 @@ bool is_at_border(const Volume &volume, const std::array<int, 3> &index)
 
 std::string middle_text(const Vector3d &p)
 {
-    char text[80];
-    std::snprintf(text, sizeof text, "(%.0f, %.0f, %.0f) mm", p.x(), p.y(), p.z());
-    return text;
+    return formatted("(%.0f, %.0f, %.0f) mm", p.x(), p.y(), p.z());
 }
 
 // Voxels that lie off the path over more than a certain length belong to another object.

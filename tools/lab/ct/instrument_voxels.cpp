@@ -1,10 +1,10 @@
 // Selects the instrument's voxels: bright voxels that are connected over a greater length than any streak.
+#include "host/base/format.hpp"
 #include "tools/lab/ct/centreline.hpp"
 #include "tools/mesh/fault.hpp"
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace crn::ct
 {
@@ -27,9 +27,7 @@ struct Piece {
 
 std::string place_text(const Vector3d &p)
 {
-    char text[80];
-    std::snprintf(text, sizeof text, "(%.0f, %.0f, %.0f) mm", p.x(), p.y(), p.z());
-    return text;
+    return formatted("(%.0f, %.0f, %.0f) mm", p.x(), p.y(), p.z());
 }
 
 std::array<int, 3> index_of(const Volume &volume, std::size_t at)
@@ -93,9 +91,8 @@ double gap_between(const Volume &volume, const Piece &a, const Piece &b)
 
 [[noreturn]] void refuse_none(const Volume &volume, double brightest)
 {
-    char text[200];
-    std::snprintf(text, sizeof text,
-                  ": no instrument in the scan: its brightest voxel has %.0f HU, metal and marked polymer "
+    const std::string text =
+        formatted(": no instrument in the scan: its brightest voxel has %.0f HU, metal and marked polymer "
                   "have over %.0f",
                   brightest, brightest_least_HU);
     throw Fault(volume.name + text +

@@ -1,9 +1,9 @@
 #include "tools/lab/ct/lumen.hpp"
+#include "host/base/format.hpp"
 #include "tools/mesh/fault.hpp"
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace crn::ct
 {
@@ -246,9 +246,7 @@ Lumen find_lumen(const std::vector<LumenScan> &scans, const LumenOptions &option
     lumen.edge_HU = wall.edge_HU;
     const double contrast = lumen.wall_HU - lumen.fluid_HU;
     if (contrast < wall_contrast_least_HU) {
-        char text[200];
-        std::snprintf(
-            text, sizeof text,
+        const std::string text = formatted(
             ": no wall around the instrument: the fluid has %.0f HU, nothing around it is brighter by %.0f",
             lumen.fluid_HU, wall_contrast_least_HU);
         throw Fault(name + text + "; give --fluid-HU, or --no-lumen for the line alone");

@@ -1,4 +1,5 @@
 #include "tools/lab/ct/segment.hpp"
+#include "host/base/format.hpp"
 #include "host/base/pending_file.hpp"
 #include "tools/bake/triangle_tree.hpp"
 #include "tools/lab/ct/mouth.hpp"
@@ -24,10 +25,10 @@ constexpr double simplify_mm = 0.03;
 void write_points(const InstrumentLine &line, const fs::path &file)
 {
     std::string text = "x_mm,y_mm,z_mm,unsure_mm,why\n";
-    char row[160];
+    std::string row;
     for (const LinePoint &point : line.points) {
-        std::snprintf(row, sizeof row, "%.4f,%.4f,%.4f,%.3f,", point.place_mm.x(), point.place_mm.y(),
-                      point.place_mm.z(), point.unsure_mm);
+        row = formatted("%.4f,%.4f,%.4f,%.3f,", point.place_mm.x(), point.place_mm.y(), point.place_mm.z(),
+                        point.unsure_mm);
         text += row + point.why + "\n";
     }
     write_whole_file(file.string(), text);
@@ -178,7 +179,7 @@ void write_line(const InstrumentLine &line, const Volume &volume, Page &page, co
 
 std::string line_facts(const InstrumentLine &line, const Volume &volume)
 {
-    char text[500];
+    std::string text;
     double unsure = 0, length = 0;
     std::size_t doubtful = 0;
     for (std::size_t i = 0; i < line.points.size(); ++i) {
@@ -186,8 +187,7 @@ std::string line_facts(const InstrumentLine &line, const Volume &volume)
         doubtful += !line.points[i].why.empty();
         if (i > 0) length += (line.points[i].place_mm - line.points[i - 1].place_mm).norm();
     }
-    std::snprintf(
-        text, sizeof text,
+    text = formatted(
         "volume      %d x %d x %d voxels of %.3f x %.3f x %.3f mm\n"
         "instrument  over %.0f HU; line of %.1f mm, %zu points, %zu of them unsure (at most %.2f mm)\n"
         "            blurred by %.2f mm in the slice and %.2f mm across, on %.0f HU\n",
@@ -212,11 +212,10 @@ LumenSurface segment_lumen(const std::vector<LumenScan> &scans, const LumenOptio
 
 std::string lumen_facts(const LumenSurface &surface)
 {
-    char text[200];
-    std::snprintf(
-        text, sizeof text, "lumen       fluid %.0f HU, wall %.0f HU, surface at %.0f HU, %zu triangles\n",
-        surface.lumen.fluid_HU, surface.lumen.wall_HU, surface.lumen.edge_HU, surface.mesh.triangles.size());
-    return text + notes_text(surface.notes);
+    return formatted("lumen       fluid %.0f HU, wall %.0f HU, surface at %.0f HU, %zu triangles\n",
+                     surface.lumen.fluid_HU, surface.lumen.wall_HU, surface.lumen.edge_HU,
+                     surface.mesh.triangles.size()) +
+           notes_text(surface.notes);
 }
 
 Segmentation segment_scan(const Volume &volume, const SegmentOptions &options, const fs::path &folder,

@@ -1,7 +1,7 @@
 #include "tools/lab/figures/chart.hpp"
+#include "host/base/number_text.hpp"
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace vcsim3
 {
@@ -16,14 +16,7 @@ std::string short_number(double value, int digits)
 {
     if (value == 0.0) return "0";
     const int decade = static_cast<int>(std::floor(std::log10(std::abs(value))));
-    char text[40];
-    std::snprintf(text, sizeof text, "%.*f", std::clamp(digits - 1 - decade, 0, 6), value);
-    std::string number = text;
-    if (number.find('.') != std::string::npos) {
-        while (number.back() == '0') number.pop_back();
-        if (number.back() == '.') number.pop_back();
-    }
-    return number;
+    return crn::trimmed_text(value, std::clamp(digits - 1 - decade, 0, 6));
 }
 
 double Axis::share(double value) const

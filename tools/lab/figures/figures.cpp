@@ -1,10 +1,10 @@
 #include "tools/lab/figures/figures.hpp"
+#include "host/base/format.hpp"
 #include "tools/lab/figures/chart.hpp"
 #include "tools/lab/figures/thesis_values.hpp"
 #include "tools/lab/figures/vessel_picture.hpp"
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace vcsim3
 {
@@ -22,21 +22,20 @@ bool is_direct(const std::string &token)
 
 std::string setting(const Study &study)
 {
-    char text[200];
+    std::string text;
     const Preset &p = *study.preset;
-    std::snprintf(text, sizeof text,
-                  "%s (Table 5.1): EI %.3g N m2, %d elements of %.3g mm, friction %.1f, hand %.0f mm/s",
-                  p.instrument, p.bend_N_m2(), study.protocol.element_count, study.protocol.element_m * 1e3,
-                  wall_friction, study.protocol.speed_m_s * 1e3);
+    text =
+        crn::formatted("%s (Table 5.1): EI %.3g N m2, %d elements of %.3g mm, friction %.1f, hand %.0f mm/s",
+                       p.instrument, p.bend_N_m2(), study.protocol.element_count,
+                       study.protocol.element_m * 1e3, wall_friction, study.protocol.speed_m_s * 1e3);
     return text;
 }
 
 std::string stepping(const Study &study)
 {
-    char text[240];
+    std::string text;
     const Preset &p = *study.preset;
-    std::snprintf(
-        text, sizeof text,
+    text = crn::formatted(
         "baseline: %d steps per ms, %.3g kg/m (mass x %.3g), rotational inertia x %.3g, all modes alike; "
         "direct: 1 step per ms, %.3g kg/m",
         p.substeps, p.mass_kg_per_m(), p.mass_scale, p.inertia_scale, direct_mass_kg_per_m);

@@ -1,6 +1,7 @@
 // Command line of `vcsim3` (docs/thesis.md).
 #include "host/base/command_values.hpp"
 #include "host/base/interrupt.hpp"
+#include "host/base/number_text.hpp"
 #include "host/base/output_files.hpp"
 #include "host/base/pending_file.hpp"
 #include "host/base/terminal.hpp"
@@ -111,7 +112,8 @@ int command_figures(const Options &options)
     if (options.with_instructions)
         count_instructions(study, states.string(),
                            {"--scene", options.scene, "--preset", options.preset, "--elements",
-                            std::to_string(options.elements), "--element-mm", number(options.element_mm, 12)},
+                            std::to_string(options.elements), "--element-mm",
+                            crn::number_text(options.element_mm, 12)},
                            report);
     write_file(folder / "figure_5_11.tsv", to_tsv(compression_table(study)));
     write_file(folder / "figure_5_12.tsv", to_tsv(shape_table(study)));

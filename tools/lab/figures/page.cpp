@@ -1,4 +1,5 @@
 #include "tools/lab/figures/page.hpp"
+#include "host/base/number_text.hpp"
 #include "tools/lab/figures/tables.hpp"
 
 namespace vcsim3
@@ -52,15 +53,17 @@ std::string introduction(const Study &study, const std::string &vessel_name)
                      "solver is the firmware core. Both are fed into the same lumen (" +
                      vessel_name +
                      ") by the same hand. Equations, units and limits: <code>docs/thesis.md</code>.") +
-           paragraph("Rod: " + std::string(p.instrument) + " of Table 5.1, EI " + number(p.bend_N_m2(), 3) +
-                     " N m&sup2;, " + std::to_string(study.protocol.element_count) + " elements of " +
-                     number(study.protocol.element_m * 1e3) + " mm, friction " + number(wall_friction) +
+           paragraph("Rod: " + std::string(p.instrument) + " of Table 5.1, EI " +
+                     crn::number_text(p.bend_N_m2(), 3) + " N m&sup2;, " +
+                     std::to_string(study.protocol.element_count) + " elements of " +
+                     crn::number_text(study.protocol.element_m * 1e3, 4) + " mm, friction " +
+                     crn::number_text(wall_friction, 4) +
                      ", mixing 1.0, Baumgarte 0.1, no weight. Baseline, all modes alike: " +
-                     std::to_string(p.substeps) + " steps per millisecond, " + number(p.mass_kg_per_m(), 3) +
-                     " kg/m (the table's density &times; " + number(p.mass_scale) +
-                     "), rotational inertia &times; " + number(p.inertia_scale) +
-                     ". Direct solver: 1 step per millisecond, " + number(direct_mass_kg_per_m * 1e3) +
-                     " g/m, no scale.");
+                     std::to_string(p.substeps) + " steps per millisecond, " +
+                     crn::number_text(p.mass_kg_per_m(), 3) + " kg/m (the table's density &times; " +
+                     crn::number_text(p.mass_scale, 4) + "), rotational inertia &times; " +
+                     crn::number_text(p.inertia_scale, 4) + ". Direct solver: 1 step per millisecond, " +
+                     crn::number_text(direct_mass_kg_per_m * 1e3, 4) + " g/m, no scale.");
 }
 
 std::string compression_text(const Study &study)

@@ -1,4 +1,5 @@
 #include "tools/lab/figures/study.hpp"
+#include "host/base/format.hpp"
 #include <algorithm>
 #include <atomic>
 #include <exception>
@@ -73,12 +74,11 @@ class Progress
 
 std::string said(const CompressionResult &run)
 {
-    char text[160];
+    std::string text;
     if (!run.is_sound) {
-        std::snprintf(text, sizeof text, "%-10s burst", run.name.c_str());
+        text = crn::formatted("%-10s burst", run.name.c_str());
     } else {
-        std::snprintf(
-            text, sizeof text,
+        text = crn::formatted(
             "%-10s compression %8.4f %% pushing, %8.4f %% at rest, %3d contacts, %.3f N at the hand",
             run.name.c_str(), run.pushing_pct, run.holding_pct, run.contacts, run.handle_N);
     }

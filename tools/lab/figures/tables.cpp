@@ -1,6 +1,6 @@
 #include "tools/lab/figures/tables.hpp"
+#include "host/base/number_text.hpp"
 #include "tools/lab/figures/thesis_values.hpp"
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 namespace vcsim3
@@ -10,7 +10,7 @@ namespace
 
 std::string optional_number(const std::optional<double> &value)
 {
-    return value ? number(*value) : "";
+    return value ? crn::number_text(*value, 4) : "";
 }
 
 double direct_time_s(const Study &study)
@@ -29,23 +29,17 @@ double direct_instructions(const Study &study)
 
 } // namespace
 
-std::string number(double value, int digits)
-{
-    char text[40];
-    std::snprintf(text, sizeof text, "%.*g", digits, value);
-    return text;
-}
-
 Table compression_table(const Study &study)
 {
     Table table{{"mode", "compression_pct", "at_rest_pct", "largest_pct", "thesis_pct", "contacts",
                  "handle_N", "depth_max_mm", "sound"},
                 {}};
     for (const CompressionResult &run : study.runs)
-        table.rows.push_back({run.name, number(run.pushing_pct), number(run.holding_pct),
-                              number(run.largest_pct), optional_number(thesis_compression_pct(run.token)),
-                              std::to_string(run.contacts), number(run.handle_N), number(run.depth_max_mm),
-                              run.is_sound ? "yes" : "burst"});
+        table.rows.push_back({run.name, crn::number_text(run.pushing_pct, 4),
+                              crn::number_text(run.holding_pct, 4), crn::number_text(run.largest_pct, 4),
+                              optional_number(thesis_compression_pct(run.token)),
+                              std::to_string(run.contacts), crn::number_text(run.handle_N, 4),
+                              crn::number_text(run.depth_max_mm, 4), run.is_sound ? "yes" : "burst"});
     return table;
 }
 
@@ -59,16 +53,19 @@ Table times_table(const Study &study)
     for (const TimingResult &time : study.times) {
         const PhaseTimes &s = time.step;
         const bool is_baseline = time.direct_s == 0.0;
-        const auto phase = [&](double seconds) { return is_baseline ? number(seconds * 1e6, 3) : ""; };
+        const auto phase = [&](double seconds) {
+            return is_baseline ? crn::number_text(seconds * 1e6, 3) : "";
+        };
         const auto thesis = thesis_times(time.token);
         const double count = time.instructions * time.steps_per_ms;
-        table.rows.push_back({time.name, phase(s.integrator_s), phase(s.constraints_s), phase(s.cosserat_s),
-                              phase(s.collisions_s), number(time.total_s() * 1e6, 3),
-                              std::to_string(time.steps_per_ms), number(time.per_ms_s() * 1e6, 3),
-                              direct_s > 0.0 ? number(time.per_ms_s() / direct_s, 3) : "",
-                              count > 0.0 ? number(count, 6) : "",
-                              count > 0.0 && direct_count > 0.0 ? number(count / direct_count, 3) : "",
-                              thesis ? number(thesis->total_ms) : ""});
+        table.rows.push_back(
+            {time.name, phase(s.integrator_s), phase(s.constraints_s), phase(s.cosserat_s),
+             phase(s.collisions_s), crn::number_text(time.total_s() * 1e6, 3),
+             std::to_string(time.steps_per_ms), crn::number_text(time.per_ms_s() * 1e6, 3),
+             direct_s > 0.0 ? crn::number_text(time.per_ms_s() / direct_s, 3) : "",
+             count > 0.0 ? crn::number_text(count, 6) : "",
+             count > 0.0 && direct_count > 0.0 ? crn::number_text(count / direct_count, 3) : "",
+             thesis ? crn::number_text(thesis->total_ms, 4) : ""});
     }
     return table;
 }
@@ -79,8 +76,9 @@ Table shape_table(const Study &study)
     for (const CompressionResult &run : study.runs)
         for (std::size_t i = 0; i < run.shape.size(); i++) {
             const Vector mm = run.shape[i].position_m * 1e3;
-            table.rows.push_back({run.name, std::to_string(i), number(mm.x(), 6), number(mm.y(), 6),
-                                  number(mm.z(), 6), run.shape[i].is_touching ? "1" : "0"});
+            table.rows.push_back({run.name, std::to_string(i), crn::number_text(mm.x(), 6),
+                                  crn::number_text(mm.y(), 6), crn::number_text(mm.z(), 6),
+                                  run.shape[i].is_touching ? "1" : "0"});
         }
     return table;
 }
@@ -91,11 +89,12 @@ Table preset_table()
                  "mass_scale", "mass_kg_m", "inertia_scale", "steps_per_ms", "step_ratio"},
                 {}};
     for (const Preset &p : presets())
-        table.rows.push_back({p.token, p.instrument, number(p.young_Pa()), number(p.radius_m() * 1e3),
-                              number(p.density_kg_m3()), number(p.parallel_N()), number(p.bend_N_m2(), 3),
-                              number(p.mass_scale), number(p.mass_kg_per_m(), 3), number(p.inertia_scale),
-                              std::to_string(p.substeps),
-                              number(step_ratio(p, preset_element_m, p.substeps), 3)});
+        table.rows.push_back({p.token, p.instrument, crn::number_text(p.young_Pa(), 4),
+                              crn::number_text(p.radius_m() * 1e3, 4), crn::number_text(p.density_kg_m3(), 4),
+                              crn::number_text(p.parallel_N(), 4), crn::number_text(p.bend_N_m2(), 3),
+                              crn::number_text(p.mass_scale, 4), crn::number_text(p.mass_kg_per_m(), 3),
+                              crn::number_text(p.inertia_scale, 4), std::to_string(p.substeps),
+                              crn::number_text(step_ratio(p, preset_element_m, p.substeps), 3)});
     return table;
 }
 

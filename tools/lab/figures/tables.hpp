@@ -21,7 +21,4 @@ std::string to_tsv(const Table &table);
 std::string to_html(const Table &table);
 std::string to_json(const Study &study);
 
-// "%.*g"
-std::string number(double value, int digits = 4);
-
 } // namespace vcsim3

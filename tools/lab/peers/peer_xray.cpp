@@ -7,6 +7,7 @@
 // spectrum) and FOLDER/ours_V.f32 (transmissions, row 0 on top), and prints one line of key=value pairs.
 // Bodies that lie in other bodies within the skin (marrow, vessels of the lungs) are left out, because
 // gVirtualXray allows only one level of nesting.
+#include "host/base/format.hpp"
 #include "host/xray/detector.hpp"
 #include "host/xray/xray.hpp"
 #include <Eigen/Geometry>
@@ -105,9 +106,7 @@ std::string stl_of(const Body &body)
 
 std::string list_of(const Eigen::Vector3d &v)
 {
-    char text[120];
-    std::snprintf(text, sizeof text, "[%.9g, %.9g, %.9g]", v.x(), v.y(), v.z());
-    return text;
+    return formatted("[%.9g, %.9g, %.9g]", v.x(), v.y(), v.z());
 }
 
 XraySettings settings_of(const Look &look, int size)
@@ -131,13 +130,11 @@ std::string scene_text(const Bodies &bodies, int size)
     }
     text += "],\n\"spectrum\": [";
     for (std::size_t k = 0; k < std::size(energies_keV); ++k) {
-        char line[80];
-        std::snprintf(line, sizeof line, "%s[%.9g, %.9g]", k > 0 ? ", " : "", energies_keV[k], shares[k]);
+        const std::string line = formatted("%s[%.9g, %.9g]", k > 0 ? ", " : "", energies_keV[k], shares[k]);
         text += line;
     }
-    char pixel[60];
-    std::snprintf(pixel, sizeof pixel, ", \"pixel_mm\": %.9g",
-                  make_view(settings_of(looks[0], size).carm, size).pixel_m * 1e3);
+    const std::string pixel =
+        formatted(", \"pixel_mm\": %.9g", make_view(settings_of(looks[0], size).carm, size).pixel_m * 1e3);
     text += "],\n\"size\": " + std::to_string(size) + pixel + ", \"views\": [";
     for (std::size_t i = 0; i < std::size(looks); ++i) {
         const View view = make_view(settings_of(looks[i], size).carm, size);

@@ -1,10 +1,10 @@
 // Makes a calibration case with a known answer (see truth.hpp).
 #include "tools/lab/reference_rod/truth.hpp"
+#include "host/base/number_text.hpp"
 #include "host/base/pending_file.hpp"
 #include "host/model/instrument.hpp"
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <sstream>
 
@@ -14,7 +14,6 @@ namespace
 {
 
 namespace fs = std::filesystem;
-using insertion::number_text;
 
 void copy_whole(const fs::path &from, const fs::path &to)
 {
@@ -60,21 +59,26 @@ void write_parameters(const TruthRequest &request, const Truth &truth)
 {
     std::ostringstream file;
     file << "# What the reference rod (docs/reference_rod.md) was made with. calibrate never reads it.\n"
-         << "shaft_bend_stiffness_N_m2 = " << number_text(truth.stiffness.shaft_N_m2) << "\n"
-         << "tip_over_shaft = " << number_text(truth.stiffness.tip_over_shaft) << "\n"
-         << "friction = " << number_text(request.friction) << "\n"
-         << "nominal_shaft_bend_stiffness_N_m2 = " << number_text(truth.nominal.shaft_N_m2) << "\n"
-         << "nominal_tip_over_shaft = " << number_text(truth.nominal.tip_over_shaft) << "\n"
-         << "shape_noise_mm = " << number_text(std::max(0.0, request.shape_noise_mm)) << "\n"
-         << "force_noise_mN = " << number_text(std::max(0.0, request.force_noise_mN)) << "\n"
+         << "shaft_bend_stiffness_N_m2 = " << number_text(truth.stiffness.shaft_N_m2, insertion::file_digits)
+         << "\n"
+         << "tip_over_shaft = " << number_text(truth.stiffness.tip_over_shaft, insertion::file_digits) << "\n"
+         << "friction = " << number_text(request.friction, insertion::file_digits) << "\n"
+         << "nominal_shaft_bend_stiffness_N_m2 = "
+         << number_text(truth.nominal.shaft_N_m2, insertion::file_digits) << "\n"
+         << "nominal_tip_over_shaft = " << number_text(truth.nominal.tip_over_shaft, insertion::file_digits)
+         << "\n"
+         << "shape_noise_mm = " << number_text(std::max(0.0, request.shape_noise_mm), insertion::file_digits)
+         << "\n"
+         << "force_noise_mN = " << number_text(std::max(0.0, request.force_noise_mN), insertion::file_digits)
+         << "\n"
          << "seed = " << request.seed << "\n"
-         << "edge_tip_mm = " << number_text(request.cut.tip_m * 1e3) << "\n"
-         << "edge_shaft_mm = " << number_text(request.cut.shaft_m * 1e3) << "\n"
-         << "feed_step_mm = " << number_text(request.step.feed_m * 1e3) << "\n"
+         << "edge_tip_mm = " << number_text(request.cut.tip_m * 1e3, insertion::file_digits) << "\n"
+         << "edge_shaft_mm = " << number_text(request.cut.shaft_m * 1e3, insertion::file_digits) << "\n"
+         << "feed_step_mm = " << number_text(request.step.feed_m * 1e3, insertion::file_digits) << "\n"
          << "steps = " << truth.run.steps << "\n"
          << "steps_not_at_rest = " << truth.run.unsettled << "\n"
-         << "residual_mN = " << number_text(truth.run.residual_mN) << "\n"
-         << "contact_depth_mm = " << number_text(truth.run.depth_mm) << "\n";
+         << "residual_mN = " << number_text(truth.run.residual_mN, insertion::file_digits) << "\n"
+         << "contact_depth_mm = " << number_text(truth.run.depth_mm, insertion::file_digits) << "\n";
     write_whole_file((request.folder / "truth" / "parameters.toml").string(), file.str());
 }
 

@@ -40,7 +40,7 @@ struct Truth {
 // Makes the insertion and writes into FOLDER: case.toml, instrument.toml and scene (copies), surface,
 // force.csv, depth_N.csv if noise is requested, truth/parameters.toml, truth/depth_N.csv and truth/force.csv.
 // `progress` is called after each depth; it may be empty. The same request gives the same files. Throws
-// std::runtime_error (FileError, CaseError, OutputError) with the remedy.
+// std::runtime_error (Fault, OutputError) with the remedy.
 Truth make_case(const TruthRequest &request, const std::function<void(const std::string &)> &progress = {});
 
 // Returns the outer radius, in mm, that a scanner sees along `centreline_mm`, from the sheath's end to the

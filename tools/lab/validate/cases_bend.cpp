@@ -1,4 +1,5 @@
 // Tests bending at rest: large deflections, weight, three-point bending, and curved tips.
+#include "host/base/number_text.hpp"
 #include "tools/lab/validate/cases.hpp"
 #include "tools/lab/validate/elastica.hpp"
 #include "tools/lab/validate/support.hpp"
@@ -84,11 +85,12 @@ void tip_load(Result &result, bool quick)
                 PlaneShape shape = elastica(load, 0);
                 compare_tip(result,
                             std::to_string(elements) + "_elements.EI_" + power_text(bend) + ".load_" +
-                                plain_text(load),
+                                number_text(load),
                             c, shape, 0.1);
                 if (elements == 256 && bend == 1.85e-3) {
                     plot.series.push_back(of_reference(load == first ? "elastica" : "", shape));
-                    plot.series.push_back(of_rig("load " + plain_text(load), c, int(plot.series.size()) / 2));
+                    plot.series.push_back(
+                        of_rig("load " + number_text(load), c, int(plot.series.size()) / 2));
                 }
             }
         }
@@ -131,11 +133,11 @@ void self_weight(Result &result, bool quick)
             c.rig.set_gravity({0, 0, -load * c.bend_N_m2 / std::pow(c.length_m, 3) / 0.005});
             settle(c.rig, 2e-6 * c.length_m, 20000);
             PlaneShape shape = elastica(0, load);
-            compare_tip(result, std::to_string(elements) + "_elements.load_" + plain_text(load), c, shape,
+            compare_tip(result, std::to_string(elements) + "_elements.load_" + number_text(load), c, shape,
                         0.1);
             if (elements == 256) {
                 plot.series.push_back(of_reference(load == first ? "elastica" : "", shape));
-                plot.series.push_back(of_rig("load " + plain_text(load), c, int(plot.series.size()) / 2));
+                plot.series.push_back(of_rig("load " + number_text(load), c, int(plot.series.size()) / 2));
             }
         }
     }
@@ -223,7 +225,7 @@ void curved_tip(Result &result, bool)
         "chord = 2 R sin(s / 2R); moment = EI / R (3d + 1.5a) / (2d + 1.5a), d the arm, a the span behind it";
     result.source = "Euler-Bernoulli beam; Clapeyron's three moments";
     for (auto [radius, bend] : {std::pair{0.003, 2e-6}, {0.015, 1e-4}, {0.05, 1e-3}}) {
-        std::string name = "R_" + plain_text(radius * 1e3) + "mm.EI_" + power_text(bend);
+        std::string name = "R_" + number_text(radius * 1e3) + "mm.EI_" + power_text(bend);
         double length = 4 * radius, element = element_length(length, 60);
         Knot knot{.bend_N_m2 = bend, .twist_N_m2 = bend / 1.3, .rest_curvature_per_m = 1 / radius};
         Tool tool = uniform_tool(knot, std::max(0.021, element * 70), element);

@@ -1,4 +1,5 @@
 // Tests buckling under thrust: Euler's four columns, and the behaviour beyond the critical load.
+#include "host/base/number_text.hpp"
 #include "tools/lab/validate/cases.hpp"
 #include "tools/lab/validate/elastica.hpp"
 #include "tools/lab/validate/support.hpp"
@@ -161,7 +162,7 @@ void beyond_euler(Result &result, bool quick)
         Buckled shape = buckled_cantilever(load);
         Vector3d tip = rig.position(0) / length_m;
         double off = std::hypot(tip[0] - shape.x, std::fabs(tip[2]) - shape.y);
-        result.error("load_" + plain_text(factor), "y/L", shape.y, std::fabs(tip[2]), 100 * off, "% of L",
+        result.error("load_" + number_text(factor), "y/L", shape.y, std::fabs(tip[2]), 100 * off, "% of L",
                      0.3);
         x.x.push_back(factor);
         x.y.push_back(tip[0]);

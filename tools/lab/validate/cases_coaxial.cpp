@@ -1,5 +1,6 @@
 // Tests tools inside one another: their stiffness adds up, their shapes combine, and the rod does not jump
 // when another tool takes the lead.
+#include "host/base/number_text.hpp"
 #include "tools/lab/validate/cases.hpp"
 #include "tools/lab/validate/elastica.hpp"
 #include "tools/lab/validate/support.hpp"
@@ -48,7 +49,7 @@ void stiffness_adds(Result &result, bool quick)
         PlaneShape shape = elastica(load, 0);
         Vector3d tip = rig.position(0) / free;
         double off = std::hypot(tip[0] - shape.x.back(), tip[2] - shape.y.back());
-        result.error("tips_together.load_" + plain_text(load), "y/L", shape.y.back(), tip[2], 100 * off,
+        result.error("tips_together.load_" + number_text(load), "y/L", shape.y.back(), tip[2], 100 * off,
                      "% of L", 0.3);
     }
     Plot plot{"Tip deflection with the catheter's tip at ...",
@@ -64,7 +65,7 @@ void stiffness_adds(Result &result, bool quick)
         settle(stepped, 1e-9, 20000);
         double L = stepped.inserted(), a = L - stepped.inserted(1);
         double deflection = force / 3 * ((L * L * L - a * a * a) / sum + a * a * a / wire_N_m2);
-        result.relative("catheter_at_" + plain_text(part), "mm", deflection * 1e3,
+        result.relative("catheter_at_" + number_text(part), "mm", deflection * 1e3,
                         -stepped.position(0)[2] * 1e3, 1);
         ours.x.push_back(part);
         ours.y.push_back(-stepped.position(0)[2] / (force * L * L * L / 3 / wire_N_m2));
@@ -144,7 +145,7 @@ void opens_hook(Result &result, bool quick)
             double straight_tip = covered < hook_m ? 0.0005 : 0; // half an element has no joint
             double expected = ((hook_m - straight_tip - covered) + covered * share) / hook_radius_m / degree;
             double got = opening(rig);
-            result.absolute(name + ".covered_" + plain_text(std::round(covered * 1e4) / 10) + "mm", "deg",
+            result.absolute(name + ".covered_" + number_text(std::round(covered * 1e4) / 10) + "mm", "deg",
                             expected, got, 0.5);
             ours.x.push_back(covered * 1e3);
             ours.y.push_back(got);
@@ -212,7 +213,7 @@ void lead_change(Result &result, bool quick)
                     worst = std::max(worst, (wire_tip() - before).norm());
             }
         }
-        std::string name = plain_text(speed * 1e3) + "mm_s";
+        std::string name = number_text(speed * 1e3) + "mm_s";
         result.at_most("step." + name, "mm/tick", worst * 1e3, 0.1);
         result.at_most("catheter_never_led." + name, "", !led_by_catheter, 0);
     }

@@ -1,5 +1,6 @@
 // Tests pushing: compression at a wall, stall, work against energy, and the range of stiffness in which the
 // rod does not vibrate.
+#include "host/base/number_text.hpp"
 #include "tools/lab/validate/cases.hpp"
 #include "tools/lab/validate/support.hpp"
 
@@ -68,7 +69,7 @@ void compression(Result &result, bool quick)
     for (auto [force, bar] : {std::pair{3.0, 0.1}, {10.0, 0.45}}) {
         if (quick && force > 5) continue;
         Pressed got = press(10000, force, 0.2, 0.01);
-        std::string name = plain_text(force) + "N";
+        std::string name = number_text(force) + "N";
         result.at_most("length_error." + name, "%", 100 * got.strain_peak, bar);
         result.absolute("closed_form." + name, "%", 100 * got.hand_N / 10000, 100 * got.strain, 0.01);
         result.at_most("resting_motion." + name, "um/tick", got.resting_m * 1e6, 1);
@@ -95,7 +96,7 @@ void stall(Result &result, bool quick)
         for (double friction : {0.05, 0.3}) {
             if (quick && (speed > 0.05 || friction > 0.1)) continue;
             Pressed got = press(10000, 6, friction, speed);
-            std::string name = plain_text(speed * 1e3) + "mm_s.mu_" + plain_text(friction);
+            std::string name = number_text(speed * 1e3) + "mm_s.mu_" + number_text(friction);
             result.absolute("rest." + name, "N", 6, got.hand_N, 0.2);
             result.absolute("peak." + name, "N", 6, got.peak_N, 0.6);
         }

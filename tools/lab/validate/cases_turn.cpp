@@ -1,5 +1,6 @@
 // Tests turning: torque that is transmitted to the tip, in a straight tube and round a bend, without and with
 // friction.
+#include "host/base/number_text.hpp"
 #include "tools/lab/validate/cases.hpp"
 #include "tools/lab/validate/support.hpp"
 
@@ -65,7 +66,7 @@ void torque_straight(Result &result, bool quick)
             rough.step();
         }
         double torque = mass * length * gravity_m_s2 * wire_radius_m * std::sin(std::atan(friction));
-        std::string name = "mu_" + plain_text(friction);
+        std::string name = "mu_" + number_text(friction);
         result.relative("torque." + name, "uN m", torque * 1e6, rough.handle_torque() * 1e6, 10);
         result.relative("lag." + name, "deg", torque * length / 2 / (bend / 1.3) / degree,
                         (rough.base_angle() - rough.tip_angle()) / degree, 10);
@@ -109,7 +110,7 @@ Turned turn_hook(double friction, double speed_rad_s, double turns)
     auto root = unsigned(hook_m / tool.element_m);
     double tip_start = rig.tip_angle(), heading_start = heading(rig, root), heading_now = heading_start,
            before = tip_start;
-    Turned got{0, 0, 0, 0, 0, {"mu " + plain_text(friction), {}, {}}};
+    Turned got{0, 0, 0, 0, 0, {"mu " + number_text(friction), {}, {}}};
     int ticks = int(2 * M_PI * turns / speed_rad_s * 1000);
     for (int tick = 1; tick <= ticks + 3000; tick++) {
         double hand = 2 * M_PI * turns * std::min(1.0, double(tick) / ticks);
@@ -146,7 +147,7 @@ void torque_bend(Result &result, bool quick)
     for (double friction : {0.0, 0.05, 0.1, 0.2, 0.3}) {
         if (quick && friction != 0 && friction != 0.2) continue;
         Turned got = turn_hook(friction, quick ? 2 : 1, 1);
-        std::string name = "mu_" + plain_text(friction);
+        std::string name = "mu_" + number_text(friction);
         double lag = 360 - got.tip_deg;
         if (friction == 0) {
             result.absolute("tip", "deg", 360, got.tip_deg, 1);

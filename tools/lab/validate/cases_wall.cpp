@@ -1,5 +1,6 @@
 // Tests walls: friction round a bend, on an incline and along a floor, and a compressed rod that coils in its
 // tube.
+#include "host/base/number_text.hpp"
 #include "tools/lab/validate/cases.hpp"
 #include "tools/lab/validate/support.hpp"
 
@@ -73,7 +74,7 @@ void capstan(Result &result, bool quick)
         for (double mu : {0.0, 0.1, 0.2, 0.3, 0.4}) {
             if (quick && (bend == 180 || mu != 0.2)) continue;
             Capstan got = draw(bend * degree, mu, 0.5);
-            std::string name = std::to_string(bend) + "_deg.mu_" + plain_text(mu);
+            std::string name = std::to_string(bend) + "_deg.mu_" + number_text(mu);
             result.relative(name, "", std::exp(mu * bend * degree), got.mean, 3);
             if (mu == 0.4) result.reported("ripple." + name, "", got.mean, got.high);
             ours.x.push_back(mu);
@@ -122,7 +123,7 @@ Slope tilt(double friction, bool skew)
     rig.step(1500);
     double start = rig.position(0).dot(along), expected = std::atan(friction) / degree;
     Slope slope;
-    slope.travel.label = "mu " + plain_text(friction);
+    slope.travel.label = "mu " + number_text(friction);
     slope.travel.dots = true;
     for (double angle = std::max(0.0, expected - 3); angle < expected + 2; angle += 1e-3) {
         rig.set_gravity(gravity_m_s2 * (std::sin(angle * degree) * along - std::cos(angle * degree) * up));
@@ -150,7 +151,7 @@ void incline(Result &result, bool quick)
         for (double mu : {0.1, 0.2, 0.3, 0.4}) {
             if (quick && mu != 0.2) continue;
             Slope slope = tilt(mu, skew);
-            result.absolute(std::string(skew ? "askew" : "aligned") + ".mu_" + plain_text(mu), "deg",
+            result.absolute(std::string(skew ? "askew" : "aligned") + ".mu_" + number_text(mu), "deg",
                             std::atan(mu) / degree, slope.onset_deg, 1);
             if (skew) plot.series.push_back(slope.travel);
         }
@@ -194,8 +195,9 @@ void sliding(Result &result, bool quick)
             }
         }
         double force = (mean[0] - mean[1]) / 2 - 20 * length * 0.02 * speed_m_s;
-        result.relative("mu_" + plain_text(mu) + ".wall", "N", mu * normal, force, 1);
-        result.relative("mu_" + plain_text(mu) + ".weight", "N", mu * length * 0.02 * gravity_m_s2, force, 3);
+        result.relative("mu_" + number_text(mu) + ".wall", "N", mu * normal, force, 1);
+        result.relative("mu_" + number_text(mu) + ".weight", "N", mu * length * 0.02 * gravity_m_s2, force,
+                        3);
     }
 }
 
@@ -271,7 +273,7 @@ void helix(Result &result, bool quick)
           Setting{3e-4, 2, 0.0015, 0.9, 0.004}}) {
         if (quick && force != 1) continue;
         Coil coil = press(bend, force, gap, length, element, quick ? 6000 : 20000);
-        std::string name = "EI_" + power_text(bend) + ".F_" + plain_text(force) + "N";
+        std::string name = "EI_" + power_text(bend) + ".F_" + number_text(force) + "N";
         result.relative("pitch." + name, "mm", pitch(bend, force) * 1e3, coil.pitch_m * 1e3, 5);
         result.relative("wall." + name, "N/m", gap * force * force / 4 / bend, coil.wall_N_m, 5);
         if (force != 1) continue;

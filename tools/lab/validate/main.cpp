@@ -1,5 +1,6 @@
 // Reads the command line of `validate`, which runs the validation suite of docs/validation.md.
 #include "host/base/command_values.hpp"
+#include "host/base/number_text.hpp"
 #include "host/base/output_files.hpp"
 #include "host/base/pending_file.hpp"
 #include "host/base/terminal.hpp"
@@ -107,9 +108,10 @@ int finish(const std::vector<Result> &results, const Options &options)
         for (const Row &row : result.rows) {
             if (!row.passed()) {
                 std::printf("%s: %s %s, reference %s, error %s %s, allowed %s\n", row.name.c_str(),
-                            short_number(row.value).c_str(), row.unit.c_str(),
-                            short_number(row.reference).c_str(), short_number(row.error).c_str(),
-                            row.error_unit.c_str(), short_number(row.tolerance).c_str());
+                            crn::number_text(row.value, 4).c_str(), row.unit.c_str(),
+                            crn::number_text(row.reference, 4).c_str(),
+                            crn::number_text(row.error, 4).c_str(), row.error_unit.c_str(),
+                            crn::number_text(row.tolerance, 4).c_str());
             }
         }
     }

@@ -1,9 +1,9 @@
 #include "tools/lab/validate/plot.hpp"
 #include "host/base/format.hpp"
+#include "host/base/number_text.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace crn::validate
 {
@@ -114,13 +114,13 @@ std::string axes(const Plot &plot, const Axis &x, const Axis &y)
         out += formatted("<line x1='%.1f' y1='%.1f' x2='%.1f' y2='%.1f' stroke='#ddd'/>", x.at(v), y.from,
                          x.at(v), y.to);
         out += formatted("<text x='%.1f' y='%.1f' text-anchor='middle'>", x.at(v), y.from + 17) +
-               short_number(v) + "</text>\n";
+               number_text(v, 4) + "</text>\n";
     }
     for (double v : ticks(y)) {
         out += formatted("<line x1='%.1f' y1='%.1f' x2='%.1f' y2='%.1f' stroke='#ddd'/>", x.from, y.at(v),
                          x.to, y.at(v));
         out += formatted("<text x='%.1f' y='%.1f' text-anchor='end'>", x.from - 6, y.at(v) + 4) +
-               short_number(v) + "</text>\n";
+               number_text(v, 4) + "</text>\n";
     }
     out += formatted("<rect x='%.1f' y='%.1f' width='%.1f' height='%.1f' fill='none' stroke='#444'/>\n",
                      x.from, y.to, x.to - x.from, y.from - y.to);
@@ -194,13 +194,6 @@ std::string svg(const Plot &plot)
         out += curve(plot, plot.series[i], colour_of(plot, i), x, y);
     }
     return out + legend(plot, height - 8) + "</svg>\n";
-}
-
-std::string short_number(double value)
-{
-    char text[32];
-    std::snprintf(text, sizeof text, "%.4g", value);
-    return text;
 }
 
 } // namespace crn::validate

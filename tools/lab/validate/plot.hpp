@@ -24,7 +24,4 @@ struct Plot {
 // Returns a complete <svg> element. Values that are not finite are left out.
 std::string svg(const Plot &plot);
 
-// Returns a number as text for readers, with four significant digits and no trailing zeros.
-std::string short_number(double value);
-
 } // namespace crn::validate

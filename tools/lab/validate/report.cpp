@@ -1,9 +1,9 @@
 #include "tools/lab/validate/report.hpp"
 #include "host/base/format.hpp"
+#include "host/base/number_text.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace crn::validate
 {
@@ -58,7 +58,7 @@ std::string verdict(const Row &row)
 
 std::string tolerance_text(const Row &row)
 {
-    return row.is_bar() ? short_number(row.tolerance) : "-";
+    return row.is_bar() ? number_text(row.tolerance, 4) : "-";
 }
 
 // Returns how close a row is to failing; the result is 1 if the error equals the tolerance.
@@ -89,8 +89,8 @@ std::string rows_table(const Result &result)
     for (const Row &row : result.rows) {
         std::string verdict_of = verdict(row);
         out += "<tr>" + cell(row.name.substr(result.name.size() + 1)) + cell(row.unit) +
-               cell(short_number(row.reference), "n") + cell(short_number(row.value), "n") +
-               cell(short_number(row.error) + " " + row.error_unit, "n") +
+               cell(number_text(row.reference, 4), "n") + cell(number_text(row.value, 4), "n") +
+               cell(number_text(row.error, 4) + " " + row.error_unit, "n") +
                cell(row.is_bar() ? tolerance_text(row) + " " + row.error_unit : "-", "n") +
                cell(verdict_of, verdict_of.c_str()) + "</tr>\n";
     }
@@ -126,8 +126,7 @@ std::string tsv(const std::vector<Result> &results)
         "name\tformula\tsource\tunit\treference\tvalue\terror\ttolerance\terror_unit\tverdict\n";
     for (const Result &result : results) {
         for (const Row &row : result.rows) {
-            char numbers[160];
-            std::snprintf(numbers, sizeof numbers, "%.9g\t%.9g\t%.6g\t", row.reference, row.value, row.error);
+            const std::string numbers = formatted("%.9g\t%.9g\t%.6g\t", row.reference, row.value, row.error);
             out += row.name + "\t" + row.formula + "\t" + row.source + "\t" + row.unit + "\t" + numbers +
                    tolerance_text(row) + "\t" + row.error_unit + "\t" + verdict(row) + "\n";
         }
@@ -149,8 +148,8 @@ std::string html(const std::vector<Result> &results, const std::string &command)
         std::string kind = result.passed() ? "pass" : "FAIL";
         summary += "<tr><td><a href='#" + result.name + "'>" + html_text(result.title) + "</a></td>" +
                    cell(worst ? worst->name.substr(result.name.size() + 1) : "") +
-                   cell(worst ? short_number(worst->error) + " " + worst->error_unit : "", "n") +
-                   cell(worst ? short_number(worst->tolerance) + " " + worst->error_unit : "", "n") +
+                   cell(worst ? number_text(worst->error, 4) + " " + worst->error_unit : "", "n") +
+                   cell(worst ? number_text(worst->tolerance, 4) + " " + worst->error_unit : "", "n") +
                    cell(kind, kind.c_str()) + "</tr>\n";
         sections += section(result);
     }
@@ -177,9 +176,9 @@ std::string tap(const std::vector<Result> &results)
         if (!result.failure.empty()) out += "# stopped: " + result.failure + "\n";
         for (const Row &row : result.rows) {
             if (row.passed()) continue;
-            out += "# " + row.name + " = " + short_number(row.value) + " " + row.unit + ", reference " +
-                   short_number(row.reference) + ", error " + short_number(row.error) + " " + row.error_unit +
-                   ", allowed " + short_number(row.tolerance) + "\n";
+            out += "# " + row.name + " = " + number_text(row.value, 4) + " " + row.unit + ", reference " +
+                   number_text(row.reference, 4) + ", error " + number_text(row.error, 4) + " " +
+                   row.error_unit + ", allowed " + number_text(row.tolerance, 4) + "\n";
         }
     }
     return out;
@@ -195,8 +194,8 @@ std::string markdown(const std::vector<Result> &results)
         out += "| " + result.title + " (`" + result.name + "`) | " + result.formula + " | " +
                std::to_string(result.rows.size()) + " | " +
                (worst ? worst->name.substr(result.name.size() + 1) : "-") + " | " +
-               (worst ? short_number(worst->error) + unit : "-") + " | " +
-               (worst ? short_number(worst->tolerance) + unit : "-") + " | " +
+               (worst ? number_text(worst->error, 4) + unit : "-") + " | " +
+               (worst ? number_text(worst->tolerance, 4) + unit : "-") + " | " +
                (result.passed() ? "pass" : "**fail**") + " |\n";
     }
     return out;

@@ -1,8 +1,8 @@
 #include "tools/lab/validate/support.hpp"
+#include "host/base/number_text.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace crn::validate
 {
@@ -32,14 +32,7 @@ int settle(Rig &rig, double still_m, int ticks_max)
 std::string power_text(double value)
 {
     int power = int(std::floor(std::log10(value) + 1e-9));
-    return plain_text(value / std::pow(10, power)) + "e" + std::to_string(power);
-}
-
-std::string plain_text(double value)
-{
-    char text[32];
-    std::snprintf(text, sizeof text, "%.6g", value);
-    return text;
+    return number_text(value / std::pow(10, power)) + "e" + std::to_string(power);
 }
 
 double zero_of_line(const std::vector<double> &x, const std::vector<double> &y)

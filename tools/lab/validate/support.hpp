@@ -19,8 +19,6 @@ int settle(Rig &rig, double still_m, int ticks_max);
 
 // Formats 0.00185 as "1.85e-3", for the names of figures.
 std::string power_text(double value);
-// Formats 0.5 as "0.5" and 10 as "10".
-std::string plain_text(double value);
 
 // Returns the place where a straight line through the last two points (x, y) crosses y = 0.
 double zero_of_line(const std::vector<double> &x, const std::vector<double> &y);

@@ -1,9 +1,9 @@
 // Checks the conditions that a grid and a series of slices must fulfil before anything is measured in them.
+#include "host/base/format.hpp"
 #include "tools/lab/ct/volume/volume_io.hpp"
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <memory>
 #include <numeric>
@@ -14,13 +14,6 @@ namespace crn::ct
 
 namespace
 {
-
-std::string text(const char *format, double a, double b = 0, double c = 0)
-{
-    char line[200];
-    std::snprintf(line, sizeof line, format, a, b, c);
-    return line;
-}
 
 } // namespace
 
@@ -36,14 +29,15 @@ void check_plausible(const std::array<long, 3> &size, const Eigen::Vector3d &spa
         voxels *= static_cast<double>(size[axis]);
     }
     if (voxels > static_cast<double>(volume_voxels_max))
-        throw Fault(what + ": " + text("%.0f", voxels * 1e-6) + " million voxels are more than the " +
-                    text("%.0f", static_cast<double>(volume_voxels_max) * 1e-6) +
+        throw Fault(what + ": " + formatted("%.0f", voxels * 1e-6) + " million voxels are more than the " +
+                    formatted("%.0f", static_cast<double>(volume_voxels_max) * 1e-6) +
                     " million that are read: cut the volume to the phantom");
     for (int axis = 0; axis < 3; ++axis)
         if (!(spacing_mm[axis] >= spacing_min_mm && spacing_mm[axis] <= spacing_max_mm))
             throw Fault(what + ": spacing " +
-                        text("%g x %g x %g mm", spacing_mm[0], spacing_mm[1], spacing_mm[2]) +
-                        " cannot be a CT scan's (" + text("%g to %g mm", spacing_min_mm, spacing_max_mm) +
+                        formatted("%g x %g x %g mm", spacing_mm[0], spacing_mm[1], spacing_mm[2]) +
+                        " cannot be a CT scan's (" +
+                        formatted("%g to %g mm", spacing_min_mm, spacing_max_mm) +
                         "): mend the header, or export it again in mm");
 }
 
@@ -125,13 +119,14 @@ SliceOrder order_slices(const std::vector<Eigen::Vector3d> &places_mm, const Eig
         if (std::abs(steps[i] - step) > std::max(0.02, 0.02 * step)) {
             const double missing = std::round(steps[i] / step) - 1;
             if (missing >= 1 && std::abs(steps[i] - (missing + 1) * step) < 0.1 * step)
-                throw Fault(
-                    series + ": " + text("%.0f slices are missing between ", missing) + before + " and " +
-                    after +
-                    text(" (%.3f mm apart, others %.3f mm): export the whole series again", steps[i], step));
-            throw Fault(series + ": uneven slices: " + before + " and " + after +
-                        text(" are %.3f mm apart, others %.3f mm: reconstruct or resample the series evenly",
-                             steps[i], step));
+                throw Fault(series + ": " + formatted("%.0f slices are missing between ", missing) + before +
+                            " and " + after +
+                            formatted(" (%.3f mm apart, others %.3f mm): export the whole series again",
+                                      steps[i], step));
+            throw Fault(
+                series + ": uneven slices: " + before + " and " + after +
+                formatted(" are %.3f mm apart, others %.3f mm: reconstruct or resample the series evenly",
+                          steps[i], step));
         }
         // If slices are displaced sideways, all shapes in the volume are sheared.
         const Eigen::Vector3d shift = places_mm[result.order[i + 1]] - places_mm[result.order[i]];

@@ -1,10 +1,11 @@
 // Writes NRRD, NIfTI, MetaImage, and DICOM series as a CT scanner writes them, with ITK's ImageIO classes.
+#include "host/base/format.hpp"
+#include "host/base/number_text.hpp"
 #include "host/base/pending_file.hpp"
 #include "tools/lab/ct/volume/volume_io.hpp"
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <itkGDCMImageIO.h>
 #include <itkMetaDataObject.h>
 #include <itkMetaImageIO.h>
@@ -100,13 +101,6 @@ std::string uid_of(const Volume &volume, std::uint64_t kind, std::uint64_t numbe
     return "2.25." + std::to_string(hash) + "." + std::to_string(kind) + "." + std::to_string(number + 1);
 }
 
-std::string number(double value)
-{
-    char text[32];
-    std::snprintf(text, sizeof text, "%.6g", value);
-    return text;
-}
-
 void write_series(const Volume &volume, const fs::path &folder)
 {
     std::error_code failure;
@@ -128,7 +122,7 @@ void write_series(const Volume &volume, const fs::path &folder)
         put(tags, "0008|0060", "CT");
         put(tags, "0008|0008", "ORIGINAL\\PRIMARY\\AXIAL");
         put(tags, "0008|0070", "Cournand");
-        put(tags, "0018|0050", number(volume.spacing_mm.z()));
+        put(tags, "0018|0050", number_text(volume.spacing_mm.z()));
         put(tags, "0018|5100", "HFS");
         put(tags, "0020|0010", "1");
         put(tags, "0020|0011", "1");
@@ -147,8 +141,7 @@ void write_series(const Volume &volume, const fs::path &folder)
         put(tags, "0020|1002", std::to_string(volume.size[2]));
         put(tags, "0028|1052", "-1024");
         put(tags, "0028|1053", "1");
-        char name[32];
-        std::snprintf(name, sizeof name, "%04d.dcm", slice + 1);
+        const std::string name = formatted("%04d.dcm", slice + 1);
         io->SetFileName((folder / name).string());
         io->Write(values.data() + static_cast<std::size_t>(slice) * pixels);
     }
