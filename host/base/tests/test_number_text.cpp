@@ -36,8 +36,8 @@ void numbers_of_every_size_are_as_by_printf(void **)
 {
     for (const double value : {0.0, -0.0, 0.5, 1.5, 2.5, 1e6, 999999.5, 1e-5, 123456789.0, -1e300, 5e-324})
         compare(value);
-    for (const double value :
-         {std::numeric_limits<double>::max(), std::numeric_limits<double>::infinity(), -INFINITY})
+    for (const double value : {std::numeric_limits<double>::max(), std::numeric_limits<double>::infinity(),
+                               -std::numeric_limits<double>::infinity()})
         compare(value);
     std::mt19937_64 random(7);
     for (int n = 0; n < 3000; ++n) {
