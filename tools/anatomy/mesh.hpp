@@ -1,5 +1,5 @@
-/* Closed triangle meshes of solids: an OpenVDB level set, its surface, and a simplification that keeps the
- * surface closed. */
+/* Closed triangle meshes of solids: a level set (tools/mesh/level_set), its surface, and a simplification
+ * that keeps the surface closed. */
 #pragma once
 #include "tools/anatomy/shapes.hpp"
 #include <array>
