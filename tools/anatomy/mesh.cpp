@@ -138,6 +138,8 @@ Mesh mesh_of(const MeshRequest &request)
         fault = closed_mesh_fault(mesh);
         if (!fault.empty()) continue;
         if (request.error_mm > 0.0) crn::mesh::simplify(mesh.vertices_mm, mesh.triangles, request.error_mm);
+        if (request.shortest_mm > 0.0)
+            crn::mesh::drop_short_edges(mesh.vertices_mm, mesh.triangles, request.shortest_mm);
         return mesh;
     }
     throw std::runtime_error("the surface does not close: " + fault);
