@@ -1,4 +1,5 @@
 #include "tools/anatomy/build.hpp"
+#include "tools/anatomy/heart_sequence.hpp"
 #include "tools/anatomy/skeleton.hpp"
 #include "tools/anatomy/soft_bodies.hpp"
 #include <algorithm>
@@ -127,7 +128,12 @@ std::vector<Body> patient_bodies(const Fineness &fineness)
 
 std::vector<Body> heart_patient_bodies(const Fineness &fineness)
 {
-    return bodies_with(heart_vessels(), fineness);
+    /* Frames are written to a micrometre. A face whose edges are not much longer would turn over in them. */
+    constexpr double SHORTEST_MM = 0.02;
+    std::vector<Body> bodies = bodies_with(heart_vessels(), fineness);
+    for (Body &body : bodies)
+        if (moves_with_heart(body.name)) body.request.shortest_mm = SHORTEST_MM;
+    return bodies;
 }
 
 /* Makes a silicone wall around the vessels in a tank of water; the vessels are filled with a fluid like

@@ -16,7 +16,6 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
-#include <openvdb/openvdb.h>
 
 namespace
 {
@@ -340,7 +339,6 @@ int main(int argc, char **argv)
         if (*table) return list(tree_named(which));
         if (*checked) return check(folder);
         if (*beat) return make_beat(beat_options);
-        openvdb::initialize();
         if (*heart) return make_heart(options);
         if (*aorta)
             return make(options, aorta_tree(),

@@ -1,5 +1,5 @@
-/* Closed triangle meshes of solids: an OpenVDB level set, its surface, and a simplification that keeps the
- * surface closed. */
+/* Closed triangle meshes of solids: a level set (tools/mesh/level_set), its surface, and a simplification
+ * that keeps the surface closed. */
 #pragma once
 #include "tools/anatomy/shapes.hpp"
 #include <array>
@@ -21,12 +21,13 @@ struct Mesh {
 using LocalDistance = std::function<Distance(const Box &box, double reach_mm)>;
 
 /* The solid to mesh and the fineness. error_mm is how far simplification may move the surface (0: no
- * simplification). */
+ * simplification). Edges shorter than shortest_mm are collapsed. */
 struct MeshRequest {
     Box bounds;
     LocalDistance distance_in;
     double voxel_mm = 1.5;
     double error_mm = 0.15;
+    double shortest_mm = 0;
 };
 
 /* The zero surface of the request; components with fewer than 60 triangles are dropped. Throws

@@ -85,9 +85,9 @@ std::vector<BakedBody> bodies_of(const SceneText &text, const Mesh &lumen, const
 VesselTree tree_of(const SceneText &text, std::string &report)
 try {
     if (text.tree.centrelines.empty()) return {};
-    std::vector<Centreline> lines;
+    std::vector<Curve> lines;
     for (const std::filesystem::path &file : text.tree.centrelines)
-        for (Centreline &line : read_centrelines(file, text.tree.placement)) lines.push_back(std::move(line));
+        for (Curve &line : read_centrelines(file, text.tree.placement)) lines.push_back(std::move(line));
     VesselTree tree = join_branches(lines, text.tree);
     report += branches_report(tree);
     return tree;
@@ -240,9 +240,9 @@ Mesh lumen_surface(const SceneText &text, std::string &report, Progress &progres
     if (text.lumen.centrelines.empty()) {
         mesh = load_mesh(text.lumen.mesh);
     } else {
-        std::vector<Centreline> lines;
+        std::vector<Curve> lines;
         for (const std::filesystem::path &file : text.lumen.centrelines)
-            for (Centreline &line : read_centrelines(file, text.lumen.mesh.placement))
+            for (Curve &line : read_centrelines(file, text.lumen.mesh.placement))
                 lines.push_back(std::move(line));
         mesh = surface_of(lines, text.lumen.surface_mm, progress);
     }

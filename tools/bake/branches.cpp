@@ -2,10 +2,10 @@
 #include "host/base/format.hpp"
 #include "shared/scene/scene.h"
 #include "tools/bake/fault.hpp"
+#include "tools/centreline/join.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace crn::bake
 {
@@ -17,15 +17,15 @@ constexpr double apart_max_radii =
 
 // Leaves out points that coincide with the point before them. Coordinates are rounded as the file will hold
 // them.
-VesselBranch branch_of(const Centreline &line)
+VesselBranch branch_of(const Curve &line)
 {
     VesselBranch branch;
     branch.name = branch_name(line.name);
-    for (std::size_t i = 0; i < line.points_mm.size(); ++i) {
-        const Eigen::Vector3d at_m = (line.points_mm[i] * 1e3).array().round().matrix() * 1e-6;
+    for (const centreline::Sphere &sphere : line.spheres) {
+        const Eigen::Vector3d at_m = (sphere.centre_mm * 1e3).array().round().matrix() * 1e-6;
         if (!branch.points_m.empty() && branch.points_m.back() == at_m) continue;
         branch.points_m.push_back(at_m);
-        branch.radii_m.push_back(std::round(line.radii_mm[i] * 1e3) * 1e-6);
+        branch.radii_m.push_back(std::round(sphere.radius_mm * 1e3) * 1e-6);
     }
     if (branch.points_m.size() < 2) throw Fault(line.name + ": has no length: leave it out of [tree]");
     return branch;
@@ -46,25 +46,26 @@ std::size_t leaving_point(const VesselBranch &parent, std::size_t point)
     return left_m <= parent.radii_m[last] ? last : point;
 }
 
-struct Join {
-    double radii = std::numeric_limits<double>::infinity();
-    std::size_t line = 0, parent = 0, point = 0;
-    bool from_last = false;
-};
-
-// Returns the pair of loose end and joined branch that fits best.
-Join best_join(const std::vector<VesselBranch> &loose, const std::vector<VesselBranch> &joined)
+[[noreturn]] void refuse_apart(const std::string &name, const std::string &nearest, double radii)
 {
-    Join best;
-    for (std::size_t l = 0; l < loose.size(); ++l)
-        for (std::size_t p = 0; p < joined.size(); ++p)
-            for (bool from_last : {false, true}) {
-                const VesselFoot foot =
-                    vessel_foot(joined[p], from_last ? loose[l].points_m.back() : loose[l].points_m.front());
-                if (foot.radii < best.radii)
-                    best = {foot.radii, l, p, foot.point + (foot.share < 0.5 ? 0 : 1), from_last};
-            }
-    return best;
+    throw Fault("[tree] '" + name + "' " + formatted("ends %.1f radii away from", radii) +
+                " the nearest vessel, '" + nearest +
+                "': lengthen it into that vessel, or leave it out of [tree]");
+}
+
+// Sets the branch that a new branch leaves, and its point nearest to the new branch's first one.
+void attach(VesselBranch &branch, const VesselTree &tree, std::size_t parent)
+{
+    const VesselFoot foot = vessel_foot(tree.branches[parent], branch.points_m.front());
+    std::size_t point = foot.point + (foot.share < 0.5 ? 0 : 1);
+    // A branch that begins at the very start of its parent is joined to the parent's own parent, at the same
+    // place.
+    while (point == 0 && tree.branches[parent].parent >= 0) {
+        point = tree.branches[parent].parent_point;
+        parent = static_cast<std::size_t>(tree.branches[parent].parent);
+    }
+    branch.parent = static_cast<int>(parent);
+    branch.parent_point = leaving_point(tree.branches[parent], point);
 }
 
 std::size_t root_of(const std::vector<VesselBranch> &branches, const TreeText &text, bool &from_last)
@@ -117,45 +118,35 @@ std::string branch_name(const std::filesystem::path &file)
     return name;
 }
 
-VesselTree join_branches(const std::vector<Centreline> &lines, const TreeText &text)
+VesselTree join_branches(const std::vector<Curve> &lines, const TreeText &text)
 {
     if (lines.size() > CRN_SCENE_BRANCH_MAX)
         throw Fault("[tree] has more than " + std::to_string(int{CRN_SCENE_BRANCH_MAX}) + " centrelines");
-    std::vector<VesselBranch> loose;
-    for (const Centreline &line : lines) {
-        loose.push_back(branch_of(line));
-        for (std::size_t i = 0; i + 1 < loose.size(); ++i)
-            if (loose[i].name == loose.back().name)
-                throw Fault("[tree] has two centrelines called '" + loose.back().name + "': rename one");
+    std::vector<VesselBranch> curves;
+    for (const Curve &line : lines) {
+        curves.push_back(branch_of(line));
+        for (std::size_t i = 0; i + 1 < curves.size(); ++i)
+            if (curves[i].name == curves.back().name)
+                throw Fault("[tree] has two centrelines called '" + curves.back().name + "': rename one");
     }
     VesselTree tree;
     bool from_last = false;
-    const std::size_t root = root_of(loose, text, from_last);
-    if (from_last) turn(loose[root]);
-    tree.branches.push_back(loose[root]);
-    loose.erase(loose.begin() + static_cast<std::ptrdiff_t>(root));
-    while (!loose.empty()) {
-        const Join join = best_join(loose, tree.branches);
-        if (join.radii > apart_max_radii) {
-            const std::string text_apart = formatted("ends %.1f radii away from", join.radii);
-            throw Fault("[tree] '" + loose[join.line].name + "' " + text_apart + " the nearest vessel, '" +
-                        tree.branches[join.parent].name +
-                        "': lengthen it into that vessel, or leave it out of [tree]");
+    const std::size_t root = root_of(curves, text, from_last);
+    if (from_last) turn(curves[root]);
+    const auto depth = [&](std::size_t curve, bool is_last, std::size_t branch) {
+        const std::vector<Eigen::Vector3d> &points_m = curves[curve].points_m;
+        return vessel_foot(tree.branches[branch], is_last ? points_m.back() : points_m.front()).radii;
+    };
+    centreline::grow_tree(curves.size(), root, depth, [&](const centreline::Joint &joint) {
+        VesselBranch branch = curves[joint.curve];
+        if (!tree.branches.empty()) {
+            if (joint.depth > apart_max_radii)
+                refuse_apart(branch.name, tree.branches[joint.parent].name, joint.depth);
+            if (joint.is_last) turn(branch);
+            attach(branch, tree, joint.parent);
         }
-        VesselBranch branch = loose[join.line];
-        loose.erase(loose.begin() + static_cast<std::ptrdiff_t>(join.line));
-        if (join.from_last) turn(branch);
-        // A branch that begins at the very start of its parent is joined to the parent's own parent, at the
-        // same place.
-        std::size_t parent = join.parent, point = join.point;
-        while (point == 0 && tree.branches[parent].parent >= 0) {
-            point = tree.branches[parent].parent_point;
-            parent = static_cast<std::size_t>(tree.branches[parent].parent);
-        }
-        branch.parent = static_cast<int>(parent);
-        branch.parent_point = leaving_point(tree.branches[parent], point);
         tree.branches.push_back(branch);
-    }
+    });
     state_beds_and_flows(tree, text);
     std::string error;
     if (!check_vessel_tree(tree, error)) throw Fault("[tree] " + error);

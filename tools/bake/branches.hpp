@@ -13,7 +13,7 @@ std::string branch_name(const std::filesystem::path &file);
 // vessel that is already joined. A branch that leaves within a radius of its parent's end leaves at that end.
 // Throws Fault naming a centreline that touches no other, a name that is used twice, or a name in `text` that
 // no centreline has.
-VesselTree join_branches(const std::vector<Centreline> &lines, const TreeText &text);
+VesselTree join_branches(const std::vector<Curve> &lines, const TreeText &text);
 
 // Returns the report's line, "vessels           11 branches, ...".
 std::string branches_report(const VesselTree &tree);

@@ -11,14 +11,15 @@ namespace crn::bake
 namespace
 {
 
-void check_sizes(const Centreline &line)
+void check_sizes(const Curve &line)
 {
-    const double largest = *std::max_element(line.radii_mm.begin(), line.radii_mm.end());
+    double largest = 0;
+    for (const centreline::Sphere &sphere : line.spheres) largest = std::max(largest, sphere.radius_mm);
     if (largest < 0.2 || largest > 100)
         throw Fault(line.name + ": the largest radius is " + std::to_string(largest) +
                     " mm, a vessel's is 0.2 to 100 mm: check the file's unit (coordinateUnits) and scale");
-    for (std::size_t i = 0; i < line.points_mm.size(); ++i)
-        if (line.points_mm[i].cwiseAbs().maxCoeff() > 1800)
+    for (std::size_t i = 0; i < line.spheres.size(); ++i)
+        if (line.spheres[i].centre_mm.cwiseAbs().maxCoeff() > 1800)
             throw Fault(
                 line.name + ": control point " + std::to_string(i) +
                 " lies farther than 1.8 m from the origin: check the unit, or move it with offset_mm");
@@ -26,36 +27,35 @@ void check_sizes(const Centreline &line)
 
 } // namespace
 
-std::vector<Centreline> read_centrelines(const std::filesystem::path &file, const Placement &placement)
+std::vector<Curve> read_centrelines(const std::filesystem::path &file, const Placement &placement)
 {
     const centreline::Tree tree = centreline::read_tree(file);
     // Unequal scales along the axes turn a circular section into an oval one. We replace the oval by the
     // circle that gives the vessel the same volume.
     const double scale = std::cbrt(placement.scale.prod());
-    std::vector<Centreline> lines;
+    std::vector<Curve> lines;
     for (const centreline::Branch &branch : tree.branches) {
-        Centreline line;
+        Curve line;
         line.name = file.string();
         if (tree.branches.size() > 1)
             line.name += "/" + (branch.name.empty() ? "branch " + std::to_string(lines.size()) : branch.name);
-        for (const centreline::Sphere &sphere : branch.spheres) {
-            line.points_mm.push_back(placement.place(sphere.centre_mm, 1.0));
-            line.radii_mm.push_back(sphere.radius_mm * scale);
-        }
+        for (const centreline::Sphere &sphere : branch.spheres)
+            line.spheres.push_back({placement.place(sphere.centre_mm, 1.0), sphere.radius_mm * scale});
         check_sizes(line);
         lines.push_back(std::move(line));
     }
     return lines;
 }
 
-Centreline read_centreline(const std::filesystem::path &file, const Placement &placement)
+Curve read_centreline(const std::filesystem::path &file, const Placement &placement)
 {
     return read_centrelines(file, placement).front();
 }
 
-CurvePoint along(const Centreline &line, bool from_last, double distance_mm)
+CurvePoint along(const Curve &line, bool from_last, double distance_mm)
 {
-    std::vector<Eigen::Vector3d> points = line.points_mm;
+    std::vector<Eigen::Vector3d> points;
+    for (const centreline::Sphere &sphere : line.spheres) points.push_back(sphere.centre_mm);
     if (from_last) std::reverse(points.begin(), points.end());
     double left = distance_mm;
     for (std::size_t i = 0; i + 1 < points.size(); ++i) {

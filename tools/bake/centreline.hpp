@@ -8,28 +8,23 @@ namespace crn::bake
 {
 
 using centreline::tapered_capsule_distance;
-
-struct Centreline {
-    std::string name;
-    std::vector<Eigen::Vector3d> points_mm; // patient frame
-    std::vector<double> radii_mm;
-};
+using Curve = centreline::Branch; // its parent is not set: join_branches finds it
 
 // Reads every curve of a .mrk.json, .vtp, .csv or .obj file; `read_centreline` returns the first. The axes
 // that the file itself states are ignored: `placement.axes` decides. A branch of a file with several branches
 // is called FILE/BRANCH. Throws Fault naming file, point and field.
-std::vector<Centreline> read_centrelines(const std::filesystem::path &file, const Placement &placement);
-Centreline read_centreline(const std::filesystem::path &file, const Placement &placement);
+std::vector<Curve> read_centrelines(const std::filesystem::path &file, const Placement &placement);
+Curve read_centreline(const std::filesystem::path &file, const Placement &placement);
 
 // Returns the position and unit tangent at a distance along the curve from its first or last point. The
 // tangent points from the end into the curve.
 struct CurvePoint {
     Eigen::Vector3d position_mm, direction;
 };
-CurvePoint along(const Centreline &line, bool from_last, double distance_mm);
+CurvePoint along(const Curve &line, bool from_last, double distance_mm);
 
 // Returns the union of the tapered capsules between neighbouring points, as a closed mesh made on a grid of
 // the given voxel size.
-Mesh surface_of(const std::vector<Centreline> &lines, double voxel_mm, Progress &progress);
+Mesh surface_of(const std::vector<Curve> &lines, double voxel_mm, Progress &progress);
 
 } // namespace crn::bake

@@ -3,7 +3,7 @@
 #include "tools/bake/field.hpp"
 #include "shared/scene/scene.h"
 #include "tools/bake/fault.hpp"
-#include "tools/bake/level_set.hpp"
+#include "tools/bake/solid.hpp"
 
 #include <tbb/parallel_for.h>
 
@@ -31,7 +31,7 @@ double voxel_mm(int level)
     return voxel0_mm / (1 << level);
 }
 
-using Cell = std::array<int, 3>; // index of a brick in its level, counted from the patient's origin
+using mesh::Cell; // here the index of a brick in its level, counted from the patient's origin
 
 struct Brick {
     Cell cell{};
@@ -42,10 +42,10 @@ struct Brick {
 };
 
 // --- distances on a grid: sample (i,j,k) at voxel centre (i + 1/2) h ---
-openvdb::FloatGrid::Ptr distances(const Mesh &mesh, int level, Progress &progress)
+mesh::LevelSet distances(const Mesh &mesh, int level, Progress &progress)
 {
     progress.stage("distances at " + std::to_string(voxel_mm(level)) + " mm", 0);
-    auto grid = level_set(mesh, voxel_mm(level), 0.5, band_voxels, band_voxels);
+    mesh::LevelSet grid = level_set(mesh, voxel_mm(level), 0.5, band_voxels, band_voxels);
     progress.step(0);
     progress.finish();
     return grid;
@@ -53,10 +53,10 @@ openvdb::FloatGrid::Ptr distances(const Mesh &mesh, int level, Progress &progres
 
 // While OpenVDB spreads distances from the surface, it keeps only one triangle per voxel. Where triangles are
 // smaller than voxels, OpenVDB's distances are up to 0.03 mm too large. We therefore recompute the distances
-// exactly near the wall and wherever a brick will be stored. OpenVDB stores voxels in leaves of 8^3, so we
-// recompute the leaves of a brick and of its neighbours.
-void make_exact(openvdb::FloatGrid &grid, const std::vector<Brick> &bricks, int level,
-                const TriangleTree &tree, Progress &progress)
+// exactly near the wall and wherever a brick will be stored. A block is 8^3 voxels, as a brick is, so we
+// recompute the blocks of a brick and of its neighbours.
+void make_exact(mesh::LevelSet &grid, const std::vector<Brick> &bricks, int level, const TriangleTree &tree,
+                Progress &progress)
 {
     constexpr std::size_t chunk = 128;
     const float reach_mm = static_cast<float>(exact_voxels * voxel_mm(level));
@@ -65,24 +65,19 @@ void make_exact(openvdb::FloatGrid &grid, const std::vector<Brick> &bricks, int 
         for (int n = 0; n < 27; ++n)
             wanted.insert(
                 {brick.cell[0] + n % 3 - 1, brick.cell[1] + n / 3 % 3 - 1, brick.cell[2] + n / 9 - 1});
-    std::vector<openvdb::FloatTree::LeafNodeType *> leaves;
-    for (auto leaf = grid.tree().beginLeaf(); leaf; ++leaf) {
-        const openvdb::Coord at = leaf->origin();
-        if (wanted.count({at.x() >> 3, at.y() >> 3, at.z() >> 3})) leaves.push_back(leaf.getLeaf());
-    }
-    progress.stage("exact distances at " + std::to_string(voxel_mm(level)) + " mm", leaves.size());
-    for (std::size_t first = 0; first < leaves.size(); first += chunk) {
+    std::vector<Cell> blocks = grid.blocks();
+    std::erase_if(blocks, [&](const Cell &cell) { return !wanted.count(cell); });
+    const auto exact = [&](const Cell &at, float old_mm) {
+        const float far_mm = std::abs(old_mm);
+        if (far_mm > reach_mm) return old_mm;
+        const Eigen::Vector3d p = (Eigen::Vector3d(at[0], at[1], at[2]).array() + 0.5) * voxel_mm(level);
+        return static_cast<float>(tree.nearest(p, 1.001 * far_mm + 1e-3).distance_mm);
+    };
+    progress.stage("exact distances at " + std::to_string(voxel_mm(level)) + " mm", blocks.size());
+    for (std::size_t first = 0; first < blocks.size(); first += chunk) {
         progress.step(first);
-        tbb::parallel_for(first, std::min(first + chunk, leaves.size()), [&](std::size_t i) {
-            for (auto value = leaves[i]->beginValueOn(); value; ++value) {
-                const float old = std::abs(*value);
-                if (old > reach_mm) continue;
-                const openvdb::Coord at = value.getCoord();
-                const Eigen::Vector3d p =
-                    (Eigen::Vector3d(at.x(), at.y(), at.z()).array() + 0.5) * voxel_mm(level);
-                value.setValue(static_cast<float>(tree.nearest(p, 1.001 * old + 1e-3).distance_mm));
-            }
-        });
+        tbb::parallel_for(first, std::min(first + chunk, blocks.size()),
+                          [&](std::size_t i) { grid.change(blocks[i], exact); });
     }
     progress.finish();
 }
@@ -124,19 +119,10 @@ void filter_axis(std::vector<double> &values, std::array<int, 3> &size, int axis
 // --- one brick ---
 
 // Returns the samples of a brick and of its surroundings, in voxels.
-std::vector<double> gather(const openvdb::FloatGrid &grid, const Cell &cell, double voxel)
+std::vector<double> gather(const mesh::LevelSet &grid, const Cell &cell, double voxel)
 {
-    auto in = grid.getConstAccessor();
-    std::vector<double> values;
-    values.reserve(block * block * block);
     const int reach = 1 + filter_reach;
-    for (int z = 0; z < block; ++z)
-        for (int y = 0; y < block; ++y)
-            for (int x = 0; x < block; ++x)
-                values.push_back(
-                    in.getValue({8 * cell[0] + x - reach, 8 * cell[1] + y - reach, 8 * cell[2] + z - reach}) /
-                    voxel);
-    return values;
+    return grid.read({8 * cell[0] - reach, 8 * cell[1] - reach, 8 * cell[2] - reach}, block, voxel);
 }
 
 // Returns whether the brick contains a part of the field that is stored, judged by the brick's 10^3 samples
@@ -215,8 +201,8 @@ bool is_wrong(const Brick &brick, int level, const TriangleTree &tree, const Fie
     return false;
 }
 
-void make_bricks(std::vector<Brick> &bricks, int level, const openvdb::FloatGrid &grid,
-                 const TriangleTree &tree, const FieldText &text, Progress &progress)
+void make_bricks(std::vector<Brick> &bricks, int level, const mesh::LevelSet &grid, const TriangleTree &tree,
+                 const FieldText &text, Progress &progress)
 {
     constexpr std::size_t chunk = 256; // bricks between two checks of the clock and of Ctrl-C
     progress.stage("bricks of " + std::to_string(voxel_mm(level)) + " mm", bricks.size());
@@ -333,9 +319,9 @@ Field make_field(const TriangleTree &tree, const FieldText &text, Progress &prog
     std::vector<std::vector<Brick>> levels;
     levels.push_back(coarse_bricks(tree.mesh(), text, field));
     for (int level = 0; level < CRN_LUMEN_LEVELS && !levels.back().empty(); ++level) {
-        const auto grid = distances(tree.mesh(), level, progress);
-        make_exact(*grid, levels.back(), level, tree, progress);
-        make_bricks(levels.back(), level, *grid, tree, text, progress);
+        mesh::LevelSet grid = distances(tree.mesh(), level, progress);
+        make_exact(grid, levels.back(), level, tree, progress);
+        make_bricks(levels.back(), level, grid, tree, text, progress);
         check_budget(levels);
         levels.push_back(octants(levels.back()));
     }

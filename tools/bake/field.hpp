@@ -1,6 +1,6 @@
 // Makes the lumen's distance field: a closed mesh becomes the lattice of bricks of firmware/core/lumen.h.
 //
-//   exact distances near the wall on a grid per level (OpenVDB)  ->  coefficients of the interpolating B-spline
+//   exact distances near the wall on a grid per level  ->  coefficients of the interpolating B-spline
 //   ->  bricks, refined where the measured error exceeds the tolerance  ->  index, child rows, samples
 #pragma once
 #include "tools/bake/triangle_tree.hpp"

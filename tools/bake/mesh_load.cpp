@@ -4,6 +4,7 @@
 #include "tools/bake/fault.hpp"
 #include "tools/bake/mesh.hpp"
 #include "tools/mesh/files/mesh_file.hpp"
+#include "tools/mesh/pieces.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -28,41 +29,19 @@ void append(const MeshPiece &piece, const MeshText &text, Mesh &mesh)
 // Keeps only the connected pieces that the text selects.
 void keep_pieces(Mesh &mesh, const MeshText &text)
 {
-    std::vector<std::uint32_t> parent(mesh.vertices_mm.size());
-    std::iota(parent.begin(), parent.end(), 0u);
-    const auto root = [&](std::uint32_t vertex) {
-        while (parent[vertex] != vertex) vertex = parent[vertex] = parent[parent[vertex]];
-        return vertex;
-    };
-    for (const Triangle &t : mesh.triangles)
-        for (int k : {1, 2}) parent[root(t[k])] = root(t[0]);
-    std::vector<Eigen::AlignedBox3d> boxes(parent.size());
-    for (std::uint32_t v = 0; v < parent.size(); ++v) boxes[root(v)].extend(mesh.vertices_mm[v]);
+    const std::vector<std::uint32_t> piece = mesh::pieces_of(mesh.vertices_mm.size(), mesh.triangles);
+    std::vector<Eigen::AlignedBox3d> boxes(piece.size());
+    for (std::uint32_t v = 0; v < piece.size(); ++v) boxes[piece[v]].extend(mesh.vertices_mm[v]);
     std::erase_if(mesh.triangles, [&](const Triangle &t) {
-        const Eigen::AlignedBox3d &box = boxes[root(t[0])];
+        const Eigen::AlignedBox3d &box = boxes[piece[t[0]]];
         return box.diagonal().norm() < text.pieces_min_mm ||
                (!text.pieces_mm.isEmpty() && !text.pieces_mm.contains(box.center()));
     });
     if (!mesh.triangles.empty()) return;
     std::string list;
-    for (std::uint32_t v = 0; v < parent.size() && list.size() < 600; ++v)
-        if (root(v) == v) list += (list.empty() ? "" : ", ") + place_text(boxes[v].center());
+    for (std::uint32_t v = 0; v < piece.size() && list.size() < 600; ++v)
+        if (piece[v] == v) list += (list.empty() ? "" : ", ") + place_text(boxes[v].center());
     throw Fault(mesh.name + ": no piece is left by pieces_mm and pieces_min_mm: they lie at " + list);
-}
-
-void drop_unused(Mesh &mesh)
-{
-    std::vector<std::uint32_t> renamed(mesh.vertices_mm.size(), UINT32_MAX);
-    std::vector<Eigen::Vector3d> used;
-    for (Triangle &t : mesh.triangles)
-        for (std::uint32_t &v : t) {
-            if (renamed[v] == UINT32_MAX) {
-                renamed[v] = static_cast<std::uint32_t>(used.size());
-                used.push_back(mesh.vertices_mm[v]);
-            }
-            v = renamed[v];
-        }
-    mesh.vertices_mm = std::move(used);
 }
 
 } // namespace
@@ -89,7 +68,7 @@ Mesh load_mesh(const MeshText &text)
     weld(mesh);
     if (!text.pieces_mm.isEmpty() || text.pieces_min_mm > 0) {
         keep_pieces(mesh, text);
-        drop_unused(mesh);
+        mesh::drop_unused(mesh.vertices_mm, mesh.triangles);
     }
     return mesh;
 }

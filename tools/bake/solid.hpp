@@ -3,6 +3,7 @@
 // voxels inside the body.
 #pragma once
 #include "tools/bake/mesh.hpp"
+#include "tools/mesh/level_set/level_set.hpp"
 
 namespace crn::bake
 {
@@ -27,16 +28,10 @@ Mesh clipped(const Mesh &mesh, const Eigen::AlignedBox3d &box, double voxel_mm);
 // `gap_mm`.
 Mesh difference(const Mesh &mesh, const std::vector<const Mesh *> &taken, double voxel_mm, double gap_mm);
 
-// Describes a voxel inside a closed mesh: its middle is cell * voxel_mm, and its distance from the surface is
-// stored.
-struct InsideVoxel {
-    std::array<int, 3> cell;
-    float depth_mm;
-};
-std::vector<InsideVoxel> inside_voxels(const Mesh &mesh, double voxel_mm);
+// Returns the voxels inside a closed mesh with their depth below its surface.
+std::vector<mesh::InsideVoxel> inside_voxels(const Mesh &mesh, double voxel_mm);
 
-// Splits vertices at which two sheets of a surface touch, so that every edge afterwards belongs to two
-// triangles.
-void separate_sheets(Mesh &mesh);
+// Returns signed distances to a closed mesh (LevelSet has the same constructor).
+mesh::LevelSet level_set(const Mesh &mesh, double voxel_mm, double place, double outside, double inside);
 
 } // namespace crn::bake

@@ -1,6 +1,6 @@
 // Joins separate curves into a tree. The code finds which curve begins inside which other, and where it
 // leaves that curve.
-#include "tools/centreline/tree.hpp"
+#include "tools/centreline/join.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -24,24 +24,13 @@ double mean_radius_mm(const Branch &branch)
     return sum / static_cast<double>(branch.spheres.size());
 }
 
-// A choice is one end of a curve that is not yet in the tree, and the branch of the tree in whose tube this
-// end lies.
-struct Choice {
-    std::size_t parent = 0;
-    bool is_last = false;    // it is the curve's last point: the curve runs against the blood flow
-    double depth = INFINITY; // in radii of the parent, below 0 inside
-};
-
-void consider(Choice &best, const Branch &curve, const Tree &tree, std::size_t parent)
+// Returns the distance of a curve's end from a branch's tube in radii of the branch, below 0 inside, or
+// INFINITY when it lies too far outside.
+double depth_in(const Branch &tube, const Sphere &end)
 {
-    const Branch &tube = tree.branches[parent];
-    for (bool is_last : {false, true}) {
-        const Sphere &end = is_last ? curve.spheres.back() : curve.spheres.front();
-        const HullPlace place = hull_place(tube, end.centre_mm);
-        if (place.distance_mm > outside_share * end.radius_mm) continue;
-        const double depth = place.distance_mm / tube.spheres[place.sphere].radius_mm;
-        if (depth < best.depth) best = {parent, is_last, depth};
-    }
+    const HullPlace place = hull_place(tube, end.centre_mm);
+    if (place.distance_mm > outside_share * end.radius_mm) return INFINITY;
+    return place.distance_mm / tube.spheres[place.sphere].radius_mm;
 }
 
 // Cuts off the part of a curve that runs along the parent's line, and puts the parent's sphere before the
@@ -86,6 +75,29 @@ void begin_at(std::vector<Branch> &curves, const Eigen::Vector3d &inlet_mm)
 
 } // namespace
 
+void grow_tree(std::size_t count, std::size_t first, const DepthOf &depth,
+               const std::function<void(const Joint &)> &place)
+{
+    std::vector<Joint> best(count); // the best place so far for each curve
+    for (std::size_t c = 0; c < count; ++c) best[c].curve = c;
+    std::vector<bool> is_placed(count, false);
+    for (std::size_t branch = 0; branch < count; ++branch) {
+        std::size_t next = count;
+        for (std::size_t c = 0; c < count; ++c)
+            if (!is_placed[c] && (next == count || best[c].depth < best[next].depth)) next = c;
+        if (branch == 0) next = first;
+        is_placed[next] = true;
+        place(best[next]);
+        // Only the new branch can be a better parent than the branches before it.
+        for (std::size_t c = 0; c < count; ++c)
+            for (bool is_last : {false, true}) {
+                if (is_placed[c]) break;
+                const double here = depth(c, is_last, branch);
+                if (here < best[c].depth) best[c] = {c, branch, is_last, here};
+            }
+    }
+}
+
 Tree joined(const Tree &tree, const Eigen::Vector3d *inlet_mm)
 {
     std::vector<std::size_t> roots;
@@ -97,28 +109,23 @@ Tree joined(const Tree &tree, const Eigen::Vector3d *inlet_mm)
     std::stable_sort(roots.begin(), roots.end(), [&](std::size_t a, std::size_t b) {
         return mean_radius_mm(tree.branches[a]) > mean_radius_mm(tree.branches[b]);
     });
+    std::vector<Branch> curves;
+    for (std::size_t b : roots) curves.push_back(tree.branches[b]);
+    if (inlet_mm) begin_at(curves, *inlet_mm);
     Tree made;
-    Tree left;
-    for (std::size_t b : roots) left.branches.push_back(tree.branches[b]);
-    if (inlet_mm) begin_at(left.branches, *inlet_mm);
-    std::vector<Choice> best(left.branches.size()); // the best place so far for each remaining curve
-    std::vector<bool> is_placed(left.branches.size(), false);
-    for (std::size_t count = 0; count < left.branches.size(); ++count) {
-        std::size_t next = left.branches.size();
-        for (std::size_t c = 0; c < best.size(); ++c)
-            if (!is_placed[c] && (next == best.size() || best[c].depth < best[next].depth)) next = c;
-        Branch branch = left.branches[next];
-        if (std::isfinite(best[next].depth)) {
-            branch.parent = static_cast<int>(best[next].parent);
-            if (best[next].is_last) std::reverse(branch.spheres.begin(), branch.spheres.end());
-            attach(branch, made.branches[best[next].parent]);
+    const auto depth = [&](std::size_t curve, bool is_last, std::size_t branch) {
+        const std::vector<Sphere> &spheres = curves[curve].spheres;
+        return depth_in(made.branches[branch], is_last ? spheres.back() : spheres.front());
+    };
+    grow_tree(curves.size(), 0, depth, [&](const Joint &joint) {
+        Branch branch = curves[joint.curve];
+        if (std::isfinite(joint.depth)) {
+            branch.parent = static_cast<int>(joint.parent);
+            if (joint.is_last) std::reverse(branch.spheres.begin(), branch.spheres.end());
+            attach(branch, made.branches[joint.parent]);
         }
-        is_placed[next] = true;
         made.branches.push_back(std::move(branch));
-        // Only the new branch can be a better parent than the branches before it.
-        for (std::size_t c = 0; c < best.size(); ++c)
-            if (!is_placed[c]) consider(best[c], left.branches[c], made, made.branches.size() - 1);
-    }
+    });
     return made;
 }
 

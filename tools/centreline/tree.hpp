@@ -69,13 +69,6 @@ LinePlace line_place(const Branch &branch, const Eigen::Vector3d &p_mm);
 // branch's spheres before that one only connect the parent's middle with the wall.
 std::size_t first_own_sphere(const Tree &tree, std::size_t branch);
 
-// Makes a tree from curves as 3D Slicer and VMTK store them, which is one curve per file or per outlet. A
-// root that begins inside another branch's tube becomes a branch of it; the part of the root that runs along
-// that branch's line is cut off. The trunk is the curve that has an end nearest to `inlet_mm`; without
-// `inlet_mm` it is the widest curve. A lone curve is not changed, nor is a tree whose file states which
-// branch leaves which.
-Tree joined(const Tree &tree, const Eigen::Vector3d *inlet_mm = nullptr);
-
 // Splits branches where others leave, as VMTK does: afterwards every parent_sphere is the parent's last
 // sphere.
 Tree split_at_junctions(const Tree &tree);

@@ -56,11 +56,13 @@ class Simplifier
   public:
     Simplifier(std::vector<Vec3> &vertices_mm, std::vector<Triangle> &triangles, double error_mm);
     void run();
+    void drop_short_edges(double length_mm);
 
   private:
     Vec3 best_point(uint32_t keep, uint32_t drop, double &cost) const;
     void offer(uint32_t one, uint32_t other);
     void offer_around(uint32_t vertex);
+    bool keeps_a_manifold(uint32_t keep, uint32_t drop);
     bool may_collapse(uint32_t keep, uint32_t drop, const Vec3 &point);
     bool turns_a_triangle(uint32_t moving, uint32_t other, const Vec3 &point) const;
     void neighbours(uint32_t vertex, std::vector<uint32_t> &found) const;
@@ -157,20 +159,26 @@ bool Simplifier::turns_a_triangle(uint32_t moving, uint32_t other, const Vec3 &p
     return false;
 }
 
-/* Checks the link condition on a closed surface: the two ends of the edge must share exactly two
- * neighbours. */
-bool Simplifier::may_collapse(uint32_t keep, uint32_t drop, const Vec3 &point)
+/* Checks the link condition on a closed surface: the two ends of the edge must share exactly two neighbours.
+ * Afterwards around_keep_ and around_drop_ hold the neighbours of both. */
+bool Simplifier::keeps_a_manifold(uint32_t keep, uint32_t drop)
 {
-    constexpr size_t VALENCE_MOST = 14;
     neighbours(keep, around_keep_);
     neighbours(drop, around_drop_);
     shared_.clear();
     std::set_intersection(around_keep_.begin(), around_keep_.end(), around_drop_.begin(), around_drop_.end(),
                           std::back_inserter(shared_));
-    if (shared_.size() != 2 || around_keep_.size() + around_drop_.size() - 4 > VALENCE_MOST) return false;
+    if (shared_.size() != 2) return false;
     for (uint32_t vertex : shared_)
         if (triangles_of_[vertex].size() <= 3) return false;
-    return !turns_a_triangle(keep, drop, point) && !turns_a_triangle(drop, keep, point);
+    return true;
+}
+
+bool Simplifier::may_collapse(uint32_t keep, uint32_t drop, const Vec3 &point)
+{
+    constexpr size_t VALENCE_MOST = 14;
+    return keeps_a_manifold(keep, drop) && around_keep_.size() + around_drop_.size() - 4 <= VALENCE_MOST &&
+           !turns_a_triangle(keep, drop, point) && !turns_a_triangle(drop, keep, point);
 }
 
 void Simplifier::collapse(uint32_t keep, uint32_t drop, const Vec3 &point)
@@ -212,6 +220,24 @@ void Simplifier::run()
     compact();
 }
 
+void Simplifier::drop_short_edges(double length_mm)
+{
+    bool is_collapsed = false;
+    for (bool is_changed = true; is_changed;) {
+        is_changed = false;
+        for (uint32_t t = 0; t < triangles_.size(); t++)
+            for (int i = 0; i < 3 && triangle_alive_[t]; i++) {
+                const uint32_t one = triangles_[t][i], other = triangles_[t][(i + 1) % 3];
+                if ((vertices_[one] - vertices_[other]).norm() >= length_mm) continue;
+                const uint32_t keep = std::min(one, other), drop = std::max(one, other);
+                if (!keeps_a_manifold(keep, drop)) continue;
+                collapse(keep, drop, vertices_[keep]);
+                is_changed = is_collapsed = true;
+            }
+    }
+    if (is_collapsed) compact();
+}
+
 void Simplifier::compact()
 {
     std::vector<uint32_t> renamed(vertices_.size(), UINT32_MAX);
@@ -238,6 +264,11 @@ void Simplifier::compact()
 void simplify(std::vector<Vec3> &vertices_mm, std::vector<Triangle> &triangles, double error_mm)
 {
     Simplifier(vertices_mm, triangles, error_mm).run();
+}
+
+void drop_short_edges(std::vector<Vec3> &vertices_mm, std::vector<Triangle> &triangles, double length_mm)
+{
+    Simplifier(vertices_mm, triangles, 0.0).drop_short_edges(length_mm);
 }
 
 } // namespace crn::mesh

@@ -17,4 +17,10 @@ using Triangle = std::array<uint32_t, 3>; // counter-clockwise seen from outside
  * by more than a right angle. The result is deterministic. */
 void simplify(std::vector<Eigen::Vector3d> &vertices_mm, std::vector<Triangle> &triangles, double error_mm);
 
+/* Collapses all edges shorter than length_mm whose collapse keeps the closed manifold one. Triangles whose
+ * corners almost coincide thereby vanish: their direction is that of rounding errors, so they seem to turn
+ * over when the surface moves. A surface without such edges is not changed. */
+void drop_short_edges(std::vector<Eigen::Vector3d> &vertices_mm, std::vector<Triangle> &triangles,
+                      double length_mm);
+
 } // namespace crn::mesh

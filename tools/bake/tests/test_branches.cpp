@@ -23,21 +23,20 @@ using namespace crn::bake;
 namespace
 {
 
-Centreline line(const char *file, const Eigen::Vector3d &from_mm, const Eigen::Vector3d &to_mm,
-                double first_radius_mm, double last_radius_mm)
+Curve line(const char *file, const Eigen::Vector3d &from_mm, const Eigen::Vector3d &to_mm,
+           double first_radius_mm, double last_radius_mm)
 {
-    Centreline made;
+    Curve made;
     made.name = file;
-    for (int i = 0; i <= 10; ++i) {
-        made.points_mm.push_back(from_mm + 0.1 * i * (to_mm - from_mm));
-        made.radii_mm.push_back(first_radius_mm + 0.1 * i * (last_radius_mm - first_radius_mm));
-    }
+    for (int i = 0; i <= 10; ++i)
+        made.spheres.push_back({from_mm + 0.1 * i * (to_mm - from_mm),
+                                first_radius_mm + 0.1 * i * (last_radius_mm - first_radius_mm)});
     return made;
 }
 
-// The test has an aorta that was traced upwards and divides at its lower end, a renal artery traced towards
-// the aorta, and one iliac artery in each direction.
-std::vector<Centreline> four()
+// An aorta that was traced upwards and divides at its lower end, a renal artery traced towards it, and one
+// iliac artery in each direction.
+std::vector<Curve> four()
 {
     return {line("a/left_iliac.mrk.json", {80, -120, 0}, {1, -3, 0}, 4, 5),
             line("a/renal.mrk.json", {70, 95, 0}, {2, 100, 0}, 2.5, 3),
@@ -106,10 +105,10 @@ void inlet_beds_and_flows_are_those_of_the_text(void **)
 
 void what_makes_no_tree_is_refused_by_name(void **)
 {
-    std::vector<Centreline> apart = four();
+    std::vector<Curve> apart = four();
     apart[1] = line("a/renal.mrk.json", {70, 95, 0}, {30, 100, 0}, 2.5, 3);
     refuses([&] { join_branches(apart, {}); }, "'renal' ends 2.");
-    std::vector<Centreline> twice = four();
+    std::vector<Curve> twice = four();
     twice[1].name = "b/aorta.mrk.json";
     refuses([&] { join_branches(twice, {}); }, "two centrelines called 'aorta'");
     TreeText text;

@@ -134,7 +134,7 @@ void two_cubes_that_share_an_edge_become_two_sheets(void **)
                  check_closed(copy, Cap::none);
              }),
              {"1 non-manifold edges"});
-    separate_sheets(mesh);
+    crn::mesh::separate_sheets(mesh.vertices_mm, mesh.triangles);
     check_closed(mesh, Cap::none);
     is_near(volume_mm3(mesh), 2000, 1e-6, "the volume in mm3");
 }

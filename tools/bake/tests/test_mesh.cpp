@@ -228,13 +228,16 @@ void tapered_capsule_distance_is_that_of_all_spheres_between(void **)
 void surface_of_a_straight_centreline_is_a_closed_tube(void **)
 {
     Progress progress;
-    Centreline line{"line", {{0, 0, 0}, {0, 30, 0}, {0, 60, 0}}, {5, 5, 5}};
+    Curve line;
+    for (double y : {0, 30, 60}) line.spheres.push_back({{0, y, 0}, 5});
     Mesh mesh = surface_of({line}, 0.5, progress);
     check_closed(mesh, Cap::none);
+    assert_int_equal(mesh.notes.size(), 0); /* it is not inside out, so nothing is repaired */
     const double exact = turn / 2 * 25 * 60 + 4.0 / 3 * turn / 2 * 125;
     assert_true(std::abs(volume_mm3(mesh) / exact - 1) < 0.005);
     for (const Eigen::Vector3d &v : mesh.vertices_mm) {
-        const double wall = tapered_capsule_distance(v, line.points_mm[0], 5, line.points_mm[2], 5);
+        const double wall =
+            tapered_capsule_distance(v, line.spheres[0].centre_mm, 5, line.spheres[2].centre_mm, 5);
         assert_true(std::abs(wall) <
                     0.02); /* chords of half a millimetre: h^2 / 8 R = 0.006 mm, twice along a diagonal */
     }

@@ -163,10 +163,9 @@ void no_vertebra_stands_in_the_aorta(void **)
         for (const Eigen::Vector3d &v : mesh_of(name).vertices_mm) bone.push_back(v);
     double least = 1e9;
     for (const std::filesystem::path &file : patient->text.lumen.centrelines) {
-        const Centreline line = read_centreline(file, patient->text.lumen.mesh.placement);
-        for (std::size_t i = 0; i < line.points_mm.size(); ++i)
+        for (const auto &sphere : read_centreline(file, patient->text.lumen.mesh.placement).spheres)
             for (const Eigen::Vector3d &v : bone)
-                least = std::min(least, (v - line.points_mm[i]).norm() - line.radii_mm[i]);
+                least = std::min(least, (v - sphere.centre_mm).norm() - sphere.radius_mm);
     }
     if (least < 0) fail_msg("a vertebra reaches %.1f mm into the aorta", -least);
 }

@@ -6,6 +6,7 @@
 #include "tools/centreline/fit/editor.hpp"
 #include "tools/centreline/fit/tree_picture.hpp"
 #include "tools/centreline/formats.hpp"
+#include "tools/centreline/join.hpp"
 
 #include <algorithm>
 #include <cstdio>
@@ -37,9 +38,9 @@ bake::Mesh load(const Options &options, const std::string &file, bake::Progress 
     if (std::filesystem::path(file).extension() != ".toml") return bake::load_mesh(mesh_text(options, file));
     const bake::SceneText scene = bake::read_scene_text(file, {options.data, options.shipped});
     if (scene.lumen.centrelines.empty()) return bake::load_mesh(scene.lumen.mesh);
-    std::vector<bake::Centreline> lines;
+    std::vector<Branch> lines;
     for (const std::filesystem::path &line : scene.lumen.centrelines)
-        for (bake::Centreline &one : bake::read_centrelines(line, scene.lumen.mesh.placement))
+        for (Branch &one : bake::read_centrelines(line, scene.lumen.mesh.placement))
             lines.push_back(std::move(one));
     return bake::surface_of(lines, scene.lumen.surface_mm, progress);
 }

@@ -1,4 +1,4 @@
-// OpenVDB computes the distances, bricks of 8^3 numbers give the neighbours, and Dijkstra's search finds the
+// A level set holds the distances, bricks of 8^3 numbers give the neighbours, and Dijkstra's search finds the
 // paths.
 #include "tools/centreline/fit/voxels.hpp"
 #include "tools/bake/solid.hpp"
@@ -33,22 +33,22 @@ Voxels::Voxels(const bake::Mesh &closed, double voxel_mm)
         (box.sizes() / voxel_mm).array().ceil().prod() > bake::solid_voxels_max)
         throw Fault(closed.name + ": has too many voxels of " + std::to_string(voxel_mm) +
                     " mm: make --voxel-mm larger");
-    const std::vector<bake::InsideVoxel> inside = bake::inside_voxels(closed, voxel_mm);
+    const std::vector<mesh::InsideVoxel> inside = bake::inside_voxels(closed, voxel_mm);
     if (inside.empty())
         throw Fault(closed.name + ": has no inside at voxels of " + std::to_string(voxel_mm) +
                     " mm: make --voxel-mm smaller, or close the mesh");
-    const auto cell_of = [](const bake::InsideVoxel &voxel) {
+    const auto cell_of = [](const mesh::InsideVoxel &voxel) {
         return Eigen::Array3i(voxel.cell[0], voxel.cell[1], voxel.cell[2]);
     };
     Eigen::Array3i high = cell_of(inside[0]);
     low_ = high;
-    for (const bake::InsideVoxel &voxel : inside) {
+    for (const mesh::InsideVoxel &voxel : inside) {
         low_ = low_.min(cell_of(voxel));
         high = high.max(cell_of(voxel));
     }
     bricks_ = (high - low_) / 8 + 1;
     brick_of_.assign(static_cast<std::size_t>(bricks_.cast<double>().prod()), -1);
-    for (const bake::InsideVoxel &voxel : inside) {
+    for (const mesh::InsideVoxel &voxel : inside) {
         const Eigen::Array3i cell = cell_of(voxel);
         const Eigen::Array3i local = cell - low_, b = local / 8, in = local - 8 * b;
         std::int32_t &brick = brick_of_[brick_index(b)];

@@ -46,17 +46,16 @@ inline double tube_off_mm(const Eigen::Vector3d &p, double bend_mm)
 // both sides with a bend radius of 30 mm.
 constexpr double fork_trunk_mm = 3.0, fork_branch_mm = 2.4, fork_bend_mm = 30, fork_angle = 1.0;
 
-inline std::vector<bake::Centreline> fork_lines()
+inline std::vector<Branch> fork_lines()
 {
-    std::vector<bake::Centreline> lines(3);
+    std::vector<Branch> lines(3);
     for (int i = 0; i <= 40; ++i) {
-        lines[0].points_mm.emplace_back(0, -20.0 + 0.5 * i, 0);
-        lines[0].radii_mm.push_back(fork_trunk_mm);
+        lines[0].spheres.push_back({{0, -20.0 + 0.5 * i, 0}, fork_trunk_mm});
         for (int k : {1, 2}) {
             const double side = k == 1 ? 1 : -1, angle = fork_angle * i / 40;
-            lines[k].points_mm.emplace_back(side * fork_bend_mm * (1 - std::cos(angle)),
-                                            fork_bend_mm * std::sin(angle), 0);
-            lines[k].radii_mm.push_back(fork_branch_mm);
+            lines[k].spheres.push_back(
+                {{side * fork_bend_mm * (1 - std::cos(angle)), fork_bend_mm * std::sin(angle), 0},
+                 fork_branch_mm});
         }
     }
     return lines;

@@ -185,12 +185,9 @@ void short_stubs_are_pruned(void **)
 {
     // The tests use a tube with a bump of half a radius, and a tube with a side branch.
     for (double reach_mm : {3.5, 12.0}) {
-        std::vector<bake::Centreline> lines(2);
-        for (int i = 0; i <= 30; ++i)
-            lines[0].points_mm.emplace_back(0, i, 0), lines[0].radii_mm.push_back(3);
-        for (int i = 0; i <= 12; ++i)
-            lines[1].points_mm.emplace_back((reach_mm - 1.5) * i / 12, 15, 0),
-                lines[1].radii_mm.push_back(1.5);
+        std::vector<Branch> lines(2);
+        for (int i = 0; i <= 30; ++i) lines[0].spheres.push_back({{0, 1.0 * i, 0}, 3});
+        for (int i = 0; i <= 12; ++i) lines[1].spheres.push_back({{(reach_mm - 1.5) * i / 12, 15, 0}, 1.5});
         const Lumen lumen(bake::surface_of(lines, 0.4, progress), coarse(), progress);
         assert_int_equal(automatic(lumen).branches.size(), reach_mm > 10 ? 3 : 1);
     }

@@ -5,6 +5,7 @@
 // takes half a minute. Without CRN_WHOLE the test therefore covers only the path from the iliac arteries to
 // the arch; `make validate-centreline` covers everything.
 #include "tools/centreline/fit/automatic.hpp"
+#include "tools/centreline/join.hpp"
 #include "tools/centreline/tests/shapes.hpp"
 
 #include <algorithm>
@@ -71,18 +72,10 @@ void curves_are_recovered_from_their_surface(void **)
             const std::string number = branch.name.substr(branch.name.find_last_of('_') + 1);
             return number != "(0)" && number != "(2)" && number != "(3)" && number != "(5)";
         });
-    std::vector<bake::Centreline> lines;
-    for (const Branch &branch : truth.branches) {
-        bake::Centreline line;
-        for (const Sphere &sphere : branch.spheres) {
-            line.points_mm.push_back(sphere.centre_mm);
-            line.radii_mm.push_back(sphere.radius_mm);
-        }
-        lines.push_back(std::move(line));
-    }
     LumenWish wish_of_lumen;
     if (!is_whole()) wish_of_lumen.voxel_mm = 1.5;
-    const Lumen lumen(bake::surface_of(lines, is_whole() ? 0.6 : 1.0, progress), wish_of_lumen, progress);
+    const Lumen lumen(bake::surface_of(truth.branches, is_whole() ? 0.6 : 1.0, progress), wish_of_lumen,
+                      progress);
     std::vector<std::string> notes;
     AutoWish wish;
     wish.inlet_mm = truth.branches[0].spheres[0].centre_mm; // curve 0 begins in the arch

@@ -1,6 +1,7 @@
 // Claims: curves that touch become one tree, a tree can be cut at its junctions, and its flow obeys
 // Poiseuille's law. The claims are shown against closed forms.
 #include "tools/centreline/flow.hpp"
+#include "tools/centreline/join.hpp"
 #include "tools/centreline/tests/trees.hpp"
 
 using namespace crn::centreline;
@@ -40,6 +41,33 @@ void curves_that_touch_become_a_tree(void **)
         assert_true(std::abs(branch.spheres.back().centre_mm.x()) > 10);
     }
     assert_int_equal(found, 2);
+}
+
+void a_tree_grows_by_the_deepest_end(void **)
+{
+    // Places on a line; a curve is [first, last], and depth is the distance to the branch's nearer end.
+    const std::vector<std::array<double, 2>> curves = {{5, 9}, {2, 1}, {0, 1}, {100, 101}, {3, 5}};
+    std::vector<Joint> joints;
+    const auto depth = [&](std::size_t curve, bool is_last, std::size_t branch) {
+        const auto &other = curves[joints[branch].curve];
+        const double at = curves[curve][is_last];
+        const double apart = std::min(std::abs(at - other[0]), std::abs(at - other[1]));
+        return apart > 50 ? INFINITY : apart;
+    };
+    grow_tree(curves.size(), 2, depth, [&](const Joint &joint) { joints.push_back(joint); });
+    const Joint wanted[] = {{2, 0, false, INFINITY},
+                            {1, 0, true, 0},
+                            {4, 1, false, 1},
+                            {0, 2, false, 0},
+                            {3, 0, false, INFINITY}};
+    assert_int_equal(joints.size(), 5);
+    for (std::size_t i = 0; i < 5; ++i) {
+        assert_int_equal(joints[i].curve, wanted[i].curve);
+        assert_true(joints[i].depth == wanted[i].depth);
+        if (!std::isfinite(wanted[i].depth)) continue;
+        assert_int_equal(joints[i].parent, wanted[i].parent);
+        assert_int_equal(joints[i].is_last, wanted[i].is_last);
+    }
 }
 
 // VMTK writes this form: two lines from one inlet that coincide up to the fork.
@@ -158,6 +186,7 @@ void flow_is_kept_along_a_branch_with_sides(void **)
 int main()
 {
     const CMUnitTest tests[] = {cmocka_unit_test(curves_that_touch_become_a_tree),
+                                cmocka_unit_test(a_tree_grows_by_the_deepest_end),
                                 cmocka_unit_test(lines_that_run_together_part_where_they_part),
                                 cmocka_unit_test(a_split_tree_ends_at_every_junction),
                                 cmocka_unit_test(own_spheres_begin_outside_the_parent),

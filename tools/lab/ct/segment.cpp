@@ -5,6 +5,7 @@
 #include "tools/lab/ct/mouth.hpp"
 #include "tools/lab/ct/surface.hpp"
 #include "tools/mesh/fault.hpp"
+#include "tools/mesh/pieces.hpp"
 #include "tools/mesh/simplify.hpp"
 #include <algorithm>
 #include <cmath>
@@ -52,7 +53,7 @@ void write_instrument(const Volume &volume, const Volume &mask, const Instrument
     const Volume speed = speed_of(gradient_magnitude(part, 0.5), 500, 150);
     bake::Mesh mesh =
         surface_of(evolve_snake(signed_distance(inside), speed, {0, 0.1, 0.5, 10}), "instrument");
-    keep_large_pieces(mesh, 0.05);
+    mesh::drop_small_pieces(mesh.vertices_mm, mesh.triangles, 0, 0.05);
     write_surface(mesh, {}, file);
 }
 
@@ -69,7 +70,7 @@ std::vector<float> unsure_of(const bake::Mesh &mesh, const Lumen &lumen)
 bake::Mesh lumen_mesh(const Lumen &lumen, std::vector<std::string> &notes)
 {
     bake::Mesh mesh = surface_of(lumen.level, "lumen");
-    keep_large_pieces(mesh, 1);
+    mesh::drop_small_pieces(mesh.vertices_mm, mesh.triangles, 0, 1);
     const bake::Mesh whole = mesh;
     mesh::simplify(mesh.vertices_mm, mesh.triangles, simplify_mm);
     bake::Progress progress;

@@ -7,13 +7,9 @@
 namespace crn::ct
 {
 
-// Marching tetrahedra are used: vertices lie between two voxels where the level is 0, by linear
-// interpolation. The mesh is closed, does not cross itself, has outward normals, and is in the scene's mm.
-// The mesh is also closed where the inside reaches the volume's border.
+// Returns the surface where the level is 0 (tools/mesh/level_set). The mesh is closed, has outward normals,
+// and is in the scene's mm. The mesh is also closed where the inside reaches the volume's border.
 bake::Mesh surface_of(const Volume &level, const std::string &name);
-
-// Removes pieces that are smaller than `share` of the largest piece.
-void keep_large_pieces(bake::Mesh &mesh, double share);
 
 // Writes a binary PLY file in mm with the property unsure_mm per vertex. Throws OutputError.
 void write_surface(const bake::Mesh &mesh, const std::vector<float> &unsure_mm,
