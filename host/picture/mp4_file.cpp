@@ -321,8 +321,8 @@ std::vector<std::uint8_t> Mp4Index::head(const Mp4Track &track) const
 void Mp4File::add(std::span<const std::uint8_t> picture, bool is_key)
 {
     if (picture.size() > u32_max || !index_.add(static_cast<std::uint32_t>(picture.size()), is_key))
-        throw OutputError(file_.path() +
-                          ": a film has at most 268435456 pictures of at most 4 GiB each; end it sooner");
+        throw OutputError(file_.path() + ": a film has at most " + std::to_string(Mp4Index::pictures_max) +
+                          " pictures of at most 4 GiB each; end it sooner");
     file_.write(picture.data(), picture.size());
 }
 

@@ -36,7 +36,7 @@ bool VideoWriter::open(const std::string &path, int width, int height, int pictu
 bool VideoWriter::add(const Image &image, std::string &error)
 {
     if (!is_open()) {
-        error = path_ + ": the video is not open";
+        error = path_ + ": the film is not open";
         return false;
     }
     try {
@@ -44,7 +44,7 @@ bool VideoWriter::add(const Image &image, std::string &error)
             std::size_t{3} * static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
         if (image.width != width_ || image.height != height_ || image.channels != 3 ||
             image.bytes.size() != bytes)
-            throw std::runtime_error("a picture has another size than the video");
+            throw std::runtime_error("a picture has another size than the film");
         const H264Encoder::Picture picture = encoder_->encode(image);
         file_->add(picture.bytes, picture.is_key);
         return true;
@@ -56,7 +56,7 @@ bool VideoWriter::add(const Image &image, std::string &error)
 bool VideoWriter::finish(std::string &error)
 {
     if (!is_open()) {
-        error = path_ + ": the video is not open";
+        error = path_ + ": the film is not open";
         return false;
     }
     try {

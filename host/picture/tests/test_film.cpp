@@ -361,7 +361,8 @@ static void error_of_the_library_is_a_message(void **)
     assert_string_equal(bytes_of(log).c_str(), "");
     std::filesystem::remove(log);
     if (error.find("openh264 does not encode 3088 x 3088 pixels") == error.npos ||
-        error.find("width * height <= 9437184") == error.npos || error.find("0x") != error.npos)
+        error.find("width * height <= 9437184") == error.npos ||
+        error.find("; choose a smaller --size") == error.npos || error.find("0x") != error.npos)
         fail_msg("%s", error.c_str());
 }
 
