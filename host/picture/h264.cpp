@@ -10,8 +10,8 @@ namespace crn
 namespace
 {
 
-// With 23 the demo's film has 34.8 dB (PSNR of RGB) and 14.7 MB. x264 with crf 20 and the preset veryfast gave
-// 34.3 dB and 12.6 MB. With 24 (34.2 dB, 12.8 MB) the noise of light regions begins to look flat.
+// With 23 the demo's film has 34.8 dB (PSNR of RGB) and 14.7 MB. x264 with crf 20 and the preset veryfast
+// gave 34.3 dB and 12.6 MB. With 24 (34.2 dB, 12.8 MB) the noise of light regions begins to look flat.
 constexpr int quality = 23; // QP, 0 .. 51, small is good
 
 constexpr std::size_t start_code_bytes = 4; // before every NAL unit: 0 0 0 1
