@@ -22,7 +22,7 @@ class Mp4Bytes
     void u32(std::uint32_t value) { put(value, 4); }
     void u64(std::uint64_t value) { put(value, 8); }
     void zeros(std::size_t count) { bytes.insert(bytes.end(), count, 0); }
-    void text(const char *letters) { bytes.insert(bytes.end(), letters, letters + std::strlen(letters)); }
+    void text(const char *word) { bytes.insert(bytes.end(), word, word + std::strlen(word)); }
     void all(const std::vector<std::uint8_t> &more) { bytes.insert(bytes.end(), more.begin(), more.end()); }
     void u32_at(std::size_t place, std::uint32_t value)
     {
