@@ -16,7 +16,7 @@ MAKEFLAGS += --no-builtin-rules
 # build(preset, parts, targets). `again` runs a second make, for targets that need programs which the first one built.
 build = @JOBS=$(JOBS) CMAKE_ARGS="$(CMAKE_ARGS)" tools/build.sh $(1) $(2) $(3)
 again = @$(MAKE) -s --no-print-directory PACKAGES=skip
-# Several sections in one target, packages-build+run, lead to one question.
+# Several sections in one target, packages-build+tools, lead to one question.
 packages-%:
 	@[ "$(PACKAGES)" = skip ] || MAKE_GOALS="$(MAKECMDGOALS)" tools/check/install_packages.sh $(subst +, ,$*)
 
@@ -27,7 +27,7 @@ help: ## this list
 	@awk -F':.*## ' '/^##@ /{printf "\n%s\n",substr($$0,5)} \
 	    /^[a-z0-9%-]+:.*## /{printf "  make %-20s %s\n",$$1,$$2}' $(MAKEFILE_LIST)
 
-run: packages-build+run$(if $(DISPLAY),+window) ## build, run the demo into out/, open the window if there is a display
+run: packages-build$(if $(DISPLAY),+window) ## build, run the demo into out/, open the window if there is a display
 	$(call build,release,run$(if $(DISPLAY),$(comma)window),cournand)
 	$(again) $(DEMO_OUT)
 	@echo "Written: $(DEMO_OUT)"
@@ -36,7 +36,7 @@ run: packages-build+run$(if $(DISPLAY),+window) ## build, run the demo into out/
 	    echo "The demo is complete; only the window did not open."; \
 	else echo "No display, so no window: 'make window' opens it where there is one."; fi
 
-window: packages-build+run+window ## push and turn a guidewire by keyboard (needs a display)
+window: packages-build+window ## push and turn a guidewire by keyboard (needs a display)
 	$(call build,release,run$(comma)window,cournand)
 	$(again) $(SCENE)
 	@$(BUILD)/bin/cournand view --scene $(SCENE) --instrument $(WIRE) --record out/view.rec

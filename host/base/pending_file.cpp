@@ -143,7 +143,7 @@ OpenPending open_pending(const std::string &path, const std::string &ending)
         const std::string name = pending_name(beside) + ending;
         watch_pending(name);
         const int file =
-            ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666); // and the umask
+            ::open(name.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666); // and the umask
         if (file >= 0) return {name, file};
         const int error_number = errno;
         forget_pending(name);

@@ -27,7 +27,7 @@ class OutputError : public std::runtime_error
 // of a folder, a device or a pipe.
 struct OpenPending {
     std::string name;
-    int file; // descriptor for writing, owned by the caller; child processes do not inherit it
+    int file; // descriptor for reading and writing, owned by the caller; child processes do not inherit it
 };
 OpenPending open_pending(const std::string &path, const std::string &ending = "");
 

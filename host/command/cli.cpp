@@ -53,7 +53,7 @@ void add_pictures(CLI::App &command, PictureSettings &pictures)
     command.add_option("--png", pictures.png_path, "Write the last picture with its display, 8 bits");
     command.add_option("--png16", pictures.png16_path,
                        "Write the last X-ray's values, 16 bits, grey, proportional to the X-ray intensity");
-    command.add_option("--mp4", pictures.mp4_path, "Write all pictures as a film (needs ffmpeg)");
+    command.add_option("--mp4", pictures.mp4_path, "Write all pictures as a film, H.264");
     add_dicom_options(command, pictures.dicom);
     command.add_option("--size", pictures.size, "Pixels along each edge")
         ->capture_default_str()

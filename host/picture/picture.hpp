@@ -1,6 +1,8 @@
-// Writes pictures as files: as PNG, and as MP4 with the program ffmpeg.
+// Writes pictures as files: as PNG, and as MP4 with H.264.
 #pragma once
 #include <cstdint>
+#include <exception>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -25,14 +27,18 @@ std::vector<std::uint8_t> encode_png(const Image &image);
 bool write_png16(const std::string &path, int width, int height, const std::vector<std::uint16_t> &values,
                  std::string &error);
 
-// Writes a film as H.264 in yuv420p; every picture must be RGB and have the same even size. The file gets its
-// name only after a successful finish(); the destructor removes an unfinished file. After SIGKILL a file
-// "name.partPID-RANDOM" stays, but never half a file "name", and ffmpeg ends when this process ends. Open the
-// writer in the thread that lives longest, because the kernel ends ffmpeg when that thread ends.
+class H264Encoder;
+class Mp4File;
+
+// Writes a film as H.264 in yuv420p (BT.709); every picture must be RGB and have the same even size. The same
+// pictures give the same bytes. The file gets its name only after a successful finish(); the destructor
+// removes an unfinished file. After SIGKILL a file "name.partPID-RANDOM" stays, but never half a file "name".
 class VideoWriter
 {
   public:
-    VideoWriter() = default;
+    static constexpr int pictures_per_s_max = 60;
+
+    VideoWriter();
     ~VideoWriter();
     VideoWriter(const VideoWriter &) = delete;
     VideoWriter &operator=(const VideoWriter &) = delete;
@@ -41,16 +47,15 @@ class VideoWriter
     bool open(const std::string &path, int width, int height, int pictures_per_s, std::string &error);
     bool add(const Image &image, std::string &error);
     bool finish(std::string &error);
-    bool is_open() const { return pipe_ >= 0; }
+    bool is_open() const { return file_ != nullptr; }
 
   private:
-    bool fail(const std::string &what, std::string &error);
+    bool fail(const std::exception &failed, std::string &error);
     void stop();
-    bool start(int output, int pictures_per_s);
-    std::string path_, unfinished_;
-    int width_ = 0, height_ = 0;
-    int pipe_ = -1, log_ = -1;
-    int process_ = -1;
+    std::string path_;
+    int width_ = 0, height_ = 0, pictures_per_s_ = 0;
+    std::unique_ptr<H264Encoder> encoder_;
+    std::unique_ptr<Mp4File> file_;
 };
 
 } // namespace crn

@@ -72,7 +72,7 @@ def archives(packages):
 def packages_mb():
     listed = subprocess.run(["apt-cache", "dumpavail"], stdout=subprocess.PIPE, text=True, check=True).stdout
     minimal = [re.search(r"^Package: (\S+)", one, re.M).group(1) for one in listed.split("\n\n") if MINIMAL in one]
-    wanted, base = archives(section("build", "run") + ["apt"]), archives(minimal + ["apt"])
+    wanted, base = archives(section("build") + ["apt"]), archives(minimal + ["apt"])
     return sum(size for name, size in wanted.items() if name not in base) / 1e6
 
 

@@ -5,6 +5,7 @@ include_guard()
 # NAME -> Debian package, libraries, a required header, and include folders below /usr/include.
 set(CRN_PACKAGE_png "libpng-dev|png|png.h|")
 set(CRN_PACKAGE_glfw "libglfw3-dev|glfw|GLFW/glfw3.h|")
+set(CRN_PACKAGE_openh264 "libopenh264-dev|openh264|wels/codec_api.h|")
 set(CRN_PACKAGE_usb "libusb-1.0-0-dev|usb-1.0|libusb-1.0/libusb.h|")
 set(CRN_PACKAGE_dcmtk "libdcmtk-dev|dcmdata;ofstd|dcmtk/dcmdata/dctk.h|")
 set(CRN_PACKAGE_ccd "libccd-dev|ccd|ccd/ccd.h|")

@@ -6,7 +6,7 @@
 N     ?= 30
 LOAD  ?= 4
 
-all: packages-build+run+tools ## build every program of the product into build/bin
+all: packages-build+tools ## build every program of the product into build/bin
 	$(call build,release,run$(comma)tools,all)
 
 scene: ## rebuild the anatomy and the shipped scene, and compare them (ACCEPT=1: ship the new one)
@@ -33,7 +33,7 @@ fuzz-corpus: packages-build+test ## minimise what fuzzing has found and write th
 	@tools/check/run_fuzz.py --build $(BUILD)/san --jobs $(JOBS) --keep
 
 compilers: ## replay out/demo.rec by gcc -O0, gcc -O3 and clang -O2 and compare the hashes
-compilers: packages-build+run+test
+compilers: packages-build+test
 	$(call build,release,run,cournand)
 	$(again) $(DEMO_OUT)
 	@JOBS=$(JOBS) tools/check/compare_compilers.sh
@@ -42,7 +42,7 @@ matrix: packages-build+test+matrix ## check for one hash on five machines, gcc a
 	@tools/check/matrix.py --jobs $(JOBS)
 
 bench: ## run the benchmarks, write and print out/bench.tsv (CASES=text: only names that contain it)
-bench: packages-build+run+tools+bench+matrix
+bench: packages-build+tools+bench+matrix
 	$(call build,release,run$(comma)tools,$(TOOLS) crn_benches)
 	$(call build,m7,run,budget_image)
 	$(again) $(SCENE) $(HEART) $(DEMO_OUT)
@@ -77,7 +77,7 @@ docs-tables: packages-build
 	@$(BUILD)/bin/cournand instruments --table docs/instruments.md --png docs/images/instruments.png > /dev/null
 
 docs-pictures: ## remake the pictures of README and docs, each with its stamp (NAMES=..., minutes)
-docs-pictures: packages-build+run+tools
+docs-pictures: packages-build+tools+pictures
 	$(call build,release,run$(comma)tools,$(TOOLS))
 	$(again) $(SCENE) $(HEART)
 	@tools/docs/pictures.py --write $(NAMES)
@@ -87,7 +87,7 @@ GALLERY_DOCS  := docs/images/gallery
 RENAL_TOOLS   := --tool shared/examples/instruments/bentson.toml --tool shared/examples/instruments/pigtail_5f.toml
 # Of the session: filling, both arteries filled, washing out, roadmap.
 RENAL_SECONDS := 11.7 12.4 13.1 15.5
-gallery: packages-build+run ## renew the pictures of docs/gallery.md
+gallery: packages-build+pictures ## renew the pictures of docs/gallery.md
 	$(call build,release,run,cournand)
 	$(again) $(SCENE)
 	@mkdir -p out/gallery $(GALLERY_DOCS)

@@ -3,11 +3,11 @@
 .PHONY: lab test-lab thesis table51 calibrate validate validate-centreline bench-peers bench-xray-peers importers
 LAB = run$(comma)tools$(comma)lab
 
-lab: packages-build+run+tools+lab ## build every program of tools/lab
+lab: packages-build+tools+lab ## build every program of tools/lab
 	$(call build,release,$(LAB),all)
 
 test-lab: ## test the evidence: the thesis, calibration, CT, peers, bars, malformed files
-test-lab: packages-build+run+tools+lab+test+matrix+usb+bench
+test-lab: packages-build+tools+lab+test+matrix+usb+bench
 	@JOBS=$(JOBS) tools/check/run_tests.sh lab
 
 validate: ## compare the rod with closed forms; write out/validation.html and .tsv and docs/validation.md
@@ -54,7 +54,7 @@ $(LESION_FIGURE): out/pci_lad.rec tools/lab/figures/figure_5_10.sh $(BUILD)/bin/
 	@mkdir -p $(@D) && tools/lab/figures/figure_5_10.sh $< $@ $(BUILD)
 
 thesis: ## make Figures 5.6 to 5.14 of the thesis, by its own rod and by ours: out/thesis/index.html (minutes)
-thesis: packages-build+run+tools+lab+bench
+thesis: packages-build+tools+lab+bench+pictures
 	$(call build,release,$(LAB),$(TOOLS) vcsim3)
 	$(again) $(WIRES_FIGURE) $(SCREEN_FIGURE) $(MEDIUM_FIGURE) $(LESION_FIGURE) $(PHANTOM_SCENE) $(LINE_FIGURE)
 	@$(BUILD)/bin/vcsim3 figures --scene $(PHANTOM_SCENE) -o out/thesis --threads $(JOBS) --instructions

@@ -43,7 +43,7 @@ hil_usb   = $(call hil_also,$(1),checks,libusb_and_hidapi) $(call hil_also,$(1),
             $(call hil_also,$(1),free_run,a_session_that_the_rig_leads) \
             $(call hil_also,$(1),unplug,unplugged_in_a_session) \
             $(call hil_also,$(1),two,two_rigs_by_serial_number)
-HIL_PACKAGES := packages-build+run+tools+test+hil+usb+matrix
+HIL_PACKAGES := packages-build+tools+test+hil+usb+matrix
 define hil_build
 	$(call build,release,run$(comma)tools$(comma)tests,cournand hil hil_rig hil_campaign hil_programs)
 	$(call build,m7,run,cournand-mps2_an500)
@@ -80,7 +80,7 @@ hil-machines: packages-build+matrix ## run level L4: one hash on five machines, 
 	@tools/check/matrix.py --short --jobs $(JOBS) && hil_tests/l4/wire_everywhere.sh
 
 hil-rig: ## run the cases that need no plant on a physical rig: make hil-rig SERIAL=...
-hil-rig: packages-build+run+tools+test+usb
+hil-rig: packages-build+tools+test+usb
 	$(call build,release,run$(comma)tools$(comma)tests,hil)
 	$(again) $(SCENE)
 	@$(HIL) --level rig --serial "$(SERIAL)" --scene $(SCENE)
@@ -92,7 +92,7 @@ hil-passivity: packages-build+tools+test+usb
 	@$(HIL_CAMPAIGN) --passivity 1 --tsv out/hil_passivity.tsv
 
 hil-lies: ## send more than 200 false replies to every command: out/hil_lies.tsv (some minutes)
-hil-lies: packages-build+run+tools+test+usb
+hil-lies: packages-build+tools+test+usb
 	$(call build,release,run$(comma)tools$(comma)tests,hil_lies)
 	@$(BUILD)/bin/hil_lies
 
@@ -100,7 +100,7 @@ hil-lies: packages-build+run+tools+test+usb
 # the same seed continues.
 SOAK_SCENES := $(SCENE) $(HEART) $(PHANTOM_SCENE) out/lad_pci.scene out/renal_pci.scene
 soak: ## run random sessions over all scenes and instruments, with limits: HOURS=1 SEED=1 (docs/soak.md)
-soak: packages-build+run+tools+test+usb
+soak: packages-build+tools+test+usb
 	$(call build,release,run$(comma)tools$(comma)tests,$(TOOLS) soak)
 	$(again) $(SOAK_SCENES)
 	@$(BUILD)/bin/soak --jobs $(JOBS) $(if $(SEED),--seed $(SEED)) $(if $(HOURS),--hours $(HOURS)) \

@@ -115,19 +115,19 @@ $(ACCESS) $(ACCESS:.scene=.ply) &: $(BUILD)/bin/anatomy $(BUILD)/bin/bake
 .PHONY: coronary coronary-real demo-pci
 TOOLS = cournand bake anatomy centreline
 coronary: ## guides engage the left and the right coronary artery: out/coronary.mp4, out/coronary_right.mp4
-coronary: packages-build+run+tools
+coronary: packages-build+tools
 	$(call build,release,run$(comma)tools,$(TOOLS))
 	$(again) $(CORONARY_OUT)
 	@echo "Written: $(CORONARY_OUT)"
 
 coronary-real: ## the same in an artery of the Human Reference Atlas (needs ../shared/anatomy)
-coronary-real: packages-build+run+tools
+coronary-real: packages-build+tools
 	@if [ ! -e $(REAL_ATLAS) ]; then echo "Skipped: $(REAL_ATLAS) is not there (docs/contrast.md)"; else \
 	    JOBS=$(JOBS) tools/build.sh release run,tools $(TOOLS) && \
 	    $(MAKE) --no-print-directory PACKAGES=skip out/coronary_real.mp4; fi
 
 demo-pci: ## two angioplasties, LAD and left renal artery: film, DICOM, figures and score in out/
-demo-pci: packages-build+run+tools
+demo-pci: packages-build+tools
 	$(call build,release,run$(comma)tools,$(TOOLS))
 	$(again) $(PCI_OUT)
 	@echo "Written: $(PCI_OUT) out/pci_lad_dicom out/pci_renal_dicom"

@@ -124,8 +124,8 @@ result $? "a full disk is told, and nothing is left"
 
 # A long session is stopped in the middle: one Ctrl-C ends it, two end the program.
 { echo "fluoro on"; for _ in $(seq 60); do echo "wait 10 s"; done; } >long.session
-start_long() { # folder: begins the session and waits until frames are on the disk
-    "$program" run --tool "$wire" --session long.session --size 256 --dicom "$1" >said 2>&1 &
+start_long() { # folder, further options: begins the session and waits until frames are on the disk
+    "$program" run --tool "$wire" --session long.session --size 256 --dicom "$@" >said 2>&1 &
     long=$!
     for _ in $(seq 600); do
         [ -n "$(find "$1" -size +1000k 2>/dev/null)" ] && return
@@ -134,11 +134,12 @@ start_long() { # folder: begins the session and waits until frames are on the di
     done
 }
 
-start_long once
+start_long once --mp4 once.mp4
 kill -INT $long
 wait $long
-[ $? = 1 ] && [ "$(ls once)" = run_01_fluoro.dcm ] && "$program" dicom-check once >>said 2>&1
-result $? "Ctrl-C ends the session; what was seen until then is a whole file"
+[ $? = 1 ] && [ "$(ls once)" = run_01_fluoro.dcm ] && "$program" dicom-check once >>said 2>&1 &&
+    [ -z "$(ffmpeg -v error -i once.mp4 -f null - 2>&1)" ]
+result $? "Ctrl-C ends the session; what was seen until then is a whole file, and a whole film"
 
 start_long twice
 kill -INT $long

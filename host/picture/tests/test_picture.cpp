@@ -1,20 +1,14 @@
-// Tests pictures as files. libpng reads the PNG files back, and ffprobe the MP4 files. Failures leave nothing
-// behind, and the display is drawn.
+// Tests pictures as files. libpng reads the PNG files back, failures leave nothing behind, and the display is
+// drawn. Films are in test_film.cpp.
 #include "host/base/tests/folder.hpp"
 #include "host/picture/overlay.hpp"
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>
-#include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <png.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
 extern "C" {
 #include <cmocka.h>
 }
@@ -51,15 +45,6 @@ XrayPicture grey_picture(int size)
     return picture;
 }
 
-std::string output_of(const std::string &command)
-{
-    std::FILE *pipe = popen(command.c_str(), "r");
-    char text[512] = {};
-    const std::size_t count = std::fread(text, 1, sizeof text - 1, pipe);
-    pclose(pipe);
-    return std::string(text, count);
-}
-
 } // namespace
 
 static void png_reads_back_byte_for_byte(void **)
@@ -85,134 +70,6 @@ static void png_into_a_missing_folder_names_file_and_cause(void **)
     std::string error;
     assert_false(write_png(folder() + "/missing/a.png", {1, 1, 1, {0}}, error));
     assert_true(error.find("missing/a.png") != error.npos && error.find("No such file") != error.npos);
-}
-
-static void film_has_every_picture_at_its_rate(void **)
-{
-    const std::string path = folder() + "/a.mp4";
-    std::string error;
-    VideoWriter film;
-    assert_true(film.open(path, 128, 128, 15, error));
-    for (int i = 0; i < 20; ++i) assert_true(film.add(compose_display(grey_picture(128), {}), error));
-    assert_false(std::filesystem::exists(path)); // not before it is whole
-    assert_true(film.finish(error));
-    assert_int_equal(files_in_folder(), 1);
-    const std::string said = output_of("ffprobe -v error -count_frames -show_entries "
-                                       "stream=codec_name,pix_fmt,r_frame_rate,nb_read_frames -of csv=p=0 " +
-                                       path);
-    assert_string_equal(said.c_str(), "h264,yuv420p,15/1,20\n");
-    std::filesystem::remove(path);
-}
-
-static void film_that_is_given_up_leaves_nothing(void **)
-{
-    std::string error;
-    {
-        VideoWriter film;
-        assert_true(film.open(folder() + "/b.mp4", 128, 128, 15, error));
-        assert_true(film.add(compose_display(grey_picture(128), {}), error));
-    }
-    assert_int_equal(files_in_folder(), 0);
-}
-
-static void film_refuses_wrong_sizes_and_missing_folders(void **)
-{
-    std::string error;
-    VideoWriter film;
-    assert_false(film.open(folder() + "/c.mp4", 127, 128, 15, error));
-    assert_true(error.find("even") != error.npos);
-    assert_false(film.open(folder() + "/missing/c.mp4", 128, 128, 15, error));
-    assert_true(error.find("No such file") != error.npos);
-    assert_true(film.open(folder() + "/c.mp4", 128, 128, 15, error));
-    assert_false(film.add({64, 64, 3, std::vector<std::uint8_t>(64 * 64 * 3)}, error));
-    assert_true(error.find("another size") != error.npos);
-    assert_int_equal(files_in_folder(), 0);
-}
-
-static void film_without_ffmpeg_says_what_to_install(void **)
-{
-    const std::string path = std::getenv("PATH");
-    setenv("PATH", folder().c_str(), 1);
-    std::string error;
-    VideoWriter film;
-    bool is_fine = film.open(folder() + "/d.mp4", 128, 128, 15, error);
-    for (int i = 0; is_fine && i < 200; ++i)
-        is_fine = film.add(compose_display(grey_picture(128), {}), error);
-    if (is_fine) is_fine = film.finish(error);
-    setenv("PATH", path.c_str(), 1);
-    assert_false(is_fine);
-    assert_true(error.find("ffmpeg was not found") != error.npos);
-    assert_int_equal(files_in_folder(), 0);
-}
-
-// ffmpeg must not be in the process group that receives Ctrl-C, because only our program decides what happens
-// to the film.
-static void film_survives_an_interrupt_of_the_foreground_group(void **)
-{
-    std::fflush(stdout);
-    const pid_t child = fork();
-    if (child == 0) {
-        setpgid(0, 0);
-        signal(SIGINT, SIG_IGN);
-        std::string error;
-        VideoWriter film;
-        bool is_fine = film.open(folder() + "/e.mp4", 128, 128, 15, error);
-        for (int i = 0; is_fine && i < 10; ++i)
-            is_fine = film.add(compose_display(grey_picture(128), {}), error);
-        usleep(50'000);
-        kill(0, SIGINT);
-        usleep(50'000);
-        is_fine = is_fine && film.add(compose_display(grey_picture(128), {}), error) && film.finish(error);
-        _exit(is_fine ? 0 : 1);
-    }
-    int status = 0;
-    assert_int_equal(waitpid(child, &status, 0), child);
-    assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
-    assert_true(std::filesystem::exists(folder() + "/e.mp4"));
-    std::filesystem::remove(folder() + "/e.mp4");
-    assert_int_equal(files_in_folder(), 0);
-}
-
-// This fake ffmpeg never reads and never ends by itself, so that only the death of its parent can end it.
-static void film_program_ends_when_we_are_killed(void **)
-{
-    const std::string program = folder() + "/ffmpeg", number = folder() + "/number";
-    std::ofstream(program) << "#!/bin/sh\necho $$ >" << number << ".new && mv " << number << ".new " << number
-                           << "\nexec sleep 60\n";
-    std::filesystem::permissions(program, std::filesystem::perms::owner_all);
-    const std::string path = std::getenv("PATH");
-    setenv("PATH", (folder() + ":" + path).c_str(), 1);
-    std::fflush(stdout);
-    const pid_t child = fork();
-    if (child == 0) {
-        std::string error;
-        VideoWriter film;
-        if (film.open(folder() + "/f.mp4", 128, 128, 15, error))
-            for (;;) pause();
-        _exit(1);
-    }
-    setenv("PATH", path.c_str(), 1);
-    const auto wait_until = [](const auto &condition) {
-        for (int i = 0; i < 500 && !condition(); ++i) usleep(10'000);
-        return condition();
-    };
-    assert_true(wait_until([&] { return std::filesystem::exists(number); }));
-    pid_t ffmpeg = 0;
-    std::ifstream(number) >> ffmpeg;
-    assert_true(ffmpeg > 1);
-    kill(child, SIGKILL);
-    assert_int_equal(waitpid(child, nullptr, 0), child);
-    // The process has disappeared, or is a zombie whose parent has not collected it yet.
-    const bool is_gone = wait_until([&] {
-        std::ifstream stat("/proc/" + std::to_string(ffmpeg) + "/stat");
-        const std::string text{std::istreambuf_iterator<char>(stat), {}};
-        return text.empty() || text.find(") Z ") != text.npos;
-    });
-    if (!is_gone) kill(ffmpeg, SIGKILL);
-    assert_true(is_gone);
-    assert_false(std::filesystem::exists(folder() + "/f.mp4"));
-    std::filesystem::remove_all(folder());
-    std::filesystem::create_directory(folder());
 }
 
 static void display_draws_over_the_picture_and_nowhere_else(void **)
@@ -259,12 +116,6 @@ int main()
     const CMUnitTest tests[] = {
         cmocka_unit_test(png_reads_back_byte_for_byte),
         cmocka_unit_test(png_into_a_missing_folder_names_file_and_cause),
-        cmocka_unit_test(film_has_every_picture_at_its_rate),
-        cmocka_unit_test(film_that_is_given_up_leaves_nothing),
-        cmocka_unit_test(film_refuses_wrong_sizes_and_missing_folders),
-        cmocka_unit_test(film_without_ffmpeg_says_what_to_install),
-        cmocka_unit_test(film_survives_an_interrupt_of_the_foreground_group),
-        cmocka_unit_test(film_program_ends_when_we_are_killed),
         cmocka_unit_test(display_draws_over_the_picture_and_nowhere_else),
         cmocka_unit_test(display_survives_any_number_and_any_text),
     };

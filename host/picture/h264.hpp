@@ -1,0 +1,54 @@
+// Encodes pictures as H.264 with the library openh264, profile High, at one constant quality, with one
+// thread: the same pictures give the same bytes. Only this file's source includes the library's headers.
+#pragma once
+#include "host/picture/picture.hpp"
+#include <memory>
+#include <span>
+
+class ISVCEncoder;
+
+namespace crn
+{
+
+class H264Encoder
+{
+  public:
+    // The library accepts 9,437,184 pixels, the square of this.
+    static constexpr int edge_max = 3072;
+    // Two seconds from one picture that a player can begin with to the next.
+    static constexpr int seconds_between_keys = 2;
+
+    // Sizes are even, 16 .. edge_max. The constructor and encode() throw std::runtime_error with what the
+    // library said.
+    H264Encoder(int width, int height, int pictures_per_s);
+    ~H264Encoder();
+    H264Encoder(const H264Encoder &) = delete;
+    H264Encoder &operator=(const H264Encoder &) = delete;
+
+    struct Picture {
+        std::span<const std::uint8_t> bytes; // NAL units, each behind its length (4 bytes, big end first)
+        bool is_key;                         // decoding can begin here
+    };
+    // RGB of the given size. The result is valid until the next call.
+    Picture encode(const Image &image);
+    // The two sets of parameters that a decoder needs first, without start codes.
+    const std::vector<std::uint8_t> &sequence_parameters() const { return sequence_parameters_; }
+    const std::vector<std::uint8_t> &picture_parameters() const { return picture_parameters_; }
+
+  private:
+    struct End {
+        void operator()(ISVCEncoder *encoder) const;
+    };
+    static void keep_message(void *self, int level, const char *text);
+    void start();
+    void silence();
+    [[noreturn]] void fail(const std::string &what) const;
+
+    int width_, height_, pictures_per_s_;
+    long long pictures_ = 0;
+    char said_[160] = {}; // by the library: its last error
+    std::vector<std::uint8_t> planes_, bytes_, sequence_parameters_, picture_parameters_;
+    std::unique_ptr<ISVCEncoder, End> encoder_;
+};
+
+} // namespace crn
