@@ -1,7 +1,7 @@
 #include "tools/anatomy/borrowed_beat.hpp"
 #include "host/base/format.hpp"
 #include "tools/anatomy/output.hpp"
-#include "tools/anatomy/vessels.hpp"
+#include "tools/anatomy/vessel_file.hpp"
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -39,7 +39,8 @@ std::filesystem::path frame_file(const std::filesystem::path &folder, const std:
 namespace
 {
 
-/* Returns the place where an artery, whose centreline begins in the aorta, leaves it. */
+/* Returns the first point of an artery's centreline that lies outside of the aorta. The centreline begins
+ * inside the aorta. */
 Vec3 ostium(const Vessel &artery, const Curve &aorta)
 {
     for (const CurvePoint &point : vessel_curve(artery, 0.5)) {
@@ -58,11 +59,9 @@ HeartLandmarks shipped_landmarks()
 {
     HeartLandmarks heart;
     heart.apex_mm = heart_axes().apex_mm;
-    const VesselTree tree = heart_tree();
-    Curve aorta;
-    for (const Vessel &vessel : tree.vessels)
-        if (vessel.name == "aorta") aorta = vessel_curve(vessel, 0.5);
-    for (const Vessel &vessel : coronary_arteries()) {
+    const VesselTree tree = shipped_vessels("heart");
+    const Curve aorta = vessel_curve(tree.vessels.front(), 0.5);
+    for (const Vessel &vessel : coronary_arteries(tree)) {
         if (vessel.name == "LM") heart.left_ostium_mm = ostium(vessel, aorta);
         if (vessel.name == "RCA") heart.right_ostium_mm = ostium(vessel, aorta);
     }
@@ -100,7 +99,7 @@ HeartPlacement place_heart(const HeartLandmarks &other)
 double write_borrowed_beat(const std::filesystem::path &folder, const std::string &name, const Mesh &rest,
                            const HeartPlacement &placement)
 {
-    const HeartBeat beat;
+    const HeartBeat beat(shipped_vessels("heart").vessels.front());
     std::vector<std::vector<Vec3>> frames_mm(BEAT_FRAMES);
     std::vector<Vec3> inhaled_mm;
     double longest_mm = 0.0;

@@ -1,7 +1,7 @@
-/* Applies the shipped heart's beat to a heart that is available in one phase only, such as a scan's or an
- * atlas'. Three places that both hearts have determine how the shipped heart lies in the other one; its
- * map (heart_beat.hpp) then moves the given mesh. This is an assumption, not a measurement: the real beat
- * of this heart is unknown. */
+/* Applies the beat of the shipped heart to another heart whose mesh exists in one phase only, for example
+ * from a scan or an atlas. Three landmarks that both hearts have determine how the shipped heart lies in
+ * the other one. The map of the shipped heart (heart_beat.hpp) then moves the mesh of the other heart. The
+ * result is an assumption, not a measurement: nobody knows how the other heart really beats. */
 #pragma once
 #include "tools/anatomy/heart_beat.hpp"
 #include "tools/anatomy/mesh.hpp"
@@ -10,34 +10,35 @@
 namespace anatomy
 {
 
-/* Places in the patient frame of the other heart, at the end of diastole. */
+/* The landmarks of a heart at the end of diastole, in the patient frame of that heart. */
 struct HeartLandmarks {
     Vec3 left_ostium_mm, right_ostium_mm, apex_mm;
 };
 
 HeartLandmarks shipped_landmarks();
 
-/* Rotation, one scale and shift from the other heart to the shipped one: least squares over the three
- * places (Umeyama, IEEE PAMI 1991;13:376). */
+/* The rotation, scale and shift that map the other heart onto the shipped one. They are the least-squares
+ * fit over the three landmarks (Umeyama, IEEE PAMI 1991;13:376). */
 struct HeartPlacement {
-    double scale = 1.0; // shipped size divided by the other's
+    double scale = 1.0; // size of the shipped heart divided by the size of the other heart
     Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
     Vec3 shift_mm = Vec3::Zero();
     double residual_mm[3] = {
-        0.0, 0.0, 0.0}; // residuals at left ostium, right ostium and apex, in the other heart's size
+        0.0, 0.0, 0.0}; // residuals at left ostium, right ostium and apex, in the size of the other heart
 
     Vec3 to_shipped(const Vec3 &point) const { return scale * (rotation * point) + shift_mm; }
     Vec3 from_shipped(const Vec3 &point) const { return rotation.transpose() * (point - shift_mm) / scale; }
 };
 
-/* Throws std::invalid_argument naming what to check when no man's heart can be like that: a size beyond
- * 0.6 to 1.6 times the shipped one's, a place that is off by more than 20 mm, or places on one line. */
+/* Throws std::invalid_argument when no man's heart can have these landmarks, and the message names the
+ * option to check. The shipped heart may be 0.6 to 1.6 times as large as the other heart. No landmark may
+ * be off by more than 20 mm, and the three must not lie on one line. */
 HeartPlacement place_heart(const HeartLandmarks &other);
 
 /* Writes FOLDER/NAME_00.ply ... NAME_23.ply with the mesh's vertices in every frame, and
- * FOLDER_inhaled.ply beside the folder, as bake reads them. The displacement of a vertex is the shipped
- * heart's there, in the other heart's size; the displacement by breath is not scaled. Returns the largest
- * displacement from the first frame, mm. */
+ * FOLDER_inhaled.ply beside the folder, as bake reads them. A vertex moves as the shipped heart moves at
+ * the same place, scaled to the size of the other heart. The displacement by breath is not scaled. Returns
+ * the largest displacement of any vertex from its place in `rest`, in mm. */
 double write_borrowed_beat(const std::filesystem::path &folder, const std::string &name, const Mesh &rest,
                            const HeartPlacement &placement);
 

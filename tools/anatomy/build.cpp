@@ -11,17 +11,17 @@ namespace anatomy
 namespace
 {
 
-/* The least distance kept between neighbouring bodies. It exceeds what simplification may move both
- * surfaces. */
+/* GAP_MM is the least distance between neighbouring bodies. It is larger than the sum of the errors that
+ * simplification may cause on two facing surfaces. */
 constexpr double GAP_MM = 0.9, SHELL_MM = 1.0;
-/* Thin bones are simplified less: where a wing of 2 mm of cortex is seen edge-on, a slope that is 3
- * degrees off appears as a streak. */
+/* Thin bones are simplified less than other bones. X-rays that pass along a wing with 2 mm of cortex show
+ * a slope that is wrong by 3 degrees as a streak. */
 constexpr double BONE_ERROR_MM = 0.16, THIN_BONE_ERROR_MM = 0.1;
-/* Unevenness of the inside of the cortex, which appears as grain. */
+/* The inside of the cortex is uneven by this much, which gives the picture of a bone its grain. */
 constexpr double GRAIN_MM = 0.12, THIN_BONE_GRAIN_MM = 0.05;
 
-/* Smooth unevenness between about -1 and 1 with the given wavelength, because real bone is not a perfect
- * surface of revolution. */
+/* Returns a smooth function of the place with values between about -1 and 1 and the given wavelength. It
+ * makes bones uneven, because real bone is not a perfect surface of revolution. */
 double unevenness(const Vec3 &p, double wavelength_mm)
 {
     const Vec3 q = p * (6.283 / wavelength_mm);
@@ -44,7 +44,7 @@ struct BoneGroup {
     double voxel_mm, error_mm, grain_mm;
 };
 
-/* Returns the bone of one group, which keeps its gap to the groups before it. */
+/* Returns the distance to the bones of one group. They keep a gap of GAP_MM to the bones in `before`. */
 LocalDistance bone_distance(const Solid &bone, const Solid &before)
 {
     return [=](const Box &box, double reach_mm) -> Distance {
@@ -95,11 +95,10 @@ MeshRequest lumen_request(const VesselTree &tree, const Fineness &fineness)
     return {grown(lumen.bounds, 2.0), local(lumen), voxel_mm, 0.03};
 }
 
-namespace
+std::vector<Body> patient_bodies(const VesselTree &tree, const Fineness &fineness)
 {
-
-std::vector<Body> bodies_with(const HeartVessels &heart_vessels, const Fineness &fineness)
-{
+    // Frames are written to a micrometre. A face whose edges are not much longer would turn over in them.
+    constexpr double SHORTEST_MM = 0.02;
     const double scale = fineness.body_scale;
     const BoneGroup groups[] = {{"spine", spine_bones(), 1.6, BONE_ERROR_MM, GRAIN_MM},
                                 {"ribs", rib_bones(), 1.6, BONE_ERROR_MM, GRAIN_MM},
@@ -114,34 +113,17 @@ std::vector<Body> bodies_with(const HeartVessels &heart_vessels, const Fineness 
     }
     std::vector<Body> bodies = layer_bodies(bones, scale);
     bodies.insert(bodies.end(), skeleton.begin(), skeleton.end());
-    for (const Body &body : chest_bodies(bones, heart_vessels, scale)) bodies.push_back(body);
+    for (const Body &body : chest_bodies(bones, tree, scale)) bodies.push_back(body);
     for (const Body &body : belly_bodies(bones, scale)) bodies.push_back(body);
+    if (tree.coronary_count > 0)
+        for (Body &body : bodies)
+            if (moves_with_heart(body.name)) body.request.shortest_mm = SHORTEST_MM;
     return bodies;
 }
 
-} // namespace
-
-std::vector<Body> patient_bodies(const Fineness &fineness)
-{
-    return bodies_with({}, fineness);
-}
-
-std::vector<Body> heart_patient_bodies(const Fineness &fineness)
-{
-    /* Frames are written to a micrometre. A face whose edges are not much longer would turn over in them. */
-    constexpr double SHORTEST_MM = 0.02;
-    std::vector<Body> bodies = bodies_with(heart_vessels(), fineness);
-    for (Body &body : bodies)
-        if (moves_with_heart(body.name)) body.request.shortest_mm = SHORTEST_MM;
-    return bodies;
-}
-
-/* Makes a silicone wall around the vessels in a tank of water; the vessels are filled with a fluid like
- * blood. */
-std::vector<Body> phantom_bodies(const Fineness &fineness)
+std::vector<Body> phantom_bodies(const VesselTree &tree, const Fineness &fineness)
 {
     constexpr double WALL_MM = 2.0, TANK_MM = 14.0, ERROR_MM = 0.08;
-    const VesselTree tree = phantom_tree();
     const Solid wall = tree_solid(tree, WALL_MM), lumen = tree_solid(tree, 0.0);
     const Box outer = grown(wall.bounds, TANK_MM);
     const Distance tank = [outer](const Vec3 &p) {

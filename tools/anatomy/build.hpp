@@ -1,4 +1,5 @@
-/* Assembles an anatomy: lumen, centrelines and the bodies of the X-ray picture, each a closed mesh. */
+/* Assembles an anatomy from its lumen, its centrelines and the bodies of the X-ray picture. Lumen and
+ * bodies are closed meshes. */
 #pragma once
 #include "tools/anatomy/mesh.hpp"
 #include "tools/anatomy/vessels.hpp"
@@ -9,8 +10,8 @@
 namespace anatomy
 {
 
-/* One body of the X-ray picture. It lies completely inside the body named by `inside` ("" for the
- * outermost). */
+/* One body of the X-ray picture. It lies completely inside the body that `inside` names; the outermost
+ * body lies in none (""). */
 struct Body {
     std::string name, material, inside;
     MeshRequest request;
@@ -22,8 +23,13 @@ struct Fineness {
 };
 
 MeshRequest lumen_request(const VesselTree &tree, const Fineness &fineness);
-std::vector<Body> patient_bodies(const Fineness &fineness);
-std::vector<Body> heart_patient_bodies(const Fineness &fineness); // with the vessels of the heart
-std::vector<Body> phantom_bodies(const Fineness &fineness);
+
+/* Returns the bodies of the patient around these vessels, which must be in the patient's frame. They
+ * include the vessels of the heart if the tree has coronary arteries. */
+std::vector<Body> patient_bodies(const VesselTree &tree, const Fineness &fineness);
+
+/* Returns the bodies of a phantom, which is a tank of water with a silicone wall around the vessels. A
+ * fluid like blood fills the vessels. */
+std::vector<Body> phantom_bodies(const VesselTree &tree, const Fineness &fineness);
 
 } // namespace anatomy

@@ -1,6 +1,5 @@
 #include "tools/anatomy/heart_beat.hpp"
 #include "tools/anatomy/organs.hpp"
-#include "tools/anatomy/vessels.hpp"
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -11,7 +10,8 @@ namespace anatomy
 namespace
 {
 
-/* Makes a periodic course over one beat, given by knots in milliseconds. */
+/* Makes a function of the phase that repeats with every beat. Each knot has a time in milliseconds and a
+ * value. */
 Spline course(const std::vector<std::pair<double, double>> &knots)
 {
     std::vector<double> phase, value;
@@ -33,17 +33,18 @@ Spline profile(const std::vector<std::pair<double, double>> &knots)
     return Spline(height, value);
 }
 
-/* Returns 0 below `low`, 1 above `high`. */
+/* Returns 0 below `low`, 1 above `high`, and values that rise smoothly in between. */
 double smooth_step(double low, double high, double value)
 {
     const double t = std::clamp((value - low) / (high - low), 0.0, 1.0);
     return t * t * (3.0 - 2.0 * t);
 }
 
-/* The aorta from the end of the arch downwards lies behind the heart and does not move. */
-Solid descending_aorta()
+/* Returns the part of the aorta from the end of the arch downwards. It lies behind the heart and does not
+ * move. */
+Solid descending_aorta(const Vessel &aorta)
 {
-    Curve curve = vessel_curve(aorta_tree().vessels[0], 2.0);
+    Curve curve = vessel_curve(aorta, 2.0);
     std::erase_if(
         curve, [](const CurvePoint &at) { return at.position_mm.z() > -30.0 || at.position_mm.y() < -20.0; });
     Part part(0.0);
@@ -77,8 +78,9 @@ Vec3 HeartAxes::outward(double angle_deg) const
     return std::cos(angle) * anterior + std::sin(angle) * lateral;
 }
 
-HeartBeat::HeartBeat()
-    : outline_(heart_outline()), behind_(descending_aorta()), left_ventricle_(heart_chambers()[0].distance),
+HeartBeat::HeartBeat(const Vessel &aorta)
+    : outline_(heart_outline()), behind_(descending_aorta(aorta)),
+      left_ventricle_(heart_chambers()[0].distance),
       radial_(course({{0, 0},       {45, 0.02},   {100, 0.12},  {150, 0.33},  {210, 0.61},  {270, 0.8},
                       {320, 0.885}, {352, 0.953}, {388, 1},     {424, 0.953}, {458, 0.838}, {492, 0.7},
                       {526, 0.525}, {562, 0.385}, {602, 0.285}, {642, 0.235}, {682, 0.2},   {722, 0.165},
@@ -137,7 +139,8 @@ HeartBeat::HeartBeat()
 
 HeartBeat::Place HeartBeat::place(const Vec3 &point) const
 {
-    // Inner and outer wall, and both sides of the base. The free wall of the right ventricle moves further.
+    // Displacements differ between the inner and the outer wall, and between the sides of the base. The
+    // free wall of the right ventricle moves further than the other walls.
     constexpr double INNER = 0.34, OUTER = 0.12, RIGHT_OUTER = 0.33, WALL_MM = 10.0;
     constexpr double LEFT_DESCENT_MM = 14.0, RIGHT_DESCENT_MM = 22.0, RIGHT_AT_MM = 48.0, RIGHT_DEG = 300.0;
     constexpr double MOVES_WITHIN_MM = 3.0, RESTS_BEYOND_MM = 38.0, HELD_MM = 22.0;
@@ -161,8 +164,8 @@ HeartBeat::Place HeartBeat::place(const Vec3 &point) const
 Vec3 HeartBeat::moved(const Place &here, double phase) const
 {
     const HeartAxes &axes = heart_axes();
-    // A counter-clockwise turn as seen from the apex is right-handed about the direction that points down to
-    // the viewer.
+    // A turn that a viewer at the apex sees as counter-clockwise is right-handed about the direction from
+    // the base to the apex.
     const Eigen::AngleAxisd turn(here.turn_rad * twist_.at(phase), -axes.up);
     const Vec3 across = turn * here.across * (1.0 - here.inward * radial_.at(phase));
     const Vec3 way = across - here.across - axes.up * (here.descent_mm * longitudinal_.at(phase));

@@ -1,17 +1,16 @@
-/* The motion of the heart over one beat: a smooth map from the end of diastole to any phase, in the axes
- * of the left ventricle.
- *
- *     base  s = 1 and beyond: atria, roots of the great vessels      s = 0: apex
- *
- * The model has these parts. The base moves towards the apex, which hardly moves. Walls move towards the
- * axis, inner walls further than outer ones, so that they thicken. As seen from the apex, the base turns
- * clockwise and the apex counter-clockwise. Length, radius and twist have courses of their own, so the
- * centre towards which walls move is not one fixed place. Directions and sizes: Inv. Radiol. 1984 (91 % of
- * wall motion is radial to one moving centre); base descent 12 to 15 mm, twist 10 to 15 degrees, right
- * coronary artery 20 to 30 mm are common figures, assumed. Courses over time are assumed. They are set so
- * that measured volumes and rest periods (heart_figures.hpp) are those of a man at 70 beats per minute. */
+/* The motion of the heart over one beat. It is a smooth map that gives, for every place at the end of
+ * diastole, its place at any phase. The map uses the axes of the left ventricle. The height s is 0 at the
+ * apex and 1 at the base; the atria and the roots of the great vessels lie at s = 1 and beyond. The base
+ * moves towards the apex, and the apex hardly moves. Walls move towards the axis. Inner walls move further
+ * than outer walls, so that walls thicken. As seen from the apex, the base turns clockwise and the apex
+ * counter-clockwise. Length, radius and twist change over time by different functions, so the centre
+ * towards which the walls move is not one fixed place. Inv. Radiol. 1984 reports that 91 % of the wall's
+ * motion is radial to one moving centre. Three common figures are assumed: the base descends by 12 to 15
+ * mm, the twist is 10 to 15 degrees, and the right coronary artery moves by 20 to 30 mm. The functions
+ * over time are assumed, too. They are set so that the volumes and rest periods that heart_figures()
+ * measures are those of a man at 70 beats per minute. */
 #pragma once
-#include "tools/anatomy/shapes.hpp"
+#include "tools/anatomy/vessels.hpp"
 
 namespace anatomy
 {
@@ -27,10 +26,11 @@ struct HeartAxes {
     Vec3 lateral;  // unit, across: 90 degrees, the free wall of the left ventricle
     double length_mm;
 
-    /* A point is described by its height (share of the length above the apex) and by its offset across. */
+    /* `height` is the share of the axis' length at which a point lies above the apex, and `across` is its
+     * offset from the axis. */
     double height(const Vec3 &point) const { return (point - apex_mm).dot(up) / length_mm; }
     Vec3 across(const Vec3 &point) const { return point - apex_mm - up * (point - apex_mm).dot(up); }
-    /* Returns the direction from the axis straight out at that angle. */
+    /* Returns the unit direction that points straight out from the axis at that angle. */
     Vec3 outward(double angle_deg) const;
     Vec3 on_axis(double height) const { return apex_mm + height * length_mm * up; }
 };
@@ -40,19 +40,20 @@ const HeartAxes &heart_axes();
 class HeartBeat
 {
   public:
-    HeartBeat();
-    /* The place in each frame of what rests at `point` at the end of diastole (and of expiration); frame k
-     * is at k / BEAT_FRAMES of BEAT_MS. */
+    /* The part of `aorta` behind the heart does not move. */
+    explicit HeartBeat(const Vessel &aorta);
+    /* Returns, for every frame, the place of the tissue that is at `point` at the end of diastole and of
+     * expiration. Frame k is at k / BEAT_FRAMES of BEAT_MS. */
     std::vector<Vec3> frames(const Vec3 &point) const;
-    /* Its place at the end of inspiration, at the end of diastole. */
+    /* Returns the place of the same tissue at the end of diastole and of inspiration. */
     Vec3 inhaled(const Vec3 &point) const;
-    /* Returns the smallest ratio of a small volume in any frame to its volume at rest, on a grid through and
-     * around the heart. While it stays above 0 nothing folds over, and surfaces that do not cross at rest do
-     * not cross later. */
+    /* Returns the smallest ratio of a small volume in any frame to the same volume at rest. The volumes
+     * lie on a grid through and around the heart. If the ratio is above 0, the map folds nowhere, and
+     * surfaces that do not cross at rest do not cross in any frame. */
     double least_volume_factor() const;
 
   private:
-    struct Place { // values that depend on the resting point alone
+    struct Place { // values that depend only on the point at rest
         double height, inward, descent_mm, turn_rad, share;
         Vec3 point, across;
     };

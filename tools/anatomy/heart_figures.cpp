@@ -33,7 +33,7 @@ double ejection(const std::vector<double> &volumes)
     return 1.0 - *least / *most;
 }
 
-/* Means over the vertices whose resting height lies in a slice. */
+/* Means over the vertices that lie in a slice across the axis at rest. */
 struct Slice {
     double descent_mm = 0.0, turn_deg = 0.0;
 };
@@ -59,8 +59,9 @@ Slice slice_of(const MovingBody &body, double low, double high, size_t frame)
     return slice;
 }
 
-/* The place towards which the steps point best, by least squares of their parts across, and the share of
- * the squared steps that points there. */
+/* The centre towards which the vertices move. It minimises the sum of squares of the parts of all steps
+ * that are perpendicular to the direction of the centre. `radial_share` is the share of the squared steps
+ * that points towards the centre. */
 struct Centre {
     Vec3 place = Vec3::Zero();
     double radial_share = 0.0;
@@ -68,7 +69,7 @@ struct Centre {
 
 Centre centre_of(const std::vector<Vec3> &from, const std::vector<Vec3> &to)
 {
-    constexpr int ROUNDS = 12; // the weights 1 / distance^2 settle within a few
+    constexpr int ROUNDS = 12; // the weights 1 / distance^2 converge within a few rounds
     Centre centre;
     for (const Vec3 &p : from) centre.place += p / static_cast<double>(from.size());
     for (int round = 0; round < ROUNDS; round++) {
@@ -92,9 +93,9 @@ Centre centre_of(const std::vector<Vec3> &from, const std::vector<Vec3> &to)
     return centre;
 }
 
-/* The longest time during which no two positions of any point of the curve are more than `within_mm`
- * apart. Frames are joined by straight lines. Only windows whose middle lies in [from, to) of the beat
- * count. */
+/* Returns the longest time during which no point of the curve has two positions that are more than
+ * `within_mm` apart. Between frames the points move along straight lines. A time counts only if its middle
+ * lies in the part [from, to) of the beat. */
 double rest_ms(const std::vector<Curve> &frames, double within_mm, double from, double to)
 {
     constexpr int FINE = 240;
@@ -130,9 +131,8 @@ double rest_ms(const std::vector<Curve> &frames, double within_mm, double from, 
 
 VesselFigures figures_of(const MovingVessel &vessel)
 {
-    constexpr double
-        REST_MM = 1.0,
-        EARLY = 0.55; // share of the beat: systole and its end lie before it, the rest of diastole after it
+    constexpr double REST_MM = 1.0,
+                     EARLY = 0.55; // share of the beat; systole lies before it, most of diastole after it
     VesselFigures figures{vessel.name, vessel.frames[0].back().arc_mm, 0.0, 0.0, 0.0};
     for (size_t point = 0; point < vessel.frames[0].size(); point++)
         for (size_t a = 0; a < vessel.frames.size(); a++)
@@ -160,7 +160,8 @@ HeartFigures heart_figures(const HeartSequence &sequence)
     const auto least = std::min_element(figures.left_ml.begin(), figures.left_ml.end());
     figures.systole_frame = static_cast<int>(least - figures.left_ml.begin());
     const auto systole = static_cast<size_t>(figures.systole_frame);
-    // The ring of the mitral valve is the highest tenth of the left ventricle, the apex its lowest fifth.
+    // The highest tenth of the left ventricle represents the ring of the mitral valve, and its lowest
+    // fifth represents the apex.
     const Slice base = slice_of(left, 0.86, 1.2, systole), apex = slice_of(left, -0.2, 0.3, systole);
     figures.base_descent_mm = base.descent_mm;
     figures.base_turn_deg = base.turn_deg;

@@ -17,7 +17,7 @@ std::string numbered(const char *stem, int frame, const char *ending)
     return crn::formatted("%s_%02d%s", stem, frame, ending);
 }
 
-/* Writes every body as an object; `frame` -1 means inhaled. */
+/* Returns the text of an OBJ file with one object per body. `frame` -1 means the end of inspiration. */
 std::string frame_text(const HeartSequence &sequence, int frame)
 {
     std::string text;

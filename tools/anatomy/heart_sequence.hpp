@@ -1,5 +1,5 @@
-/* The heart over one beat: bodies with one set of triangles and their vertices in every frame, the
- * arteries' centrelines, and the figures measured on them. */
+/* The heart over one beat. Each body has one set of triangles and the places of its vertices in every
+ * frame. The arteries have centrelines in every frame. Figures of the beat are measured on both. */
 #pragma once
 #include "tools/anatomy/build.hpp"
 #include "tools/anatomy/heart_beat.hpp"
@@ -12,7 +12,7 @@ struct MovingBody {
     std::string name;
     std::vector<std::array<uint32_t, 3>> triangles;
     std::vector<std::vector<Vec3>>
-        frames_mm;                // BEAT_FRAMES times every vertex; the first is the end of diastole
+        frames_mm;                // BEAT_FRAMES lists of all vertices; the first is the end of diastole
     std::vector<Vec3> inhaled_mm; // the first frame at the end of inspiration
 };
 
@@ -26,17 +26,18 @@ struct HeartSequence {
     std::vector<MovingVessel> vessels;
 };
 
-/* Classifies bodies by name: the heart and its vessels; and these together with what moves beside them. */
+/* is_of_heart() is true for the heart and its vessels. moves_with_heart() is true for these and for the
+ * bodies beside the heart that move with it. */
 bool is_of_heart(const std::string &body);
 bool moves_with_heart(const std::string &body);
 
 MovingBody moving_body(const std::string &name, const Mesh &rest, const HeartBeat &beat);
 MovingVessel moving_vessel(const Vessel &vessel, const HeartBeat &beat);
 
-/* The figures of a beat of BEAT_MS, measured on meshes and centrelines alone. */
+/* The figures of a beat of BEAT_MS. They are measured on meshes and centrelines, without use of the map. */
 struct VesselFigures {
     std::string name;
-    double length_mm, excursion_mm; // at the end of diastole; largest displacement between two frames
+    double length_mm, excursion_mm; // length at the end of diastole; largest displacement between two frames
     double systole_rest_ms, diastole_rest_ms; // longest time in which no point moves by more than 1 mm
 };
 
@@ -46,21 +47,21 @@ struct HeartFigures {
     int systole_frame = 0;                            // frame of the smallest left ventricle
     double left_ejection = 0.0, right_ejection = 0.0; // shares
     double base_descent_mm = 0.0, twist_deg = 0.0, base_turn_deg = 0.0, apex_turn_deg = 0.0;
-    double radial_share = 0.0;        // of the inner wall's motion, towards one centre; mean over the steps
-    double centre_path_mm = 0.0;      // displacement of that centre over systole
-    double least_volume_factor = 0.0; // HeartBeat's, for the map itself
+    double radial_share = 0.0;   // share of the inner wall's motion towards one centre; mean over the steps
+    double centre_path_mm = 0.0; // displacement of that centre over systole
+    double least_volume_factor = 0.0; // of HeartBeat::least_volume_factor()
     std::vector<VesselFigures> vessels;
 };
 
-/* Throws std::runtime_error when a ventricle or a vessel is missing. */
+/* Measures all figures but `least_volume_factor`. Throws std::runtime_error when a chamber is missing. */
 HeartFigures heart_figures(const HeartSequence &sequence);
 
-/* Writes FOLDER/lumen_00.ply ... of one mesh in every frame, and FOLDER_inhaled.ply beside the folder.
- * bake fits a lattice to these files. */
+/* Writes the moved mesh of every frame as FOLDER/lumen_00.ply ... lumen_23.ply, and the inhaled one as
+ * FOLDER_inhaled.ply beside the folder. `bake` fits a lattice to these files. */
 void write_lumen_frames(const std::filesystem::path &folder, const Mesh &rest, const HeartBeat &beat);
 
-/* Writes FOLDER/frame_00.obj ... frame_23.obj with one object per body, centrelines_00.mrk.json ... beside
- * them, and FOLDER_inhaled.obj beside the folder. */
+/* Writes FOLDER/frame_00.obj ... frame_23.obj with one object per body. The centrelines are written beside
+ * them as centrelines_00.mrk.json ..., and the inhaled bodies as FOLDER_inhaled.obj beside the folder. */
 void write_sequence(const std::filesystem::path &folder, const HeartSequence &sequence);
 std::string figures_json(const HeartFigures &figures);
 

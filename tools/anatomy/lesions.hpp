@@ -6,8 +6,9 @@
 namespace anatomy
 {
 
-/* One `--lesion`: BRANCH:PERCENT:LENGTH_MM:AT_MM, optionally followed by
- * :ECCENTRICITY:PLAQUE_DEG:CALCIFIED_DEG. Throws std::invalid_argument with the reason. */
+/* The value of one option `--lesion`: BRANCH:PERCENT:LENGTH_MM:AT_MM, optionally followed by
+ * :ECCENTRICITY:PLAQUE_DEG:CALCIFIED_DEG. lesion_from() throws std::invalid_argument with the reason when
+ * the text is malformed. */
 struct Lesion {
     std::string branch;
     double stenosis_percent = 0, length_mm = 0, at_mm = 0, eccentricity = 0, plaque_deg = 0,
@@ -15,8 +16,8 @@ struct Lesion {
 };
 Lesion lesion_from(const std::string &wish);
 
-/* Returns the tables. Throws std::invalid_argument for a branch that the tree does not have. Calcium lies
- * in the body named `inside`; "" means in no body. */
+/* Returns the [[lesion]] tables. Throws std::invalid_argument for a branch that the tree does not have.
+ * `inside` names the body in which calcium lies; "" means no body. */
 std::string lesions_text(const std::vector<Lesion> &lesions, const VesselTree &tree,
                          const std::string &inside);
 

@@ -1,19 +1,24 @@
-/* anatomy: makes the anatomy that ships with Cournand (docs/anatomy.md). */
+/* The program `anatomy` makes the anatomy that ships with Cournand (docs/anatomy.md), or one from a user's
+ * file of vessels (docs/vessels.md). */
 #include "host/base/command_values.hpp"
 #include "host/base/format.hpp"
+#include "host/base/number_text.hpp"
 #include "host/base/output_files.hpp"
 #include "host/base/pending_file.hpp"
 #include "host/base/terminal.hpp"
+#include "host/base/text.hpp"
 #include "host/base/version.hpp"
 #include "tools/anatomy/borrowed_beat.hpp"
 #include "tools/anatomy/heart_sequence.hpp"
 #include "tools/anatomy/lesions.hpp"
 #include "tools/anatomy/output.hpp"
+#include "tools/anatomy/vessel_file.hpp"
 #include "tools/bake/mesh.hpp"
 #include "tools/mesh/sequence.hpp"
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 
@@ -26,8 +31,34 @@ struct Options {
     std::filesystem::path folder;
     Fineness fineness;
     bool bodies = true, quiet = false, heart_only = false;
-    std::vector<std::string> lesions; /* as given on the command line */
+    std::string vessels;              // the user's file; "": the one that ships
+    std::vector<std::string> lesions; // as given on the command line
 };
+
+/* Reads the vessels for `anatomy KIND`. Throws std::invalid_argument when the user's file does not suit
+ * this command. */
+VesselTree vessels_for(const std::string &kind, const Options &options)
+{
+    if (options.vessels.empty()) return shipped_vessels(kind);
+    VesselTree tree = read_vessels(options.vessels);
+    const auto refuse = [&](const std::string &what) {
+        throw std::invalid_argument(options.vessels + ": " + what);
+    };
+    if ((kind == "aorta" || kind == "heart") && !tree.is_in_patient)
+        refuse("is in the frame of a phantom: use `anatomy phantom` or `anatomy access`, or give it frame = "
+               "\"patient\"");
+    if (kind != "heart" && tree.coronary_count > 0)
+        refuse("has coronary arteries, which beat: use `anatomy heart`");
+    if (kind == "heart")
+        for (const Bed bed : {Bed::left_coronary, Bed::right_coronary})
+            if (std::none_of(tree.vessels.begin(), tree.vessels.end(),
+                             [bed](const Vessel &vessel) { return vessel.bed == bed; }))
+                refuse(bed == Bed::left_coronary
+                           ? "has no [[coronary]] of the left side, which `anatomy heart` needs"
+                           : "has no [[coronary]] of the right side, which `anatomy heart` needs");
+    tree.made_by = kind + " --vessels " + crn::printable(options.vessels);
+    return tree;
+}
 
 /* Makes one mesh, reports it on standard error, and writes it. */
 Mesh make_mesh(const Options &options, const std::string &name, const MeshRequest &request)
@@ -58,8 +89,8 @@ void make_folder(const Options &options)
                                  ": the folder cannot be made: " + failure.message());
 }
 
-/* Lesions are checked before an hour of meshing, not after it. Calcium lies in the body that holds the
- * vessels. */
+/* Returns the text of all lesions. It is made before the meshes, so that a mistake is reported before
+ * minutes of meshing. Calcium lies in the body that contains the vessels. */
 std::string lesions_of(const Options &options, const VesselTree &tree, const std::vector<Body> &bodies)
 {
     std::vector<Lesion> lesions;
@@ -70,13 +101,32 @@ std::string lesions_of(const Options &options, const VesselTree &tree, const std
     return lesions_text(lesions, tree, inside);
 }
 
-/* `keep` receives the mesh of the lumen and of every body. */
+/* A sphere narrower than the diagonal of a cell of the grid may contain no point of the grid: there the lumen
+ * would have a gap. */
+void check_grid(const VesselTree &tree, double voxel_mm)
+{
+    const double narrowest_mm = std::sqrt(3.0) * voxel_mm;
+    for (const Vessel &vessel : tree.vessels)
+        for (const Station &station : vessel.stations) {
+            if (station.diameter_mm >= narrowest_mm) continue;
+            const double grid_mm = std::floor(100.0 * station.diameter_mm / std::sqrt(3.0)) / 100.0;
+            throw std::invalid_argument(
+                "'" + vessel.name + "' is " + crn::number_text(station.diameter_mm, 3) +
+                " mm wide, too narrow for a grid of " + crn::number_text(voxel_mm, 3) +
+                " mm: give --lumen-mm " + crn::decimals_text(grid_mm, 2));
+        }
+}
+
+/* Makes and writes the meshes, the centrelines and the scene's text. `keep` receives the mesh of the lumen
+ * and of every body. */
 void make_scene(const Options &options, const VesselTree &tree, const std::vector<Body> &bodies,
                 const std::function<void(const std::string &, const Mesh &)> &keep)
 {
     const std::string lesions = lesions_of(options, tree, bodies);
+    const MeshRequest lumen_wanted = lumen_request(tree, options.fineness);
+    check_grid(tree, lumen_wanted.voxel_mm);
     make_folder(options);
-    const Mesh blood = make_mesh(options, "lumen", lumen_request(tree, options.fineness));
+    const Mesh blood = make_mesh(options, "lumen", lumen_wanted);
     const size_t lumen = blood.triangles.size();
     keep("lumen", blood);
     for (const Vessel &vessel : tree.vessels)
@@ -93,9 +143,16 @@ void make_scene(const Options &options, const VesselTree &tree, const std::vecto
                 tree.vessels.size());
 }
 
-int make(const Options &options, const VesselTree &tree, const std::vector<Body> &bodies)
+std::vector<Body> no_bodies(const VesselTree &, const Fineness &)
 {
-    make_scene(options, tree, options.bodies ? bodies : std::vector<Body>{},
+    return {};
+}
+
+int make(const Options &options, const char *kind,
+         std::vector<Body> (*bodies_of)(const VesselTree &, const Fineness &))
+{
+    const VesselTree tree = vessels_for(kind, options);
+    make_scene(options, tree, (options.bodies ? bodies_of : no_bodies)(tree, options.fineness),
                [](const std::string &, const Mesh &) {});
     return 0;
 }
@@ -126,15 +183,16 @@ void print_figures(const HeartFigures &f)
             vessel.diastole_rest_ms);
 }
 
-/* Makes the scene at the end of diastole, and its moving bodies in 24 frames. */
+/* Makes the scene with the heart at the end of diastole, and the bodies that move in 24 frames. */
 int make_heart(const Options &options)
 {
-    const VesselTree tree = heart_tree();
-    std::vector<Body> bodies = heart_patient_bodies(options.fineness);
+    const VesselTree tree = vessels_for("heart", options);
+    std::vector<Body> bodies = patient_bodies(tree, options.fineness);
     if (options.heart_only) std::erase_if(bodies, [](const Body &body) { return !is_of_heart(body.name); });
-    const HeartBeat beat;
+    const HeartBeat beat(tree.vessels.front());
     HeartSequence sequence;
-    for (const Vessel &vessel : coronary_arteries()) sequence.vessels.push_back(moving_vessel(vessel, beat));
+    for (const Vessel &vessel : coronary_arteries(tree))
+        sequence.vessels.push_back(moving_vessel(vessel, beat));
     const auto keep = [&](const std::string &name, const Mesh &mesh) {
         if (moves_with_heart(name)) sequence.bodies.push_back(moving_body(name, mesh, beat));
         if (name == "lumen") write_lumen_frames(options.folder / "lumen_beat", mesh, beat);
@@ -163,7 +221,7 @@ struct BeatOptions {
     std::vector<double> left_mm, right_mm, apex_mm;
 };
 
-/* Moves a mesh of another heart as the shipped one moves. */
+/* Moves the mesh of another heart as the shipped heart moves. */
 int make_beat(const BeatOptions &options)
 {
     crn::check_output_folder({"--output", options.folder.string()});
@@ -253,17 +311,23 @@ int list(const VesselTree &tree)
     return 0;
 }
 
+/* Reads the vessels of an anatomy that ships, by its name, or of a user's file, by its path. */
 VesselTree tree_named(const std::string &name)
 {
-    if (name == "aorta") return aorta_tree();
-    if (name == "heart") return heart_tree();
-    return name == "access" ? access_tree() : phantom_tree();
+    const std::vector<std::string> shipped = {"aorta", "heart", "phantom", "access"};
+    if (std::find(shipped.begin(), shipped.end(), name) != shipped.end()) return shipped_vessels(name);
+    if (name.find('/') == std::string::npos && !name.ends_with(".toml"))
+        throw std::invalid_argument("there is no anatomy '" + name + "'" + crn::suggestion(name, shipped) +
+                                    "; a file's name ends with .toml");
+    return read_vessels(name);
 }
 
 void add_making_options(CLI::App &command, Options &options)
 {
     command.add_option("-o,--output", options.folder, "folder for scene.toml, meshes and centrelines")
         ->required();
+    command.add_option("--vessels", options.vessels,
+                       "a file of your own vessels in place of those that ship (docs/vessels.md)");
     command.add_option("--lumen-mm", options.fineness.lumen_voxel_mm, "grid spacing of the lumen")
         ->check(CLI::Range(0.3, 3.0))
         ->capture_default_str();
@@ -282,9 +346,7 @@ void add_making_options(CLI::App &command, Options &options)
     command.add_flag("--quiet", options.quiet, "no progress lines");
 }
 
-} // namespace
-
-int main(int argc, char **argv)
+int run(int argc, char **argv)
 {
     CLI::App app{"Makes the anatomy that ships with Cournand: closed meshes, centrelines and the scene text "
                  "for `bake`."};
@@ -299,7 +361,9 @@ int main(int argc, char **argv)
         "  anatomy beat lumen.ply --left 14 507 23 --right 0 501 40 --apex 73 434 81 -o out/beat/lumen\n"
         "  anatomy check out/heart/beat       a folder of 24 OBJ files, from here or elsewhere\n"
         "  anatomy list            every stated diameter, its place and its source\n"
-        "  anatomy list phantom");
+        "  anatomy list phantom\n"
+        "  anatomy list my.toml    checks a file of your own vessels (docs/vessels.md)\n"
+        "  anatomy aorta --vessels my.toml -o out/mine");
     app.require_subcommand(1);
     Options options;
     auto *aorta = app.add_subcommand(
@@ -320,13 +384,12 @@ int main(int argc, char **argv)
     add_making_options(*heart, options);
     heart->add_flag("--heart-only", options.heart_only,
                     "only the heart and its vessels, without scene and lumen");
-    BeatOptions beat_options;
-    add_beat_options(*beat, beat_options);
+    BeatOptions beat_options; // their help states where the heart that ships has its landmarks
+    if (argc > 1 && std::string_view(argv[1]) == "beat") add_beat_options(*beat, beat_options);
     std::filesystem::path folder;
     checked->add_option("FOLDER", folder, "the folder of OBJ files")->required();
     std::string which = "aorta";
-    table->add_option("anatomy", which, "aorta, heart, phantom or access")
-        ->check(CLI::IsMember({"aorta", "heart", "phantom", "access"}))
+    table->add_option("anatomy", which, "aorta, heart, phantom or access, or a file of your own vessels")
         ->capture_default_str();
     crn::refuse_empty_values(app);
     app.set_version_flag("--version", crn::version_of("anatomy"));
@@ -335,16 +398,21 @@ int main(int argc, char **argv)
     } catch (const CLI::ParseError &error) {
         return app.exit(error) == 0 ? 0 : 2;
     }
+    if (*table) return list(tree_named(which));
+    if (*checked) return check(folder);
+    if (*beat) return make_beat(beat_options);
+    if (*heart) return make_heart(options);
+    if (*aorta) return make(options, "aorta", patient_bodies);
+    if (*access) return make(options, "access", no_bodies);
+    return make(options, "phantom", phantom_bodies);
+}
+
+} // namespace
+
+int main(int argc, char **argv)
+{
     try {
-        if (*table) return list(tree_named(which));
-        if (*checked) return check(folder);
-        if (*beat) return make_beat(beat_options);
-        if (*heart) return make_heart(options);
-        if (*aorta)
-            return make(options, aorta_tree(),
-                        options.bodies ? patient_bodies(options.fineness) : std::vector<Body>{});
-        if (*access) return make(options, access_tree(), {});
-        return make(options, phantom_tree(), phantom_bodies(options.fineness));
+        return run(argc, argv);
     } catch (const std::invalid_argument &error) {
         crn::say(stderr, "anatomy: %s\n", error.what());
         return 2;

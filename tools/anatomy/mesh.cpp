@@ -16,7 +16,8 @@ namespace
 using crn::mesh::Cell;
 constexpr int BLOCK = crn::mesh::block_edge;
 constexpr double BAND_VOXELS = 3.0;
-/* Distances of smooth shapes are estimates; 1.5 covers the steepest underestimate of the shapes used here. */
+/* The distances of smooth shapes are estimates. For the shapes that are used here, an estimate changes by
+ * at most 1.5 mm per mm. */
 constexpr double STEEPEST = 1.5;
 
 /* Returns the box of one block of the grid with a margin of one voxel. */
@@ -28,14 +29,15 @@ Box block_box(const Cell &block, double voxel_mm)
     return box;
 }
 
-/* Fills one block from the distance function. Exact values are needed only beside the surface. A group of
- * points gets the band's value, with the sign of its middle, when its middle is so far from the surface
- * that no point's neighbour lies beyond it. */
+/* Fills one block from the distance function. Exact values are needed only beside the surface. If the
+ * middle of a group of points is far enough from the surface, no neighbour of these points lies on its
+ * other side. All points of this group then get the band's width as their value, with the sign of the
+ * middle. */
 crn::mesh::Block block_of(const Cell &block, const MeshRequest &request)
 {
     constexpr int GROUP = 2;
     const double voxel = request.voxel_mm, band = BAND_VOXELS * voxel;
-    // Half a group's diagonal plus a voxel's diagonal, by the steepest estimate (level_set()).
+    // This is half a group's diagonal plus a voxel's diagonal, times the steepest change of an estimate.
     const double far = STEEPEST * (0.5 * (GROUP - 1) + 1.0) * std::sqrt(3.0) * voxel;
     const Distance distance = request.distance_in(block_box(block, voxel), band);
     const Vec3 origin = Vec3(block[0], block[1], block[2]) * BLOCK;
@@ -58,11 +60,11 @@ crn::mesh::Block block_of(const Cell &block, const MeshRequest &request)
     return made;
 }
 
-/* Blocks whose centre is far from the surface are skipped; fill_signs() gives them their sign. The grid is
- * one of voxels, so its surfaces must be multiplied by the voxel's edge. */
+/* Makes the level set. Blocks whose centre is far from the surface are skipped, and fill_signs() gives them
+ * their sign. The grid's unit is a voxel, so its surface must be multiplied by the voxel's edge. */
 crn::mesh::LevelSet level_set(const MeshRequest &request)
 {
-    // Columns of blocks share one distance function when their centres are tested.
+    // All blocks of a column share one distance function for the test of their centres.
     const double block_mm = BLOCK * request.voxel_mm;
     crn::mesh::LevelSet level(1.0, BAND_VOXELS * request.voxel_mm);
     const double reach_mm = STEEPEST * (0.5 * std::sqrt(3.0) * block_mm) + request.voxel_mm;
@@ -83,7 +85,7 @@ crn::mesh::LevelSet level_set(const MeshRequest &request)
     return level;
 }
 
-/* One Newton step moves a vertex of the grid's surface onto the true surface. */
+/* Moves a vertex of the grid's surface onto the true surface by one Newton step. */
 Vec3 onto_surface(const Distance &distance, double voxel_mm, const Vec3 &point)
 {
     const double step = 0.1 * voxel_mm;
@@ -101,7 +103,7 @@ Vec3 onto_surface(const Distance &distance, double voxel_mm, const Vec3 &point)
 Mesh surface_of(const crn::mesh::LevelSet &level, const MeshRequest &request)
 {
     crn::mesh::QuadSurface surface = level.surface();
-    // The points come block by block, so the local distance function is renewed when the block changes.
+    // The points come block by block, so a new local distance function is made only when the block changes.
     std::optional<Cell> block;
     Distance distance;
     for (Vec3 &vertex : surface.vertices) {
@@ -120,7 +122,8 @@ Mesh surface_of(const crn::mesh::LevelSet &level, const MeshRequest &request)
 
 Mesh mesh_of(const MeshRequest &request)
 {
-    // A grid point exactly on a saddle can pinch the surface; a tiny offset avoids that.
+    // A saddle of the surface exactly at a grid point can give an edge with four triangles. A tiny offset
+    // of the distance avoids this.
     constexpr int ATTEMPTS = 4;
     constexpr size_t CRUMB_TRIANGLES = 60;
     std::string fault;

@@ -1,5 +1,5 @@
-/* Closed triangle meshes of solids: a level set (tools/mesh/level_set), its surface, and a simplification
- * that keeps the surface closed. */
+/* Makes closed triangle meshes of solids. A solid becomes a level set (tools/mesh/level_set), and the surface
+ * of the level set is simplified and stays closed. */
 #pragma once
 #include "tools/anatomy/shapes.hpp"
 #include <array>
@@ -16,12 +16,13 @@ struct Mesh {
     std::vector<std::array<uint32_t, 3>> triangles; // counter-clockwise seen from outside
 };
 
-/* Returns a distance function for points inside a box, correct where its value is below reach_mm. Only few
- * of a body's shapes matter near one place; finding them once per block makes meshing many times faster. */
+/* Returns a distance function for points inside a box. Its value is correct where it is below reach_mm.
+ * Only few shapes of a body matter near one place. They are found once per block, which makes meshing many
+ * times faster. */
 using LocalDistance = std::function<Distance(const Box &box, double reach_mm)>;
 
-/* The solid to mesh and the fineness. error_mm is how far simplification may move the surface (0: no
- * simplification). Edges shorter than shortest_mm are collapsed. */
+/* A solid, and how fine its mesh is. Simplification may move the surface by error_mm; 0 means no
+ * simplification. Edges shorter than shortest_mm are collapsed. */
 struct MeshRequest {
     Box bounds;
     LocalDistance distance_in;
@@ -30,12 +31,12 @@ struct MeshRequest {
     double shortest_mm = 0;
 };
 
-/* The zero surface of the request; components with fewer than 60 triangles are dropped. Throws
- * std::runtime_error when the surface is empty or leaves the bounds. */
+/* Returns the surface where the distance is 0. Connected parts with fewer than 60 triangles are left out.
+ * Throws std::runtime_error when the surface is empty or leaves the bounds. */
 Mesh mesh_of(const MeshRequest &request);
 
-/* Empty when each edge has exactly two triangles of opposite direction; otherwise the first fault in
- * words. */
+/* Returns an empty text if every edge has exactly two triangles, which run along it in opposite
+ * directions. Otherwise returns the first fault in words. */
 std::string closed_mesh_fault(const Mesh &mesh);
 
 double mesh_volume_mm3(const Mesh &mesh);

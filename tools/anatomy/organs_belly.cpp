@@ -9,7 +9,7 @@ namespace anatomy
 namespace
 {
 
-/* The cavity by height: half-width, front and back. Values are in millimetres. */
+/* The half-width, front and back of the cavity at several heights, in millimetres. */
 struct Level {
     double y, half_width, front, back;
 };
@@ -130,7 +130,7 @@ Solid spleen()
 namespace
 {
 
-/* A pouch of gas: a row of uneven balls along a course, like the haustra of the colon. */
+/* Adds a pouch of gas. It is a row of uneven balls along a course, like the haustra of the colon. */
 void add_pouches(Part &part, const std::vector<Vec3> &course, double radius_mm, double wall_mm, uint32_t seed)
 {
     uint32_t state = seed;
@@ -181,7 +181,7 @@ Solid bowel_gas(double wall_mm)
 namespace
 {
 
-/* Loops of the small bowel, back and forth in four rows. */
+/* Adds the loops of the small bowel, which run back and forth in four rows. */
 std::vector<Vec3> small_bowel_course()
 {
     std::vector<Vec3> points;

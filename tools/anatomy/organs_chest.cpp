@@ -10,7 +10,7 @@ namespace anatomy
 namespace
 {
 
-/* The chest cavity by height: half-width, front, back. */
+/* The half-width, front and back of the chest cavity at several heights, in millimetres. */
 struct Level {
     double y, half_width, front, back;
 };
@@ -42,8 +42,8 @@ double cavity_distance(const Vec3 &p)
     return smooth_max(outline, p.y() - APEX_MM, 12.0);
 }
 
-/* Returns the height of the diaphragm above a point: a dome whose edge dips at the side, and more so at the
- * back. */
+/* Returns the height of the diaphragm at this place. The diaphragm is a dome whose edge is lower at the
+ * side, and lowest at the back. */
 double dome_mm(double sign, double x, double z)
 {
     const double peak = sign < 0 ? 77.0 : 65.0, out = (sign * x - 62.0) / 64.0, along = (z - 8.0) / 100.0;
@@ -66,7 +66,7 @@ Distance lung_cavity(double sign)
 {
     return [sign](const Vec3 &p) {
         constexpr double STEEPNESS =
-            0.55; // turns the height difference into approximately a distance on the steep edge
+            0.55; // converts the difference in height to an approximate distance at the steep edge
         const double above = (dome_mm(sign, p.x(), p.z()) - p.y()) * STEEPNESS;
         const double own_side = 1.8 - sign * p.x();
         return smooth_max(smooth_max(cavity_distance(p), above, 4.0), own_side, 3.0);
@@ -76,7 +76,7 @@ Distance lung_cavity(double sign)
 namespace
 {
 
-/* `direction` must not be -x */
+/* Returns the rotation that turns +x to `direction`, which must not be -x. */
 Eigen::Matrix3d axis_to(const Vec3 &direction)
 {
     // This is the shortest rotation from +x. Eigen's FromTwoVectors would compile a singular value
@@ -87,7 +87,7 @@ Eigen::Matrix3d axis_to(const Vec3 &direction)
     return Eigen::Quaterniond(0.5 * w, axis.x(), axis.y(), axis.z()).toRotationMatrix();
 }
 
-/* Returns the heart's outline shrunk by wall_mm: ventricles, atria, outflow. */
+/* Returns ventricles, atria and outflow tract, with an outline that is wall_mm inside the heart's own. */
 Part heart_part(double wall_mm)
 {
     Part part(18.0);
@@ -123,7 +123,7 @@ std::vector<Chamber> heart_chambers()
     const Distance right_ventricle = [=](const Vec3 &p) {
         return smooth_max(right.distance(p), LEFT_WALL_MM - left_ventricle(p), 3.0);
     };
-    // The valves' planes: an atrium ends where its ventricle begins.
+    // An atrium ends at the valve, where its ventricle begins.
     const Distance right_side = [=](const Vec3 &p) {
         const double taken = std::min(right.distance(p) - THIN_WALL_MM, left_ventricle(p) - LEFT_WALL_MM);
         return smooth_max(right_atrium.distance(p), -taken, 3.0);
@@ -150,16 +150,16 @@ Solid mediastinum()
     Solid solid;
     solid.add(heart_part(0.0));
     Part middle(10.0);
-    // A column in front of the spine, which thins to a septum behind the sternum.
+    // This is a column in front of the spine that thins to a septum behind the sternum.
     middle.add<Tube>(sample_curve({{0, 60, -38}, {0, 130, -42}, {0, 190, -30}, {0, 250, -18}, {0, 300, -18}},
                                   {24, 22, 20, 22, 24}, 6.0));
     middle.plate({0, 80, -60}, {0, 80, 66}, {0, 250, -60}, 1.2);
     middle.plate({0, 80, 66}, {0, 250, -60}, {0, 250, 34}, 1.2);
-    // The muscles behind the spine: the lungs lie beside the vertebrae, not behind them.
+    // The muscles behind the spine keep the lungs beside the vertebrae.
     middle.add<Tube>(sample_curve({{0, -40, -76}, {0, 60, -97}, {0, 150, -108}, {0, 220, -99}, {0, 300, -78}},
                                   {26, 27, 27, 26, 26}, 6.0));
-    // The superior vena cava with the right brachiocephalic vein, the inferior vena cava, the pulmonary trunk
-    // and the hila.
+    // The next parts are the superior vena cava with the right brachiocephalic vein, the inferior vena
+    // cava, the pulmonary trunk and the hila.
     middle.rod({{-30, 112, 8}, {-29, 160, 10}, {-27, 215, 12}, {-32, 252, 12}}, {13, 11, 10, 9});
     middle.rod({{-22, 60, -4}, {-22, 100, 2}}, {14, 14});
     middle.rod({{20, 150, 32}, {28, 172, 16}, {34, 176, -14}}, {14, 14, 12});
@@ -200,7 +200,8 @@ struct Node {
     int leaves = 0;
 };
 
-/* Van der Corput's sequence: evenly spread numbers in 0..1 without randomness. */
+/* Returns an element of van der Corput's sequence, which gives evenly spread numbers from 0 to 1 without
+ * randomness. */
 double spread(uint32_t index, uint32_t base)
 {
     double value = 0.0, share = 1.0;
@@ -211,7 +212,8 @@ double spread(uint32_t index, uint32_t base)
     return value;
 }
 
-/* Returns the ends of the vessels: evenly spread points of the lung, nearest to the hilum first. */
+/* Returns the ends of the vessels. They are evenly spread over the lung, and those nearest to the hilum
+ * come first. */
 std::vector<Vec3> vessel_ends(double sign, const Distance &lung, const Vec3 &hilum, size_t count)
 {
     const Box box = lung_bounds(sign);
@@ -227,7 +229,8 @@ std::vector<Vec3> vessel_ends(double sign, const Distance &lung, const Vec3 &hil
     return ends;
 }
 
-/* Joins each end to the tree where the sum of new length and path back to the hilum is least. */
+/* Joins each end to a node of the tree. It chooses the node for which the new branch and the path from
+ * there back to the hilum are shortest together. */
 std::vector<Node> grow_tree(const Vec3 &hilum, const std::vector<Vec3> &ends)
 {
     constexpr double WAY_BACK = 0.55, STEP_MM = 14.0;
@@ -251,7 +254,7 @@ std::vector<Node> grow_tree(const Vec3 &hilum, const std::vector<Vec3> &ends)
             parent = static_cast<int>(nodes.size()) - 1;
         }
     }
-    // We count the ends beyond each node; children always come after their parent.
+    // The loop counts the ends beyond each node. A child always comes after its parent in the list.
     for (size_t i = nodes.size(); i-- > 1;) {
         if (nodes[i].leaves == 0) nodes[i].leaves = 1;
         nodes[static_cast<size_t>(nodes[i].parent)].leaves += nodes[i].leaves;
@@ -263,7 +266,8 @@ std::vector<Node> grow_tree(const Vec3 &hilum, const std::vector<Vec3> &ends)
 
 Solid lung_vessels(double sign, const Distance &lung)
 {
-    // Murray's law: the cube of a radius is the sum of the cubes of its branches.
+    // Radii follow Murray's law: the cube of a vessel's radius is the sum of the cubes of its branches'
+    // radii.
     constexpr double END_RADIUS_MM = 1.5;
     constexpr size_t ENDS = 100;
     const Vec3 hilum = side(sign, 40, sign > 0 ? 172 : 164, -18);

@@ -9,7 +9,7 @@ namespace anatomy
 namespace
 {
 
-/* The outline of the trunk by height: half-width, front and back. Values are in millimetres. */
+/* The half-width, front and back of the trunk at several heights, in millimetres. */
 struct Level {
     double y, half_width, front, back;
 };
@@ -36,7 +36,7 @@ double trunk_distance(const Vec3 &p)
                         back = spline(&Level::back);
     const double a = width.at(p.y()), z_front = front.at(p.y()), z_back = back.at(p.y());
     const double b = 0.5 * (z_front - z_back), z = p.z() - 0.5 * (z_front + z_back);
-    // We use a superellipse, because a trunk is squarer than an ellipse.
+    // The section is a superellipse, because a trunk is squarer than an ellipse.
     constexpr double POWER = 2.5;
     const double u = std::abs(p.x()) / a, w = std::abs(z) / b;
     const double level = std::pow(std::pow(u, POWER) + std::pow(w, POWER), 1.0 / POWER);
@@ -64,7 +64,7 @@ Solid skin()
     part.add<Formula>(
         [shoulders](const Vec3 &p) {
             double inside = smooth_min(trunk_distance(p), shoulders.distance(p), SHOULDER_BLEND_MM);
-            // The gap between the thighs.
+            // This cuts out the gap between the thighs.
             const double gap = std::hypot(p.x() * 1.6, std::max(0.0, p.y() + 400.0)) - 26.0;
             inside = smooth_max(inside, -gap, 20.0);
             return smooth_max(inside, std::max(BOTTOM_MM - p.y(), p.y() - TOP_MM), RIM_MM);

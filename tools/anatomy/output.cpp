@@ -44,7 +44,8 @@ nlohmann::ordered_json control_point(const CurvePoint &point, const std::string 
             {"positionStatus", "defined"}};
 }
 
-// The tree along which blood flows: the centrelines as they were written, and the known flows.
+// Returns the scene's table [tree], along which blood and contrast medium flow. It names the files of the
+// centrelines and the flows that are known.
 std::string tree_text(const VesselTree &tree)
 {
     std::string files, flows;
@@ -55,9 +56,9 @@ std::string tree_text(const VesselTree &tree)
                      crn::decimals_text(vessel.flow_ml_min, 4);
     }
     std::string left, right;
-    for (size_t i = tree.vessels.size() - tree.coronary_count; i < tree.vessels.size(); i++) {
-        std::string &names = is_right_coronary(tree.vessels[i].name) ? right : left;
-        names += (names.empty() ? "\"" : ", \"") + file_stem(tree.vessels[i].name) + "\"";
+    for (const Vessel &artery : coronary_arteries(tree)) {
+        std::string &names = artery.bed == Bed::right_coronary ? right : left;
+        names += (names.empty() ? "\"" : ", \"") + file_stem(artery.name) + "\"";
     }
     std::string text = "\n# Where blood and contrast medium flow.\n[tree]\ncentrelines = [" + files + "]\n";
     text += "axes = [\"+x\", \"+z\", \"-y\"] # the files are LPS\n";
@@ -132,9 +133,12 @@ void write_scene(const std::filesystem::path &file, const VesselTree &tree, cons
                  const std::string &lesions)
 {
     std::string text =
-        "# Written by `anatomy " + tree.name + "`. Patient frame: +x patient left, +y head, +z front.\n";
+        "# Written by `anatomy " + tree.made_by + "`. Patient frame: +x patient left, +y head, +z front.\n";
     text += "[scene]\nname = \"" + tree.title + "\"\n";
-    text += "source = \"Cournand's own model from stated dimensions; see docs/anatomy.md\"\n\n";
+    text += tree.file.empty()
+                ? "source = \"Cournand's own model from stated dimensions; see docs/anatomy.md\"\n\n"
+                : "source = \"vessels of a user's file (`anatomy list` shows their sources); see "
+                  "docs/vessels.md\"\n\n";
     text += "[lumen]\nmesh = \"lumen.ply\"\nunit = \"mm\"\n";
     if (tree.coronary_count > 0) text += "level_max = 2 # small arteries\ntolerance_mm = 0.12\n";
     text += "\n";

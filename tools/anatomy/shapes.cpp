@@ -93,8 +93,8 @@ double Tube::section_distance(const Vec3 &point, const Segment &segment, double 
 
 double Tube::distance(const Vec3 &point) const
 {
-    // A flat section is looked up at the nearest point of the axis; a round one is the minimum over all
-    // segments.
+    // For a flat section the nearest point of the axis decides. For a round section the distance is the
+    // minimum over all segments.
     constexpr double FAR = 1e9;
     double best = FAR, best_t = 0.0;
     const Segment *nearest = nullptr;
@@ -250,8 +250,8 @@ double Part::distance(const Vec3 &point) const
 
 double Part::marrow_distance(const Vec3 &point) const
 {
-    // Smooth joining may thin the shell. It never becomes thinner than this, so the marrow stays inside the
-    // bone.
+    // Where shapes are joined smoothly, the shell may become thinner. It never becomes thinner than
+    // SHELL_LEAST_MM, so that the marrow stays inside the bone.
     constexpr double SHELL_LEAST_MM = 0.7;
     return std::max(evaluate(point, 1.0), evaluate(point, 0.0) + SHELL_LEAST_MM);
 }

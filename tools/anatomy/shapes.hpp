@@ -1,7 +1,7 @@
-/* Solids from which bodies are built. Each has bounds and returns its (approximate) signed distance in
- * millimetres, negative inside. A Part joins shapes smoothly into one bone; a Solid is the plain union of
- * parts. Bones carry the thickness of their cortical shell, so the same Solid also gives the marrow space
- * inside. */
+/* Solids from which bodies are built. Each solid has bounds and returns an approximate signed distance in
+ * millimetres, which is negative inside. A Part joins shapes smoothly into one bone, and a Solid is the
+ * plain union of parts. Shapes of bones also have the thickness of their cortical shell, so the same Solid
+ * also gives the marrow space inside. */
 #pragma once
 #include "tools/anatomy/spline.hpp"
 #include <Eigen/Geometry>
@@ -17,7 +17,7 @@ struct Box {
     void include(const Vec3 &point, double margin_mm);
     void include(const Box &other);
     double distance(const Vec3 &point) const; // 0 inside
-    double distance(const Box &other) const;  // 0 where they touch
+    double distance(const Box &other) const;  // 0 where they touch or overlap
 };
 
 using Distance = std::function<double(const Vec3 &)>; // signed distance at a point, millimetres
@@ -27,16 +27,17 @@ class Shape
   public:
     virtual ~Shape() = default;
     virtual double distance(const Vec3 &point) const = 0;
-    /* Returns a cheaper shape that agrees with this one near the box; null when there is none. */
+    /* Returns a shape that has the same distances near the box but is cheaper to evaluate; null when there
+     * is none. */
     virtual std::shared_ptr<Shape> near(const Box &, double) const { return nullptr; }
     Box bounds;
-    double cortex_mm = 1.0;        // thickness of the shell; removing it all round gives the marrow space
-    std::shared_ptr<Shape> marrow; // or the marrow space given explicitly
+    double cortex_mm = 1.0;        // thickness of the shell around the marrow space
+    std::shared_ptr<Shape> marrow; // the marrow space, where it is not the shape less its shell
 };
 
-/* A tube around a curve. Without `flat` the section is a circle of the curve's radius. With `flat` it is
- * an ellipse: its half-height along the given direction is the curve's radius, and its other half-axis is
- * radius * thinness. */
+/* A tube around a curve. Without `flat` its section is a circle of the curve's radius. With `flat` its
+ * section is an ellipse. The half-axis along the direction `flat` is the curve's radius, and the other
+ * half-axis is that radius times `thinness`. */
 class Tube : public Shape
 {
   public:
@@ -46,7 +47,8 @@ class Tube : public Shape
     std::shared_ptr<Shape> near(const Box &box, double reach_mm) const override;
 
   private:
-    struct Segment { // start, axis to its end, 1 / |axis|^2, radius at the start and its change to the end
+    struct Segment { // start, vector to the end, 1 / |axis|^2, radius at the start, and change of the radius
+                     // to the end
         Vec3 start, axis;
         double inverse_squared, radius_mm, radius_change_mm;
     };
@@ -62,7 +64,7 @@ class Tube : public Shape
     std::vector<Chunk> chunks_;
 };
 
-/* An ellipsoid; the rotation maps its own axes to the patient frame. */
+/* An ellipsoid. `rotation` maps its own axes to the patient frame. */
 class Ellipsoid : public Shape
 {
   public:
@@ -75,8 +77,8 @@ class Ellipsoid : public Shape
     Eigen::Matrix3d inverse_;
 };
 
-/* A triangle thickened by half_thickness_mm, which may differ from corner to corner: flat bone (ilium,
- * scapula, laminae). */
+/* A triangle that is thickened by half_thickness_mm on both sides, for flat bones such as ilium, scapula
+ * and laminae. Each corner may have a thickness of its own. */
 class Plate : public Shape
 {
   public:
@@ -88,8 +90,8 @@ class Plate : public Shape
     Vec3 a_, b_, c_, half_thickness_mm_;
 };
 
-/* A vertebral body: a waisted drum with slightly hollow end plates and a flattened back. Axis y of the
- * frame points up. */
+/* A vertebral body. It is a drum with a waist, slightly hollow end plates and a flattened back. The y axis
+ * of its own frame points up. */
 class Drum : public Shape
 {
   public:
@@ -103,7 +105,7 @@ class Drum : public Shape
     double half_width_, half_height_, half_depth_;
 };
 
-/* Any distance function with stated bounds. */
+/* A shape that is given by any distance function, with its bounds. */
 class Formula : public Shape
 {
   public:
@@ -114,11 +116,12 @@ class Formula : public Shape
     std::function<double(const Vec3 &)> function_;
 };
 
-/* Minimum and maximum, rounded over a width of `blend_mm`. */
+/* Return the minimum and the maximum, with a smooth transition over a width of `blend_mm`. */
 double smooth_min(double a, double b, double blend_mm);
 double smooth_max(double a, double b, double blend_mm);
 
-/* Returns the distance to an ellipsoid from a point in its own frame, exact to first order at the surface. */
+/* Returns the distance to an ellipsoid from a point in the ellipsoid's own frame. It is exact to first
+ * order near the surface. */
 double ellipsoid_distance(const Vec3 &local, const Vec3 &half_axes_mm);
 
 class Part
@@ -136,7 +139,7 @@ class Part
     {
         removed.push_back(std::make_shared<T>(std::forward<Arguments>(arguments)...));
     }
-    /* A tube of varying radius through a few points; most of the smaller bones are made of these. */
+    /* Adds a tube of varying radius through a few points. Most of the smaller bones consist of such tubes. */
     Tube &rod(const std::vector<Vec3> &points, const std::vector<double> &radii_mm, double cortex_mm = 1.0);
     Plate &plate(const Vec3 &a, const Vec3 &b, const Vec3 &c, double half_thickness_mm,
                  double cortex_mm = 1.0);
@@ -144,7 +147,8 @@ class Part
                  double cortex_mm);
     double distance(const Vec3 &point) const;
     double marrow_distance(const Vec3 &point) const;
-    /* Returns the same part for points inside `box`, correct where the distance is below reach_mm. */
+    /* Returns a part that is cheaper to evaluate for points inside `box`. Its distance is correct where it
+     * is below reach_mm. */
     Part near(const Box &box, double reach_mm) const;
 
     double blend_mm;
@@ -170,7 +174,7 @@ class Solid
     std::vector<Part> parts_;
 };
 
-/* Returns the point on the patient's right (sign -1) or left (sign +1) side. */
+/* Returns the point (x, y, z) on the patient's left (sign +1), or its mirror image on the right (sign -1). */
 inline Vec3 side(double sign, double x, double y, double z)
 {
     return {sign * x, y, z};

@@ -38,7 +38,7 @@ double Sheet::nearest_in(const Patch &patch, const Vec3 &point, double best) con
 
 double Sheet::distance(const Vec3 &point) const
 {
-    // The nearest patch comes first, so most others can be skipped.
+    // The nearest patch is evaluated first, so that most other patches can be skipped.
     const Patch *nearest = nullptr;
     double least = 1e9;
     for (const Patch &patch : patches_) {

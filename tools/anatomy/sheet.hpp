@@ -1,4 +1,4 @@
-/* Thin curved bone as a grid of points, such as the iliac wing and the shoulder blade. */
+/* Thin curved bones, such as the iliac wing and the shoulder blade, as grids of points. */
 #pragma once
 #include "tools/anatomy/shapes.hpp"
 
@@ -10,14 +10,15 @@ struct SheetPoint {
     double half_thickness_mm;
 };
 
-/* Rows of equally many points, at least two in each direction; two plates join four neighbours. Points
- * should lie 2 to 3 mm apart: plates then meet almost flat. Where a sheet is seen edge-on, X-rays show a
- * kink of a few degrees as a streak. */
+/* A grid of points with equally many points in every row, at least two in each direction. Two plates fill
+ * each cell of the grid. Points should lie 2 to 3 mm apart, so that neighbouring plates form almost one
+ * plane: X-rays that pass along a sheet show a kink of a few degrees as a streak. */
 class Sheet : public Shape
 {
   public:
     explicit Sheet(const std::vector<std::vector<SheetPoint>> &rows);
-    /* The plain union of the plates: smooth joining would raise a ridge on every edge. */
+    /* Returns the distance to the plain union of the plates. Smooth joining would make a ridge on every
+     * edge. */
     double distance(const Vec3 &point) const override;
     std::shared_ptr<Shape> near(const Box &box, double reach_mm) const override;
 

@@ -1,4 +1,4 @@
-/* The bones of the shipped patient, each group a Solid in the patient frame. */
+/* The bones of the shipped patient. Each group of bones is a Solid in the patient frame. */
 #pragma once
 #include "tools/anatomy/shapes.hpp"
 #include <string>
@@ -7,7 +7,7 @@
 namespace anatomy
 {
 
-/* One vertebra, as ribs and spine need it. `up` is the direction of the spine at its centre. */
+/* The place and the size of one vertebra. `up` is the direction of the spine at its centre. */
 struct Vertebra {
     std::string name;
     double height_mm, width_mm, depth_mm, disc_below_mm;

@@ -1,5 +1,5 @@
-/* Ribs, sternum, clavicles, shoulder blades and heads of the humerus. All dimensions are assumed, for a
- * chest 280 mm wide inside. */
+/* Ribs, sternum, clavicles, shoulder blades and heads of the humerus. All dimensions are assumed for a
+ * chest that is 280 mm wide inside. */
 #include "tools/anatomy/sheet.hpp"
 #include "tools/anatomy/skeleton.hpp"
 #include <cmath>
@@ -10,8 +10,8 @@ namespace anatomy
 namespace
 {
 
-/* One rib: half-width of its loop, drop from head to front end, depth of its angle, depth of its widest
- * point, front end. */
+/* The dimensions of one rib: half-width of its loop, drop from its head to its front end, depth of its
+ * angle, depth of its widest point, and place of its front end. */
 struct RibShape {
     double half_width, fall, z_angle, z_side, front_x, front_z, height, angle_share;
 };
@@ -95,7 +95,7 @@ Sheet blade(double s)
     return Sheet(rows);
 }
 
-/* The arms are raised, so the blade is turned outwards and the humerus points up. */
+/* Adds one shoulder. The arms are raised, so the blade is turned outwards and the humerus points up. */
 Part scapula_part(double s)
 {
     Part part(4.0);
@@ -108,7 +108,7 @@ Part scapula_part(double s)
         {side(s, 117, 129, -118), side(s, 138, 188, -97), side(s, 141, 210, -82), side(s, 143, 230, -68)},
         {4.2, 4.4, 4.6, 6.0}, 1.2);
     part.add<Ellipsoid>(glenoid, Vec3(7, 17, 11)).cortex_mm = 1.2;
-    // The spine of the scapula up to the acromion, and the coracoid.
+    // The next parts are the spine of the scapula, up to the acromion, and the coracoid.
     part.plate(side(s, 90, 238, -112), side(s, 150, 262, -72), side(s, 128, 250, -112), 2.4);
     part.rod(
         {side(s, 92, 238, -122), side(s, 132, 258, -112), side(s, 162, 277, -78), side(s, 170, 280, -52)},

@@ -1,6 +1,6 @@
-/* The spine. Vertebral and lumbar disc heights are rounded from published morphometry (lumbar heights near
- * Gilad and Nissan 1985, J Anat 143:115; thoracic discs 2.7-5.4 mm from Fletcher 2016, Eur Spine J
- * 25:2999). Single values are assumed. */
+/* The spine. The heights of vertebrae and discs are rounded from published morphometry: lumbar heights are
+ * near Gilad and Nissan 1985, J Anat 143:115, and thoracic discs of 2.7 to 5.4 mm are from Fletcher 2016,
+ * Eur Spine J 25:2999. The value of each single vertebra is assumed. */
 #include "tools/anatomy/skeleton.hpp"
 #include <cmath>
 
@@ -25,8 +25,8 @@ const Size SIZES[] = {
     {"L4", 27.5, 49, 34, 12.5}, {"L5", 27, 51, 34, 11.0},
 };
 
-/* The sagittal course through the vertebral centres: a kyphosis whose rearmost point is T7, and a lordosis
- * whose foremost point is L3. */
+/* The course of the vertebral centres in the sagittal plane. It has a kyphosis whose rearmost point is T7,
+ * and a lordosis whose foremost point is L3. */
 double course_z_mm(double y_mm)
 {
     static const Spline course({-205, -188, -165, -130, -90, -45, 0, 45, 100, 150, 200, 250, 300, 360},
@@ -49,7 +49,8 @@ Frame frame_of(const Vertebra &v)
     return frame;
 }
 
-/* How lumbar a vertebra's shape is: 0 down to T10, 1 from L2 downwards. */
+/* Returns 0 for the thoracic shape, which all vertebrae down to T10 have, and 1 for the lumbar shape,
+ * which L2 and those below have. The vertebrae between them have values between 0 and 1. */
 double lumbar_share(size_t index)
 {
     return std::min(1.0, std::max(0.0, (static_cast<double>(index) - 12.0) / 4.0));
@@ -63,13 +64,13 @@ void add_arch(Part &part, const Frame &f, const Vertebra &v, double lumbar)
     for (double s : {-1.0, 1.0}) {
         part.rod({f.at(s * pedicle_x, pedicle_y, back + 4), f.at(s * pedicle_x, pedicle_y, arch + 5)},
                  {radius, radius}, 1.0);
-        // The lamina: two plates close the canal at the back.
+        // Two plates, the laminae, close the spinal canal at the back.
         const Vec3 top = f.at(0, 0.15 * v.height_mm, arch - 6), low = f.at(0, -0.45 * v.height_mm, arch - 9);
         const Vec3 outer_top = f.at(s * pedicle_x, 0.25 * v.height_mm, arch + 3);
         const Vec3 outer_low = f.at(s * pedicle_x, -0.5 * v.height_mm, arch + 1);
         part.plate(top, outer_top, outer_low, 2.4, 0.8);
         part.plate(top, low, outer_low, 2.4, 0.8);
-        // Articular processes.
+        // The next parts are the articular processes.
         const double facet_x = pedicle_x + 1.0 + 2.0 * lumbar;
         const double reach = 0.5 * (v.height_mm + v.disc_below_mm);
         part.rod({f.at(s * facet_x, 0, arch + 3), f.at(s * (facet_x + 1.5), reach - 1.5, arch + 3)},
@@ -121,7 +122,7 @@ Part vertebra_part(const Vertebra &v, size_t index)
     return part;
 }
 
-/* Sacrum and coccyx: a curved, tapering slab with four pairs of holes. */
+/* Adds sacrum and coccyx as a curved, tapering slab with four pairs of holes. */
 Part sacrum_part()
 {
     Part part(5.0);
@@ -155,7 +156,8 @@ Part sacrum_part()
 
 std::vector<Vertebra> vertebrae()
 {
-    // Vertebrae are stacked from the disc between T12 and L1 (y = 0) in both directions along the course.
+    // The vertebrae are stacked along the course, upwards and downwards from the disc between T12 and L1
+    // at y = 0.
     constexpr size_t FIRST_LUMBAR = 15;
     std::vector<Vertebra> all;
     for (const Size &size : SIZES)

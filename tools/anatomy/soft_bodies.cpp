@@ -9,8 +9,8 @@ namespace
 
 constexpr double SOFT_ERROR_MM = 0.3;
 
-/* Returns the voxel size for a body with little clearance in its parent. A coarse anatomy keeps it fine, so
- * that the body stays inside. */
+/* Returns the voxel size for a body with little clearance in its parent. This size stays fine in a coarse
+ * anatomy too, so that the body stays inside its parent. */
 double tight_mm(double voxel_mm, double scale)
 {
     return voxel_mm * std::min(scale, 1.2);
@@ -18,7 +18,7 @@ double tight_mm(double voxel_mm, double scale)
 
 // --- layers ---
 
-/* Returns the outside of the skin, which covers every bone with some flesh between them. */
+/* Returns the distance to the outside of the skin. The skin covers every bone, with some flesh in between. */
 LocalDistance outline_distance(const Solid &bones)
 {
     const Solid outline = skin();
@@ -32,8 +32,8 @@ LocalDistance outline_distance(const Solid &bones)
     };
 }
 
-/* Returns the distance to the layer `depth` under the outside of the skin. Where a bone comes near the skin,
- * the layer still covers it. */
+/* Returns the distance to the layer that begins at the depth `depth_mm` under the outside of the skin.
+ * Where a bone comes near the skin, the layer still covers it. */
 LocalDistance layer_distance(const Solid &bones, double least_mm, double (*depth_mm)(const Vec3 &))
 {
     return [least_mm, depth_mm, bones, outline = outline_distance(bones)](const Box &box,
@@ -76,17 +76,17 @@ std::vector<Body> layer_bodies(const Solid &bones, double scale)
 namespace
 {
 
-/* One lung: its cavity less everything else in the chest. */
-LocalDistance lung_distance(double sign, const Solid &bones, const Solid &vessels)
+/* Returns the distance to one lung, which is its cavity less everything else in the chest. */
+LocalDistance lung_distance(double sign, const Solid &bones, const Solid &aorta_wall, const Solid &coronaries)
 {
-    const Solid middle = mediastinum(), air = airway(), aorta_wall = tree_solid(aorta_tree(), 2.0);
+    const Solid middle = mediastinum(), air = airway();
     const Distance cavity = lung_cavity(sign);
     return [=](const Box &box, double reach_mm) -> Distance {
         constexpr double PLEURA_MM = 2.0, ADVENTITIA_MM = 1.0;
         const double reach = reach_mm + PLEURA_MM + 1.0;
         return [=, heart = middle.near(box, reach), trachea = air.near(box, reach),
                 aorta = aorta_wall.near(box, reach), bone = bones.near(box, reach),
-                coronary = vessels.near(box, reach)](const Vec3 &p) {
+                coronary = coronaries.near(box, reach)](const Vec3 &p) {
             double taken = std::min(trachea.distance(p), aorta.distance(p));
             taken = std::min(taken, coronary.distance(p) - ADVENTITIA_MM + PLEURA_MM);
             taken = std::min(heart.distance(p), std::min(taken, bone.distance(p)) - PLEURA_MM);
@@ -95,12 +95,13 @@ LocalDistance lung_distance(double sign, const Solid &bones, const Solid &vessel
     };
 }
 
-/* Lungs with their vessels; bones, aorta, airway and mediastinum are cut out of them. */
-void add_lungs(std::vector<Body> &bodies, const Solid &bones, const Solid &coronaries, double scale)
+/* Adds the lungs with their vessels. Bones, aorta, airway and mediastinum are cut out of the lungs. */
+void add_lungs(std::vector<Body> &bodies, const Solid &bones, const Solid &aorta_wall,
+               const Solid &coronaries, double scale)
 {
     for (double s : {-1.0, 1.0}) {
         const std::string name = s < 0 ? "lung_right" : "lung_left";
-        const LocalDistance lung = lung_distance(s, bones, coronaries);
+        const LocalDistance lung = lung_distance(s, bones, aorta_wall, coronaries);
         const Solid tree = lung_vessels(s, lung(lung_bounds(s), 20.0));
         const LocalDistance vessels = [=](const Box &box, double reach_mm) -> Distance {
             constexpr double INSIDE_MM = 1.3;
@@ -116,7 +117,7 @@ void add_lungs(std::vector<Body> &bodies, const Solid &bones, const Solid &coron
     }
 }
 
-/* Returns the part of the shape that keeps the distance `clear_mm` from another. */
+/* Returns the part of the shape that is at least `clear_mm` away from the solid `other`. */
 LocalDistance clear_of(const LocalDistance &shape, const Solid &other, double clear_mm)
 {
     return [=](const Box &box, double reach_mm) -> Distance {
@@ -158,33 +159,37 @@ void add_heart(std::vector<Body> &bodies, const Solid &bones, const Solid &vesse
     }
 }
 
-} // namespace
+/* The root of the aorta and the coronary arteries of either side. All three are empty if the tree has no
+ * coronary arteries. */
+struct HeartVessels {
+    Solid root, left, right;
 
-Solid HeartVessels::all() const
-{
-    Solid solid = root;
-    solid.add(left);
-    solid.add(right);
-    return solid;
-}
+    Solid all() const
+    {
+        Solid solid = root;
+        solid.add(left);
+        solid.add(right);
+        return solid;
+    }
+};
 
-HeartVessels heart_vessels()
+HeartVessels heart_vessels(const VesselTree &tree)
 {
-    constexpr double ROOT_LENGTH_MM = 52.0, FILLET_MM = 1.0;
-    const std::vector<Vessel> arteries = coronary_arteries();
+    constexpr double ROOT_LENGTH_MM = 52.0;
+    if (tree.coronary_count == 0) return {};
     std::vector<Vessel> left, right;
-    for (const Vessel &artery : arteries) (is_right_coronary(artery.name) ? right : left).push_back(artery);
-    Curve root = vessel_curve(aorta_tree().vessels[0], 1.0);
+    for (const Vessel &artery : coronary_arteries(tree))
+        (artery.bed == Bed::right_coronary ? right : left).push_back(artery);
+    Curve root = vessel_curve(tree.vessels.front(), 1.0);
     std::erase_if(root, [](const CurvePoint &point) { return point.arc_mm > ROOT_LENGTH_MM; });
     Part part(0.0);
     part.add<Tube>(root);
-    HeartVessels vessels{{}, vessels_solid(left, 0.0, FILLET_MM), vessels_solid(right, 0.0, FILLET_MM)};
+    HeartVessels vessels{{},
+                         vessels_solid(left, 0.0, tree.coronary_fillet_mm),
+                         vessels_solid(right, 0.0, tree.coronary_fillet_mm)};
     vessels.root.add(part);
     return vessels;
 }
-
-namespace
-{
 
 void add_heart_vessels(std::vector<Body> &bodies, const HeartVessels &vessels, double scale)
 {
@@ -204,11 +209,13 @@ void add_heart_vessels(std::vector<Body> &bodies, const HeartVessels &vessels, d
 
 } // namespace
 
-std::vector<Body> chest_bodies(const Solid &bones, const HeartVessels &vessels, double scale)
+std::vector<Body> chest_bodies(const Solid &bones, const VesselTree &tree, double scale)
 {
+    constexpr double AORTA_WALL_MM = 2.0;
     std::vector<Body> bodies;
+    const HeartVessels vessels = heart_vessels(tree);
     const Solid taken = vessels.all();
-    add_lungs(bodies, bones, taken, scale);
+    add_lungs(bodies, bones, vessels_solid(body_vessels(tree), AORTA_WALL_MM, tree.fillet_mm), taken, scale);
     add_heart(bodies, bones, taken, scale);
     if (!taken.is_empty()) add_heart_vessels(bodies, vessels, scale);
     const Solid air = airway();
@@ -226,8 +233,8 @@ namespace
 
 constexpr double DIAPHRAGM_MM = 4.0, ORGAN_GAP_MM = 1.5;
 
-/* Returns the cavity of the belly's organs, filled with fat: its outline less diaphragm, heart, bones and
- * psoas. */
+/* Returns the distance to the cavity of the belly's organs, which fat fills. It is the belly's outline
+ * less diaphragm, heart, bones and psoas. */
 LocalDistance belly_distance(const Solid &bones)
 {
     const Solid heart = mediastinum(), loins = psoas(), nests = kidney_nests();
@@ -249,8 +256,8 @@ LocalDistance belly_distance(const Solid &bones)
     };
 }
 
-/* Returns the distance to an organ: its shape within the belly, clear of the organs before it. `shape` may be
- * larger than the remaining organ. */
+/* Returns the distance to an organ. It is the part of `shape` that lies inside the belly and keeps a gap
+ * to the organs in `before`, so `shape` may be larger than the organ. */
 LocalDistance organ_distance(const Solid &shape, const LocalDistance &belly, const Solid &before,
                              double inset_mm)
 {

@@ -1,4 +1,5 @@
-/* The bodies other than bone, with everything that keeps them apart: layers of the trunk, chest, belly. */
+/* The bodies other than bone: layers of the trunk, bodies of the chest, bodies of the belly. They keep
+ * clear of bones and of each other. */
 #pragma once
 #include "tools/anatomy/build.hpp"
 #include "tools/anatomy/organs.hpp"
@@ -7,7 +8,8 @@
 namespace anatomy
 {
 
-/* The patient ends here; bones end slightly inside the skin's cuts. Positive outside. */
+/* The bones end at these heights, slightly inside the cuts where the skin ends. beyond_cuts() is positive
+ * outside of them. */
 constexpr double BONE_BOTTOM_MM = -422.0, BONE_TOP_MM = 344.0;
 
 inline double beyond_cuts(const Vec3 &p)
@@ -23,16 +25,11 @@ inline Box grown(Box box, double margin_mm)
 }
 
 std::vector<Body> layer_bodies(const Solid &bones, double scale); // skin, fat under it, flesh
-/* The root of the aorta and the coronary arteries, where there are any. Heart and lungs leave space for
- * them. */
-struct HeartVessels {
-    Solid root, left, right;
-    Solid all() const;
-};
-HeartVessels heart_vessels();
 
-/* Lungs with vessels, heart with chambers, airway, and the heart's vessels. */
-std::vector<Body> chest_bodies(const Solid &bones, const HeartVessels &vessels, double scale);
+/* Returns the lungs with their vessels, the heart with its chambers, the airway, and the tree's coronary
+ * arteries with the root of the aorta. The lungs leave space for the tree, and the heart leaves space for
+ * its coronary arteries. */
+std::vector<Body> chest_bodies(const Solid &bones, const VesselTree &tree, double scale);
 std::vector<Body> belly_bodies(const Solid &bones, double scale); // fat, organs, bowel with gas
 
 } // namespace anatomy

@@ -1,6 +1,6 @@
-/* Smooth curves through given points. Positions follow a natural cubic spline over chord length
- * (continuous curvature), radii a monotone cubic (no overshoot between two stated diameters). Vessels,
- * ribs and the spine use them. Lengths are in millimetres. */
+/* Smooth curves through given points. Positions follow a natural cubic spline over chord length, so that
+ * curvature is continuous. Radii follow a monotone cubic, which does not overshoot between two stated
+ * diameters. Vessels, ribs and the spine are such curves. Lengths are in millimetres. */
 #pragma once
 #include <Eigen/Core>
 #include <vector>
@@ -19,7 +19,7 @@ struct CurvePoint {
 
 using Curve = std::vector<CurvePoint>;
 
-/* A natural cubic spline of scalar values over increasing parameters (at least two). */
+/* A natural cubic spline through scalar values at increasing parameters. There must be at least two. */
 class Spline
 {
   public:
@@ -30,7 +30,8 @@ class Spline
     std::vector<double> parameters_, values_, second_derivatives_;
 };
 
-/* A cubic that stays between its neighbours (Fritsch and Carlson 1980) and is constant beyond both ends. */
+/* A cubic through scalar values that stays between neighbouring values (Fritsch and Carlson 1980). It is
+ * constant beyond both ends. There must be at least one value. */
 class MonotoneCubic
 {
   public:
@@ -41,8 +42,8 @@ class MonotoneCubic
     std::vector<double> parameters_, values_, slopes_;
 };
 
-/* Samples the curve through `points` with `radii_mm` (same count, at least two) about every step_mm. Both
- * ends are included, and every given point is one of the samples. */
+/* Samples the curve through `points` with `radii_mm` about every step_mm. There must be as many radii as
+ * points, and at least two. Every given point is one of the samples, including both ends. */
 Curve sample_curve(const std::vector<Vec3> &points, const std::vector<double> &radii_mm, double step_mm);
 
 /* Returns the unit tangent of a sampled curve at a sample. */

@@ -3,6 +3,26 @@
 namespace anatomy
 {
 
+namespace
+{
+
+auto first_coronary(const VesselTree &tree)
+{
+    return tree.vessels.end() - static_cast<std::ptrdiff_t>(tree.coronary_count);
+}
+
+} // namespace
+
+std::vector<Vessel> body_vessels(const VesselTree &tree)
+{
+    return {tree.vessels.begin(), first_coronary(tree)};
+}
+
+std::vector<Vessel> coronary_arteries(const VesselTree &tree)
+{
+    return {first_coronary(tree), tree.vessels.end()};
+}
+
 Curve vessel_curve(const Vessel &vessel, double step_mm)
 {
     std::vector<Vec3> points;
@@ -14,23 +34,11 @@ Curve vessel_curve(const Vessel &vessel, double step_mm)
     return sample_curve(points, radii_mm, step_mm);
 }
 
-void put_mouth(VesselTree &tree, double y_mm)
-{
-    const Curve curve = vessel_curve(tree.vessels[1], 1.0);
-    size_t mouth = 0;
-    for (size_t i = 0; i < curve.size(); i++)
-        if (curve[i].position_mm.y() > y_mm) mouth = i;
-    tree.entry_position_mm = curve[mouth].position_mm;
-    tree.entry_direction = -curve_tangent(curve, mouth);
-}
-
 Solid tree_solid(const VesselTree &tree, double wall_mm)
 {
-    constexpr double CORONARY_FILLET_MM = 1.0;
-    const auto coronaries = tree.vessels.end() - static_cast<std::ptrdiff_t>(tree.coronary_count);
-    Solid solid = vessels_solid({tree.vessels.begin(), coronaries}, wall_mm, tree.fillet_mm);
+    Solid solid = vessels_solid(body_vessels(tree), wall_mm, tree.fillet_mm);
     if (tree.coronary_count > 0)
-        solid.add(vessels_solid({coronaries, tree.vessels.end()}, wall_mm, CORONARY_FILLET_MM));
+        solid.add(vessels_solid(coronary_arteries(tree), wall_mm, tree.coronary_fillet_mm));
     return solid;
 }
 

@@ -1,5 +1,5 @@
-/* Vessels of the shipped anatomies: centrelines through named stations, with the diameter of each station
- * and its source. */
+/* A tree of vessels. Each vessel has a centreline through stations, with a diameter at every station.
+ * Trees are read from files (vessel_file.hpp). */
 #pragma once
 #include "tools/anatomy/shapes.hpp"
 #include <string>
@@ -8,47 +8,48 @@
 namespace anatomy
 {
 
-/* A point of a centreline. A point without a name only defines the course. */
+/* A point of a centreline. A station without a name only defines course and diameter, and has no source. */
 struct Station {
     Vec3 position_mm;
     double diameter_mm;
-    std::string name;   // "" for a point that only defines the course
-    std::string source; // source of the diameter; "assumed ..." when there is none better
+    std::string name;   // "": none
+    std::string source; // source of the diameter of a named station; "assumed ..." when there is none better
 };
+
+enum class Bed { body, left_coronary, right_coronary };
 
 struct Vessel {
     std::string name;
-    std::vector<Station> stations;
-    double flow_ml_min = 0; // mean flow out of its end; 0: not stated
+    std::string parent; // the vessel in which it begins; "": blood enters the tree here
+    Bed bed = Bed::body;
+    std::vector<Station> stations; // at least two
+    double flow_ml_min = 0;        // mean flow out of its end; 0: not stated
 };
 
-/* A vessel tree with the entry at the introducer sheath. */
+/* A tree of vessels, with the place where a guidewire enters it from the introducer sheath. */
 struct VesselTree {
-    std::string name, title;
-    std::vector<Vessel> vessels;
-    double fillet_mm; // width over which vessels are blended at their junctions
-    Vec3 entry_position_mm, entry_direction;
-    size_t coronary_count =
-        0; // number of vessels at the end of the list that are joined more tightly than the others
+    std::string title;
+    std::string made_by;         // the words behind `anatomy` on the command line, for the scene's first line
+    std::string file;            // the user's file; "" for a tree that ships
+    bool is_in_patient = true;   // its frame is the modelled patient's; otherwise it is a phantom's own
+    std::vector<Vessel> vessels; // the aorta or another inlet first, the coronary arteries last
+    size_t coronary_count = 0;
+    double fillet_mm = 0;          // width over which vessels are blended at their junctions
+    double coronary_fillet_mm = 0; // the same where coronary arteries meet each other
+    Vec3 entry_position_mm = Vec3::Zero(), entry_direction = Vec3::Zero();
 };
 
-VesselTree aorta_tree();
-VesselTree heart_tree(); // the same with the coronary arteries
-std::vector<Vessel> coronary_arteries();
-bool is_right_coronary(const std::string &name); // for names of coronary_arteries()
-VesselTree phantom_tree();
-VesselTree access_tree(); // the phantom with a tortuous access
+/* body_vessels() returns the vessels that are no coronary arteries. */
+std::vector<Vessel> body_vessels(const VesselTree &tree);
+std::vector<Vessel> coronary_arteries(const VesselTree &tree);
 
 Curve vessel_curve(const Vessel &vessel, double step_mm);
-
-/* Sets the entry at the introducer sheath: the farthest sample, every millimetre along the second vessel,
- * that is above `y_mm`. The instrument enters against the vessel's course. */
-void put_mouth(VesselTree &tree, double y_mm);
 
 /* Returns the blood space of the whole tree, enlarged by wall_mm. */
 Solid tree_solid(const VesselTree &tree, double wall_mm);
 
-/* The blood space of vessels that are blended over `fillet_mm` where they meet. */
+/* Returns the blood space of vessels that are blended over `fillet_mm` where they meet, enlarged by wall_mm.
+ */
 Solid vessels_solid(const std::vector<Vessel> &vessels, double wall_mm, double fillet_mm);
 
 } // namespace anatomy

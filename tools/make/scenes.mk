@@ -14,7 +14,8 @@ $(DEMO_OUT) &: $(SCENE) $(DEMO) $(WIRE) $(BUILD)/bin/cournand
 	@$(BUILD)/bin/cournand run --scene $(SCENE) --instrument $(WIRE) --session $(DEMO) --record out/demo.rec \
 	    --json out/demo.json --png out/demo.png --mp4 out/demo.mp4
 
-$(ANATOMY): $(BUILD)/bin/anatomy
+VESSELS := shared/examples/anatomies
+$(ANATOMY): $(BUILD)/bin/anatomy $(VESSELS)/aorta.toml
 	@echo "Making the anatomy"
 	@$(BUILD)/bin/anatomy aorta -o $(@D)
 
@@ -22,7 +23,7 @@ $(ANATOMY): $(BUILD)/bin/anatomy
 HEART_TEXT  := $(BUILD)/anatomy/heart/scene.toml
 HEART       := out/heart.scene
 HEART_FRAME := $(BUILD)/anatomy/heart/beat/frame_00.obj
-$(HEART_TEXT) $(HEART_FRAME) &: $(BUILD)/bin/anatomy
+$(HEART_TEXT) $(HEART_FRAME) &: $(BUILD)/bin/anatomy $(VESSELS)/aorta.toml $(VESSELS)/heart.toml
 	@echo "Making the heart (1.5 minutes of one core)"
 	@$(BUILD)/bin/anatomy heart -o $(dir $(HEART_TEXT))
 $(HEART) $(HEART:.scene=.bodies) &: $(HEART_TEXT) $(BUILD)/bin/bake
@@ -97,7 +98,7 @@ PCI_OUT := $(foreach name,pci_lad pci_renal,\
 # --- phantoms: docs/thesis.md, docs/calibrate.md ---
 PHANTOM_TEXT  := $(BUILD)/anatomy/phantom/scene.toml
 PHANTOM_SCENE := out/phantom.scene
-$(PHANTOM_TEXT): $(BUILD)/bin/anatomy
+$(PHANTOM_TEXT): $(BUILD)/bin/anatomy $(VESSELS)/phantom.toml
 	@echo "Making the phantom"
 	@$(BUILD)/bin/anatomy phantom -o $(@D) --no-bodies
 $(PHANTOM_SCENE): $(PHANTOM_TEXT) $(BUILD)/bin/bake
@@ -106,7 +107,7 @@ $(PHANTOM_SCENE): $(PHANTOM_TEXT) $(BUILD)/bin/bake
 	@$(BUILD)/bin/bake $(PHANTOM_TEXT) -o $(PHANTOM_SCENE)
 ACCESS        := out/access.scene
 ACCESS_CHECKS ?= # of the baker: --points 1000 --poses 0 checks less
-$(ACCESS) $(ACCESS:.scene=.ply) &: $(BUILD)/bin/anatomy $(BUILD)/bin/bake
+$(ACCESS) $(ACCESS:.scene=.ply) &: $(BUILD)/bin/anatomy $(BUILD)/bin/bake $(VESSELS)/access.toml
 	@mkdir -p out && echo "Making and baking the silicone phantom"
 	@$(BUILD)/bin/anatomy access --quiet -o $(BUILD)/anatomy/access
 	@$(BUILD)/bin/bake $(BUILD)/anatomy/access/scene.toml -o $(ACCESS) --surface $(ACCESS:.scene=.ply) $(ACCESS_CHECKS)

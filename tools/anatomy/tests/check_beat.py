@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Compares `anatomy beat` with the beat that it borrows.
+"""Compares the result of `anatomy beat` with the beat of the shipped heart.
 
-The shipped left coronaries, 1.2 times as large, turned and shifted, must move as the shipped ones do, turned back.
+The mesh of the other heart is that of the shipped left coronary arteries, enlarged 1.2 times, turned and shifted. Its
+motion, turned back and scaled back, must be the motion of the shipped arteries.
 
-usage: check_beat.py make HEART MESH.obj ANATOMY  writes the other heart's mesh; prints its three places as arguments
+usage: check_beat.py make HEART MESH.obj ANATOMY  writes the mesh, and prints its three landmarks as arguments
        check_beat.py compare HEART FOLDER         prints the largest deviation in mm; exit code 1 above 0.02 mm
                                                   (frames are written to 0.001 mm, times the scale)
 """
@@ -18,13 +19,13 @@ SCALE, SHIFT, BODY = 1.2, (11.0, -7.0, 300.0), "coronaries_left"
 
 
 def there(point):
-    """Applies a quarter turn about z, the scale and the shift."""
+    """Returns the point of the other heart: a quarter turn about z, the scale and the shift are applied."""
     x, y, z = point
     return tuple(SCALE * a + b for a, b in zip((-y, x, z), SHIFT))
 
 
 def read_body(path):
-    """Returns vertices and faces of BODY, counted from 1."""
+    """Returns the vertices and the faces of BODY. Faces count vertices from 1."""
     vertices, faces, before, inside = [], [], 0, False
     for line in path.read_text().splitlines():
         words = line.split()

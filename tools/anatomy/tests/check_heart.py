@@ -1,12 +1,18 @@
 #!/usr/bin/env python3
-"""Measures a folder of `anatomy heart` without any of the tool's own code; prints one TAP line per claim.
+"""Measures the files of `anatomy heart` without any code of the program, and prints one TAP line per claim.
 
 usage: check_heart.py FOLDER FIRST_NUMBER
 
-Bounds: ejection fraction 55 to 65 %; base descent 10 to 16 mm; rest of the coronary arteries (no point moves more than
-1 mm) at 70 beats per minute after systole 76 +- 34 ms right and 80 +- 25 ms left, in diastole 65 +- 42 and 112 +- 42 ms
-(MR angiography of the coronary rest period, 1999 to 2001); twist 10 to 15 degrees, the base clockwise as seen from the
-apex.
+The figures must lie in these ranges:
+
+  ejection fraction                      55 to 65 %
+  descent of the base                    10 to 16 mm
+  twist                                  10 to 15 degrees; the base turns clockwise as seen from the apex
+  rest of a coronary artery after systole  right 76 +- 34 ms, left 80 +- 25 ms
+  rest of a coronary artery in diastole    right 65 +- 42 ms, left 112 +- 42 ms
+
+An artery rests while no point of it moves by more than 1 mm. Its ranges are at 70 beats per minute, from MR angiography
+of the coronary rest period, 1999 to 2001.
 """
 
 import json
@@ -21,7 +27,7 @@ APEX, BASE = (78, 69, 48), (4, 117, 2)  # ends of the left ventricle's axis, fro
 
 
 def read_obj(path, wanted):
-    """Returns vertices and triangles of the wanted objects; every vertex belongs to one object only."""
+    """Returns the vertices and the triangles of the wanted objects. No two objects share a vertex."""
     vertices, bodies, name = [], {}, None
     for line in path.read_text().splitlines():
         key, _, rest = line.partition(" ")
@@ -62,7 +68,8 @@ def across(point):
 
 
 def turn_deg(pairs):
-    """Returns the mean turn about the axis, counter-clockwise as seen from the apex."""
+    """Returns the mean angle of turn about the axis. It is positive for a turn that a viewer at the apex sees as
+    counter-clockwise."""
     sine = cosine = 0.0
     for before, after in pairs:
         a, b = across(before), across(after)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks the files of one anatomy folder without any of the tool's own code; prints one TAP line per check.
+"""Checks the files of one anatomy without any code of the program, and prints one TAP line per check.
 
 usage: check_meshes.py FOLDER STATIONS.tsv FIRST_NUMBER     (STATIONS.tsv is the output of `anatomy list`)
 """
@@ -42,7 +42,7 @@ def read_scene(path):
 
 
 def closed_fault(triangles):
-    """Checks that each directed edge occurs once, and its opposite once."""
+    """Checks that each directed edge and its opposite occur exactly once."""
     edges = Counter()
     for a, b, c in triangles:
         edges.update(((a, b), (b, c), (c, a)))
@@ -61,8 +61,8 @@ def volume_mm3(vertices, triangles):
 
 
 class Inside:
-    """Decides whether a point lies in a closed mesh: it counts crossings of a line along z; triangles are binned over
-    x and y.
+    """Decides whether a point lies in a closed mesh. It counts crossings of a line along z. Triangles are sorted into
+    square cells over x and y.
     """
 
     CELL_MM = 6.0
@@ -175,7 +175,8 @@ def nesting_faults(bodies, meshes):
 
 
 def dimension_faults(lumen, stations):
-    """Compares section areas of the lumen at the stated stations with pi d^2 / 4, within 3 %."""
+    """Checks that the area of the lumen's section at each station differs by at most 3 % from pi d^2 / 4, where d is
+    the stated diameter."""
     faults, checked = [], 0
     for line in stations.splitlines()[1:]:
         vessel, station, diameter, *numbers, _ = line.split("\t")
@@ -194,7 +195,7 @@ def dimension_faults(lumen, stations):
 
 
 def centreline_faults(folder, lumen):
-    """Checks that every control point, converted from the declared LPS, lies in the lumen and states its radius."""
+    """Checks that every control point lies in the lumen and has a radius. The points are converted from LPS first."""
     inside, faults = Inside(*lumen), []
     files = sorted(folder.glob("*.mrk.json"))
     for path in files:

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Tests the shipped anatomies: meshes, nesting, stated dimensions, same bytes twice, messages for bad command lines.
-# Bodies are made coarser than usual (--body-scale 2) to save time; the checks do not depend on it.
+# Tests the anatomies that ship: their meshes, the nesting of their bodies, the stated dimensions, that two runs give
+# the same bytes, and messages about wrong command lines. Bodies are coarser than usual (--body-scale 2) to save time.
 programs=anatomy
 . "$(dirname "$0")/../../check/tool.sh"
 

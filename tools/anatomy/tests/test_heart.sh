@@ -1,6 +1,6 @@
 #!/bin/sh
-# Tests the shipped beating heart: an independent script measures the figures on the files; folders are checked too.
-# Bodies are made coarser than usual (--body-scale 2) and without the skeleton to save time.
+# Tests the heart that beats. An independent script measures its figures on the files, and `anatomy check` is tested on
+# good and bad folders. Bodies are coarser than usual (--body-scale 2) and have no skeleton, to save time.
 programs=anatomy
 . "$(dirname "$0")/../../check/tool.sh"
 

@@ -1,5 +1,5 @@
 #!/bin/sh
-# A lesion from the command line to the report of a session: anatomy, bake, cournand.
+# Tests a lesion from the command line of `anatomy`, through `bake`, to the report of a session of `cournand`.
 programs="anatomy bake cournand"
 . "$(dirname "$0")/../../check/tool.sh"
 wire=shared/examples/instruments/bentson.toml

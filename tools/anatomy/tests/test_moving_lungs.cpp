@@ -1,6 +1,7 @@
 // Claims: the lungs that ship move with the heart without a face that turns over, also when their frames are
 // written to a micrometre as files hold them.
 #include "tools/anatomy/heart_sequence.hpp"
+#include "tools/anatomy/vessel_file.hpp"
 #include "tools/mesh/sequence.hpp"
 
 #include <cmath>
@@ -19,9 +20,10 @@ namespace
 
 void no_face_of_a_lung_turns_over(void **)
 {
-    const HeartBeat beat;
+    const VesselTree tree = shipped_vessels("heart");
+    const HeartBeat beat(tree.vessels.front());
     crn::mesh::Sequence sequence;
-    for (const Body &body : heart_patient_bodies({})) {
+    for (const Body &body : patient_bodies(tree, {})) {
         if (body.name != "lung_left" && body.name != "lung_right") continue;
         const Mesh mesh = mesh_of(body.request);
         assert_string_equal(closed_mesh_fault(mesh).c_str(), "");

@@ -1,0 +1,184 @@
+/* Joins the vessels of one or more files to a tree, and checks that they fit together. */
+#include "host/base/number_text.hpp"
+#include "host/base/text.hpp"
+#include "tools/anatomy/output.hpp"
+#include "tools/anatomy/vessel_draft.hpp"
+#include <algorithm>
+
+namespace anatomy
+{
+
+namespace
+{
+
+constexpr size_t VESSELS_MAX = 200;
+
+[[noreturn]] void fail(const FilePlace &place, const std::string &vessel, const std::string &text)
+{
+    throw crn::FileError(place.file, place.line, 0, "vessel '" + vessel + "': " + text);
+}
+
+std::string rounded(double value)
+{
+    return crn::decimals_text(value, 1);
+}
+
+/* Returns the index of the vessel with this name, or the list's size when there is none. Two names are the
+ * same if their files would have the same name. */
+size_t index_of(const std::vector<GivenVessel> &vessels, const std::string &name)
+{
+    size_t i = 0;
+    while (i < vessels.size() && file_stem(vessels[i].vessel.name) != file_stem(name)) i++;
+    return i;
+}
+
+std::vector<std::string> names_of(const std::vector<GivenVessel> &vessels, size_t count)
+{
+    std::vector<std::string> names;
+    for (size_t i = 0; i < count; i++) names.push_back(vessels[i].vessel.name);
+    return names;
+}
+
+/* Returns the index at which the new vessel belongs. */
+size_t place_in(const TreeDraft &draft, const GivenVessel &given)
+{
+    const std::string &name = given.vessel.name;
+    const size_t same = index_of(draft.vessels, name);
+    if (given.replaces) {
+        if (same == draft.vessels.size())
+            fail(given.place, name,
+                 "replaces no vessel" + crn::suggestion(name, names_of(draft.vessels, draft.vessels.size())));
+        if (draft.vessels[same].place.file == given.place.file)
+            fail(given.place, name, "replaces a vessel of the same file: leave one of them out");
+        if (draft.vessels[same].is_coronary != given.is_coronary)
+            fail(given.place, name, "a [[vessel]] replaces a [[vessel]], and a [[coronary]] a [[coronary]]");
+        return same;
+    }
+    if (same < draft.vessels.size()) {
+        const FilePlace &other = draft.vessels[same].place;
+        fail(given.place, name,
+             "there is a vessel of this name already, " + other.file + ":" + std::to_string(other.line) +
+                 (other.file == given.place.file ? "" : "; to replace it, write replaces = true"));
+    }
+    if (draft.vessels.size() >= VESSELS_MAX)
+        fail(given.place, name, "there are over " + std::to_string(VESSELS_MAX) + " vessels");
+    if (given.is_coronary) return draft.vessels.size();
+    size_t first_coronary = 0;
+    while (first_coronary < draft.vessels.size() && !draft.vessels[first_coronary].is_coronary)
+        first_coronary++;
+    return first_coronary;
+}
+
+void check_parent(const TreeDraft &draft, const GivenVessel &given, size_t at)
+{
+    const std::string &name = given.vessel.name, &parent = given.vessel.parent;
+    if (at == 0) {
+        if (given.is_coronary)
+            fail(given.place, name, "coronary arteries need an aorta: [[vessel]] before them");
+        if (!parent.empty())
+            fail(given.place, name, "is the first vessel, where blood enters, and has no 'parent'");
+        return;
+    }
+    if (parent.empty())
+        fail(given.place, name,
+             "'parent' is missing: the vessel in which it begins; only the first vessel has none");
+    const std::vector<std::string> before = names_of(draft.vessels, at);
+    if (std::find(before.begin(), before.end(), parent) == before.end())
+        fail(given.place, name,
+             "'parent': there is no vessel '" + parent + "' before this one" +
+                 crn::suggestion(parent, before));
+}
+
+/* A coronary artery that leaves the aorta states its side; the others are on the side of their parent. */
+void set_bed(const TreeDraft &draft, GivenVessel &given)
+{
+    if (!given.is_coronary) return;
+    const GivenVessel &parent = draft.vessels[index_of(draft.vessels, given.vessel.parent)];
+    if (parent.is_coronary && given.has_side)
+        fail(given.place, given.vessel.name,
+             "'side' belongs to coronary arteries that leave the aorta; this one is on the side of its "
+             "parent");
+    if (!parent.is_coronary && !given.has_side)
+        fail(given.place, given.vessel.name, "'side' is missing: side = \"left\" or \"right\"");
+    if (parent.is_coronary) given.vessel.bed = parent.vessel.bed;
+}
+
+/* A vessel begins inside its parent. Its first station may be outside by up to a quarter of its own
+ * diameter, because both lumens then still overlap. */
+void check_begins_in_parent(const TreeDraft &draft, const GivenVessel &given, const std::string &file)
+{
+    if (given.vessel.parent.empty()) return;
+    const GivenVessel &parent = draft.vessels[index_of(draft.vessels, given.vessel.parent)];
+    const Station &start = given.vessel.stations.front();
+    double outside_mm = 1e9;
+    for (const CurvePoint &point : vessel_curve(parent.vessel, 1.0))
+        outside_mm = std::min(outside_mm, (point.position_mm - start.position_mm).norm() - point.radius_mm);
+    const double reach_mm = 0.25 * start.diameter_mm;
+    if (outside_mm <= reach_mm) return;
+    const bool is_own = given.place.file == file || parent.place.file != file;
+    fail(is_own ? given.place : parent.place, given.vessel.name,
+         "begins " + rounded(outside_mm) + " mm outside of its parent '" + parent.vessel.name +
+             "': its first station must lie inside");
+}
+
+void set_entry(const GivenEntry &entry, VesselTree &tree)
+{
+    const std::vector<Vessel> vessels = body_vessels(tree);
+    std::vector<std::string> names;
+    for (const Vessel &vessel : vessels) names.push_back(vessel.name);
+    const auto found = std::find(names.begin(), names.end(), entry.vessel);
+    const auto fail_entry = [&](const std::string &text) {
+        throw crn::FileError(entry.place.file, entry.place.line, 0, "entry: " + text);
+    };
+    if (found == names.end())
+        fail_entry("there is no vessel '" + entry.vessel + "'" + crn::suggestion(entry.vessel, names));
+    const Curve curve = vessel_curve(vessels[static_cast<size_t>(found - names.begin())], 1.0);
+    size_t at = 0;
+    for (size_t i = 0; i < curve.size(); i++)
+        if (entry.y_mm ? curve[i].position_mm.y() > *entry.y_mm
+                       : curve[i].arc_mm <= curve.back().arc_mm - entry.from_end_mm)
+            at = i;
+    if (at == 0 || at + 1 == curve.size())
+        fail_entry("'" + entry.vessel + "' does not pass this place: it is " + rounded(curve.back().arc_mm) +
+                   " mm long and goes from y = " + rounded(curve.front().position_mm.y()) +
+                   " to y = " + rounded(curve.back().position_mm.y()));
+    tree.entry_position_mm = curve[at].position_mm;
+    tree.entry_direction = -curve_tangent(curve, at);
+}
+
+} // namespace
+
+void add_vessel(TreeDraft &draft, GivenVessel given)
+{
+    const size_t at = place_in(draft, given);
+    check_parent(draft, given, at);
+    set_bed(draft, given);
+    if (given.replaces)
+        draft.vessels[at] = std::move(given);
+    else
+        draft.vessels.insert(draft.vessels.begin() + static_cast<std::ptrdiff_t>(at), std::move(given));
+}
+
+VesselTree tree_of(const TreeDraft &draft, const std::string &file)
+{
+    VesselTree tree;
+    tree.title = draft.title;
+    tree.is_in_patient = draft.is_in_patient;
+    tree.fillet_mm = draft.fillet_mm;
+    tree.coronary_fillet_mm = draft.coronary_fillet_mm.value_or(0.0);
+    for (const GivenVessel &given : draft.vessels) {
+        check_begins_in_parent(draft, given, file);
+        tree.vessels.push_back(given.vessel);
+        tree.coronary_count += given.is_coronary ? 1 : 0;
+    }
+    if (tree.vessels.empty()) throw crn::FileError(file, 0, 0, "has no vessel: write [[vessel]]");
+    if (!draft.entry) throw crn::FileError(file, 0, 0, "'entry' is missing: [entry]");
+    if ((tree.coronary_count > 0) != draft.coronary_fillet_mm.has_value())
+        throw crn::FileError(file, 0, 0,
+                             tree.coronary_count > 0 ? "'coronary_fillet_mm' is missing"
+                                                     : "'coronary_fillet_mm' without a [[coronary]]");
+    set_entry(*draft.entry, tree);
+    return tree;
+}
+
+} // namespace anatomy
