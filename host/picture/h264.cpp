@@ -1,8 +1,8 @@
 #include "host/picture/h264.hpp"
 #include <algorithm>
-#include <cstdio>
 #include <cstring>
 #include <stdexcept>
+#include <string_view>
 #include <wels/codec_api.h>
 
 namespace crn
@@ -158,7 +158,8 @@ void H264Encoder::keep_message(void *self, int, const char *text)
     H264Encoder &encoder = *static_cast<H264Encoder *>(self);
     if (encoder.said_[0]) return; // the first error is the cause of the others
     const char *error = std::strstr(text, "Error:");
-    std::snprintf(encoder.said_, sizeof encoder.said_, "%s", error ? error + std::strlen("Error:") : text);
+    const std::string_view message = error ? error + std::strlen("Error:") : text;
+    encoder.said_[message.copy(encoder.said_, sizeof encoder.said_ - 1)] = '\0';
 }
 
 void H264Encoder::start()
