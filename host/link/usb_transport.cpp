@@ -265,16 +265,16 @@ void UsbTransport::throw_failure() const
 bool UsbTransport::wait(std::unique_lock<std::mutex> &hold, std::chrono::milliseconds limit,
                         const std::function<bool()> &is_done)
 {
-    using Clock = std::chrono::steady_clock;
+    using Steady = std::chrono::steady_clock;
     constexpr auto slice = std::chrono::milliseconds(50);
-    Clock::time_point end = Clock::now() + limit;
+    Steady::time_point end = Steady::now() + limit;
     bool was_interrupted = false;
     while (!is_done()) {
-        if (Clock::now() >= end) return false;
-        changed_.wait_until(hold, std::min(end, Clock::now() + slice));
+        if (Steady::now() >= end) return false;
+        changed_.wait_until(hold, std::min(end, Steady::now() + slice));
         if (was_interrupted || !is_interrupted()) continue;
         was_interrupted = true;
-        end = std::min(end, Clock::now() + std::chrono::milliseconds(after_interrupt_ms));
+        end = std::min(end, Steady::now() + std::chrono::milliseconds(after_interrupt_ms));
     }
     return true;
 }
