@@ -20,7 +20,7 @@ namespace hil
 namespace
 {
 
-constexpr const char *tool = "shared/examples/instruments/j_wire.toml";
+constexpr const char *wire_file = "shared/examples/instruments/j_wire.toml";
 
 std::vector<std::string> arguments(const std::string &name, const std::string &folder)
 {
@@ -29,7 +29,7 @@ std::vector<std::string> arguments(const std::string &name, const std::string &f
     if (name == "rig selftest") return {"cournand", "rig", "selftest", "--device", "usb"};
     std::vector<std::string> run = {
         "cournand",        "run",    "--device", "usb",      "--scene",
-        folder + "/scene", "--tool", tool,       "--record", folder + "/lied.rec"};
+        folder + "/scene", "--tool", wire_file,  "--record", folder + "/lied.rec"};
     if (name == "run --record") run.insert(run.end(), {"--session", folder + "/lied.session"});
     if (name == "run --free-run") run.insert(run.end(), {"--free-run", "0.4"});
     return run;

@@ -188,11 +188,11 @@ std::vector<Lie> hid_lies()
     return all_of({&hid_kinds});
 }
 
-std::vector<Lie> spread_lies(const std::vector<Lie> &lies, std::size_t count)
+std::vector<Lie> spread_lies(const std::vector<Lie> &all, std::size_t count)
 {
     std::vector<Lie> chosen;
-    const std::size_t wanted = std::min(count, lies.size());
-    for (std::size_t i = 0; i < wanted; i++) chosen.push_back(lies[i * lies.size() / wanted]);
+    const std::size_t wanted = std::min(count, all.size());
+    for (std::size_t i = 0; i < wanted; i++) chosen.push_back(all[i * all.size() / wanted]);
     return chosen;
 }
 

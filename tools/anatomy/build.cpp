@@ -29,13 +29,6 @@ double unevenness(const Vec3 &p, double wavelength_mm)
            std::sin(q.z() + 0.5 * q.x() + 2.1);
 }
 
-LocalDistance local(const Solid &solid)
-{
-    return [solid](const Box &box, double reach_mm) -> Distance {
-        return [near = solid.near(box, reach_mm)](const Vec3 &p) { return near.distance(p); };
-    };
-}
-
 // --- bones ---
 
 struct BoneGroup {
@@ -92,7 +85,7 @@ MeshRequest lumen_request(const VesselTree &tree, const Fineness &fineness)
     const Solid lumen = tree_solid(tree, 0.0);
     const double voxel_mm = tree.coronary_count > 0 ? std::min(fineness.lumen_voxel_mm, CORONARY_VOXEL_MM)
                                                     : fineness.lumen_voxel_mm;
-    return {grown(lumen.bounds, 2.0), local(lumen), voxel_mm, 0.03};
+    return {grown(lumen.bounds, 2.0), local_distance(lumen), voxel_mm, 0.03};
 }
 
 std::vector<Body> patient_bodies(const VesselTree &tree, const Fineness &fineness)
@@ -133,12 +126,13 @@ std::vector<Body> phantom_bodies(const VesselTree &tree, const Fineness &finenes
         return offset.cwiseMax(0.0).norm() + std::min(0.0, offset.maxCoeff()) - ROUND_MM;
     };
     const double scale = fineness.body_scale;
-    return {{"tank",
-             "soft",
-             "",
-             {grown(outer, 4.0), [tank](const Box &, double) { return tank; }, 4.0 * scale, ERROR_MM}},
-            {"wall", "silicone", "tank", {grown(wall.bounds, 2.0), local(wall), 1.2 * scale, ERROR_MM}},
-            {"fluid", "blood", "wall", {grown(lumen.bounds, 2.0), local(lumen), 1.2 * scale, ERROR_MM}}};
+    return {
+        {"tank",
+         "soft",
+         "",
+         {grown(outer, 4.0), [tank](const Box &, double) { return tank; }, 4.0 * scale, ERROR_MM}},
+        {"wall", "silicone", "tank", {grown(wall.bounds, 2.0), local_distance(wall), 1.2 * scale, ERROR_MM}},
+        {"fluid", "blood", "wall", {grown(lumen.bounds, 2.0), local_distance(lumen), 1.2 * scale, ERROR_MM}}};
 }
 
 } // namespace anatomy

@@ -120,6 +120,13 @@ Mesh surface_of(const crn::mesh::LevelSet &level, const MeshRequest &request)
 
 } // namespace
 
+LocalDistance local_distance(const Solid &solid)
+{
+    return [solid](const Box &box, double reach_mm) -> Distance {
+        return [near = solid.near(box, reach_mm)](const Vec3 &p) { return near.distance(p); };
+    };
+}
+
 Mesh mesh_of(const MeshRequest &request)
 {
     // A saddle of the surface exactly at a grid point can give an edge with four triangles. A tiny offset

@@ -20,6 +20,7 @@ struct Mesh {
  * Only few shapes of a body matter near one place. They are found once per block, which makes meshing many
  * times faster. */
 using LocalDistance = std::function<Distance(const Box &box, double reach_mm)>;
+LocalDistance local_distance(const Solid &solid);
 
 /* A solid, and how fine its mesh is. Simplification may move the surface by error_mm; 0 means no
  * simplification. Edges shorter than shortest_mm are collapsed. */

@@ -11,11 +11,11 @@ namespace
 {
 
 /* The half-width, front and back of the chest cavity at several heights, in millimetres. */
-struct Level {
+struct ChestLevel {
     double y, half_width, front, back;
 };
 
-const Level CAVITY[] = {
+const ChestLevel CAVITY[] = {
     {-60, 116, 0, -86},  {-20, 126, 24, -93},  {0, 129, 36, -96},    {40, 130, 54, -101},
     {80, 129, 64, -104}, {120, 125, 66, -105}, {160, 116, 60, -104}, {200, 101, 46, -100},
     {225, 88, 33, -96},  {250, 67, 16, -88},   {270, 48, 2, -78},    {286, 30, -14, -66},
@@ -26,16 +26,16 @@ constexpr double APEX_MM = 291.0;
 
 double cavity_distance(const Vec3 &p)
 {
-    static const auto spline = [](double Level::*field) {
+    static const auto spline = [](double ChestLevel::*field) {
         std::vector<double> y, value;
-        for (const Level &level : CAVITY) {
+        for (const ChestLevel &level : CAVITY) {
             y.push_back(level.y);
             value.push_back(level.*field);
         }
         return Spline(y, value);
     };
-    static const Spline width = spline(&Level::half_width), front = spline(&Level::front),
-                        back = spline(&Level::back);
+    static const Spline width = spline(&ChestLevel::half_width), front = spline(&ChestLevel::front),
+                        back = spline(&ChestLevel::back);
     const double a = width.at(p.y()), z_front = front.at(p.y()), z_back = back.at(p.y());
     const double b = 0.5 * (z_front - z_back);
     const double outline = ellipsoid_distance({p.x(), 0.0, p.z() - 0.5 * (z_front + z_back)}, {a, 1e3, b});

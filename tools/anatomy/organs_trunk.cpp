@@ -10,11 +10,11 @@ namespace
 {
 
 /* The half-width, front and back of the trunk at several heights, in millimetres. */
-struct Level {
+struct TrunkLevel {
     double y, half_width, front, back;
 };
 
-const Level TRUNK[] = {
+const TrunkLevel TRUNK[] = {
     {-470, 168, 78, -108},  {-400, 174, 88, -112},  {-340, 180, 96, -122},  {-290, 178, 100, -126},
     {-240, 170, 106, -116}, {-180, 158, 110, -108}, {-120, 150, 110, -107}, {-60, 152, 108, -114},
     {0, 158, 106, -123},    {60, 164, 108, -131},   {120, 170, 110, -136},  {170, 174, 106, -138},
@@ -24,16 +24,16 @@ const Level TRUNK[] = {
 
 double trunk_distance(const Vec3 &p)
 {
-    static const auto spline = [](double Level::*field) {
+    static const auto spline = [](double TrunkLevel::*field) {
         std::vector<double> y, value;
-        for (const Level &level : TRUNK) {
+        for (const TrunkLevel &level : TRUNK) {
             y.push_back(level.y);
             value.push_back(level.*field);
         }
         return Spline(y, value);
     };
-    static const Spline width = spline(&Level::half_width), front = spline(&Level::front),
-                        back = spline(&Level::back);
+    static const Spline width = spline(&TrunkLevel::half_width), front = spline(&TrunkLevel::front),
+                        back = spline(&TrunkLevel::back);
     const double a = width.at(p.y()), z_front = front.at(p.y()), z_back = back.at(p.y());
     const double b = 0.5 * (z_front - z_back), z = p.z() - 0.5 * (z_front + z_back);
     // The section is a superellipse, because a trunk is squarer than an ellipse.
@@ -51,7 +51,7 @@ double trunk_distance(const Vec3 &p)
 
 Solid skin()
 {
-    constexpr double BOTTOM_MM = -430.0, TOP_MM = 352.0, RIM_MM = 6.0, SHOULDER_BLEND_MM = 45.0;
+    constexpr double BOTTOM_MM = -430.0, SKIN_TOP_MM = 352.0, RIM_MM = 6.0, SHOULDER_BLEND_MM = 45.0;
     Part shoulders(30.0);
     for (double s : {-1.0, 1.0}) {
         shoulders.add<Ellipsoid>(side(s, 150, 232, -55), Vec3(60, 56, 58));
@@ -59,7 +59,7 @@ Solid skin()
     }
     Box where;
     where.include(Vec3(-290, BOTTOM_MM, -160), 0.0);
-    where.include(Vec3(290, TOP_MM, 130), 0.0);
+    where.include(Vec3(290, SKIN_TOP_MM, 130), 0.0);
     Part part(0.0);
     part.add<Formula>(
         [shoulders](const Vec3 &p) {
@@ -67,7 +67,7 @@ Solid skin()
             // This cuts out the gap between the thighs.
             const double gap = std::hypot(p.x() * 1.6, std::max(0.0, p.y() + 400.0)) - 26.0;
             inside = smooth_max(inside, -gap, 20.0);
-            return smooth_max(inside, std::max(BOTTOM_MM - p.y(), p.y() - TOP_MM), RIM_MM);
+            return smooth_max(inside, std::max(BOTTOM_MM - p.y(), p.y() - SKIN_TOP_MM), RIM_MM);
         },
         where);
     Solid solid;

@@ -126,17 +126,10 @@ LocalDistance clear_of(const LocalDistance &shape, const Solid &other, double cl
     };
 }
 
-LocalDistance local(const Solid &solid)
-{
-    return [=](const Box &box, double reach_mm) -> Distance {
-        return [near = solid.near(box, reach_mm)](const Vec3 &p) { return near.distance(p); };
-    };
-}
-
 LocalDistance clear_of_bones(const Solid &solid, const Solid &bones)
 {
     constexpr double CLEAR_MM = 2.0;
-    return clear_of(local(solid), bones, CLEAR_MM);
+    return clear_of(local_distance(solid), bones, CLEAR_MM);
 }
 
 /* Adds muscle within the heart's outline, and the blood of its four chambers inside. */
@@ -197,13 +190,13 @@ void add_heart_vessels(std::vector<Body> &bodies, const HeartVessels &vessels, d
     bodies.push_back({"aortic_root",
                       "blood",
                       "flesh",
-                      {grown(vessels.root.bounds, 2.0), local(vessels.root), 1.5 * scale, 0.1}});
+                      {grown(vessels.root.bounds, 2.0), local_distance(vessels.root), 1.5 * scale, 0.1}});
     for (const auto &[name, solid] :
          {std::pair{"coronaries_left", vessels.left}, {"coronaries_right", vessels.right}})
         bodies.push_back({name,
                           "blood",
                           "flesh",
-                          {grown(solid.bounds, 2.0), clear_of(local(solid), vessels.root, APART_MM),
+                          {grown(solid.bounds, 2.0), clear_of(local_distance(solid), vessels.root, APART_MM),
                            tight_mm(0.5, scale), CORONARY_ERROR_MM}});
 }
 

@@ -20,7 +20,7 @@ namespace
 
 constexpr int filter_reach = 6; // taps of the prefilter on each side; the next tap would weigh 4e-6
 constexpr int block = 10 + 2 * filter_reach;
-constexpr float band_voxels = 9;               // int8 holds 4 of them; the rest is the reach of the prefilter
+constexpr float field_band_voxels = 9;         // int8 holds 4 of them; the rest is the reach of the prefilter
 constexpr float exact_voxels = 7;              // samples farther away weigh less than 0.005 in the prefilter
 constexpr double coefficient_max = 127.0 / 32; // voxels
 constexpr std::uint32_t bricks_max = static_cast<std::uint32_t>(CRN_SCENE_BYTES_MAX) / 1000;
@@ -45,7 +45,7 @@ struct Brick {
 mesh::LevelSet distances(const Mesh &mesh, int level, Progress &progress)
 {
     progress.stage("distances at " + std::to_string(voxel_mm(level)) + " mm", 0);
-    mesh::LevelSet grid = level_set(mesh, voxel_mm(level), 0.5, band_voxels, band_voxels);
+    mesh::LevelSet grid = level_set(mesh, voxel_mm(level), 0.5, field_band_voxels, field_band_voxels);
     progress.step(0);
     progress.finish();
     return grid;

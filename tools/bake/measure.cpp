@@ -65,12 +65,6 @@ class SurfacePoints
     std::vector<double> area_until_;
 };
 
-double contact_mm(const crn_lumen *lumen, const Eigen::Vector3d &p)
-{
-    const crn_vec3 q = to_q30(p);
-    return crn_lumen_contact(lumen, &q).distance_m_q30 * mm_per_q30;
-}
-
 // --- libccd: the capsule and a triangle as support functions, in mm relative to the capsule's centre ---
 struct CcdCapsule {
     Eigen::Vector3d half_axis;
@@ -202,6 +196,12 @@ double ball_radius(const TriangleTree &tree, const Eigen::Vector3d &p, const Eig
 }
 
 } // namespace
+
+double contact_mm(const crn_lumen *lumen, const Eigen::Vector3d &p)
+{
+    const crn_vec3 q = to_q30(p);
+    return crn_lumen_contact(lumen, &q).distance_m_q30 * mm_per_q30;
+}
 
 FieldError measure_field(const crn_lumen *lumen, const TriangleTree &tree, std::size_t points,
                          std::uint64_t seed, Progress &progress)

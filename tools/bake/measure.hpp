@@ -24,6 +24,9 @@ struct FieldError {
     Worst largest;
 };
 
+// Returns the distance by which a point is outside the core's lumen, and below 0 inside.
+double contact_mm(const crn_lumen *lumen, const Eigen::Vector3d &p_mm);
+
 // Compares the core's distance with the exact signed distance at random points within error_band_mm of the
 // wall.
 FieldError measure_field(const crn_lumen *lumen, const TriangleTree &tree, std::size_t points,

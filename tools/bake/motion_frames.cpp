@@ -2,6 +2,7 @@
 // a fitted lattice against the sequence.
 #include "host/base/format.hpp"
 #include "tools/bake/fault.hpp"
+#include "tools/bake/measure.hpp"
 #include "tools/bake/motion.hpp"
 
 #include <algorithm>
@@ -61,12 +62,6 @@ void check_jumps(const Sequence &frames, const std::vector<std::filesystem::path
                         ": check the order of the frames and that the last goes on to the first");
         }
     }
-}
-
-double contact_mm(const crn_lumen *lumen, const Eigen::Vector3d &p_mm)
-{
-    const crn_vec3 q = to_q30(p_mm);
-    return crn_lumen_contact(lumen, &q).distance_m_q30 * mm_per_q30;
 }
 
 // Returns the radius of the reference lumen at a point of its wall, which is the greatest depth along the

@@ -15,7 +15,7 @@ namespace
 {
 
 using mesh::block_edge;
-constexpr double band_voxels = 3.0;
+constexpr double surface_band_voxels = 3.0;
 constexpr std::size_t blocks_max = 2'000'000; // about 1 billion voxels are examined
 
 using centreline::Sphere;
@@ -44,7 +44,7 @@ using Blocks = std::map<BlockKey, std::vector<std::uint32_t>>;
 Blocks blocks_of(const std::vector<Capsule> &capsules, double voxel_mm)
 {
     Blocks blocks;
-    const double edge = block_edge * voxel_mm, band = band_voxels * voxel_mm;
+    const double edge = block_edge * voxel_mm, band = surface_band_voxels * voxel_mm;
     for (std::uint32_t i = 0; i < capsules.size(); ++i) {
         const Capsule &c = capsules[i];
         const double reach = std::max(c.a.radius_mm, c.b.radius_mm) + band;
@@ -68,7 +68,7 @@ bool fill_block(const BlockKey &key, const std::vector<Capsule> &capsules,
 {
     const Eigen::Vector3d corner = Eigen::Vector3d(key[0], key[1], key[2]) * (block_edge * voxel_mm);
     const Eigen::Vector3d centre = corner.array() + block_edge * voxel_mm / 2;
-    const double half = block_edge * voxel_mm * std::sqrt(3.0) / 2, band = band_voxels * voxel_mm;
+    const double half = block_edge * voxel_mm * std::sqrt(3.0) / 2, band = surface_band_voxels * voxel_mm;
     double nearest = INFINITY;
     std::vector<double> at_centre;
     for (std::uint32_t i : candidates) {
@@ -96,7 +96,7 @@ Mesh surface_of(const std::vector<Curve> &lines, double voxel_mm, Progress &prog
 {
     const std::vector<Capsule> capsules = capsules_of(lines);
     const Blocks blocks = blocks_of(capsules, voxel_mm);
-    mesh::LevelSet level(voxel_mm, band_voxels * voxel_mm);
+    mesh::LevelSet level(voxel_mm, surface_band_voxels * voxel_mm);
     progress.stage("making the surface of the centrelines", blocks.size());
     std::size_t done = 0;
     mesh::Block distances;

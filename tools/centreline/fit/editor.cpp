@@ -22,7 +22,7 @@ namespace crn::centreline
 namespace
 {
 
-constexpr int edge = 768;
+constexpr int window_edge = 768;
 constexpr double near_px = 9, turn_deg_per_px = 0.4;
 constexpr Ink text_ink{20, 24, 34}, notice_ink{170, 30, 20};
 const char *const help[] = {
@@ -36,7 +36,8 @@ class Editor
   public:
     Editor(const Lumen &lumen, Project &project, const EditorWish &wish, bake::Progress &progress)
         : lumen_(lumen), project_(project), wish_(wish), progress_(progress),
-          screen_("Cournand centreline", edge), view_(view_of(lumen.wall(), 0, 0, edge, edge))
+          screen_("Cournand centreline", window_edge),
+          view_(view_of(lumen.wall(), 0, 0, window_edge, window_edge))
     {
         screen_.on_key([this](const Screen::KeyEvent &event) {
             if (event.is_press || event.is_repeat) take_key(event.key);
@@ -131,10 +132,10 @@ class Editor
             return turn(0, -5);
         case GLFW_KEY_EQUAL:
         case GLFW_KEY_KP_ADD:
-            return zoom(1.15, edge / 2.0, edge / 2.0);
+            return zoom(1.15, window_edge / 2.0, window_edge / 2.0);
         case GLFW_KEY_MINUS:
         case GLFW_KEY_KP_SUBTRACT:
-            return zoom(1 / 1.15, edge / 2.0, edge / 2.0);
+            return zoom(1 / 1.15, window_edge / 2.0, window_edge / 2.0);
         case GLFW_KEY_ESCAPE:
             wants_end_ = true;
             return;
@@ -333,8 +334,9 @@ class Editor
         lines.clear();
         for (std::size_t at = 0; at < notice_.size() && lines.size() < 4; at += 62)
             lines.push_back(notice_.substr(at, 62));
-        panel(sheet, edge - 74 - 20 * static_cast<int>(lines.size()), lines, is_bad_ ? notice_ink : text_ink);
-        sheet.text(edge - 10 - Sheet::text_width(state, 2), edge - 24, state, 2, text_ink);
+        panel(sheet, window_edge - 74 - 20 * static_cast<int>(lines.size()), lines,
+              is_bad_ ? notice_ink : text_ink);
+        sheet.text(window_edge - 10 - Sheet::text_width(state, 2), window_edge - 24, state, 2, text_ink);
         screen_.show(sheet.image());
         is_dirty_ = false;
     }

@@ -179,8 +179,8 @@ void draw_wires(Sheet &sheet, const View &view, const bake::Mesh &mesh)
     std::stable_sort(edges.begin(), edges.end(),
                      [](const Edge &a, const Edge &b) { return a.depth_mm < b.depth_mm; });
     for (const Edge &edge : edges) {
-        const double near = (edge.depth_mm - farthest_mm) / std::max(nearest_mm - farthest_mm, 1e-9);
-        const auto grey = static_cast<std::uint8_t>(215 - 185 * near);
+        const double share = (edge.depth_mm - farthest_mm) / std::max(nearest_mm - farthest_mm, 1e-9);
+        const auto grey = static_cast<std::uint8_t>(215 - 185 * share);
         draw_line(sheet, view.place(mesh.vertices_mm[edge.from]), view.place(mesh.vertices_mm[edge.to]), 1.0,
                   {grey, grey, grey});
     }
