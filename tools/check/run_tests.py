@@ -25,7 +25,7 @@ import run_fuzz
 
 TIME_LIMIT_S = 600
 OUTPUT_LINES = 60
-FUZZ_SECONDS = 5
+FUZZ_SECONDS = 3
 
 PLAN = re.compile(r"^1\.\.(\d+)\s*(#.*)?$")
 RESULT = re.compile(r"^(not ok|ok)\b(?:\s+(\d+))?\s*(.*)$")

@@ -86,14 +86,24 @@ class Sessions:
         return self.call("cournand", "run", "--quiet", *words, "--session", script)
 
     def session(self, name, scene, tools, stent=None):
-        """Tests that the session names the end of its course and reaches it, and that without its turns it fails with
-        the expected name."""
+        """Tests that the session reaches its end, and only with its turns."""
+        self.reaches(name, scene, tools, stent)
+        self.misses(name, scene, tools, stent)
+
+    def reaches(self, name, scene, tools, stent=None):
+        """Tests that the session names the end of its course and reaches it."""
         path = f"shared/examples/{name}.session"
         with open(path, encoding="utf-8") as file:
             text = file.read()
         code, said = self.run(path, scene, tools, stent)
         short = name.split("/")[1]
         self.result(code == 0 and EXPECTS.search(text) is not None, f"{short}_reaches_the_end_that_it_states", said)
+
+    def misses(self, name, scene, tools, stent=None):
+        """Tests that the session fails with the expected name if it has no turns."""
+        with open(f"shared/examples/{name}.session", encoding="utf-8") as file:
+            text = file.read()
+        short = name.split("/")[1]
         stripped = without_turns(text)
         if stripped == text.rstrip("\n") + "\n":
             return  # only pushes
@@ -130,3 +140,16 @@ class Sessions:
         """Prints the plan and returns the exit code."""
         print(f"1..{self.number}")
         sys.exit(1 if self.failed else 0)
+
+
+def heart(run, test):
+    """Calls `test`, which is run.reaches or run.misses, for every session of the heart."""
+    scene = run.scene("heart")
+    test("sessions/coronary", scene, ["j_wire", "guide_jl3_6f"])
+    test("sessions/coronary_right", scene, ["j_wire", "guide_ntr_6f"])
+    test(
+        "sessions/pci_lad",
+        run.scene("heart", "lad_middle"),
+        ["coronary_014", "balloon_3x20", "guide_jl3_6f"],
+        "coronary_3_0x18",
+    )

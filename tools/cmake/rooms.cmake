@@ -214,7 +214,7 @@ function(crn_fuzz source)
         crn_packages(${target}${kind} PRIVATE ${FUZZ_PACKAGES})
         add_dependencies(crn_fuzzers ${target}${kind})
     endforeach()
-    add_test(NAME fuzz/${name} COMMAND $<TARGET_FILE:${target}> -max_total_time=5
+    add_test(NAME fuzz/${name} COMMAND $<TARGET_FILE:${target}> -max_total_time=3
         WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
     set_tests_properties(fuzz/${name} PROPERTIES LABELS "product;fuzz")
 endfunction()

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Tests the shipped sessions of the beating heart: each reaches the end that its script states, and without its turns
-it does not reach this end. Medium flows without pictures.
+"""Tests the shipped sessions of the beating heart: each reaches the end that its script states. Medium flows without
+pictures. test_heart_turns.py tests that the turns are needed.
 
 The scene is that of `make coronary`, without the bodies that only pictures need; the scene of the angioplasty also has
 its lesion.
@@ -14,13 +14,5 @@ import sessions  # noqa: E402
 
 if __name__ == "__main__":
     with sessions.Sessions() as run:
-        scene = run.scene("heart")
-        run.session("sessions/coronary", scene, ["j_wire", "guide_jl3_6f"])
-        run.session("sessions/coronary_right", scene, ["j_wire", "guide_ntr_6f"])
-        run.session(
-            "sessions/pci_lad",
-            run.scene("heart", "lad_middle"),
-            ["coronary_014", "balloon_3x20", "guide_jl3_6f"],
-            "coronary_3_0x18",
-        )
+        sessions.heart(run, run.reaches)
         run.end()
