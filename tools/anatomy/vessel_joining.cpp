@@ -2,7 +2,7 @@
 #include "host/base/number_text.hpp"
 #include "host/base/text.hpp"
 #include "tools/anatomy/output.hpp"
-#include "tools/anatomy/vessel_draft.hpp"
+#include "tools/anatomy/vessel_file.hpp"
 #include <algorithm>
 
 namespace anatomy
