@@ -97,10 +97,10 @@ echo 'format = 1
 [[point]]
 kind = "begin"
 position_mm = [0, 0, 0]' >"$work/bad.toml"
-refuse "a point of unknown kind is refused with its line" 1 "bad.toml:2: kind is 'begin'" fit "$tube" \
+refuse "a point of unknown kind is refused with its line" 1 "bad.toml:3:8: point 1: 'kind' is 'begin'" fit "$tube" \
     --points "$work/bad.toml" -o "$work/no.csv"
 sed 's/\[0, 29, 0.3\]/[0, 29]/' "$points" >"$work/bad.toml"
-refuse "a position of two numbers is refused with its line" 1 "bad.toml:9: position_mm" fit "$tube" \
+refuse "a position of two numbers is refused with its line" 1 "bad.toml:9:15: point 2: 'position_mm'" fit "$tube" \
     --points "$work/bad.toml" -o "$work/no.csv"
 sed 's/29, 0.3/290, 0.3/' "$points" >"$work/bad.toml"
 refuse "a point outside the vessel is refused by name" 1 "end point 'tube' at \(0.0, 290.0, 0.3\) mm" fit "$tube" \
