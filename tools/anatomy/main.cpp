@@ -188,7 +188,9 @@ int make_heart(const Options &options)
 {
     const VesselTree tree = vessels_for("heart", options);
     std::vector<Body> bodies = patient_bodies(tree, options.fineness);
-    if (options.heart_only) std::erase_if(bodies, [](const Body &body) { return !is_of_heart(body.name); });
+    const bool is_whole = options.bodies && !options.heart_only;
+    if (!is_whole) // the figures need the chambers
+        std::erase_if(bodies, [](const Body &body) { return !is_of_heart(body.name); });
     const HeartBeat beat(tree.vessels.front());
     HeartSequence sequence;
     for (const Vessel &vessel : coronary_arteries(tree))
@@ -197,12 +199,11 @@ int make_heart(const Options &options)
         if (moves_with_heart(name)) sequence.bodies.push_back(moving_body(name, mesh, beat));
         if (name == "lumen") write_lumen_frames(options.folder / "lumen_beat", mesh, beat);
     };
-    if (options.heart_only) {
+    if (!is_whole) {
         make_folder(options);
         for (const Body &body : bodies) keep(body.name, make_mesh(options, body.name, body.request));
-    } else {
-        make_scene(options, tree, bodies, keep);
     }
+    if (!options.heart_only) make_scene(options, tree, is_whole ? bodies : std::vector<Body>{}, keep);
     write_sequence(options.folder / "beat", sequence);
     HeartFigures figures = heart_figures(sequence);
     figures.least_volume_factor = beat.least_volume_factor();

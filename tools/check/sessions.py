@@ -76,6 +76,12 @@ class Sessions:
             self.end()
         return baked
 
+    def shipped(self):
+        """Returns the path of the scene that ships, unpacked."""
+        words = ["tools/scenes/shipped.py", "unpack", "shared/examples/scenes/aorta.tar.xz", "-o", self.folder]
+        subprocess.run(words, check=True)
+        return f"{self.folder}/aorta.scene"
+
     def run(self, script, scene, tools, stent=None):
         """Returns the exit code and all output of one session without pictures."""
         words = ["--scene", scene] if scene else []

@@ -252,10 +252,13 @@ class Scratch:
         shutil.rmtree(self.top, ignore_errors=True)
 
 
+SHIPPED = "shared/examples/scenes/aorta.tar.xz"
+
+
 class Stock:
-    """Makes once the files that all pages assume: out/ and build/anatomy as `make run` leaves them, and for the long
-    run an artery with a lesion. The scene has no bodies (bones, organs), because making them takes minutes and no
-    command depends on them."""
+    """Makes once the files that all pages assume: out/ as `make run` leaves it, build/anatomy, and for the long run an
+    artery with a lesion. The anatomy has no bodies (bones, organs), because making them takes minutes and no command
+    of the short run depends on them."""
 
     def __init__(self, build, folder):
         self.build, self.folder = build, folder
@@ -296,7 +299,14 @@ class Stock:
         )
 
     def make_short(self, bodies=False):
-        self.record(self.scene("aorta", "aorta", bodies=bodies), "demo", ["j_wire"], "demo")
+        if bodies:
+            scene = self.scene("aorta", "aorta", bodies=True)
+        else:
+            scene = os.path.join(self.out, "aorta.scene")
+            words = [os.path.join(ROOT, "tools/scenes/shipped.py"), "unpack", SHIPPED, "-o", self.out]
+            subprocess.run(words, cwd=ROOT, check=True)
+            self.call("anatomy", "aorta", "--no-bodies", "--quiet", "-o", os.path.join(self.anatomy, "aorta"))
+        self.record(scene, "demo", ["j_wire"], "demo")
 
     def make_long(self):
         scene = self.scene("heart", "lad_pci", "shared/examples/lesions/lad_middle.toml")

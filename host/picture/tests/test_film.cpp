@@ -444,6 +444,7 @@ static void film_survives_an_interrupt_that_the_program_handles(void **)
 
 int main()
 {
+    signal(SIGINT, SIG_DFL); // a shell starts background programs with Ctrl-C ignored
     cmocka_set_message_output(CM_OUTPUT_TAP);
     const CMUnitTest tests[] = {
         cmocka_unit_test(film_has_every_picture_at_its_rate),

@@ -19,6 +19,11 @@ number=$((number + 10))
 "$tool" check "$work/heart/beat" >"$work/said" 2>&1
 report "its folder of frames is a beat" $?
 
+"$tool" heart -o "$work/bare" --no-bodies --lumen-mm 1.2 --quiet >"$work/said" 2>&1 &&
+    ! grep -q "^\[\[body" "$work/bare/scene.toml" && grep -q "^\[motion" "$work/bare/scene.toml" &&
+    [ "$(ls "$work/bare/lumen_beat" | wc -l)" -ge 24 ] && [ ! -e "$work/bare/skin.ply" ]
+report "without bodies its scene is the moving lumen alone" $?
+
 # The borrowed beat for another heart.
 places=$(python3 "$here/check_beat.py" make "$work/heart" "$work/other.obj" "$tool")
 # shellcheck disable=SC2086 # words on purpose

@@ -40,7 +40,7 @@ CHANGES = {
 
 if __name__ == "__main__":
     with sessions.Sessions() as run:
-        scene = run.scene("aorta")
+        scene = run.shipped()
         run.session("sessions/free_space", "", AORTA)
         for name, tools in CASES.items():
             run.session(name, scene, tools)
