@@ -71,7 +71,8 @@ std::string code_of(const Egl &egl)
 }
 
 // Holds the display of a process for EGL without a surface; a process has only one. EGL gives every caller
-// the same display, and ending it ends all its contexts. So only the last context ends the display.
+// the same display, and ending it ends all its contexts. So the display is ended only together with the last
+// context.
 class Display
 {
   public:

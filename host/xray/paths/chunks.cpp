@@ -11,7 +11,8 @@ namespace crn
 namespace
 {
 
-// Interleaves the bits of three numbers of ten bits, so that places that are near in space get similar keys.
+// Interleaves the bits of three coordinates of ten bits, so that positions near each other in space get
+// similar keys.
 std::uint32_t morton_key(const Eigen::Vector3i &cell)
 {
     std::uint32_t key = 0;

@@ -31,8 +31,8 @@ Projected project_um(const Camera &camera, const Eigen::Vector3f &vertex_um)
 }
 
 // Within guard_pixels a corner is rounded like all others, because a neighbouring triangle may have the same
-// corner. The coordinates of a corner farther away are limited to four million pixels, so that products of
-// differences fit into 64 bits.
+// corner. The coordinates of a corner farther away are limited to +-4 million pixels, so that products of
+// differences of coordinates fit into 64 bits.
 std::int32_t snap_far(float pixels)
 {
     if (std::fabs(pixels) <= guard_pixels) return snap(pixels);
@@ -45,8 +45,9 @@ Corner corner(const Projected &p)
     return {snap_far(p.x), snap_far(p.y), 1.0f / p.depth_um};
 }
 
-// Computes the function of the edge from a to b, which is positive on the inner side of the triangle. The
-// edge has the value at the middle of a pixel, and the changes from one pixel to the next.
+// Computes the edge function of the edge from corner a to corner b, which is positive on the inner side of
+// the triangle. The object holds the edge function's value at the middle of a pixel, and its changes from
+// there to the next column and to the next row.
 struct Edge {
     std::int64_t row, step_x, step_y;
 
@@ -152,7 +153,7 @@ void draw(const Corner &a, const Corner &b, const Corner &c, const PixelRect &ti
 
 } // namespace
 
-// Cuts the triangle at the near plane, and divides the rest into a fan of triangles.
+// Cuts the triangle at the near plane, and divides the part behind that plane into a fan of triangles.
 void raster_clipped(const Camera &camera, const std::array<Eigen::Vector3f, 3> &vertices,
                     const PixelRect &tile, std::int32_t *sums)
 {

@@ -19,8 +19,8 @@ struct SurfaceCorner {
 // Projects a point of the patient to the picture, and assigns a value to it.
 SurfaceCorner surface_corner(const View &view, const Eigen::Vector3d &point_m, std::int32_t value_q16);
 
-// Adds one triangle to the rows [row_begin, row_end) of `sums` (size*size). Neighbouring triangles cover each
-// pixel exactly once (top-left rule).
+// Adds one triangle to the rows [row_begin, row_end) of the picture `sums` (size*size pixels). Neighbouring
+// triangles cover each pixel exactly once (top-left rule).
 void add_surface(const std::array<SurfaceCorner, 3> &corners, int size, int row_begin, int row_end,
                  std::int32_t *sums);
 

@@ -207,7 +207,7 @@ static void functions_without_libm_are_exact(void **)
 }
 
 // The bytes of a table must be the same with every compiler and optimisation level. The hash of the tables is
-// golden: it changes only with the physics.
+// golden: it may change only when the simulated physics changes.
 static void beam_tables_have_one_hash(void **)
 {
     std::uint64_t hash = 14695981039346656037ull;

@@ -93,7 +93,7 @@ Eigen::Matrix3d turned(Lot &lot)
     return q.toRotationMatrix();
 }
 
-// Moves a body from its own axes to the place `at`.
+// Moves a body from its own axes to the position `at`.
 Body placed(const std::string &name, const std::vector<Vector3d> &points_m,
             const std::vector<std::array<std::uint32_t, 3>> &triangles, const Eigen::Matrix3d &axes,
             const Vector3d &at)
@@ -216,8 +216,8 @@ Body slivers(Lot &lot, int count)
     return body;
 }
 
-// A face without its counterpart would leave its distance from the source in the sum. Such a distance is 500
-// mm or more, and no closed body here has such a path length.
+// A face that is drawn without the opposite face would leave its distance from the source in the sum. Such a
+// distance is 500 mm or more, and no closed body here has such a path length.
 void no_pixel_is_unpaired(const BodyMeshes &meshes, const View &view, double largest_mm)
 {
     const PathPictures pictures = draw(meshes, view, PathForm::axis_sums);

@@ -146,8 +146,8 @@ static void dose_and_photons_come_from_the_same_charge(void **)
                 0.02 * side_cm * side_cm);
 }
 
-// Raw values must be linear in the quanta: mean raw = gain x mean photons, at doses that differ by a factor
-// of 10.
+// Raw values must be linear in the number of quanta: mean raw = gain x mean photons, at doses that differ by
+// a factor of 10.
 static void raw_values_are_linear(void **)
 {
     Room room(slab(0.25));
@@ -171,9 +171,9 @@ static void raw_values_are_linear(void **)
 namespace
 {
 
-// Measures the MTF before sampling with the slanted edge of ISO 12233 and IEC 62220-1. Every pixel of a row
-// has its own distance from the edge. All of them make one edge profile in steps of a tenth of a pixel, and
-// the Fourier transform of its derivative is the MTF.
+// Measures the MTF before sampling with the slanted edge of ISO 12233 and IEC 62220-1. Each pixel of a row
+// has its own distance from the slanted edge. All of them make one edge profile in steps of a tenth of a
+// pixel, and the Fourier transform of its derivative is the MTF.
 class SlantedEdge
 {
   public:
@@ -460,8 +460,8 @@ static void window_and_level_are_those_of_dicom(void **)
     assert_true(between > 1000);
 }
 
-// The grey of the picture must not depend on the dose: a tenth of the dose gives the same shares, with more
-// noise.
+// The grey of the picture must not depend on the dose: a tenth of the dose gives the same mean grey value,
+// with more noise.
 static void photons_are_fewer_at_a_lower_dose_and_the_grey_is_the_same(void **)
 {
     Room room(slab(0.2));

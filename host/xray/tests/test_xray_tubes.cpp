@@ -107,8 +107,8 @@ static void catheter_wall_braid_and_marker_band_have_their_thickness(void **)
                 0.004); // displaced by the wall; the lumen stays
 }
 
-// The reference is the volume of a cone, pi h (a^2 + a b + b^2)/3, times the mean of its share from s to t.
-// The mean is exact for pieces of 0.5 mm.
+// The expected amount is the volume of a cone, pi h (a^2 + a b + b^2)/3, times the mean fraction of contrast
+// medium between positions s and t along it. The mean fraction is exact for pieces of 0.5 mm.
 static void contrast_column_holds_the_iodine_of_its_cone(void **)
 {
     for (double thickest_m : {0.0005, 0.002, 0.012}) {
@@ -156,7 +156,7 @@ static void struts_thinner_than_the_rays_are_apart_lose_nothing(void **)
 }
 
 // A guidewire in contrast medium displaces it: there must be less iodine, and blood must be subtracted for
-// the rest.
+// the remaining displaced volume.
 static void wire_in_contrast_displaces_iodine_and_blood(void **)
 {
     const std::vector<RadiopaqueInstrument> tools = {{{{0.0, 1.0, Material::nitinol, 1.0, 1.0}}, {}}};
@@ -199,9 +199,9 @@ static void many_curves_add_up(void **)
                     1e-6);
 }
 
-// These curves are not finite, have no length or only one point, lie behind the source or pass through it,
-// are seen end-on, or are bent back on themselves. Such curves must do no harm, and the parts that can be
-// drawn must be drawn.
+// The tested curves are not finite, have no length or only one point, lie behind the source or pass through
+// it, are seen end-on, or are bent back on themselves. Such faulty curves must do no harm, and those parts of
+// them that can be drawn must be drawn.
 static void broken_and_awkward_curves_do_no_harm(void **)
 {
     const double nan = std::numeric_limits<double>::quiet_NaN(),
