@@ -16,8 +16,8 @@ Vector3d vertex_m(const Body &body, std::uint32_t index)
     return body.vertices_um[index].cast<double>() * 1e-6;
 }
 
-// Returns true if the place is inside. The function sums the solid angle of the surface seen from the place,
-// as a share of the sphere: 1 inside, 0 outside (Van Oosterom and Strackee 1983).
+// Returns true if a point is inside a closed surface. The function sums the solid angle of the surface seen
+// from the point, as a fraction of the sphere: 1 inside, 0 outside (Van Oosterom and Strackee 1983).
 bool is_inside(const Body &body, const Vector3d &place_m)
 {
     double sum = 0.0;
@@ -30,7 +30,7 @@ bool is_inside(const Body &body, const Vector3d &place_m)
     return std::fabs(sum) > std::numbers::pi; // half of the sum over the whole sphere
 }
 
-// The baker narrowed a body of blood if part of the lesion's healthy centreline lies in it.
+// The program `bake` narrowed a body of blood if part of the lesion's healthy centreline lies in that body.
 bool runs_through(const Body &body, const VesselLesion &lesion)
 {
     Eigen::AlignedBox3d box;
@@ -111,7 +111,7 @@ std::vector<int> OpenedBodies::bodies() const
 }
 
 // Each vertex moves on a straight line from its narrowed to its healthy place, in every pose of the heart.
-// Where two lesions meet, their displacements are added.
+// Where two lesions meet, the displacements of the vertices are added.
 void OpenedBodies::place(Opened &opened, std::span<const Eigen::Vector3i> narrow_um,
                          const MotionWeights &weights, std::span<const double> open)
 {
