@@ -6,8 +6,8 @@
 namespace crn
 {
 
-// A script with an empty variable produces `--json ""`, which does not mean "no file". The empty value is
-// refused as wrong usage, as is every empty value below this command.
+// A script with an empty variable produces `--json ""`, which does not mean "no file". An empty value of any
+// option of this command, or of a command below it, is refused as wrong usage.
 inline void refuse_empty_values(CLI::App &app)
 {
     for (CLI::Option *option : app.get_options())

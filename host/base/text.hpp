@@ -8,8 +8,8 @@
 namespace crn
 {
 
-// The message is "file:line:column: what is wrong". Line 0 refers to the whole file, and column 0 to the
-// whole line.
+// A message has the form "file:line:column: what is wrong". Line 0 refers to the whole file, and column 0 to
+// the whole line.
 class FileError : public Fault
 {
   public:
@@ -19,7 +19,7 @@ class FileError : public Fault
 // Returns ", did you mean 'advance'?" when a candidate is at most two edits away, else "; known: a, b, c".
 std::string suggestion(std::string_view word, const std::vector<std::string> &candidates);
 
-// Reads the whole file. Throws FileError with the system's reason.
+// Reads the whole file. Throws FileError with the operating system's reason.
 std::string read_text_file(const std::string &path);
 std::vector<unsigned char> read_binary_file(const std::string &path);
 
