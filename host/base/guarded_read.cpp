@@ -16,8 +16,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-// Address sanitizers map terabytes, which exceeds any limit on the address space. In sanitized builds the
-// parent process therefore watches the child's memory instead.
+// Programs with an address sanitizer map terabytes of memory, which exceeds any limit on the address space.
+// In sanitized builds the parent process therefore watches the child's memory instead.
 #if defined(__SANITIZE_ADDRESS__)
 #define CRN_WATCHES_MEMORY 1
 #elif defined(__has_feature)

@@ -120,8 +120,9 @@ int sync_file(const std::string &path)
     return sync_path(path, O_RDONLY | O_NOFOLLOW);
 }
 
-// Flushes the folder, because otherwise the previous file might be back under its name after a crash of the
-// machine. A folder that is writable but not readable cannot be flushed, and this failure is ignored.
+// Flushes the folder's list of names, because otherwise the previous file might be back under its name after
+// a crash of the machine. A folder that is writable but not readable cannot be flushed, and this failure is
+// ignored.
 void sync_folder_of(const fs::path &path)
 {
     const fs::path folder = path.parent_path();

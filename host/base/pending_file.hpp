@@ -31,7 +31,7 @@ struct OpenPending {
 };
 OpenPending open_pending(const std::string &path, const std::string &ending = "");
 
-// Throws whatever open_pending would throw for this path, and leaves no file behind.
+// Throws whatever exception open_pending would throw for this path, and leaves no file behind.
 void probe_output(const std::string &path);
 
 // Renames a complete, closed pending file to its final name. The bytes of the file reach the disk before its
@@ -63,7 +63,7 @@ class PendingFile
 
     void write(const void *bytes, std::size_t count); // throws OutputError
     void write(std::string_view text) { write(text.data(), text.size()); }
-    // Closes the pending file, and throws OutputError when the disk is full. Throws OutputError.
+    // Closes the pending file, and throws OutputError when the disk is full.
     void close();
     // Flushes the pending file to disk and renames it to its final name. Throws OutputError.
     void commit();
@@ -84,7 +84,7 @@ class FileSet
     // Writes a pending file beside its final name. Throws OutputError.
     void add(const std::string &path, std::string_view bytes);
     // On failure the function throws OutputError, and the previous files replace those that were already
-    // renamed. Only a program that dies between two renames (SIGKILL, a crash of the machine) leaves a
+    // renamed. Only if the program dies between two renames (SIGKILL, a crash of the machine) is there a
     // mixture of old and new files, which readers have to detect.
     void commit();
 

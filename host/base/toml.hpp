@@ -3,10 +3,10 @@
 // moment later, so assertions are switched off.
 //
 // toml++ recurses once for each table within a table, and so does every traversal of its result. A header of
-// 400,000 dotted names would overflow the stack. So every text is checked before it is parsed. With at most
-// 32 names in a key and 32 nested brackets, the tables of a text are nested at most 32 + 33 * 32 deep, which
-// is about 1,100. The stack can hold a hundred times as many nested tables. A limit on the size of the text
-// limits the memory that the parser needs.
+// 400,000 dotted names would overflow the stack. So every text is checked for nesting before it is parsed.
+// With at most 32 names in a key and 32 nested brackets, the tables of a text are nested at most 32 + 33 * 32
+// deep, which is about 1,100. The program's stack can hold a hundred times as many nested tables. A limit on
+// the size of the text limits the memory that the parser needs.
 #pragma once
 #define TOML_ASSERT(expr) static_cast<void>(0)
 #define TOML_HEADER_ONLY 0 // toml.cpp alone compiles it
@@ -43,7 +43,7 @@ struct TomlError : std::runtime_error {
     int line, column;
 };
 
-// Throws TomlError. `file` is the file name that the source positions of nodes contain.
+// Throws TomlError. `file` is the file name that toml++ stores in the source positions of its nodes.
 toml::table parse_toml(std::string_view text, const std::string &file);
 
 // Reads a TOML file as a tree that can be changed and written; for all other purposes toml_reader.hpp is

@@ -1,5 +1,5 @@
-// Makes unique identifiers from content: equal content gets equal UIDs, and different content different ones.
-// The UIDs have the form of PS3.5 B.2: 2.25 and a 128-bit number, without a registered root.
+// Makes unique identifiers (UIDs) from content: equal content gets equal UIDs, and different content gets
+// different UIDs. The UIDs have the form of PS3.5 B.2: 2.25 and a 128-bit number, without a registered root.
 #pragma once
 #include <cstdint>
 #include <string>

@@ -142,8 +142,8 @@ void put_relation(XaItem &item, const XrayRun &run)
         throw std::logic_error("DICOM modality LUT cannot be filled");
 }
 
-// Returns true if the frames are equally spaced in time, apart from rounding to whole ticks. For such equally
-// spaced frames one number describes all frame times (C.7.6.5).
+// Returns true if the frames are equally spaced in time, apart from rounding to whole ticks (milliseconds).
+// For such equally spaced frames one number describes all frame times (C.7.6.5).
 bool is_even(const XrayRun &run, double period_ms)
 {
     for (std::size_t i = 0; i < run.frames.size(); i++) {
@@ -203,7 +203,7 @@ void put_mask(XaItem &item, const XrayRun &run)
     std::sort(numbers.begin(), numbers.end());
     mask.text(DCM_MaskOperation, "AVG_SUB");
     mask.shorts(DCM_MaskFrameNumbers, numbers);
-    // Mask frames at the start of the run are not subtracted from themselves.
+    // The mean is not subtracted from mask frames at the start of the run.
     const auto count = static_cast<std::uint16_t>(run.frames.size());
     if (numbers.back() == numbers.size() && numbers.back() < count)
         mask.shorts(DCM_ApplicableFrameRange, {static_cast<std::uint16_t>(numbers.back() + 1), count});

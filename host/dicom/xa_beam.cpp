@@ -39,7 +39,7 @@ template <class Value> std::vector<double> offsets(const XrayRun &run, const Val
     const double first = value(run.frames.front().carm);
     for (const RunFrame &frame : run.frames) {
         // Values are rounded to a thousandth, because the text of each number (DICOM type DS) has to be
-        // short, and no C-arm is more precise.
+        // short, and no C-arm is more precise than this.
         all.push_back(std::round((value(frame.carm) - first) * 1e3) / 1e3);
     }
     return all;

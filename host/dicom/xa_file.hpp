@@ -33,8 +33,8 @@ struct XaStudy {
 inline constexpr std::size_t xa_frames_max = 2000;
 inline constexpr std::size_t xa_bytes_max = std::size_t{1} << 31;
 
-// The export calls this function repeatedly with the bytes done and the total; if the function returns false,
-// the export stops.
+// The export calls this function repeatedly with the numbers of bytes done and of bytes in total; if the
+// function returns false, the export stops.
 using XaProgress = std::function<bool(std::size_t done, std::size_t total)>;
 
 // write_xa() throws XaInterrupted when the progress function stops the export; no file of the export is left
@@ -45,8 +45,8 @@ class XaInterrupted : public std::runtime_error
     using std::runtime_error::runtime_error;
 };
 
-// The spool is a file that holds the pixels of a whole export, instead of memory, until the DICOM files are
-// written. One spool serves many runs.
+// The spool is a temporary file that holds the pixels of a whole export until the DICOM files are written, so
+// that they need no memory. One spool serves many runs.
 class XaSpool
 {
   public:

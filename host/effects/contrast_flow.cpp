@@ -152,7 +152,7 @@ double ContrastFlow::parts_of_step()
 
 // The iodine of each layer is transported separately by the upwind rule: a flow has the concentration of the
 // cell that it leaves. Both layers of blood have half of the volume and a fixed fraction of every flow,
-// including injected fluid. So the flow into a layer equals the flow out of it.
+// including injected fluid. So the flow into a layer of blood equals the flow out of the layer.
 void ContrastFlow::transport(double dt_s, const InjectedFluid &fluid)
 {
     const double core = settings_.core_flow_share * dt_s, wall = (1.0 - settings_.core_flow_share) * dt_s;

@@ -60,10 +60,10 @@ class ContrastFlow
 
     const FlowCells &cells() const { return cells_; }
     void place(const VesselTree &moved) { cells_.place(moved); }
-    // Applies the new shape of the vessels after lesions have yielded (FlowCells::reshape). Resistances
-    // change at once. Volumes change within this many steps: a cell takes missing volume from its neighbours,
-    // or gives excess volume to them. The exchanged blood has the concentration of the cell that it leaves.
-    // With `steps` 0 every cell gets its new volume at once and keeps its amount of iodine.
+    // Adopts the new shape of the vessels after lesions have yielded (FlowCells::reshape). Resistances change
+    // at once. The volumes of cells change within `steps` steps: a cell takes missing volume from its
+    // neighbours, or gives excess volume to them. The exchanged blood has the concentration of the cell that
+    // it leaves. With `steps` 0 every cell gets its new volume at once and keeps its amount of iodine.
     void reshape(const VesselTree &opened, int steps);
 
     void set_tools(std::span<const ToolBall> balls);

@@ -1,5 +1,5 @@
 // Divides the tree of vessels into cells of blood. Each cell has a position, radius, length and volume, and
-// the index of the cell that feeds it.
+// the index of the upstream cell from which its blood comes.
 //
 //   FlowCells cells(tree);        // cells of a branch are consecutive; a cell comes after the one that feeds it
 //   cells.reshape(opened);        // the same vessels after lesions have yielded: other radii, volumes and places

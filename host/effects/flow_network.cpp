@@ -15,7 +15,7 @@ constexpr double blood_kg_m3 = 1060.0;
 constexpr double expansion_loss = 1.5; // K_t, approximately (Young and Tsai 1973)
 constexpr int settle_rounds = 60;      // each round at least halves the remaining error
 
-// Returns the pressure lost behind a stenosis, K_t rho/2 (A0/As - 1)^2 v0^2, divided by the square of the
+// Returns the pressure loss behind a stenosis, K_t rho/2 (A0/As - 1)^2 v0^2, divided by the square of the
 // flow. Format: mm and ml/s -> mmHg s^2/ml^2 (1 ml/s through 1 mm^2 is 1 m/s). The loss is 0 where the
 // lesion's narrowest point is no narrower than the vessel.
 double loss_of(const FlowThroat &throat, double tool_radius_mm)
@@ -71,8 +71,8 @@ FlowNetwork::FlowNetwork(const FlowCells &cells, double viscosity_mPa_s) : visco
     divide({});
 }
 
-// Computes the cells' resistances by Hagen-Poiseuille: 8 mu/pi times the integral of ds/r^4, converted from
-// Pa s/m^3 to mmHg s/ml.
+// Computes the flow resistances of the cells by Hagen-Poiseuille: 8 mu/pi times the integral of ds/r^4,
+// converted from Pa s/m^3 to mmHg s/ml.
 void FlowNetwork::take_shape(const FlowCells &cells)
 {
     open_.resize(cells.size());
@@ -230,8 +230,8 @@ void FlowNetwork::solve(const FlowDrive &drive, std::span<const CellSource> sour
         flows_[r].out_ml_s *= row.pressure_mmHg;
         flows_[r].in_ml_s = flows_[r].out_ml_s - row.injected_ml_s;
     }
-    // The flow into a run of cells is computed from the flows out of it. A sum of flows is exact, whereas a
-    // difference of nearly equal pressures is not.
+    // The flow into a run of cells is computed from the flows out of it. A sum of flows is numerically exact,
+    // whereas a difference of nearly equal pressures is not.
     for (std::size_t r = runs_.size(); r-- > 0;) {
         if (!(rows_[r].way > 0.0)) flows_[r].in_ml_s = 0.0; // no flow passes, not even a rounding error
         if (runs_[r].upstream >= 0)

@@ -41,7 +41,7 @@ class FlowNetwork
     // `tool_radius_mm` is as in set_tools.
     void reshape(const FlowCells &cells, std::span<const double> tool_radius_mm);
     void set_volumes(std::span<const double> volume_ml); // of the cells
-    // Sets the radius of the thickest tool in each cell, mm; 0 means no tool.
+    // Sets the radius of the thickest tool in each cell, in mm; 0 means that the cell contains no tool.
     void set_tools(std::span<const double> tool_radius_mm);
     void solve(const FlowDrive &drive, std::span<const CellSource> sources);
     // Repeats the solution until the flows through the stenoses agree with the stenoses' resistances, which

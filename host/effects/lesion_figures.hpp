@@ -1,4 +1,4 @@
-// Computes figures of a narrowed vessel for a cardiologist: how narrow and how long it is, and how it affects
+// Computes figures of a lesion for a cardiologist: how narrow and how long the lesion is, and how it affects
 // the flow.
 //
 //   for (const LesionFigures &f : lesion_figures(tree, 3.5)) ...

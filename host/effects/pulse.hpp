@@ -13,7 +13,7 @@
 namespace crn
 {
 
-// The aortic valve closes at this phase, which is 10 / 24 of a cycle.
+// The aortic valve closes at this phase of the beat, which is 10 / 24 of a cycle.
 inline constexpr double phase_systole_end = 10.0 / 24.0;
 
 inline double phase_of(std::uint32_t phase32)

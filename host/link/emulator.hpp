@@ -57,7 +57,7 @@ class Emulator
     // memory unchanged.
     void power_cycle();
 
-    // Waits until `is_done`. Waits until `is_done` returns true. Throws EmulatorError after the deadline, or
+    // Waits until `is_done` returns true. Throws EmulatorError after the deadline, or
     // when the emulator's process ends; the error message contains `what`, which names the awaited event.
     void wait(const std::function<bool()> &is_done, const char *what, double deadline_s = deadline_default_s);
     static constexpr double deadline_default_s = 20.0;

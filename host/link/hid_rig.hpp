@@ -2,8 +2,9 @@
 // (docs/usb.md, "Reports").
 //
 // Debian has two builds of hidapi with the same function names: one uses the kernel's hidraw, the other
-// libusb. Both builds are loaded at run time. So the caller can choose one build, and a machine without
-// hidapi can still run everything else. Only one thread at a time may call the functions of a HidRig.
+// libusb. Both builds of hidapi are loaded at run time, not linked. So the caller can choose one build, and a
+// machine without hidapi can still run everything else. Only one thread at a time may call the functions of a
+// HidRig.
 #pragma once
 #include "host/link/link.hpp"
 #include "shared/wire/hid.h"
@@ -67,7 +68,7 @@ class HidRig
     std::optional<crn_hid_state> read_state(std::uint32_t milliseconds);
     std::uint32_t reports_bad() const { return reports_bad_; } // too short, or with another id: ignored
     // Sends a command and waits for the state report that answers it. Throws LinkError with the reason that
-    // the device gives for a refusal.
+    // the device gives when it refuses the command.
     crn_hid_state command(std::uint8_t action, std::int32_t value1, std::int32_t value2,
                           std::uint32_t milliseconds = 1000);
 

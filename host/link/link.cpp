@@ -295,8 +295,8 @@ void Link::say_present()
     beat();
 }
 
-// Removes the ticks that the last call returned. Ticks that arrived since then, together with replies to
-// other requests, stay in the list.
+// Removes from the list the ticks that the last call returned to the caller. Ticks that arrived since then,
+// together with replies to other requests, stay in the list.
 void Link::drop_given()
 {
     const auto given = static_cast<std::ptrdiff_t>(ticks_given_);

@@ -124,8 +124,8 @@ void Link::file_frame()
     }
 }
 
-// Stores a batch of consecutive ticks. A batch of ticks that arrives again is ignored, and the ticks of a
-// missing batch are counted.
+// Stores a batch of consecutive ticks that the device sent. A batch of ticks that arrives again is ignored,
+// and the ticks of a missing batch are counted.
 void Link::file_live()
 {
     crn_wire_live live;

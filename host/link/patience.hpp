@@ -1,8 +1,8 @@
 // Limits how long a device may keep the host waiting in total, over a whole conversation. A correct device
-// answers within milliseconds. Waiting beyond the time `free` is subtracted from the time budget, and every
-// quick answer returns a little time to the budget. So the host gives up after the same bounded time whether
-// a device is silent, sends without answering, or answers each request just before a time limit. After Ctrl-C
-// the remaining time is only what a healthy device needs to end a session cleanly.
+// answers each request within milliseconds. Waiting beyond the time `free` is subtracted from the time
+// budget, and every quick answer returns a little time to the budget. So the host gives up after the same
+// bounded time whether a device is silent, sends without answering, or answers each request just before a
+// time limit. After Ctrl-C the host waits only as long as a healthy device needs to end a session cleanly.
 #pragma once
 #include <chrono>
 #include <cstdint>

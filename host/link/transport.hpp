@@ -1,5 +1,5 @@
-// A Transport is a pipe of bytes to a device. USB, QEMU and the sim port (the firmware in this process) each
-// implement this interface for the class Link.
+// A Transport carries bytes between the host and a device. USB, QEMU and the sim port (the firmware in this
+// process) each implement this interface for the class Link.
 #pragma once
 #include <cstddef>
 #include <cstdint>

@@ -258,7 +258,7 @@ bool UsbWatch::wait_for(const std::string &serial, std::uint32_t milliseconds,
     const Clock::time_point end = Clock::now() + std::chrono::milliseconds(milliseconds);
     for (;;) {
         // A libusb context learns of new devices from the system's device manager, which a container may not
-        // have. A new context scans the bus itself.
+        // have. A new libusb context scans the bus itself.
         const UsbContext fresh = usb_context();
         for (const UsbRig &rig : usb_rigs(fresh.get())) {
             if (rig.trouble.empty() && (serial.empty() || rig.serial == serial)) return true;

@@ -38,7 +38,7 @@ int error_of(libusb_transfer_status status)
     }
 }
 
-// Holds the bulk endpoints of a vendor interface; 0 means that there is none.
+// Holds the addresses of a vendor interface's bulk endpoints; 0 means that there is no such endpoint.
 struct Pair {
     std::uint8_t in = 0, out = 0;
 };
@@ -293,7 +293,7 @@ void UsbTransport::write(std::span<const std::uint8_t> bytes)
             free = slot == writes_.end() ? nullptr : slot->get();
             return free != nullptr || failure_ != 0;
         };
-        // libusb ends each transfer after write_ms. If twice that time passes, the thread that serves libusb
+        // libusb ends each transfer after write_ms. If twice this time passes, the thread that serves libusb
         // is not running.
         if (!wait(hold, std::chrono::milliseconds(2 * limits_.write_ms), find))
             failure_ = LIBUSB_ERROR_TIMEOUT;

@@ -1,8 +1,8 @@
 // UsbTransport is a Transport to a rig on USB. The transport uses the pair of bulk endpoints of docs/usb.md
 // through libusb, with several pending transfers in each direction.
 //
-// A separate thread of the transport serves libusb. A read or write blocks its caller, for a limited time.
-// Every wait ends: when bytes arrive, at its time limit, when the device disappears (DeviceLost), or
+// A separate thread of the transport serves libusb. A read or write blocks its caller only for a limited
+// time. Every wait ends: when bytes arrive, at its time limit, when the device disappears (DeviceLost), or
 // after_interrupt_ms after Ctrl-C. The destructor cancels all transfers and ends the thread. Only one thread
 // at a time may call the functions of a transport.
 #pragma once

@@ -1,10 +1,10 @@
 // Reads instrument files (TOML, docs/instruments.md). The reader returns the numbers of the byte protocol's
 // record `instrument`, the unloaded shape and the X-ray layers.
 //
-// One file describes one instrument from its tip to its hub, in one or more presets. The path "file.toml"
-// selects the preset `physical`, and "file.toml:vcsim3-fit" selects the preset `vcsim3-fit`. In an instrument
-// file, every value has its unit in the key, and its source beside it. Error messages name file, line,
-// preset, section and key.
+// An instrument file describes one instrument from its tip to its hub, in one or more presets. The path
+// "file.toml" selects the preset `physical`, and "file.toml:vcsim3-fit" selects the preset `vcsim3-fit`. In
+// an instrument file, every value has its unit in the key, and its source beside it. Error messages about an
+// instrument file name file, line, preset, section and key.
 #pragma once
 #include "shared/wire/wire.h"
 #include <Eigen/Core>

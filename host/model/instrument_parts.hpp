@@ -8,7 +8,7 @@ namespace crn::instrument_file
 {
 
 // Describes a part of the instrument between two arc lengths from the tip. Stiffness changes geometrically
-// from the section's distal to its proximal end; all other values change linearly.
+// from the section's distal to its proximal end; all other values of the section change linearly.
 struct Section {
     std::string name;
     TomlTable table; // for error messages

@@ -65,7 +65,8 @@ crn_wire_knot knot_at(const Section &section, const InstrumentArc *arc, double a
     return knot;
 }
 
-// Returns, in ascending order, the ends of the section and of its steps, and the ends of the arcs inside it.
+// Returns, in ascending order, the arc lengths of the section's ends, of its steps' ends, and of the ends of
+// the arcs inside the section.
 std::vector<double> boundaries_mm(const Section &section, const std::vector<InstrumentArc> &shape)
 {
     std::vector<double> all;

@@ -16,7 +16,7 @@ namespace crn
 // and beyond lesion_far_radii it does not move.
 constexpr double lesion_near_radii = 1.6, lesion_far_radii = 2.4;
 
-// Returns the tree as it was before disease narrowed it.
+// Returns the tree of vessels as it was before disease narrowed it.
 VesselTree healthy_tree(const VesselTree &tree);
 
 // Holds the point on the healthy centreline inside a lesion that is nearest to a given point, and the

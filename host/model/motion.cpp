@@ -133,8 +133,8 @@ namespace
 {
 
 // Solves x = X - w(x) for the position x by fixed-point iteration, where w is the lattice's displacement. The
-// iteration converges because the displacement w changes by less than x itself does. Each round multiplies
-// the error by the gradient of w, which is a third in a heart.
+// iteration converges because the displacement w changes by less than x does. Each round multiplies the error
+// by the gradient of w, which is a third in a heart.
 template <typename Way> Eigen::Vector3d undo(const Eigen::Vector3d &X_m, const Way &way)
 {
     constexpr int rounds_max = 40;

@@ -83,8 +83,9 @@ class Motion
     std::optional<Lattice> breath_;
 };
 
-// Reads the MOTION section of a scene file. Returns no motion when the file has no such section. When the
-// section cannot be read, the function returns no motion too, and `error` has a message.
+// Reads the MOTION section of a scene file, which describes how vessels move. Returns no motion when the file
+// has no such section. When the section cannot be read, the function returns no motion too, and `error` has a
+// message.
 std::optional<Motion> read_motion(const std::string &scene_path, std::string &error);
 
 // Holds points that move with the lattice of heart and breath. The lattice is evaluated at each point only

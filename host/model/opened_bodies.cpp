@@ -81,8 +81,8 @@ void OpenedBodies::find_wall(const Body &body, std::size_t lesion, const LesionW
     }
 }
 
-// Plaque keeps its volume. When a lumen widens from r to R, material at the distance d from the middle moves
-// to sqrt(d^2 + R^2 - r^2), so that a ring keeps its area.
+// Plaque keeps its volume. When a lumen widens from radius r to R, material at the distance d from its middle
+// moves to sqrt(d^2 + R^2 - r^2), so that a ring of material keeps its area.
 void OpenedBodies::find_calcium(const Body &body, std::size_t lesion, const LesionWall &wall,
                                 Opened &opened) const
 {
@@ -110,7 +110,7 @@ std::vector<int> OpenedBodies::bodies() const
     return bodies;
 }
 
-// Each vertex moves on a straight line from its narrowed to its healthy place, in every pose of the heart.
+// Each vertex moves on a straight line from its narrowed to its healthy position, in every pose of the heart.
 // Where two lesions meet, the displacements of the vertices are added.
 void OpenedBodies::place(Opened &opened, std::span<const Eigen::Vector3i> narrow_um,
                          const MotionWeights &weights, std::span<const double> open)

@@ -9,8 +9,8 @@ namespace crn
 namespace
 {
 
-// Normalises a name to small letters. Any run of spaces, underscores and hyphens becomes one space, and
-// "artery" or "ostium" at the end is removed.
+// Converts a vessel's name to small letters and a standard spelling. Any run of spaces, underscores and
+// hyphens becomes one space, and "artery" or "ostium" at the end is removed.
 std::string plain(std::string_view name)
 {
     std::string text;
@@ -24,7 +24,7 @@ std::string plain(std::string_view name)
     return text;
 }
 
-// Lists pairs of a long name that cardiologists use and the name in our files.
+// Lists pairs of names: the long name of a vessel that cardiologists use, and the vessel's name in our files.
 constexpr std::pair<const char *, const char *> long_names[] = {
     {"left main", "lm"},
     {"left main coronary", "lm"},

@@ -8,7 +8,7 @@
 namespace crn
 {
 
-// One of the balls. One of the balls. Between two balls of the balloon all values change linearly. Beyond the
+// Describes one of the balls. Between two balls of the balloon all values change linearly. Beyond the
 // ends of the balloon its axis continues straight, and there is no balloon.
 struct BalloonPoint {
     double arc_mm = 0.0; // of the tool, from its tip: ascending

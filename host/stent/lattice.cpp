@@ -11,8 +11,8 @@ namespace
 
 // Forces between points of the stent are hundredths of a newton, so struts change their length by some
 // micrometres. Real struts are fifty times stiffer, but the difference would be invisible, and the
-// computation of the equilibrium would need more rounds. Links are bent wires, which give way along the axis
-// of the stent.
+// computation of the equilibrium would need more rounds. Links are bent wires, which yield easily along the
+// axis of the stent.
 constexpr double strut_stiffness_N_per_mm = 20.0, link_stiffness_N_per_mm = 2.0;
 // The stiffness of a brace is this fraction of the stiffness of a hinge; the fraction is low because a stent
 // is soft in bending.

@@ -246,8 +246,8 @@ StrutContact StentRelaxation::deepest(std::size_t strut, const StrutCapsule &cap
         const Plane &plane = planes_[state_.near[k]];
         const double from = plane.out.dot(capsule.from_mm) - plane.offset_mm;
         const double to = plane.out.dot(capsule.to_mm) - plane.offset_mm;
-        // Skips a capsule that lies entirely in front of the triangle's plane, or entirely deeper than the
-        // tissue behind it.
+        // Skips a capsule (half a strut) that lies entirely in front of the triangle's plane, or entirely
+        // deeper than the tissue behind this plane.
         if (std::max(from, to) <= reach || std::min(from, to) > tissue_limit_mm) continue;
         const std::size_t triangle = state_.patch[state_.near[k]];
         const StrutContact contact = strut_contact(
@@ -260,7 +260,8 @@ StrutContact StentRelaxation::deepest(std::size_t strut, const StrutCapsule &cap
 }
 
 // A strut consists of two capsules (cylinders with round ends), which meet at its middle. Each capsule is
-// moved out of the triangle into which it reaches deepest. Returns true if one of the capsules was moved.
+// moved out of the triangle into which it reaches deepest. Returns true if one of the strut's two capsules
+// was moved.
 bool StentRelaxation::push_strut(std::size_t strut)
 {
     if (state_.near_begin[strut] == state_.near_begin[strut + 1]) return false;

@@ -1,6 +1,6 @@
-// Finds the equilibrium of a deployed stent for one picture. The forces come from springs, from the lining
-// and the wall of the vessel, and from balloons inside the stent; libccd computes the contacts of struts.
-// After the equilibrium is found, the yielding of springs and the sliding of points become permanent.
+// Finds the equilibrium of a deployed stent in one picture. The forces come from springs, from the lining and
+// the wall of the vessel, and from balloons inside the stent; libccd computes the contacts of struts. After
+// the equilibrium is found, the yielding of springs and the sliding of points become permanent.
 #pragma once
 #include "host/stent/contact.hpp"
 #include "host/stent/stent.hpp"

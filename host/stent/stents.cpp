@@ -43,7 +43,7 @@ struct HoldingRing {
     double along_mm = 0.0, radius_mm = 0.0;
 };
 
-// Returns the rings of a stent that are open and lie in this vessel.
+// Returns the rings of a stent that are opened and lie in this vessel.
 std::vector<HoldingRing> holding_rings(const Stent &stent, const VesselWall &vessel)
 {
     std::vector<HoldingRing> rings;

@@ -7,9 +7,10 @@
 //   stent.step({&vessel.wall(), ...});
 //
 // The meshes of bodies are too coarse to be walls for stents, because each facet of a mesh cuts off a tenth
-// of a millimetre of a coronary artery. Gaps of a tenth of a millimetre decide whether a strut counts as
-// apposed. The vessel tree contains the radius of every inscribed sphere to some micrometres, and also the
-// position of the healthy vessel. Where side branches leave the vessel, the tube has no openings.
+// of a millimetre of a coronary artery. Gaps between strut and wall of a tenth of a millimetre decide whether
+// a strut counts as apposed. The vessel tree contains the radius of every inscribed sphere to some
+// micrometres, and also the position of the healthy vessel. Where side branches leave the vessel, the tube
+// has no openings.
 #pragma once
 #include "host/model/motion.hpp"
 #include "host/model/vessel_tree.hpp"
@@ -26,9 +27,9 @@ namespace crn
 class VesselWall
 {
   public:
-    // The tube never begins before the ostium of the branch. `motion` may be null; the tube then does not
-    // move. Throws std::invalid_argument, with the reason, if the branch does not contain the stretch from
-    // `from_mm` to `to_mm`.
+    // The tube of triangles never begins before the ostium of the branch. `motion` may be null; the tube then
+    // does not move. Throws std::invalid_argument, with the reason, if the branch does not contain the
+    // stretch from `from_mm` to `to_mm`.
     VesselWall(const VesselTree &tree, std::size_t branch, double from_mm, double to_mm,
                const Motion *motion);
 

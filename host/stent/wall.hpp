@@ -1,5 +1,5 @@
 // Represents the wall on which a stent lies, a closed mesh of triangles around the blood. The vertices of
-// this mesh move from picture to picture, and its triangles keep their vertices.
+// this mesh move from picture to picture, and each triangle keeps its three vertices.
 //
 //   StentWall wall(triangles, vertex_count);
 //   wall.move(vertices_um);                        every picture: that of the motion (host/model/motion.hpp)

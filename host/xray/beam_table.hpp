@@ -18,8 +18,8 @@ inline constexpr int beam_energy_count = 6;
 struct BeamTable {
     std::array<double, beam_energy_count> energy_keV{};
     // Holds the fraction of the open beam's signal that each energy contributes; the fractions add up to 1,
-    // except for the quadrature's error (0.6 %). The signal of a photon is the energy that it leaves in the
-    // scintillator.
+    // except for the quadrature's error (0.6 %). A photon's signal is the energy that the photon leaves in
+    // the scintillator.
     std::array<float, beam_energy_count> share{};
     // Holds, for each material and energy, log2(1/transmission) of a layer of 1/1024 mm.
     std::array<std::array<float, beam_energy_count>, material_count> log2_per_q10mm{};

@@ -47,8 +47,8 @@ kernel_of_focal_spot(const BlurGeometry &geometry); // for signals that are alre
 BlurKernel kernel_of_scintillator(double pixel_mm);
 
 // Computes one row of a blurred picture of size*size pixels. A pixel beyond an edge of the picture counts
-// with the value of the nearest pixel on that edge. `scratch` must have size + 2 blur_radius_max values.
-// `size` must be a multiple of 16.
+// with the value of the nearest pixel on that edge. The caller provides the working memory `scratch` with
+// size + 2 blur_radius_max values. `size` must be a multiple of 16.
 void blur_row(const float *picture, int size, int row, const BlurKernel &kernel, float *scratch, float *out);
 void blur_row(const std::uint32_t *picture, int size, int row, const BlurKernel &kernel, float *scratch,
               float *out);

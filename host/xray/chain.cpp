@@ -22,8 +22,9 @@ double pixel_mm(const XrayChain &chain)
     return chain.paths.view().pixel_m * 1e3;
 }
 
-// Computes the transmission of each pixel. While a row of transmissions is in the processor's cache, its
-// values are also added to the cells of the coarse grid.
+// Computes the transmission of each pixel, which is the fraction of the open beam's signal that the bodies
+// let through. While a row of transmissions is in the processor's cache, its values are also added to the
+// cells of the coarse grid.
 CoarseSums attenuate(XrayChain &chain)
 {
     CoarseSums sums(chain.size / coarse_cell);
@@ -216,8 +217,8 @@ float transmitted(const BeamTable &beam, const Exponents &exponent)
 constexpr float ray_spread_max = 0.1f;
 
 // Several rays pass through each pixel. The transmissions of these rays are averaged, because averaged path
-// lengths would make thin metal too dark. Inside a wide column of contrast medium the rays are nearly equal,
-// and one transmission, of their mean length, is enough.
+// lengths would make thin metal too dark. Inside a wide column of contrast medium the path lengths of these
+// rays are nearly equal, and one transmission, for the mean path length, is enough.
 float behind_tools(const XrayChain &chain, std::size_t touched)
 {
     const ToolPaths &tools = chain.paths.tools();

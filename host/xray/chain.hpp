@@ -1,5 +1,5 @@
-// Holds the state of the signal chain between frames. The chain converts path lengths (paths.hpp) to the
-// signal at the detector.
+// Holds the state of the signal chain, which is kept from frame to frame. The chain converts path lengths
+// (paths.hpp) to the signal at the detector.
 //
 //    paths ─> transmission ─┬─> focal spot, pixel ─┬─> signal ─> photons ─> scintillator ─> lag ─> raw
 //                           └─> scatter ───────────┘   (here)    (detector)                    ─> shown ─> grey
@@ -81,10 +81,11 @@ ExposureDemand demand_of(const XraySettings &settings);
 // frames are dropped.
 void see_paths(XrayChain &chain, const XraySettings &settings, const XrayFrame &frame);
 
-// Returns the technique at which automatic exposure settles in this view, whatever pulses came before.
+// Returns the technique (voltage, current, pulse width, filter) that automatic exposure reaches in this view,
+// whatever pulses came before.
 ExposureChoice settle_exposure(XrayChain &chain, const XraySettings &settings, const ExposureDemand &demand);
 
-// Computes the signal of the bodies for this technique, unless it has already been computed.
+// Computes the signal behind the bodies for this technique, unless this signal has already been computed.
 void see_signal(XrayChain &chain, const XraySettings &settings, const XrayTechnique &technique);
 
 // Does both as one pulse. If the settings contain a fixed technique (voltage, current, pulse width and

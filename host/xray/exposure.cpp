@@ -1,4 +1,4 @@
-// Implements the curves of automatic exposure, and the control that uses them.
+// Implements automatic exposure: its fixed curves, and the control that uses these curves.
 #include "host/xray/exposure.hpp"
 #include "host/xray/float_math.hpp"
 #include <algorithm>

@@ -20,8 +20,8 @@
 // With each pulse the estimated thickness changes by half of its difference from the thickness that the
 // signal shows, and by at most 3 cm, so that a new view settles within about five pulses.
 //
-// Manufacturers do not publish the numbers of their curves. The curves below are assumptions within the
-// limits of angiography tubes.
+// Manufacturers do not publish the numbers of their exposure curves. The curves below are assumptions within
+// the limits of angiography tubes.
 #pragma once
 #include "host/xray/beam_table.hpp"
 #include <cstdint>

@@ -22,7 +22,7 @@ enum class MeterPace {
     settles  // as after test exposures, until the control has settled: the first frame of DSA
 };
 
-// Holds the technique and the dose of one pulse.
+// Holds the technique (voltage, current, pulse width, filter) and the dose of one pulse.
 struct XrayExposure {
     XrayTechnique technique;
     bool is_underexposed = false; // the control is at a limit

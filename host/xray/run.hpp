@@ -1,5 +1,5 @@
-// Holds one acquired run of the X-ray room, from which cine loops, masks and files are made. The room adds
-// the frames one by one, and host/dicom writes the run to files. It is plain data.
+// Holds one run of frames that the X-ray room acquired, from which cine loops, masks and files are made. The
+// room adds the frames one by one, and host/dicom writes the run to files. It is plain data.
 #pragma once
 #include "host/xray/paths/carm.hpp"
 #include <cstdint>
@@ -40,8 +40,8 @@ struct RunFrame {
     std::vector<std::uint16_t> raw; // size*size, row 0 on top
 };
 
-// Lists the filters, in the order in which the beam passes through them. The names of materials are those of
-// PS3.3 C.8.7.10, Filter Material: "copper", "aluminum".
+// Lists the beam's filters, in the order in which the beam passes through them. The filters have the material
+// names of PS3.3 C.8.7.10, Filter Material: "copper", "aluminum".
 struct RunFilter {
     std::string material;
     double thickness_mm = 0.0;

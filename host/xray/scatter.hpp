@@ -1,4 +1,4 @@
-// Scattered photons are computed by convolution of the primary picture.
+// Scattered photons are computed by convolution of the picture of primary (unscattered) photons.
 //
 // Each point of the detector is the middle of a broad patch of scattered photons. The sum of the patch is in
 // proportion to P ln(1/P), where P is the transmission of primary photons at that point. P ln(1/P) is the
@@ -11,8 +11,8 @@
 // of the field up to about 25 cm. Photons scattered from bright areas brighten dark areas. One measurement
 // sets the factor of 0.70: 30 cm of acrylic in a field of 40 x 30 cm scatter 4.51 times the primary photons.
 // Behind a grid of ratio 10 the ratio S/P is 1.28; that grid transmits 70.6 % of the primary and 21 % of the
-// scattered photons (Altunbas et al., Med Phys 43 (2016), abstract WE-AB-207A-10). The measured ratio
-// includes the effect of the air gap between patient and detector, which is constant here.
+// scattered photons (Altunbas et al., Med Phys 43 (2016), abstract WE-AB-207A-10). The measured ratio S/P
+// includes the effect of the air gap between patient and detector, which is constant in this model.
 #pragma once
 #include "host/xray/coarse.hpp"
 
@@ -23,8 +23,8 @@ namespace crn
 // primary photons.
 inline constexpr float grid_scatter_to_primary = 0.21f / 0.706f;
 
-// Returns the scattered signal in each cell of the coarse grid, before the anti-scatter grid, in the units of
-// the primary sums (1 is the open beam).
+// Returns the scattered signal in each cell of the coarse grid, in front of the anti-scatter grid, in the
+// units of the primary sums (1 is the open beam).
 std::vector<float> scatter_part(const CoarseSums &primary, int cells, double cell_mm);
 
 } // namespace crn

@@ -28,8 +28,9 @@ Spectrum behind(const Spectrum &spectrum, Material material, double thickness_cm
 // Returns the air kerma of the photons in a spectrum, in uGy.
 double air_kerma_uGy(const Spectrum &photons_mm2);
 
-// Returns the fraction of photons of this energy that the scintillator absorbs. The scintillator is 0.55 mm
-// of CsI at the density of the crystal, which is a layer of needles about 0.6 mm thick.
+// Returns the fraction of photons of this energy that the scintillator absorbs. The scintillator is simulated
+// as 0.55 mm of CsI at the density of the crystal, which corresponds to a layer of needles about 0.6 mm
+// thick.
 double scintillator_absorption(int energy_index);
 
 } // namespace crn

@@ -31,8 +31,8 @@ namespace crn
 struct XrayBeam {
     ExposureMode mode = ExposureMode::fluoro;
     // This dose is the mean over the measuring field behind patient and grid. Automatic exposure aims at this
-    // dose, and the gain of the detector is set for it. Usual values are 20 .. 60 in fluoroscopy, 100 .. 250
-    // in cine, and 500 .. 3000 in DSA.
+    // dose, and the gain of the detector is chosen for it. Usual values are 20 .. 60 in fluoroscopy, 100 ..
+    // 250 in cine, and 500 .. 3000 in DSA.
     double dose_per_frame_nGy = 40.0;
     double frame_period_ms = 1000.0 / 15.0; // for the limit of the dose rate
     // A technique given here replaces automatic exposure; either the user has set it, or a DSA run locks it.
@@ -69,7 +69,7 @@ int held_size(int size);
 inline constexpr std::uint16_t raw_max = 16383;
 inline constexpr double raw_of_wanted_dose = 1024.0;
 
-// All pictures have size*size pixels, with row 0 on top.
+// All pictures consist of size*size pixels, with row 0 on top.
 struct XrayPicture {
     int size = 0;
     std::uint32_t tick = 0;
@@ -117,8 +117,8 @@ class XrayScene
     ~XrayScene();
     XrayScene(const XrayScene &) = delete;
     XrayScene &operator=(const XrayScene &) = delete;
-    // Returns false if a material or parent is unknown; `error` then gives the body's name and the cause, and
-    // the scene is empty.
+    // Returns false if a material or parent is unknown; in that case `error` gives the body's name and the
+    // cause, and the scene is empty.
     bool set_bodies(const Bodies &bodies, std::string &error);
     std::size_t triangle_count() const;
     struct Meshes;

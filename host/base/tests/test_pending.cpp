@@ -213,8 +213,8 @@ static void a_signal_leaves_the_files_that_are_whole(void **)
     assert_string_equal(text_of(folder.file("a")).c_str(), "whole");
 }
 
-// Another user of the folder has created a link under a name that can be guessed. The program must neither
-// follow this link nor empty the file to which it points.
+// In this test another user of the folder has created a link under a name that can be guessed. The program
+// must neither follow this link nor empty the file to which it points.
 static void a_planted_link_is_not_followed(void **)
 {
     Folder folder;

@@ -109,8 +109,8 @@ std::string output_of(const std::string &command, int *exit_code = nullptr)
     return text;
 }
 
-// Fails when a line of dciodvfy's output contains "Error". The test also fails when the program dciodvfy is
-// missing.
+// Fails the test when a line of dciodvfy's output contains "Error". The test also fails when the program
+// dciodvfy is missing.
 void assert_valid(const std::string &path)
 {
     const std::string said = output_of("dciodvfy " + path);
@@ -411,7 +411,7 @@ static void files_are_anonymous_unless_a_patient_is_named(void **)
     assert_text(other, DCM_PatientID, "P7");
     assert_text(other, DCM_StudyDate, "20200229");
     assert_text(other, DCM_PatientIdentityRemoved, "absent");
-    // The files of another patient belong to another study.
+    // Files of different patients belong to different studies.
     assert_true(other.text(DCM_StudyInstanceUID) != reader.text(DCM_StudyInstanceUID));
 }
 

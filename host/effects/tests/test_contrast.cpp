@@ -105,7 +105,8 @@ double out_of_the_last(const ContrastFlow &contrast)
     return contrast.network().outflow_ml_s(contrast.network().runs().size() - 1);
 }
 
-// With plug flow a front in a straight tube moves by flow / area: 10 ml/s in 28.3 mm^2 give 354 mm/s.
+// With plug flow a front of contrast medium in a straight tube moves by flow / area: 10 ml/s in 28.3 mm^2
+// give 354 mm/s.
 void a_front_moves_with_flow_over_area(void **)
 {
     ContrastFlow contrast(tube(10.0), {3.5, 0.5, 30.0});
@@ -119,9 +120,9 @@ void a_front_moves_with_flow_over_area(void **)
     within("front speed, mm/s", (front_mm(contrast) - first_mm) / 0.6, flow_ml_s * 1e3 / (pi * 9.0), 0.01);
 }
 
-// In laminar flow the two layers move at 1.5 and 0.5 times the mean speed. The volume of blood that contrast
-// medium has replaced grows by exactly the flow; this volume is the mean position of the front times the
-// area.
+// In laminar flow the two layers of blood move at 1.5 and 0.5 times the mean speed. The volume of blood that
+// contrast medium has replaced grows by exactly the flow; this volume is the mean position of the front times
+// the area.
 void a_laminar_front_is_long_and_its_mean_moves_with_the_flow(void **)
 {
     ContrastFlow contrast(tube(10.0), {3.5, 0.75, 1e9});
@@ -167,7 +168,8 @@ void a_pulse_spreads_as_the_two_layers_say(void **)
            0.03);
 }
 
-// Blood that flows past dilutes the injected fluid to S / Q of its concentration.
+// Blood that flows past the catheter dilutes the injected fluid to S / Q of its concentration, where S is the
+// injected flow and Q the total flow.
 void injected_fluid_is_diluted_by_the_blood_that_flows(void **)
 {
     ContrastFlow contrast(tube(10.0));
@@ -193,14 +195,15 @@ void a_fork_divides_iodine_as_its_conductances(void **)
             8 * 3.5e-3 * length_mm * 1e-3 / (pi * std::pow(radius_mm * 1e-3, 4)) * 1e-6 / 133.322;
         return 1.0 / (vessel + mean_pressure_mmHg / flow_ml_s);
     };
-    // Hardly any medium has left the tree yet, so each branch still holds all medium that entered it.
+    // Hardly any contrast medium has left the tree yet, so each branch still holds all medium that entered
+    // it.
     assert_true(contrast.budget().out_mg < 1e-6 * contrast.budget().injected_mg);
     within("wide over thin", held_in(contrast, 1) / held_in(contrast, 2),
            conductance(1, 3.0, 6.0) / conductance(2, 1.0, 3.0), 0.01);
 }
 
-// The heart beats for 60 s. There are several injections, one of which refluxes, and the catheter enters the
-// renal artery and leaves it again.
+// The heart beats for 60 s. During this time there are several injections, one of which refluxes, and the
+// catheter enters the renal artery and leaves it again.
 void iodine_is_conserved_and_stays_between_none_and_injected(void **)
 {
     ContrastFlow contrast(aorta());
@@ -247,8 +250,8 @@ void more_than_flows_away_goes_back_upstream(void **)
     within("mg back", back_mg, iodine * (20.0 - out_of_the_last(forced)) * 0.15, 0.03);
 }
 
-// A catheter as wide as the vessel blocks the flow: no blood comes past it. So the injected fluid flows
-// downstream undiluted, and no fluid flows back.
+// A catheter as wide as the vessel blocks the flow: no blood flows past the catheter. So the injected fluid
+// flows downstream undiluted, and no fluid flows back.
 void a_wedged_catheter_lets_nothing_past(void **)
 {
     ContrastFlow contrast(aorta());
@@ -263,7 +266,7 @@ void a_wedged_catheter_lets_nothing_past(void **)
     assert_true(held_in(contrast, 1) > 300.0); // no flow: nothing washes it out
 }
 
-// The reference is the textbook formula for a concentric annulus, computed by libm.
+// The reference is the textbook formula for a concentric annulus, evaluated with the functions of libm.
 void a_tool_in_the_lumen_leaves_an_annulus(void **)
 {
     for (double k = 0.02; k < 0.97; k += 0.01) {
@@ -315,7 +318,7 @@ void aorta_flows_in_systole_and_left_coronary_in_diastole(void **)
         }
     }
     for (double bed : sum) within("mean openness", bed / 60000, 1.0, 1e-3);
-    // Systole takes 0.34 of the beat.
+    // Systole takes a fraction of 0.34 of the beat.
     assert_true(systolic[0] / sum[0] > 0.55 && systolic[1] / sum[1] < 0.2 && systolic[2] / sum[2] < 0.34);
     BeatPhase none;
     none.is_beating = false;

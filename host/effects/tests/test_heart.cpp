@@ -44,8 +44,8 @@ struct Patient {
     }
 };
 
-// At 70 /min the systolic pressure must be 110 to 130 mmHg, and the diastolic 70 to 85 mmHg. The rate,
-// computed from the intervals, must be exact to 0.2 /min.
+// At 70 /min the systolic pressure must be 110 to 130 mmHg, and the diastolic 70 to 85 mmHg. The heart rate,
+// computed from the intervals between beats, must be exact to 0.2 /min.
 void a_resting_adult_has_the_usual_pressures(void **)
 {
     Patient patient;
@@ -58,7 +58,7 @@ void a_resting_adult_has_the_usual_pressures(void **)
 }
 
 // The premature beat ejects less, so its systolic pressure is lower. The diastolic pressure after the long
-// pause that follows is lower too.
+// pause that follows a premature beat is lower too.
 void a_premature_beat_is_weak_and_the_pause_after_it_long(void **)
 {
     Patient patient;
@@ -95,7 +95,8 @@ void asystole_is_a_flat_line_and_a_falling_pressure(void **)
     assert_true(patient.monitor.rate_per_min() == 0);
 }
 
-// R comes 36 ms after the QRS begins, T at four fifths of systole, and P before the next QRS, up to 150 /min.
+// In the electrocardiogram, R comes 36 ms after the QRS begins, T at four fifths of systole, and P before the
+// next QRS, up to 150 /min.
 void the_waves_stand_where_the_beat_says(void **)
 {
     for (std::uint32_t rate : {50u, 70u, 150u}) {

@@ -1,8 +1,8 @@
 // Claims: the pressure drop of a lesion is the sum of the drop by Poiseuille's law and of the loss of the jet
 // behind its narrowest point. A lesion reduces the flow in the vessels behind it, more so in hyperaemia and
-// with a guidewire in it, and it delays contrast medium. The state of a lesion is part of a snapshot. After
-// the lesion yields, the pressure drop is that of the remaining stenosis, and no iodine is lost. Each test
-// compares the simulation with a formula that the test contains.
+// with a guidewire in the lesion, and it delays contrast medium. The state of a lesion is part of a snapshot.
+// After the lesion yields, the pressure drop is that of the remaining stenosis, and no iodine is lost. Each
+// test compares the simulation with a formula that the test contains.
 #include "host/effects/contrast_flow.hpp"
 #include "host/effects/lesion_figures.hpp"
 #include "host/model/lesion_opening.hpp"
@@ -55,7 +55,8 @@ VesselTree vessel(double throat_mm)
     return {{branch}, {lesion}};
 }
 
-// Returns the integral of ds / r^4 over the lesion: 18 mm at the minimal radius, and two tapers.
+// Returns the integral of ds / r^4 over the lesion, which consists of 18 mm at the minimal radius and two
+// tapers of 1 mm.
 double per_r4_mm3(double throat_mm)
 {
     const double a = throat_mm, b = healthy_mm;
@@ -205,7 +206,7 @@ void a_snapshot_goes_on_as_the_original_does(void **)
 // --- lesions that yield ---
 
 // Returns the same vessel after its lesion has opened by the fraction `share`. The lesion is concentric, so
-// its points stay, and its radii change in proportion.
+// the points of its centreline do not move, and its radii change in proportion.
 VesselTree opened(const VesselTree &tree, double share)
 {
     const LesionStations stations{21, 1e-3};

@@ -81,8 +81,8 @@ void a_wire_in_the_lumen_leaves_the_annulus(void **)
                           1.0) < 1e-9);
 }
 
-// A guidewire whose tip is half-way back in the lumen narrows only the half behind its tip. The integration
-// of the pressure along the lumen uses steps of 1 mm, so it is exact for a lumen of 1 m.
+// A guidewire whose tip is in the middle of the lumen's length narrows only the half behind its tip. The
+// integration of the pressure along the lumen uses steps of 1 mm, so it is exact for a lumen of 1 m.
 void only_the_stretch_behind_its_tip_is_narrowed(void **)
 {
     const InnerTool half[] = {{&balloon_shaft, 0.5}}, whole[] = {{&balloon_shaft, 0.0}};

@@ -1,6 +1,6 @@
 // Claims: whatever bytes were lost, cut or repeated, HELLO begins a working conversation without unplugging
-// the cable. A late answer is not taken for the answer to the present request. A device that sends without
-// end causes an error. Every tick that was received is in the recording.
+// the cable. A late answer is not taken for the answer to the present request. A device that sends bytes
+// without end causes an error. The recording contains every tick that the host received.
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -186,8 +186,8 @@ void a_device_that_talks_without_end_is_left_with_an_error(void **)
     assert_true(link.take_notices().size() == crn::Link::notices_max);
 }
 
-// The device sends zeros without end, noise without end, or one byte now and then. None of these bytes is a
-// message, and each call must end after a bounded number of bytes or a bounded time.
+// In this test the device sends zeros without end, noise without end, or one byte now and then. None of these
+// bytes is a message, and each call must end after a bounded number of bytes or a bounded time.
 void a_device_that_never_frames_is_left_with_an_error(void **)
 {
     for (const unsigned char byte : {0x00, 0x55, 0xff}) {

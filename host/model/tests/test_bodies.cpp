@@ -1,5 +1,5 @@
 // Claims: reading a body file gives the bodies that were written. A file that is not a body file is refused
-// with a message that names the file, the place and the remedy.
+// with a message that names the file, the byte and the remedy.
 #include "host/model/bodies.hpp"
 #include "host/xray/tests/xray_shapes.hpp"
 #include "shared/scene/scene_write.h"
@@ -21,7 +21,7 @@ namespace
 
 const std::string path = "/tmp/cournand-bodies-" + std::to_string(getpid()) + ".bodies";
 
-// Makes the BODY section of docs/scene.md, independently of tools/bake.
+// Makes the BODY section that docs/scene.md describes, independently of tools/bake.
 std::vector<std::uint8_t> body_section(const Body &body)
 {
     std::vector<std::uint8_t> bytes(64);

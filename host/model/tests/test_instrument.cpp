@@ -56,7 +56,7 @@ void expect_in(const std::string &message, const std::string &expected)
     }
 }
 
-// Reads a shipped file in which one piece of text was replaced.
+// Reads a shipped instrument file in which one piece of text was replaced.
 void expect_error_in(const std::string &file, const std::string &old_piece, const std::string &new_piece,
                      const std::string &expected)
 {

@@ -102,7 +102,7 @@ double volume_mm3(const Body &body, std::span<const Eigen::Vector3i> vertices_um
     return sum;
 }
 
-// The test covers a grid of radii and angles at the narrowest place: near the wall, in the transition to the
+// The test covers a grid of radii and angles at the narrowest point: near the wall, in the transition to the
 // region that does not move, and beside the branch.
 void the_map_of_a_wall_is_undone(void **)
 {
@@ -164,8 +164,8 @@ void opened_wholly_a_body_is_the_healthy_one_and_half_open_half_way(void **)
     assert_true(opened.vertex_count() >= moved && opened.vertex_count() < moved + 40);
 }
 
-// The narrowest place is at y = 30. Only the lesion's points from y = 27 to 33 mm are open: by 0.6 in the
-// middle, and by 0 at both ends.
+// The narrowest point of the lesion is at y = 30 mm. Only the lesion's points from y = 27 to 33 mm are open:
+// by 0.6 in the middle, and by 0 at both ends.
 void a_body_opens_station_by_station(void **)
 {
     Bodies bodies{{tube(radius_mm, 60)}, tube_tree()};
@@ -210,8 +210,8 @@ void other_bodies_stay(void **)
     assert_int_equal(moved[0].body, 0);
 }
 
-// A half shell of calcium lies around the channel, 1.6 to 1.9 mm from its middle. The calcium must end up
-// outside the opened lumen, with its volume unchanged.
+// A half shell of calcium lies around the channel of the lesion, 1.6 to 1.9 mm from its middle. The calcium
+// must end up outside the opened lumen, with its volume unchanged.
 void calcium_goes_out_with_the_wall_and_keeps_its_volume(void **)
 {
     Bodies bodies{{tube(radius_mm, 60), tube(1.0, 8)}, tube_tree()};

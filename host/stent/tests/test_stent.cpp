@@ -27,7 +27,7 @@ constexpr double pi = std::numbers::pi, mount_mm = 20.0;
 const std::string coronary_file = "shared/examples/stents/coronary_3_0x18.toml";
 const std::string renal_file = "shared/examples/stents/renal_6_0x18.toml";
 
-// Prints both values if they differ, so that a failure can be understood.
+// Prints the expected and the actual value if they differ, so that a failure can be understood.
 void near(const char *what, double got, double wanted, double allowed)
 {
     if (!(std::abs(got - wanted) <= allowed))

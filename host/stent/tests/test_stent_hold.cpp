@@ -1,8 +1,8 @@
 // Claims: for a minute, a stent in a beating artery stays at the part of the wall on which it was deployed.
-// The stent lies on the wall and does not pass through it, at 15 and at 60 pictures per second. A stent that
-// is too small for its vessel does not stay where it was deployed. A lesion that a balloon has opened gets
-// the shape of the healthy vessel, as the tree of vessels describes it. The artery moves 12 mm to and fro,
-// turns and bends; its length and width change by as much as those of the arteries in the shipped heart.
+// The struts lie on the wall and do not pass through it, at 15 and at 60 pictures per second. A stent that is
+// too small for its vessel does not stay where it was deployed. A lesion that a balloon has opened gets the
+// shape of the healthy vessel, as the tree of vessels describes it. The artery moves 12 mm to and fro, turns
+// and bends; its length and width change by as much as those of the arteries in the shipped heart.
 #include "firmware/tests/reference/long_run.h"
 #include "host/stent/stents.hpp"
 #include "host/stent/tests/stent_heart.hpp"
@@ -146,8 +146,8 @@ static void lesion_opens_station_by_station(void **)
     assert_true(std::abs(stretch.to_mm - stretch.from_mm - 12) < 0.6 && vessel.lesion_mm(1).is_empty());
 }
 
-// Two stents are deployed one after the other. The second stent lies in one end of the first and covers half
-// of the lesion. Then the test compares the commands that the two stents cause for the core.
+// Two stents are deployed one after the other. The second stent lies in one end of the first stent and covers
+// half of the lesion. Then the test compares the commands that the two stents cause for the core.
 struct Two {
     VesselWall vessel{beating_artery(true), 0, 5, 45, nullptr};
     Stents stents;
@@ -204,8 +204,8 @@ static void stents_tell_the_core_what_they_hold_open(void **)
     assert_false(Two().stents.restore(two.stents.snapshot()));
 }
 
-// A renal artery of 3 mm radius leaves an aorta of 9 mm. The tube must begin where the branch leaves the
-// aorta's lumen, so that the part of a stent in the aorta touches no wall.
+// In this test a renal artery of 3 mm radius leaves an aorta of 9 mm radius. The tube must begin where the
+// branch leaves the aorta's lumen, so that the part of a stent in the aorta touches no wall.
 static void wall_of_a_branch_begins_at_its_ostium(void **)
 {
     VesselBranch aorta, renal;

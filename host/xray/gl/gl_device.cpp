@@ -11,7 +11,8 @@ namespace
 
 // The camera axes are in mm: x to the right, y up, and z away from the source. x and y are multiplied by the
 // focal length, in units of half a picture. OpenGL reads back the lowest row first, so the y coordinate is
-// flipped to get the top row first. Only geometry nearer to the source than 1 mm is clipped.
+// flipped to get the top row first. Only those parts of the bodies that are nearer to the source than 1 mm
+// are clipped.
 constexpr const char *vertex_text = R"(#version 330 core
 layout(location = 0) in vec3 vertex_um;
 uniform vec3 source_um, right, up, forward;
@@ -21,9 +22,9 @@ void main() {
     gl_Position = vec4(dot(ray_mm, right), -dot(ray_mm, up), depth_mm - 2.0, depth_mm);
 })";
 
-// 1 / gl_FragCoord.w is the depth, interpolated with correct perspective. The picture is seen from the
-// detector and mirrored. So a face that is turned towards the source appears anticlockwise in the picture, as
-// it does when seen from outside the body.
+// 1 / gl_FragCoord.w is the depth, interpolated with correct perspective. The picture is drawn as seen from
+// the detector and mirrored. So a face that is turned towards the source appears anticlockwise in the
+// picture, as it does when seen from outside the body.
 constexpr const char *fragment_text = R"(#version 330 core
 uniform float reference_mm;
 out float sum_mm;

@@ -1,6 +1,6 @@
 // A GlLibraryFile is a shared library that is opened at run time. The library stays loaded until the process
-// ends, because Mesa keeps threads and thread-local data, and unloading it is not safe. Only files in the
-// same folder may include this header.
+// ends, because Mesa keeps threads and thread-local data, so that unloading the library is not safe. Only
+// files in the same folder may include this header.
 #pragma once
 #include <cstring>
 #include <string>

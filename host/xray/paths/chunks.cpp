@@ -1,4 +1,4 @@
-// Cuts the mesh of a body into chunks of neighbouring triangles, so that a chunk outside the field can be
+// Cuts the mesh of a body into chunks of neighbouring triangles, so that a chunk outside the picture can be
 // skipped as a whole.
 #include "host/xray/paths/meshes.hpp"
 #include <algorithm>

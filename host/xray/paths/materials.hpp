@@ -29,7 +29,7 @@ enum class Material : std::uint8_t {
 };
 inline constexpr int material_count = 16;
 
-// Returns the name that files use, such as "bone_cortical".
+// Returns the name that files use for a material, such as "bone_cortical".
 std::string_view material_name(Material material);
 
 // Accepts the full names of the materials, and these short forms: tissue, skin, organ, water (soft_tissue),

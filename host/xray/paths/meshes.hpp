@@ -1,6 +1,6 @@
-// Holds the bodies of a scene in the form in which they are drawn: chunks of neighbouring triangles, so that
-// a chunk outside the field is skipped as a whole. The meshes of a scene's bodies are made once, and then any
-// number of threads and back ends may read them.
+// Holds the bodies of a scene in the form in which they are drawn: as chunks of neighbouring triangles, so
+// that a chunk outside the picture is skipped as a whole. The meshes of a scene's bodies are made once, and
+// then any number of threads and back ends may read them.
 #pragma once
 #include "host/model/bodies.hpp"
 #include <array>
@@ -42,8 +42,8 @@ struct BodyMeshes {
 
 inline constexpr int mesh_chunk_triangles = 128;
 
-// Cuts one body into chunks of neighbouring triangles, and appends it to the meshes. `own` and `parent` are
-// materials; a parent of -1 is air.
+// Cuts one body into chunks of neighbouring triangles, and appends it to the meshes. `own` is the material of
+// the body, and `parent` is the material around it; a parent of -1 is air.
 void append_body(BodyMeshes &meshes, const Body &body, int own, int parent);
 
 // Replaces the vertices of a body by the same number of new vertices; the triangles keep their vertex

@@ -1,5 +1,5 @@
-// Runs the same work on several threads and waits until all have finished. Results never depend on the number
-// of threads.
+// Runs the same work on several threads and waits until all threads have finished. Results never depend on
+// the number of threads.
 #pragma once
 #include <algorithm>
 #include <atomic>

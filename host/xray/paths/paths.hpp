@@ -1,6 +1,6 @@
-// A path length is the length over which a ray crosses a material; there is one for every ray and material.
-// All later steps, beginning with the transmission (host/xray/chain.hpp), use only path lengths, and do not
-// depend on meshes and tubes.
+// A path length is the length over which a ray crosses a material; each ray has one path length for each
+// material. All later steps, beginning with the transmission (host/xray/chain.hpp), use only path lengths,
+// and do not depend on meshes and tubes.
 //
 //     Bodies ──> BodyPaths (a back end: RasterPaths, or OpenGL) ──┐
 //                                                                 ├──> PathKeeper ──> chain
@@ -10,9 +10,9 @@
 // BodyPaths::draw), in units of 1/1024 mm. Its unit is 1/1024 mm. The int32 is (depth where the ray leaves) -
 // (depth where it enters), along the ray through the middle of the pixel, summed over all faces of the
 // selected bodies. The sum of a body is added to the path length in its own material, and subtracted from
-// that in the material of its parent, in which it lies. So bodies nested to any depth need no sorting.
-// RasterPaths is the reference. The results of another back end may differ from those of RasterPaths by
-// rounding, and a test limits this difference.
+// that in the material of its parent, in which it lies. So bodies may be nested to any depth and need no
+// sorting. RasterPaths is the reference. The results of another back end may differ from those of RasterPaths
+// by rounding, and a test limits this difference.
 #pragma once
 #include "host/xray/paths/carm.hpp"
 #include "host/xray/paths/materials.hpp"
@@ -28,8 +28,8 @@
 namespace crn
 {
 
-// Holds one picture of path lengths per material, size*size pixels with row 0 on top, in 1/1024 mm. A picture
-// is empty if the scene has no such material.
+// Holds one picture of path lengths per material, size*size pixels with row 0 on top, in 1/1024 mm. The
+// picture of a material is empty if the scene has no such material.
 using PathPictures = std::array<std::vector<std::int32_t>, material_count>;
 
 // Describes the pixels in columns [x0, x1) and rows [y0, y1).
@@ -44,7 +44,7 @@ enum class PathForm {
 };
 
 // A back end computes the path lengths through closed bodies. A back end is made for one BodyMeshes, which
-// must live longer; only one thread may use it at a time.
+// must exist longer than the back end; only one thread at a time may use a back end.
 class BodyPaths
 {
   public:
@@ -56,9 +56,9 @@ class BodyPaths
 
     // Sets every pixel in `rect` to the sum of depths of those bodies whose entry in `is_drawn` is not 0; the
     // list has one entry per body. The sums are set in the pictures of all materials that the channels of the
-    // meshes use. Pixels outside `rect` do not change. `pictures` must already have the right sizes. Nothing
-    // behind the source, or nearer to it than 1 mm, is drawn. Returns false with a message if the graphics
-    // device fails; PathKeeper then continues with RasterPaths.
+    // meshes use. Pixels outside `rect` do not change. `pictures` must already have the right sizes. Parts of
+    // bodies behind the source, or nearer to the source than 1 mm, are not drawn. Returns false with a
+    // message if the graphics device fails; PathKeeper then continues with RasterPaths.
     virtual bool draw(const View &view, std::span<const std::uint8_t> is_drawn, const PixelRect &rect,
                       PathForm form, PathPictures &pictures, std::string &error) = 0;
 };
@@ -67,9 +67,9 @@ class BodyPaths
 // [begin, end) of one row.
 void finish_row(const View &view, int row, int begin, int end, std::int32_t *line);
 
-// Holds the path lengths that tools add to those of the bodies. Only pixels that a tool touches have entries.
-// Several rays pass through each of these pixels, because tools are thin. Each ray has one length for each of
-// the drawn materials.
+// Holds the path lengths in tools, which are added to the path lengths in the bodies. Only pixels that a tool
+// touches have entries. Several rays pass through each of these pixels, because tools are thin. Each ray has
+// one length for each of the drawn materials.
 inline constexpr int tool_rays = 9;
 
 struct ToolPaths {

@@ -1,6 +1,6 @@
-// Projects triangles to the picture. Corners are rounded to 1/256 pixel. Edge functions are integers and
-// follow the top-left rule, so that neighbouring triangles cover every pixel exactly once. Depth has correct
-// perspective, because 1/depth is linear in the picture.
+// Projects triangles to the picture. The corners of triangles are rounded to 1/256 pixel. Edge functions are
+// integers and follow the top-left rule, so that neighbouring triangles cover every pixel exactly once. Depth
+// has correct perspective, because 1/depth is linear in the picture.
 #include "host/xray/paths/raster.hpp"
 #include "host/xray/paths/lanes.hpp"
 #include <algorithm>
@@ -18,8 +18,8 @@ float dot(const Eigen::Vector3f &a, const Eigen::Vector3f &b)
     return a.x() * b.x() + a.y() * b.y() + a.z() * b.z();
 }
 
-// Returns true if the sphere around the chunk lies outside one side of the pyramid of rays, or behind the
-// source.
+// Returns true if the sphere around a chunk of triangles lies outside one side of the pyramid of rays, or
+// behind the source.
 bool is_outside(const Camera &camera, const MeshChunk &chunk)
 {
     const Eigen::Vector3f centre = chunk.centre_um - camera.source;

@@ -1,11 +1,11 @@
-// Computes depth sums of closed meshes: where a ray leaves a body its depth is added, and where it enters the
-// depth is subtracted. The sums are int32 in 1/1024 mm along the central axis, so they do not depend on the
-// order of the triangles.
+// Computes depth sums of closed meshes: the depth at which a ray leaves a body is added, and the depth at
+// which the ray enters is subtracted. The sums are int32 in 1/1024 mm along the central axis, so they do not
+// depend on the order of the triangles.
 //
-// A picture is drawn in two passes, whose work several threads share. In the first pass project_chunk
-// projects the corners of every chunk to the picture, and keeps the triangles that cover the middle of a
-// pixel. In the second pass TileRaster draws all triangles that touch one tile of the picture, and adds their
-// depths to sums that stay in the processor's cache.
+// A picture is drawn in two passes, and several threads share the work of each pass. In the first pass
+// project_chunk projects the corners of every chunk to the picture, and keeps the triangles that cover the
+// middle of a pixel. In the second pass TileRaster draws all triangles that touch one tile of the picture,
+// and adds their depths to sums that stay in the processor's cache.
 #pragma once
 #include "host/xray/paths/paths.hpp"
 
@@ -49,8 +49,8 @@ struct KeptTriangle {
     std::uint16_t is_large;  // more than 64 pixels wide or high: products of differences may pass 2^31
 };
 
-// The coordinates of the corners are stored in separate arrays for x, y and z. The corners of each chunk are
-// padded to a multiple of eight.
+// The coordinates of the corners are stored in separate arrays for x, y and z. Each chunk stores a multiple
+// of eight corners; unused entries are filled up.
 struct RasterVertices {
     std::vector<float> x_um, y_um, z_um;
     std::vector<std::uint32_t> begin; // of each chunk

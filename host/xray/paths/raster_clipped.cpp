@@ -30,9 +30,9 @@ Projected project_um(const Camera &camera, const Eigen::Vector3f &vertex_um)
             camera.half_pixels - dot(camera.up, x, y, z) * scale, depth};
 }
 
-// Within guard_pixels a corner is rounded like all others, because a neighbouring triangle may have the same
-// corner. The coordinates of a corner farther away are limited to +-4 million pixels, so that products of
-// differences of coordinates fit into 64 bits.
+// Within guard_pixels a corner is rounded like the corners in TileRaster, because a neighbouring triangle may
+// have the same corner. The coordinates of a corner farther away are limited to +-4 million pixels, so that
+// products of differences of coordinates fit into 64 bits.
 std::int32_t snap_far(float pixels)
 {
     if (std::fabs(pixels) <= guard_pixels) return snap(pixels);
@@ -61,7 +61,7 @@ struct Edge {
         step_x = -dy * subpixels;
         step_y = dx * subpixels;
     }
-    // Reduces the range [first, last] to the columns on the inner side of the edge.
+    // Reduces the range [first, last] of columns to those on the inner side of the edge.
     void narrow(std::int64_t &first, std::int64_t &last) const
     {
         if (step_x > 0) {
@@ -74,8 +74,8 @@ struct Edge {
     }
 };
 
-// Describes the plane of 1/depth over the picture. The values of the plane are limited to the range of those
-// at the corners, so that a very thin triangle gives no extreme depth.
+// Describes 1/depth over the picture as a plane. The values of 1/depth are limited to the range between the
+// corners' values, so that a very thin triangle gives no extreme depth.
 struct DepthPlane {
     float origin, slope_x, slope_y, low, high;
     std::int32_t x, y;
@@ -137,7 +137,8 @@ void fill(const Corner &a, const Corner &b, const Corner &c, float area, const P
     }
 }
 
-// The picture is seen from the detector, so a face that looks at the source is clockwise in it.
+// The picture is seen from the detector, so a face that is turned towards the source is clockwise in the
+// picture.
 void draw(const Corner &a, const Corner &b, const Corner &c, const PixelRect &tile, std::int32_t *sums)
 {
     const PixelRect box = pixels_inside(a, b, c, tile);

@@ -12,7 +12,7 @@ namespace crn
 namespace
 {
 
-// Computes for each pixel the length along the ray divided by the length along the axis.
+// Computes for each pixel the length along its ray divided by the length along the central axis.
 CRN_WIDE void oblique_row(const View &view, int row, int begin, int end, float *oblique)
 {
     const float half = 0.5f * static_cast<float>(view.size);

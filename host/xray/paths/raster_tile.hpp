@@ -1,5 +1,5 @@
-// Draws the chunks that touch one tile. The triangles of these chunks are collected in groups of eight,
-// across the borders of chunks.
+// Draws the chunks of triangles that touch one tile of the picture. The triangles of these chunks are
+// collected in groups of eight, across the borders of chunks.
 #pragma once
 #include "host/xray/paths/lanes.hpp"
 #include "host/xray/paths/raster.hpp"
@@ -16,8 +16,8 @@ struct Batch {
     std::int32_t column[lane_count], row[lane_count], columns[lane_count],
         rows[lane_count]; // part of the tile
     // Holds the edge functions at the middle of the first pixel, and their changes from pixel to pixel. The
-    // edge functions are divided by `subpixels` and rounded down. The rounding is harmless, because the
-    // changes are whole multiples, and only the sign matters.
+    // edge functions are divided by `subpixels` and rounded down. The rounding of the edge functions is
+    // harmless, because their changes are whole multiples, and only the sign matters.
     std::int32_t edge[3][lane_count], step_x[3][lane_count], step_y[3][lane_count];
     // Holds the range of rows that an edge allows in each strip of eight columns.
     float from[3][lane_count], from_step[3][lane_count], to[3][lane_count], to_step[3][lane_count];

@@ -48,8 +48,8 @@ std::vector<Point> to_camera(const WireFrame &wire, const View &view)
     return points;
 }
 
-// Lays a cubic with central tangents through the nodes, and divides it where a straight piece would deviate
-// from it too far.
+// Fits a cubic curve with central tangents through the nodes, and divides the curve where a straight piece
+// would deviate from it too far.
 std::vector<Point> refine(const std::vector<Point> &nodes)
 {
     std::vector<Point> points;
@@ -187,7 +187,7 @@ void draw_tool(TubePainter &painter, const RadiopaqueInstrument &tool, const std
     }
 }
 
-// Returns the points of a curve in camera axes; returns none if any point is not finite.
+// Returns the points of a curve in camera axes; returns an empty list if any point is not finite.
 std::vector<Point> to_camera(const SweptCurve &curve, const View &view)
 {
     std::vector<Point> points;
@@ -204,7 +204,7 @@ std::vector<Point> to_camera(const SweptCurve &curve, const View &view)
     return points;
 }
 
-// The pieces of a cone are drawn as cylinders with the same volume.
+// The pieces of a conical curve are drawn as cylinders with the same volume.
 void draw_curve(TubePainter &painter, const SweptCurve &curve, const View &view)
 {
     const std::vector<Point> points = to_camera(curve, view);
@@ -251,8 +251,8 @@ double contrast_share(double iodine_mg_per_ml)
 RadiopaqueInstrument guidewire_look(double tip_m)
 {
     // The wire of a coil fills about three quarters of the tube that represents the coil; together with the
-    // core, .75 of the cross-section is steel. At the tip a platinum coil surrounds a core that is ground
-    // down; 15 % of platinum is already darker than solid steel.
+    // core, .75 of the cross-section is steel. At the guidewire's tip a platinum coil surrounds a core that
+    // is ground down; 15 % of platinum is already darker than solid steel.
     return {{{0.0, tip_m, Material::platinum, 0.15, 1.0},
              {0.0, tip_m, Material::steel, 0.45, 1.0},
              {tip_m, 10.0, Material::steel, 0.75, 1.0}},

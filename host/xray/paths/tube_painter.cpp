@@ -1,6 +1,6 @@
 // A ray consists of the points t d with d = (u, v, focal length) in pixels, and the middle of the cylinder
-// lies at t0 d0. Single precision is enough, because all values computed in it are small: the pixels from d0,
-// and t - t0.
+// lies at t0 d0. Single precision is enough, because all values computed in it are small: the distances in
+// pixels from d0, and t - t0.
 #include "host/xray/paths/tube_painter.hpp"
 #include "host/xray/paths/lanes.hpp"
 #include <algorithm>
@@ -27,7 +27,7 @@ Vector3 single(const Vector3d &v)
     return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
 }
 
-// Holds the values that are constant for all rays through one piece.
+// Holds the values that are constant for all rays through one piece of a tool.
 struct Chords {
     Vector3 axis, normal_a, normal_b;
     float middle_u, middle_v, focal, t0; // pixels; mm per pixel

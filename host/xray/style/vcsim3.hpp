@@ -40,9 +40,9 @@ class Vcsim3Look
     Vcsim3Look(const Vcsim3Look &) = delete;
     Vcsim3Look &operator=(const Vcsim3Look &) = delete;
 
-    // Replaces only `grey` and `shown` of a picture; its counts and doses remain those of Xray::render. Like
-    // Xray::render, draw() gives the same result, bit for bit, for any number of threads. Of the settings,
-    // only `carm` and `size` have an effect on the picture.
+    // Replaces only `grey` and `shown` of a picture; the picture's photon counts and doses remain those of
+    // Xray::render. Like Xray::render, draw() gives the same result, bit for bit, for any number of threads.
+    // Of the settings, only `carm` and `size` have an effect on the picture.
     void draw(const XraySettings &settings, const XrayFrame &frame, std::uint64_t seed, XrayPicture &picture);
 
     // Returns for each pixel of the last picture the sum of -ln(1 - opacity) over the surfaces of the bodies,

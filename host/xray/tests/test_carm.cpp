@@ -112,8 +112,9 @@ static void markers_land_on_the_predicted_pixels(void **)
     assert_true(worst_px <= 0.5);
 }
 
-// With LAO the detector moves to the patient's left, and what lies behind moves to the right of the picture.
-// With cranial angulation the detector moves to the head, and what lies in front moves down in the picture.
+// With LAO (left anterior oblique) the detector moves to the patient's left, and structures in the back of
+// the body move to the right of the picture. With cranial angulation the detector moves to the head, and
+// structures in the front of the body move down in the picture.
 static void angles_have_the_signs_of_dicom(void **)
 {
     const auto at = [](double primary_deg, double secondary_deg, const Eigen::Vector3d &point_m) {

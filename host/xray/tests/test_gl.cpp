@@ -7,9 +7,9 @@
 // grid of corners is 1/256 pixel in the rasteriser, and the driver's choice in OpenGL (llvmpipe uses 1/256
 // too, with its own rounding). So a pixel at an edge may be covered by one of the two programs and not by the
 // other. Away from edges, the path length changes by less than 2 mm between neighbouring pixels, so a shift
-// by 1/128 pixel changes it by 0.016 mm. The sums of OpenGL are floats around 100 mm, each exact to 0.00001
-// mm, and the rasteriser rounds each face to 1/1024 mm. Therefore the tolerance is 0.05 mm inside, with a
-// mean of 0.002 mm, and some of the pixels at edges may differ.
+// by 1/128 pixel changes it by 0.016 mm. The sums of OpenGL are floating-point numbers around 100 mm, each
+// exact to 0.00001 mm, and the rasteriser rounds each face to 1/1024 mm. Therefore the tolerance is 0.05 mm
+// inside, with a mean of 0.002 mm, and some of the pixels at edges may differ.
 #include "firmware/tests/reference/long_run.h"
 #include "host/xray/gl/gl_paths.hpp"
 #include "host/xray/paths/raster_paths.hpp"
@@ -31,8 +31,8 @@ extern "C" {
 #include <cmocka.h>
 }
 
-// Mesa and LLVM never free what they allocate at start-up. Only leaks of blocks that they allocated are
-// suppressed.
+// Mesa and LLVM never free what they allocate at start-up. The test suppresses reports of leaks only for
+// blocks that Mesa and LLVM allocated.
 extern "C" const char *__lsan_default_suppressions();
 extern "C" const char *__lsan_default_suppressions()
 {
@@ -317,8 +317,8 @@ void every_size_from_64_to_2048_and_back_is_right(void **)
     }
 }
 
-// A guidewire passes through the trunk, and the whole chain computes the picture. In the picture under test,
-// only the path lengths of the bodies come from another back end.
+// In this test a guidewire passes through the trunk, and the whole signal chain computes the picture. In the
+// picture under test, only the path lengths of the bodies come from another back end.
 void pictures_with_a_wire_look_the_same_to_the_eye(void **)
 {
     XrayScene scene;

@@ -13,7 +13,7 @@ namespace
 {
 
 // Makes a trunk of uneven thickness, with bone beside the middle and air above it. So the chamber and the
-// pictures sample different pixels.
+// pictures measure at different points of the trunk.
 Bodies trunk()
 {
     Bodies bodies = slab(0.2);
@@ -82,8 +82,8 @@ static void kerma_area_product_is_kerma_times_the_open_area(void **)
                   1.0) < 1e-12);
 }
 
-// The first frame of DSA follows test exposures. So this first frame must have the technique of a single
-// picture, whatever pulses came before.
+// The first frame of a DSA run follows test exposures. So this first frame must have the technique of a
+// single picture, whatever pulses came before.
 static void test_exposures_settle_at_once(void **)
 {
     Room room(trunk());

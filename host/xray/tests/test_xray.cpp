@@ -1,5 +1,5 @@
-// Compares path lengths with formulas, and tests that a picture depends on nothing but its inputs. The
-// photons and the detector are tested in test_xray_physics.cpp.
+// Compares path lengths with formulas, and tests that a picture depends only on its inputs. The photons and
+// the detector are tested in test_xray_physics.cpp.
 #include "host/xray/detector.hpp"
 #include "host/xray/tests/xray_shapes.hpp"
 #include "host/xray/xray.hpp"
@@ -141,8 +141,8 @@ std::uint64_t hash_of(const XrayPicture &picture)
 
 } // namespace
 
-// With 100k triangles the remaining error is that of the facets' chords (0.013 mm), and half a unit of
-// rounding per face.
+// With 100k triangles the remaining errors are that of the facets' chords (0.013 mm), and half a unit (1/2048
+// mm) of rounding per face.
 static void sphere_path_is_the_chord(void **)
 {
     const Eigen::Vector3d centre_m(0.02, 0.01, -0.02);
@@ -294,7 +294,8 @@ static void cramped_or_broken_wire_frames_do_no_harm(void **)
     render(chest_like(), XraySettings{}, through_source);
 }
 
-// In DICOM, positive LAO moves what lies behind, such as the spine, to the right of the picture.
+// In DICOM, a positive LAO angle moves structures behind the isocentre, such as the spine, to the right of
+// the picture.
 static void carm_angles_have_the_signs_of_dicom(void **)
 {
     CArm carm;

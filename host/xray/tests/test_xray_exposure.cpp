@@ -27,8 +27,9 @@ static void exposure_holds_the_dose_behind_thin_and_thick(void **)
     }
 }
 
-// When the view changes from thin to thick, the first pictures are darker. The signals of the pictures must
-// approach the final value monotonically, be within 12 % after five pulses, and then stay constant.
+// When the view changes from thin to thick parts of the patient, the first pictures are darker. The signals
+// of the pictures must approach the final value monotonically, be within 12 % after five pulses, and then
+// stay constant.
 static void exposure_follows_within_a_few_pulses(void **)
 {
     Room thin(slab(0.12)), thick(slab(0.24));
@@ -89,8 +90,8 @@ static void exposure_keeps_its_limits_and_underexposes_at_them(void **)
     assert_true(dark.raw[256 * 512 + 256] < 0.5 * raw_of_wanted_dose);
 }
 
-// A plate lies in the beam for 40 pictures, and then a motion of the table removes it. The ghost of the plate
-// must be 3 % of the change in signal, and in each picture 2^(-T/h) times that of the previous picture.
+// A plate lies in the beam for 40 pictures, and then the table moves it out of the beam. The ghost of the
+// plate must be 3 % of the change in signal, and in each picture 2^(-T/h) times that of the previous picture.
 // Without an XrayMemory there must be no lag.
 static void lag_is_the_stated_share_and_decays_per_picture(void **)
 {

@@ -53,8 +53,8 @@ double volume_mm3(const ToolPaths &paths, const View &view, Material material)
     double sum = 0.0;
     for (std::int32_t pixel : paths.pixels) {
         const int x = pixel % paths.size, y = pixel / paths.size;
-        // The beam of a pixel beside the axis has the same cross-section in this plane, but crosses the plane
-        // at an angle.
+        // The beam of a pixel beside the axis has the same cross-section in the plane of the isocentre, but
+        // crosses this plane at an angle.
         const double dx = (x + 0.5 - view.size * 0.5) * view.pixel_m,
                      dy = (y + 0.5 - view.size * 0.5) * view.pixel_m;
         const double slant = std::sqrt(dx * dx + dy * dy + view.source_detector_m * view.source_detector_m);
@@ -138,7 +138,7 @@ static void contrast_column_holds_the_iodine_of_its_cone(void **)
     }
 }
 
-// A strut of 40 um must lose no metal where rays are 0.14 mm apart, wherever it lies between the rays.
+// A strut of 40 um must lose no metal where rays are 0.14 mm apart, wherever the strut lies between the rays.
 static void struts_thinner_than_the_rays_are_apart_lose_nothing(void **)
 {
     const WireFrame wire;
