@@ -1,4 +1,4 @@
-// Checks the values of command-line options before any of them is used.
+// Checks the values of command-line options before the program uses any of them.
 #pragma once
 #include <CLI/CLI.hpp>
 #include <string>
@@ -6,8 +6,8 @@
 namespace crn
 {
 
-// A script with an empty variable produces `--json ""`, which does not mean "no file". The empty value is
-// refused as wrong usage, as is every empty value below this command.
+// A script in which a variable is empty produces `--json ""`, which does not mean that no file is wanted. An
+// empty value of any option of this command, or of a command below it, is refused as wrong usage.
 inline void refuse_empty_values(CLI::App &app)
 {
     for (CLI::Option *option : app.get_options())

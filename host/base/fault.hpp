@@ -1,5 +1,5 @@
-// A Fault states in one sentence why a file or an option cannot be used: file, element and remedy. The main
-// function of each program prints this sentence and exits with 1.
+// A Fault says in one sentence why a file or an option cannot be used: it names the file, the element and the
+// remedy. The main function of each program prints the sentence of a Fault and exits with 1.
 #pragma once
 #include <stdexcept>
 

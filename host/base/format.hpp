@@ -1,4 +1,4 @@
-// Makes text from numbers, and text for pages.
+// Makes text from numbers, and escapes text for HTML and SVG pages.
 #pragma once
 #include <cstdarg>
 #include <string>
@@ -6,13 +6,13 @@
 namespace crn
 {
 
-// Formats text as printf does; the result may have any length. A format that does not fit its values does not
-// compile.
+// Formats text as printf does; the formatted text may have any length. A format that does not fit the values
+// to be printed does not compile.
 [[gnu::format(printf, 1, 2)]] std::string formatted(const char *format, ...);
 
 [[gnu::format(printf, 1, 0)]] std::string formatted_with(const char *format, va_list values);
 
-// Formats text in the same way and adds the end of the line.
+// Formats text as printf does and adds the end of the line.
 [[gnu::format(printf, 1, 2)]] std::string formatted_line(const char *format, ...);
 
 // Escapes text for HTML and SVG, in an element or in an attribute between double quotes: &, <, > and " are

@@ -16,8 +16,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-// Address sanitizers map terabytes, which exceeds any limit on the address space. In sanitized builds the
-// parent therefore watches the child's memory instead.
+// Programs with an address sanitizer map terabytes of memory, which exceeds any limit on the address space.
+// In sanitized builds the parent process therefore watches the child's memory instead.
 #if defined(__SANITIZE_ADDRESS__)
 #define CRN_WATCHES_MEMORY 1
 #elif defined(__has_feature)
@@ -87,12 +87,13 @@ void set_limits(const ReadLimits &limits, std::uint64_t space_before)
     limit(RLIMIT_FSIZE, 0, 0); // it must not leave any file behind (such as a sanitizer's report)
 }
 
-// The parent's handlers would remove the parent's files, so the child resets them.
+// The parent's signal handlers would remove the parent's files, so the child process sets them back to the
+// default action.
 void reset_signals()
 {
     for (int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGALRM}) std::signal(number, SIG_DFL);
     // The program's fault handler might jump back into the program, which would then continue in the child.
-    // So the child resets it. Under a sanitizer the handler only prints a report, so it stays.
+    // So the child resets it. Under a sanitizer the fault handler only prints a report, so it stays.
     if (!CRN_WATCHES_MEMORY)
         for (int number : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS}) std::signal(number, SIG_DFL);
     sigset_t none;
@@ -124,7 +125,7 @@ void reset_signals()
     ::_exit(0);
 }
 
-// Turns the first line of a library's messages into printable text of at most 160 characters.
+// Turns the first line of the messages that a library printed into printable text of at most 160 characters.
 std::string plain_line(const std::string &heard)
 {
     std::string line;
@@ -215,8 +216,8 @@ void Inbox::start(const std::function<void(Outbox &)> &parse)
     pipe_ = data[0], noise_ = noise[0];
     ::fcntl(noise_, F_SETFL, O_NONBLOCK);
     const std::uint64_t space_before = process_bytes("/proc/self/statm", false);
-    // Signals are blocked around fork, because none may reach the child while it still has its parent's
-    // handlers.
+    // Signals are blocked around fork, because no signal may reach the child process while it still has its
+    // parent's handlers.
     sigset_t all, before;
     sigfillset(&all);
     ::pthread_sigmask(SIG_SETMASK, &all, &before);
@@ -322,7 +323,7 @@ void Inbox::fail(const std::string &what)
 
 void Inbox::fail_ended()
 {
-    // The child has closed its pipe, so it has ended or is about to end.
+    // The child process has closed its pipe, so it has ended or is about to end.
     while (child_ > 0 && ::waitpid(child_, &status_, 0) < 0 && errno == EINTR) {
     }
     child_ = -1;

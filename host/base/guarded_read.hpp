@@ -1,6 +1,6 @@
 // Files that third-party parsers read are parsed in a child process with limits on memory, time and stack.
 // The parsed data come back through a pipe as plain data, which the caller checks. A damaged file can end
-// only the child, and the message states how the child ended.
+// only the child process, and the error message says how the child ended.
 //
 //   caller                       child
 //   read_apart -> fork ------->  limits, signals back to their defaults, no output but the pipe
@@ -20,7 +20,7 @@
 namespace crn
 {
 
-// The message begins with the file's name and gives the remedy.
+// The message of a GuardedReadError begins with the file's name and gives the remedy.
 struct GuardedReadError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
@@ -36,12 +36,13 @@ struct ReadLimits {
 inline constexpr std::uint64_t read_memory_bytes_max = std::uint64_t{1900}
                                                        << 20; // with the parent below 2 GB
 
-// Returns limits for a file of this size. The time is 18 s plus 2 s for each MiB beyond 8 MiB; `growth` is
-// the memory that a byte of the file may need.
+// Returns the limits of memory and time for reading a file of this size. The time limit is 18 s plus 2 s for
+// each MiB beyond 8 MiB; `growth` is the memory in bytes that each byte of the file may need.
 ReadLimits read_limits(std::uint64_t file_bytes, double growth);
 
-// The child writes its data to the parent through this end of the pipe. If the child fails before it has
-// written anything here, its own message (a std::exception) reaches the parent.
+// The child process writes its data to the parent through an Outbox, which is the child's end of the pipe. If
+// the child fails before it has written anything to the Outbox, its own message (a std::exception) reaches
+// the parent.
 class Outbox
 {
   public:
@@ -66,8 +67,9 @@ class Outbox
     bool is_begun_ = false;
 };
 
-// The parent reads the child's data through this end of the pipe. Every call throws GuardedReadError when the
-// child ends, or exceeds its time, before it has sent enough data.
+// The parent process reads the child's data through an Inbox, which is the parent's end of the pipe. Every
+// call of the Inbox throws GuardedReadError when the child ends, or exceeds its time, before it has sent
+// enough data.
 class Inbox
 {
   public:
@@ -84,7 +86,8 @@ class Inbox
         bytes(&value, sizeof value);
         return value;
     }
-    // Reads at most this many letters or values: the parent does not trust a child that announces more.
+    // Reads at most `most` letters or values, because the parent does not trust a child that announces more
+    // of them.
     std::string text(std::uint64_t most = 1 << 20);
     template <class Value> std::vector<Value> list(std::uint64_t most)
     {
@@ -111,14 +114,14 @@ class Inbox
     int child_ = -1, pipe_ = -1, noise_ = -1, status_ = 0;
 };
 
-// Runs `parse` in the child and `take` in the parent. Throws GuardedReadError, or what `take` throws; in both
-// cases the child has ended.
+// Runs `parse` in the child process and `take` in the parent process. Throws GuardedReadError, or whatever
+// `take` throws; in all cases the child process has ended.
 void read_apart(const std::string &file, const ReadLimits &limits, const std::function<void(Outbox &)> &parse,
                 const std::function<void(Inbox &)> &take);
 
 // The parent calls `is_wanted` when a signal arrives while it waits for a child. If `is_wanted` returns true,
-// the read ends with the message "interrupted". A program whose Ctrl-C handler only sets a flag should
-// register such a function.
+// the reading of the file ends with the message "interrupted". A program whose Ctrl-C handler only sets a
+// flag should register a function that returns this flag.
 void stop_reading_when(bool (*is_wanted)());
 
 // Returns the size of a regular file, for read_limits. Throws GuardedReadError when the file does not exist,

@@ -1,4 +1,4 @@
-// The permitted range of a number.
+// Holds the permitted range of a number.
 #pragma once
 
 namespace crn

@@ -1,6 +1,6 @@
-// The one way from numbers to text. Each function gives the bytes that printf gives in the locale "C", and
-// writes a point as the decimal mark in every locale. formatted() of format.hpp makes whole sentences with
-// numbers.
+// All code of the host converts numbers to text by these functions. Each function gives the bytes that printf
+// gives in the locale "C", with a point as the decimal mark in every locale. formatted() of format.hpp makes
+// whole sentences with numbers.
 #pragma once
 #include "host/base/format.hpp"
 #include <cstdint>

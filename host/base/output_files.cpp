@@ -11,8 +11,8 @@ namespace
 
 namespace fs = std::filesystem;
 
-// Returns true if two paths name one file. The paths may differ in spelling, be links, or name a file that
-// does not exist yet.
+// Returns true if two paths name the same file. The two paths may differ in spelling, be links, or name a
+// file that does not exist yet.
 bool is_same_file(const std::string &a, const std::string &b)
 {
     std::error_code failed;

@@ -1,5 +1,5 @@
-// Checks the paths of all output files before a program begins its work. No output may be one of the
-// program's inputs, another output, or anything but a regular file, and each must be writable.
+// Checks the paths of all output files before a program begins its work. No output file may be one of the
+// program's inputs, another output, or anything but a regular file, and each output file must be writable.
 #pragma once
 #include <stdexcept>
 #include <string>
@@ -8,25 +8,27 @@
 namespace crn
 {
 
-// Describes a path and the option or argument that named it; an empty path means that there is no file.
+// Describes a path and the command-line option or argument that contained it; an empty path means that there
+// is no file.
 struct NamedPath {
     std::string option; // "--record"
     std::string path;
 };
 
-// The command line contradicts itself; the exit code is 2.
+// UsageError means that the command line contradicts itself; the program's exit code is then 2.
 class UsageError : public std::runtime_error
 {
   public:
     using std::runtime_error::runtime_error;
 };
 
-// Throws UsageError that names both options, or OutputError for a file that cannot be written because its
-// folder is missing, full or not writable for the user. To test whether an output can be written, the
-// function creates a temporary file beside it and removes this file at once.
+// Throws UsageError that names the two options that contradict each other, or OutputError for a file that
+// cannot be written because its folder is missing, full or not writable for the user. To test whether an
+// output can be written, the function creates a temporary file beside it and removes this file at once.
 void check_outputs(const std::vector<NamedPath> &inputs, const std::vector<NamedPath> &outputs);
 
-// Checks an output folder in the same way; the folder will be created later if it is missing.
+// Checks an output folder in the same way as an output file; the program creates the folder later if it is
+// missing.
 void check_output_folder(const NamedPath &output);
 
 } // namespace crn

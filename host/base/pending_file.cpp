@@ -19,7 +19,7 @@ namespace
 
 namespace fs = std::filesystem;
 
-// Signal handlers read this list, so each entry is filled before it is marked as used.
+// Signal handlers read this list of pending files, so each entry is filled before it is marked as used.
 struct Place {
     std::atomic<bool> is_taken = false;
     char path[PATH_MAX] = {};
@@ -34,8 +34,8 @@ void on_signal(int number)
     std::raise(number);
 }
 
-// Handlers are installed only for signals with the default action. A program with handlers of its own must
-// call remove_pending() from them.
+// Signal handlers are installed only for signals that still have the default action. A program with signal
+// handlers of its own must call remove_pending() from these handlers.
 void handle_signals()
 {
     for (int number : {SIGINT, SIGTERM, SIGHUP}) {
@@ -44,8 +44,8 @@ void handle_signals()
         if (::sigaction(number, nullptr, &present) == 0 && present.sa_handler == SIG_DFL)
             std::signal(number, on_signal);
     }
-    // A file that exceeds the user's size limit is an error with a message; without this line SIGXFSZ would
-    // end the program.
+    // Writing beyond the user's limit on file sizes must end in an error with a message; without this line
+    // the signal SIGXFSZ would end the program.
     std::signal(SIGXFSZ, SIG_IGN);
 }
 
@@ -80,8 +80,8 @@ fs::path end_of_links(const std::string &path)
     return failed ? fs::path(path) : target;
 }
 
-// Returns "path.part1234-9f3a60c2d81b". The process number identifies the program that made the file, and
-// nobody can guess the rest. A name that would become too long is cut at its end.
+// Returns "path.part1234-9f3a60c2d81b". The process number in the file name identifies the program that made
+// the file, and nobody can guess the random digits. A file name that would become too long is cut at its end.
 std::string pending_name(const fs::path &path)
 {
     std::uint64_t random = 0;
@@ -103,8 +103,8 @@ void check_kind(const std::string &path)
         throw OutputError(path + ": is a device or pipe: name a regular file to write");
 }
 
-// Flushes written bytes to the disk. Some file systems do not support this, and that does not count as an
-// error.
+// Flushes the written bytes of a file or folder to the disk. Some file systems cannot flush, and this does
+// not count as an error.
 int sync_path(const std::string &path, int flags)
 {
     const int file = ::open(path.c_str(), flags | O_CLOEXEC);
@@ -120,8 +120,9 @@ int sync_file(const std::string &path)
     return sync_path(path, O_RDONLY | O_NOFOLLOW);
 }
 
-// Flushes the folder, because otherwise the previous file might be back under its name after a crash of the
-// machine. A folder that is writable but not readable cannot be flushed, and this is ignored.
+// Flushes the folder's list of names, because otherwise the previous file might be back under its name after
+// a crash of the machine. A folder that is writable but not readable cannot be flushed, and this failure is
+// ignored.
 void sync_folder_of(const fs::path &path)
 {
     const fs::path folder = path.parent_path();
@@ -229,7 +230,7 @@ void PendingFile::close()
 {
     if (!stream_) return;
     if (std::fflush(stream_) != 0) throw OutputError(path_, errno);
-    // A network disk may report only now, at closing, that it is full.
+    // A network disk may report only when the file is closed that the disk is full.
     const int closed = std::fclose(stream_);
     stream_ = nullptr;
     if (closed != 0) throw OutputError(path_, errno);

@@ -1,5 +1,5 @@
-// An output is written to a pending file beside the wanted name, and is renamed when it is complete. So a
-// name never refers to half a file, and the previous file is kept until then.
+// An output file is written as a pending file beside its final name, and is renamed when it is complete. So
+// the final name never refers to half a file, and the previous file is kept until the rename.
 #pragma once
 #include <cstdio>
 #include <memory>
@@ -11,8 +11,8 @@
 namespace crn
 {
 
-// The message is like "path: cannot be written: No space left on device; ...": it states the cause and the
-// remedy.
+// The message of an OutputError names the cause and the remedy, for example "path: cannot be written: No
+// space left on device; ...".
 class OutputError : public std::runtime_error
 {
   public:
@@ -20,50 +20,52 @@ class OutputError : public std::runtime_error
     using std::runtime_error::runtime_error;
 };
 
-// Opens a file "path.partPID-RANDOM" beside the wanted one, or beside the file at the end of a link. The file
-// keeps this temporary name until it is complete. The file did not exist before, and no link is followed to
-// it. Signal handlers remove this file as described below. `ending` is appended to the temporary name, for
-// libraries that check a file's extension. Throws OutputError, also when the wanted name is empty or is that
-// of a folder, a device or a pipe.
+// Opens a pending file "path.partPID-RANDOM" beside the file `path`, or beside the file at the end of a link.
+// The pending file keeps this temporary name until it is complete. The pending file is always a new file, and
+// no link is followed to it. Signal handlers remove the pending file when a signal ends the program, as
+// described below. `ending` is appended to the temporary name, for libraries that check a file's extension.
+// Throws OutputError, also when `path` is empty or is that of a folder, a device or a pipe.
 struct OpenPending {
     std::string name;
     int file; // descriptor for reading and writing, owned by the caller; child processes do not inherit it
 };
 OpenPending open_pending(const std::string &path, const std::string &ending = "");
 
-// Throws whatever open_pending would throw for this path, and leaves no file behind.
+// Throws whatever exception open_pending would throw for this path, and leaves no file behind.
 void probe_output(const std::string &path);
 
-// Renames a complete, closed file to its final name. The bytes reach the disk before the name does, and the
-// name reaches the disk before this function returns. Throws OutputError, after it has removed the pending
-// file. With `keeps_unsynced` a file is renamed even if a full disk prevented the flush.
+// Renames a complete, closed pending file to its final name. The bytes of the file reach the disk before its
+// name does, and the name reaches the disk before this function returns. On failure the function removes the
+// pending file and throws OutputError. With `keeps_unsynced` a pending file is renamed even if a full disk
+// prevented the flush.
 void commit_pending(const std::string &pending, const std::string &path, bool keeps_unsynced = false);
 void discard_pending(const std::string &pending) noexcept;
 
-// Pending files are listed here, so that a signal that ends the program (SIGINT, SIGTERM, SIGHUP) removes
-// them first. The list has pending_max entries. Further files are written too, but a signal leaves them
-// behind.
+// The program lists its pending files, so that a signal that ends the program (SIGINT, SIGTERM, SIGHUP)
+// removes these files first. The list has pending_max entries. More pending files can be written, but a
+// signal leaves those behind that are not in the list.
 inline constexpr int pending_max = 32;
 void watch_pending(const std::string &pending);
 void forget_pending(const std::string &pending) noexcept;
-// Removes the listed files. The program's own signal handlers may call it, because it only calls unlink.
+// Removes the listed files. The program's own signal handlers may call remove_pending(), because it only
+// calls unlink.
 void remove_pending() noexcept;
 
 class PendingFile
 {
   public:
-    // Throws OutputError when the file cannot be written.
+    // Throws OutputError when the pending file cannot be written.
     explicit PendingFile(const std::string &path);
-    // Removes the file unless it was committed.
+    // Removes the pending file unless it was committed.
     ~PendingFile();
     PendingFile(const PendingFile &) = delete;
     PendingFile &operator=(const PendingFile &) = delete;
 
     void write(const void *bytes, std::size_t count); // throws OutputError
     void write(std::string_view text) { write(text.data(), text.size()); }
-    // Ends writing, and throws OutputError when the disk is full. Throws OutputError.
+    // Closes the pending file, and throws OutputError when the disk is full.
     void close();
-    // Flushes the file to disk and renames it to its final name. Throws OutputError.
+    // Flushes the pending file to disk and renames it to its final name. Throws OutputError.
     void commit();
     const std::string &path() const { return path_; }
     std::FILE *stream() { return stream_; } // for libraries that write by themselves; null after close()
@@ -74,23 +76,23 @@ class PendingFile
     bool has_name_ = false;
 };
 
-// Writes files that belong together, such as a scene and its bodies: either all of them are renamed, or all
-// previous files stay.
+// Writes files that belong together, such as a scene and its bodies: either all new files get their final
+// names, or all previous files stay.
 class FileSet
 {
   public:
     // Writes a pending file beside its final name. Throws OutputError.
     void add(const std::string &path, std::string_view bytes);
-    // Throws OutputError; files that were already renamed are then replaced by the previous ones. Only a
-    // program that dies between two renames (SIGKILL, a crash of the machine) leaves a mixture of old and new
-    // files, which readers have to detect.
+    // On failure the function throws OutputError, and the previous files replace those that were already
+    // renamed. Only if the program dies between two renames (SIGKILL, a crash of the machine) is there a
+    // mixture of old and new files, which readers have to detect.
     void commit();
 
   private:
     std::vector<std::unique_ptr<PendingFile>> files_;
 };
 
-// Writes the whole file at once. Throws OutputError.
+// Writes the whole content of a file at once. Throws OutputError.
 void write_whole_file(const std::string &path, std::string_view bytes);
 
 } // namespace crn

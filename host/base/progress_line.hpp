@@ -1,5 +1,5 @@
-// Shows the progress of long work on standard error. On a terminal it redraws a bar; elsewhere it prints a
-// line whenever another file begins.
+// Shows the progress of long work on standard error output. On a terminal the class redraws a progress bar;
+// elsewhere it prints a line whenever another file begins.
 #pragma once
 #include <chrono>
 #include <cstddef>
@@ -11,14 +11,14 @@ namespace crn
 class ProgressLine
 {
   public:
-    // With `is_wanted` false it prints nothing.
+    // With `is_wanted` false nothing is printed.
     explicit ProgressLine(bool is_wanted);
     ~ProgressLine(); // erases the bar
     ProgressLine(const ProgressLine &) = delete;
     ProgressLine &operator=(const ProgressLine &) = delete;
 
-    // Shows "writing out/dicom/run_01.dcm (1 of 3) [#####-----] 52 %" and redraws it at most ten times a
-    // second.
+    // Shows a line such as "writing out/dicom/run_01.dcm (1 of 3) [#####-----] 52 %", and redraws it at most
+    // ten times a second.
     void show(const std::string &what, std::size_t done, std::size_t total);
 
   private:

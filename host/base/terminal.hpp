@@ -10,9 +10,9 @@ namespace crn
 
 // Makes a name or path printable in one line. Control characters (C0, DEL, C1), characters that change the
 // writing direction, line separators and bytes that are not UTF-8 become \xNN, byte by byte; everything else
-// stays. A backslash stays too, since the result is for reading only.
+// stays. A backslash in the text stays too, because the result is only for reading.
 std::string printable(std::string_view text);
-// Makes a whole message printable; its line ends stay.
+// Makes a whole message printable; line ends in the message stay.
 std::string printable_lines(std::string_view text);
 
 // Prints like fprintf, through printable_lines().

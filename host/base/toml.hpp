@@ -1,11 +1,12 @@
 // Includes toml++ in a form that is safe for texts from any source. The assertions of toml++ would end the
-// program. Some of them fail on texts, such as a lone '[', that the parser would refuse properly a moment
-// later, so they are off.
+// program. Some of the assertions fail on texts, such as a lone '[', that the parser would refuse properly a
+// moment later, so assertions are switched off.
 //
 // toml++ recurses once for each table within a table, and so does every traversal of its result. A header of
-// 400,000 dotted names would overflow the stack. So every text is checked before it is parsed. With at most
-// 32 names in a key and 32 nested brackets, no table is deeper than 32 + 33 * 32, about 1,100. The stack can
-// hold a hundred times as many nested tables. The limit on the text's size bounds the memory.
+// 400,000 dotted names would overflow the stack. So every text is checked for nesting before it is parsed.
+// With at most 32 names in a key and 32 nested brackets, the tables of a text are nested at most 32 + 33 * 32
+// deep, which is about 1,100. The program's stack can hold a hundred times as many nested tables. A limit on
+// the size of the text limits the memory that the parser needs.
 #pragma once
 #define TOML_ASSERT(expr) static_cast<void>(0)
 #define TOML_HEADER_ONLY 0 // toml.cpp alone compiles it
@@ -14,8 +15,9 @@
 #include <string>
 #include <string_view>
 // toml++ 3.3 looks up blanks in a table with gaps, and declares that no look-up reaches a gap. A letter
-// outside ASCII between two values does reach a gap, which is undefined behaviour. With the macro below the
-// answer for a gap is "no blank". Upstream's macro is restored below.
+// outside ASCII between two values does reach such a gap in the table, which is undefined behaviour. With the
+// macro below, a look-up that reaches a gap finds that the letter is no blank. Upstream's macro is restored
+// below.
 #include <toml++/impl/preprocessor.h>
 #undef TOML_UNREACHABLE
 #define TOML_UNREACHABLE return false
@@ -41,14 +43,15 @@ struct TomlError : std::runtime_error {
     int line, column;
 };
 
-// Throws TomlError. `file` is the file name that the source positions of nodes contain.
+// Throws TomlError. `file` is the file name that toml++ stores in the source positions of its nodes.
 toml::table parse_toml(std::string_view text, const std::string &file);
 
-// Reads the file as a tree that can be changed and written; toml_reader.hpp is for everything else. Throws
-// FileError.
+// Reads a TOML file as a tree that can be changed and written; for all other purposes toml_reader.hpp is
+// used. Throws FileError.
 toml::table read_toml_tree(const std::string &file, const TomlKind &kind);
 
-// Checks only the size, the names of a key and the nested brackets, without parsing. Throws TomlError.
+// Checks only the size of the text, the number of names in a key and the nesting of brackets, without
+// parsing. Throws TomlError.
 void check_toml(std::string_view text);
 
 } // namespace crn

@@ -1,13 +1,14 @@
-// The one reader of TOML files that people write. It checks known keys, numbers with bounds, texts and lists,
-// and finds a source beside each value. Each refusal is a FileError: "FILE:LINE:COLUMN: place: what is
-// wrong".
+// All TOML files that people write are read by this code. The reader checks known keys, numbers with bounds,
+// texts and lists, and looks for a source beside each value. Each refusal of a file is a FileError:
+// "FILE:LINE:COLUMN: place: what is wrong".
 //
 //   const TomlTable root = read_toml(file, {"a case", "a case's folder"});
 //   root.check_keys({"name", "depth"});
 //   const std::string name = root.words("name");
 //   for (const TomlTable &depth : root.tables("depth")) ...
 //
-// The header of toml++ costs a second of each unit that includes it, so this header only declares its types.
+// Compiling the header of toml++ takes a second for each source file that includes it, so this header only
+// declares its types.
 #pragma once
 #include "host/base/number_range.hpp"
 #include "host/base/text.hpp"
@@ -28,7 +29,7 @@ class table;
 namespace crn
 {
 
-// What the messages about a file say when it is absent or too large.
+// Holds texts for the messages about a file that is absent or too large.
 struct TomlKind {
     const char *what;           // "a scene text"
     const char *when_none;      // what to give instead of the absent file
@@ -38,7 +39,8 @@ struct TomlKind {
 struct TomlDocument; // a parsed file, with its name and its sources
 class TomlTable;
 
-// A value under its key, or the absence of that key. Each function but the first ones refuses the absence.
+// Holds the value of a key in a TOML table, or records that the key is absent. All functions except the first
+// ones refuse an absent key.
 class TomlValue
 {
   public:
@@ -77,7 +79,7 @@ class TomlValue
     void require(const std::string &remedy = "") const;
 };
 
-// A value along a stretch, from its one end to the other.
+// Holds a value that changes along a stretch, as its values at both ends.
 struct TomlRange {
     double from = 0.0, to = 0.0;
     bool is_constant() const { return from == to; }
@@ -100,15 +102,15 @@ class TomlTable
     TomlTable table(const std::string &key) const;
     std::vector<TomlTable> tables(const std::string &key) const; // empty where the key is absent
 
-    // The text before each message about this table, such as "preset 'physical', section 2".
+    // Returns this table with more text before each message about it, such as "preset 'physical', section 2".
     TomlTable inside(const std::string &more) const;
     TomlTable in_place_of(const TomlTable &other) const; // takes the text of the other table
     [[noreturn]] void fail(const std::string &what) const;
     [[noreturn]] void fail_file(const std::string &what) const; // without a line
     const std::string &file() const;
 
-    // Values with a source: { value, source } or { from, to, source }. A source "@key" or "@key: more" must
-    // be in the table [sources] of the root, and each text there must be used.
+    // Reads values with a source: { value, source } or { from, to, source }. A source "@key" or "@key: more"
+    // must be in the table [sources] of the root, and each text there must be used.
     void read_sources() const;       // of the root
     void check_sources_used() const; // of the root, after everything else
     void check_source() const;       // of the key `source` in this table
@@ -125,7 +127,7 @@ class TomlTable
     TomlTable(std::shared_ptr<TomlDocument> document, const toml::table *table, std::string where);
 };
 
-// Returns the root of the file. Throws FileError.
+// Returns the root table of the TOML file. Throws FileError.
 TomlTable read_toml(const std::string &file, const TomlKind &kind);
 
 std::string in_quotes(const std::string &key);

@@ -1,5 +1,5 @@
-// Makes unique identifiers from content: equal content gets equal UIDs, and different content different ones.
-// The UIDs have the form of PS3.5 B.2: 2.25 and a 128-bit number, without a registered root.
+// Makes unique identifiers (UIDs) from content: equal content gets equal UIDs, and different content gets
+// different UIDs. The UIDs have the form of PS3.5 B.2: 2.25 and a 128-bit number, without a registered root.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -8,7 +8,7 @@
 namespace crn
 {
 
-// Computes the FNV-1a hash with 128 bits (draft-eastlake-fnv) of everything that was added, in order.
+// Computes the FNV-1a hash with 128 bits (draft-eastlake-fnv) of all data that were added, in order.
 class Digest
 {
   public:
@@ -16,8 +16,8 @@ class Digest
     void add(std::string_view text); // adds its length too, so that "ab", "c" differs from "a", "bc"
     // Returns 32 hexadecimal digits.
     std::string hex() const;
-    // Returns "2.25." and a decimal number, which is a UUID of version 8 (RFC 9562) made of the digest; at
-    // most 44 characters.
+    // Returns "2.25." and a decimal number with at most 44 characters in all; the number is a UUID of version
+    // 8 (RFC 9562) that is made from the digest.
     std::string uid() const;
 
   private:

@@ -67,8 +67,8 @@ void put_study(XaItem &item, const XrayRun &run, const XaStudy &study)
     item.text(DCM_ProtocolName, kind_name(run.kind));
 }
 
-// Returns the letters of the patient directions along which an axis of the picture points, the nearest
-// direction first (C.7.6.1.1.1).
+// Returns the letters of the patient directions along which an axis of the picture points, the most closely
+// aligned direction first (C.7.6.1.1.1).
 std::string direction_letters(const Eigen::Vector3d &axis)
 {
     constexpr double least = 0.26; // cosine of 75 degrees: directions farther away are not named
@@ -83,7 +83,7 @@ std::string direction_letters(const Eigen::Vector3d &axis)
     return letters;
 }
 
-// Puts the attributes of modules C.7.6.1, C.8.7.1 and SOP common.
+// Writes the attributes of the DICOM modules C.7.6.1, C.8.7.1 and SOP common.
 void put_image(XaItem &item, const XrayRun &run, const Digest &content, const XaStudy &study, int instance)
 {
     const View view = make_view(run.frames.front().carm, run.size);
@@ -117,8 +117,9 @@ void put_pixel_format(XaItem &item, const XrayRun &run)
     item.shorts(DCM_PixelRepresentation, {0});
 }
 
-// Puts the relation of pixel value to intensity (C.8.7.1.1.2). For LOG it adds a table (C.11.1) that converts
-// back to values proportional to the intensity. It is not for display.
+// Writes the attributes for the relation of pixel value to X-ray intensity (C.8.7.1.1.2). For the relation
+// LOG the function adds a table (C.11.1) that converts pixel values back to values proportional to the
+// intensity. It is not for display.
 void put_relation(XaItem &item, const XrayRun &run)
 {
     if (run.relation == PixelRelation::linear) item.text(DCM_PixelIntensityRelationship, "LIN");
@@ -141,8 +142,8 @@ void put_relation(XaItem &item, const XrayRun &run)
         throw std::logic_error("DICOM modality LUT cannot be filled");
 }
 
-// Returns true if the frames are equally spaced in time, apart from rounding to whole ticks. One number then
-// describes all frame times (C.7.6.5).
+// Returns true if the frames are equally spaced in time, apart from rounding to whole ticks (milliseconds).
+// For such equally spaced frames one number describes all frame times (C.7.6.5).
 bool is_even(const XrayRun &run, double period_ms)
 {
     for (std::size_t i = 0; i < run.frames.size(); i++) {
@@ -202,12 +203,12 @@ void put_mask(XaItem &item, const XrayRun &run)
     std::sort(numbers.begin(), numbers.end());
     mask.text(DCM_MaskOperation, "AVG_SUB");
     mask.shorts(DCM_MaskFrameNumbers, numbers);
-    // Mask frames at the start of the run are not subtracted from themselves.
+    // The mean is not subtracted from mask frames at the start of the run.
     const auto count = static_cast<std::uint16_t>(run.frames.size());
     if (numbers.back() == numbers.size() && numbers.back() < count)
         mask.shorts(DCM_ApplicableFrameRange, {static_cast<std::uint16_t>(numbers.back() + 1), count});
-    // C.7.6.10.1.2 requires the row shift first, positive towards the lower row, and then the column shift,
-    // positive towards the left.
+    // C.7.6.10.1.2 requires the row shift of the mask first, positive towards the lower row, and then the
+    // column shift, positive towards the left.
     mask.floats(DCM_MaskSubPixelShift,
                 {static_cast<float>(run.mask->shift_y_px), static_cast<float>(0.0 - run.mask->shift_x_px)});
     mask.text(DCM_MaskOperationExplanation, mask_in_words(*run.mask));

@@ -1,4 +1,4 @@
-// Puts the attributes of a run, module by module, as PS3.3 A.14 lists them. Needs DCMTK.
+// Writes the attributes of an X-ray run, module by module, as PS3.3 A.14 lists the modules. Needs DCMTK.
 #pragma once
 #include "host/dicom/xa_file.hpp"
 #include <dcmtk/config/osconfig.h>
@@ -7,7 +7,8 @@
 namespace crn
 {
 
-// Throws std::invalid_argument when the run contradicts itself; the message names the contradiction.
+// Throws std::invalid_argument when the data of the run contradict each other; the message names the
+// contradiction.
 void check_run(const XrayRun &run);
 
 // Puts everything but the pixels.

@@ -1,4 +1,5 @@
-// Puts tube, dose, filter, collimator, table and C-arm of a run: PS3.3 C.8.7.2 to C.8.7.5.
+// Writes the attributes of tube, dose, filter, collimator, table and C-arm of an X-ray run: PS3.3 C.8.7.2 to
+// C.8.7.5.
 #include "host/dicom/xa_put.hpp"
 #include "host/xray/run.hpp"
 #include <algorithm>
@@ -30,14 +31,15 @@ std::vector<double> each_of(const XrayRun &run, double RunFrame::*value)
     return values;
 }
 
-// Returns the offset of each frame from the first one; C.8.7.5.1.3 requires one value per frame.
+// Returns the offset of each frame's value from that of the first frame; C.8.7.5.1.3 requires one value per
+// frame.
 template <class Value> std::vector<double> offsets(const XrayRun &run, const Value &value)
 {
     std::vector<double> all;
     const double first = value(run.frames.front().carm);
     for (const RunFrame &frame : run.frames) {
         // Values are rounded to a thousandth, because the text of each number (DICOM type DS) has to be
-        // short, and no C-arm is more precise.
+        // short, and no C-arm is more precise than this.
         all.push_back(std::round((value(frame.carm) - first) * 1e3) / 1e3);
     }
     return all;
@@ -91,7 +93,7 @@ void put_filters(XaItem &item, const XrayRun &run)
     item.decimals(DCM_FilterThicknessMaximum, thickness_mm);
 }
 
-// Puts the pixel pitch at the detector, and also that at the isocentre if it is equal in all frames.
+// Writes the pixel pitch at the detector, and also that at the isocentre if it is equal in all frames.
 void put_spacing(XaItem &item, const XrayRun &run)
 {
     const CArm &carm = run.frames.front().carm;
@@ -141,8 +143,9 @@ void put_acquisition(XaItem &item, const XrayRun &run)
     put_dose(item, run);
 }
 
-// Puts the collimator (C.8.7.3), whose rows and columns are counted from 1. An edge is given as the last
-// column or row that a blade covers: 0 or size+1 where the blade covers nothing.
+// Writes the attributes of the collimator (C.8.7.3), whose rows and columns are counted from 1. The position
+// of a collimator edge is the last column or row that a blade covers: 0 or size+1 where the blade covers
+// nothing.
 void put_collimator(XaItem &item, const XrayRun &run)
 {
     const RunCollimator &shape = run.collimator;
@@ -162,9 +165,10 @@ void put_collimator(XaItem &item, const XrayRun &run)
 }
 
 // Puts the table's motion (C.8.7.4). The patient lies on the back with the head at the table's head end:
-// longitudinal is towards LAO (the patient's left), and lateral is towards cranial. When the table moves one
-// way, the patient's point at the isocentre moves the opposite way. Down is positive, as in C.8.19.6.11,
-// because the classic module does not define the sign.
+// longitudinal is towards LAO (the patient's left), and lateral is towards cranial. When the table moves in
+// one direction, the patient's point at the isocentre moves in the opposite direction. Down is positive for
+// the table's vertical position, as in C.8.19.6.11, because the classic DICOM module does not define the
+// sign.
 void put_table(XaItem &item, const XrayRun &run)
 {
     const std::vector<double> left_mm = offsets(run, [](const CArm &c) { return -c.isocentre_m.x() * 1e3; });
@@ -180,7 +184,8 @@ void put_table(XaItem &item, const XrayRun &run)
     item.decimals(DCM_TableLateralIncrement, head_mm);
 }
 
-// Puts the C-arm's angles in the first frame, and the offsets of the other frames from them (C.8.7.5).
+// Writes the C-arm's angles in the first frame, and the offsets of the angles in other frames from them
+// (C.8.7.5).
 void put_positioner(XaItem &item, const XrayRun &run)
 {
     const CArm &carm = run.frames.front().carm;

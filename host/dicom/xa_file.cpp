@@ -20,8 +20,8 @@ namespace
 constexpr std::size_t piece_bytes = std::size_t{1} << 20;
 static_assert(std::endian::native == std::endian::little, "pixels go to the file as they lie in memory");
 
-// Copies DCMTK's output to the file piece by piece, so that a full disk is reported with its cause and Ctrl-C
-// works.
+// Copies DCMTK's output to the DICOM file piece by piece, so that a full disk is reported with its cause and
+// Ctrl-C works.
 class Encoder
 {
   public:
@@ -137,7 +137,7 @@ void write_xa(const std::string &path, const XrayRun &run, XaSpool &spool, const
     const std::size_t bytes = pixels.frame_count * pixels.pixels_per_frame * 2;
     DcmFileFormat format;
     put_attributes(*format.getDataset(), run, study, pixels.digest, instance);
-    // DCMTK reads the pixels from the spool on the disk only when it copies them into the file.
+    // DCMTK reads the pixels from the spool (a temporary file) only when it copies them into the DICOM file.
     auto data = std::make_unique<DcmPixelData>(DcmTag(DCM_PixelData, EVR_OW));
     auto *source =
         new DcmInputFileStreamFactory(spool.file().c_str(), static_cast<offile_off_t>(pixels.offset_bytes));

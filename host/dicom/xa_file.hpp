@@ -5,7 +5,7 @@
 //   for (frame of the run) add_frame(spool, pixels, frame);                        // to the disk, not to memory
 //   write_xa("out/dicom/run_01_fluoro.dcm", run, spool, pixels, study, 1, nullptr);
 //
-// docs/output.md lists the attributes with units and meaning.
+// docs/output.md lists the attributes of the DICOM file with units and meaning.
 #pragma once
 #include "host/base/pending_file.hpp"
 #include "host/dicom/dicom_uid.hpp"
@@ -17,7 +17,7 @@
 namespace crn
 {
 
-// These data are common to all files of one export.
+// Holds the data that are common to all files of one export.
 struct XaStudy {
     std::string key; // derived from the content, as Digest::hex(): names the study, its series and the
                      // patient's number
@@ -27,30 +27,31 @@ struct XaStudy {
     std::string description;  // description of the study
 };
 
-// A file has at most this number of frames and of bytes; a longer run continues in the next file. An
+// A DICOM file has at most this number of frames and of bytes; a longer run continues in the next file. An
 // attribute with one number per frame has at most 65,534 characters, and viewers load a whole file into
 // memory.
 inline constexpr std::size_t xa_frames_max = 2000;
 inline constexpr std::size_t xa_bytes_max = std::size_t{1} << 31;
 
-// The export calls this function repeatedly with the bytes done and the total; if the function returns false,
-// the export stops.
+// The export calls this function repeatedly with the numbers of bytes done and of bytes in total; if the
+// function returns false, the export stops.
 using XaProgress = std::function<bool(std::size_t done, std::size_t total)>;
 
-// This exception is thrown when the progress function stops the export; no file of the export is left behind.
+// write_xa() throws XaInterrupted when the progress function stops the export; no file of the export is left
+// behind.
 class XaInterrupted : public std::runtime_error
 {
   public:
     using std::runtime_error::runtime_error;
 };
 
-// The spool is a file that holds the pixels of a whole export, instead of memory, until the DICOM files are
-// written. One spool serves many runs.
+// The spool is a temporary file that holds the pixels of a whole export until the DICOM files are written, so
+// that they need no memory. One spool serves many runs.
 class XaSpool
 {
   public:
-    // The spool is a temporary file beside `path`, and is never renamed to it. Throws OutputError when it
-    // cannot be written.
+    // The spool is a temporary file beside `path`, but never gets the name `path` itself. Throws OutputError
+    // when the spool cannot be written.
     explicit XaSpool(const std::string &path);
     ~XaSpool(); // removes it
     XaSpool(const XaSpool &) = delete;
@@ -67,7 +68,8 @@ class XaSpool
     std::size_t size_bytes_ = 0;
 };
 
-// Describes where the consecutive frames of one file lie in the spool, and their format.
+// Describes where the consecutive frames of one DICOM file lie in the spool (a temporary file), and their
+// format.
 struct XaPixels {
     std::size_t offset_bytes = 0;
     std::size_t frame_count = 0, pixels_per_frame = 0;
@@ -76,17 +78,17 @@ struct XaPixels {
     bool has_room_for_another() const;
 };
 
-// Appends a frame to those of `pixels`, which must be the last frames in the spool. Throws OutputError when
-// the spool cannot be written, and std::invalid_argument when the frames differ in size.
+// Appends a frame to the spool and to `pixels`, whose frames must be the last frames in the spool. Throws
+// OutputError when the spool cannot be written, and std::invalid_argument when the frames differ in size.
 void add_frame(XaSpool &spool, XaPixels &pixels, const RunFrame &frame);
 
-// `run` describes the added frames in order; the pixels in `run` are not used. `instance` counts the files of
-// the study from 1. Throws OutputError, XaInterrupted, and std::invalid_argument when the run contradicts
-// itself.
+// `run` describes the added frames in order; the pixels in `run` itself are not used. `instance` counts the
+// files of the study from 1. Throws OutputError, XaInterrupted, and std::invalid_argument when the data of
+// the run contradict each other.
 void write_xa(const std::string &path, const XrayRun &run, XaSpool &spool, const XaPixels &pixels,
               const XaStudy &study, int instance, const XaProgress &progress);
 
-// Writes a whole run whose pixels are in memory.
+// Writes a whole run, whose pixels are in memory, as one DICOM file.
 void write_xa(const std::string &path, const XrayRun &run, const XaStudy &study, int instance = 1,
               const XaProgress &progress = nullptr);
 

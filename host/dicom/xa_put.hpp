@@ -1,4 +1,4 @@
-// Puts attributes into a DICOM item with one short call each, and formats numbers as the standard requires.
+// Writes attributes into a DICOM item with one short call each, and formats numbers as the standard requires.
 #pragma once
 #include <cstdint>
 #include <dcmtk/config/osconfig.h>
@@ -22,8 +22,8 @@ class XaItem
     void empty(const DcmTagKey &tag); // type 2: value not known
     void decimal(const DcmTagKey &tag, double value);
     void decimals(const DcmTagKey &tag, const std::vector<double> &values);
-    // Puts an attribute of DICOM type 2, which may be empty: here it is empty when the value is 0, that is,
-    // not known.
+    // Writes an attribute of DICOM type 2, which may be empty: the attribute is empty when the value is 0,
+    // which means not known.
     void decimal_if_known(const DcmTagKey &tag, double value);
     void whole(const DcmTagKey &tag, long value);                                // IS
     void shorts(const DcmTagKey &tag, const std::vector<std::uint16_t> &values); // US
@@ -36,12 +36,13 @@ class XaItem
     DcmItem &item_;
 };
 
-// The private block holds values, one per frame, for which the classic XA object has no attribute
-// (docs/output.md).
+// The private block of the DICOM file holds values, one per frame, for which the classic XA object has no
+// attribute (docs/output.md).
 inline constexpr std::uint16_t private_group = 0x0023;
 inline constexpr const char *private_creator = "COURNAND 1.0";
 
-// Puts the attributes of the beam: tube, dose, filter, collimator, table and C-arm (xa_beam.cpp).
+// Writes the attributes of the X-ray beam and the C-arm: tube, dose, filter, collimator, table and C-arm
+// (xa_beam.cpp).
 struct XrayRun;
 void put_acquisition(XaItem &item, const XrayRun &run);
 void put_collimator(XaItem &item, const XrayRun &run);

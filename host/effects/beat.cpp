@@ -7,21 +7,21 @@ namespace crn
 namespace
 {
 
-// These shares of the mean flow are constant over the whole beat; the rest of the flow has the shape of a
-// hump. They are assumptions: docs/contrast.md.
+// A constant part of the mean flow passes during the whole beat; the remaining flow has the shape of a hump.
+// They are assumptions: docs/contrast.md.
 constexpr double systemic_even = 0.6;        // the hump fills systole
 constexpr double left_coronary_even = 0.25;  // the hump fills diastole
 constexpr double right_coronary_even = 0.75; // the hump fills diastole
 
-// Returns a curve over 0 .. 1 that is 0 at both ends and 15/8 in the middle, and whose mean is 1.
+// Returns a curve over 0 .. 1 that is 0 at both ends and 15/8 in the middle; the mean of the curve is 1.
 double hump(double place)
 {
     const double rise = place * (1.0 - place);
     return 30.0 * rise * rise;
 }
 
-// Returns how open a bed is, with a mean of 1 over a beat: the share `even` is constant, and the rest is a
-// hump of `length_s`.
+// Returns the relative conductance of a bed, with a mean of 1 over a beat: the fraction `even` is constant,
+// and the remainder is a hump of `length_s`.
 double openness(double even, bool is_in_hump, double place, double length_s, double beat_s)
 {
     return even + (is_in_hump ? (1.0 - even) * hump(place) * beat_s / length_s : 0.0);

@@ -1,7 +1,8 @@
 // Computes the driving forces of blood flow at a moment of the heartbeat: the pressure at the inlet, and how
-// open the beds behind the outlets are. The part of the program that controls the heart rhythm gives the
-// phase; steady_beat() is a heart that beats regularly. The computation uses no libm, so that every machine
-// gives the same bits. See docs/contrast.md.
+// open the vascular beds behind the outlets are. The part of the program that controls the heart rhythm
+// supplies the phase of the beat; steady_beat() supplies the phase of a heart that beats regularly. The
+// computation uses no libm, so that every machine gives results that are equal bit for bit. See
+// docs/contrast.md.
 #pragma once
 #include "host/model/vessel_tree.hpp"
 #include <array>
@@ -13,7 +14,7 @@ namespace crn
 
 inline constexpr double mean_pressure_mmHg = 88.0; // aorta less veins
 
-// Describes a moment within a beat, which begins when the aortic valve opens.
+// Describes a moment within a heartbeat, which begins when the aortic valve opens.
 struct BeatPhase {
     double since_opening_s = 0.0; // 0 .. beat_s
     double systole_s = 0.294;     // valve open
@@ -23,8 +24,8 @@ struct BeatPhase {
 
 struct FlowDrive {
     double pressure_mmHg = mean_pressure_mmHg; // at the inlet above the veins
-    // These are the conductances of the beds behind the outlets, by VesselBed, divided by their means over
-    // the beat.
+    // Holds the conductances of the vascular beds behind the outlets, by VesselBed, divided by their means
+    // over the beat.
     std::array<double, 3> openness = {1.0, 1.0, 1.0};
 
     double of(VesselBed bed) const { return openness[static_cast<std::size_t>(bed)]; }
@@ -32,13 +33,14 @@ struct FlowDrive {
 
 FlowDrive flow_drive(const BeatPhase &phase);
 
-// Returns the phase of the core's own beat (docs/heart.md) from the state of a tick. Systole lasts 540 ms -
-// 2.1 ms per beat per minute from the QRS. The valve opens after 24 % of systole and closes at its end.
-// During asystole (resting) there is no flow.
+// Returns the phase of the core's own heartbeat (docs/heart.md) from the state of a tick. Systole begins with
+// the QRS and lasts 540 ms minus 2.1 ms per beat per minute. The aortic valve opens after 24 % of systole and
+// closes at its end. During asystole (`is_resting`) there is no flow.
 BeatPhase core_beat(double beat_ms, double interval_ms, bool is_resting);
 
-// Returns the phase of regular beats from tick 0 on, at 20 .. 250 beats per minute. Ejection lasts 413 ms
-// minus 1.7 ms per beat per minute (Weissler et al., Circulation 37 (1968) 149, men).
+// Returns the phase of a regular heartbeat that starts at tick 0 and has 20 .. 250 beats per minute. In this
+// model, ejection lasts 413 ms minus 1.7 ms per beat per minute (Weissler et al., Circulation 37 (1968) 149,
+// men).
 BeatPhase steady_beat(std::uint32_t tick, double beats_per_min);
 
 } // namespace crn

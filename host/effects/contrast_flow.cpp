@@ -35,8 +35,8 @@ void ContrastFlow::take_volumes()
     for (std::size_t i = 0; i < cells_.size(); ++i) {
         const double radius_mm = cells_[i].radius_mm;
         per_volume_[i] = 2.0 / volume_ml_[i];
-        // The layers mix at this rate, which is the mean speed Q / (pi r^2), divided by the mixing length
-        // mixing_radii r.
+        // The two layers of blood mix at this rate, which is the mean speed Q / (pi r^2), divided by the
+        // mixing length mixing_radii r.
         mixing_[i] = 1e3 / (pi * radius_mm * radius_mm * radius_mm * settings_.mixing_radii);
     }
     network_.set_volumes(volume_ml_);
@@ -88,8 +88,9 @@ void ContrastFlow::step(const FlowDrive &drive, const InjectedFluid &fluid)
     mix(step_s);
 }
 
-// A cell that widens takes blood from its neighbours, and one that narrows gives blood to them. The exchange
-// is a source of volume without an iodine content of its own, spread evenly over the remaining steps.
+// A cell of blood that widens takes blood from its neighbours, and a cell that narrows gives blood to them.
+// The exchange is a source of volume without an iodine content of its own, spread evenly over the remaining
+// time steps.
 void ContrastFlow::find_widening()
 {
     if (widening_steps_ == 0) return;
@@ -112,8 +113,8 @@ void ContrastFlow::end_widening()
     network_.set_volumes(volume_ml_);
 }
 
-// The layers received their shares of the flows, but each layer grows by half of the added volume. One layer
-// therefore passes the difference to the other.
+// The layers received their fractions of the flows, but each layer grows by half of the added volume. Because
+// these fractions are not one half, one layer passes the difference to the other layer.
 void ContrastFlow::widen(double dt_s)
 {
     const double core_share = settings_.core_flow_share;
@@ -131,7 +132,8 @@ void ContrastFlow::widen(double dt_s)
     }
 }
 
-// The faster layer must not lose more than it holds in a step; if it would, the step is divided.
+// In one time step the faster layer must not lose more fluid than it holds; otherwise the time step is
+// divided.
 double ContrastFlow::parts_of_step()
 {
     const std::vector<FlowRun> &runs = network_.runs();
@@ -148,9 +150,9 @@ double ContrastFlow::parts_of_step()
     return std::max(std::ceil(emptied * faster * step_s / emptied_max), 1.0);
 }
 
-// Each layer is transported separately by the upwind rule: a flow has the concentration of the cell that it
-// leaves. Both layers of blood have half of the volume and a fixed share of every flow, including injected
-// fluid. So the flow into a layer equals the flow out of it.
+// The iodine of each layer is transported separately by the upwind rule: a flow has the concentration of the
+// cell that it leaves. Both layers of blood have half of the volume and a fixed fraction of every flow,
+// including injected fluid. So the flow into a layer of blood equals the flow out of the layer.
 void ContrastFlow::transport(double dt_s, const InjectedFluid &fluid)
 {
     const double core = settings_.core_flow_share * dt_s, wall = (1.0 - settings_.core_flow_share) * dt_s;
@@ -165,8 +167,8 @@ void ContrastFlow::transport(double dt_s, const InjectedFluid &fluid)
     }
 }
 
-// Transports one layer with these contents; `share_s` is the step in seconds times the layer's share of the
-// flows. All flows use the concentrations at the beginning of the step.
+// Transports the iodine of one layer, whose contents are given; `share_s` is the time step in seconds times
+// the layer's fraction of the flows. All flows have the concentrations at the beginning of the time step.
 void ContrastFlow::carry(double share_s, std::vector<double> &layer_mg)
 {
     const std::vector<FlowRun> &runs = network_.runs();
@@ -183,7 +185,8 @@ void ContrastFlow::carry(double share_s, std::vector<double> &layer_mg)
         } else {
             for (std::size_t i = begin; i < end; ++i) in[i] = k * per_volume[i] * mg[i];
         }
-        // When a vessel widens, blood without medium flows back into it from its bed.
+        // When a vessel widens, blood without contrast medium flows back into the vessel from its vascular
+        // bed.
         out_mg_[r] = share_s * std::max(network_.outflow_ml_s(r), 0.0) * per_volume[end - 1] * mg[end - 1];
     }
     for (std::size_t r = 0; r < runs.size(); ++r) {
@@ -199,8 +202,8 @@ void ContrastFlow::carry(double share_s, std::vector<double> &layer_mg)
     }
 }
 
-// The difference of concentration between the layers falls as exp(-k t), with k in proportion to the speed.
-// The step is implicit, so that the difference never changes sign.
+// The difference of concentration between the two layers falls as exp(-k t), with k in proportion to the
+// speed. The time step is implicit, so that this difference never changes sign.
 void ContrastFlow::mix(double dt_s)
 {
     double *core = core_mg_.data(), *wall = wall_mg_.data();
@@ -229,8 +232,8 @@ double ContrastFlow::held_mg() const
     return sum;
 }
 
-// Sums, for each branch, the medium that entered at its beginning and the medium that was injected in it or
-// downstream of it. Branches come after their parents.
+// Sums, for each branch, the contrast medium that entered at its beginning and the medium that was injected
+// in it or downstream of it. Branches come after their parents.
 std::vector<double> ContrastFlow::received_mg() const
 {
     const std::size_t count = cells_.branch_count();

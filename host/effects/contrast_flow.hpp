@@ -8,8 +8,8 @@
 //   contrast.iodine_mg_per_ml(cell);
 //
 // Iodine is conserved: the injected amount equals the amount in the vessels plus the amounts that left
-// through the beds and by reflux. The result depends on nothing but the inputs. The work has a fixed order
-// and uses no libm, so that every machine gives the same bits.
+// through the beds and by reflux. The result depends only on the inputs of the simulation. The computation
+// has a fixed order and uses no libm, so that every machine gives results that are equal bit for bit.
 #pragma once
 #include "host/effects/flow_network.hpp"
 #include <cstdint>
@@ -22,20 +22,20 @@ namespace crn
 
 struct ContrastSettings {
     double viscosity_mPa_s = 3.5; // of blood
-    // Blood moves in two layers of equal area, and this is the share of the flow in the layer around the
-    // axis. 0.75 is laminar flow (Poiseuille's parabola), 0.5 is plug flow.
+    // Blood moves in two layers of equal area, and core_flow_share is the fraction of the flow in the layer
+    // around the axis. 0.75 is laminar flow (Poiseuille's parabola), 0.5 is plug flow.
     double core_flow_share = 0.75;
     double mixing_radii = 30.0; // over a distance of so many radii the layers' difference falls to 1/e
 };
 
-// Describes an opening through which fluid leaves the catheter, and its share of the flow; the shares add up
-// to 1.
+// Describes an opening through which fluid leaves the catheter, and the fraction of the flow through it; the
+// fractions of all openings add up to 1.
 struct CatheterMouth {
     Eigen::Vector3d place_m;
     double share = 1.0;
 };
 
-// Describes a sphere that represents a tool at one place along its length.
+// Describes a sphere that represents a tool at one point along its length.
 struct ToolBall {
     Eigen::Vector3d place_m;
     double radius_m = 0.0;
@@ -60,10 +60,10 @@ class ContrastFlow
 
     const FlowCells &cells() const { return cells_; }
     void place(const VesselTree &moved) { cells_.place(moved); }
-    // Applies the new shape of the vessels after lesions have yielded (FlowCells::reshape). Resistances
-    // change at once. Volumes change within this many steps: a cell takes missing volume from its neighbours,
-    // or gives excess volume to them. The flow has the concentration of the cell that it leaves. With 0 steps
-    // every cell keeps its iodine at the new volume.
+    // Adopts the new shape of the vessels after lesions have yielded (FlowCells::reshape). Resistances change
+    // at once. The volumes of cells change within `steps` steps: a cell takes missing volume from its
+    // neighbours, or gives excess volume to them. The exchanged blood has the concentration of the cell that
+    // it leaves. With `steps` 0 every cell gets its new volume at once and keeps its amount of iodine.
     void reshape(const VesselTree &opened, int steps);
 
     void set_tools(std::span<const ToolBall> balls);
@@ -73,8 +73,8 @@ class ContrastFlow
     // openings.
     void step(const FlowDrive &drive, const InjectedFluid &fluid);
 
-    // These return concentrations of a cell, mg/ml: the mean of both layers, that of the layer around the
-    // axis, and that of the layer along the wall.
+    // The next functions return concentrations in a cell, mg/ml: the mean of both layers, that of the layer
+    // around the axis, and that of the layer along the wall.
     double iodine_mg_per_ml(std::size_t cell) const;
     double core_mg_per_ml(std::size_t cell) const { return 2.0 * core_mg_[cell] / volume_ml_[cell]; }
     double wall_mg_per_ml(std::size_t cell) const { return 2.0 * wall_mg_[cell] / volume_ml_[cell]; }
@@ -82,13 +82,15 @@ class ContrastFlow
 
     double held_mg() const; // in the vessels
     const IodineBudget &budget() const { return budget_; }
-    // Returns for each branch the medium that entered it and did not flow back. Medium may be injected into
-    // the branch, or come from the vessel upstream or from a branch downstream. Medium that a branch passes
-    // on to its own branches counts for both.
+    // Returns for each branch the amount of contrast medium that entered the branch and did not flow back.
+    // Contrast medium may be injected into the branch, or come from the vessel upstream or from a branch
+    // downstream. Contrast medium that a branch passes on to its own branches counts for the branch and for
+    // them.
     std::vector<double> received_mg() const;
 
-    // Returns, as bytes, all state on which the next step depends, except the shape of the vessels. A caller
-    // with open lesions must reshape them before restoring. A snapshot of other vessels is refused.
+    // Returns, as bytes, the whole state on which the next time step depends, except the shape of the
+    // vessels. A caller with open lesions must reshape the vessels before restoring a snapshot. restore()
+    // refuses a snapshot that was taken with other vessels.
     std::vector<std::uint8_t> snapshot() const;
     bool restore(std::span<const std::uint8_t> bytes);
 
@@ -114,7 +116,7 @@ class ContrastFlow
     std::vector<double> core_mg_, wall_mg_;
     IodineBudget budget_;
     std::vector<double> branch_injected_mg_, branch_out_mg_; // of each branch: into it, and from it into beds
-    // This is working memory of a step, which is kept in members to avoid allocation in every step.
+    // The next members are working memory of a time step; they are kept to avoid allocation in every step.
     std::vector<CellSource>
         sources_; // cells of `injecting_` that give fluid, then cells that widen or narrow
     std::size_t injecting_ = 0;

@@ -43,8 +43,8 @@ Vector3d between(const std::vector<Vector3d> &points_m, const FlowCell::Place &p
     return points_m[place.point] + place.share * (points_m[place.point + 1] - points_m[place.point]);
 }
 
-// Integrates along the part of a branch that a cell covers; the radius is linear between points. The results
-// are the length, the integral of pi r^2 ds and that of ds / r^4.
+// Integrates along the part of a branch that a cell covers; between points of the branch the radius is
+// linear. The function computes the length of that part, the integral of pi r^2 ds and that of ds / r^4.
 void measure(FlowCell &cell, const VesselBranch &branch)
 {
     double volume_mm3 = 0.0;
@@ -94,8 +94,8 @@ void FlowCells::cut(const VesselTree &tree, std::size_t index)
     const VesselBranch &branch = tree.branches[index];
     const Line line(branch);
     const double begin_m = vessel_start_m(tree, index), length_m = line.length_m() - begin_m;
-    // Faces are first placed at the wanted distances; then all distances are stretched so that the last face
-    // is at the end of the branch.
+    // The faces between cells are first placed at the wanted distances; then all distances are stretched so
+    // that the last face is at the end of the branch.
     std::vector<double> faces_m = {0.0};
     while (faces_m.back() < length_m)
         faces_m.push_back(faces_m.back() + wanted_length_m(line.radius_m(
@@ -128,7 +128,7 @@ void FlowCells::cut(const VesselTree &tree, std::size_t index)
         branch.flow_ml_s > 0.0 ? branch.flow_ml_s : murray_flow_ml_s(cells_.back().radius_mm);
 }
 
-// A lesion whose narrowest place lies before the branch's first cell narrows that cell.
+// If the narrowest point of a lesion lies before the branch's first cell, the lesion narrows that cell.
 FlowThroat FlowCells::throat_of(const VesselTree &tree, const VesselLesion &lesion) const
 {
     const std::size_t point = tree.throat(lesion), end = branch_begin_[lesion.branch + 1];

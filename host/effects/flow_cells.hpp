@@ -1,5 +1,5 @@
 // Divides the tree of vessels into cells of blood. Each cell has a position, radius, length and volume, and
-// the index of the cell that feeds it.
+// the index of the upstream cell from which its blood comes.
 //
 //   FlowCells cells(tree);        // cells of a branch are consecutive; a cell comes after the one that feeds it
 //   cells.reshape(opened);        // the same vessels after lesions have yielded: other radii, volumes and places
@@ -20,8 +20,8 @@ struct FlowCell {
     double per_r4_mm3 = 0.0;  // integral of ds / r^4: in proportion to the resistance
     double outlet_ml_s = 0.0; // mean flow into the bed behind it; 0: no bed begins here
     VesselBed bed = VesselBed::systemic;
-    // Describes a place between two points of the cell's branch; a cell has three, for its middle and its two
-    // faces.
+    // Describes a position between two points of the cell's branch; a cell has three such positions, for its
+    // middle and its two faces.
     struct Place {
         std::size_t point = 0;
         double share = 0.0;
@@ -29,7 +29,7 @@ struct FlowCell {
     Place middle, first, last;
 };
 
-// Describes the narrowest place of a lesion.
+// Describes the narrowest point of a lesion.
 struct FlowThroat {
     std::size_t cell = 0,
                 behind =
@@ -41,31 +41,31 @@ class FlowCells
 {
   public:
     FlowCells() = default;
-    // `tree` has passed check_vessel_tree. A cell is half of the vessel's radius long, but at least 1 mm and
-    // at most 3 mm. A branch begins at vessel_start_m. An outlet without a stated flow gets the flow that
-    // Murray's law gives for its radius.
+    // `tree` has passed check_vessel_tree. The length of a cell is half of the vessel's radius, but at least
+    // 1 mm and at most 3 mm. A branch begins at vessel_start_m. For an outlet whose flow is not given,
+    // Murray's law computes the flow from the radius.
     explicit FlowCells(const VesselTree &tree);
 
     std::size_t size() const { return cells_.size(); }
     const FlowCell &operator[](std::size_t i) const { return cells_[i]; }
-    // These return the first cell of a branch, and the index one behind its last cell.
+    // The next functions return the index of a branch's first cell, and the index one behind its last cell.
     std::size_t branch_begin(std::size_t branch) const { return branch_begin_[branch]; }
     std::size_t branch_count() const { return branch_begin_.empty() ? 0 : branch_begin_.size() - 1; }
 
     const std::vector<FlowThroat> &throats() const { return throats_; } // one for each lesion
 
-    // Replaces points and radii within the tree's lesions; the points are in the pose of the constructor's
-    // tree. The flow into the beds does not change.
+    // Replaces points and radii within the tree's lesions; the new points are in the pose of the tree that
+    // the constructor received. The mean flow into the vascular beds does not change.
     void reshape(const VesselTree &opened);
-    // Moves the tree's points: `moved` must have the same numbers of branches, points and lesions as the
-    // constructor's tree. Any other tree is ignored.
+    // Moves the tree's points: `moved` must have the same numbers of branches, points and lesions as the tree
+    // that the constructor received. Any other tree is ignored.
     void place(const VesselTree &moved);
     const Eigen::Vector3d &middle_m(std::size_t i) const { return middle_m_[i]; }
     Eigen::Vector3d first_face_m(std::size_t i) const { return at(i, cells_[i].first); }
     Eigen::Vector3d last_face_m(std::size_t i) const { return at(i, cells_[i].last); }
 
-    // Finds the nearest cell by power distance, |p - middle|^2 - radius^2. Where vessels overlap, this is the
-    // vessel in which p lies deeper.
+    // Finds the cell with the smallest power distance |p - middle|^2 - radius^2 from a point p. Where vessels
+    // overlap, the cell found is in the vessel in which p lies deeper.
     std::size_t nearest(const Eigen::Vector3d &place_m) const;
 
   private:
@@ -81,8 +81,8 @@ class FlowCells
     std::vector<Eigen::Vector3d> middle_m_;
 };
 
-// Returns the mean flow out of a vessel of this radius by Murray's law: with a wall shear rate of 500/s it is
-// pi/4 500/s r^3.
+// Returns the mean flow out of a vessel of this radius by Murray's law: pi/4 500/s r^3, which gives a wall
+// shear rate of 500/s.
 double murray_flow_ml_s(double radius_mm);
 
 } // namespace crn

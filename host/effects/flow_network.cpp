@@ -15,9 +15,9 @@ constexpr double blood_kg_m3 = 1060.0;
 constexpr double expansion_loss = 1.5; // K_t, approximately (Young and Tsai 1973)
 constexpr int settle_rounds = 60;      // each round at least halves the remaining error
 
-// Returns the pressure lost behind a stenosis, K_t rho/2 (A0/As - 1)^2 v0^2, divided by the square of the
+// Returns the pressure loss behind a stenosis, K_t rho/2 (A0/As - 1)^2 v0^2, divided by the square of the
 // flow. Format: mm and ml/s -> mmHg s^2/ml^2 (1 ml/s through 1 mm^2 is 1 m/s). The loss is 0 where the
-// lesion's narrowest place is no narrower than the vessel.
+// lesion's narrowest point is no narrower than the vessel.
 double loss_of(const FlowThroat &throat, double tool_radius_mm)
 {
     const double area = throat.healthy_radius_mm * throat.healthy_radius_mm;
@@ -28,8 +28,8 @@ double loss_of(const FlowThroat &throat, double tool_radius_mm)
     return expansion_loss * 0.5 * blood_kg_m3 * widening * widening / (area_mm2 * area_mm2) * mmHg_per_Pa;
 }
 
-// Returns the logarithm of x >= 1. The computation uses square roots and a series, so that every machine
-// gives the same bits.
+// Returns the natural logarithm of a number x >= 1. The logarithm is computed by square roots and a series,
+// so that every machine gives results that are equal bit for bit.
 double logarithm(double x)
 {
     double scale = 2.0;
@@ -71,8 +71,8 @@ FlowNetwork::FlowNetwork(const FlowCells &cells, double viscosity_mPa_s) : visco
     divide({});
 }
 
-// Computes the cells' resistances by Hagen-Poiseuille: 8 mu/pi times the integral of ds/r^4, converted from
-// Pa s/m^3 to mmHg s/ml.
+// Computes the flow resistances of the cells by Hagen-Poiseuille: 8 mu/pi times the integral of ds/r^4,
+// converted from Pa s/m^3 to mmHg s/ml.
 void FlowNetwork::take_shape(const FlowCells &cells)
 {
     open_.resize(cells.size());
@@ -188,9 +188,10 @@ double FlowNetwork::pressure_mmHg(std::size_t cell) const
     return rows_[run].pressure_mmHg + (flow_ml_s == 0.0 ? 0.0 : flow_ml_s * resistance);
 }
 
-// Behind a run's last cell, c is the conductance to the veins and s is the injected flow. With the pressure p
-// in the last cell, and the conductance g of the path into it from the pressure u, the balance is g (u - p) +
-// s = c p. Seen from upstream, the run has the conductance g c / (g + c) and the source g s / (g + c).
+// Behind a run's last cell, c is the conductance to the veins and s is the injected flow there. With the
+// pressure p in the last cell, and the conductance g of the path into it from the pressure u upstream, the
+// balance of flows is g (u - p) + s = c p. Seen from upstream, the run has the conductance g c / (g + c) and
+// the source g s / (g + c).
 void FlowNetwork::solve(const FlowDrive &drive, std::span<const CellSource> sources)
 {
     const bool is_divided =
@@ -229,15 +230,15 @@ void FlowNetwork::solve(const FlowDrive &drive, std::span<const CellSource> sour
         flows_[r].out_ml_s *= row.pressure_mmHg;
         flows_[r].in_ml_s = flows_[r].out_ml_s - row.injected_ml_s;
     }
-    // The flow into a run is computed from the flows out of it. A sum of flows is exact, whereas a difference
-    // of nearly equal pressures is not.
+    // The flow into a run of cells is computed from the flows out of it. A sum of flows is numerically exact,
+    // whereas a difference of nearly equal pressures is not.
     for (std::size_t r = runs_.size(); r-- > 0;) {
         if (!(rows_[r].way > 0.0)) flows_[r].in_ml_s = 0.0; // no flow passes, not even a rounding error
         if (runs_[r].upstream >= 0)
             flows_[static_cast<std::size_t>(runs_[r].upstream)].in_ml_s += flows_[r].in_ml_s;
     }
-    // Each iteration goes only halfway to the new flow, since full steps would oscillate about the solution
-    // for ever.
+    // Each iteration changes the flow only halfway towards the new solution, since full steps would oscillate
+    // about the solution for ever.
     for (std::size_t k = 0; k < throats_.size(); ++k)
         throat_flows_[k] += 0.5 * (std::fabs(flows_[run_of_[throats_[k].cell]].in_ml_s) - throat_flows_[k]);
 }

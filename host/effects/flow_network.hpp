@@ -1,8 +1,8 @@
-// Solves the blood flow in the cells of a tree at one moment. The inputs are the pressure at the inlet, the
-// conductances behind the outlets, the injected fluid, and every cell's resistance by Poiseuille's law. A
-// tool in a cell raises that resistance. The system is linear: an elimination from the outlets to the inlet,
-// and a pass back to the outlets, solve it exactly. Consecutive cells form one resistance, so that the cost
-// depends only on the number of places where flow divides.
+// Computes the blood flow in the cells of a tree of vessels at one moment. The inputs are the pressure at the
+// inlet, the conductances behind the outlets, the injected fluid, and the resistance of every cell by
+// Poiseuille's law. A tool in a cell raises the cell's resistance. The equations are linear: an elimination
+// from the outlets to the inlet, and a pass back to the outlets, solve them exactly. Consecutive cells form
+// one resistance, so that the cost depends only on the number of points where flow divides.
 #pragma once
 #include "host/effects/beat.hpp"
 #include "host/effects/flow_cells.hpp"
@@ -13,9 +13,9 @@
 namespace crn
 {
 
-// Returns the share of its conductance that a round tube keeps with a concentric round rod in it; k is the
-// rod's radius over the tube's. The share is 1 - k^4 - (1 - k^2)^2 / ln(1/k), and 0 from k = 0.98 on (Bird,
-// Stewart, Lightfoot, Transport Phenomena, flow through an annulus).
+// Returns the fraction of its conductance that a round tube keeps with a concentric round rod in it; k is the
+// rod's radius divided by the tube's radius. This fraction is 1 - k^4 - (1 - k^2)^2 / ln(1/k), and 0 from k =
+// 0.98 on (Bird, Stewart, Lightfoot, Transport Phenomena, flow through an annulus).
 double annulus_share(double share);
 
 struct CellSource {
@@ -23,8 +23,8 @@ struct CellSource {
     double flow_ml_s = 0.0;
 };
 
-// Describes consecutive cells with no source or outlet between them, so that the same flow passes through all
-// of them.
+// Describes consecutive cells of a vessel with no source or outlet between them, so that the same flow passes
+// through all of them.
 struct FlowRun {
     std::size_t begin = 0, end = 0; // cells
     int upstream = -1;              // the run whose last cell feeds the first cell of this one; -1: the inlet
@@ -37,30 +37,31 @@ class FlowNetwork
     FlowNetwork() = default;
     FlowNetwork(const FlowCells &cells, double viscosity_mPa_s);
 
-    // Takes the shape of the vessels after lesions have yielded: the same cells with other radii.
+    // Adopts the shape of the vessels after lesions have yielded: the same cells with other radii.
     // `tool_radius_mm` is as in set_tools.
     void reshape(const FlowCells &cells, std::span<const double> tool_radius_mm);
     void set_volumes(std::span<const double> volume_ml); // of the cells
-    // Sets the radius of the thickest tool in each cell, mm; 0 means no tool.
+    // Sets the radius of the thickest tool in each cell, in mm; 0 means that the cell contains no tool.
     void set_tools(std::span<const double> tool_radius_mm);
     void solve(const FlowDrive &drive, std::span<const CellSource> sources);
-    // Solves repeatedly until the flows through the stenoses agree with the resistances that depend on them.
+    // Repeats the solution until the flows through the stenoses agree with the stenoses' resistances, which
+    // depend on these flows.
     void settle(const FlowDrive &drive);
 
-    // Returns the runs of the last solution. Every cell is in one run, and a run comes after the run that
-    // feeds it. A cell that has an outlet, receives fluid or feeds a cell other than the next one is the last
-    // of its run.
+    // Returns the runs (rows of consecutive cells) of the last solution. Every cell is in one run of cells,
+    // and a run comes after the run that feeds it. The last cell of a run has an outlet, receives fluid, or
+    // feeds a cell other than the next one in the list.
     const std::vector<FlowRun> &runs() const { return runs_; }
     std::size_t run_of(std::size_t cell) const { return run_of_[cell]; }
-    // These return flows in ml/s: the flow into the run from upstream (negative: out of it), and the flow out
-    // of its last cell into the bed behind it.
+    // The next functions return flows in ml/s: the flow into the run from upstream (negative: out of the
+    // run), and the flow out of its last cell into the vascular bed behind it.
     double inflow_ml_s(std::size_t run) const { return flows_[run].in_ml_s; }
     double outflow_ml_s(std::size_t run) const { return flows_[run].out_ml_s; }
 
     double pressure_mmHg(std::size_t cell) const; // above the veins
 
-    // Returns the flows that determine the stenoses' resistance, ml/s. These flows are the only state,
-    // besides its arguments, on which the next solution depends.
+    // Returns the flows through the stenoses, in ml/s, which determine the stenoses' resistance. These flows
+    // are the only stored state on which the next solution depends; all other inputs are arguments.
     const std::vector<double> &throat_flows_ml_s() const { return throat_flows_; }
     void set_throat_flows(std::span<const double> flows_ml_s); // as many as there are stenoses
 

@@ -1,5 +1,5 @@
-// Gives the fluid of all ordered injections tick by tick, in whole nanolitres, so that it is the same on
-// every machine and in every replay.
+// Supplies the fluid of all commanded injections tick by tick, in whole nanolitres, so that the fluid is the
+// same on every machine and in every replay.
 #pragma once
 #include "host/effects/contrast_flow.hpp"
 #include <cstdint>
@@ -11,18 +11,18 @@ namespace crn
 class Injector
 {
   public:
-    // Injects this volume at this rate from `tick` on (1 ul/s is 1 nl per tick). Two simultaneous injections
-    // add up. Returns the number that cancel() takes.
+    // Starts an injection of this volume at this rate at `tick` (1 ul/s is 1 nl per tick). Two simultaneous
+    // injections add up. Returns the number of the injection, which cancel() needs.
     std::uint64_t inject(std::uint32_t tick, std::int32_t volume_ul, std::int32_t rate_ul_s,
                          double iodine_mg_per_ml);
-    // Ends, at `tick`, all injections ordered so far.
+    // Ends, at `tick`, all injections that were commanded so far.
     void stop(std::uint32_t tick);
     void cancel(std::uint64_t injection); // the rest of it is not given
     bool is_empty() const { return injections_.empty(); }
     std::uint32_t first_tick() const; // of the remaining injections; only when there are any
-    // Drops the fluid that is due before `tick`, for a session that is viewed from its middle on.
+    // Drops the fluid that is due before `tick`, for viewing a session from its middle on.
     void skip_to(std::uint32_t tick);
-    // Returns the fluid of one tick, the one that ends at time `tick`.
+    // Returns the fluid that is injected during the tick (millisecond) that ends at time `tick`.
     InjectedFluid take(std::uint32_t tick);
     double injected_ml() const { return static_cast<double>(injected_nl_) * 1e-6; }
 

@@ -5,7 +5,7 @@ namespace crn
 namespace
 {
 
-// Returns the cell upstream of a lesion, which feeds the first cell inside it.
+// Returns the cell upstream of a lesion, from which blood flows into the first cell inside the lesion.
 std::size_t before(const FlowCells &cells, const VesselLesion &lesion, const FlowThroat &throat)
 {
     std::size_t first = cells.branch_begin(lesion.branch);

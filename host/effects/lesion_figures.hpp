@@ -1,4 +1,4 @@
-// Computes figures of a narrowed vessel for a cardiologist: how narrow and how long it is, and how it affects
+// Computes figures of a lesion for a cardiologist: how narrow and how long the lesion is, and how it affects
 // the flow.
 //
 //   for (const LesionFigures &f : lesion_figures(tree, 3.5)) ...
@@ -19,18 +19,18 @@ struct LesionFigures {
     double rest_flow_ml_s = 0.0,
            rest_drop_mmHg = 0.0; // flow through the narrowest place; drop from before to behind the lesion
     double hyperaemic_flow_ml_s = 0.0, hyperaemic_drop_mmHg = 0.0;
-    // Fractional flow reserve is the pressure behind the lesion divided by the pressure in the aorta, both
-    // relative to the veins, in hyperaemia.
+    // Fractional flow reserve (FFR) is the pressure behind the lesion divided by the pressure in the aorta,
+    // both relative to the veins, in hyperaemia.
     double ffr = 1.0;
 
     double diameter_percent() const; // share of the reference that is missing
     double area_percent() const;
 };
 
-// Computes the figures with the mean pressure and flows, without tools. In hyperaemia the heart's beds are
-// `hyperaemia_openness` times as open as at rest, and other beds do not change. The coronary flow reserve of
-// a healthy heart is 3 to 5. `opened` is the same tree after lesions have yielded; with nullptr the lesions
-// are as they were baked.
+// Computes the figures of a lesion with the mean pressure and mean flows, without tools. In hyperaemia the
+// heart's vascular beds are `hyperaemia_openness` times as open as at rest, and the other beds do not change.
+// The coronary flow reserve of a healthy heart is 3 to 5. `opened` is the same tree after lesions have
+// yielded; if it is nullptr, the lesions are as narrow as they were baked.
 constexpr double hyperaemia_openness = 4.0;
 std::vector<LesionFigures> lesion_figures(const VesselTree &tree, double viscosity_mPa_s,
                                           const VesselTree *opened = nullptr);

@@ -20,8 +20,8 @@ struct Viscosity {
 constexpr Viscosity label[] = {{0.0, 0.69},  {140.0, 1.5}, {180.0, 2.0},
                                {240.0, 3.4}, {300.0, 6.3}, {350.0, 10.4}};
 
-// Returns one of the tool's radii (`radius_um`) at an arc length from its tip: linear between knots, constant
-// beyond them.
+// Returns one of the tool's radii (`radius_um`) at an arc length from the tool's tip: linear between the
+// knots of the tool's table, constant beyond them.
 double radius_m(const Instrument &tool, double arc_m, std::uint32_t crn_wire_knot::*radius_um)
 {
     const crn_wire_knot *knots = tool.table.knots;
@@ -38,7 +38,8 @@ double radius_m(const Instrument &tool, double arc_m, std::uint32_t crn_wire_kno
     return knots[count - 1].*radius_um * 1e-6;
 }
 
-// Returns the radius of the widest tool in the lumen at that place; 0 if there is none.
+// Returns the radius of the widest tool that lies in the lumen at a position; the result is 0 if no tool lies
+// there.
 double inner_radius_m(std::span<const InnerTool> inside, double arc_m)
 {
     double widest_m = 0.0;
@@ -50,8 +51,8 @@ double inner_radius_m(std::span<const InnerTool> inside, double arc_m)
     return widest_m;
 }
 
-// Returns the conductance of the gap over that of the empty lumen, for the position of the wire that lets the
-// most fluid pass.
+// Returns the conductance of the gap divided by that of the empty lumen, for the position of the guidewire
+// that lets the most fluid pass.
 double gap_share(double k)
 {
     if (k <= 0.0) return 1.0;

@@ -2,10 +2,11 @@
 // that lumen.
 //
 // Laminar flow Q of viscosity mu through a lumen of radius R needs dp/ds = 8 mu Q / (pi R^4). A concentric
-// guidewire of radius k R in the lumen leaves an annulus with the share 1 - k^4 - (1 - k^2)^2 / ln(1/k) of
-// the conductance (Bird, Stewart, Lightfoot, Transport Phenomena, 2.4). A guidewire that lies on the wall
-// leaves at most 2.5 times that share (for a narrow gap 1 + 1.5 e^2, Snyder and Goldstein 1965). The
-// functions return the least pressure that the injection can need, so a refusal is never too strict.
+// guidewire of radius k R in the lumen leaves an annulus with the fraction 1 - k^4 - (1 - k^2)^2 / ln(1/k) of
+// the conductance (Bird, Stewart, Lightfoot, Transport Phenomena, 2.4). A guidewire that lies on the wall of
+// the lumen leaves at most 2.5 times that fraction (for a narrow gap 1 + 1.5 e^2, Snyder and Goldstein 1965).
+// The functions return the least pressure that the injection can need, so that an injection is never refused
+// without reason.
 #pragma once
 #include "host/model/instrument.hpp"
 #include <span>
@@ -17,19 +18,19 @@ namespace crn
 inline constexpr double injection_pressure_max_kPa = 8274.0;
 
 // Returns the viscosity of iohexol at 37 degrees C, in mPa s (label of Omnipaque: 1.5, 2.0, 3.4, 6.3 and 10.4
-// at 140, 180, 240, 300 and 350 mg iodine per ml). The logarithm of the viscosity is linear between these
-// strengths, and from the 0.69 of water at 0 mg/ml.
+// at 140, 180, 240, 300 and 350 mg iodine per ml). The logarithm of the viscosity is linear between the
+// strengths on the label, and down to 0.69 mPa s for water at 0 mg/ml.
 double contrast_viscosity_mPa_s(double iodine_mg_per_ml);
 
-// Describes a tool inside the lumen, and the distance of its tip behind the tip of the outer tool; a negative
-// distance means ahead of that tip.
+// Describes a tool inside the lumen of an outer tool, and the distance of its tip behind the outer tool's
+// tip; the distance is negative if its tip is ahead.
 struct InnerTool {
     const Instrument *tool = nullptr;
     double tip_behind_m = 0.0;
 };
 
-// Returns the pressure difference between hub and tip of `tool`, in kPa; it is infinite where the lumen is
-// closed. `flow_ml_s` > 0.
+// Returns the pressure difference between hub and tip of `tool`, in kPa; the difference is infinite where the
+// lumen is closed. `flow_ml_s` > 0.
 double injection_pressure_kPa(const Instrument &tool, std::span<const InnerTool> inside, double flow_ml_s,
                               double iodine_mg_per_ml);
 

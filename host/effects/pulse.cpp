@@ -7,8 +7,8 @@ namespace crn
 namespace
 {
 
-// The values are those of a resting adult; the windkessel model is that of Westerhof et al., Med Biol Eng
-// Comput 2009;47:131.
+// The values of the pressure model are those of a resting adult; the windkessel model is that of Westerhof et
+// al., Med Biol Eng Comput 2009;47:131.
 constexpr double resistance_mmHg_s_ml = 1.05, compliance_ml_mmHg = 1.35, impedance_mmHg_s_ml = 0.045;
 constexpr double venous_mmHg = 6.0;
 constexpr double stroke_ml = 72.0;          // after a diastole of 470 ms, as at 70 /min
@@ -49,7 +49,8 @@ double ecg_mV(double phase, double beat_ms, double interval_ms, std::uint8_t bit
            0.28 * bell(beat_ms - 60.0, 8.0) + 0.30 * t;
 }
 
-// The curve is s^a (1-s)^b with area 1: it rises fast and falls slowly, like the flow in the aortic root.
+// The curve of the flow out of the ventricle is s^a (1-s)^b with area 1: it rises fast and falls slowly, like
+// the flow in the aortic root.
 double ejection_shape(double share)
 {
     if (share <= valve_opens_share || share >= valve_closes_share) return 0.0;

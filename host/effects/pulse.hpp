@@ -1,10 +1,10 @@
 // Computes the traces of a heart monitor, electrocardiogram and aortic pressure, from the beats that the core
 // reports tick by tick.
 //
-// The electrocardiogram is a sum of bell curves at stated phases of the beat: the P wave before the QRS, the
-// T wave at the end of systole. A premature beat is wide, without P, and has an inverted T. The pressure
-// comes from a two-element windkessel with a characteristic impedance, into which each systole ejects. A less
-// filled ventricle ejects less (docs/heart.md, "traces").
+// The electrocardiogram is a sum of bell curves at given phases of the beat: the P wave before the QRS, the T
+// wave at the end of systole. In the electrocardiogram, a premature beat is wide, without P, and has an
+// inverted T. The pressure comes from a two-element windkessel with a characteristic impedance, into which
+// each systole ejects. A ventricle that is less filled ejects less blood (docs/heart.md, "traces").
 #pragma once
 #include "shared/wire/wire.h"
 #include <array>
@@ -13,7 +13,7 @@
 namespace crn
 {
 
-// The aortic valve closes at this phase, which is 10 / 24 of a cycle.
+// The aortic valve closes at this phase of the beat, which is 10 / 24 of a cycle.
 inline constexpr double phase_systole_end = 10.0 / 24.0;
 
 inline double phase_of(std::uint32_t phase32)
@@ -25,8 +25,8 @@ inline double phase_of(std::uint32_t phase32)
 // are CRN_WIRE_RHYTHM_*.
 double ecg_mV(double phase, double beat_ms, double interval_ms, std::uint8_t bits);
 
-// Returns the flow out of the ventricle at `share`, 0 .. 1 of systole. The curve has area 1 over the
-// ejection, and is 0 while the valve is shut.
+// Returns the flow out of the ventricle at the fraction `share`, 0 .. 1, of systole. The curve of this flow
+// has area 1 over the ejection, and is 0 while the valve is shut.
 double ejection_shape(double share);
 
 class PulseMonitor
@@ -41,17 +41,18 @@ class PulseMonitor
     void tick(const crn_wire_tick_state &state);
 
     double pressure_mmHg() const { return aortic_mmHg_; }
-    // These return figures of the last complete beat.
+    // The next functions return figures of the last complete beat.
     double systolic_mmHg() const { return systolic_mmHg_; }
     double diastolic_mmHg() const { return diastolic_mmHg_; }
-    // Returns 60 000 divided by the mean of the last four intervals in ms; 0 after 3 s without a beat.
+    // Returns the heart rate per minute: 60 000 divided by the mean of the last four intervals in ms; 0 after
+    // 3 s without a beat.
     double rate_per_min() const;
     std::uint32_t beats() const { return beats_; }
     std::uint32_t premature_beats() const { return premature_beats_; }
     bool holds_breath() const { return (bits_ & CRN_WIRE_RHYTHM_HOLDS_BREATH) != 0; }
 
-    // The last 4 s as a monitor draws them: a ring that is overwritten from left to right; `newest` is the
-    // index written last.
+    // Returns the last 4 s of both curves as a monitor draws them: a ring that is overwritten from left to
+    // right; `newest` is the index written last.
     const std::array<Sample, sample_count> &samples() const { return samples_; }
     std::size_t newest() const { return newest_; }
     bool has_samples() const { return ticks_ > 0; }

@@ -1,5 +1,5 @@
-// Exchanges bytes with the emulated device through two ring buffers in the rig page, which is memory shared
-// with it.
+// Exchanges bytes with the emulated device through two ring buffers in the rig page, which is memory that the
+// host shares with the device.
 #pragma once
 #include "host/link/emulator.hpp"
 #include "host/link/transport.hpp"
@@ -11,7 +11,8 @@ namespace crn
 class EmulatedTransport final : public Transport
 {
   public:
-    // `pass_time` advances the board by some milliseconds; without it pass_time_ms() does nothing.
+    // `pass_time` advances the clock of the emulated board by some milliseconds; without `pass_time`,
+    // pass_time_ms() does nothing.
     explicit EmulatedTransport(Emulator &emulator, std::function<void(std::uint32_t)> pass_time = {});
 
     void write(std::span<const std::uint8_t> bytes) override;
@@ -28,9 +29,9 @@ class EmulatedTransport final : public Transport
     std::uint32_t boot_count_;
 };
 
-// Starts the device's image in an emulator of its own, with a rig whose sensors are healthy and whose hands
-// are at rest. pass_time_ms() advances the emulated time by milliseconds. Throws EmulatorError with the
-// remedy when the image or the emulator is missing.
+// Starts the device's firmware image in an emulator of its own, with a rig whose sensors are healthy and
+// whose user's hands are at rest. pass_time_ms() advances the emulated time by milliseconds. Throws
+// EmulatorError with the remedy when the firmware image or the emulator is missing.
 class EmulatedDevice final : public Transport
 {
   public:

@@ -1,5 +1,5 @@
-// Runs the device's image on an emulated Cortex-M7: one QEMU process, and memory that it shares with the
-// host.
+// Runs the device's firmware image on an emulated Cortex-M7: one QEMU process, and memory that it shares with
+// the host.
 //
 // With -icount every instruction takes 2^shift ns of the board's time, so a run depends only on its inputs:
 //   shift 7   counts instructions exactly (3.2 counts of the board's clock each); a millisecond holds 7,812 of them
@@ -18,8 +18,8 @@
 namespace crn
 {
 
-// This exception is thrown when the emulator did not start, ended, or missed a deadline; the text ends with
-// the emulator's console output.
+// EmulatorError means that the emulator did not start, ended, or missed a deadline; its text ends with the
+// emulator's console output.
 class EmulatorError : public LinkError
 {
   public:
@@ -38,7 +38,7 @@ class Emulator
 {
   public:
     // Starts the emulator and waits until the device is ready. The shared page then describes a rig, and the
-    // host advances its clock by milliseconds.
+    // host advances the rig's clock by milliseconds.
     explicit Emulator(const EmulatorOptions &options);
     ~Emulator();
     Emulator(const Emulator &) = delete;
@@ -48,17 +48,17 @@ class Emulator
     std::uint8_t *memory() { return memory_; } // RIG_MEMORY_BYTES
     std::string memory_path() const { return folder_ + "/memory"; }
 
-    // These functions pause and continue the emulated processor, as a debugger does. No instruction runs in
-    // between.
+    // The next functions pause and continue the emulated processor, as a debugger does. No instruction runs
+    // in between.
     void pause();
     void resume();
 
-    // Cuts the device's power immediately, whatever the device is doing, and restores it with the memory
-    // unchanged.
+    // Cuts the device's power immediately, whatever the device is doing, and restores the power with the
+    // memory unchanged.
     void power_cycle();
 
-    // Waits until `is_done`. Waits until `is_done` returns true. Throws EmulatorError after the deadline, or
-    // when the emulator's process ends; the message contains `what`, which names the awaited event.
+    // Waits until `is_done` returns true. Throws EmulatorError after the deadline, or
+    // when the emulator's process ends; the error message contains `what`, which names the awaited event.
     void wait(const std::function<bool()> &is_done, const char *what, double deadline_s = deadline_default_s);
     static constexpr double deadline_default_s = 20.0;
 

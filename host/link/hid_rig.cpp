@@ -14,7 +14,7 @@ namespace
 
 using Clock = std::chrono::steady_clock;
 
-// Characters that are not printable ASCII become '?', because a device may send anything, and this text is
+// Characters that are not printable ASCII become '?', because a device may send anything, and the text is
 // shown on terminals.
 std::string narrow(const wchar_t *wide)
 {
@@ -145,7 +145,7 @@ std::optional<crn_hid_state> HidRig::read_state(std::uint32_t milliseconds)
             api_.read_timeout(device_.get(), bytes, sizeof bytes, left > 0 ? static_cast<int>(left) : 0);
         if (count < 0) lost("its state was read");
         crn_hid_state state;
-        // The system may pad a report to the length of the longest report; anything shorter than a state
+        // The system may pad a report to the length of the longest report; any report shorter than a state
         // report is ignored.
         if (count > CRN_HID_BYTES_state && count <= static_cast<int>(sizeof bytes) &&
             bytes[0] == CRN_HID_ID_state && crn_hid_decode_state(bytes + 1, CRN_HID_BYTES_state, &state))

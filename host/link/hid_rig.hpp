@@ -2,8 +2,9 @@
 // (docs/usb.md, "Reports").
 //
 // Debian has two builds of hidapi with the same function names: one uses the kernel's hidraw, the other
-// libusb. Both builds are loaded at run time. So the caller can choose one, and everything else works on a
-// machine without them. Thread rule: only one thread at a time may call a rig.
+// libusb. Both builds of hidapi are loaded at run time, not linked. So the caller can choose one build, and a
+// machine without hidapi can still run everything else. Only one thread at a time may call the functions of a
+// HidRig.
 #pragma once
 #include "host/link/link.hpp"
 #include "shared/wire/hid.h"
@@ -21,7 +22,8 @@ namespace crn
 
 enum class HidBackEnd { hidraw, libusb };
 
-// Holds the functions of hidapi that are used here, from one of the two builds; tests provide their own.
+// Holds the functions of hidapi that this code uses, from one of the two builds; tests provide functions of
+// their own.
 struct HidApi {
     std::string name; // "hidraw", "libusb"
     int (*init)() = nullptr;
@@ -38,8 +40,8 @@ struct HidApi {
     const wchar_t *(*error)(hid_device_ *device) = nullptr;
 };
 
-// Throws LinkError that names the missing library and its package. A library stays loaded until the program
-// ends.
+// Throws LinkError that names the missing hidapi library and its package. A loaded library stays in memory
+// until the program ends.
 const HidApi &hid_api(HidBackEnd back_end);
 
 struct HidEntry {
@@ -51,8 +53,9 @@ class HidRig
   public:
     static std::vector<HidEntry> list(const HidApi &api);
 
-    // An empty `serial` selects the only rig there is. Throws LinkError. A rig whose reports have another
-    // definition is refused, and the message contains both hashes.
+    // An empty `serial` selects the only rig that is plugged in. Throws LinkError. The constructor refuses a
+    // rig whose reports have another definition, and the error message contains the hashes of both
+    // definitions.
     HidRig(const HidApi &api, const std::string &serial);
     ~HidRig();
     HidRig(const HidRig &) = delete;
@@ -60,20 +63,20 @@ class HidRig
 
     const crn_hid_identity &identity() const { return identity_; }
     const std::string &serial() const { return serial_; }
-    // Returns the next state report, or nothing if none arrives within the time. Throws DeviceLost when the
-    // rig was disconnected, and LinkError for data that is not a report.
+    // Returns the next state report of the rig, or nothing if no report arrives within the time. Throws
+    // DeviceLost when the rig was disconnected, and LinkError when the received data are not a report.
     std::optional<crn_hid_state> read_state(std::uint32_t milliseconds);
     std::uint32_t reports_bad() const { return reports_bad_; } // too short, or with another id: ignored
     // Sends a command and waits for the state report that answers it. Throws LinkError with the reason that
-    // the device gives for a refusal.
+    // the device gives when it refuses the command.
     crn_hid_state command(std::uint8_t action, std::int32_t value1, std::int32_t value2,
                           std::uint32_t milliseconds = 1000);
 
     crn_hid_capabilities read_capabilities();
     crn_hid_calibration read_calibration();
     crn_hid_limits read_limits();
-    // Writes the calibration, and returns the calibration that it then reads back from the device. Throws
-    // LinkError when the device refuses the calibration or keeps another value.
+    // Writes the calibration, and returns the calibration that is then read back from the device. Throws
+    // LinkError when the device refuses the calibration or keeps other values.
     crn_hid_calibration write_calibration(const crn_hid_calibration &calibration);
     crn_hid_limits write_limits(const crn_hid_limits &limits);
 

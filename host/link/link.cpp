@@ -56,8 +56,8 @@ void Link::send(std::uint16_t type, const crn_wire_writer &payload)
 
 // --- handshake and set-up ---
 
-// Returns true when answered. Every other frame received here, complete or cut, belongs to an earlier
-// conversation.
+// Returns true when answered. Every other frame that arrives while the host waits for the answer to HELLO,
+// complete or cut, belongs to an earlier conversation.
 bool Link::ask_hello(const crn_wire_hello &hello)
 {
     const std::uint8_t end_of_frame = 0; // ends a frame that an earlier host, or a cut cable, left unfinished
@@ -80,8 +80,9 @@ bool Link::ask_hello(const crn_wire_hello &hello)
     return false;
 }
 
-// Host and device start again, whatever bytes were lost or cut before. If the device restarted in the middle
-// of a frame, its reply follows half a frame and is lost; the host then sends HELLO once more.
+// The message HELLO starts the conversation of host and device anew, whatever bytes were lost or cut before.
+// If the device restarted in the middle of a frame, its reply to HELLO follows half a frame and is lost; the
+// host then sends HELLO once more.
 crn_wire_hello_reply Link::hello_once()
 {
     const crn_wire_hello hello = {CRN_WIRE_PROTOCOL_MAJOR, CRN_WIRE_PROTOCOL_MINOR, crn_wire_schema_hash()};
@@ -103,8 +104,8 @@ crn_wire_hello_reply Link::hello_once()
     return hello_reply_;
 }
 
-// If an upload of the same scene was interrupted, it continues where it stopped. A scene that the device
-// already has is not sent again.
+// If an upload of the same scene was interrupted, the upload continues where it stopped. A scene that the
+// device already has is not sent again.
 void Link::load_scene(std::span<const std::uint8_t> scene)
 {
     if (scene.size() > UINT32_MAX) throw LinkError("the scene is larger than 4 GiB");
@@ -204,8 +205,8 @@ crn_wire_status Link::use_free_run()
     return command(CRN_WIRE_ACTION_FREE_RUN);
 }
 
-// Powering the motors takes two commands, so that no stray frame powers a motor: CONFIRM must return the code
-// that the device sent.
+// Powering the motors takes two commands, so that no stray frame powers a motor: the second command, CONFIRM,
+// must return the code that the device sent.
 crn_wire_status Link::arm_motors()
 {
     const crn_wire_status asked = command(CRN_WIRE_ACTION_ARM_MOTORS);
@@ -271,8 +272,8 @@ void Link::give_orders(const crn_wire_order_list &orders)
     receive_answer(CRN_WIRE_TYPE_status);
 }
 
-// Sends a heartbeat, unless the host has sent something since the last call. The device's reply is stored
-// with other frames that nobody waits for.
+// Sends a heartbeat, unless the host has sent something since the last call. The device's reply to a
+// heartbeat is stored with other frames for which no caller waits.
 void Link::beat()
 {
     const crn_wire_get request = {CRN_WIRE_GET_STATUS};
@@ -294,8 +295,8 @@ void Link::say_present()
     beat();
 }
 
-// Removes the ticks that the last call returned. Ticks that arrived since then, together with replies to
-// other requests, stay.
+// Removes from the list the ticks that the last call returned to the caller. Ticks that arrived since then,
+// together with replies to other requests, stay in the list.
 void Link::drop_given()
 {
     const auto given = static_cast<std::ptrdiff_t>(ticks_given_);

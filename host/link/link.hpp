@@ -1,4 +1,4 @@
-// This class is a conversation with a device: handshake, set-up, steps, shape and snapshots.
+// A Link is a conversation with a device: handshake, set-up, steps, shape of the tools, and snapshots.
 //
 //   SimTransport pipe;
 //   Link link(pipe);
@@ -24,7 +24,7 @@
 namespace crn
 {
 
-// `reject` is the device's refusal. The code in `reject` is 0 when the error has another cause, such as
+// `reject` is the device's refusal. The code in `reject` is 0 when the LinkError has another cause, such as
 // silence, another version or a fault.
 class LinkError : public std::runtime_error
 {
@@ -45,8 +45,8 @@ class Link
 {
   public:
     static constexpr std::size_t steps_max = CRN_WIRE_MAX_step_inputs;
-    // No correct device exceeds these limits: the frames that arrive before an answer, the bytes of a
-    // snapshot, and the notices that nobody has fetched yet.
+    // No correct device exceeds the next limits: the frames that arrive before an answer, the bytes of a
+    // snapshot, and the notices that the host has not fetched yet.
     static constexpr std::uint32_t frames_at_once_max = 10000, snapshot_bytes_max = 1 << 20,
                                    notices_max = 4096, live_ticks_max = 1 << 16;
 
@@ -55,8 +55,8 @@ class Link
     // `patience` is the total time for which the device may keep the host waiting (patience.hpp).
     explicit Link(Transport &transport, Patience::Span patience = Patience::budget_default);
 
-    // Begins a conversation. The device refuses this while another program controls powered motors. A program
-    // that has disconnected loses this control after at most 50 ms.
+    // Begins a conversation. The device refuses a conversation while another program controls powered motors.
+    // A program that has disconnected loses this control after at most 50 ms.
     crn_wire_hello_reply hello();
     void load_scene(std::span<const std::uint8_t> scene);
     void load_tools(std::span<const crn_wire_instrument> tools);
@@ -72,23 +72,25 @@ class Link
     crn_wire_status use_lockstep();
     crn_wire_status use_free_run();
 
-    // LOCKSTEP: advances one tick per input. The returned ticks are valid until the next call. If a fault
-    // stops the device, this stores the ticks that were finished and throws; tick() returns the last of them.
+    // In the mode LOCKSTEP, step() advances the device by one tick per input. The list of ticks that step()
+    // returns is valid until the next call. If a fault stops the device, step() stores the ticks that were
+    // finished and throws; tick() returns the last of these ticks.
     std::span<const crn_wire_tick_state> step(std::span<const crn_wire_tick_input> inputs, bool want_nodes);
     std::uint32_t tick() const { return tick_; }
 
-    // In FREE_RUN this sends the newest input, waits for the given time and receives what the device sends
-    // meanwhile. During the wait the host sends a heartbeat with the last input at least every heartbeat_ms,
-    // because after 30 ms of silence the device reduces the forces to zero.
+    // In the mode FREE_RUN, free_run() sends the newest input, waits for the given time and receives what the
+    // device sends meanwhile. During the wait the host sends a heartbeat with the last input at least every
+    // heartbeat_ms, because after 30 ms of silence the device reduces the forces to zero.
     static constexpr std::uint32_t heartbeat_ms = 10;
     void send_input(const crn_wire_tick_input &input); // without orders
     void say_present();                                // one heartbeat; nothing is received
     std::vector<crn_wire_tick_state> free_run(std::uint32_t milliseconds);
-    // FREE_RUN: the device carries out these orders in the next tick that has none. In LOCKSTEP the orders
-    // are part of a tick's input. `orders` must contain at least one order. Throws LinkError.
+    // In the mode FREE_RUN, the device carries out these commands ("orders") in the next tick that has no
+    // other commands. In the mode LOCKSTEP, such commands are part of a tick's input. `orders` must contain
+    // at least one command. Throws LinkError.
     void give_orders(const crn_wire_order_list &orders);
-    // These return the ticks of the last call with their inputs, sensors and flags, also after an exception,
-    // and the events since that call.
+    // The next functions return the ticks of the last call with their inputs, sensors and flags, also after
+    // an exception, and the events since that call.
     const std::vector<crn_wire_live_tick> &live_ticks() const { return live_ticks_; }
     std::uint32_t ticks_lost() const { return live_.ticks_lost; }
     std::uint32_t ticks_missing() const
@@ -125,8 +127,9 @@ class Link
     bool is_late_refusal() const;
     bool ask_hello(const crn_wire_hello &hello);
     crn_wire_hello_reply hello_once();
-    // Receives until a frame of this type arrives; `ticks` is the number of ticks that the device has to
-    // compute first. Other frames are stored, and a refusal is thrown.
+    // Receives frames until a frame of type `type` arrives; `ticks` is the number of ticks that the device
+    // has to compute first. Frames of other types are stored, and a frame that reports a refusal causes an
+    // exception.
     void receive_answer(std::uint16_t type, std::size_t ticks = 0);
     void file_frame();
     void file_stream();

@@ -1,5 +1,5 @@
-// Sends HELLO, the first message of a conversation, and repeats it while another program still controls the
-// rig.
+// Sends HELLO, the first message of a conversation, and repeats it while the device refuses because another
+// program still controls the rig.
 #include "host/link/link.hpp"
 
 namespace crn

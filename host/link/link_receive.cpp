@@ -1,6 +1,6 @@
-// Finds the frames in the bytes from the device, stores them by their type, and throws refusals. No device
-// can keep the host here for ever, because three things have limits: bytes without a frame, frames without an
-// answer, and the time.
+// Finds the frames in the bytes from the device, stores the frames by their type, and throws an exception for
+// each refusal. No device can keep the host in this code for ever, because three quantities have limits: the
+// bytes without a frame, the frames without an answer, and the time.
 #include "host/base/format.hpp"
 #include "host/base/interrupt.hpp"
 #include "host/link/link.hpp"
@@ -22,7 +22,7 @@ void Link::silent() const
     throw LinkError(transport_.name() + " does not answer" + wait + "; check cable, power and port");
 }
 
-// Throws when a device is silent, slow, or sends everything except the answer.
+// Throws when a device is silent or slow, or sends everything except the answer.
 void Link::check_patience()
 {
     if (!transport_.has_own_clock() || !patience_.is_over()) return;
@@ -36,8 +36,8 @@ void Link::check_patience()
                   waits_for_ != 0 ? crn_wire_message_name(waits_for_) : ""));
 }
 
-// A device that sends without end is an error, as is a silent one. `frames` counts down from a number that no
-// correct device sends in one go.
+// A device that sends without end causes an error, as a silent device does. `frames` counts down from a
+// number of frames that no correct device sends in one go.
 bool Link::receive_one_of(std::uint32_t &frames)
 {
     if (!receive()) return false;
@@ -71,8 +71,8 @@ bool Link::receive()
     }
 }
 
-// Stores the contents of a frame. A refusal becomes an error of the request whose answer the host is waiting
-// for.
+// Stores the contents of a received frame. A refusal becomes an error of that request whose answer the host
+// is waiting for.
 void Link::file_frame()
 {
     const std::uint8_t *payload = decoder_.payload;
@@ -124,8 +124,8 @@ void Link::file_frame()
     }
 }
 
-// Stores a batch of consecutive ticks. A repeated batch is ignored, and the ticks of a missing one are
-// counted.
+// Stores a batch of consecutive ticks that the device sent. A batch of ticks that arrives again is ignored,
+// and the ticks of a missing batch are counted.
 void Link::file_live()
 {
     crn_wire_live live;
@@ -149,7 +149,7 @@ void Link::file_live()
     }
 }
 
-// Stores messages that a device sends without a request, or in several frames.
+// Stores messages that a device sends without a request, or that consist of several frames.
 void Link::file_stream()
 {
     const std::uint8_t *payload = decoder_.payload;
@@ -196,7 +196,7 @@ void Link::file_stream()
 }
 
 // Returns true if a refusal belongs to an earlier request, whose time had run out, or to a command that did
-// not arrive as a frame.
+// not reach the device as a complete frame.
 bool Link::is_late_refusal() const
 {
     if (decoder_.header.type != CRN_WIRE_TYPE_reject) return false;

@@ -1,8 +1,8 @@
 // Limits how long a device may keep the host waiting in total, over a whole conversation. A correct device
-// answers within milliseconds. Waiting beyond the time `free` is subtracted from the budget, and every quick
-// answer returns a little to it. So the host gives up after the same bounded time whether a device is silent,
-// sends without answering, or answers each request just before some limit. After Ctrl-C the remaining time is
-// only what a healthy device needs to end a session cleanly.
+// answers each request within milliseconds. Waiting beyond the time `free` is subtracted from the time
+// budget, and every quick answer returns a little time to the budget. So the host gives up after the same
+// bounded time whether a device is silent, sends without answering, or answers each request just before a
+// time limit. After Ctrl-C the host waits only as long as a healthy device needs to end a session cleanly.
 #pragma once
 #include <chrono>
 #include <cstdint>
@@ -15,9 +15,10 @@ class Patience
   public:
     using Clock = std::chrono::steady_clock;
     using Span = std::chrono::milliseconds;
-    // `free` is the longest time that a correct device needs for an answer, and `free_per_tick` that for each
-    // requested tick. A rig needs 1 ms per tick; its image in an emulator, beside other work, needs 3 ms. The
-    // budget is enough for one or two checks of a scene, which are the longest single waits.
+    // `free` is the longest time that a correct device needs for an answer, and `free_per_tick` is the
+    // longest time that it needs for each requested tick. A rig needs 1 ms per tick; its firmware image in an
+    // emulator, beside other work, needs 3 ms per tick. The time budget is enough for one or two checks of a
+    // scene, which are the longest single waits.
     static constexpr Span free{200}, free_per_tick{5}, budget_default{3500}, regained{2},
         after_interrupt{400};
 

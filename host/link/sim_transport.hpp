@@ -1,5 +1,5 @@
-// Makes the sim port a Transport: the firmware runs in this process, and the host reaches it through bytes
-// only.
+// Makes the sim port, which is the firmware compiled for the host, a Transport: the firmware runs in this
+// process, and the host reaches it through bytes only.
 #pragma once
 #include "host/link/transport.hpp"
 #include <memory>
@@ -18,7 +18,7 @@ class SimTransport final : public Transport
     std::size_t read(std::span<std::uint8_t> bytes) override;
     void pass_time_ms(std::uint32_t milliseconds) override;
     bool has_own_clock() const override { return false; }
-    // Attaches a rig with three tracks, whose sensors are healthy and whose hands are at rest.
+    // Attaches a rig with three tracks, whose sensors are healthy and whose user's hands are at rest.
     void attach_rig();
 
   private:

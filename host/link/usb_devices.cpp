@@ -17,7 +17,7 @@ namespace
 using Clock = std::chrono::steady_clock;
 constexpr std::uint32_t look_again_ms = 200;
 
-// Holds the list of devices from libusb, and frees it in the destructor.
+// Holds the list of devices that libusb returned, and frees the list in the destructor.
 class DeviceList
 {
   public:
@@ -53,8 +53,8 @@ std::string place_of(libusb_device *device)
     return text;
 }
 
-// The library's own function waits 1 s for each request for a string, although USB 2.0 allows a device only
-// half a second (9.2.6.4).
+// The function in libusb waits 1 s for each request for a string, although USB 2.0 allows a device only half
+// a second (9.2.6.4).
 int string_descriptor(libusb_device_handle *handle, std::uint8_t index, std::uint16_t language,
                       std::span<unsigned char> bytes)
 {
@@ -94,7 +94,7 @@ Opened open_one(libusb_device *device)
     if (error != LIBUSB_ERROR_TIMEOUT) opened.rig.product = usb_text(handle, descriptor.iProduct, error);
     if (error != LIBUSB_ERROR_TIMEOUT && error != LIBUSB_ERROR_INTERRUPTED) return opened;
     // A device that does not answer the request for its name will not answer other requests either, and each
-    // of them would take the same time.
+    // request would take the same time.
     opened.error = error;
     opened.rig.trouble = usb_trouble(error, "the rig at " + opened.rig.place);
     return opened;
@@ -205,8 +205,8 @@ UsbHandle usb_open(libusb_context *context, const std::string &serial)
         if (!is_rig(device)) continue;
         Opened opened = open_one(device);
         rigs.push_back(opened.rig);
-        // A rig that this user may not open has no known serial number. If no other rig is the wanted one,
-        // this rig could be it.
+        // A rig that this user may not open has no known serial number. If no other rig has the wanted serial
+        // number, this rig could be the wanted one.
         if (serial.empty() || opened.rig.serial == serial) found.push_back(std::move(opened));
     }
     if (found.size() == 1 && found[0].error == 0) return std::move(found[0].handle);
@@ -258,7 +258,7 @@ bool UsbWatch::wait_for(const std::string &serial, std::uint32_t milliseconds,
     const Clock::time_point end = Clock::now() + std::chrono::milliseconds(milliseconds);
     for (;;) {
         // A libusb context learns of new devices from the system's device manager, which a container may not
-        // have. A new context scans the bus itself.
+        // have. A new libusb context scans the bus itself.
         const UsbContext fresh = usb_context();
         for (const UsbRig &rig : usb_rigs(fresh.get())) {
             if (rig.trouble.empty() && (serial.empty() || rig.serial == serial)) return true;

@@ -1,4 +1,4 @@
-// Lists the rigs on USB, opens one by its serial number, and waits until one is plugged in or unplugged.
+// Lists the rigs on USB, opens a rig by its serial number, and waits until a rig is plugged in or unplugged.
 #pragma once
 #include "host/link/link.hpp"
 #include <cstdint>
@@ -13,7 +13,7 @@ struct libusb_device_handle;
 namespace crn
 {
 
-// This is the USB id of a rig, with which the firmware is built as well (make USB_ID=1209:0001).
+// Defines the USB id of a rig, with which the firmware is built as well (make USB_ID=1209:0001).
 #ifndef CRN_USB_VENDOR_ID
 #define CRN_USB_VENDOR_ID 0x1209
 #endif
@@ -23,8 +23,8 @@ namespace crn
 inline constexpr std::uint16_t usb_vendor_id = CRN_USB_VENDOR_ID;
 inline constexpr std::uint16_t usb_product_id = CRN_USB_PRODUCT_ID;
 
-// This exception is thrown when the device disappears during a conversation because of its cable, its power,
-// or a restart. It may come back.
+// DeviceLost means that the device disappeared during a conversation because of its cable, its power, or a
+// restart. It may come back.
 class DeviceLost : public LinkError
 {
   public:
@@ -52,21 +52,21 @@ using UsbHandle = std::unique_ptr<libusb_device_handle, UsbHandleEnd>;
 UsbContext usb_context();
 std::vector<UsbRig> usb_rigs(libusb_context *context);
 
-// An empty `serial` selects the only rig there is. Throws LinkError that lists the present rigs or gives the
-// remedy for a refusal, and DeviceLost when there is no rig.
+// An empty `serial` selects the only rig that is plugged in. Throws LinkError that lists the present rigs or
+// gives the remedy for a refusal, and DeviceLost when no rig is plugged in.
 UsbHandle usb_open(libusb_context *context, const std::string &serial);
 
-// Returns a string of the device. Only printable ASCII remains, because the text is shown on terminals, and a
-// device may send anything. When the device does not send the string, `error` is set to libusb's code,
-// otherwise to 0.
+// Returns one of the text strings that a USB device reports about itself. Only printable ASCII characters of
+// the string remain, because the text is shown on terminals, and a device may send anything. When the device
+// does not send the string, `error` is set to libusb's error code, otherwise to 0.
 std::string usb_text(libusb_device_handle *handle, std::uint8_t index, int &error);
 
 // Returns the message for a libusb error code, such as "ACCESS: the rig ... may not be opened by this user;
 // ...".
 std::string usb_trouble(int error, const std::string &what);
 
-// Notices when a rig is plugged in or unplugged. The system reports this where it can; elsewhere this class
-// polls 5 times a second.
+// Detects when a rig is plugged in or unplugged. Where the operating system can, it reports such changes;
+// elsewhere this class looks for changes 5 times a second.
 class UsbWatch
 {
   public:
@@ -75,7 +75,8 @@ class UsbWatch
     UsbWatch(const UsbWatch &) = delete;
     UsbWatch &operator=(const UsbWatch &) = delete;
     bool is_told() const { return is_told_; } // false: it polls
-    // Returns when a rig was plugged in or unplugged, when it is time to poll, or when the time is over.
+    // Returns when a rig was plugged in or unplugged, when the class must look for changes again, or when the
+    // time is over.
     void wait_ms(std::uint32_t milliseconds);
     std::vector<UsbRig> rigs() const { return usb_rigs(context_.get()); }
     // Waits until a rig with this serial number is plugged in and can be opened. Returns false when the time

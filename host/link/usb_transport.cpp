@@ -38,7 +38,7 @@ int error_of(libusb_transfer_status status)
     }
 }
 
-// Holds the bulk endpoints of a vendor interface; 0 means that there is none.
+// Holds the addresses of a vendor interface's bulk endpoints; 0 means that there is no such endpoint.
 struct Pair {
     std::uint8_t in = 0, out = 0;
 };
@@ -109,7 +109,8 @@ void UsbTransport::find_stream()
     }
 }
 
-// Another program may have left bytes behind, so both ends start again (docs/usb.md, "The stream").
+// Another program may have left bytes in the buffers, so both ends of the byte stream start again
+// (docs/usb.md, "The stream").
 void UsbTransport::begin_stream()
 {
     for (const std::uint8_t endpoint : {out_, in_}) {
@@ -151,8 +152,9 @@ void UsbTransport::submit(Slot &slot)
     if (error != 0 && failure_ == 0) failure_ = error;
 }
 
-// Submits as many reads as the ring has space for. When the host does not read, the device must wait, and
-// nothing is lost. Transfers finish in the order of submission, so any free slot may be used next.
+// Submits as many USB reads as the ring buffer has space for. When the host does not read, the device must
+// wait, and no byte is lost. USB transfers finish in the order of submission, so any free slot may be used
+// next.
 void UsbTransport::submit_reads()
 {
     const auto flying = std::count_if(reads_.begin(), reads_.end(),
@@ -172,8 +174,8 @@ void UsbTransport::on_read_done(Slot &slot)
     slot.is_flying = false;
     const int error = error_of(slot.transfer->status);
     if (error != 0 && failure_ == 0) failure_ = error;
-    // Bytes that arrived before the transfer ended with an error are kept too; the ring has space reserved
-    // for them.
+    // Bytes that arrived before a USB transfer ended with an error are kept too; the ring buffer has space
+    // reserved for them.
     const std::size_t count =
         static_cast<std::size_t>(std::clamp<int>(slot.transfer->actual_length, 0, transfer_bytes));
     for (std::size_t i = 0; i < count && ring_count_ < ring_.size(); i++)
@@ -192,8 +194,8 @@ void UsbTransport::on_write_done(Slot &slot)
     changed_.notify_all();
 }
 
-// Only a failure to lock the mutex could throw here. The caller is C code, through which no exception may
-// pass, so the program would end (noexcept).
+// In this callback only a failure to lock the mutex could throw an exception. The caller of this callback is
+// C code, through which no exception may pass, so an exception would end the program (noexcept).
 void UsbTransport::read_done(libusb_transfer *transfer) noexcept
 {
     Slot &slot = *static_cast<Slot *>(transfer->user_data);
@@ -207,7 +209,7 @@ void UsbTransport::write_done(libusb_transfer *transfer) noexcept
 }
 
 // The thread that serves libusb receives the cancelled transfers and then ends. The memory of a transfer that
-// was never returned is not freed, because the system could still write into it.
+// libusb never returned is not freed, because the system could still write into this memory.
 void UsbTransport::end()
 {
     bool all_are_back = true;
@@ -291,7 +293,7 @@ void UsbTransport::write(std::span<const std::uint8_t> bytes)
             free = slot == writes_.end() ? nullptr : slot->get();
             return free != nullptr || failure_ != 0;
         };
-        // libusb ends each transfer after write_ms. If twice that time passes, the thread that serves libusb
+        // libusb ends each transfer after write_ms. If twice this time passes, the thread that serves libusb
         // is not running.
         if (!wait(hold, std::chrono::milliseconds(2 * limits_.write_ms), find))
             failure_ = LIBUSB_ERROR_TIMEOUT;

@@ -1,10 +1,10 @@
-// This class is a Transport to a rig on USB. The transport uses the pair of bulk endpoints of docs/usb.md
+// UsbTransport is a Transport to a rig on USB. The transport uses the pair of bulk endpoints of docs/usb.md
 // through libusb, with several pending transfers in each direction.
 //
-// A thread of its own serves libusb. A read or write blocks its caller, for a limited time. Every wait ends:
-// when bytes arrive, at its time limit, when the device disappears (DeviceLost), or after_interrupt_ms after
-// Ctrl-C. The destructor cancels all transfers and ends the thread. Thread rule: only one thread at a time
-// may call a transport.
+// A separate thread of the transport serves libusb. A read or write blocks its caller only for a limited
+// time. Every wait ends: when bytes arrive, at its time limit, when the device disappears (DeviceLost), or
+// after_interrupt_ms after Ctrl-C. The destructor cancels all transfers and ends the thread. Only one thread
+// at a time may call the functions of a transport.
 #pragma once
 #include "host/link/transport.hpp"
 #include "host/link/usb_devices.hpp"
@@ -30,17 +30,16 @@ struct UsbLimits {
 class UsbTransport final : public Transport
 {
   public:
-    // An empty `serial` selects the only rig there is. Throws LinkError with the remedy, and DeviceLost when
-    // the rig is not there.
+    // An empty `serial` selects the only rig that is plugged in. Throws LinkError with the remedy, and
+    // DeviceLost when the rig is not plugged in.
     explicit UsbTransport(const std::string &serial = "", const UsbLimits &limits = {});
     ~UsbTransport() override;
     void write(std::span<const std::uint8_t> bytes) override;
     std::size_t read(std::span<std::uint8_t> bytes) override;
-    // Sleeps. After this call and until the next write, read() returns the bytes received so far without
-    // waiting.
+    // Sleeps. Between this call and the next write, read() returns the bytes received so far without waiting.
     void pass_time_ms(std::uint32_t milliseconds) override;
     std::string name() const override { return "the rig '" + serial_ + "'"; }
-    // Waits until the device has accepted every byte that was written.
+    // Waits until the device has accepted every byte that the host wrote.
     void flush();
     const std::string &serial() const { return serial_; } // as the device reports it
 

@@ -1,4 +1,4 @@
-// Checks bodies; the reader of body files is in bodies_file.cpp.
+// Checks the bodies that were read; the reader of body files is in bodies_file.cpp.
 #include "host/model/bodies.hpp"
 
 namespace crn

@@ -1,7 +1,7 @@
-// Holds the closed meshes from which the picture of the patient is made: skin, lungs, bones, heart and
-// vessels. A body names the body in which it lies, its parent. The volume of a body is subtracted from that
-// of its parent, so that nothing is counted twice. Bodies are read from the BODY sections of an `X.bodies`
-// file, together with the tree of their vessels; docs/frames.md describes the axes.
+// Declares the closed meshes (bodies) from which the picture of the patient is made: skin, lungs, bones,
+// heart and vessels. Each body names its parent, which is the body in which it lies. The volume of a body is
+// subtracted from that of its parent, so that no volume is counted twice. Bodies are read from the BODY
+// sections of an `X.bodies` file, together with the tree of their vessels; docs/frames.md describes the axes.
 #pragma once
 #include "host/model/vessel_tree.hpp"
 #include <Eigen/Core>
@@ -23,7 +23,7 @@ struct Body {
     bool moves = false;                                  // moves with the scene's motion (motion.hpp)
 };
 
-// Identifies a scene file by size and checksum, as in a recording.
+// Identifies a scene file by size and checksum, as recordings do.
 struct SceneName {
     std::size_t size_bytes = 0;
     std::uint32_t crc32 = 0; // checksum of the whole file
@@ -36,13 +36,14 @@ struct Bodies {
     std::optional<SceneName> baked_with = {};
 };
 
-// Reads a body file. On failure it returns false, and `error` names the file, the section and the remedy;
-// `bodies` is then unchanged.
+// Reads a body file. On failure the function returns false, `error` names the file, the section and the
+// remedy, and `bodies` does not change.
 bool read_bodies(const std::string &path, Bodies &bodies, std::string &error);
 
-// Reads bodies that are shown together with a scene, which must be the scene with which they were baked.
-// `bake` writes the two files at once. A tree of vessels from another scene would be wrong, and nobody could
-// see that. Without a scene (no path) any bodies are accepted.
+// Reads bodies that are shown together with a scene; the bodies must have been baked (computed) together with
+// this scene. The program `bake` writes the scene and the bodies at once. A tree of vessels from another
+// scene would be wrong, and no user could see this error. Without a scene (an empty path) the function
+// accepts any bodies.
 bool read_bodies_of(const std::string &scene_path, const std::string &path, Bodies &bodies,
                     std::string &error);
 

@@ -1,5 +1,5 @@
-// Reads an instrument file as a whole: head, sources and presets. This file also makes the preset that the
-// thesis' table describes.
+// Reads a whole instrument file: its general data, the list of sources, and the presets. The code here also
+// makes the preset that the table in the thesis describes.
 #include "host/model/instrument.hpp"
 #include "host/model/instrument_parts.hpp"
 #include <algorithm>
@@ -56,9 +56,9 @@ TomlRange scaled(const TomlRange &range, double factor, NumberRange bounds)
             std::clamp(range.to * factor, bounds.low, bounds.high)};
 }
 
-// See docs/instruments.md, "vcsim3-fit". The shaft gets E and radius from the table. Along the instrument all
-// values keep their ratio to the shaft's, as in the base preset, because the table has no tip. Mass and
-// friction stay too.
+// See docs/instruments.md, "vcsim3-fit". The shaft of this preset gets Young's modulus E and its radius from
+// the table. Along the instrument, each value keeps its ratio to the shaft's value, as in the base preset,
+// because the table does not describe the tip. Mass and friction stay too.
 void apply_thesis(const TomlTable &table, const ThesisRow &thesis, std::vector<Section> &sections)
 {
     const double factor = thesis.bend_stiffness_N_m2() / sections.back().bend_N_m2.to;
@@ -66,7 +66,7 @@ void apply_thesis(const TomlTable &table, const ThesisRow &thesis, std::vector<S
     for (Section &section : sections) {
         section.bend_N_m2 = scaled(section.bend_N_m2, factor, stiffness_bounds);
         section.twist_N_m2 = scaled(section.twist_N_m2, factor, stiffness_bounds);
-        // The metal core keeps its size, so its share of the new outer radius changes.
+        // The metal core keeps its size, so the ratio of its radius to the new outer radius changes.
         const double share = section.radius_outer_mm.from / radius_mm;
         for (InstrumentLayer &layer : section.layers)
             layer.radius_share = std::min(1.0, layer.radius_share * share);

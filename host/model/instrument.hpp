@@ -1,9 +1,10 @@
-// Reads instrument files (TOML, docs/instruments.md). The results are the numbers of the byte protocol's
+// Reads instrument files (TOML, docs/instruments.md). The reader returns the numbers of the byte protocol's
 // record `instrument`, the unloaded shape and the X-ray layers.
 //
-// One file describes one instrument from its tip to its hub, in one or more presets. "file.toml" selects the
-// preset `physical`, and "file.toml:vcsim3-fit" another one. Every value has its unit in the key, and its
-// source beside it. Error messages name file, line, preset, section and key.
+// An instrument file describes one instrument from its tip to its hub, in one or more presets. The path
+// "file.toml" selects the preset `physical`, and "file.toml:vcsim3-fit" selects the preset `vcsim3-fit`. In
+// an instrument file, every value has its unit in the key, and its source beside it. Error messages about an
+// instrument file name file, line, preset, section and key.
 #pragma once
 #include "shared/wire/wire.h"
 #include <Eigen/Core>
@@ -15,8 +16,8 @@
 namespace crn
 {
 
-// Describes one stretch of the instrument as X-rays see it, by the share of the cross-section that a material
-// fills.
+// Describes one stretch of the instrument as X-rays see it, by the fraction of the cross-section that a
+// material fills.
 struct InstrumentLayer {
     double arc_begin_m = 0.0; // from the distal tip
     double arc_end_m = 0.0;
@@ -25,8 +26,8 @@ struct InstrumentLayer {
     double radius_share = 1.0; // of the outer radius, 0 .. 1
 };
 
-// Describes a stretch with a constant curvature in the unloaded shape. Component 1 turns the tip towards the
-// material axis d1, component 2 towards d2.
+// Describes a stretch of the instrument that has a constant curvature in the unloaded shape. Component 1 of
+// the curvature turns the tip towards the material axis d1, and component 2 turns it towards d2.
 struct InstrumentArc {
     std::string name;
     double arc_begin_m = 0.0; // from the distal tip
@@ -35,8 +36,8 @@ struct InstrumentArc {
 };
 
 // Describes one row of Table 5.1 of the VCSim3 thesis, with the powers of ten of its header applied. The
-// thesis does not state the SI units of these numbers; docs/instruments.md explains how they are interpreted,
-// and why they are not physical values.
+// thesis does not give the SI units of these numbers; docs/instruments.md explains how the numbers are
+// interpreted, and why they are not physical values.
 struct ThesisRow {
     std::string row;
     double young_modulus = 0.0;         // "Eb (1x10^7)", read as Pa
@@ -46,7 +47,7 @@ struct ThesisRow {
     double bend_stiffness_N_m2() const; // E pi r^4 / 4
 };
 
-// Round holes in a catheter's wall, evenly spaced from the first to the last one.
+// Describes round holes in a catheter's wall, which are evenly spaced from the first to the last hole.
 struct SideHoles {
     double arc_begin_m = 0.0, arc_end_m = 0.0; // of the first and the last, from the distal tip
     std::uint32_t count = 0;
@@ -76,24 +77,25 @@ struct Instrument {
     std::optional<ThesisRow> thesis;     // for a preset that was made from the table
 };
 
-// `path` may end in ":preset". Every preset of the file is read and checked, even if another one is
-// requested. Throws FileError.
+// `path` may end in ":preset". Every preset of the file is read and checked, even if the caller requests
+// another preset. Throws FileError.
 Instrument read_instrument(const std::string &path);
 
 // Splits "a.toml:b" into {"a.toml", "b"}; without a preset the second string is empty.
 std::pair<std::string, std::string> split_preset(const std::string &path);
 
-// Returns the number of nodes of the core's mesh (docs/rod.md), for one instrument or for a line of several.
-// A line uses the finest tip and shaft, the longest fine part and the longest instrument of its tools. The
-// number is at most CRN_NODE_MAX of the core.
+// Returns the number of nodes of the core's mesh (docs/rod.md), for one instrument or for several nested
+// instruments. Nested instruments share one mesh, which uses the finest elements at tip and shaft, the
+// longest fine part and the greatest length of all of them. The number of nodes is at most CRN_NODE_MAX of
+// the core.
 inline constexpr int line_nodes_max = 384;
 int line_node_count(std::span<const crn_wire_instrument *const> tools);
 int line_node_count(const crn_wire_instrument &tool);
 
-// Returns points of the unloaded centreline, tip first, from the tip to `straight_m` behind the last arc.
-// There is a point every `step_m` and at every change of curvature. The straight part lies on the x axis, and
-// its end at the hand is the origin. The instrument enters along +x; d1 is +y, and d2 = t x d1 is -z, where t
-// points towards the hand.
+// Returns points of the instrument's unloaded centreline, tip first, from the tip to `straight_m` behind the
+// last arc. The list contains a point every `step_m` and at every change of curvature. The straight part lies
+// on the x axis, and its end towards the user's hand is the origin. The instrument enters along +x; d1 is +y,
+// and d2 = t x d1 is -z, where t points along the instrument towards the user's hand.
 struct ShapePoint {
     double arc_m = 0.0;
     Eigen::Vector3d position_m = Eigen::Vector3d::Zero();

@@ -1,5 +1,5 @@
 // Reads the parts of an instrument file: sections of uniform construction, arcs of the unloaded shape, and
-// elements. It also makes the profile that follows from them.
+// the lengths of elements. The functions also compute the profile of the instrument from these parts.
 #pragma once
 #include "host/base/toml_reader.hpp"
 #include "host/model/instrument.hpp"
@@ -8,7 +8,7 @@ namespace crn::instrument_file
 {
 
 // Describes a part of the instrument between two arc lengths from the tip. Stiffness changes geometrically
-// from the section's distal to its proximal end; all other values change linearly.
+// from the section's distal to its proximal end; all other values of the section change linearly.
 struct Section {
     std::string name;
     TomlTable table; // for error messages
@@ -37,11 +37,11 @@ std::vector<Section> read_sections(const TomlTable &preset, InstrumentKind kind)
 // Reads [[shape]] from the tip.
 std::vector<InstrumentArc> read_shape(const TomlTable &root);
 
-// Reads [[side_holes]]; returns none if the key is missing.
+// Reads [[side_holes]]; returns an empty list if the key is missing.
 std::vector<SideHoles> read_side_holes(const TomlTable &root, InstrumentKind kind);
 
-// Reads [balloon]: its table goes into `wire`, and its label is returned. Returns nothing if the key is
-// missing.
+// Reads [balloon] of an instrument file: its table of pressures goes into `wire`, and the data on its label
+// are returned. Returns no label if the key [balloon] is missing.
 std::optional<BalloonLabel> read_balloon(const TomlTable &root, InstrumentKind kind,
                                          crn_wire_instrument &wire);
 
@@ -50,7 +50,8 @@ void add_markers(Instrument &instrument);
 
 void read_elements(const TomlTable &root, crn_wire_instrument &wire);
 
-// Adds a knot to the instrument's table wherever a section or an arc changes.
+// Adds a knot, which holds the instrument's values at an arc length, to the instrument's table wherever a
+// section or an arc changes.
 void add_profile(const TomlTable &preset, const std::vector<Section> &sections, Instrument &instrument);
 
 } // namespace crn::instrument_file

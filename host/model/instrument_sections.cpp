@@ -1,5 +1,5 @@
-// Reads [[section]], [all], [[shape]] and [elements] of an instrument file. The limits are those of the core
-// (firmware/core/core.h).
+// Reads [[section]], [all], [[shape]] and [elements] of an instrument file. The limits of the values are
+// those of the core (firmware/core/core.h).
 #include "host/base/format.hpp"
 #include "host/model/instrument_parts.hpp"
 #include <algorithm>
@@ -31,7 +31,7 @@ std::vector<std::string> with(const std::vector<std::string> &more)
     return keys;
 }
 
-// Reads the values of a section; where one is missing, the value of [all] applies.
+// Reads the values of a section; where a value is missing, the value of [all] applies.
 class Values
 {
   public:
@@ -104,7 +104,7 @@ TomlRange read_twist(const Values &values, const Section &section)
     if (key == "twist_stiffness_N_m2") return values.read(key, stiffness_bounds);
     const TomlRange ratio = values.read(key, twist_ratio_bounds);
     const TomlRange twist = {ratio.from * section.bend_N_m2.from, ratio.to * section.bend_N_m2.to};
-    // The softest tips would be softer in torsion than the core allows, so they get the core's limit.
+    // The softest tips would be softer in torsion than the core allows, so they get the core's lower limit.
     return {std::max(twist.from, stiffness_bounds.low), std::max(twist.to, stiffness_bounds.low)};
 }
 
@@ -174,8 +174,8 @@ Section read_section(const TomlTable &table, const std::optional<TomlTable> &all
     return section;
 }
 
-// A straight piece of [[shape]] has a length. A bent piece has an angle, and either the radius of its
-// centreline or the length over which it bends.
+// In [[shape]], a straight piece has a length. A bent piece of [[shape]] has an angle, and either the radius
+// of its centreline or the length over which it bends.
 InstrumentArc read_arc(const TomlTable &table, double begin_m)
 {
     table.check_keys({"name", "length_mm", "radius_mm", "angle_deg", "plane_deg", "source"});
@@ -200,7 +200,7 @@ InstrumentArc read_arc(const TomlTable &table, double begin_m)
             per_m * std::sin(plane_rad)};
 }
 
-// "section 2 'taper'", as messages call one of several tables.
+// Returns a text such as "section 2 'taper'", which messages use to name one of several tables.
 std::string title_of(const char *kind, std::size_t index, const TomlTable &table)
 {
     const TomlValue name = table["name"];

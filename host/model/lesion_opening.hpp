@@ -1,4 +1,4 @@
-// Opens the lesions in the host's tree of vessels as far as they have yielded in the core (docs/lesions.md).
+// Widens the lesions in the host's tree of vessels as far as they have yielded in the core (docs/lesions.md).
 //
 //   const auto stations = read_lesion_stations("lad.scene", error);
 //   const LesionOpening opening(tree, stations);
@@ -14,25 +14,27 @@ struct crn_scene;
 namespace crn
 {
 
-// Describes the stations of one lesion that yields by their number and the distance between two of them along
-// the healthy vessel. The lesion lies in the middle of its stations.
+// Describes the stations of a lesion that yields, which are evenly spaced points of the lesion, by their
+// number and their distance along the healthy vessel. The middle of the lesion is the middle of its row of
+// stations (evenly spaced points).
 struct LesionStations {
     std::size_t count = 0;
     double spacing_m = 0.0;
 };
 
-// Returns the stations of each lesion that yields, from a validated scene. The result is in the order of the
-// tree's lesions, of which the lesions that yield come first.
+// Returns, from a validated scene, the stations (evenly spaced points) of each lesion that yields. The result
+// is in the order of the tree's lesions; the lesions that yield come first in the tree.
 std::vector<LesionStations> lesion_stations(const crn_scene &scene);
-// Reads these stations from the PLAQUES section of a scene file. Returns nothing when there is no such
-// section. When it cannot be read, `error` has a message too.
+// Reads the stations of all lesions that yield from the PLAQUES section of a scene file. Returns an empty
+// list when the file has no such section. When the section cannot be read, the list is empty too, and `error`
+// has a message.
 std::vector<LesionStations> read_lesion_stations(const std::string &scene_path, std::string &error);
 
 class LesionOpening
 {
   public:
     LesionOpening() = default;
-    // Stations for lesions that the tree does not have are ignored.
+    // The constructor ignores stations for lesions that the tree does not have.
     LesionOpening(const VesselTree &tree, std::span<const LesionStations> stations);
 
     bool is_empty() const { return lesions_.empty(); }
@@ -41,26 +43,27 @@ class LesionOpening
         return lesions_.size();
     } // number of lesions that yield: the tree's first ones
 
-    // Describes a place between two stations, as an index into WireFrame::lesions_open.
+    // Describes a position between two stations of a lesion, as an index into WireFrame::lesions_open and a
+    // fraction.
     struct Place {
         std::size_t station = 0;
         double share = 0.0; // share of the next one
     };
-    // Returns the place at this distance from the lesion's first point, measured along the healthy vessel.
+    // Returns the position at this distance from the lesion's first point, measured along the healthy vessel.
     Place place(std::size_t lesion, double arc_m) const;
-    // Returns how far the lesion is open at a place: 0 means as it was baked, 1 means healthy. Returns 0 if
-    // the list `lesions_open` is too short.
+    // Returns how far the lesion is open at a position: 0 means as narrow as it was baked, 1 means as wide as
+    // the healthy vessel. Returns 0 if the list `lesions_open` has no value for this position.
     static double at(const Place &place, std::span<const double> lesions_open);
     bool is_open(std::size_t lesion, std::span<const double> lesions_open) const;
     bool is_any_open(std::span<const double> lesions_open) const;
-    // Returns how far a lesion is open at one of its points.
+    // Returns how far a lesion is open at one of its points, from 0 (as baked) to 1 (healthy).
     double at_point(std::size_t lesion, std::size_t point, std::span<const double> lesions_open) const
     {
         return at(lesions_[lesion].points[point], lesions_open);
     }
 
-    // Moves the points and radii of `now` inside lesions, from their values in `tree` towards the healthy
-    // values. `tree` must be the one for which this object was made.
+    // Sets the points and radii of `now` inside lesions to values between those in `tree` and those of the
+    // healthy vessel. `tree` must be the tree with which this object was constructed.
     void open(const VesselTree &tree, std::span<const double> lesions_open, VesselTree &now) const;
 
   private:

@@ -12,8 +12,8 @@ using Eigen::Vector3d;
 constexpr double unmoved_m = 1e-6;
 constexpr int share_rounds = 24;
 
-// Adds those stretches of a branch that may be nearer to a wall inside the box than the lesion is; distances
-// count in radii of each vessel.
+// Adds those stretches of a branch that may be nearer to a wall inside the box than the lesion is; each
+// distance is measured in radii of the vessel concerned.
 void add_near_stretches(const VesselBranch &branch, const Eigen::AlignedBox3d &reach_m,
                         std::vector<VesselBranch> &stretches)
 {
@@ -109,8 +109,8 @@ LesionFoot LesionWall::foot(const Vector3d &place_m) const
     return foot;
 }
 
-// Returns the share of the lesion's displacement that applies to a wall. The share is 1 near the vessel, and
-// 0 far from it or where the wall is nearer to another vessel.
+// Returns the fraction of the lesion's displacement that applies to a point of the wall. This fraction is 1
+// near the vessel, and 0 far from the vessel or where the point is nearer to another vessel.
 double LesionWall::share_of_way(const LesionFoot &foot, const Vector3d &place_m) const
 {
     const double fade =
@@ -129,10 +129,12 @@ Vector3d LesionWall::way_m(const Vector3d &healthy_m) const
     return share_of_way(at, healthy_m) * (there - healthy_m);
 }
 
-// Inverts the map of a wall whose share s of the displacement is known. Let h be the point on the healthy
-// line that is nearest to a place v, its foot. The map moved v to x, in the neighbourhood of m = h + s (c -
-// h), and kept its direction across the line. So the foot is where x - m is perpendicular to the line, or at
-// a corner where x - m is perpendicular to neither side. Then v = h + (x - m) / (1 - s (1 - left)).
+// Finds the healthy position of a point of the wall for which the fraction s of the lesion's displacement is
+// known. Let v be the healthy position, and let h, its foot, be the point on the healthy centreline that is
+// nearest to v. The lesion moved v to x, which lies near m = h + s (c - h), and x - m has the same direction
+// across the centreline as v - h. So the foot h is where x - m is perpendicular to the centreline, or at a
+// corner where x - m is perpendicular to neither side. The healthy position is then v = h + (x - m) / (1 - s
+// (1 - left)).
 LesionWall::Healthy LesionWall::back(const Vector3d &narrowed_m, double share) const
 {
     Healthy healthy{narrowed_m, 0};
@@ -159,8 +161,8 @@ LesionWall::Healthy LesionWall::back(const Vector3d &narrowed_m, double share) c
     return healthy;
 }
 
-// A wall that was farther out took a smaller share of the displacement. So for each narrowed place exactly
-// one share is consistent with the healthy place that it implies.
+// A wall that was farther from the centreline took a smaller fraction s of the displacement. So for each
+// narrowed position exactly one fraction s is consistent with the healthy position that it implies.
 bool LesionWall::healthy_of(const Vector3d &narrowed_m, Healthy &healthy) const
 {
     if (!reach_m_.contains(narrowed_m)) return false;

@@ -1,6 +1,6 @@
-// Computes the map from the healthy wall of a lesion to the narrowed wall, and its inverse (docs/lesions.md).
-// The baker maps healthy walls to narrowed ones. The host maps the narrowed walls back, as far as the lesion
-// has yielded in the core.
+// Computes where a lesion moves the points of the healthy vessel's wall, and the inverse of this map
+// (docs/lesions.md). The program `bake` maps points of healthy walls to points of narrowed walls. The host
+// maps the points of narrowed walls back, as far as the lesion has yielded in the core.
 //
 //   const LesionWall wall(tree, 0);
 //   x += wall.way_m(x);                       // from the healthy vessel to the narrowed one
@@ -12,15 +12,15 @@
 namespace crn
 {
 
-// A wall moves fully with the lesion up to lesion_near_radii radii from the healthy centreline, and beyond
-// lesion_far_radii it does not move.
+// A point of the wall moves fully with the lesion up to lesion_near_radii radii from the healthy centreline,
+// and beyond lesion_far_radii it does not move.
 constexpr double lesion_near_radii = 1.6, lesion_far_radii = 2.4;
 
-// Returns the tree as it was before disease narrowed it.
+// Returns the tree of vessels as it was before disease narrowed it.
 VesselTree healthy_tree(const VesselTree &tree);
 
-// Holds the place on the healthy centreline inside a lesion that is nearest to a point, and the place to
-// which the lesion moved it.
+// Holds the point on the healthy centreline inside a lesion that is nearest to a given point, and the
+// position to which the lesion moved that centreline point.
 struct LesionFoot {
     double radii = std::numeric_limits<double>::infinity(); // distance over the healthy radius
     Eigen::Vector3d healthy_m = Eigen::Vector3d::Zero(), channel_m = Eigen::Vector3d::Zero();
@@ -33,16 +33,16 @@ class LesionWall
   public:
     LesionWall(const VesselTree &tree, std::size_t lesion); // requires a checked tree
 
-    // Returns the displacement from a place on the healthy vessel's wall to its place on the narrowed one.
-    // The displacement is 0 far from the lesion, and where the wall is nearer to another vessel.
+    // Returns the displacement from a point of the healthy vessel's wall to the same point of the narrowed
+    // wall. This displacement is 0 far from the lesion, and where the wall is nearer to another vessel.
     Eigen::Vector3d way_m(const Eigen::Vector3d &healthy_m) const;
 
     struct Healthy {
         Eigen::Vector3d place_m = Eigen::Vector3d::Zero();
         double arc_m = 0; // of its foot
     };
-    // Finds the healthy place that the map moves to `narrowed_m`. Returns false if the map does not move that
-    // place.
+    // Finds the position in the healthy vessel that the lesion moves to `narrowed_m`. Returns false if the
+    // lesion does not move that point.
     bool healthy_of(const Eigen::Vector3d &narrowed_m, Healthy &healthy) const;
 
     LesionFoot foot(const Eigen::Vector3d &place_m) const;
@@ -59,7 +59,7 @@ class LesionWall
     Eigen::AlignedBox3d reach_m_;
 };
 
-// Returns the box around everything within this many radii of a lesion's healthy centreline.
+// Returns the box that contains all points within this many radii of a lesion's healthy centreline.
 Eigen::AlignedBox3d lesion_box_m(const VesselLesion &lesion, double radii);
 
 } // namespace crn

@@ -41,9 +41,10 @@ MotionWeights motion_weights(const MotionMoment &moment)
 
 double motion_plane_weight(int corner, const Eigen::Vector3d &place)
 {
-    // Each tetrahedron follows a path of edges from corner 0. This corner is on the path if every axis that
-    // leads to it has a larger fraction than the other axes. The weight is the smallest fraction of the axes
-    // that lead to the corner, minus the largest fraction of the other axes.
+    // In Kuhn's division of a cell, each tetrahedron follows a path of edges from corner 0 of the cell. A
+    // corner is on this path if every axis that leads to it has a larger fraction than the other axes. The
+    // weight of the corner is the smallest fraction of the axes that lead to it, minus the largest fraction
+    // of the other axes.
     double least = 1, most = 0;
     for (int k = 0; k < 3; ++k) {
         if ((corner >> k & 1) != 0)
@@ -131,9 +132,9 @@ Eigen::Vector3d Motion::pull(const Eigen::Vector3d &x_m, const MotionMoment &mom
 namespace
 {
 
-// Solves x = X - w(x) for x by fixed-point iteration. The iteration converges because the displacement w
-// changes by less than x itself does. Each round multiplies the error by the gradient of w, a third in a
-// heart.
+// Solves x = X - w(x) for the position x by fixed-point iteration, where w is the lattice's displacement. The
+// iteration converges because the displacement w changes by less than x does. Each round multiplies the error
+// by the gradient of w, which is a third in a heart.
 template <typename Way> Eigen::Vector3d undo(const Eigen::Vector3d &X_m, const Way &way)
 {
     constexpr int rounds_max = 40;

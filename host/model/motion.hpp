@@ -24,14 +24,14 @@ namespace crn
 
 inline constexpr int motion_keyframes = 24;
 
-// Holds the phases of heart and breath as the core gives them.
+// Holds the phases of heartbeat and breath as the core reports them.
 struct MotionMoment {
     std::uint32_t heart_phase32 = 0, breath_phase32 = 0;
     bool operator==(const MotionMoment &) const = default;
 };
 
-// Holds the weights of three consecutive keyframe columns in a row (quadratic B-spline, periodic), and the
-// depth of breath, 0 .. 1.
+// Holds the weights of three consecutive keyframes in a row of the lattice (quadratic B-spline, periodic),
+// and the depth of breath, 0 .. 1.
 struct MotionWeights {
     int first = 0;
     double weights[3] = {0.125, 0.75, 0.125};
@@ -44,9 +44,10 @@ MotionWeights motion_weights(const MotionMoment &moment);
 // of 9.
 void motion_prefilter(const double *w, double *c);
 
-// Returns the weight of a cell's corner (bits x, y, z) at a place in the cell (0 .. 1). The displacement is
-// linear in each of the six tetrahedra into which the cell is divided. The path from corner 0 follows first
-// the axis with the largest fraction (Kuhn's division; the breath's field uses it).
+// Returns the weight of one corner of a lattice cell (bits x, y, z of `corner`) for a position in the cell (0
+// .. 1 along each axis). The lattice's displacement is linear in each of the six tetrahedra into which a cell
+// is divided. The path of edges from corner 0 follows first the axis with the largest fraction (Kuhn's
+// division, which is used for the breath's lattice).
 double motion_plane_weight(int corner, const Eigen::Vector3d &place);
 
 class Motion
@@ -55,18 +56,18 @@ class Motion
     explicit Motion(const crn_scene &scene); // requires a checked scene with motion; copies its lattices
     bool breathes() const { return breath_.has_value(); }
 
-    // Returns where the material that is at x now lies in the reference pose.
+    // Returns the position in the reference pose of the material that is now at x.
     Eigen::Vector3d pull(const Eigen::Vector3d &x_m, const MotionMoment &moment) const;
-    // Returns where the material at X in the reference pose is now. The error is below 1 um where the lattice
-    // does not fold over itself.
+    // Returns the present position of the material that lies at X in the reference pose. The error is below 1
+    // um where the lattice does not fold over itself.
     Eigen::Vector3d push(const Eigen::Vector3d &X_m, const MotionMoment &moment) const;
 
   private:
-    // Holds one lattice of nodes; each node has `row` numbers for each of three components.
+    // Holds a lattice of nodes; each node has `row` numbers for each of three components of displacement.
     struct Lattice {
         explicit Lattice(const crn_scene_motion &scene, std::size_t row);
-        // Finds the node at corner 0 of the cell that contains a place, the strides to the other corners, and
-        // the place inside the cell. Returns false outside the lattice.
+        // Finds the lattice node at corner 0 of the cell that contains a position, the strides to the other
+        // corners, and the position inside the cell. Returns false outside the lattice.
         bool find(const Eigen::Vector3d &x_m, std::size_t &node, Eigen::Vector3d &place) const;
         std::size_t corner(std::size_t node, unsigned corner) const;
 
@@ -82,20 +83,23 @@ class Motion
     std::optional<Lattice> breath_;
 };
 
-// Reads the MOTION section of a scene file. Returns nothing when there is no such section. When it cannot be
-// read, `error` has a message too.
+// Reads the MOTION section of a scene file, which describes how vessels move. Returns no motion when the file
+// has no such section. When the section cannot be read, the function returns no motion too, and `error` has a
+// message.
 std::optional<Motion> read_motion(const std::string &scene_path, std::string &error);
 
-// Holds places that move with the lattice. The lattice is evaluated at each place only once, for all
-// keyframes, at rest and inhaled. After that, the place at a moment costs a few products. Between keyframes
-// the result is a spline through the moved places; it is within 0.05 mm of the lattice's own map.
+// Holds points that move with the lattice of heart and breath. The lattice is evaluated at each point only
+// once, for all keyframes, without breath and with a full breath. After that, computing the position of a
+// point at a moment takes only a few products. Between keyframes the position follows a spline through the
+// moved positions, which is within 0.05 mm of the lattice's own map.
 class MovingPoints
 {
   public:
     MovingPoints(const Motion &motion, std::vector<Eigen::Vector3d> reference_m);
     std::size_t size() const { return reference_m_.size(); }
     bool moves(std::size_t i) const { return moves_[i]; }
-    // Returns the displacement of place i from the reference pose, um; 0 0 0 for a place that never moves.
+    // Returns the displacement of point i from the reference pose, in um; the result is 0 0 0 for a point
+    // that never moves.
     Eigen::Vector3f way_um(std::size_t i, const MotionWeights &weights) const;
     Eigen::Vector3d at(std::size_t i, const MotionWeights &weights) const
     {
@@ -108,9 +112,9 @@ class MovingPoints
     std::vector<Eigen::Vector3d> reference_m_;
     std::vector<bool> moves_;
     bool breathes_;
-    // Holds the displacements of each place at keyframes 23, 0 .. 23, 0: at rest and, if the place moves with
-    // breath, the difference that a full breath adds. The keyframes of one place are adjacent in memory,
-    // because a moment needs three neighbouring ones.
+    // Holds the displacements of each point at keyframes 23, 0 .. 23, 0: those without breath and, if the
+    // point moves with breath, the difference that a full breath adds. The keyframes of one point are
+    // adjacent in memory, because each computation needs three neighbouring keyframes.
     std::vector<float> coefficients_um_;
 };
 
@@ -125,7 +129,7 @@ class MovingBodies
         int body = 0; // index in Bodies
         std::span<const Eigen::Vector3i> vertices_um;
     };
-    // The returned list is valid until the next call.
+    // The list that this function returns is valid until the next call.
     const std::vector<Moved> &at(const MotionMoment &moment);
 
   private:

@@ -16,8 +16,8 @@ Vector3d vertex_m(const Body &body, std::uint32_t index)
     return body.vertices_um[index].cast<double>() * 1e-6;
 }
 
-// Returns true if the place is inside. The function sums the solid angle of the surface seen from the place,
-// as a share of the sphere: 1 inside, 0 outside (Van Oosterom and Strackee 1983).
+// Returns true if a point is inside a closed surface. The function sums the solid angle of the surface seen
+// from the point, as a fraction of the sphere: 1 inside, 0 outside (Van Oosterom and Strackee 1983).
 bool is_inside(const Body &body, const Vector3d &place_m)
 {
     double sum = 0.0;
@@ -30,7 +30,7 @@ bool is_inside(const Body &body, const Vector3d &place_m)
     return std::fabs(sum) > std::numbers::pi; // half of the sum over the whole sphere
 }
 
-// The baker narrowed a body of blood if part of the lesion's healthy centreline lies in it.
+// The program `bake` narrowed a body of blood if part of the lesion's healthy centreline lies in that body.
 bool runs_through(const Body &body, const VesselLesion &lesion)
 {
     Eigen::AlignedBox3d box;
@@ -81,8 +81,8 @@ void OpenedBodies::find_wall(const Body &body, std::size_t lesion, const LesionW
     }
 }
 
-// Plaque keeps its volume. When a lumen widens from r to R, material at the distance d from the middle moves
-// to sqrt(d^2 + R^2 - r^2), so that a ring keeps its area.
+// Plaque keeps its volume. When a lumen widens from radius r to R, material at the distance d from its middle
+// moves to sqrt(d^2 + R^2 - r^2), so that a ring of material keeps its area.
 void OpenedBodies::find_calcium(const Body &body, std::size_t lesion, const LesionWall &wall,
                                 Opened &opened) const
 {
@@ -110,8 +110,8 @@ std::vector<int> OpenedBodies::bodies() const
     return bodies;
 }
 
-// Each vertex moves on a straight line from its narrowed to its healthy place, in every pose of the heart.
-// Where two lesions meet, their displacements are added.
+// Each vertex moves on a straight line from its narrowed to its healthy position, in every pose of the heart.
+// Where two lesions meet, the displacements of the vertices are added.
 void OpenedBodies::place(Opened &opened, std::span<const Eigen::Vector3i> narrow_um,
                          const MotionWeights &weights, std::span<const double> open)
 {

@@ -1,10 +1,10 @@
-// Changes the meshes around lesions that have yielded: the wall of blood moves back towards the healthy
-// vessel, and calcium is pushed outwards with it.
+// Changes the meshes around lesions that have yielded: the surface of the blood moves back towards the
+// healthy vessel, and calcium is pushed outwards with it.
 //
 //   OpenedBodies opened(bodies, opening, motion);
 //   for (const auto &body : opened.at(moment, wire.lesions_open, moving.at(moment))) ...
 //
-// Only vertices near a lesion change, and none while no lesion is open.
+// Only vertices near a lesion change, and no vertex changes while all lesions are closed.
 #pragma once
 #include "host/model/lesion_opening.hpp"
 #include "host/model/motion.hpp"
@@ -17,16 +17,17 @@ class LesionWall;
 class OpenedBodies
 {
   public:
-    // Finds the vertices near each lesion, in the body of blood through which its vessel runs, and in the
-    // calcium that the baker made for it (the body LESION_calcium). `motion` may be null if nothing moves.
+    // Finds the vertices near each lesion, in the body of blood through which the lesion's vessel runs, and
+    // in the calcium that `bake` made for the lesion (the body LESION_calcium). `motion` may be null if no
+    // body moves.
     OpenedBodies(const Bodies &bodies, const LesionOpening &opening, const Motion *motion);
 
     bool is_empty() const { return opened_.empty(); }
     std::size_t vertex_count() const; // number of vertices that move with lesions
     std::vector<int> bodies() const;  // bodies that have such vertices
 
-    // Returns `moved`, the bodies that the heart moves at this moment, with the changes for open lesions. The
-    // returned list is valid until the next call.
+    // Returns the bodies that differ from the scene at this moment: those in `moved`, which the heart moves,
+    // with the changes for open lesions. The list that this function returns is valid until the next call.
     const std::vector<MovingBodies::Moved> &at(const MotionMoment &moment,
                                                std::span<const double> lesions_open,
                                                std::span<const MovingBodies::Moved> moved = {});

@@ -1,5 +1,6 @@
-// Holds orders to the core until a tick can accept them. Like the core, a tick's list accepts only one order
-// of each kind (shared/wire/wire_orders.def). A second order of a kind waits for the next tick.
+// Holds commands for the core until a tick (millisecond) can accept them. A tick's list accepts only one
+// command ("order") of each kind, as the core does (shared/wire/wire_orders.def). A second command of the
+// same kind waits for the next tick.
 //
 //   OrderQueue orders;
 //   orders.add(crn_wire_order_of_rhythm({CRN_WIRE_RHYTHM_HEART_RATE, 90}));
@@ -15,7 +16,7 @@
 namespace crn
 {
 
-// Returns the orders in the list of a tick.
+// Returns the commands for the core ("orders") in the list of a tick.
 inline std::span<const crn_wire_order> orders_of(const crn_wire_order_list &list)
 {
     return {list.items, list.items_count};
@@ -25,7 +26,7 @@ inline std::span<const crn_wire_order> orders_of(const crn_wire_tick_input &inpu
     return orders_of(input.orders);
 }
 
-// Returns the order of this kind (CRN_WIRE_KIND_*) in a list, or nullptr if there is none.
+// Returns the command of this kind (CRN_WIRE_KIND_*) in a tick's list, or nullptr if the list has none.
 const crn_wire_order *order_of(const crn_wire_order_list &list, std::uint8_t kind);
 
 class OrderQueue
@@ -34,7 +35,7 @@ class OrderQueue
     void add(const crn_wire_order &order) { waiting_.push_back(order); }
     void clear() { waiting_.clear(); }
     bool is_empty() const { return waiting_.empty(); }
-    // Moves into the list the oldest order of each kind that the list does not have yet.
+    // Moves into a tick's list the oldest waiting command of each kind that the list does not have yet.
     void move_into(crn_wire_order_list &list);
 
   private:

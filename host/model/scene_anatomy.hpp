@@ -1,6 +1,6 @@
-// Reads the anatomy of a patient, except the lumen, which the core has: bodies with their tree of vessels,
-// their motion, and the lesions that yield. Pictures, contrast medium, stents and surfaces all use this
-// reader.
+// Reads the anatomy of a patient, except the lumen, which the core reads itself: bodies with their tree of
+// vessels, their motion, and the lesions that yield. The code for pictures, contrast medium, stents and
+// surfaces uses this reader.
 #pragma once
 #include "host/model/bodies.hpp"
 #include "host/model/lesion_opening.hpp"
@@ -20,8 +20,8 @@ struct SceneAnatomy {
     const Motion *motion_or_null() const { return motion ? &*motion : nullptr; }
 };
 
-// If the paths are empty, there are no bodies and no motion. Throws std::runtime_error, also for bodies that
-// were not baked with this scene.
+// If the paths are empty, the result has no bodies and no motion. Throws std::runtime_error if a file cannot
+// be read, or if the bodies were not baked together with this scene.
 SceneAnatomy read_scene_anatomy(const std::string &scene_path, const std::string &bodies_path);
 
 } // namespace crn

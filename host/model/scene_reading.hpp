@@ -1,4 +1,4 @@
-// Reads a baked scene in order to extract one thing from it.
+// Reads a scene file that `bake` wrote, in order to extract one part of its data.
 #pragma once
 #include "host/base/text.hpp"
 #include "shared/scene/scene.h"
@@ -8,8 +8,9 @@
 namespace crn
 {
 
-// `use` receives the checked scene, and the scene's bytes are released afterwards. Returns the result of
-// `use`. Returns `{}` when there is no path, or when an error occurs, which names file and byte.
+// The callback `use` receives the checked scene, and the scene's bytes are released afterwards. Returns the
+// result of `use`. Returns `{}` when the path is empty, or when an error occurs; `error` then names the file
+// and the byte.
 template <typename Result, typename Use>
 Result from_scene(const std::string &scene_path, std::string &error, Use use)
 {

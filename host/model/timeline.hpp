@@ -1,5 +1,5 @@
-// Converts messages of the byte protocol to a WireFrame in SI units, which describes the tools at a tick for
-// pictures and effects.
+// Converts messages of the byte protocol to a WireFrame in SI units, which describes the tools at one tick
+// for pictures and effects.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "host/model/wire_frame.hpp"
@@ -9,8 +9,8 @@
 namespace crn
 {
 
-// `tools` are given from the innermost out. Nodes that are missing from the table, which a faulty device may
-// send, are dropped.
+// `tools` lists the nested tools from the innermost outwards. The conversion drops nodes that are missing
+// from the node table; only a faulty device sends such nodes.
 WireFrame wire_frame(const crn_wire_nodes &nodes, const crn_wire_node_table &table,
                      std::span<const Instrument> tools);
 

@@ -1,6 +1,6 @@
-// Converts physical values to the number formats of the byte protocol and back. No other host file depends on
-// Q30. Values are rounded to nearest. A value outside a format's range throws, so that nothing wraps
-// silently.
+// Converts physical values to the number formats of the byte protocol and back. No other file of the host
+// depends on the Q30 number format. Values are rounded to nearest. A value outside a number format's range
+// causes an exception, so that no value wraps around silently.
 #pragma once
 #include <Eigen/Core>
 #include <cmath>

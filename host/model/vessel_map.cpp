@@ -9,8 +9,8 @@ namespace crn
 namespace
 {
 
-// Normalises a name to small letters. Any run of spaces, underscores and hyphens becomes one space, and
-// "artery" or "ostium" at the end is removed.
+// Converts a vessel's name to small letters and a standard spelling. Any run of spaces, underscores and
+// hyphens becomes one space, and "artery" or "ostium" at the end is removed.
 std::string plain(std::string_view name)
 {
     std::string text;
@@ -24,7 +24,7 @@ std::string plain(std::string_view name)
     return text;
 }
 
-// Lists pairs of a long name that cardiologists use and the name in our files.
+// Lists pairs of names: the long name of a vessel that cardiologists use, and the vessel's name in our files.
 constexpr std::pair<const char *, const char *> long_names[] = {
     {"left main", "lm"},
     {"left main coronary", "lm"},
@@ -61,8 +61,8 @@ std::int64_t um(double m)
     return std::llround(m * 1e6);
 }
 
-// Holds the places along the root vessel, in metres, where the brachiocephalic and the left subclavian artery
-// leave it.
+// Holds the positions along the root vessel, in metres, where the brachiocephalic and the left subclavian
+// artery leave it.
 struct Arch {
     double begin_m = 0.0, end_m = 0.0;
 };
@@ -149,7 +149,7 @@ std::size_t VesselMap::vessel_of(std::size_t branch, double arc_m) const
     return found;
 }
 
-// A place inside the parent's lumen belongs to the parent, even if a branch begins there.
+// A point inside the lumen of the parent vessel belongs to the parent, even if a branch begins there.
 VesselPlace VesselMap::at(const Eigen::Vector3d &reference_m) const
 {
     VesselPlace best;
@@ -168,7 +168,8 @@ VesselPlace VesselMap::at(const Eigen::Vector3d &reference_m) const
     return best;
 }
 
-// Returns the vessels from the root to a place, each with the position along it where the next one leaves.
+// Returns the vessels from the root of the tree to a position, each with the distance along it at which the
+// next vessel leaves.
 std::vector<VesselPlace> VesselMap::from_root(const VesselPlace &place) const
 {
     std::vector<VesselPlace> steps = {place};
@@ -204,7 +205,7 @@ double VesselMap::inside_m(const VesselPlace &place, const VesselPlace &start) c
     return distance_m(mouth(place.vessel, start), place);
 }
 
-// In a tree, a detour from the route to a place and back is twice as long as the distance of that place from
+// In a tree, a detour from the route to a point and back is twice as long as the distance of that point from
 // the route.
 VesselWay VesselMap::way(const VesselPlace &place, const VesselPlace &start, std::size_t goal) const
 {

@@ -1,15 +1,16 @@
-// Names and distances in a tree of vessels: in which vessel a place lies, how far along that vessel, and how
-// far from another place along the vessels. All places are in the reference pose; a place that moves with
-// heart and breath must first be converted to that pose (motion.hpp).
+// Answers questions about a tree of vessels: in which vessel a point lies, how far along that vessel it lies,
+// and how far along the vessels it is from another point. All positions are in the reference pose; the
+// position of a point that moves with heart and breath must first be converted to that pose (motion.hpp).
 //
 //   VesselMap map(bodies.vessels);
 //   const std::optional<std::size_t> goal = map.find("left main");
 //   const VesselPlace place = map.at(tip_m);
 //
-// Each branch of the tree is a vessel of this map; its name is that of the branch's file, with spaces for
-// underscores. An aorta from which a brachiocephalic and a left subclavian artery leave counts as three
-// vessels, as in anatomy. The three vessels are the ascending aorta (to the origin of the brachiocephalic),
-// the aortic arch (to that of the left subclavian) and the descending aorta.
+// Each branch of the tree is a vessel of this map; the vessel's name is that of the branch's file, with
+// spaces for underscores. An aorta from which a brachiocephalic and a left subclavian artery leave counts as
+// three vessels, as in anatomy. The three vessels are the ascending aorta (up to the origin of the
+// brachiocephalic artery), the aortic arch (up to that of the left subclavian artery) and the descending
+// aorta.
 #pragma once
 #include "host/model/vessel_tree.hpp"
 #include <cstdint>
@@ -21,7 +22,7 @@
 namespace crn
 {
 
-// Describes a vessel, which is a whole branch of the tree or a stretch of one.
+// Describes a vessel, which is a whole branch of the tree or a stretch of a branch.
 struct MappedVessel {
     std::string name;
     std::size_t branch = 0;
@@ -32,14 +33,14 @@ struct MappedVessel {
     double length_m() const { return to_m - from_m; }
 };
 
-// Describes a place in a vessel, measured from the beginning of the vessel in the direction of blood flow.
+// Describes a position in a vessel, measured from the beginning of the vessel in the direction of blood flow.
 struct VesselPlace {
     std::size_t vessel = 0;
     double along_m = 0.0;
     double radii = 0.0; // distance from the centreline in radii of the lumen: above 1 the place lies outside
 };
 
-// Describes a place relative to the route of a tool along the vessels from a start to a goal.
+// Describes a position relative to a tool's route along the vessels, from a start to a goal.
 struct VesselWay {
     std::int64_t ahead_um = 0; // on the route: distance to the goal's ostium
     std::int64_t astray_um =
@@ -57,24 +58,26 @@ class VesselMap
     const std::vector<MappedVessel> &vessels() const { return vessels_; }
     std::vector<std::string> names() const;
 
-    // Ignores case, spaces, underscores and hyphens, and "artery" at the end, and accepts the usual long
-    // names of coronary arteries.
+    // Finds a vessel by its name, ignoring case, spaces, underscores and hyphens, and "artery" at the end,
+    // and accepting the usual long names of coronary arteries.
     std::optional<std::size_t> find(std::string_view name) const;
-    // Returns ", did you mean ...?" with the nearest name, or else the list of all names.
+    // Returns ", did you mean ...?" with the vessel name nearest to the given name, or else the list of all
+    // vessel names.
     std::string suggestion(std::string_view name) const;
 
-    // Returns the vessel in which a place lies, or the nearest one. The map must not be empty.
+    // Returns the vessel in which a point lies, or else the nearest vessel. The map must have at least one
+    // vessel.
     VesselPlace at(const Eigen::Vector3d &reference_m) const;
-    // Returns how far inside its vessel a place lies. The distance is measured from where the route from
-    // `start` enters the vessel: at its beginning, or at the branch from which the route comes.
+    // Returns how far inside its vessel a position lies. This distance begins where the route from `start`
+    // enters the vessel: at the vessel's beginning, or at the branch from which the route comes.
     double inside_m(const VesselPlace &place, const VesselPlace &start) const;
     VesselWay way(const VesselPlace &place, const VesselPlace &start, std::size_t goal) const;
-    // Returns the radius of the lumen at the ostium of the goal.
+    // Returns the radius of the lumen at the ostium of the goal vessel.
     double mouth_radius_m(const VesselPlace &start, std::size_t goal) const;
     double distance_m(const VesselPlace &from, const VesselPlace &to) const; // along the vessels
 
-    // Returns the vessel to which a place on a branch belongs; the place is given in metres along the
-    // branch's centreline.
+    // Returns the vessel to which a position on a branch belongs; `arc_m` is that position in metres along
+    // the branch's centreline.
     std::size_t vessel_of(std::size_t branch, double arc_m) const;
 
   private:

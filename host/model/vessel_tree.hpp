@@ -25,8 +25,8 @@ struct VesselBranch {
     double flow_ml_s = 0.0; // mean flow out of its end, as stated; 0: not stated
 };
 
-// Describes a stretch of a branch that disease has narrowed. The points of the branch itself are those of the
-// narrowed lumen.
+// Describes a stretch of a branch that disease has narrowed. Inside a lesion, the points of the branch itself
+// are those of the narrowed lumen.
 struct VesselLesion {
     std::string name;
     std::size_t branch = 0, first_point = 0; // first of the branch's points ...
@@ -42,15 +42,17 @@ struct VesselTree {
     std::vector<VesselBranch> branches; // branch 0 is the only root; empty: no vessels are known
     std::vector<VesselLesion> lesions = {};
 
-    // Returns the point of the branch at which the lesion leaves the smallest share of the healthy radius.
+    // Returns the point of the branch at which the lesion has narrowed the lumen most, relative to the
+    // healthy radius.
     std::size_t throat(const VesselLesion &lesion) const;
 
-    // Returns true if no other branch continues from the branch's last point, so that blood leaves the tree
-    // there.
+    // Returns true if no other branch continues from the last point of this branch, so that blood leaves the
+    // tree there.
     bool is_outlet(std::size_t branch) const;
 };
 
-// Describes the place on a branch that is nearest to a point; distances are measured in the branch's radii.
+// Describes the position on a branch that is nearest to a given point; the distance is measured in radii of
+// the branch.
 struct VesselFoot {
     double radii = std::numeric_limits<double>::infinity(); // distance over the radius there
     std::size_t point = 0;                                  // between this point and the next ...
@@ -58,15 +60,15 @@ struct VesselFoot {
 };
 VesselFoot vessel_foot(const VesselBranch &branch, const Eigen::Vector3d &place_m);
 
-// Returns how far along its centreline a branch leaves its parent. The branch leaves its parent where its
-// centreline leaves the parent's lumen or, after a division, half of the parent's radius along it; at most
-// 0.8 of the branch. The blood that belongs to the branch begins there, and so does the distance from its
-// ostium. For the root the result is 0.
+// Returns the distance along a branch's centreline at which the branch leaves its parent. A branch leaves its
+// parent where its centreline leaves the parent's lumen or, after a division, half of the parent's radius
+// along it; at most 0.8 of the branch's length. The blood that belongs to the branch begins at this distance,
+// and distances from the branch's ostium are measured from there. For the root branch the result is 0.
 double vessel_start_m(const VesselTree &tree, std::size_t branch);
 
-// Checks what reading alone cannot guarantee: parents come before children, places exist, points and radii
-// are in range, and lesions lie on vessels. Returns false and a sentence that names the branch if a check
-// fails.
+// Checks what reading alone cannot guarantee: parents come before children, the points to which indices refer
+// exist, points and radii are in range, and lesions lie on vessels. If a check fails, the function returns
+// false, and `error` is a sentence that names the branch.
 bool check_vessel_tree(const VesselTree &tree, std::string &error);
 
 } // namespace crn

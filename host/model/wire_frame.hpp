@@ -1,6 +1,6 @@
-// Describes the tools at one tick, for one picture; this is all that effects and X-ray see of the core.
-// Lengths are Eigen doubles in SI units. host/model fills the frame from received bytes, never from the
-// core's memory.
+// Describes the tools at one tick, for one picture; the code for effects and X-ray sees nothing else of the
+// core. Lengths in the WireFrame are Eigen doubles in SI units. host/model fills the WireFrame from received
+// bytes, never from the core's memory.
 #pragma once
 #include <Eigen/Core>
 #include <cstdint>
@@ -22,16 +22,17 @@ struct WireFrame {
     std::uint32_t heart_phase32 = 0, breath_phase32 = 0; // 2^-32 cycle: docs/heart.md
     std::vector<WireNode>
         nodes{}; // node 0 is the leading tip; only nodes beyond the introducer and the first one inside it
-    // These are the positions of each tool's own tip on the line, from the innermost tool outwards; the
-    // position of the leading tip is 0. A tool covers the line from its tip to the last node. If the list is
-    // empty, there is one tool, which begins at node 0.
+    // Holds the arc length of each tool's own tip, measured from the leading tip, from the innermost tool
+    // outwards. A tool covers the common centreline from the tool's tip to the last node. If the list
+    // tip_arc_m is empty, there is one tool, which begins at node 0.
     std::vector<double> tip_arc_m{};
-    // These values describe the balloon of one of the tools by the radii of its balls. The first ball is at
-    // `balloon_arc_m` from the leading tip, and neighbouring balls are `balloon_spacing_m` apart. The list is
-    // empty if no tool has a balloon.
+    // The next members describe the balloon of one of the tools as a row of balls with these radii. The first
+    // ball of the balloon is at `balloon_arc_m` from the leading tip, and neighbouring balls are
+    // `balloon_spacing_m` apart. The list of radii is empty if no tool has a balloon.
     std::vector<double> balloon_radii_m{};
     double balloon_arc_m = 0.0, balloon_spacing_m = 0.0;
-    // How far each station of each yielding lesion is open, 0 .. 1, lesion after lesion (docs/lesions.md).
+    // Holds how far each station (point) of each yielding lesion is open, 0 .. 1, lesion after lesion
+    // (docs/lesions.md).
     std::vector<double> lesions_open{};
 };
 

@@ -1,4 +1,4 @@
-// Computes places on the line between its nodes.
+// Computes positions between the nodes of the tools' common centreline.
 #pragma once
 #include "host/model/wire_frame.hpp"
 #include <algorithm>
@@ -7,8 +7,8 @@
 namespace crn
 {
 
-// Returns the place at an arc length from the leading tip; the line continues straight beyond both ends. The
-// line needs two nodes.
+// Returns the position at an arc length from the leading tip; beyond both ends the centreline continues
+// straight. The line needs two nodes.
 inline Eigen::Vector3d line_place_m(const WireFrame &wire, double arc_m)
 {
     const std::vector<WireNode> &nodes = wire.nodes;

@@ -13,8 +13,8 @@ using Eigen::Vector3d;
 
 constexpr double shortest_mm = 1e-6;
 
-// Returns the part of `v` perpendicular to `tangent`, scaled to length 1. If that part is zero, returns any
-// perpendicular direction.
+// Returns the part of the vector `v` that is perpendicular to `tangent`, scaled to length 1. If that part is
+// zero, the function returns any direction perpendicular to `tangent`.
 Vector3d across_of(const Vector3d &v, const Vector3d &tangent)
 {
     const Vector3d rest = v - v.dot(tangent) * tangent;

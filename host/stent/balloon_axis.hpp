@@ -1,5 +1,5 @@
-// Describes the balloon at a picture, as the core gives it, by balls along its tool and a frame of directions
-// that follows the balloon's axis without twist.
+// Describes the balloon in one picture, as the core reports it, by balls along its tool and by a frame of
+// directions that follows the balloon's axis without twist.
 #pragma once
 #include <Eigen/Core>
 #include <limits>
@@ -8,8 +8,8 @@
 namespace crn
 {
 
-// One of the balls. One of the balls. All values are linear between two balls. Beyond the ends the axis
-// continues straight, and there is no balloon.
+// Describes one of the balls. Between two balls of the balloon all values change linearly. Beyond the
+// ends of the balloon its axis continues straight, and there is no balloon.
 struct BalloonPoint {
     double arc_mm = 0.0; // of the tool, from its tip: ascending
     Eigen::Vector3d centre_mm = Eigen::Vector3d::Zero();
@@ -25,8 +25,8 @@ struct BalloonPose {
 class BalloonAxis
 {
   public:
-    // `across` is the first axis of the frame in the previous picture. The new frame continues from it, so
-    // that the frame does not spin between pictures.
+    // `across` is the first direction of the frame in the previous picture. The new frame continues from this
+    // direction, so that the frame does not spin from picture to picture.
     BalloonAxis(const BalloonPose &pose, const Eigen::Vector3d &across);
     bool is_known() const { return points_.size() >= 2; }
 
@@ -36,15 +36,15 @@ class BalloonAxis
         double radius_mm = 0.0, room_mm = std::numeric_limits<double>::infinity();
     };
     Place at(double arc_mm) const;
-    // Returns the first axis of the frame at the first ball, which is needed for the next picture.
+    // Returns the first direction of the frame at the first ball, which is needed for the next picture.
     Eigen::Vector3d across() const
     {
         return points_.empty() ? Eigen::Vector3d::UnitX() : points_.front().across;
     }
     double first_arc_mm() const { return points_.front().arc_mm; }
     double last_arc_mm() const { return points_.back().arc_mm; }
-    // Returns the arc length of the point of the axis that is nearest to a place, and their distance; the
-    // point is never beyond the ends.
+    // Returns the arc length of the point of the axis that is nearest to a given position, and their
+    // distance; the point never lies beyond the ends of the axis.
     double nearest_arc_mm(const Eigen::Vector3d &place_mm, double &distance_mm) const;
 
   private:

@@ -9,7 +9,8 @@ namespace
 
 using Eigen::Vector3d;
 
-// The strut and the tissue are described relative to the middle of the strut, where doubles are most precise.
+// Positions of the strut and the tissue are relative to the middle of the strut, because doubles are most
+// precise near 0.
 struct Capsule {
     Vector3d half;
     double radius;
@@ -81,9 +82,9 @@ StrutContact strut_contact(const StrutCapsule &strut, const std::array<Vector3d,
     StrutContact contact{0.0, -outward};
     if (ccdGJKPenetration(&capsule, &prism, &ccd, &depth, &direction, &position) != 0) return contact;
     contact.depth_mm = depth;
-    // libccd gives the displacement of the second body, and the strut must move in the opposite direction. If
-    // the strut were pushed out through a side of a small triangle, it would meet the next triangle, whose
-    // own contact covers this case.
+    // libccd returns the displacement of the second body, so the strut must move in the opposite direction.
+    // If the strut were pushed out through a side of a small triangle, it would meet the next triangle, and
+    // the contact with that triangle is computed separately.
     const Vector3d way = -from_ccd(&direction);
     if (-way.dot(outward) > 0.5) {
         contact.direction = way;

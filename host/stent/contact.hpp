@@ -1,5 +1,5 @@
-// Computes the contact of struts with the triangles of the wall, by libccd. A strut is a capsule. A triangle
-// has a depth of tissue behind it, so that a strut is always pushed back towards the blood.
+// Computes the contact of struts with the triangles of the wall, by libccd. A strut is a capsule. Behind each
+// triangle lies tissue of some depth, so that a strut is always pushed back towards the blood.
 #pragma once
 #include <Eigen/Core>
 #include <array>
@@ -19,8 +19,8 @@ struct StrutContact {
 
 inline constexpr double tissue_depth_mm = 1.0;
 
-// `outward` is the unit normal of the triangle, which points away from the blood. A depth of 0 means that
-// there is no contact.
+// `outward` is the unit normal of the triangle, and points away from the blood. A depth of 0 means that the
+// strut does not touch the triangle.
 StrutContact strut_contact(const StrutCapsule &strut, const std::array<Eigen::Vector3d, 3> &corners_mm,
                            const Eigen::Vector3d &outward);
 

@@ -1,4 +1,5 @@
-// Defines the allowed values of a stent's numbers, and computes the lengths that follow from its geometry.
+// Defines the allowed values of a stent's numbers, and computes the lengths that follow from the stent's
+// geometry.
 #include "host/stent/design.hpp"
 #include "host/base/number_text.hpp"
 #include <algorithm>

@@ -1,13 +1,13 @@
-// Reads the design of a stent from its file (TOML, docs/stent.md), and derives what follows from the geometry
-// alone: the height of a ring, and the foreshortening.
+// Reads the design of a stent from its file (TOML, docs/stent.md), and computes the height of a ring and the
+// foreshortening, which follow from the geometry alone.
 //
 //      tip <-- axis ----------------------------->      a ring is a zigzag of 2 N struts with N crowns on either side;
 //        /\  /\  /\        /\  /\  /\                   some crowns of neighbouring rings are joined by links:
 //       /  \/  \/  \ link /  \/  \/  \                  `facing`  crown to the crown opposite, rings mirrored
 //                                                       `offset`  crown to the same crown of the next ring, rings alike
 //
-// Lengths are in mm, and forces in N. A radius is that of the middle of the struts: on a balloon of radius r
-// it is r + thickness / 2.
+// Lengths are in mm, and forces in N. A radius is measured to the middle of the struts: on a balloon of
+// radius r the stent's radius is r + thickness / 2.
 #pragma once
 #include <span>
 #include <string>
@@ -41,16 +41,16 @@ struct StentDesign {
     double chord_mm(double radius_mm) const;
     // Returns the height of a ring along the axis, if the struts keep their length: sqrt(strut^2 - chord^2).
     double ring_height_mm(double radius_mm) const;
-    // Returns the distance between two crowns that a link joins, which is the length that the rings of a
-    // crimped stent leave for links.
+    // Returns the distance between two crowns that a link joins; this distance is the length that the rings
+    // of a crimped stent leave for links.
     double link_length_mm() const;
-    // Returns the length of the stent when it is straight and evenly opened.
+    // Returns the length that a straight stent has when all its rings are opened to this radius.
     double length_at_mm(double radius_mm) const;
     double foreshortening(double radius_mm) const { return 1 - length_at_mm(radius_mm) / length_mm; }
 };
 
-// Describes the numbers of a stent, with their keys in files and their allowed ranges. The file's number is
-// the design's number times `per_file` (percent: 100).
+// Describes the numbers of a stent's design, with their keys in files and their allowed ranges. The number in
+// the file is the design's number times `per_file` (100 for percent).
 struct StentNumber {
     const char *key;
     double StentDesign::*value;
@@ -65,14 +65,14 @@ struct StentCount {
 };
 std::span<const StentCount> stent_counts();
 
-// Describes values that are each allowed but impossible together: the key of one of them, and the reason. If
-// the key is empty, there is no such fault.
+// Reports values that are each allowed but impossible together: the key of one of these values, and the
+// reason. If the key is empty, the values are possible together.
 struct StentFault {
     std::string key, text;
 };
 StentFault stent_fault(const StentDesign &stent);
-// Returns true if all values are in their ranges and possible together. This check is needed for designs that
-// do not come from a file; reading a file includes the same checks.
+// Returns true if all values of a design are in their ranges and possible together. Only designs that do not
+// come from a file need this check, because reading a file includes the same checks.
 bool is_possible(const StentDesign &stent);
 
 // Throws FileError with file, line, key, the cause and the remedy.

@@ -18,15 +18,15 @@ constexpr double far_mm = 99.0; // from any wall
 constexpr double behind_mm =
     0.3; // a place farther behind the wall counts as outside the vessel, at this distance from the wall
 
-// Returns the point at `share` (0 to 1) of a strut, which is bent at its middle.
+// Returns the point at the fraction `share` (0 to 1) of a strut's length; the strut is bent at its middle.
 Vector3d along_strut(const Vector3d &a, const Vector3d &middle, const Vector3d &b, double share)
 {
     return share < 0.5 ? Vector3d(a + 2 * share * (middle - a))
                        : Vector3d(middle + (2 * share - 1) * (b - middle));
 }
 
-// Returns the distance from a place on a strut to the nearest wall; the search starts at the feet of both
-// ends.
+// Returns the distance from a point of a strut to the nearest wall; the search starts where the strut's two
+// ends touch the wall.
 double distance_mm(const StentWall &wall, const Vector3d &place, const StentPoint &a, const StentPoint &b)
 {
     double least = far_mm;
@@ -64,8 +64,8 @@ void appose(const Stent &stent, const StentWall *wall, StentFigures &figures)
     figures.bedded_share = static_cast<double>(bedded) / static_cast<double>(stent.points().size());
 }
 
-// Measures a ring as seen along its axis. The inner area of a ring is that of the polygon through its points,
-// divided by the ratio of the regular polygon's area to that of its circle.
+// Measures a ring of struts as seen along its axis. The inner area of a ring is the area of the polygon
+// through its points, multiplied by the ratio of a circle's area to that of the regular polygon in it.
 StentRing ring_of(const Stent &stent, int index)
 {
     const StentDesign &design = stent.design();
@@ -75,7 +75,7 @@ StentRing ring_of(const Stent &stent, int index)
     for (int k = 0; k < around; ++k) {
         const Vector3d from = stent.points()[stent.lattice().point(index, k)].place_mm - ring.centre_mm;
         const Vector3d flat = from - from.dot(ring.axis) * ring.axis;
-        // The inner side is nearer to the axis by half the thickness of a strut.
+        // The inner side of a strut is nearer to the axis by half the strut's thickness.
         out.push_back(flat * std::max(0.0, 1 - design.strut_thickness_mm / 2 / std::max(flat.norm(), 1e-9)));
     }
     double doubled = 0.0;
@@ -93,8 +93,8 @@ StentRing ring_of(const Stent &stent, int index)
     return ring;
 }
 
-// Returns half of a ring's height, which is the mean distance of its crowns from its middle, measured along
-// its axis.
+// Returns half of a ring's height, which is the mean distance of the ring's crowns from its middle, measured
+// along its axis.
 double half_height_mm(const Stent &stent, const StentRing &ring, int index)
 {
     double sum = 0.0;
@@ -156,8 +156,8 @@ StentFigures stent_figures(const Stent &stent, const StentWall *wall)
 namespace
 {
 
-// Returns where along a vessel a stent's ends lie. An end is the mean position of the outer crowns of the
-// first or last ring. `along` converts a place to its position along the vessel.
+// Returns the positions of a stent's two ends along a vessel. The position of an end is the mean position of
+// the outer crowns of the first or last ring. `along` converts a point to its position along the vessel.
 template <class Along>
 StentCoverage coverage(const Stent &stent, const Along &along, double lesion_from_mm, double lesion_to_mm)
 {

@@ -1,5 +1,5 @@
-// Computes the figures of a stent for the report: apposition, width, coverage, and how far it has stretched
-// the vessel. The struts are also given as lines with a radius, for the X-ray.
+// Computes the figures of a stent for the report: apposition, width, coverage, and how far the stent has
+// stretched the vessel. The struts are also returned as lines with a radius, for the X-ray picture.
 #pragma once
 #include "host/stent/stent.hpp"
 #include <string>
@@ -10,7 +10,7 @@ namespace crn
 
 inline constexpr double apposed_mm = 0.1; // a strut this near the wall counts as apposed
 
-// Describes a strut that does not touch the wall, with its gap.
+// Describes a strut that does not touch the wall, and the gap between them.
 struct StentGap {
     int ring = 0;
     std::size_t strut = 0;    // of the lattice
@@ -40,11 +40,11 @@ struct StentFigures {
     double bedded_share = 0.0; // of the crowns
 };
 
-// If there is no wall, no strut counts as apposed.
+// If `wall` is null, no strut counts as apposed.
 StentFigures stent_figures(const Stent &stent, const StentWall *wall);
 
-// Describes the position of a stent along a centreline, and the lengths of a lesion (from .. to, mm along
-// that line) that the stent does not cover.
+// Describes the position of a stent along a centreline, and the lengths of a lesion that the stent does not
+// cover; positions are in mm along that line.
 struct StentCoverage {
     double from_mm = 0.0, to_mm = 0.0;
     double missed_before_mm = 0.0, missed_behind_mm = 0.0; // of the lesion, at either end
@@ -52,27 +52,29 @@ struct StentCoverage {
 };
 StentCoverage stent_coverage(const Stent &stent, std::span<const Eigen::Vector3d> centreline_mm,
                              double lesion_from_mm, double lesion_to_mm);
-// Returns the coverage in a moving vessel, in mm along its healthy branch from the branch's first point.
+// Returns the coverage of a lesion in a moving vessel, in mm along the vessel's healthy branch from the
+// branch's first point.
 class VesselWall;
 StentCoverage stent_coverage(const Stent &stent, const VesselWall &vessel, std::size_t lesion);
 
-// Returns the largest overstretch: the outside diameter that a ring had on a balloon, divided by the healthy
-// vessel's diameter there, minus 1. The result is 0 for a stent that was never opened.
+// Returns the largest overstretch of the vessel: the outside diameter that a ring had on a balloon, divided
+// by the healthy vessel's diameter at the ring, minus 1. The overstretch is 0 for a stent that was never
+// opened.
 double stent_stretch(const Stent &stent, std::span<const Eigen::Vector3d> centreline_mm,
                      std::span<const double> healthy_radius_mm);
 
 // Returns the length, in mm along the stents, over which an inner stent lies inside an outer one.
 double stent_overlap_mm(const Stent &inner, const StentSleeve &outer);
 
-// A line of metal. Every ring is one closed line through the middles of its struts, and every link is another
-// line.
+// A line of metal. Every ring of struts is one closed line through the middles of its struts, and every link
+// is another line.
 struct StentLine {
     std::vector<Eigen::Vector3d> points_mm;
     double radius_mm = 0.0; // of a round wire with the same amount of metal
 };
 std::vector<StentLine> stent_lines(const Stent &stent);
 
-// Returns the balloon's two marker bands, one on either side of the crimped stent, as short pieces of the
+// Returns the balloon's two marker bands, one on each side of the crimped stent, as short pieces of the
 // balloon's axis.
 std::vector<StentLine> stent_markers(const StentDesign &design, double mount_arc_mm, const BalloonPose &pose);
 

@@ -9,14 +9,16 @@ namespace crn
 namespace
 {
 
-// Forces between points are hundredths of a newton, so struts change their length by some micrometres. Real
-// struts are fifty times stiffer, but nobody would see the difference, and the relaxation would need more
-// rounds. Links are bent wires, which give way along the axis of the stent.
+// Forces between points of the stent are hundredths of a newton, so struts change their length by some
+// micrometres. Real struts are fifty times stiffer, but the difference would be invisible, and the
+// computation of the equilibrium would need more rounds. Links are bent wires, which yield easily along the
+// axis of the stent.
 constexpr double strut_stiffness_N_per_mm = 20.0, link_stiffness_N_per_mm = 2.0;
-// This is the stiffness of a brace divided by that of a hinge; it is low because a stent is soft in bending.
+// The stiffness of a brace is this fraction of the stiffness of a hinge; the fraction is low because a stent
+// is soft in bending.
 constexpr double brace_share = 0.5;
-// This is the stiffness of hinges to farther neighbours divided by that of hinges to the nearest; these
-// hinges keep a ring round.
+// The stiffness of hinges to farther neighbours is this fraction of the stiffness of hinges to the nearest
+// neighbours; hinges to farther neighbours keep a ring round.
 constexpr double wide_share = 0.5;
 
 struct Builder {
@@ -28,7 +30,8 @@ struct Builder {
         lattice.springs.push_back({{a, b}, stiffness, kind});
     }
 
-    // The points are made ring by ring, so that neighbours in space are near each other in memory.
+    // The points of the stent are made ring by ring, so that neighbours in space are near each other in
+    // memory.
     void ring(int ring) const
     {
         const int n = lattice.crowns;
@@ -46,8 +49,8 @@ struct Builder {
     void links_behind(int ring) const
     {
         for (int link = 0; link < design.links; ++link) {
-            // Links are evenly spaced around the ring, and from one gap between rings to the next they are
-            // shifted by one crown.
+            // Links are evenly spaced around the ring, and from one gap between rings to the next gap the
+            // links are shifted by one crown.
             const int crown = (link * lattice.crowns / design.links + ring) % lattice.crowns;
             int place = 2 * crown;
             if (lattice.side_of(lattice.point(ring, place)) < 0) ++place;
@@ -79,8 +82,8 @@ struct Builder {
     }
 };
 
-// Returns (d length / d R)^2 of a chord between two points of one side, which is 4 sin^2(half the angle
-// between them).
+// Returns (d length / d R)^2 of the chord between two points on one side of a ring of radius R, which is 4
+// sin^2(half the angle between them).
 double chord_share(const StentLattice &lattice, const StentSpring &spring)
 {
     const double half = (lattice.angle(spring.ends[1]) - lattice.angle(spring.ends[0])) / 2;
@@ -98,8 +101,8 @@ StentLattice::StentLattice(const StentDesign &design)
         builder.ring(ring);
         if (ring + 1 < rings) builder.links_behind(ring);
     }
-    // So far the stiffnesses of hinges have been relative to each other. The stiffnesses are now scaled so
-    // that the stiffness of a ring is that of the design.
+    // Up to here the stiffnesses of hinges are relative to each other. The stiffnesses are now scaled so that
+    // the stiffness of a ring is that of the stent's design.
     const double scale = design.ring_stiffness_N_per_mm / hinge_ring_stiffness(*this);
     for (StentSpring &spring : springs)
         if (spring.yields()) spring.stiffness_N_per_mm *= scale;

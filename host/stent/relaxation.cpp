@@ -133,7 +133,7 @@ struct Symmetric {
 
 } // namespace
 
-// Returns Newton's step of one point while all others are fixed: the force divided by the part of its
+// Returns the Newton step of one point while all other points are fixed: the force divided by the part of its
 // derivative that is never negative.
 Vector3d StentRelaxation::newton_step(std::size_t i) const
 {
@@ -189,8 +189,8 @@ double StentRelaxation::sweep()
 
 // --- struts against triangles ---
 
-// A grid finds, once per picture, the triangles that a strut can touch before it has slid far. The listed
-// triangles are kept by index, so that they move with the wall.
+// Once per picture, a grid finds the triangles of the wall that a strut can touch before it has slid far. The
+// listed triangles are stored by their index, so that they move with the wall.
 void StentRelaxation::list_near()
 {
     const StentLattice &lattice = stent_.lattice_;
@@ -237,7 +237,7 @@ void StentRelaxation::push_struts()
     }
 }
 
-// Returns the deepest contact of one capsule with the triangles in its strut's list.
+// Returns the deepest contact of one capsule (half a strut) with the triangles in its strut's list.
 StrutContact StentRelaxation::deepest(std::size_t strut, const StrutCapsule &capsule) const
 {
     StrutContact worst;
@@ -246,8 +246,8 @@ StrutContact StentRelaxation::deepest(std::size_t strut, const StrutCapsule &cap
         const Plane &plane = planes_[state_.near[k]];
         const double from = plane.out.dot(capsule.from_mm) - plane.offset_mm;
         const double to = plane.out.dot(capsule.to_mm) - plane.offset_mm;
-        // Skips a capsule that lies entirely in front of the triangle's plane, or entirely deeper than the
-        // tissue behind it.
+        // Skips a capsule (half a strut) that lies entirely in front of the triangle's plane, or entirely
+        // deeper than the tissue behind this plane.
         if (std::max(from, to) <= reach || std::min(from, to) > tissue_limit_mm) continue;
         const std::size_t triangle = state_.patch[state_.near[k]];
         const StrutContact contact = strut_contact(
@@ -259,8 +259,9 @@ StrutContact StentRelaxation::deepest(std::size_t strut, const StrutCapsule &cap
     return worst;
 }
 
-// A strut consists of two capsules, which meet at its middle. Each capsule is moved out of the triangle in
-// which it lies deepest. Returns true if one of the capsules was moved.
+// A strut consists of two capsules (cylinders with round ends), which meet at its middle. Each capsule is
+// moved out of the triangle into which it reaches deepest. Returns true if one of the strut's two capsules
+// was moved.
 bool StentRelaxation::push_strut(std::size_t strut)
 {
     if (state_.near_begin[strut] == state_.near_begin[strut + 1]) return false;
@@ -276,8 +277,8 @@ bool StentRelaxation::push_strut(std::size_t strut)
         const Vector3d middle = (ends[0]->place_mm + ends[1]->place_mm) / 2 + bulge;
         const StrutContact worst = deepest(strut, {ends[half]->place_mm, middle, radius});
         if (worst.depth_mm <= slop_mm) continue;
-        // The middle of the capsule lies at a quarter of the strut. So the ends move by 3/4 and 1/4 of the
-        // displacement, divided by (3/4)^2 + (1/4)^2 = 10/16.
+        // The middle of the capsule lies at a quarter of the strut's length. So the two ends of the strut
+        // move by 3/4 and 1/4 of the displacement, divided by (3/4)^2 + (1/4)^2 = 10/16.
         const Vector3d way = (worst.depth_mm - slop_mm / 2) * worst.direction / 0.625;
         ends[half]->place_mm += 0.75 * way;
         ends[1 - half]->place_mm += 0.25 * way;
@@ -289,8 +290,8 @@ bool StentRelaxation::push_strut(std::size_t strut)
 
 // --- permanent changes ---
 
-// A spring that is longer or shorter than its elastic range allows yields permanently. Without a load it
-// would then change its length only by the recoil.
+// A spring that is longer or shorter than its elastic range allows yields permanently. Without a load the
+// length of such a spring would then change only by the recoil.
 void StentRelaxation::yield()
 {
     const double recoil = stent_.design_.recoil;
@@ -305,7 +306,7 @@ void StentRelaxation::yield()
     }
 }
 
-// Updates the place on the wall that each point follows from now on.
+// Updates the point of the wall that each point of the stent follows from now on.
 void StentRelaxation::bed()
 {
     for (std::size_t i = 0; i < loads_.size(); ++i) {
@@ -323,8 +324,9 @@ void StentRelaxation::bed()
             point.offset_mm = off;
             continue;
         }
-        // If a point slides, is pushed or touches nothing, its foot moves to the nearest place of the wall. A
-        // sliding point stops where the load on its spring no longer exceeds the limit.
+        // If a point of the stent slides, is pushed or touches nothing, its foot (the wall point that it
+        // follows) moves to the nearest point of the wall. A sliding point stops where the load on the spring
+        // that holds it no longer exceeds the limit.
         const bool slides = point.is_bedded && !is_pushed;
         const Vector3d place =
             slides ? Vector3d(point.place_mm - off * (bed_limit_N / pull_N)) : point.place_mm;

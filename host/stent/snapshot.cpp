@@ -1,5 +1,5 @@
-// Stores the state of a stent as bytes in the machine's own byte order, for a replay on the same machine; the
-// snapshot of the contrast medium is similar.
+// Stores the state of a stent as bytes in the machine's own byte order, for a replay on the same machine, as
+// the snapshot of the contrast medium does.
 #include "host/stent/stent.hpp"
 #include <cmath>
 #include <cstring>
@@ -61,7 +61,7 @@ class Reader
     std::size_t at_ = 0;
 };
 
-// The functions that write and read a snapshot both use this list of members.
+// The functions that write and read a snapshot both use this list of the state's members.
 template <typename State, typename Visit> void visit_state(State &state, Visit &visit)
 {
     visit(state.stage);

@@ -68,8 +68,8 @@ double Stent::radius_on(const BalloonAxis &axis, double arc_mm, int ring, int si
     return std::max(free, design_.radius_on_mm(axis.at(arc_mm).radius_mm));
 }
 
-// The radii of rings determine their heights, the heights determine where the crowns lie, and the places of
-// crowns determine their radii. A few iterations converge.
+// The radii of rings determine their heights, the heights determine the positions of the crowns along the
+// balloon, and these positions determine the radii. A few iterations converge.
 Stent::Layout Stent::lay_out(const BalloonAxis &axis) const
 {
     constexpr int rounds = 3;
@@ -109,8 +109,8 @@ Stent::Layout Stent::lay_out(const BalloonAxis &axis) const
     return layout;
 }
 
-// In a place that is too narrow, a crimped stent stays behind if the vessel holds it with more force than the
-// balloon does.
+// Where the vessel is too narrow, a crimped stent stays behind if the vessel holds it with more force than
+// the balloon does.
 void Stent::slide(const BalloonAxis &axis)
 {
     double moved_mm = 0.0, held_N = 0.0, pull_mm = 0.0;
@@ -153,7 +153,7 @@ void Stent::follow(const StentSurroundings &around, const BalloonAxis &axis)
     if (state_.stage == StentStage::stripped || has_separated(axis)) deploy(around);
 }
 
-// Returns true if the balloon no longer touches any ring that it opened.
+// Returns true if the balloon no longer touches any ring of the stent that it opened.
 bool Stent::has_separated(const BalloonAxis &axis) const
 {
     const Layout layout = lay_out(axis);
@@ -169,7 +169,7 @@ bool Stent::has_separated(const BalloonAxis &axis) const
     return has_opened;
 }
 
-// Returns the part of the wall around the stent; it is found from the middles of the rings.
+// Returns the triangles of the wall around the stent, which are found from the middles of the rings.
 std::vector<std::uint32_t> Stent::patch_of(const StentWall &wall) const
 {
     std::vector<Vector3d> middles;
@@ -179,8 +179,8 @@ std::vector<std::uint32_t> Stent::patch_of(const StentWall &wall) const
     return wall.near(middles, widest + wall_reach_mm);
 }
 
-// From now on the springs hold the stent's shape. The springs carry no load yet, because the elastic part of
-// their stretch is lost when the balloon is deflated.
+// When the stent is deployed, its springs begin to hold its shape. At first these springs carry no load,
+// because the elastic part of their stretch is lost when the balloon is deflated.
 void Stent::deploy(const StentSurroundings &around)
 {
     if (state_.stage == StentStage::on_balloon) state_.stage = StentStage::deployed;
@@ -214,7 +214,7 @@ void Stent::deploy(const StentSurroundings &around)
     if (state_.stage == StentStage::deployed) settle_stage();
 }
 
-// A stent that nothing holds counts as adrift until another balloon presses it to the wall.
+// A deployed stent that the wall does not hold counts as adrift until another balloon presses it to the wall.
 void Stent::settle_stage()
 {
     const auto bedded = std::count_if(state_.points.begin(), state_.points.end(),
@@ -239,8 +239,8 @@ void Stent::carry(const StentWall &wall)
             is_bedded = is_bedded && point.is_bedded;
             if (point.foot.is_known()) carried.col(k) = wall.place(point.foot) + point.offset_mm;
         }
-        // Points that the wall does not hold move together as a rigid body, because a vessel that widens
-        // around them does not widen the stent.
+        // Points of the stent that the wall does not hold move together as a rigid body, because a vessel
+        // that widens around them does not widen the stent.
         Eigen::Matrix4d way = Eigen::Matrix4d::Identity();
         if (is_known && !is_bedded) way = Eigen::umeyama(before, carried, false);
         for (Eigen::Index k = 0; k < around; ++k) {

@@ -5,9 +5,9 @@
 //   stent.step({&wall, &pose, others, sleeves});     every picture, 15 to 60 a second
 //   stent.points(), stent.stage(), stent_lines(stent), stent_figures(stent, wall)
 //
-// The state depends on the order of pictures and not on time, because masses of micrograms reach their
-// equilibrium at once. The same pictures give the same result, bit for bit. Lengths are in mm and forces in
-// N, in the patient frame: docs/stent.md.
+// The state of the stent depends on the order of pictures and not on time, because masses of micrograms reach
+// their equilibrium at once. Equal sequences of pictures give results that are equal bit for bit. Lengths are
+// in mm and forces in N, in the patient frame: docs/stent.md.
 #pragma once
 #include "host/stent/balloon_axis.hpp"
 #include "host/stent/design.hpp"
@@ -38,7 +38,7 @@ struct StentPoint {
     bool is_bedded = false; // held in the wall's lining
 };
 
-// Describes an outer stent, as a sleeve on whose inner side another stent lies.
+// Describes an outer stent as a sleeve, on whose inner side another stent lies.
 struct StentSleeve {
     std::vector<Eigen::Vector3d> centres_mm; // of its rings
     double overhang_mm = 0.0;                // beyond the first and the last
@@ -46,13 +46,13 @@ struct StentSleeve {
     bool covers(const Eigen::Vector3d &place_mm) const;
 };
 
-// Describes a balloon inside the stent, and the thickness of another stent on that balloon.
+// Describes a balloon inside the stent, and the thickness of another stent that lies on that balloon.
 struct StentBalloon {
     const BalloonPose *pose = nullptr;
     double layer_mm = 0.0;
 };
 
-// The inputs of a step. Any of the three may be missing.
+// The inputs of a step. The wall, the balloons and the sleeves may each be missing.
 struct StentSurroundings {
     const StentWall *wall = nullptr;
     const BalloonPose *own = nullptr;            // the balloon that carries it
@@ -60,7 +60,7 @@ struct StentSurroundings {
     std::span<const StentSleeve> sleeves = {};
 };
 
-// Holds the whole state on which the next step depends.
+// Holds the whole state of a stent on which its next step depends.
 struct StentState {
     StentStage stage = StentStage::on_balloon;
     bool was_placed = false;
@@ -90,21 +90,23 @@ class Stent
     double mount_arc_mm() const { return mount_arc_mm_ + state_.slip_mm; }
     double slip_mm() const { return state_.slip_mm; }
 
-    // Returns the radius that a point of the stent has when nothing presses on it.
+    // Returns the radius at which a point of the stent lies when no force acts on the stent.
     double free_radius_mm(const StentPoint &point) const;
     bool is_opened(int ring) const;
-    // These return the middle of a ring, and the direction of its axis towards the hub, as a unit vector.
+    // The next functions return the middle of a ring, and the direction of its axis towards the hub, as a
+    // unit vector.
     Eigen::Vector3d ring_centre_mm(int ring) const;
     Eigen::Vector3d ring_axis(int ring) const;
-    // Returns the middle of a strut, which the balloon has bent around itself.
+    // Returns the middle of a strut, which is bent because the balloon opened the stent around itself.
     Eigen::Vector3d strut_middle_mm(std::size_t strut) const;
     StentSleeve sleeve() const;
-    // Returns the elastic energy, the sum of k/2 (length - rest)^2 over all springs, N mm.
+    // Returns the elastic energy of the stent in N mm, which is the sum of k/2 (length - resting length)^2
+    // over all springs.
     double energy_N_mm() const;
 
     const StentState &state() const { return state_; }
-    // Returns, as bytes, the whole state on which the next step depends. A snapshot of another design is
-    // refused.
+    // Returns, as bytes, the whole state of the stent on which its next step depends. restore() refuses a
+    // snapshot of another stent design.
     std::vector<std::uint8_t> snapshot() const;
     bool restore(std::span<const std::uint8_t> bytes);
 

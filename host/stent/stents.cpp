@@ -18,7 +18,8 @@ void Stents::step(const StentWall *wall, const BalloonPose *balloon)
     step(std::vector<const StentWall *>(stents_.size(), wall), balloon);
 }
 
-// Older stents are stepped first, because a stent deployed in this picture lies on them where they are now.
+// Older stents are stepped first, because a stent that is deployed in this picture lies on the present inner
+// side of older stents.
 void Stents::step(std::span<const StentWall *const> walls, const BalloonPose *balloon)
 {
     std::vector<StentSleeve> sleeves;
@@ -37,12 +38,12 @@ void Stents::step(std::span<const StentWall *const> walls, const BalloonPose *ba
 namespace
 {
 
-// Describes a ring whose outside holds the surrounding wall open.
+// Describes a ring of a stent whose outside holds the surrounding wall open.
 struct HoldingRing {
     double along_mm = 0.0, radius_mm = 0.0;
 };
 
-// Returns the rings of a stent that are open and lie in this vessel.
+// Returns the rings of a stent that are opened and lie in this vessel.
 std::vector<HoldingRing> holding_rings(const Stent &stent, const VesselWall &vessel)
 {
     std::vector<HoldingRing> rings;

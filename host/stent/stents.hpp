@@ -1,5 +1,5 @@
-// Holds all stents of a session: the one on the balloon in the patient, and those that were deployed before
-// it. The class also computes, for the core, how far the stents hold a lesion open.
+// Holds all stents of a session: the stent on the balloon that is in the patient, and those that were
+// deployed before it. The class also computes, for the core, how far the stents hold a lesion open.
 //
 //   Stents stents;
 //   stents.add(read_stent(path), mount_arc_mm);          with the balloon that carries it
@@ -15,9 +15,10 @@
 namespace crn
 {
 
-// The stations `first` to `last` of a lesion cannot become narrower than this: 0 is as baked, 1 is healthy.
-// Stations are evenly spaced from the lesion's beginning to its end. The value has steps of 1/256, so that
-// every machine sends the core the same order.
+// A stent holds a lesion open: the points `first` to `last` of the lesion cannot become narrower than
+// open_256 / 256, where 0 is as baked and 1 is healthy. These points ("stations") are evenly spaced from the
+// lesion's beginning to its end. The opening has steps of 1/256, so that every machine sends the core the
+// same command.
 struct StentHold {
     std::uint32_t first = 0, last = 0;
     std::uint32_t open_256 = 0;
@@ -26,26 +27,28 @@ struct StentHold {
 class Stents
 {
   public:
-    // If the stent added before is still on its balloon, it leaves the patient with that balloon.
+    // If the stent that was added before is still on its balloon, it leaves the patient together with that
+    // balloon.
     void add(const StentDesign &design, double mount_arc_mm);
     void step(const StentWall *wall, const BalloonPose *balloon);
-    // Advances the stents with a wall for each of them, because stents may lie in several vessels. There are
-    // as many walls as stents; a null wall means that the stent lies in no vessel.
+    // Advances each stent by one picture with a wall of its own, because stents may lie in several vessels.
+    // `walls` has one entry per stent; a null entry means that the stent lies in no vessel.
     void step(std::span<const StentWall *const> walls, const BalloonPose *balloon);
 
     std::size_t size() const { return stents_.size(); }
     const Stent &operator[](std::size_t i) const { return stents_[i]; }
     std::span<const Stent> all() const { return stents_; }
 
-    // Returns how far the opened rings hold a lesion with this number of stations open. Neighbouring stations
-    // with equal values are merged. A ring that is still on the balloon counts with the width that it will
-    // have after deflation, which is its present width minus the recoil. `open` gives how far each station is
-    // open now, 0 .. 1. A stent opens nothing by itself, so it holds a station no farther open than it is. If
-    // `open` is empty, each ring holds its full width.
+    // Returns how far the opened rings hold a lesion open, for a lesion with this number of stations (evenly
+    // spaced points). Neighbouring stations of the lesion with equal values are merged. A ring that is still
+    // on the balloon counts with its width after deflation, which is its present width minus the recoil.
+    // `open` holds the present opening of each station of the lesion, 0 .. 1. A stent opens no lesion by
+    // itself, so it holds a station of the lesion no farther open than this station is now. If `open` is
+    // empty, each ring holds the lesion open at the ring's full width.
     std::vector<StentHold> holds(const VesselWall &vessel, std::size_t lesion, std::uint32_t stations,
                                  std::span<const double> open = {}) const;
 
-    // The snapshot works as for one Stent; restore() requires the same stents in the same order.
+    // The snapshot contains the states of all stents; restore() requires the same stents in the same order.
     std::vector<std::uint8_t> snapshot() const;
     bool restore(std::span<const std::uint8_t> bytes);
 

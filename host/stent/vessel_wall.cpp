@@ -17,8 +17,8 @@ using Eigen::Vector3d;
 constexpr std::size_t around = 24; // vertices of a row: facets cut off 0.9 % of the circle's radius
 constexpr double row_mm = 0.5;     // from row to row
 
-// Describes a branch with and without its lesions; both use the distance along the healthy branch, in mm, as
-// their parameter.
+// Describes a branch of vessels with and without its lesions; both shapes are given over the distance along
+// the healthy branch, in mm.
 struct Line {
     std::vector<double> along_mm;
     std::vector<Vector3d> healthy_m, narrow_m;
@@ -100,8 +100,8 @@ std::vector<WallTriangle> VesselWall::triangles_of(std::size_t rows)
     return triangles;
 }
 
-// The middles of facets lie on a circle with the stated radius. The frame of directions follows the line
-// without twist.
+// The middles of the tube's facets lie on a circle with the vessel's radius. The frame of directions follows
+// the centreline without twist.
 void VesselWall::add_points(const std::vector<Row> &rows, const Motion *motion)
 {
     const double out = 1 / std::cos(std::numbers::pi / around);
@@ -164,7 +164,7 @@ Vector3d VesselWall::at_m(std::size_t point, std::size_t row, double share,
     return place + (narrow + share * (healthy - narrow)) * 1e-6;
 }
 
-// Interpolates linearly between the places for which a lesion's list has values.
+// Interpolates linearly between the positions for which a lesion's list has values.
 double VesselWall::opened_at(std::size_t row, std::span<const std::vector<double>> opened) const
 {
     const Row &at = rows_[row];

@@ -1,15 +1,16 @@
-// Makes a wall for stents from a stretch of a vessel: a tube of fine triangles around a branch of the tree.
-// The branch's lesions narrow the tube as far as no balloon has opened them, and the tube moves with the
-// heart.
+// Makes a wall for stents from a stretch of a vessel: a tube of fine triangles around a branch of the vessel
+// tree. The tube is narrow where the branch has lesions, as far as no balloon has opened them, and the tube
+// moves with the heart.
 //
 //   VesselWall vessel(tree, branch, 5, 45, motion);      mm along the branch
 //   vessel.move(moment, opened);                         every picture
 //   stent.step({&vessel.wall(), ...});
 //
-// The meshes of bodies are too coarse to be walls for stents, because their facets cut off a tenth of a
-// millimetre of a coronary artery. Gaps of a tenth of a millimetre decide whether a strut counts as apposed.
-// The tree has the radius of every inscribed sphere to some micrometres, and also the place of the healthy
-// vessel. The openings of side branches in the tube are closed.
+// The meshes of bodies are too coarse to be walls for stents, because each facet of a mesh cuts off a tenth
+// of a millimetre of a coronary artery. Gaps between strut and wall of a tenth of a millimetre decide whether
+// a strut counts as apposed. The vessel tree contains the radius of every inscribed sphere to some
+// micrometres, and also the position of the healthy vessel. Where side branches leave the vessel, the tube
+// has no openings.
 #pragma once
 #include "host/model/motion.hpp"
 #include "host/model/vessel_tree.hpp"
@@ -26,29 +27,34 @@ namespace crn
 class VesselWall
 {
   public:
-    // The tube never begins before the ostium of the branch. `motion` may be null; the tube then stays at
-    // rest. Throws std::invalid_argument, with the reason, if the branch does not have this stretch.
+    // The tube of triangles never begins before the ostium of the branch. `motion` may be null; the tube then
+    // does not move. Throws std::invalid_argument, with the reason, if the branch does not contain the
+    // stretch from `from_mm` to `to_mm`.
     VesselWall(const VesselTree &tree, std::size_t branch, double from_mm, double to_mm,
                const Motion *motion);
 
-    // `opened` has a list for each lesion of the tree. The values state how far the lesion is open at evenly
-    // spaced places from its beginning to its end, such as the core's stations. A list with one value applies
-    // everywhere. The value 0 means as baked, 1 means healthy, and above 1 the vessel is overstretched.
-    // Lesions without a list, or with an empty one, are as baked.
+    // `opened` contains a list of values for each lesion of the tree. These values give how far the lesion is
+    // open at evenly spaced points from its beginning to its end, such as the core's stations. A list with
+    // only one value applies to the whole lesion. The value 0 means as narrow as baked, 1 means healthy, and
+    // above 1 the vessel is overstretched. Lesions without a list, or with an empty list, are as narrow as
+    // baked.
     void move(const MotionMoment &moment, std::span<const std::vector<double>> opened = {});
 
     const StentWall &wall() const { return wall_; }
-    // These return the present middle line of the stretch, and its radii, at every row of vertices.
+    // The next functions return the present centreline of the stretch, and its radii, at every row of
+    // vertices.
     std::span<const Eigen::Vector3d> line_mm() const { return line_mm_; }
     std::span<const double> radius_mm() const { return radius_mm_; }
     std::span<const double> healthy_radius_mm() const { return healthy_radius_mm_; }
-    // Returns the position of a row along the healthy branch, from the branch's first point.
+    // Returns the position of a row of vertices along the healthy branch, in mm from the branch's first
+    // point.
     double along_mm(std::size_t row) const { return rows_[row].along_mm; }
-    // Sets the distance between the first and the last place of `opened`, whose middle is that of the lesion.
-    // set_places() is needed if the places do not end at the lesion's ends.
+    // Sets the distance between the first and the last point for which `opened` has values; the middle
+    // between them is that of the lesion. set_places() is needed if these points do not end at the lesion's
+    // ends.
     void set_places(std::size_t lesion, double span_mm);
-    // Holds the beginning and end of a lesion on the stretch; this range is empty if the branch has no lesion
-    // with that number.
+    // Holds the beginning and end of a lesion on this stretch of the vessel; this range is empty if the
+    // branch has no lesion with that number.
     struct Stretch {
         double from_mm = 0.0, to_mm = 0.0;
         bool is_empty() const { return !(to_mm > from_mm); }
@@ -57,23 +63,23 @@ class VesselWall
     {
         return lesion < lesions_.size() ? lesions_[lesion] : Stretch{};
     }
-    // Returns the beginning and end of the stretch along which `opened` has values.
+    // Returns the beginning and end of the stretch along which `opened` has values for this lesion.
     Stretch places_mm(std::size_t lesion) const
     {
         return lesion < places_.size() ? places_[lesion] : Stretch{};
     }
-    // These return the baked and the healthy radius at a position along the branch; beyond an end they return
-    // the radius there.
+    // The next functions return the baked and the healthy radius at a position along the branch; beyond an
+    // end of the stretch they return the radius at that end.
     double narrow_radius_mm(double along_mm) const;
     double healthy_radius_mm(double along_mm) const;
-    // Holds the position along the branch that is nearest to a place in the patient, and the distance of that
-    // place from the middle line.
+    // Holds the position along the branch that is nearest to a point of the patient, and the distance of that
+    // point from the centreline.
     struct Foot {
         double along_mm = 0.0, off_mm = 0.0;
     };
     Foot foot_of(const Eigen::Vector3d &place_mm) const;
     double along_of(const Eigen::Vector3d &place_mm) const { return foot_of(place_mm).along_mm; }
-    // Returns the radius with the opening that the lesions have now.
+    // Returns the present radius of the vessel, with its lesions as far open as they are now.
     double radius_at_mm(double along_mm) const;
 
   private:

@@ -1,12 +1,12 @@
-// Represents the wall on which a stent lies, which is a closed mesh around the blood. The vertices of this
-// mesh move from picture to picture, and its triangles keep their vertices.
+// Represents the wall on which a stent lies, a closed mesh of triangles around the blood. The vertices of
+// this mesh move from picture to picture, and each triangle keeps its three vertices.
 //
 //   StentWall wall(triangles, vertex_count);
 //   wall.move(vertices_um);                        every picture: that of the motion (host/model/motion.hpp)
 //   WallFoot foot = wall.walk(place, foot);        nearest place of the wall, searched from the previous one
 //   place = wall.place(foot);                      where the wall has carried it
 //
-// A foot is a place that moves with the wall: it has a triangle, a point in the plane of that triangle, and a
+// A foot is a point that moves with the wall: it has a triangle, a point in the plane of that triangle, and a
 // height above the plane towards the blood. Lengths in mm.
 #pragma once
 #include <Eigen/Core>
@@ -32,10 +32,10 @@ struct WallFoot {
 class StentWall
 {
   public:
-    // Triangles that refer to vertices that do not exist are left out.
+    // The constructor leaves out triangles that refer to vertices that do not exist.
     StentWall(std::span<const WallTriangle> triangles, std::size_t vertex_count);
-    // Moves the wall to these vertices. The number of vertices must be that of the wall, otherwise nothing
-    // happens.
+    // Moves the wall to new positions of its vertices. If the number of vertices differs from that of the
+    // wall, the wall does not move.
     void move(std::span<const Eigen::Vector3i> vertices_um);
     bool is_placed() const { return is_placed_; } // has been given its vertices
 
@@ -48,20 +48,20 @@ class StentWall
     Eigen::Vector3d
     normal(std::size_t triangle) const; // unit, away from the blood; 0 for a triangle without area
 
-    // place() returns the present place of a foot; on_plane() returns it without its height, in the plane of
-    // its triangle.
+    // place() returns the present position of a foot (a point that moves with the wall); on_plane() returns
+    // this position without its height, in the plane of its triangle.
     Eigen::Vector3d place(const WallFoot &foot) const;
     Eigen::Vector3d on_plane(const WallFoot &foot) const;
 
-    // Returns the nearest place that can be reached from the triangle `from` by steps to neighbouring
-    // triangles, if every step must come nearer.
+    // Returns the nearest point of the wall that can be reached from the triangle `from` by steps to
+    // neighbouring triangles, if every step must reduce the distance.
     WallFoot walk(const Eigen::Vector3d &place_mm, std::int32_t from) const;
-    // Returns the nearest place on these triangles within `reach_mm`; if there is none, the returned foot has
-    // no triangle.
+    // Returns the nearest point on the triangles `among` within `reach_mm`; if there is none, the returned
+    // foot has no triangle.
     WallFoot nearest(const Eigen::Vector3d &place_mm, std::span<const std::uint32_t> among,
                      double reach_mm) const;
-    // Returns, in ascending order, the triangles that are nearer than `reach_mm` to any of these places; this
-    // list is called a patch.
+    // Returns a patch: in ascending order, the triangles that are nearer than `reach_mm` to any of the given
+    // points.
     std::vector<std::uint32_t> near(std::span<const Eigen::Vector3d> places_mm, double reach_mm) const;
 
   private:
@@ -78,14 +78,14 @@ class StentWall
     bool is_placed_ = false;
 };
 
-// Finds the triangles of a patch that may touch a box. Each cell of a grid lists the triangles whose bounding
-// boxes reach into it.
+// Finds the triangles of a patch of the wall that may touch a box. A grid divides the space into cells, and
+// each cell lists the triangles whose bounding boxes reach into it.
 class WallGrid
 {
   public:
     void build(const StentWall &wall, std::span<const std::uint32_t> patch, const Eigen::Vector3d &low_mm,
                const Eigen::Vector3d &high_mm);
-    // Appends each triangle once, by its index in the patch.
+    // Appends to `found` each triangle that may touch the box once, by its index in the patch.
     void query(const Eigen::Vector3d &low_mm, const Eigen::Vector3d &high_mm,
                std::vector<std::uint32_t> &found);
 

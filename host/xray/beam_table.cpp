@@ -1,6 +1,6 @@
-// Computes Gauss's quadrature for a spectrum. Stieltjes' recurrence gives the polynomials that are orthogonal
-// under the discrete weights of the spectrum. Each root is found by bisection between two roots of the
-// previous polynomial, and Christoffel's sum gives the weights.
+// Computes the energies and weights of Gauss's quadrature for an X-ray spectrum. Stieltjes' recurrence gives
+// the polynomials that are orthogonal under the discrete weights of the spectrum. Each root is found by
+// bisection between two roots of the previous polynomial, and Christoffel's sum gives the weights.
 #include "host/xray/beam_table.hpp"
 #include "host/xray/float_math.hpp"
 #include <cmath>
@@ -64,7 +64,8 @@ class Orthogonal
         return 1.0 / sum;
     }
 
-    // Returns the roots in ascending order; all of them must lie between `low` and `high`.
+    // Returns the roots of the last polynomial in ascending order; all roots must lie between `low` and
+    // `high`.
     std::vector<double> roots(double low, double high) const
     {
         std::vector<double> found;
@@ -92,8 +93,8 @@ class Orthogonal
     std::vector<double> a_, b_, norm_;
 };
 
-// Returns the attenuation at an energy between the table's energies first .. last, in 1/cm; its logarithm is
-// linear in that of the energy.
+// Returns the attenuation of a material in 1/cm at an energy between the table's entries `first` and `last`,
+// by interpolation that is linear in the logarithms of energy and attenuation.
 double attenuation_at(int material, double energy, int first, int last)
 {
     int i = static_cast<int>(energy - energy_keV(0));
@@ -110,9 +111,9 @@ struct Part {
     std::vector<double> signal; // of the reference thickness, per table energy
 };
 
-// A material with an edge among these energies has no smooth curve. For such a material each energy of the
-// table is assigned to the nearest energy of the beam, and the attenuation is averaged over these energies,
-// weighted by the signal.
+// The attenuation of a material jumps at a K edge, so a material with a K edge among the beam's energies has
+// no smooth curve. For a material with a K edge, each energy of the table is assigned to the nearest energy
+// of the beam, and the attenuation is averaged over the assigned energies, weighted by the signal.
 void average_cells(const Part &part, int material, BeamTable &table, const std::vector<double> &weights)
 {
     double sum = 0.0, mass = 0.0, border = 0.0, passed = 0.0;

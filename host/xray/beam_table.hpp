@@ -1,10 +1,10 @@
-// Describes a beam as pictures use it: by a few energies, their shares of the detector's signal, and the
-// signal of each photon.
+// Describes an X-ray beam by a few photon energies, by the fraction of the detector's signal that each energy
+// contributes, and by the signal of one photon of each energy.
 //
-// The sum of exp(-mu L) over the spectrum is replaced, by Gauss's quadrature, by a sum over two energies
-// below the K edge of iodine and four above it. The quadrature is exact for polynomials of degree 3 and 7 in
-// 1/sqrt(energy). The weight of the quadrature is the spectrum behind 10 cm of tissue and 1 mm of
-// iohexol-350, so that the relative error is similar for all patients, from thin to thick.
+// Gauss's quadrature approximates the sum of exp(-mu L) over the spectrum by a sum over two energies below
+// the K edge of iodine and four energies above it. The quadrature is exact for polynomials of degree 3 and 7
+// in 1/sqrt(energy). The weight function of the quadrature is the spectrum behind 10 cm of tissue and 1 mm of
+// iohexol-350, so that the relative error is similar for thin and for thick patients.
 #pragma once
 #include "host/xray/spectrum.hpp"
 #include <array>
@@ -17,15 +17,16 @@ inline constexpr int beam_energy_count = 6;
 
 struct BeamTable {
     std::array<double, beam_energy_count> energy_keV{};
-    // These are the shares of the energies in the open beam's signal; they add up to 1, except for the
-    // quadrature's error (0.6 %). The signal of a photon is the energy that it leaves in the scintillator.
+    // Holds the fraction of the open beam's signal that each energy contributes; the fractions add up to 1,
+    // except for the quadrature's error (0.6 %). A photon's signal is the energy that the photon leaves in
+    // the scintillator.
     std::array<float, beam_energy_count> share{};
-    // For each material and energy, this is log2(1/transmission) of 1/1024 mm.
+    // Holds, for each material and energy, log2(1/transmission) of a layer of 1/1024 mm.
     std::array<std::array<float, beam_energy_count>, material_count> log2_per_q10mm{};
 
-    // The signal is counted in quanta. A quantum is a photon with the energy (sum of E^2)/(sum of E), taken
-    // over the photons absorbed behind 20 cm of tissue. In these units the variance of the signal equals its
-    // mean.
+    // The signal is counted in quanta. A quantum is a photon with the energy (sum of E^2)/(sum of E), where
+    // both sums run over the photons absorbed behind 20 cm of tissue. When the signal is counted in quanta,
+    // the variance of the signal equals its mean.
     double quantum_keV = 0.0;
     double quanta_mm2_mAs = 0.0;          // of the open beam at 1 m, absorbed by the scintillator
     double air_kerma_uGy_mAs = 0.0;       // of the open beam at 1 m
@@ -34,8 +35,9 @@ struct BeamTable {
 
 BeamTable make_beam_table(double tube_voltage_kV, double copper_mm);
 
-// Makes a beam of given lines, at most beam_energy_count, with their shares of the signal. A beam of lines
-// serves for comparisons with other programs.
+// Makes a beam that consists of given single photon energies, at most beam_energy_count, with the given
+// fractions of the detector's signal. A beam of single photon energies serves for comparisons with other
+// programs.
 BeamTable make_line_table(std::span<const double> energies_keV, std::span<const double> shares);
 
 } // namespace crn

@@ -10,7 +10,7 @@
 // The focal spot and the pixel blur the expected signal, before photons are drawn at random. After photons
 // are drawn, the light in the scintillator spreads the contribution of each photon, so that the noise has the
 // scintillator's texture. All blurs are symmetric kernels, applied along rows and then along columns. The MTF
-// of a kernel follows the stated curve up to 0.9 of half the sampling frequency.
+// of each kernel follows the formula above up to 0.9 of half the sampling frequency.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -20,8 +20,8 @@ namespace crn
 
 inline constexpr int blur_radius_max = 12;
 
-// tap[0] is the weight of the middle pixel, and tap[k] that of the pixels k to either side; the weights sum
-// to 1.
+// tap[0] is the weight of the middle pixel, and tap[k] is the weight of each of the two pixels at a distance
+// of k; all weights sum to 1.
 struct BlurKernel {
     int radius = 0;
     std::array<float, blur_radius_max + 1> tap{1.0f};
@@ -39,15 +39,16 @@ double mtf_before_photons(const BlurGeometry &geometry, double frequency_per_mm)
 double mtf_of_scintillator(double frequency_per_mm);
 double mtf_of_system(const BlurGeometry &geometry, double frequency_per_mm); // the product
 
-// These return kernels whose MTF is within 0.01 of the stated curve from 0 to 0.9/(2 pixel), or as near to it
-// as blur_radius_max allows.
+// Each of the next functions returns a kernel whose MTF is within 0.01 of the formula above from 0 to 0.9/(2
+// pixel), or as near to the formula as blur_radius_max allows.
 BlurKernel kernel_before_photons(const BlurGeometry &geometry);
 BlurKernel
 kernel_of_focal_spot(const BlurGeometry &geometry); // for signals that are already averaged over each pixel
 BlurKernel kernel_of_scintillator(double pixel_mm);
 
-// Computes one row of a blurred picture of size*size pixels. Beyond an edge of the picture its edge values
-// continue. `scratch` must have size + 2 blur_radius_max values. `size` must be a multiple of 16.
+// Computes one row of a blurred picture of size*size pixels. A pixel beyond an edge of the picture counts
+// with the value of the nearest pixel on that edge. The caller provides the working memory `scratch` with
+// size + 2 blur_radius_max values. `size` must be a multiple of 16.
 void blur_row(const float *picture, int size, int row, const BlurKernel &kernel, float *scratch, float *out);
 void blur_row(const std::uint32_t *picture, int size, int row, const BlurKernel &kernel, float *scratch,
               float *out);

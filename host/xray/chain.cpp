@@ -13,7 +13,7 @@ namespace crn
 namespace
 {
 
-// Each job consists of whole cells of the coarse grid, so that a single thread adds the rows of a cell, in
+// Each thread receives whole cells of the coarse grid, so that a single thread adds all rows of a cell, in
 // order.
 constexpr int rows_at_once = 4 * coarse_cell;
 
@@ -22,8 +22,9 @@ double pixel_mm(const XrayChain &chain)
     return chain.paths.view().pixel_m * 1e3;
 }
 
-// Computes the transmission of each pixel. While a row is in the processor's cache, its values are also added
-// to the cells of the coarse grid.
+// Computes the transmission of each pixel, which is the fraction of the open beam's signal that the bodies
+// let through. While a row of transmissions is in the processor's cache, its values are also added to the
+// cells of the coarse grid.
 CoarseSums attenuate(XrayChain &chain)
 {
     CoarseSums sums(chain.size / coarse_cell);
@@ -41,8 +42,8 @@ CoarseSums attenuate(XrayChain &chain)
     return sums;
 }
 
-// Computes scatter from the sums of cells before blur, because the blur of focal spot and pixel does not
-// change these sums.
+// Computes scatter from the unblurred sums over the cells of the coarse grid, because the blur of focal spot
+// and pixel does not change these sums.
 void scatter(XrayChain &chain, const CoarseSums &transmitted, bool is_on)
 {
     const int cells = chain.size / coarse_cell;
@@ -63,8 +64,8 @@ CRN_WIDE void add_row(int size, float *primary, float *signal, float *logarithm)
     }
 }
 
-// Returns the columns of a row that automatic exposure measures: those that are open and inside the round
-// measuring field.
+// Returns the columns of a row that automatic exposure measures: those that the collimator leaves open inside
+// the round measuring field.
 OpenColumns measured_columns(const XrayChain &chain, int row)
 {
     const double half = 0.5 * chain.size, reach = half * measuring_field_share, y = row + 0.5 - half;
@@ -122,7 +123,7 @@ void blur_add_and_measure(XrayChain &chain)
 }
 
 // Divides the picture into cells x cells squares, and returns the transmission of the middle pixel of each
-// square where that pixel is open.
+// square, except where the collimator covers that pixel.
 CoarseSums sample_cells(const XrayChain &chain, const BeamTable &beam, int cells)
 {
     const int cell = chain.size / cells, padded = (cells + 15) / 16 * 16;
@@ -151,8 +152,8 @@ CoarseSums sample_cells(const XrayChain &chain, const BeamTable &beam, int cells
     return samples;
 }
 
-// Estimates the result of blur_add_and_measure, which is log2 of the measured share, from about 32 x 32
-// pixels.
+// Estimates the result of blur_add_and_measure from about 32 x 32 pixels; that result is the mean over the
+// measuring field of log2(signal), where 1 is the open beam's signal.
 double sampled_log_mean(const XrayChain &chain, const BeamTable &beam, bool with_scatter)
 {
     int cell = coarse_cell;
@@ -190,7 +191,7 @@ SignalKey key_of(const XraySettings &settings, const XrayTechnique &technique)
 
 using Exponents = std::array<float, beam_energy_count>;
 
-// Returns, for each energy, -log2 of the share that the bodies transmit.
+// Returns, for each photon energy, -log2 of the fraction of the beam that the bodies transmit.
 Exponents behind_bodies(const XrayChain &chain, std::int32_t pixel)
 {
     Exponents exponent{};
@@ -210,13 +211,14 @@ float transmitted(const BeamTable &beam, const Exponents &exponent)
     return sum;
 }
 
-// Rays whose exponents differ by less than ray_spread_max count as equal. The mean of the powers then differs
-// from the power of the mean by only 1e-4 of it.
+// If the exponents of all rays through a pixel differ by less than ray_spread_max, one transmission of their
+// mean path length is used. For such small differences, the mean of the rays' transmissions differs from the
+// transmission of the mean path length by a relative error of only 1e-4.
 constexpr float ray_spread_max = 0.1f;
 
 // Several rays pass through each pixel. The transmissions of these rays are averaged, because averaged path
-// lengths would make thin metal too dark. Inside a wide column of contrast medium the rays are nearly equal,
-// and one transmission, of their mean length, is enough.
+// lengths would make thin metal too dark. Inside a wide column of contrast medium the path lengths of these
+// rays are nearly equal, and one transmission, for the mean path length, is enough.
 float behind_tools(const XrayChain &chain, std::size_t touched)
 {
     const ToolPaths &tools = chain.paths.tools();
@@ -234,7 +236,8 @@ float behind_tools(const XrayChain &chain, std::size_t touched)
         const std::int32_t *length = tools.q10mm.data() + touched * tools.ints_per_pixel() + slot * tool_rays;
         float low = 0.0f, high = 0.0f, sum = 0.0f;
         for (int ray = 0; ray < tool_rays; ++ray) {
-            // A tool cannot displace more material than there is on the ray, so a negative length is limited.
+            // A tool cannot displace more of a material than lies on the ray, so the tool's negative path
+            // length is limited to that amount.
             const auto added = static_cast<float>(std::max(length[ray], -there));
             low = ray == 0 ? added : std::min(low, added);
             high = ray == 0 ? added : std::max(high, added);
@@ -346,13 +349,15 @@ void attenuate_tools(XrayChain &chain)
         const RowRange range =
             count > 500 ? rows_of_thread(thread, chain.threads, count) : RowRange{0, count};
         for (int i = range.begin; i < range.end; ++i) {
-            // This lower limit avoids a division by zero, and a pixel that the bodies make black stays black.
+            // The lower limit of 1e-12 avoids a division by zero, and a pixel that the bodies make black
+            // stays black.
             const float body = std::max(chain.transmission[tools.pixels[i]], 1e-12f);
             chain.tool_gain[i] = std::min(behind_tools(chain, i) / body, 1e3f) - 1.0f;
         }
     });
     // The average over several rays per pixel already includes the blur by the pixel, and the signal of the
-    // bodies is already blurred. So only the blur of the tools' shadow by the focal spot is still missing.
+    // bodies is already blurred. So the tools' shadow must still be blurred by the focal spot, and by nothing
+    // else.
     chain.tool_blur.run(chain.size, tools.pixels, chain.tool_gain, chain.focal_kernel);
     const std::vector<std::int32_t> &pixels = chain.tool_blur.pixels();
     chain.tool_signal.resize(pixels.size());

@@ -1,5 +1,5 @@
-// Holds the state of the signal chain between frames. The chain converts path lengths (paths.hpp) to the
-// signal at the detector.
+// Holds the state of the signal chain, which is kept from frame to frame. The chain converts path lengths
+// (paths.hpp) to the signal at the detector.
 //
 //    paths ─> transmission ─┬─> focal spot, pixel ─┬─> signal ─> photons ─> scintillator ─> lag ─> raw
 //                           └─> scatter ───────────┘   (here)    (detector)                    ─> shown ─> grey
@@ -18,7 +18,7 @@ struct XrayScene::Meshes {
     BodyMeshes bodies;
 };
 
-// Holds the inputs for which a signal of the bodies was computed, except the paths.
+// Holds the inputs, except the path lengths, with which the signal behind the bodies was last computed.
 struct SignalKey {
     XrayTechnique technique; // only voltage, copper and focal spot
     bool scatter = true;
@@ -44,15 +44,15 @@ struct XrayChain {
     BeamTable beam;
     int size = 0;
 
-    // This is true if `settled` is the exposure at which automatic exposure settles for a single picture of
-    // these paths.
+    // `is_settled` is true if `settled` holds the exposure that automatic exposure reaches for a single
+    // picture of the present path lengths.
     bool is_settled = false;
     ExposureDemand settled_demand;
     SignalKey settled_key;
     ExposureChoice settled;
 
-    // These values describe the signal of the bodies, kept between frames, as shares of the open beam behind
-    // the grid.
+    // The next members describe the signal behind the bodies, which is kept between frames, as fractions of
+    // the open beam behind the grid.
     std::vector<OpenColumns> open;
     std::vector<float> transmission;  // of each pixel's middle
     std::vector<float> primary;       // the same after blur by focal spot and pixel
@@ -62,33 +62,36 @@ struct XrayChain {
     double log_mean = 0.0;            // log2(signal) over the measuring field
     BlurKernel focal_kernel;          // of the focal spot alone
 
-    // These values describe the tools of this frame: their gain on the signal behind the bodies, minus one;
-    // and then this gain after the focal spot's blur.
+    // The next members describe the tools of this frame: tool_gain holds the factor by which the tools change
+    // the signal behind the bodies, minus one, and tool_blur holds this gain after the focal spot's blur.
     std::vector<float> tool_gain;
     SparseBlur tool_blur;
     std::vector<float> tool_signal; // at the pixels of tool_blur
 };
 
-// Automatic exposure measures a round field with this diameter, as a share of the picture's width.
+// Automatic exposure measures a round field whose diameter is this fraction of the picture's width.
 inline constexpr double measuring_field_share = 0.65;
 
-// held_settings() limits settings to what the chain can do. demand_of() returns the demand that settings make
-// on a pulse.
+// held_settings() limits the X-ray settings to the ranges that the signal chain supports. demand_of() returns
+// the dose, mode and distances that these settings demand of automatic exposure.
 XraySettings held_settings(const XraySettings &settings);
 ExposureDemand demand_of(const XraySettings &settings);
 
-// Draws the paths. If the paths or the field have changed, all results kept from earlier frames are dropped.
+// Draws the paths. If the path lengths or the collimated field have changed, all results kept from earlier
+// frames are dropped.
 void see_paths(XrayChain &chain, const XraySettings &settings, const XrayFrame &frame);
 
-// Returns the technique at which automatic exposure settles in this view, whatever pulses came before.
+// Returns the technique (voltage, current, pulse width, filter) that automatic exposure reaches in this view,
+// whatever pulses came before.
 ExposureChoice settle_exposure(XrayChain &chain, const XraySettings &settings, const ExposureDemand &demand);
 
-// Computes the signal of the bodies for this technique, unless it has already been computed.
+// Computes the signal behind the bodies for this technique, unless this signal has already been computed.
 void see_signal(XrayChain &chain, const XraySettings &settings, const XrayTechnique &technique);
 
-// Does both as one pulse. If the settings fix a technique, that technique is used. Otherwise the control
-// takes the technique from `state`, and then updates `state` from the measured signal. If `state` is null, it
-// is the technique at which the control settles.
+// Does both as one pulse. If the settings contain a fixed technique (voltage, current, pulse width and
+// filter), that technique is used. Otherwise automatic exposure takes the technique from `state`, and then
+// updates `state` from the measured signal. If `state` is null, the function uses the technique at which
+// automatic exposure settles for this view.
 ExposureChoice expose_bodies(XrayChain &chain, const XraySettings &settings, ExposureState *state);
 
 // Computes chain.tool_signal, the signal behind the tools, for each pixel that their shadow touches.

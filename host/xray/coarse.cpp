@@ -8,7 +8,7 @@ namespace crn
 namespace
 {
 
-// Computes the mean of five neighbours along one axis; cells outside the grid are not counted.
+// Computes the mean of five neighbouring cells along one axis; cells outside the grid are not counted.
 void blur_five(std::vector<float> &grid, int cells, int dx, int dy)
 {
     std::vector<float> pass(grid.size());
@@ -26,7 +26,7 @@ void blur_five(std::vector<float> &grid, int cells, int dx, int dy)
 
 } // namespace
 
-// Adds the part of a row that lies in each cell, pixel by pixel in order.
+// Adds to each cell the part of a row of pixels that lies in the cell, pixel by pixel in order.
 CRN_WIDE static void add_cells(const float *values, int cells, float *sum)
 {
     for (int c = 0; c < cells; ++c) {

@@ -14,8 +14,8 @@ struct OpenColumns {
     int begin = 0, end = 0;
 };
 
-// Each cell has the sum over its open pixels, and the number of these pixels. Both vectors have (size/8)^2
-// values.
+// Holds for each cell of the coarse grid the sum over its open pixels, which the collimator does not cover,
+// and the number of these pixels. Both vectors have (size/8)^2 values.
 struct CoarseSums {
     std::vector<float> sum, count;
 
@@ -23,16 +23,17 @@ struct CoarseSums {
         : sum(static_cast<std::size_t>(cells) * cells, 0.0f), count(sum.size(), 0.0f)
     {
     }
-    // Adds a row of a picture. A single thread must add the rows of a cell, in order.
+    // Adds one row of a picture to the sums of the cells. A single thread must add all rows of a cell, in
+    // order.
     void add_row(const float *values, int size, int row, const OpenColumns &open);
 };
 CoarseSums coarse_sums(const std::vector<float> &values, int size, const std::vector<OpenColumns> &open);
 
-// Returns means over about a tenth of the picture, computed by two passes over five cells along both axes.
-// Closed pixels have no weight.
+// Returns for each cell the mean over its neighbourhood, which covers about a tenth of the picture, computed
+// by two passes over five cells along both axes. Closed pixels have no weight.
 std::vector<float> slow_part(CoarseSums sums, int cells);
 
-// Interpolates a grid bilinearly, and computes one row of the result at full size.
+// Interpolates the coarse grid bilinearly, and computes one row of pixels of the result at full size.
 void slow_row(const std::vector<float> &grid, int size, int row, float *out);
 
 } // namespace crn

@@ -74,7 +74,7 @@ namespace
 
 constexpr int block = 64; // columns whose materials are tested together
 
-// Holds the path lengths of those materials that occur in these columns of a row.
+// Holds the path lengths along some columns of one row of pixels, only for those materials that occur there.
 struct PresentPaths {
     const std::int32_t *path[material_count];
     const float *factor[material_count]; // of each energy
@@ -106,7 +106,7 @@ CRN_WIDE std::int32_t any_of(const std::int32_t *from, int count)
     return any;
 }
 
-// Computes all energies in one pass, so that each path length is read only once.
+// Computes the transmission at all photon energies in one pass, so that each path length is read only once.
 CRN_WIDE void pass_block(const PresentPaths &present, const float *weight, int columns, float *share)
 {
     for (int i = 0; i < columns; i += lane_count) {

@@ -1,4 +1,4 @@
-// Implements the curves of automatic exposure, and the control that uses them.
+// Implements automatic exposure: its fixed curves, and the control that uses these curves.
 #include "host/xray/exposure.hpp"
 #include "host/xray/float_math.hpp"
 #include <algorithm>
@@ -40,7 +40,7 @@ double square(double value)
     return value * value;
 }
 
-// Returns the signal behind water, divided by that of the open beam.
+// Returns the detector's signal behind water, divided by the signal of the open beam.
 double signal_behind(const BeamTable &table, double water_cm)
 {
     const auto &tissue = table.log2_per_q10mm[static_cast<int>(Material::soft_tissue)];
@@ -113,8 +113,9 @@ const BeamTable &Exposure::table(double tube_voltage_kV, double copper_mm)
     return place->second;
 }
 
-// Returns the point of the curve at this voltage. If that point gives more than the demanded dose, current
-// and pulse width are lowered to that dose.
+// Returns the voltage, current and pulse width of the exposure curve at a given voltage. If the curve at this
+// voltage gives more than the demanded dose, current and pulse width are lowered until the dose is the
+// demanded one.
 Exposure::Candidate Exposure::on_curve(const ExposureDemand &demand, double water_cm, double copper_mm,
                                        int kV)
 {

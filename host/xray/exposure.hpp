@@ -1,25 +1,27 @@
 // Simulates the generator and automatic exposure control, which choose the tube voltage, current, pulse width
 // and copper filter of a picture.
 //
-// The control works as angiography systems do (AAPM Report 125; Rauch, Lin et al., Med Phys 39 (2012) 2826).
-// From the signal of the last pulse it estimates the patient's thickness as centimetres of water, and takes
-// the technique for this thickness from a fixed curve.
+// The exposure control works as in angiography systems (AAPM Report 125; Rauch, Lin et al., Med Phys 39
+// (2012) 2826). From the signal of the last pulse the exposure control estimates the patient's thickness as
+// centimetres of water, and takes the technique for this thickness from a fixed curve.
 //
-// On the curve ("anti-isowatt") voltage, current and pulse width increase together. At the limit of the
-// current, or at the power limit of the tube ("isowatt"), only the voltage increases further, to 125 kV.
+// On this fixed curve (an "anti-isowatt" curve) voltage, current and pulse width increase together. At the
+// limit of the current, or at the power limit of the tube ("isowatt"), only the voltage increases further, to
+// 125 kV.
 //
-// The control takes the thickest copper filter with which the voltage stays low enough for iodine (80 kV in
-// fluoroscopy, 75 kV otherwise). With the thinnest filter the voltage may exceed this value. The control
-// returns to a thicker filter only if that filter needs 4 kV less than this limit.
+// The exposure control takes the thickest copper filter with which the voltage stays low enough for iodine
+// (80 kV in fluoroscopy, 75 kV otherwise). With the thinnest copper filter the voltage may exceed this limit
+// for iodine. The exposure control returns to a thicker copper filter only if that filter needs a voltage at
+// least 4 kV below the limit for iodine.
 //
-// Fluoroscopy never exceeds 88 mGy/min at the reference point (21 CFR 1020.32). At this limit pictures are
-// underexposed, as in real systems.
+// Fluoroscopy never exceeds 88 mGy/min at the reference point (21 CFR 1020.32). At the limit of the kerma
+// rate, pictures are underexposed, as in real systems.
 //
-// With each pulse the estimate changes by half of the difference in thickness, and by at most 3 cm, so that a
-// new view settles within about five pulses.
+// With each pulse the estimated thickness changes by half of its difference from the thickness that the
+// signal shows, and by at most 3 cm, so that a new view settles within about five pulses.
 //
-// Manufacturers do not publish the numbers of their curves. The curves below are an assumption within the
-// limits of such tubes.
+// Manufacturers do not publish the numbers of their exposure curves. The curves below are assumptions within
+// the limits of angiography tubes.
 #pragma once
 #include "host/xray/beam_table.hpp"
 #include <cstdint>
@@ -65,28 +67,30 @@ struct ExposureChoice {
     bool is_limited = false; // the curve ends below the demanded dose
 };
 
-// The reference point lies this far from the isocentre towards the tube (IEC 60601-2-54).
+// The reference point lies at this distance from the isocentre, towards the tube (IEC 60601-2-54).
 inline constexpr double reference_point_m = 0.15;
 
-// An anti-scatter grid transmits this share of primary photons; scatter.hpp has the share for scattered
-// photons.
+// The anti-scatter grid transmits this fraction of primary photons; scatter.hpp has the fraction for
+// scattered photons.
 inline constexpr double grid_primary = 0.706;
 
-// Holds the curves of the control, and the tables of the beams used so far.
+// Holds the curves of automatic exposure, and the tables of the X-ray beams used so far.
 class Exposure
 {
   public:
     // Chooses the technique for the next pulse, and stores the chosen copper filter in `state`.
     ExposureChoice choose(const ExposureDemand &demand, ExposureState &state);
 
-    // Updates the estimated thickness from the signal of the last pulse behind patient and grid; the signal
-    // is divided by that of the open beam.
+    // Updates the estimated thickness of the patient from the signal of the last pulse behind patient and
+    // grid, divided by the signal of the open beam.
     void follow(const XrayTechnique &technique, double signal_share, ExposureState &state);
-    // Updates the estimate without delay, as a single picture requires.
+    // Sets the estimated thickness at once to the value that the signal shows, because a single picture has
+    // no earlier pulses.
     void jump(const XrayTechnique &technique, double signal_share, ExposureState &state);
 
-    // Returns the quanta per mm2 in this beam that give the signal of `dose_nGy` in the calibration beam. The
-    // calibration beam of detector and control has 75 kV and 0.2 mm copper, behind 20 cm of tissue.
+    // Returns how many quanta per mm2 of this beam give the same signal as a dose of `dose_nGy` in the
+    // calibration beam. The calibration beam of the detector and the exposure control has 75 kV and 0.2 mm
+    // copper, and passes 20 cm of tissue.
     double wanted_quanta_mm2(double dose_nGy, const BeamTable &beam);
 
     // The voltage is rounded to whole kilovolts, as real generators do.
@@ -104,17 +108,18 @@ class Exposure
     std::map<std::pair<int, int>, BeamTable> tables_; // by kV and 0.01 mm copper
 };
 
-// Returns the thicknesses of the copper filters of a mode, thickest first.
+// Returns the thicknesses of the copper filters for an exposure mode, thickest first.
 std::span<const double> copper_filters_mm(ExposureMode mode);
 
-// Returns current and pulse width at a voltage on the curve, before they are lowered to the demanded dose.
+// Returns current and pulse width of the exposure curve at a voltage, before they are lowered to the demanded
+// dose.
 XrayTechnique curve_point(ExposureMode mode, double tube_voltage_kV);
 
 // Returns the quanta per mm2 that a technique brings to the detector behind the grid, when there is no
 // patient.
 double open_quanta_mm2(const BeamTable &table, const XrayTechnique &technique, double source_detector_m);
 
-// Limits a technique to the ranges of tube and generator.
+// Limits a technique (voltage, current, pulse width, filter) to the ranges of tube and generator.
 XrayTechnique held_technique(const XrayTechnique &technique);
 
 // Returns the air kerma at the reference point, in uGy per pulse.

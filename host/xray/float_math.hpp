@@ -1,5 +1,5 @@
-// Computes powers and logarithms of two with sums and products only, so that every compiler gives equal
-// bytes, and so that loops over them can be vectorised.
+// Computes powers and logarithms of two with sums and products only, so that every compiler gives results
+// that are equal bit for bit, and so that loops over them can be vectorised.
 #pragma once
 #include <bit>
 #include <cstdint>
@@ -30,7 +30,7 @@ inline float exp2_negative(float x)
 }
 
 // Returns log2(x) for normal x > 0; absolute error <= 2e-5. The logarithm of the mantissa m in [1, 2) is
-// computed as an atanh: s = (m - q)/(m + q), q = sqrt 2.
+// computed as an atanh of s = (m - q)/(m + q), where q = sqrt 2.
 inline float log2_positive(float x)
 {
     const auto bits = std::bit_cast<std::int32_t>(x);
@@ -40,8 +40,8 @@ inline float log2_positive(float x)
     return exponent + 0.5f + s * (2.8853901f + s2 * (0.96179669f + s2 * (0.57707802f + s2 * 0.41219859f)));
 }
 
-// These return powers and logarithms in double precision, for tables, with a relative error <= 1e-12: 2^x for
-// -1000 < x < 1000, and log2(x) for normal x > 0.
+// The next functions compute tables in double precision with a relative error <= 1e-12: 2^x for -1000 < x <
+// 1000, and log2(x) for normal x > 0.
 inline double exp2_double(double x)
 {
     const auto whole = static_cast<std::int64_t>(x < 0.0 ? x - 1.0 : x); // floor, or one less
@@ -69,7 +69,7 @@ inline double exp_double(double x)
     return exp2_double(x * 1.44269504088896340736);
 }
 
-// These return sin(pi x) and cos(pi x) for |x| <= 1; absolute error <= 1e-13.
+// The next functions return sin(pi x) and cos(pi x) for |x| <= 1; absolute error <= 1e-13.
 inline double sin_pi(double x)
 {
     const double a = x * 3.14159265358979323846 / 8.0, a2 = a * a; // three doublings of the angle

@@ -1,6 +1,7 @@
-// Simulates the measuring chamber behind the patient. Without a picture, the chamber determines the technique
-// that automatic exposure takes for a pulse, and the dose of that pulse. The chamber measures a small picture
-// of fixed size, so that the dose of a session does not depend on the pictures made of it.
+// Simulates the measuring chamber of automatic exposure, which lies behind the patient. Even when no picture
+// is wanted, the chamber determines the technique that automatic exposure takes for a pulse, and the dose of
+// that pulse. The chamber measures a small picture of fixed size, so that the dose of a session does not
+// depend on which pictures the program makes.
 //
 //   XrayMeter meter(scene);
 //   const XrayExposure exposure = meter.expose(settings, bodies, MeterPace::follows);
@@ -21,7 +22,7 @@ enum class MeterPace {
     settles  // as after test exposures, until the control has settled: the first frame of DSA
 };
 
-// Holds the technique and the dose of one pulse.
+// Holds the technique (voltage, current, pulse width, filter) and the dose of one pulse.
 struct XrayExposure {
     XrayTechnique technique;
     bool is_underexposed = false; // the control is at a limit
@@ -29,8 +30,8 @@ struct XrayExposure {
     double kap_Gy_cm2 = 0.0;      // kerma times the area of the open field there
 };
 
-// Returns the area of the open field at the reference point, in cm2. The kerma at that point times this area
-// is the kerma-area product, which is the same at every distance.
+// Returns the area of the open field at the reference point, in cm2. The kerma at the reference point times
+// this area is the kerma-area product, which is the same at every distance from the source.
 double reference_area_cm2(const CArm &carm, const XrayBeam &beam);
 
 class XrayMeter
@@ -43,8 +44,8 @@ class XrayMeter
     XrayMeter(const XrayMeter &) = delete;
     XrayMeter &operator=(const XrayMeter &) = delete;
 
-    // Exposes one pulse through the bodies where they are now. Tools and medium are too small to change the
-    // exposure. The display window and the picture size in the settings are ignored.
+    // Simulates one X-ray pulse through the bodies at their present positions. Tools and contrast medium are
+    // too small to change the exposure. The display window and the picture size in the settings are ignored.
     XrayExposure expose(const XraySettings &settings, std::span<const MovedBody> bodies, MeterPace pace);
 
   private:

@@ -17,8 +17,8 @@ std::uint16_t logarithm(float value)
         std::clamp(steps_per_octave * log2_positive(1.0f + value) + 0.5f, 0.0f, 65535.0f));
 }
 
-// The edges of the window change like the pixel values at them. A window that reaches beyond the range of
-// values is limited to that range.
+// The logarithm changes the edges of the display window in the same way as the pixel values. A display window
+// that reaches beyond the range of pixel values is limited to that range.
 void move_window(XrayRun &run)
 {
     const auto moved = [](double value) {

@@ -1,5 +1,5 @@
-// Holds one acquired run of the X-ray room, from which cine loops, masks and files are made. The room adds
-// the frames one by one, and host/dicom writes the run to files. It is plain data.
+// Holds one run of frames that the X-ray room acquired, from which cine loops, masks and files are made. The
+// room adds the frames one by one, and host/dicom writes the run to files. It is plain data.
 #pragma once
 #include "host/xray/paths/carm.hpp"
 #include <cstdint>
@@ -40,8 +40,8 @@ struct RunFrame {
     std::vector<std::uint16_t> raw; // size*size, row 0 on top
 };
 
-// Lists the filters, in the order in which the beam passes through them. The names of materials are those of
-// PS3.3 C.8.7.10, Filter Material: "copper", "aluminum".
+// Lists the beam's filters, in the order in which the beam passes through them. The filters have the material
+// names of PS3.3 C.8.7.10, Filter Material: "copper", "aluminum".
 struct RunFilter {
     std::string material;
     double thickness_mm = 0.0;
@@ -56,8 +56,8 @@ struct RunContrast {
     double duration_s = 0.0;
 };
 
-// The mask of a DSA run is the mean of the listed frames. The mean is shifted and subtracted from every other
-// frame.
+// The mask of a DSA run is the mean of the frames listed here. This mean frame is shifted and subtracted from
+// every other frame.
 struct RunMask {
     std::vector<int> frames; // counted from 0 within the run; at least one
     double shift_x_px = 0.0; // shift of the mask to the right ...
@@ -70,8 +70,8 @@ struct XrayRun {
     int size = 0;              // pixels along each edge, the same in every frame
     double pulses_per_s = 0.0; // nominal; frames may be further apart, and their ticks give the true times
     PixelRelation relation = PixelRelation::linear;
-    // For logarithmic runs only (see make_logarithmic()), this table gives for every raw value a value
-    // proportional to the intensity.
+    // Converts every raw value of a logarithmic run to a value proportional to the intensity (see
+    // make_logarithmic()); other runs have no such table.
     std::vector<std::uint16_t> to_linear;
     int bits = 16;              // stored per pixel: 8, 10, 12 or 16
     double window_centre = 0.0; // raw values: the window in which a viewer first shows the run
@@ -84,11 +84,12 @@ struct XrayRun {
     std::vector<RunFrame> frames; // in order of time
 };
 
-// Replaces the raw values of a linear run with 16 bits by 65535/16 log2(1 + value), and converts its window
-// in the same way. One step of the new values is 0.017 % of the intensity. The difference of two frames is
-// then the DSA picture, also in viewers that cannot compute logarithms.
+// Replaces each raw value of a linear run with 16 bits by 65535/16 log2(1 + value), and converts the run's
+// display window in the same way. One step of the logarithmic values is 0.017 % of the intensity. The
+// difference of two logarithmic frames is the DSA picture, also in viewers that cannot compute logarithms.
 void make_logarithmic(XrayRun &run);
-// These return the table of the logarithmic conversion, which has 65,536 entries, and the inverse table.
+// Returns the table of the logarithmic conversion, which has 65,536 entries; XrayRun::to_linear has the
+// inverse table.
 const std::vector<std::uint16_t> &logarithm_table();
 
 } // namespace crn

@@ -12,7 +12,7 @@ namespace
 constexpr float scatter_per_neper = 0.70f;
 constexpr double spread_mm = 60.0;
 
-// Computes the mean over 2 reach + 1 cells; from outside the grid nothing is scattered into it.
+// Computes the mean over 2 reach + 1 cells; no photons are scattered into it from outside the grid.
 void box(const float *in, int count, int step, int reach, float *out, std::vector<float> &before)
 {
     before.resize(count + 1);
@@ -34,7 +34,7 @@ std::vector<float> scatter_part(const CoarseSums &primary, int cells, double cel
         const float open_share = primary.count[i] * (1.0f / (coarse_cell * coarse_cell));
         grid[i] = scatter_per_neper * open_share * mean * -log2_positive(mean) * 0.69314718f;
     }
-    // Three boxes of w cells have the variance (w^2 - 1)/4 together.
+    // Three box blurs of w cells, applied one after another, have the variance (w^2 - 1)/4 together.
     const double spread_cells = spread_mm / cell_mm;
     const int reach =
         std::max(static_cast<int>(0.5 * (std::sqrt(4.0 * spread_cells * spread_cells + 1.0) - 1.0) + 0.5), 1);

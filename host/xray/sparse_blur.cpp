@@ -1,4 +1,4 @@
-// Writes the values of the listed pixels into a picture, and collects the blurred values from it.
+// Blurs the listed pixels: writes their values into a picture, and collects the blurred values from it.
 #include "host/xray/sparse_blur.hpp"
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-// Integrates Tucker's model over the energy of the electrons by the midpoint rule.
+// Integrates Tucker's model of the X-ray spectrum over the energy of the electrons by the midpoint rule.
 #include "host/xray/spectrum.hpp"
 #include "host/xray/float_math.hpp"
 #include <algorithm>
@@ -13,15 +13,15 @@ constexpr double electron_rest_keV = 510.99895;
 constexpr double edge_K_keV = 69.525;
 constexpr double output_scale = 1.17; // scales to spekpy's kerma: spectrum.hpp
 
-// This is the constant alpha r_e^2 Z^2 / A of tungsten, in cm2 per g.
+// Holds the constant alpha r_e^2 Z^2 / A of tungsten, in cm2 per g.
 constexpr double cross_section_cm2_g =
     1.0 / 137.036 * 2.8179403e-13 * 2.8179403e-13 * 74 * 74 / (183.84 * 1.66053907e-24);
 
-// This is the number of electrons of one mAs, divided by the area in mm2 of a sphere with radius 1 m.
+// Holds the number of electrons of one mAs, divided by the area in mm2 of a sphere with radius 1 m.
 constexpr double per_mm2_mAs = 6.241509e15 / (4.0 * 3.14159265358979 * 1e6);
 
-// Returns the constant c of Thomson and Whiddington, T0^2 - T^2 = c x, with x in g/cm2. The unit of c is keV2
-// cm2/g, and between measured voltages it is linear.
+// Returns the constant c of Thomson and Whiddington, T0^2 - T^2 = c x, with x in g/cm2. The constant c is in
+// keV2 cm2/g, and is interpolated linearly between measured voltages.
 double whiddington(double kV)
 {
     constexpr double at_kV[] = {40.0, 50.0, 75.0, 100.0, 150.0};
@@ -53,8 +53,8 @@ struct Line {
 };
 constexpr Line lines[] = {{59.32, 0.505}, {57.98, 0.291}, {67.2, 0.162}, {69.1, 0.042}};
 
-// Returns the photons of a K line per electron. The photons of a K line are made from the anode's surface
-// down to the depth at which the energy of the electron is that of the K edge.
+// Returns the number of photons of a K line per electron. The photons of a K line are made from the anode's
+// surface down to the depth at which the energy of the electron is that of the K edge.
 double line_photons(const Line &line, double anode_cm2_g, double kV)
 {
     constexpr int steps = 16;

@@ -19,7 +19,7 @@ inline constexpr double inherent_aluminium_mm = 2.5; // glass, oil and window of
 using Spectrum = std::array<double, energy_count>;
 
 // Returns the spectrum behind the inherent filter and `copper_mm` of copper. The voltage is limited to the
-// range above.
+// range from tube_voltage_min_kV to tube_voltage_max_kV.
 Spectrum tube_spectrum(double tube_voltage_kV, double copper_mm);
 
 // Returns the spectrum behind `thickness_cm` of a material.
@@ -28,8 +28,9 @@ Spectrum behind(const Spectrum &spectrum, Material material, double thickness_cm
 // Returns the air kerma of the photons in a spectrum, in uGy.
 double air_kerma_uGy(const Spectrum &photons_mm2);
 
-// Returns the share of photons of this energy that the scintillator absorbs. The scintillator is 0.55 mm of
-// CsI at the density of the crystal, which is a layer of needles about 0.6 mm thick.
+// Returns the fraction of photons of this energy that the scintillator absorbs. The scintillator is simulated
+// as 0.55 mm of CsI at the density of the crystal, which corresponds to a layer of needles about 0.6 mm
+// thick.
 double scintillator_absorption(int energy_index);
 
 } // namespace crn

@@ -1,5 +1,5 @@
-// Makes one picture. The signal of the patient is kept from earlier pictures, and tools, photons and grey
-// values are added.
+// Makes one picture. Keeps the signal behind the patient from earlier pictures, and adds tools, photons and
+// grey values for each new picture.
 #include "host/xray/xray.hpp"
 #include "host/xray/chain.hpp"
 #include "host/xray/paths/parallel.hpp"
@@ -18,7 +18,7 @@ std::string describe(const Body &body, std::size_t index)
     return "body " + std::to_string(index) + " \"" + body.name + "\"";
 }
 
-// Exchanges the signal at the tools' pixels for the signal behind the tools; a second call restores it.
+// Exchanges the signal at the tools' pixels with the signal behind the tools; a second call restores it.
 void swap_tools(XrayChain &chain)
 {
     const std::vector<std::int32_t> &pixels = chain.tool_blur.pixels();
@@ -78,7 +78,7 @@ void expose(XrayChain &chain, const XraySettings &settings, const ExposureChoice
         picture.air_kerma_uGy * 1e-6 * open_pixels(chain) * pixel_mm2 * 1e-2 * square(nearer);
 }
 
-// After a change of size or field the pixels have other places on the detector, so the memory of lag is
+// After a change of size or field the pixels cover other areas of the detector, so the memory of lag is
 // emptied.
 void prepare_lag(const XraySettings &settings, std::uint32_t tick, XrayMemory &memory)
 {

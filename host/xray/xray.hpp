@@ -7,8 +7,8 @@
 //   XrayMemory memory;                                             {}: generator and detector just switched on
 //   xray.render(settings, tools, frame, seed, memory, picture);    one of a sequence; memory carries over
 //
-// A picture depends only on bodies, tools, wire frame with its tick, settings, seed and memory. The bytes of
-// a picture are the same for any number of threads, compiler and optimisation level. The path lengths of the
+// A picture depends only on bodies, tools, WireFrame with its tick, settings, seed and memory. The picture is
+// equal bit for bit for any number of threads, compiler and optimisation level. The path lengths of the
 // bodies are kept as long as the C-arm does not move. See docs/xray.md.
 #pragma once
 #include "host/model/bodies.hpp"
@@ -30,13 +30,13 @@ namespace crn
 
 struct XrayBeam {
     ExposureMode mode = ExposureMode::fluoro;
-    // This is the dose behind patient and grid, as a mean over the measuring field. Automatic exposure aims
-    // at this dose, and the gain of the detector is set for it. Usual values are 20 .. 60 in fluoroscopy, 100
-    // .. 250 in cine, and 500 .. 3000 in DSA.
+    // This dose is the mean over the measuring field behind patient and grid. Automatic exposure aims at this
+    // dose, and the gain of the detector is chosen for it. Usual values are 20 .. 60 in fluoroscopy, 100 ..
+    // 250 in cine, and 500 .. 3000 in DSA.
     double dose_per_frame_nGy = 40.0;
     double frame_period_ms = 1000.0 / 15.0; // for the limit of the dose rate
-    // If set, this technique replaces automatic exposure; the user has set it, or it is locked during a DSA
-    // run. This technique is limited to the ranges of the tube.
+    // A technique given here replaces automatic exposure; either the user has set it, or a DSA run locks it.
+    // The fixed technique is limited to the ranges of the tube.
     std::optional<XrayTechnique> fixed_technique;
     bool noise = true;
     bool scatter = true;
@@ -49,8 +49,8 @@ struct XrayDisplay {
     double contrast = 1.0;   // slope of the display curve
     double brightness = 0.0; // -1 .. 1
     double harmonise = 0.65; // 0: plain log image; towards 1: slow changes of density are levelled
-    // This is the window of the 12-bit values `shown`, as defined by DICOM PS3.3 C.11.2.1.2: the values
-    // between level -+ window/2 cover all greys.
+    // `window` and `level` select the displayed part of the 12-bit values `shown`, as defined by DICOM PS3.3
+    // C.11.2.1.2: the values between level -+ window/2 cover all greys.
     double window = 4096.0;
     double level = 2048.0;
 };
@@ -62,14 +62,14 @@ struct XraySettings {
     int size = 512; // pixels along each edge, 64 .. 2048
 };
 
-// Returns the size in pixels that a picture really gets: a multiple of 16 within 64 .. 2048.
+// Returns the size in pixels with which a picture is made: a multiple of 16 within 64 .. 2048.
 int held_size(int size);
 
 // Raw values are 14 bits. The demanded dose gives raw_of_wanted_dose.
 inline constexpr std::uint16_t raw_max = 16383;
 inline constexpr double raw_of_wanted_dose = 1024.0;
 
-// All pictures have size*size pixels, with row 0 on top.
+// All pictures consist of size*size pixels, with row 0 on top.
 struct XrayPicture {
     int size = 0;
     std::uint32_t tick = 0;
@@ -89,8 +89,8 @@ struct XrayPicture {
     double kap_Gy_cm2 = 0.0; // kerma times the collimated field's area, the same at every distance
 };
 
-// Holds what generator and detector remember from picture to picture. The memory is plain data: a copy saves
-// it, and {} resets it.
+// Holds what the generator and the detector remember from picture to picture. XrayMemory is plain data: a
+// copy saves it, and {} resets it.
 struct XrayMemory {
     bool is_used = false;
     ExposureState exposure;
@@ -105,7 +105,7 @@ struct XrayChain;
 class BodyPaths;
 struct BodyMeshes;
 
-// Makes the back end that draws the bodies (paths.hpp).
+// Makes the back end that computes the path lengths of the bodies (paths.hpp).
 using BodyPathsMaker = std::function<std::unique_ptr<BodyPaths>(const BodyMeshes &meshes, int threads)>;
 
 // The bodies of a scene. The bodies do not change after set_bodies, and any number of Xray objects may use
@@ -117,8 +117,8 @@ class XrayScene
     ~XrayScene();
     XrayScene(const XrayScene &) = delete;
     XrayScene &operator=(const XrayScene &) = delete;
-    // Returns false if a material or parent is unknown; `error` then gives the body's name and the cause, and
-    // the scene is empty.
+    // Returns false if a material or parent is unknown; in that case `error` gives the body's name and the
+    // cause, and the scene is empty.
     bool set_bodies(const Bodies &bodies, std::string &error);
     std::size_t triangle_count() const;
     struct Meshes;
@@ -131,20 +131,20 @@ class XrayScene
 class Xray
 {
   public:
-    // With `threads` 0 there is one thread per processor, and at most 4. Without `make_paths`, RasterPaths
+    // With `threads` 0, Xray uses one thread per processor, and at most 4. Without `make_paths`, RasterPaths
     // draws the bodies.
     explicit Xray(const XrayScene &scene, int threads = 0, const BodyPathsMaker &make_paths = {});
     ~Xray();
     Xray(const Xray &) = delete;
     Xray &operator=(const Xray &) = delete;
 
-    // `tools` are given from the innermost out; each is drawn over the part of the line that it covers
-    // (wire.tip_arc_m).
+    // `tools` lists the nested tools from the innermost outwards; each is drawn along the part of their
+    // common centreline that it covers (wire.tip_arc_m).
     void render(const XraySettings &settings, std::span<const RadiopaqueInstrument> tools,
                 const WireFrame &wire, std::uint64_t seed, XrayPicture &picture);
 
-    // Makes the next picture of a sequence: exposure depends on the earlier pictures, and the detector has
-    // lag. A picture without `memory` has the exposure at which the control settles, and no lag.
+    // Makes the next picture of a sequence: its exposure depends on the earlier pictures, and the detector
+    // has lag. A picture without `memory` has the exposure at which automatic exposure settles, and no lag.
     void render(const XraySettings &settings, std::span<const RadiopaqueInstrument> tools,
                 const WireFrame &wire, std::uint64_t seed, XrayMemory &memory, XrayPicture &picture);
 
@@ -153,10 +153,10 @@ class Xray
     void render(const XraySettings &settings, const XrayFrame &frame, std::uint64_t seed, XrayMemory *memory,
                 XrayPicture &picture);
 
-    // The path lengths of the last picture in 1/1024 mm, size*size each. body_path_q10mm() returns those of
-    // the bodies, where nested ones are subtracted from their parents. instrument_path_q10mm() returns those
-    // of tools and curves; they are negative where these displace a material. The result is empty if the
-    // picture does not have the material.
+    // The next functions return the path lengths of the last picture in 1/1024 mm, size*size pixels each.
+    // body_path_q10mm() returns those of the bodies, where nested bodies are subtracted from their parents.
+    // instrument_path_q10mm() returns those of tools and curves; they are negative where tools and curves
+    // displace a material. The result is empty if the picture does not have the material.
     std::vector<std::int32_t> body_path_q10mm(Material material) const;
     std::vector<std::int32_t> instrument_path_q10mm(Material material) const;
     bool last_render_used_cache() const;

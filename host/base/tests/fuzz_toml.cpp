@@ -1,5 +1,6 @@
-// Fuzz target: any text may be given as TOML. An accepted text can be traversed, copied and destroyed, and
-// its tables are no deeper than the check before the parser promises. A refused text has a message.
+// Fuzz target: any text may be given as TOML. If a text is accepted, the result can be traversed, copied and
+// destroyed, and its tables are no deeper than the check before the parser allows. If a text is refused, the
+// error has a message.
 #include "host/base/toml.hpp"
 #include <algorithm>
 #include <cstdint>
@@ -12,7 +13,7 @@ extern "C" std::size_t fuzz_seed(unsigned index, std::uint8_t *bytes, std::size_
 namespace
 {
 
-// The greatest depth is that of 32 nested brackets, each with a key of 32 names, below a header of 32 names;
+// The deepest accepted text has 32 nested brackets, each with a key of 32 names, below a header of 32 names;
 // the values themselves add one level.
 constexpr int depth_max =
     crn::toml_brackets_max + (crn::toml_brackets_max + 2) * (crn::toml_key_names_max + 1);

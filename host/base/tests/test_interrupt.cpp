@@ -1,6 +1,6 @@
 // Claims: the first Ctrl-C or SIGTERM only sets a flag. The second signal removes pending files and ends the
 // program, even where the parent process had blocked or ignored the signal. All programs of this repository
-// use the same helper.
+// use the same helper (host/base/interrupt) for these signals.
 #include <csetjmp>
 #include <csignal>
 #include <cstdarg>
@@ -25,7 +25,7 @@ namespace
 
 namespace fs = std::filesystem;
 
-// Starts a program that never checks the flag and has a pending file; `before` sets the signal state that the
+// Starts a program that has a pending file and never checks the flag; `before` sets the signal state that the
 // program inherits.
 pid_t start_deaf(const std::string &file, void (*before)())
 {
@@ -105,8 +105,8 @@ void no_program_has_a_handler_of_its_own(void **)
                  {"signal(SIGINT", "signal(SIGTERM", "sigaction(SIGINT", "sigaction(SIGTERM"}) {
                 for (std::size_t at = text.find(taken); at != std::string::npos;
                      at = text.find(taken, at + 1)) {
-                    // A line that restores the default action, or ignores the signal for the group's leader,
-                    // is no handler.
+                    // A line of code that restores the default action, or ignores the signal for the leader
+                    // of the process group, does not count as a handler.
                     const std::string line = text.substr(at, text.find('\n', at) - at);
                     if (line.find("SIG_DFL") == std::string::npos &&
                         line.find("SIG_IGN") == std::string::npos)

@@ -1,4 +1,5 @@
-// Claims: numbers become the same bytes as by printf, for numbers of every size, and whatever locale is set.
+// Claims: numbers are converted to the same bytes as by printf, for numbers of every size, and whatever
+// locale is set.
 #include "host/base/format.hpp"
 #include "host/base/number_text.hpp"
 

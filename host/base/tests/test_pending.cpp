@@ -1,6 +1,7 @@
-// Claims: a file name never refers to half a file. The new file appears only when it is complete, and the
-// previous file stays until then. Errors and signals leave nothing behind. Bytes reach the disk before their
-// name does. To check this, the test replaces fsync and rename by functions that log their calls.
+// Claims: a file name never refers to half a file. The new file appears under its name only when it is
+// complete, and the previous file stays until then. Errors and signals leave no pending file behind. The
+// bytes of a file reach the disk before its name does. To check the order of flush and rename, the test
+// replaces fsync and rename by functions that log their calls.
 #include "host/base/pending_file.hpp"
 #include "host/base/tests/folder.hpp"
 #include <cerrno>
@@ -212,8 +213,8 @@ static void a_signal_leaves_the_files_that_are_whole(void **)
     assert_string_equal(text_of(folder.file("a")).c_str(), "whole");
 }
 
-// Another user of the folder has created a link under a name that can be guessed. The program must neither
-// follow it nor empty its target.
+// In this test another user of the folder has created a link under a name that can be guessed. The program
+// must neither follow this link nor empty the file to which it points.
 static void a_planted_link_is_not_followed(void **)
 {
     Folder folder;
@@ -239,7 +240,7 @@ static void two_files_under_way_to_one_name_do_not_meet(void **)
     assert_int_equal(folder.count(), 1);
 }
 
-// A file name has at most 255 bytes; the temporary name must not be longer.
+// A file name has at most 255 bytes, and the pending file's temporary name must not be longer.
 static void the_longest_name_can_be_written(void **)
 {
     Folder folder;
@@ -283,8 +284,8 @@ static void files_of_a_set_get_their_names_together(void **)
     assert_int_equal(folder.count(), 2);
 }
 
-// The disk becomes full between two renames: the first rename is undone, whether or not a file existed under
-// that name before.
+// When the disk becomes full between two renames, the first rename is undone, whether or not a file existed
+// under that name before.
 static void a_set_whose_second_name_fails_is_taken_back(void **)
 {
     for (bool is_new : {false, true}) {

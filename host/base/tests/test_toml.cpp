@@ -48,7 +48,7 @@ void brackets_without_end_are_refused(void **)
 {
     begins_with(refusal("a = " + std::string(1000000, '[')), "1:37 over 32 brackets");
     begins_with(refusal("a = " + repeated("{b = ", 100000)), "1:");
-    // Five quotes contain the three that end the string, so what follows is outside the string.
+    // Of five quotes in a row, three end the string, so the text that follows is outside the string.
     begins_with(refusal("a = [\"\"\"x\"\"\"\"\", " + std::string(1000, '[')), "1:");
 }
 
@@ -67,8 +67,8 @@ void what_looks_deep_in_strings_and_comments_is_read(void **)
                         "");
 }
 
-// The deepest text within the limits has a header of 32 names, and in it 31 nested tables, each after a key
-// of 32 names.
+// The deepest text within the limits has a header of 32 names, and below it 31 nested tables, each after a
+// key of 32 names.
 void the_deepest_text_that_is_allowed_is_read(void **)
 {
     const std::string key = repeated("a.", 31) + "a";
@@ -81,8 +81,8 @@ void the_deepest_text_that_is_allowed_is_read(void **)
     assert_int_equal(depth, 32 + 32 * 32);
 }
 
-// toml++ looks such a letter up in its table of blanks. The look-up was undefined behaviour, which ended the
-// sanitized program for most of these letters (host/base/toml.hpp).
+// The library toml++ looks up letters outside ASCII in its table of blanks. This look-up was undefined
+// behaviour, which ended the sanitized program for most such letters (host/base/toml.hpp).
 void a_letter_outside_ascii_is_no_blank(void **)
 {
     begins_with(refusal("\xEF\xBB\x9F\x07"), "1:1 ");

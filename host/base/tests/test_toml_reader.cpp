@@ -1,5 +1,5 @@
-// Claims: the one reader of TOML files gives values within their bounds, and refuses everything else with
-// file, line, place, key and remedy. A mistyped key, word or source gets a suggestion.
+// Claims: the reader of TOML files returns values within their bounds, and refuses everything else with file,
+// line, place, key and remedy. For a mistyped key, word or source the error message suggests the right one.
 #include "host/base/tests/folder.hpp"
 #include "host/base/toml_reader.hpp"
 

@@ -1,6 +1,6 @@
-// Claims: a run becomes a valid DICOM file. DCMTK reads it back pixel for pixel. dciodvfy and dctopnm accept
-// it; both are from dicom3tools, which shares no code with DCMTK. The attributes equal the inputs, and a
-// failure never leaves half a file.
+// Claims: an X-ray run becomes a valid DICOM file. DCMTK reads the file back pixel for pixel. dciodvfy and
+// dctopnm accept the file; both are from dicom3tools, which shares no code with DCMTK. The attributes equal
+// the inputs, and a failure never leaves half a file.
 #include "host/base/tests/folder.hpp"
 #include "host/dicom/xa_file.hpp"
 #include "host/xray/tests/xray_runs.hpp"
@@ -109,8 +109,8 @@ std::string output_of(const std::string &command, int *exit_code = nullptr)
     return text;
 }
 
-// Fails when a line of dciodvfy's output contains "Error". The test also fails when the program dciodvfy is
-// missing.
+// Fails the test when a line of dciodvfy's output contains "Error". The test also fails when the program
+// dciodvfy is missing.
 void assert_valid(const std::string &path)
 {
     const std::string said = output_of("dciodvfy " + path);
@@ -119,7 +119,7 @@ void assert_valid(const std::string &path)
     if (said.find("Error") != said.npos) fail_msg("%s", said.c_str());
 }
 
-// Returns the message of the exception that this call must throw.
+// Returns the message of the exception that `call` must throw.
 template <class Error, class Work> std::string message_of(const Work &work)
 {
     try {
@@ -234,8 +234,8 @@ static void angles_distances_and_spacing_are_those_of_the_c_arm(void **)
     assert_text(reader, DCM_FieldOfViewDimensions, "320\\320");
     assert_text(reader, DCM_ImagerPixelSpacing, "5\\5"); // 320 mm / 64
     assert_near("pixel at the isocentre", reader.number(DCM_PixelSpacing), 5.0 / 1.4, 1e-8);
-    // At 40 LAO 30 CAU the right of the picture is mainly the patient's left, and then the back. The bottom
-    // of the picture is mainly the feet, then the back, then the patient's right (docs/frames.md).
+    // In a view of 40 LAO 30 CAU the right of the picture is mainly the patient's left, and then the back.
+    // The bottom of the picture is mainly the feet, then the back, then the patient's right (docs/frames.md).
     assert_text(reader, DCM_PatientOrientation, "LP\\FPR");
 }
 
@@ -269,7 +269,8 @@ static void tube_and_dose_are_sums_and_means_in_the_units_of_the_standard(void *
     assert_near("exposure time, us", reader.number(DCM_ExposureTimeInuS), 25000.0, 0.0); // 5 pulses of 5 ms
     assert_near("exposure, uAs", reader.number(DCM_ExposureInuAs), 2525.0, 0.0);         // 101 mA x 25 ms
     assert_near("pulse, ms", reader.number(DCM_AveragePulseWidth), 5.0, 0.0);
-    // Five frames of 0.004 Gy cm2 give 0.02 Gy cm2 = 0.2 dGy cm2; their kerma is 20 + .. + 24 uGy = 0.11 mGy.
+    // Five frames of 0.004 Gy cm2 give a kerma-area product of 0.02 Gy cm2 = 0.2 dGy cm2; their kerma is 20 +
+    // .. + 24 uGy = 0.11 mGy.
     assert_near("KAP, dGy cm2", reader.number(DCM_ImageAndFluoroscopyAreaDoseProduct), 0.2, 1e-9);
     assert_near("kerma, mGy", reader.number(DCM_EntranceDoseInmGy), 0.11, 1e-9);
     assert_text(reader, DCM_FilterMaterial, "ALUMINUM\\COPPER");
@@ -279,8 +280,8 @@ static void tube_and_dose_are_sums_and_means_in_the_units_of_the_standard(void *
     assert_text(fluoro, DCM_RadiationSetting, "SC");
 }
 
-// Rows and columns are counted from 1, and the attributes name the last covered ones. So columns 2 to 63 and
-// rows 3 to 62 are open.
+// DICOM counts rows and columns from 1, and the attributes of the collimator name the last covered ones. So
+// columns 2 to 63 and rows 3 to 62 of the picture are open.
 static void collimator_edges_are_the_last_covered_columns_and_rows(void **)
 {
     Folder folder;
@@ -331,7 +332,7 @@ static void a_dsa_run_names_its_mask_shift_and_contrast(void **)
     assert_text(reader, DCM_ContrastBolusVolume, "12");
     assert_text(reader, DCM_ContrastFlowRate, "6");
     assert_text(reader, DCM_ContrastBolusIngredientConcentration, "350");
-    // A mask frame in the middle of the run, as after re-masking, is subtracted from every frame.
+    // A mask frame in the middle of the run, as after a new mask was chosen, is subtracted from every frame.
     XrayRun late = sample_run(RunKind::dsa, 6);
     late.mask->frames = {4};
     write_xa(folder.file("b.dcm"), late, study_of("a"));
@@ -410,7 +411,7 @@ static void files_are_anonymous_unless_a_patient_is_named(void **)
     assert_text(other, DCM_PatientID, "P7");
     assert_text(other, DCM_StudyDate, "20200229");
     assert_text(other, DCM_PatientIdentityRemoved, "absent");
-    // The files of another patient belong to another study.
+    // Files of different patients belong to different studies.
     assert_true(other.text(DCM_StudyInstanceUID) != reader.text(DCM_StudyInstanceUID));
 }
 
@@ -526,7 +527,8 @@ static void an_interrupted_export_leaves_nothing_and_keeps_what_was_there(void *
     assert_int_equal(folder.count(), 1);
 }
 
-// A limit on the process's file size simulates a full disk: a write fails in the middle of the file.
+// A limit on the size of the files that the process writes simulates a full disk: a write fails in the middle
+// of the file.
 static void a_full_disk_is_told_and_leaves_nothing(void **)
 {
     Folder folder;

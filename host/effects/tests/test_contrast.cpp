@@ -1,6 +1,7 @@
-// Claims: contrast medium in a tree of vessels moves with the blood, and at a fork it divides in proportion
-// to the conductances. None is lost or created. Medium flows back when more is injected than flows away, and
-// it stops where the catheter fills the lumen. Each test compares with a formula that it states.
+// Claims: contrast medium in a tree of vessels moves with the blood, and at a fork the medium divides in
+// proportion to the conductances. None is lost or created. Contrast medium flows back when more is injected
+// than flows away, and it stops where the catheter fills the lumen. Each test compares the simulation with a
+// formula that the test contains.
 #include "host/effects/contrast_flow.hpp"
 #include <cmath>
 #include <csetjmp>
@@ -83,7 +84,8 @@ void within(const char *what, double value, double expected, double tolerance)
     fail_msg("%s = %.9g, expected %.9g (allowed %.3g %%)", what, value, expected, tolerance * 100);
 }
 
-// Returns the position along x, mm, at which the concentration falls to half of that in the first cell.
+// Returns the position along x, mm, at which the concentration of contrast medium falls to half of that in
+// the first cell.
 double front_mm(const ContrastFlow &contrast)
 {
     const double half = 0.5 * contrast.iodine_mg_per_ml(0);
@@ -97,13 +99,14 @@ double front_mm(const ContrastFlow &contrast)
 
 // --- transport ---
 
-// Returns the flow into the bed behind the last cell, ml/s.
+// Returns the flow into the vascular bed behind the last cell, ml/s.
 double out_of_the_last(const ContrastFlow &contrast)
 {
     return contrast.network().outflow_ml_s(contrast.network().runs().size() - 1);
 }
 
-// With plug flow a front in a straight tube moves by flow / area: 10 ml/s in 28.3 mm^2 give 354 mm/s.
+// With plug flow a front of contrast medium in a straight tube moves by flow / area: 10 ml/s in 28.3 mm^2
+// give 354 mm/s.
 void a_front_moves_with_flow_over_area(void **)
 {
     ContrastFlow contrast(tube(10.0), {3.5, 0.5, 30.0});
@@ -117,8 +120,9 @@ void a_front_moves_with_flow_over_area(void **)
     within("front speed, mm/s", (front_mm(contrast) - first_mm) / 0.6, flow_ml_s * 1e3 / (pi * 9.0), 0.01);
 }
 
-// In laminar flow the two layers move at 1.5 and 0.5 times the mean speed. The volume of blood that medium
-// has replaced grows by exactly the flow; it is the mean position of the front times the area.
+// In laminar flow the two layers of blood move at 1.5 and 0.5 times the mean speed. The volume of blood that
+// contrast medium has replaced grows by exactly the flow; this volume is the mean position of the front times
+// the area.
 void a_laminar_front_is_long_and_its_mean_moves_with_the_flow(void **)
 {
     ContrastFlow contrast(tube(10.0), {3.5, 0.75, 1e9});
@@ -135,9 +139,10 @@ void a_laminar_front_is_long_and_its_mean_moves_with_the_flow(void **)
     within("core over wall", core_ml / wall_ml, 3.0, 1e-6);
 }
 
-// The layers move at U(1 +- 1/2), and their difference falls by U/lambda per second. A pulse then spreads
-// with the dispersion D = U lambda / 4. The upwind rule with cells of length L adds U L / 2, less a part that
-// the time step removes; with L = 1.5 mm the sum is 3 %.
+// The two layers of blood move at U(1 +- 1/2), and the difference between their concentrations falls by
+// U/lambda per second. A pulse of contrast medium then spreads with the dispersion D = U lambda / 4. The
+// upwind rule with cells of length L adds U L / 2 to the dispersion, less a part that the time step removes;
+// with L = 1.5 mm the sum is 3 %.
 void a_pulse_spreads_as_the_two_layers_say(void **)
 {
     const VesselTree tree{{straight("tube", {0, 0, 0}, {1900, 0, 0}, 3.0, 10.0)}};
@@ -163,7 +168,8 @@ void a_pulse_spreads_as_the_two_layers_say(void **)
            0.03);
 }
 
-// Blood that flows past dilutes the injected fluid to S / Q of its concentration.
+// Blood that flows past the catheter dilutes the injected fluid to S / Q of its concentration, where S is the
+// injected flow and Q the total flow.
 void injected_fluid_is_diluted_by_the_blood_that_flows(void **)
 {
     ContrastFlow contrast(tube(10.0));
@@ -174,7 +180,7 @@ void injected_fluid_is_diluted_by_the_blood_that_flows(void **)
 }
 
 // Each path behind the fork has the conductance 1 / (R + 1/G), where R is the Poiseuille resistance of its
-// vessel and G the conductance of the bed behind it.
+// vessel and G the conductance of the vascular bed behind it.
 void a_fork_divides_iodine_as_its_conductances(void **)
 {
     ContrastFlow contrast(fork());
@@ -189,14 +195,15 @@ void a_fork_divides_iodine_as_its_conductances(void **)
             8 * 3.5e-3 * length_mm * 1e-3 / (pi * std::pow(radius_mm * 1e-3, 4)) * 1e-6 / 133.322;
         return 1.0 / (vessel + mean_pressure_mmHg / flow_ml_s);
     };
-    // Hardly any medium has left the tree yet, so each branch still holds all medium that entered it.
+    // Hardly any contrast medium has left the tree yet, so each branch still holds all medium that entered
+    // it.
     assert_true(contrast.budget().out_mg < 1e-6 * contrast.budget().injected_mg);
     within("wide over thin", held_in(contrast, 1) / held_in(contrast, 2),
            conductance(1, 3.0, 6.0) / conductance(2, 1.0, 3.0), 0.01);
 }
 
-// The heart beats for 60 s. There are several injections, one of which refluxes, and the catheter enters the
-// renal artery and leaves it again.
+// The heart beats for 60 s. During this time there are several injections, one of which refluxes, and the
+// catheter enters the renal artery and leaves it again.
 void iodine_is_conserved_and_stays_between_none_and_injected(void **)
 {
     ContrastFlow contrast(aorta());
@@ -234,8 +241,8 @@ void more_than_flows_away_goes_back_upstream(void **)
         for (int tick = 0; tick < 150; ++tick) contrast->step({}, {contrast == &gentle ? 4.0 : 20.0, iodine});
     }
     assert_true(held_in(gentle, 0) == 0.0);
-    // The medium that the bed of the renal artery does not take has flowed back into the artery before the
-    // tip and into the aorta.
+    // Contrast medium that the bed of the renal artery does not take has flowed back into the artery before
+    // the tip and into the aorta.
     const FlowCells &cells = forced.cells();
     double back_mg = held_in(forced, 0);
     for (std::size_t i = cells.branch_begin(1); i < cells.size(); ++i)
@@ -243,8 +250,8 @@ void more_than_flows_away_goes_back_upstream(void **)
     within("mg back", back_mg, iodine * (20.0 - out_of_the_last(forced)) * 0.15, 0.03);
 }
 
-// A catheter as wide as the vessel blocks the flow: no blood comes past it. So the injected fluid flows
-// downstream undiluted, and none of it flows back.
+// A catheter as wide as the vessel blocks the flow: no blood flows past the catheter. So the injected fluid
+// flows downstream undiluted, and no fluid flows back.
 void a_wedged_catheter_lets_nothing_past(void **)
 {
     ContrastFlow contrast(aorta());
@@ -259,7 +266,7 @@ void a_wedged_catheter_lets_nothing_past(void **)
     assert_true(held_in(contrast, 1) > 300.0); // no flow: nothing washes it out
 }
 
-// The reference is the textbook formula for a concentric annulus, computed by libm.
+// The reference is the textbook formula for a concentric annulus, evaluated with the functions of libm.
 void a_tool_in_the_lumen_leaves_an_annulus(void **)
 {
     for (double k = 0.02; k < 0.97; k += 0.01) {
@@ -287,8 +294,8 @@ void side_holes_share_the_flow(void **)
     within("thin over wide", held_in(contrast, 2) / held_in(contrast, 1), 3.0, 1e-9);
 }
 
-// Power distance decides the vessel of a tip: at the renal ostium, a tip that is nearer to the renal
-// centreline than to the wall counts as in the renal artery.
+// The power distance decides in which vessel a tip lies: at the renal ostium, a tip that is nearer to the
+// renal centreline than to the wall counts as in the renal artery.
 void the_cell_is_that_of_the_vessel_in_which_the_tip_lies_deepest(void **)
 {
     const FlowCells cells(aorta());
@@ -311,7 +318,7 @@ void aorta_flows_in_systole_and_left_coronary_in_diastole(void **)
         }
     }
     for (double bed : sum) within("mean openness", bed / 60000, 1.0, 1e-3);
-    // Systole takes 0.34 of the beat.
+    // Systole takes a fraction of 0.34 of the beat.
     assert_true(systolic[0] / sum[0] > 0.55 && systolic[1] / sum[1] < 0.2 && systolic[2] / sum[2] < 0.34);
     BeatPhase none;
     none.is_beating = false;
@@ -334,7 +341,7 @@ void a_snapshot_goes_on_bit_for_bit(void **)
     assert_true(first.snapshot() == second.snapshot());
 }
 
-// A beating heart moves its vessels: the cells move with them and keep their contents.
+// A beating heart moves its vessels: the cells of blood move with the vessels and keep their contents.
 void cells_follow_their_vessels(void **)
 {
     VesselTree tree = tube(10.0);

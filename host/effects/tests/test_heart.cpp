@@ -1,6 +1,7 @@
 // Claims: the traces of the heart follow the beats that the core reports: rate, pressures of a resting adult,
-// and the effects of a premature beat and of asystole. The host reads the lattice of a moving vessel as it is
-// in the scene. Undoing a displacement returns to the reference pose, and bodies move with the lattice.
+// and the effects of a premature beat and of asystole. The host reads the displacements of a moving vessel as
+// they are in the scene. Undoing a displacement returns a point to the reference pose, and bodies move with
+// the lattice of displacements.
 #include "host/effects/pulse.hpp"
 #include "host/model/motion.hpp"
 #include "shared/scene/tests/scene_sample.h"
@@ -20,7 +21,7 @@ using namespace crn;
 namespace
 {
 
-// Simulates a monitor that receives the beats of the core's own rhythm.
+// Simulates a heart monitor that receives the beats of the core's own rhythm.
 struct Patient {
     crn_rhythm rhythm{};
     PulseMonitor monitor;
@@ -43,8 +44,8 @@ struct Patient {
     }
 };
 
-// At 70 /min the systolic pressure must be 110 to 130 mmHg, and the diastolic 70 to 85 mmHg. The rate,
-// computed from the intervals, must be exact to 0.2 /min.
+// At 70 /min the systolic pressure must be 110 to 130 mmHg, and the diastolic 70 to 85 mmHg. The heart rate,
+// computed from the intervals between beats, must be exact to 0.2 /min.
 void a_resting_adult_has_the_usual_pressures(void **)
 {
     Patient patient;
@@ -57,7 +58,7 @@ void a_resting_adult_has_the_usual_pressures(void **)
 }
 
 // The premature beat ejects less, so its systolic pressure is lower. The diastolic pressure after the long
-// pause that follows is lower too.
+// pause that follows a premature beat is lower too.
 void a_premature_beat_is_weak_and_the_pause_after_it_long(void **)
 {
     Patient patient;
@@ -94,7 +95,8 @@ void asystole_is_a_flat_line_and_a_falling_pressure(void **)
     assert_true(patient.monitor.rate_per_min() == 0);
 }
 
-// R comes 36 ms after the QRS begins, T at four fifths of systole, and P before the next QRS, up to 150 /min.
+// In the electrocardiogram, R comes 36 ms after the QRS begins, T at four fifths of systole, and P before the
+// next QRS, up to 150 /min.
 void the_waves_stand_where_the_beat_says(void **)
 {
     for (std::uint32_t rate : {50u, 70u, 150u}) {
@@ -131,8 +133,8 @@ MotionMoment moment(double heart, double breath)
 }
 
 // The middle node of the lattice is at (0, 7.8125, 7.8125) mm. The coefficients of that node are 44 units at
-// keyframe 0 and rise by 44 units per keyframe, and a quadratic spline of a straight line is that line. The
-// deepest breath moves the node by 262 units along y.
+// keyframe 0 and rise by 44 units per keyframe; a quadratic spline through values on a straight line is that
+// line. The deepest breath moves the node by 262 units along y.
 void the_lattice_is_read_as_it_was_written(void **)
 {
     const Sample sample;
@@ -157,8 +159,8 @@ void pushing_undoes_pulling(void **)
     }
 }
 
-// Each body has eight vertices, and one of two bodies moves. At the keyframes its vertices are where the
-// lattice moves them, to 2 um.
+// Each body has eight vertices, and only one of the two bodies moves. At the keyframes the vertices of the
+// moving body are where the lattice moves them, to 2 um.
 void bodies_that_move_go_where_the_lattice_takes_them(void **)
 {
     const Sample sample;
@@ -183,9 +185,9 @@ void bodies_that_move_go_where_the_lattice_takes_them(void **)
     }
 }
 
-// Places move with the lattice. The spline passes through the keyframes, so places are exact to 1 um there;
-// between keyframes, and in a deep breath, they are exact to 50 um. Places outside the lattice do not move,
-// to the last bit.
+// Places move with the lattice. The spline passes through the keyframes, so positions are exact to 1 um
+// there; between keyframes, and in a deep breath, they are exact to 50 um. Points outside the lattice do not
+// move; their positions are equal bit for bit.
 void points_that_move_go_where_the_lattice_takes_them(void **)
 {
     const Sample sample;

@@ -1,8 +1,8 @@
 // Claims: the pressure drop of a lesion is the sum of the drop by Poiseuille's law and of the loss of the jet
-// behind its narrowest place. A lesion reduces the flow in the vessels behind it, more so in hyperaemia and
-// with a guidewire in it, and it delays contrast medium. The state of a lesion is part of a snapshot. After
-// it yields, the drop is that of the remaining stenosis, and no iodine is lost. Each test compares with a
-// formula that it states.
+// behind its narrowest point. A lesion reduces the flow in the vessels behind it, more so in hyperaemia and
+// with a guidewire in the lesion, and it delays contrast medium. The state of a lesion is part of a snapshot.
+// After the lesion yields, the pressure drop is that of the remaining stenosis, and no iodine is lost. Each
+// test compares the simulation with a formula that the test contains.
 #include "host/effects/contrast_flow.hpp"
 #include "host/effects/lesion_figures.hpp"
 #include "host/model/lesion_opening.hpp"
@@ -27,7 +27,7 @@ namespace
 constexpr double pi = 3.14159265358979323846, viscosity_mPa_s = 3.5, mmHg_per_Pa = 1 / 133.322;
 constexpr double healthy_mm = 1.5, flow_ml_s = 1.0;
 
-// Returns the flow into the bed behind the last cell, ml/s.
+// Returns the flow into the vascular bed behind the last cell, ml/s.
 double out_of_the_last(const FlowNetwork &network)
 {
     return network.outflow_ml_s(network.runs().size() - 1);
@@ -55,7 +55,8 @@ VesselTree vessel(double throat_mm)
     return {{branch}, {lesion}};
 }
 
-// Returns the integral of ds / r^4 over the lesion: 18 mm at the minimal radius, and two tapers.
+// Returns the integral of ds / r^4 over the lesion, which consists of 18 mm at the minimal radius and two
+// tapers of 1 mm.
 double per_r4_mm3(double throat_mm)
 {
     const double a = throat_mm, b = healthy_mm;
@@ -87,8 +88,8 @@ LesionFigures figures_of(const VesselTree &tree)
     return lesion_figures(tree, viscosity_mPa_s).at(0);
 }
 
-// The pressures are taken in the cells next to the lesion, so the drop includes up to 4 mm of healthy vessel:
-// below 1 % of it.
+// The pressures are taken in the cells next to the lesion, so the pressure drop includes up to 4 mm of
+// healthy vessel, which cause less than 1 % of the drop.
 void a_lesion_costs_what_wall_and_jet_take(void **)
 {
     for (double throat_mm : {0.375, 0.6, 0.9}) {
@@ -117,8 +118,8 @@ void percent_by_diameter_and_by_area(void **)
     assert_string_equal(f.branch.c_str(), "lad");
 }
 
-// Without a narrowing, the bed gets 88 mmHg minus the Poiseuille drop of the 70 mm vessel, also at four times
-// the flow.
+// Without a narrowing, the vascular bed gets 88 mmHg minus the Poiseuille drop of the 70 mm vessel, also at
+// four times the flow.
 void flow_reserve_falls_with_the_stenosis(void **)
 {
     double before = 1;
@@ -131,7 +132,8 @@ void flow_reserve_falls_with_the_stenosis(void **)
     assert_true(before < 0.5); // 75 % by diameter: clearly worth treating (0.80 is the usual limit)
 }
 
-// Bisection finds the flow that satisfies both the bed and the lesion; it does not use the network's method.
+// Bisection finds the flow that satisfies the equations of both the vascular bed and the lesion; the flow
+// network uses another method.
 void the_flow_is_the_one_at_which_drops_add_up(void **)
 {
     const double throat_mm = 0.375,
@@ -162,7 +164,7 @@ void a_wire_in_the_throat_takes_flow(void **)
 }
 
 // Returns the time, in ms, from the start of an injection upstream of the lesion until the last cell has half
-// of the injected concentration.
+// of the injected concentration of iodine.
 int arrival_ms(double throat_mm)
 {
     ContrastFlow contrast(vessel(throat_mm));
@@ -203,8 +205,8 @@ void a_snapshot_goes_on_as_the_original_does(void **)
 
 // --- lesions that yield ---
 
-// Returns the same vessel with its lesion open by `share`. The lesion is concentric, so its points stay, and
-// its radii change in proportion.
+// Returns the same vessel after its lesion has opened by the fraction `share`. The lesion is concentric, so
+// the points of its centreline do not move, and its radii change in proportion.
 VesselTree opened(const VesselTree &tree, double share)
 {
     const LesionStations stations{21, 1e-3};
@@ -225,8 +227,8 @@ void opened_wholly_it_costs_what_the_healthy_vessel_does(void **)
     assert_true(std::fabs(f.diameter_percent()) < 1e-9);
 }
 
-// The opened radius is 0.375 + 0.6 (1.5 - 0.375) mm, and the drop must be that of a vessel baked with this
-// radius.
+// The radius of the opened lesion is 0.375 + 0.6 (1.5 - 0.375) mm, and the pressure drop must be that of a
+// vessel baked with this radius.
 void opened_partly_it_costs_what_is_left(void **)
 {
     const VesselTree tree = vessel(0.375), now = opened(tree, 0.6);
@@ -238,8 +240,8 @@ void opened_partly_it_costs_what_is_left(void **)
     within("ffr", f.ffr, as_baked.ffr, 1e-9);
 }
 
-// Stations are evenly spaced about the lesion's middle, and the opening is linear between two stations. With
-// 8 stations at 4 mm they cover 28 mm, from -4 to 24 mm.
+// The stations (points) of a lesion are evenly spaced about the lesion's middle, and the opening is linear
+// between two stations. 8 stations at a spacing of 4 mm cover 28 mm, from -4 to 24 mm.
 void a_place_is_open_as_the_stations_beside_it(void **)
 {
     const VesselTree tree = vessel(0.375);
@@ -261,8 +263,8 @@ double lost_mg(const ContrastFlow &contrast)
 }
 
 // While medium is injected upstream, the lesion is opened by a balloon that blocks the flow, recoils by a
-// third after deflation, and is opened again. No iodine is lost, no concentration exceeds the injected one,
-// and each cell ends with the volume of its shape.
+// third after deflation, and is opened again. No iodine is lost, no concentration exceeds the injected
+// concentration, and the volume of each cell ends at the value that follows from its shape.
 void iodine_is_conserved_while_the_wall_gives_way(void **)
 {
     const VesselTree tree = vessel(0.375);
@@ -297,8 +299,8 @@ void iodine_is_conserved_while_the_wall_gives_way(void **)
     assert_true(strongest < 350.0 * (1 + 1e-9));
 }
 
-// A vessel full of medium at the injected concentration stays full when it opens, because the added volume
-// comes from the cell upstream, which has the same concentration.
+// A vessel full of contrast medium at the injected concentration stays full when it opens, because the added
+// volume comes from the cell upstream, which has the same concentration.
 void what_a_widening_cell_takes_has_its_neighbours_strength(void **)
 {
     const VesselTree tree = vessel(0.9);

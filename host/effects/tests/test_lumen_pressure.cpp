@@ -1,6 +1,7 @@
 // Claims: the pressure of an injection follows from the viscosity on the label, by Hagen and Poiseuille's law
-// in an empty lumen, and by that of the annulus beside a guidewire. An injection that needs more than 1200
-// psi, with the tools that lie in the lumen at its tick, is refused at that tick, and no part of it is given.
+// in an empty lumen, and by the law of flow through an annulus beside a guidewire. An injection that needs
+// more than 1200 psi, with the tools that lie in the lumen at its tick, is refused at that tick, and no part
+// of it enters the vessel.
 #include "host/effects/lumen_pressure.hpp"
 #include "host/model/units.hpp"
 #include "host/patient/contrast.hpp"
@@ -43,8 +44,8 @@ void check_psi(double kPa, double expected_psi, double tolerance_psi)
         fail_msg("%.2f psi, expected %.2f (allowed %.2f)", psi, expected_psi, tolerance_psi);
 }
 
-// At the strengths on the label the viscosity must be that of the label; half-way between two of them it must
-// be their geometric mean.
+// At the strengths on the label the viscosity must be that of the label; half-way between two strengths it
+// must be the geometric mean of their viscosities.
 void viscosity_is_the_labels(void **)
 {
     for (const auto &[strength, mPa_s] : {std::pair{140.0, 1.5}, {240.0, 3.4}, {300.0, 6.3}, {350.0, 10.4}})
@@ -54,7 +55,7 @@ void viscosity_is_the_labels(void **)
 }
 
 // The pressure is 8 mu L Q / (pi R^4); a lumen of 0.42 mm diameter and 1.4 m length needs some 11,000 psi for
-// 4 ml/s. The tolerance allows for rounding only.
+// 4 ml/s. The tolerance of this test allows for rounding only.
 void an_empty_lumen_needs_hagen_and_poiseuilles_pressure(void **)
 {
     const double expected_kPa = 8.0 * 10.4e-3 * 1.4 * 4e-6 / (pi * std::pow(0.21e-3, 4)) * 1e-3;
@@ -64,8 +65,8 @@ void an_empty_lumen_needs_hagen_and_poiseuilles_pressure(void **)
 }
 
 // A 6F guiding catheter with a lumen of 1.8 mm needs 55 psi for 4 ml/s beside a concentric guidewire of 0.36
-// mm. In any other position of the guidewire the pressure is at least 1/2.5 of that, and never less than that
-// of the empty catheter.
+// mm. In any other position of the guidewire the pressure is at least 1/2.5 of that with a concentric
+// guidewire, and never less than that of the empty catheter.
 void a_wire_in_the_lumen_leaves_the_annulus(void **)
 {
     const double k = 178.0 / 900.0, open = 1.0 - k * k;
@@ -80,8 +81,8 @@ void a_wire_in_the_lumen_leaves_the_annulus(void **)
                           1.0) < 1e-9);
 }
 
-// A guidewire whose tip is half-way back in the lumen narrows only the half behind its tip. The integration
-// uses steps of 1 mm, so it is exact for 1 m.
+// A guidewire whose tip is in the middle of the lumen's length narrows only the half behind its tip. The
+// integration of the pressure along the lumen uses steps of 1 mm, so it is exact for a lumen of 1 m.
 void only_the_stretch_behind_its_tip_is_narrowed(void **)
 {
     const InnerTool half[] = {{&balloon_shaft, 0.5}}, whole[] = {{&balloon_shaft, 0.0}};
@@ -115,8 +116,8 @@ crn_wire_tick_state state_at(std::uint32_t tick, double wire_m, double catheter_
     return state;
 }
 
-// An injection of 4 ml/s through the balloon catheter's 0.42 mm lumen is refused with any tool in it, and the
-// message gives the pressure that it would need.
+// An injection of 4 ml/s through the balloon catheter's 0.42 mm lumen is refused with any tool in the lumen,
+// and the message gives the pressure that the injection would need.
 void a_lumen_that_is_too_narrow_is_refused_before_the_session(void **)
 {
     const RoomCommand inject{RoomAction::inject, {8000, 4000, 2}};
@@ -127,9 +128,9 @@ void a_lumen_that_is_too_narrow_is_refused_before_the_session(void **)
     assert_string_equal(injection_refusal({wire_014, balloon_shaft, guide_6f}, by_guide, 350.0).c_str(), "");
 }
 
-// 0.2 ml/s of 350 mg/ml need 550 psi through the empty 0.42 mm lumen, and 60,000 psi or more beside the
-// guidewire. The decision depends only on the inserted lengths at the tick of the injection; here the
-// guidewire is pulled out one tick earlier.
+// An injection of 0.2 ml/s of 350 mg/ml needs 550 psi through the empty 0.42 mm lumen, and 60,000 psi or more
+// beside the guidewire. The decision depends only on the inserted lengths of the tools at the tick of the
+// injection; here the guidewire is pulled out one tick earlier.
 void a_wire_in_the_lumen_decides_at_the_tick_of_the_injection(void **)
 {
     const RoomCommand inject{RoomAction::inject, {1000, 200, 2}};

@@ -79,7 +79,7 @@ void pull(fake_usb::Rig &rig)
     tell(device, LIBUSB_HOTPLUG_EVENT_DEVICE_LEFT);
 }
 
-// Decides whether a transfer is finished now, and with which status.
+// Decides whether a USB transfer is finished now, and with which status.
 bool is_done(Flight &flight, libusb_transfer_status &status)
 {
     libusb_transfer *transfer = flight.transfer;
@@ -132,8 +132,8 @@ bool is_done(Flight &flight, libusb_transfer_status &status)
     return transfer->timeout != 0 && Clock::now() >= flight.end;
 }
 
-// Removes one finished transfer of this context from the list; each endpoint finishes its transfers in the
-// order of submission.
+// Removes one finished USB transfer of this context from the list; each endpoint finishes its transfers in
+// the order of submission.
 libusb_transfer *take_done(libusb_context *context)
 {
     std::vector<std::pair<libusb_device_handle *, unsigned char>> waits;
@@ -300,7 +300,7 @@ int LIBUSB_CALL libusb_open(libusb_device *device, libusb_device_handle **handle
     if (device->generation == 0) return LIBUSB_ERROR_NO_DEVICE;
     if (device->rig->open_error != 0) return device->rig->open_error;
     device->rig->opens++;
-    // These tests open devices only in the context that was made last.
+    // The tests open devices only in the libusb context that was made last.
     *handle = new libusb_device_handle{device, bus.contexts.back()};
     return 0;
 }
@@ -317,7 +317,8 @@ libusb_device *LIBUSB_CALL libusb_get_device(libusb_device_handle *handle)
     return handle->device;
 }
 
-// Answers GET_DESCRIPTOR for string 0 (the language), 2 (the product) and 3 (the serial number).
+// Answers the USB request GET_DESCRIPTOR for string 0 (the language), 2 (the product) and 3 (the serial
+// number).
 int LIBUSB_CALL libusb_control_transfer(libusb_device_handle *handle, uint8_t, uint8_t, uint16_t value,
                                         uint16_t, unsigned char *bytes, uint16_t capacity,
                                         unsigned int timeout_ms)

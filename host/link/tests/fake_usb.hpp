@@ -1,9 +1,10 @@
 // Simulates a machine with rigs on USB, without hardware: it provides the functions of libusb that host/link
 // calls, for devices in this process.
 //
-// Each rig is the sim port, with the real firmware, behind a pair of bulk endpoints. Tests pull cables,
-// remove permissions and make devices send false replies. As with the real library, transfers finish inside
-// libusb_handle_events, on whichever thread calls it. Tests link this library instead of libusb.
+// Each simulated rig is the sim port, which contains the real firmware, behind a pair of bulk endpoints.
+// Tests can pull cables, remove permissions and make devices send false replies. As with the real library,
+// transfers finish inside libusb_handle_events, on whichever thread calls this function. Tests link this
+// simulated library instead of libusb.
 #pragma once
 #include "firmware/port/sim/sim.h"
 #include <cstdint>
@@ -30,8 +31,8 @@ struct Rig {
     std::size_t flood_bytes = 0;      // sent before the firmware's bytes: byte n is 7 n
     std::size_t flood_given = 0;
     std::function<void(std::vector<std::uint8_t> &)> spoil; // changes the bytes before the host reads them
-    // These functions replace the sim port: `take` receives the host's bytes, and `give` returns a limited
-    // number of bytes.
+    // Two functions can replace the firmware: `take` receives the host's bytes, and `give` returns a limited
+    // number of bytes to the host.
     std::function<void(std::span<const std::uint8_t>)> take;
     std::function<std::size_t(std::span<std::uint8_t>)> give;
     bool answers_control = true; // false: requests for its strings time out

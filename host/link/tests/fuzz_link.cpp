@@ -55,7 +55,7 @@ class Input
     std::size_t left_;
 };
 
-// Returns the type of the answer that a host expects to a request of type `type`.
+// Returns the type of the answer that a host expects to a request whose type is `type`.
 std::uint16_t answer_of(std::uint16_t type, std::uint8_t what)
 {
     static constexpr std::uint16_t gets[] = {0,
@@ -80,8 +80,8 @@ class FuzzedDevice final : public crn::Transport
   public:
     explicit FuzzedDevice(Input &in) : in_(in) {}
 
-    // The host's frames are valid. The first bytes of such a frame, after COBS is decoded, show which answer
-    // the host expects.
+    // The host's frames are valid. The first bytes of such a frame, after they are decoded from COBS, show
+    // which answer the host expects.
     void write(std::span<const std::uint8_t> bytes) override
     {
         std::uint8_t body[9] = {};

@@ -1,6 +1,6 @@
 // Claims: whatever bytes were lost, cut or repeated, HELLO begins a working conversation without unplugging
-// the cable. A late answer is not taken for the answer to the present request. A device that sends without
-// end causes an error. Every tick that was received is in the recording.
+// the cable. A late answer is not taken for the answer to the present request. A device that sends bytes
+// without end causes an error. The recording contains every tick that the host received.
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -112,8 +112,8 @@ bool contains(const std::string &text, const char *part)
     return text.find(part) != std::string::npos;
 }
 
-// The device restarted in the middle of a frame. The host's decoder holds the first half of it, and the reply
-// follows without a zero, which would have ended that frame.
+// In this test the device restarted in the middle of a frame. The host's decoder holds the first half of that
+// frame, and the reply follows without a zero byte, which would have ended the frame.
 void hello_finds_the_device_behind_half_a_frame(void **)
 {
     TalkingDevice device;
@@ -144,9 +144,9 @@ void hello_is_deaf_to_what_was_before(void **)
     assert_true(contains(error_of([&] { link.hello(); }), "WRONG_STATE"));
 }
 
-// A refusal may arrive after the host gave its request up; it must not be taken for the answer to the next
-// request. A refusal of the present request is its answer, even when it names an earlier frame of the same
-// request.
+// A refusal may arrive after the host gave up waiting for its request; the host must not take it for the
+// answer to the next request. A refusal of the present request is the answer to it, even when the refusal
+// names an earlier frame of the same request.
 void a_late_refusal_is_not_taken_for_an_answer(void **)
 {
     TalkingDevice device;
@@ -174,7 +174,8 @@ void a_device_that_talks_without_end_is_left_with_an_error(void **)
     TalkingDevice device;
     crn::Link link(device);
     device.on_silence = [&] { device.say(CRN_WIRE_TYPE_notice, 0, crn_wire_notice{}, crn_wire_put_notice); };
-    // On a slow machine the time limit is reached before the limit on frames; both cause an error.
+    // On a slow machine the time limit is reached before the limit on the number of frames; both limits cause
+    // an error.
     const auto is_left = [&](const std::string &error) {
         return contains(error, "without end") ||
                (REFERENCE_RUN(10) < 10 && contains(error, "kept the host waiting"));
@@ -185,8 +186,8 @@ void a_device_that_talks_without_end_is_left_with_an_error(void **)
     assert_true(link.take_notices().size() == crn::Link::notices_max);
 }
 
-// The device sends zeros without end, noise without end, or one byte now and then. None of these bytes is a
-// message, and each call must end after a bounded number of bytes or a bounded time.
+// In this test the device sends zeros without end, noise without end, or one byte now and then. None of these
+// bytes is a message, and each call must end after a bounded number of bytes or a bounded time.
 void a_device_that_never_frames_is_left_with_an_error(void **)
 {
     for (const unsigned char byte : {0x00, 0x55, 0xff}) {
@@ -205,7 +206,8 @@ void a_device_that_never_frames_is_left_with_an_error(void **)
     }
 }
 
-// The budget is 60 ms here, and all requests share it: the second request gets what the first one has left.
+// In this test the time budget is 60 ms, and all requests share it: the second request gets the time that the
+// first one has left.
 void a_device_that_keeps_its_host_waiting_is_left_with_an_error(void **)
 {
     TalkingDevice device;
@@ -218,11 +220,12 @@ void a_device_that_keeps_its_host_waiting_is_left_with_an_error(void **)
     const std::string text = error_of([&] { link.read_status(); });
     if (!contains(text, "kept the host waiting") || !contains(text, "status")) fail_msg("'%s'", text.c_str());
     for (int i = 0; i < 5; i++) assert_false(error_of([&] { link.read_status(); }).empty());
-    // The first call takes 0.26 s, and each of the others 0.2 s; a busy machine may take longer.
+    // The first call takes 0.26 s, and each later call takes 0.2 s; a busy machine may take longer.
     assert_true(std::chrono::steady_clock::now() - begin < std::chrono::seconds(5));
 }
 
-// A snapshot must have the size that the device announced, which must not exceed that of any correct device.
+// A snapshot must have the size that the device announced, and this size must not exceed that of any correct
+// device.
 void a_snapshot_beyond_its_size_is_refused(void **)
 {
     TalkingDevice device;
@@ -239,8 +242,8 @@ void a_snapshot_beyond_its_size_is_refused(void **)
     assert_true(contains(error_of([&] { link.read_snapshot(); }), "snapshot_begin"));
 }
 
-// The answer to STOP arrives before the ticks that were still in the device's queue. The ticks that were
-// still in the queue arrive later, and are the last ones of the recording.
+// The answer to the command STOP arrives before the ticks that were still in the device's queue. The ticks
+// that were still in the queue arrive later, and are the last ticks of the recording.
 void ticks_that_come_behind_the_answer_to_stop_are_recorded(void **)
 {
     TalkingDevice device;
@@ -264,9 +267,10 @@ void ticks_that_come_behind_the_answer_to_stop_are_recorded(void **)
     assert_int_equal(link.free_run(0).size(), 0);
 }
 
-// Making a picture can take the host longer than the 30 ms of silence after which a device reduces its forces
-// to zero. Meanwhile the host sends heartbeats, but not for ever. The test counts frames instead of measuring
-// time: three frames arrive while Presence exists, and none after its limit.
+// While the host makes a picture, it can be silent for longer than the 30 ms after which a device reduces its
+// forces to zero. While the host makes a picture, an object of class Presence sends heartbeats, but not for
+// ever. The test counts frames instead of measuring time: three frames arrive while the Presence object
+// exists, and none arrives after its limit.
 void a_busy_host_is_present_for_half_a_second(void **)
 {
     TalkingDevice device;

@@ -1,5 +1,6 @@
-// Claims: a rig on USB behaves like a device in this process, bit for bit. Every unplugging, refusal, silence
-// or false answer ends in time with a message that gives the remedy, and no resource of libusb is leaked.
+// Claims: a rig on USB gives the same results as a device in this process, bit for bit. Every unplugging,
+// refusal, silence or false answer ends within a limited time with a message that gives the remedy, and no
+// resource of libusb is leaked.
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -99,7 +100,7 @@ crn::DeviceChoice usb_choice(const std::string &serial = "", std::uint32_t retur
 
 constexpr unsigned session_ticks = 2400, batch_ticks = 40;
 
-// Plays a session and returns its last hash; `before_batch` may act on the simulated bus.
+// Runs a session and returns its last hash; `before_batch` may act on the simulated bus.
 std::uint64_t play(const crn::DeviceChoice &choice, std::uint32_t &resumes,
                    const std::function<void(unsigned)> &before_batch = {})
 {
@@ -139,8 +140,8 @@ void a_session_on_usb_has_the_hash_of_one_in_this_process(void **)
     assert_int_equal(resumes, 0);
 }
 
-// The cable is cut while the host sends its n-th byte, for many n. In some cases the device keeps its power,
-// in others it loses it.
+// The test cuts the cable while the host sends its n-th byte, for many n. In some cases the device keeps its
+// power while the cable is cut, in others it loses its power.
 void a_session_goes_on_bit_for_bit_after_every_cut(void **)
 {
     unsigned total = 0;
@@ -308,7 +309,7 @@ void a_silent_rig_is_told_in_time(void **)
         {"took no bytes for 100 ms", "plug it out and in"});
 }
 
-// A device that does not answer the request for its name gets no other request.
+// A device that does not answer the request for its name receives no further requests.
 void a_rig_that_does_not_say_its_name_is_told(void **)
 {
     fake_usb::add("RIG-0001").answers_control = false;
@@ -349,7 +350,7 @@ void a_longer_packet_than_fits_is_told(void **)
     expect_error([] { hello(""); }, {"longer packet", "firmware"});
 }
 
-// The firmware's replies are damaged at random: each call must end with a LinkError or without an error.
+// The test damages the firmware's replies at random: each call must end with a LinkError or without an error.
 void a_lying_rig_leaves_the_host_alive(void **)
 {
     std::mt19937 random(1);
@@ -373,7 +374,7 @@ void a_lying_rig_leaves_the_host_alive(void **)
     assert_true(errors > 40);
 }
 
-// While the host does not read, the device must wait, and no byte may be lost.
+// While the host does not read, the device must wait, and no byte that it sends may be lost.
 void bytes_come_in_order_and_a_slow_host_holds_the_rig(void **)
 {
     constexpr std::size_t total = 3 << 20;

@@ -1,5 +1,5 @@
-// Claims: body files are read as they were written. A file that is not a body file is refused with a message
-// that names the file, the place and the remedy.
+// Claims: reading a body file gives the bodies that were written. A file that is not a body file is refused
+// with a message that names the file, the byte and the remedy.
 #include "host/model/bodies.hpp"
 #include "host/xray/tests/xray_shapes.hpp"
 #include "shared/scene/scene_write.h"
@@ -21,7 +21,7 @@ namespace
 
 const std::string path = "/tmp/cournand-bodies-" + std::to_string(getpid()) + ".bodies";
 
-// Makes the BODY section of docs/scene.md, independently of tools/bake.
+// Makes the BODY section that docs/scene.md describes, independently of tools/bake.
 std::vector<std::uint8_t> body_section(const Body &body)
 {
     std::vector<std::uint8_t> bytes(64);
@@ -101,8 +101,8 @@ static void missing_file_is_named(void **)
     assert_true(error.find("/nowhere/a.bodies") != error.npos);
 }
 
-// Every shortened file, and a flipped bit in every 37th byte, must be refused, and no part of the file may be
-// read.
+// A file that is cut at any 37th byte, and a file with a flipped bit in any 37th byte, must be refused, and
+// the bodies that were read before must not change.
 static void damaged_file_is_refused_and_leaves_the_old_bodies(void **)
 {
     const std::vector<std::uint8_t> whole = body_file(two_bodies());

@@ -1,5 +1,5 @@
-// Claims: reading an instrument file gives the numbers that it states. A wrong file is refused with file,
-// line, place and key.
+// Claims: reading an instrument file gives the numbers that the file contains. A wrong instrument file is
+// refused with file, line, place and key.
 #include <algorithm>
 #include <cmath>
 #include <csetjmp>
@@ -33,7 +33,7 @@ std::string temporary_path()
     return "/tmp/cournand_test_" + std::to_string(getpid()) + ".toml";
 }
 
-// Returns the error message of reading a text; empty when the text is accepted.
+// Returns the error message of reading a text; the message is empty when the text is accepted.
 std::string message_of(const std::string &text, const std::string &preset = "")
 {
     const std::string path = temporary_path();
@@ -56,7 +56,7 @@ void expect_in(const std::string &message, const std::string &expected)
     }
 }
 
-// Reads a shipped file in which one piece of text was replaced.
+// Reads a shipped instrument file in which one piece of text was replaced.
 void expect_error_in(const std::string &file, const std::string &old_piece, const std::string &new_piece,
                      const std::string &expected)
 {
@@ -96,7 +96,7 @@ void a_shape_is_that_of_its_arcs(void **)
     expect_near("J, length of arc", wire.shape.back().arc_end_m, 3e-3 * std::numbers::pi, 1e-9);
     assert_true((half_circle.front().position_m - Eigen::Vector3d(0.02, 0.006, 0.0)).norm() < 1e-9);
     assert_true((half_circle.front().forward + Eigen::Vector3d::UnitX()).norm() < 1e-9);
-    // The angles of a shape add up along it: -90 + 180 - 35 degrees.
+    // The angles of the bent pieces add up along the shape: -90 + 180 - 35 degrees.
     const Eigen::Vector3d left =
         crn::unloaded_shape(crn::read_instrument(folder + "guide_jl4_6f.toml"), 1e-3, 0.0).front().forward;
     expect_near("JL4, direction of the tip", std::atan2(left.y(), left.x()), 55.0 * std::numbers::pi / 180.0,
@@ -174,7 +174,8 @@ void wrong_presets_are_refused(void **)
                  "preset 'vcsim3-fit': there is no preset 'fysical', did you mean 'physical'?");
     expect_error("radius_1e3 = 7.5", "radius_1e3 = 75", "table_5_1: 'radius_1e3' = 75 is outside 1 .. 20");
     expect_error("kp_1e3", "kp", "table_5_1: unknown key 'kp'");
-    // The fitted preset is not requested here, but the error in it must be found nevertheless.
+    // The test does not request the preset that was fitted to the thesis, but the error in this preset must
+    // be found nevertheless.
     expect_error_in("beacon_5f.toml", "radius_1e3 = 7.4", "radius_1e3 = 4.0",
                     "wider than the table's radius");
     expect_in(
@@ -206,8 +207,8 @@ void wrong_shapes_are_refused(void **)
            "knots, at most 32");
 }
 
-// The values are those that the maker prints, in the units of the byte protocol, and the marker bands are
-// among the X-ray layers.
+// The values are those that the balloon's maker prints, in the units of the byte protocol, and the marker
+// bands are among the X-ray layers.
 void a_balloon_has_its_makers_table(void **)
 {
     const Instrument one = crn::read_instrument(folder + "balloon_3x20.toml");

@@ -1,5 +1,5 @@
 // Claims: the device accepts every preset of every shipped instrument. In free space without gravity the
-// core's rod takes the shape that the instrument's file describes. Every guidewire can be simulated in every
+// simulated instrument takes the shape that its file describes. Every guidewire can be simulated in every
 // catheter into which it fits, and both together in a guiding catheter.
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -79,8 +79,8 @@ crn_instrument core_instrument(const Instrument &instrument)
     return core;
 }
 
-// Simulates a line in free space without gravity. The line enters along +x, and its material axis d1 is -z at
-// the entry.
+// Simulates nested tools in free space without gravity. The tools enter along +x, and their material axis d1
+// is -z at the entry.
 class FreeLine
 {
   public:
@@ -165,8 +165,8 @@ double angle_deg(const Vector3d &a, const Vector3d &b)
     return std::atan2(a.cross(b).norm(), a.dot(b)) * 180.0 / std::numbers::pi;
 }
 
-// The rod starts straight and comes to rest within 4 s. The test compares positions node by node; the
-// direction of the tip is that of the first element.
+// The simulated instrument starts straight and stops moving within 4 s. The test compares positions node by
+// node; the direction of the tip is that of the first element.
 void expect_rest_shape(const Instrument &instrument)
 {
     constexpr double allowed_deg = 2.5, allowed_strain = 1e-3;
@@ -201,8 +201,8 @@ void every_physical_instrument_rests_in_its_shape(void **)
     for (const std::string &file : shipped_files()) expect_rest_shape(crn::read_instrument(file));
 }
 
-// Unlike the shipped instruments, this curve lies in two planes: it has a quarter circle upwards, and then
-// one to the side.
+// Unlike the shapes of the shipped instruments, this curve lies in two planes: a quarter circle upwards is
+// followed by a quarter circle to the side.
 void a_shape_out_of_its_plane_rests_in_it(void **)
 {
     std::string text = crn::read_text_file(folder + "simmons_2_5f.toml");
@@ -269,9 +269,9 @@ void expect_line(const std::vector<const Instrument *> &tools)
     }
 }
 
-// Each guidewire is tested alone, in each catheter, and together with the catheter in each guiding catheter.
-// The thesis' fits describe one instrument alone and are thicker than the lumens of catheters, so they are
-// not combined.
+// Each guidewire is tested alone, in each catheter, and together with each catheter in each guiding catheter.
+// The presets that were fitted to the thesis describe one instrument alone and are thicker than the lumens of
+// catheters, so they are not combined.
 void every_wire_goes_with_every_catheter(void **)
 {
     std::vector<Instrument> all;

@@ -1,7 +1,7 @@
-// Claims: the inverse of the baker's map of a lesion's wall is exact to a hundredth of a millimetre. A body
-// of blood returns to the healthy vessel as far as each station is open, and nowhere else. Calcium is pushed
-// outwards and keeps its volume, in a beating heart too. Nothing changes while no lesion is open. Shapes have
-// closed forms.
+// Claims: the inverse of the map with which `bake` narrows a lesion's wall is exact to a hundredth of a
+// millimetre. A body of blood returns to the healthy vessel as far as each station (point) of the lesion is
+// open, and nowhere else. Calcium is pushed outwards and keeps its volume, also in a beating heart. No mesh
+// changes while no lesion is open. Shapes have closed forms.
 #include "host/model/lesion_wall.hpp"
 #include "host/model/opened_bodies.hpp"
 #include "host/stent/tests/stent_heart.hpp"
@@ -23,7 +23,7 @@ constexpr double pi = std::numbers::pi, radius_mm = 2.0, stenosis = 0.7, aside =
 constexpr double throat_mm = radius_mm * (1 - stenosis);
 
 // The tube is 60 mm long along y and 2 mm wide, with a side branch at 38 mm. The lesion narrows the tube by
-// 70 % over 16 mm about y = 30. The channel is off the axis by 0.4 of the lost diameter.
+// 70 % over 16 mm about y = 30. The channel through the lesion is off the axis by 0.4 of the lost diameter.
 VesselTree tube_tree()
 {
     VesselTree tree;
@@ -102,7 +102,7 @@ double volume_mm3(const Body &body, std::span<const Eigen::Vector3i> vertices_um
     return sum;
 }
 
-// The test covers a grid of radii and angles at the narrowest place: near the wall, in the transition to the
+// The test covers a grid of radii and angles at the narrowest point: near the wall, in the transition to the
 // region that does not move, and beside the branch.
 void the_map_of_a_wall_is_undone(void **)
 {
@@ -164,8 +164,8 @@ void opened_wholly_a_body_is_the_healthy_one_and_half_open_half_way(void **)
     assert_true(opened.vertex_count() >= moved && opened.vertex_count() < moved + 40);
 }
 
-// The narrowest place is at y = 30. Only the stations from 27 to 33 mm are open: by 0.6 in the middle, and by
-// 0 at both ends.
+// The narrowest point of the lesion is at y = 30 mm. Only the lesion's points from y = 27 to 33 mm are open:
+// by 0.6 in the middle, and by 0 at both ends.
 void a_body_opens_station_by_station(void **)
 {
     Bodies bodies{{tube(radius_mm, 60)}, tube_tree()};
@@ -196,8 +196,8 @@ void while_nothing_is_open_nothing_is_touched(void **)
     assert_true(opened.at({}, std::vector<double>(17, 0.0)).empty());
 }
 
-// Only the body of blood through which the vessel runs may change, and neither a chamber beside it nor the
-// flesh around it.
+// Only the body of blood through which the vessel runs may change; a heart chamber beside it and the flesh
+// around it must not change.
 void other_bodies_stay(void **)
 {
     Bodies bodies{{tube(radius_mm, 60), tube(10, 60), tube(1, 60)}, tube_tree()};
@@ -210,15 +210,16 @@ void other_bodies_stay(void **)
     assert_int_equal(moved[0].body, 0);
 }
 
-// A half shell of calcium lies around the channel, 1.6 to 1.9 mm from its middle. The calcium must end up
-// outside the opened lumen, with its volume unchanged.
+// A half shell of calcium lies around the channel of the lesion, 1.6 to 1.9 mm from its middle. The calcium
+// must end up outside the opened lumen, with its volume unchanged.
 void calcium_goes_out_with_the_wall_and_keeps_its_volume(void **)
 {
     Bodies bodies{{tube(radius_mm, 60), tube(1.0, 8)}, tube_tree()};
     Body &calcium = bodies.bodies[1];
     calcium.name = "plaque_calcium";
     calcium.material = "bone_cortical";
-    // The tube is bent into a half shell: x becomes the angle, and z the distance from the middle.
+    // The tube is bent into a half shell: its x coordinate becomes the angle, and its z coordinate the
+    // distance from the middle.
     for (Eigen::Vector3i &v_um : calcium.vertices_um) {
         const double angle = v_um.x() * 1e-3, r = 1.75 + 0.15 * v_um.z() * 1e-3;
         v_um = (Vector3d(r * std::sin(angle), 26 + v_um.y() * 1e-3, r * std::cos(angle) - 0.4) * 1e3)

@@ -1,7 +1,7 @@
 // Makes a beating artery for tests and benchmarks of stents. The artery is 50 mm long and bent, and has a
-// lesion of 75 %. The lattice of the artery's displacements is like the core's. The artery moves as much as
-// those of the shipped heart: 12 mm to and fro, 4 % of its length, 3.5 % of its width, and 6 degrees of
-// rotation; it also bends.
+// lesion that narrows it by 75 %. The lattice that describes the artery's displacements is like the core's.
+// The artery moves as much as those of the heart that is shipped with the program: 12 mm to and fro, 4 % of
+// its length, 3.5 % of its width, and 6 degrees of rotation; the artery also bends.
 #pragma once
 #include "host/model/motion.hpp"
 #include "host/stent/vessel_wall.hpp"
@@ -16,7 +16,8 @@ namespace crn
 
 inline constexpr double artery_middle_mm = 25.0;
 
-// Returns the displacement w of the lattice at a keyframe, mm, from the present place to the reference pose.
+// Returns the displacement w of the lattice at a keyframe, in mm, from the present position to the reference
+// pose.
 inline Eigen::Vector3d artery_way_mm(const Eigen::Vector3d &x, int key)
 {
     const double t = 2 * std::numbers::pi * key / motion_keyframes, s = std::sin(t), c = std::cos(t),
@@ -28,7 +29,7 @@ inline Eigen::Vector3d artery_way_mm(const Eigen::Vector3d &x, int key)
     return moved + stretched + turned + Eigen::Vector3d(-bend * u * x.y(), bend * u * u / 2, 0);
 }
 
-// Stores the same displacements as coefficients of the core's lattice.
+// Stores the lattice's displacements as coefficients of the core's lattice.
 struct BeatingLattice {
     std::vector<std::int16_t> rows;
     std::optional<Motion> motion;
@@ -64,8 +65,8 @@ struct BeatingLattice {
     }
 };
 
-// Makes a bent artery of 50 mm along x, with a radius from 1.6 to 1.4 mm. If `is_diseased`, it is narrowed by
-// 75 % over 12 mm.
+// Makes a bent artery of 50 mm along x, with a radius from 1.6 to 1.4 mm. If `is_diseased`, a lesion of 12 mm
+// narrows the artery by 75 %.
 inline VesselTree beating_artery(bool is_diseased)
 {
     VesselBranch branch;

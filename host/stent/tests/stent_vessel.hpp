@@ -1,6 +1,6 @@
-// Vessels for tests and benchmarks of stents: tubes of any cross-section around a curve, which beat, and
-// balloons that fill them. Another function measures how deep struts lie in the wall, without any of the
-// program's shortcuts. Lengths in mm.
+// Makes vessels for tests and benchmarks of stents: tubes of any cross-section around a curve, which beat,
+// and balloons that fill these tubes. Another function measures how deep struts lie in the wall, without the
+// shortcuts of the program's own computation. Lengths in mm.
 #pragma once
 #include "host/model/motion.hpp"
 #include "host/stent/contact.hpp"
@@ -39,7 +39,7 @@ struct TestVessel {
             for (int k = 0; k < around; ++k) {
                 const double s = length_mm * i / along,
                              angle = 2 * std::numbers::pi * (k + 0.5 * (i % 2)) / around;
-                // The circle with the stated radius is inscribed in the polygon.
+                // A circle with the given radius is inscribed in the polygon of the tube's cross-section.
                 const double r = radius_mm / std::cos(std::numbers::pi / around);
                 vertices_mm.push_back(middle(s) + r * (1 + eccentricity) * std::cos(angle) * across(s) +
                                       Eigen::Vector3d(0, 0, r * (1 - eccentricity) * std::sin(angle)));
@@ -78,8 +78,8 @@ struct TestVessel {
     static Eigen::Vector3d still(const Eigen::Vector3d &x) { return x; }
 };
 
-// Makes a balloon of `length` around the middle line of the vessel, with its middle at `at` along the vessel.
-// The arc length of its tool increases along the vessel.
+// Makes a balloon of `length` on the centreline of the vessel, with its middle at the position `at` along the
+// vessel. The arc length along the balloon's tool increases along the vessel.
 inline BalloonPose balloon_in(const TestVessel &vessel, double at_mm, double length_mm, double radius_mm,
                               const TestVessel::Map &map = TestVessel::still)
 {
@@ -92,8 +92,9 @@ inline BalloonPose balloon_in(const TestVessel &vessel, double at_mm, double len
     return pose;
 }
 
-// Returns the largest depth of any strut in any triangle. The function uses libccd for every pair, without
-// the grid, the patch and the planes of the program.
+// Returns the largest depth to which any strut reaches into any triangle. For every pair of strut and
+// triangle this function calls libccd, without the grid, the list of near triangles and the test of planes
+// that the program uses.
 inline double deepest_strut_mm(const Stent &stent, const StentWall &wall)
 {
     double deepest = 0.0;

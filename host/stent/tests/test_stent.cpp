@@ -1,7 +1,7 @@
-// Claims: a stent file is either read as a whole, or refused with the place of the error. A stent opens to
-// the width of its balloon, and shortens and recoils as formulas predict. The rings of a stent have the
-// stated stiffness, and its struts touch walls as capsules touch planes. Every sequence of actions on a stent
-// has a defined outcome.
+// Claims: a stent file is either read as a whole, or refused with the place of the error in the file. A stent
+// opens to the width of its balloon, and its shortening and recoil follow the formulas. The rings of a stent
+// have the stiffness in the stent's file, and its struts touch walls as capsules touch planes. Every sequence
+// of actions on a stent has a defined outcome.
 #include "firmware/tests/reference/long_run.h"
 #include "host/base/tests/folder.hpp"
 #include "host/base/text.hpp"
@@ -27,7 +27,7 @@ constexpr double pi = std::numbers::pi, mount_mm = 20.0;
 const std::string coronary_file = "shared/examples/stents/coronary_3_0x18.toml";
 const std::string renal_file = "shared/examples/stents/renal_6_0x18.toml";
 
-// Prints both values if they differ, so that a failure can be understood.
+// Prints the expected and the actual value if they differ, so that a failure can be understood.
 void near(const char *what, double got, double wanted, double allowed)
 {
     if (!(std::abs(got - wanted) <= allowed))
@@ -59,7 +59,7 @@ StentWall wall_of(const TestVessel &vessel)
     return wall;
 }
 
-// Inflates the balloon to `radius_mm` in ten pictures, and deflates it in ten.
+// Inflates the balloon to `radius_mm` in ten pictures, and deflates it in ten pictures.
 void inflate(Stent &stent, const StentWall *wall, const TestVessel &vessel, double radius_mm,
              double length_mm = 20.0)
 {
@@ -157,8 +157,8 @@ static void stent_opens_to_its_balloon(void **)
 }
 
 // A diamond cell consists of struts of length s with a chord c = 2 r sin(pi/2N), so its height per strut is
-// sqrt(s^2 - c^2). The test computes this formula itself, and measures the stent from end to end by its
-// points.
+// sqrt(s^2 - c^2). The test computes this formula itself, and measures the length of the stent from end to
+// end by its points.
 static void cells_shorten_as_diamonds_do(void **)
 {
     const TestVessel straight = tube(5.0);
@@ -197,9 +197,9 @@ static void free_stent_recoils_by_its_share(void **)
     }
 }
 
-// The radius of one ring is changed by small steps. The differences of its springs' energy E give F = dE/dR
-// and K = d2E/dR2, which are compared with the values in the file. Only the chords change: the height of a
-// ring changes without force, because its struts only turn.
+// The radius of one ring is changed by small steps. From differences of the springs' energy E the test
+// computes F = dE/dR and K = d2E/dR2, and compares them with the values in the file. Only the chords between
+// crowns change: the height of a ring changes without force, because the struts only turn.
 static void ring_is_as_stiff_as_stated(void **)
 {
     for (const std::string &file : {coronary_file, renal_file}) {
@@ -222,7 +222,7 @@ static void ring_is_as_stiff_as_stated(void **)
 }
 
 // A ring that a wall holds at a radius R below its free radius R0 stores the energy K/2 (R0 - R)^2 in its
-// springs. R is here the radius of a circle with the same area as the ring. The flat facets of the wall, and
+// springs. Here R is the radius of a circle with the same area as the ring. The flat facets of the wall, and
 // the braces between rings, make the ring uneven, which adds 10 % to its energy.
 static void pressed_ring_stores_what_its_stiffness_says(void **)
 {
@@ -245,8 +245,8 @@ static void pressed_ring_stores_what_its_stiffness_says(void **)
 
 // --- the wall ---
 
-// The end of a capsule reaches through the middle of a triangle. The expected depth, computed by hand, is the
-// radius minus the distance of the end in front of the plane.
+// The end of a capsule (half a strut) reaches through the middle of a triangle. The expected depth of the
+// contact, computed by hand, is the radius minus the distance of the capsule's end in front of the plane.
 static void contact_of_a_strut_is_that_of_its_plane(void **)
 {
     const std::array<Vector3d, 3> corners = {Vector3d(-1, -1, 0), Vector3d(2, -1, 0), Vector3d(-1, 2, 0)};
@@ -259,9 +259,9 @@ static void contact_of_a_strut_is_that_of_its_plane(void **)
     }
 }
 
-// From a triangle two millimetres away, the test walks over the tube's triangles to the nearest place, and
+// From a triangle two millimetres away, the test steps over the tube's triangles to the nearest point, and
 // compares it with a search over all triangles. The two results agree only to a micrometre, because beyond an
-// edge either of its two faces may be the nearest.
+// edge between two faces either face may be the nearest.
 static void walk_over_the_wall_ends_at_the_nearest_place(void **)
 {
     const TestVessel vessel = tube(1.5, 0.04, 0.1);
@@ -282,8 +282,8 @@ static void walk_over_the_wall_ends_at_the_nearest_place(void **)
 
 // --- deployment ---
 
-// A stent with the radius of the vessel lies in bends and in an oval tube. More than 95 % of it must lie on
-// the wall, and no part may pass through the wall.
+// The test places a stent with the radius of the vessel in bends and in an oval tube. More than 95 % of the
+// struts must lie on the wall, and no part may pass through the wall.
 static void stent_of_the_right_size_lies_on_the_wall(void **)
 {
     const struct {
@@ -317,14 +317,14 @@ static void stent_a_size_too_small_is_found_out(void **)
     const StentFigures figures = stent_figures(stent, &wall);
     assert_true(figures.apposed_share < 0.8);
     assert_true(!figures.gaps.empty());
-    // The gap is the vessel's radius of 1.5 minus 1.25 for the balloon and 0.081 for the strut, plus the
-    // recoil: 0.21 mm all around. The gap varies locally, because the balloon does not lie exactly in the
-    // middle.
+    // The gap between strut and wall is the vessel's radius of 1.5 mm minus 1.25 mm for the balloon and 0.081
+    // mm for the strut, plus the recoil: 0.21 mm all around. The gap varies around the stent, because the
+    // balloon does not lie exactly in the middle.
     for (const StentGap &gap : figures.gaps) assert_true(gap.gap_mm > apposed_mm && gap.gap_mm < 0.4);
 }
 
-// A second, wider balloon opens the stent again. The stent must end with that balloon's diameter minus the
-// recoil.
+// A second, wider balloon opens the stent again. The stent must end with the diameter of the second balloon
+// minus the recoil.
 static void post_dilation_brings_a_small_stent_to_the_wall(void **)
 {
     const TestVessel vessel = tube(1.5, 0.03);
@@ -354,8 +354,8 @@ static void post_dilation_brings_a_small_stent_to_the_wall(void **)
                               std::vector<double>{1.5, 1.5}) > 0.02);
 }
 
-// The second stent lies on the first. Where they overlap, its crowns must be nearer to the axis by the
-// thickness of a strut; this also shows how long the overlap is.
+// The second stent lies inside the first. Where the two stents overlap, the crowns of the inner stent must be
+// nearer to the axis by the thickness of a strut, which also shows the length of the overlap.
 static void second_stent_lies_on_the_first_where_they_overlap(void **)
 {
     const TestVessel vessel = tube(1.5);
@@ -399,8 +399,8 @@ static void stent_pulled_through_a_narrow_place_slides_off(void **)
         Stent stent(read_stent(coronary_file), mount_mm);
         for (double at = 20; at <= to_mm; at += 0.25) {
             BalloonPose pose = balloon_in(straight, at, 20, 0.4);
-            // The arc length of each ball along the tool does not change while the tool is pulled along the
-            // vessel. The narrow place is at 30 mm along the vessel.
+            // While the tool is pulled along the vessel, the arc length of each of the balloon's balls along
+            // the tool does not change. The narrow part of the vessel is at 30 mm along it.
             for (BalloonPoint &ball : pose.points) {
                 if (std::abs(ball.arc_mm - 30) < 1.0) ball.room_mm = room_mm;
                 ball.arc_mm += mount_mm - at;
@@ -415,7 +415,7 @@ static void stent_pulled_through_a_narrow_place_slides_off(void **)
     assert_int_equal(begun.stage(), StentStage::on_balloon);
     assert_true(begun.slip_mm() < -1.0);
     assert_int_equal(stuck.stage(), StentStage::stripped);
-    // The stent must stay, crimped, where it came off the balloon.
+    // The crimped stent must stay where it came off the balloon.
     assert_true(stuck.ring_centre_mm(6).x() < 40);
     near("crimped", mean_inside_mm(stent_figures(stuck, nullptr)), 1.05 - 2 * 0.081, 1e-6);
 }
@@ -435,8 +435,8 @@ static void stent_deployed_outside_a_vessel_is_adrift(void **)
     }
 }
 
-// Half of the stent lies beyond the end of the vessel, as at an ostium. The other half of the stent must hold
-// it, and the report must name the crowns outside.
+// Half of the stent lies beyond the end of the vessel, as at an ostium. The half inside the vessel must hold
+// the stent, and the report must name the crowns outside.
 static void half_a_stent_in_the_ostium_is_held_and_reported(void **)
 {
     TestVessel vessel = tube(1.5);
@@ -462,7 +462,7 @@ static void half_a_stent_in_the_ostium_is_held_and_reported(void **)
     near("missed before", coverage.missed_before_mm, 0.0, 1e-9);
 }
 
-// If the balloon is inflated too little, nothing is deployed, and the stent can be taken out of the patient.
+// If the balloon is inflated too little, the stent is not deployed and can be taken out of the patient.
 static void stent_that_was_not_opened_stays_on_its_balloon(void **)
 {
     const TestVessel straight = tube(5.0);
@@ -473,7 +473,7 @@ static void stent_that_was_not_opened_stays_on_its_balloon(void **)
     assert_int_equal(stent_figures(stent, nullptr).unopened_rings, 12);
 }
 
-// In random steps, balloons jump in place and width, lose balls and shrink to a point, and walls jump by
+// In random steps, balloons jump in position and width, lose balls and shrink to a point, and walls jump by
 // millimetres. The stent may be displaced, but its points must stay finite and near the vessel, and no strut
 // may become longer than a few times its length.
 static void nothing_that_balloon_and_wall_do_tears_it_apart(void **)

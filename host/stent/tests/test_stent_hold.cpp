@@ -1,8 +1,8 @@
-// Claims: for a minute, a stent in a beating artery stays at the place of the wall on which it was deployed.
-// The stent lies on the wall and does not pass through it, at 15 and at 60 pictures per second. A stent that
-// is too small does not stay in place. A lesion that a balloon has opened gets the shape of the healthy
-// vessel, which is that of the tree. The artery moves 12 mm to and fro, turns and bends; its length and width
-// change by as much as those of the shipped heart.
+// Claims: for a minute, a stent in a beating artery stays at the part of the wall on which it was deployed.
+// The struts lie on the wall and do not pass through it, at 15 and at 60 pictures per second. A stent that is
+// too small for its vessel does not stay where it was deployed. A lesion that a balloon has opened gets the
+// shape of the healthy vessel, as the tree of vessels describes it. The artery moves 12 mm to and fro, turns
+// and bends; its length and width change by as much as those of the arteries in the shipped heart.
 #include "firmware/tests/reference/long_run.h"
 #include "host/stent/stents.hpp"
 #include "host/stent/tests/stent_heart.hpp"
@@ -30,8 +30,8 @@ struct Minute {
     StentFigures last;
 };
 
-// Inflates the balloon in one second to `share` of the artery's radius, keeps it inflated for two seconds,
-// deflates it in one, and observes the stent until `seconds`.
+// Inflates the balloon in one second to the fraction `share` of the artery's radius, keeps it inflated for
+// two seconds, deflates it in one second, and observes the stent until `seconds`.
 Minute minute(double share, double pictures_per_s, double beats_per_min, double seconds)
 {
     const BeatingLattice heart;
@@ -95,8 +95,9 @@ static void stent_a_size_too_small_is_not_apposed_while_it_beats(void **)
     assert_true(result.last.diameter_min_mm > 2.0 && std::abs(result.last.length_mm - 17.9) < 1.5);
 }
 
-// The middles of facets lie on the circle, so every vertex must be at r / cos(pi/24) from the middle line.
-// The middle line and r come from the tree; every 23rd triangle is tested.
+// The middles of the tube's facets lie on the circle of radius r, so every vertex must be at r / cos(pi/24)
+// from the centreline. The centreline and the radius r come from the tree of vessels; every 23rd triangle is
+// tested.
 static void tube_is_that_of_the_tree_narrowed_and_opened(void **)
 {
     const VesselTree tree = beating_artery(true);
@@ -128,8 +129,8 @@ static void tube_is_that_of_the_tree_narrowed_and_opened(void **)
     }
 }
 
-// The lesion is open at one end only. The stations of the lesion are evenly spaced from its beginning to its
-// end, as in the core.
+// The lesion is open at one end only. The stations (points) of the lesion are evenly spaced from its
+// beginning to its end, as in the core.
 static void lesion_opens_station_by_station(void **)
 {
     VesselWall vessel(beating_artery(true), 0, 5, 45, nullptr);
@@ -145,8 +146,8 @@ static void lesion_opens_station_by_station(void **)
     assert_true(std::abs(stretch.to_mm - stretch.from_mm - 12) < 0.6 && vessel.lesion_mm(1).is_empty());
 }
 
-// Two stents are deployed one after the other. The second stent lies in one end of the first and covers half
-// of the lesion. Then their orders to the core are compared.
+// Two stents are deployed one after the other. The second stent lies in one end of the first stent and covers
+// half of the lesion. Then the test compares the commands that the two stents cause for the core.
 struct Two {
     VesselWall vessel{beating_artery(true), 0, 5, 45, nullptr};
     Stents stents;
@@ -187,11 +188,11 @@ static void stents_tell_the_core_what_they_hold_open(void **)
     const std::vector<StentHold> whole = two.stents.holds(two.vessel, 0, 13);
     assert_int_equal(whole.back().last, 12);
     // Where the plaque is thick, the recoil of 3 % has little effect, and at the minimal lumen diameter nine
-    // tenths must stay open.
+    // tenths of the opening must remain.
     for (const StentHold &hold : whole)
         if (hold.first <= 6 && hold.last >= 6) assert_true(hold.open_256 > 230 && hold.open_256 <= 256);
     assert_true(stent_overlap_mm(two.stents[1], two.stents[0].sleeve()) > 1.5);
-    // A copy restored from a snapshot must behave in the same way.
+    // A copy of the stents that is restored from a snapshot must behave in the same way as the original.
     Two other;
     other.deploy(16.0);
     other.deploy(31.0);
@@ -203,8 +204,8 @@ static void stents_tell_the_core_what_they_hold_open(void **)
     assert_false(Two().stents.restore(two.stents.snapshot()));
 }
 
-// A renal artery of 3 mm radius leaves an aorta of 9 mm. The tube must begin where the branch leaves the
-// aorta's lumen, so that the part of a stent in the aorta touches no wall.
+// In this test a renal artery of 3 mm radius leaves an aorta of 9 mm radius. The tube must begin where the
+// branch leaves the aorta's lumen, so that the part of a stent in the aorta touches no wall.
 static void wall_of_a_branch_begins_at_its_ostium(void **)
 {
     VesselBranch aorta, renal;

@@ -1,4 +1,5 @@
-// Chooses between the two kinds of OpenGL context that need no window, and has the code that both use.
+// Chooses between the two kinds of OpenGL context that need no window, and contains the code that both kinds
+// use.
 #include "host/xray/gl/gl_context.hpp"
 #include "host/xray/gl/gl_headless.hpp"
 #include <cstring>

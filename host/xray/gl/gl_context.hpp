@@ -10,12 +10,13 @@
 namespace crn
 {
 
-// The message states what is missing or was refused, and gives the remedy.
+// GlError reports that OpenGL cannot be used; its message names what is missing or was refused, and gives the
+// remedy.
 struct GlError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-// This exception is thrown when a context that existed has been lost; a new context may work.
+// GlLost reports that an existing OpenGL context was lost; a new context may work.
 struct GlLost : GlError {
     using GlError::GlError;
 };
@@ -26,18 +27,19 @@ class GlContext
 {
   public:
     virtual ~GlContext() = default;
-    // Makes the context current in the calling thread; only one thread may have it at a time. Throws GlLost.
+    // Makes the OpenGL context current in the calling thread; the context may be current in only one thread
+    // at a time. Throws GlLost.
     virtual void enter() = 0;
-    // Releases the context from the thread, so that a context of another library may be current there.
+    // Releases the OpenGL context from the thread, so that a context of another library may be current there.
     virtual void leave() = 0;
-    // May be called only while the context is current; returns nullptr if there is no function with this
-    // name.
+    // Returns the address of an OpenGL function, or nullptr if there is no function with this name; the
+    // context must be current.
     virtual GlFunction function(const char *name) const = 0;
-    // Returns the name of the library, for example "OSMesa (libOSMesa.so.8)".
+    // Returns the name of the library that provides the context, for example "OSMesa (libOSMesa.so.8)".
     virtual std::string origin() const = 0;
 };
 
-// Makes a context current, and releases it at the end of the block.
+// Makes an OpenGL context current in this thread, and releases it at the end of the block.
 class GlEntered
 {
   public:
@@ -52,7 +54,7 @@ class GlEntered
 
 enum class GlLibrary { any, osmesa, egl };
 
-// These file names are tried, in the order of each list.
+// The program tries these file names of a library, in the order of each list.
 struct GlFileNames {
     std::vector<std::string> osmesa = {"libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so"};
     std::vector<std::string> egl = {"libEGL.so.1", "libEGL.so"};
@@ -63,8 +65,8 @@ struct GlFileNames {
 // install.
 std::unique_ptr<GlContext> open_headless(GlLibrary library = GlLibrary::any, const GlFileNames &names = {});
 
-// Loads every function of the table by its name; throws GlError with the name of the first function that is
-// missing. The context must be current.
+// Loads every OpenGL function of the table by its name; throws GlError with the name of the first function
+// that is missing. The context must be current.
 GlFunctions load_functions(const GlContext &context);
 
 struct GlDescription {

@@ -10,8 +10,9 @@ namespace
 {
 
 // The camera axes are in mm: x to the right, y up, and z away from the source. x and y are multiplied by the
-// focal length, which is stated in half pictures. OpenGL reads back the lowest row first, so y is flipped to
-// get the top row first. Only geometry nearer to the source than 1 mm is clipped.
+// focal length, in units of half a picture. OpenGL reads back the lowest row first, so the y coordinate is
+// flipped to get the top row first. Only those parts of the bodies that are nearer to the source than 1 mm
+// are clipped.
 constexpr const char *vertex_text = R"(#version 330 core
 layout(location = 0) in vec3 vertex_um;
 uniform vec3 source_um, right, up, forward;
@@ -21,9 +22,9 @@ void main() {
     gl_Position = vec4(dot(ray_mm, right), -dot(ray_mm, up), depth_mm - 2.0, depth_mm);
 })";
 
-// 1 / gl_FragCoord.w is the depth, interpolated with correct perspective. The picture is seen from the
-// detector and mirrored. So a face that looks at the source appears anticlockwise in it, as it does from
-// outside the body.
+// 1 / gl_FragCoord.w is the depth, interpolated with correct perspective. The picture is drawn as seen from
+// the detector and mirrored. So a face that is turned towards the source appears anticlockwise in the
+// picture, as it does when seen from outside the body.
 constexpr const char *fragment_text = R"(#version 330 core
 uniform float reference_mm;
 out float sum_mm;
@@ -34,7 +35,7 @@ void main() {
 
 constexpr float near_um = 1000.0f;
 
-// Describes the pyramid of all rays of the picture; chunks outside it are skipped.
+// Describes the pyramid of all rays of the picture; chunks of triangles outside this pyramid are skipped.
 struct Pyramid {
     Eigen::Vector3f source_um, right, up, forward;
     float focal, half; // pixels
@@ -57,7 +58,8 @@ struct Pyramid {
     }
 };
 
-// Holds runs of consecutive chunks, in one list per channel, in the form that MultiDrawElements requires.
+// Lists, for each channel, the runs of consecutive chunks of triangles to draw, in the form that
+// MultiDrawElements requires.
 struct DrawList {
     std::vector<int> counts;
     std::vector<const void *> offsets;
@@ -155,7 +157,7 @@ GlDevice::~GlDevice()
         gl_.DeleteVertexArrays(1, &array_);
         gl_.DeleteProgram(program_);
     } catch (const GlError &) {
-        // A context that was lost has already deleted its objects.
+        // A lost OpenGL context has already deleted its buffers, textures and programs.
     }
 }
 
@@ -229,8 +231,8 @@ void GlDevice::set_view(const View &view, float reference_mm) const
     gl_.Uniform1f(gl_.GetUniformLocation(program_, "reference_mm"), reference_mm);
 }
 
-// Restores the settings that a draw changes, if other users of the context rely on them. The other users of
-// the context set all other settings themselves.
+// Restores those OpenGL settings that drawing changes and that other users of the context rely on. The other
+// users of the OpenGL context set all other settings themselves.
 class GlDevice::StateGuard
 {
   public:
@@ -284,9 +286,10 @@ void GlDevice::draw(const BodyMeshes &meshes, std::span<const std::uint8_t> is_s
     send_vertices(meshes, is_stale);
     resize(meshes.channels.size(), view.size);
     gl_.UseProgram(program_);
-    // Floats are densest near 0, so depths are measured from the isocentre. A face behind the source is not
-    // drawn. A body with such a face has one depth less in its sum, so that the origin of the depths would
-    // affect the sum. For such a body the origin is the source itself.
+    // Floating-point numbers are most precise near 0, so depths are measured from the isocentre. A face
+    // behind the source is not drawn. If a body has a face behind the source, one depth is missing from the
+    // body's sum, so that the sum depends on the origin of the depths. For a body with a face behind the
+    // source, the depths are therefore measured from the source itself.
     set_view(view, plan.is_source_near ? 0.0f : static_cast<float>(view.source_isocentre_m * 1e3));
     set_state(view, rect);
     for (std::size_t channel = 0; channel < pictures_.size(); ++channel) {

@@ -1,5 +1,5 @@
 // Draws the faces of bodies in one OpenGL context, with its buffers, its program, and one picture of floats
-// per channel. This header is private to its folder.
+// per channel. Only files in the same folder may include this header.
 #pragma once
 #include "host/xray/gl/gl_context.hpp"
 #include "host/xray/paths/paths.hpp"
@@ -19,8 +19,8 @@ class GlDevice
     const GlDescription &description() const { return description_; }
 
     // Sends the vertices of the bodies marked in `is_stale` to OpenGL, draws the bodies marked in `is_drawn`,
-    // and reads back the rectangle of every channel. The values are sums of depths along the central axis, in
-    // mm, row after row from the top. Throws GlError, GlLost.
+    // and reads back the rectangle of every channel. The values read back are sums of depths along the
+    // central axis, in mm, row after row from the top. Throws GlError, GlLost.
     void draw(const BodyMeshes &meshes, std::span<const std::uint8_t> is_stale,
               std::span<const std::uint8_t> is_drawn, const View &view, const PixelRect &rect,
               std::vector<std::vector<float>> &sums_mm);

@@ -1,5 +1,5 @@
-// Implements EGL without a surface, which Mesa offers as the replacement for OSMesa. Like OSMesa, it needs no
-// display server.
+// Implements EGL without a surface, which Mesa offers as the replacement for OSMesa. Like OSMesa, EGL without
+// a surface needs no display server.
 #include "host/base/format.hpp"
 #include "host/xray/gl/gl_headless.hpp"
 #include "host/xray/gl/gl_library.hpp"
@@ -10,7 +10,7 @@ namespace crn
 namespace
 {
 
-// These are constants of EGL/egl.h and EGL/eglext.h (Khronos registry).
+// The next constants are those of EGL/egl.h and EGL/eglext.h (Khronos registry).
 constexpr unsigned egl_platform_surfaceless_mesa = 0x31DD, egl_opengl_api = 0x30A2;
 constexpr int egl_surface_type = 0x3033, egl_pbuffer_bit = 1, egl_renderable_type = 0x3040,
               egl_opengl_bit = 8, egl_none = 0x3038, egl_context_major = 0x3098, egl_context_minor = 0x30FB,
@@ -70,8 +70,9 @@ std::string code_of(const Egl &egl)
     return formatted("0x%04x", static_cast<unsigned>(egl.error()));
 }
 
-// Holds the display of a process for EGL without a surface; a process has only one. EGL gives every caller
-// the same display, and ending it ends all its contexts. So only the last context ends the display.
+// Holds the display for EGL without a surface; a process has only one such display. EGL gives every caller in
+// a process the same display, and ending this display ends all its contexts. So the display is ended only
+// together with the last context.
 class Display
 {
   public:

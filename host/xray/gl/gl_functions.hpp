@@ -1,6 +1,6 @@
 // Declares the functions and constants of OpenGL 3.3 core that this project uses (Khronos registry), as a
-// table whose functions are loaded by name. The program links no OpenGL library: libOSMesa and libGL both
-// export gl*, so a linked one would override the other.
+// table whose functions are loaded by name. The program links no OpenGL library, because libOSMesa and libGL
+// both export gl* functions, so that a linked library would override the other one.
 #pragma once
 #include <cstddef>
 #include <cstdint>

@@ -1,5 +1,5 @@
-// Opens the two kinds of OpenGL context that need no window. This header is private to its folder; other code
-// calls open_headless.
+// Opens the two kinds of OpenGL context that need no window: OSMesa, and EGL without a surface. Only files in
+// the same folder may include this header; other code calls open_headless.
 #pragma once
 #include "host/xray/gl/gl_context.hpp"
 

@@ -1,6 +1,6 @@
 // A GlLibraryFile is a shared library that is opened at run time. The library stays loaded until the process
-// ends, because Mesa keeps threads and thread-local data, and unloading it is not safe. This header is
-// private to its folder.
+// ends, because Mesa keeps threads and thread-local data, so that unloading the library is not safe. Only
+// files in the same folder may include this header.
 #pragma once
 #include <cstring>
 #include <string>
@@ -12,8 +12,8 @@ namespace crn
 class GlLibraryFile
 {
   public:
-    // Opens the first of the libraries `names` that can be opened. If none can, is_open() returns false and
-    // problem() returns the cause.
+    // Opens the first of the libraries `names` that the system can load. If none of the libraries can be
+    // loaded, is_open() returns false and problem() returns the cause.
     explicit GlLibraryFile(const std::vector<std::string> &names);
 
     bool is_open() const { return handle_ != nullptr; }

@@ -64,7 +64,7 @@ class OsMesaContext final : public GlContext
     std::string origin() const override { return "OSMesa (" + library_.file.name() + ")"; }
 
   private:
-    // OSMesa requires a picture of its own, although path lengths are drawn to textures.
+    // OSMesa requires a picture buffer of its own, although path lengths are drawn to textures.
     static constexpr int edge = 8;
 
     OsMesa library_;

@@ -9,8 +9,8 @@ namespace crn
 namespace
 {
 
-// Rounds to the nearest multiple of 1/1024 mm. A value that is impossible for a body, such as NaN from a
-// driver, counts as 0.
+// Rounds a path length to the nearest multiple of 1/1024 mm. A value that is impossible for a body, such as
+// NaN from a driver, counts as 0.
 std::int32_t q10mm(float length_mm)
 {
     const float q10 = length_mm * 1024.0f;

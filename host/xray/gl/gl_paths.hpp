@@ -1,7 +1,7 @@
-// Computes path lengths of bodies by OpenGL 3.3 core. Every face adds its depth to a picture of floats where
-// a ray leaves the body, and subtracts it where the ray enters. The order of the faces does not matter, so
-// neither a depth buffer nor sorting is needed. The result is that of RasterPaths, computed by independent
-// code; host/xray/tests/test_gl.cpp compares the two. See docs/xray.md.
+// Computes path lengths of bodies by OpenGL 3.3 core. Where a ray leaves a body, the face there adds its
+// depth to a picture of floats, and where the ray enters, the face subtracts its depth. The order of the
+// faces does not matter, so neither a depth buffer nor sorting is needed. RasterPaths computes the same path
+// lengths with independent code; host/xray/tests/test_gl.cpp compares the two. See docs/xray.md.
 #pragma once
 #include "host/xray/gl/gl_context.hpp"
 #include "host/xray/paths/paths.hpp"
@@ -10,7 +10,7 @@
 namespace crn
 {
 
-// Opens a context; it is called at the start, and again when the context was lost.
+// Opens an OpenGL context; GlPaths calls this function at the start, and again after a context was lost.
 using GlOpener = std::function<std::unique_ptr<GlContext>()>;
 
 class GlDevice;
@@ -18,8 +18,8 @@ class GlDevice;
 class GlPaths final : public BodyPaths
 {
   public:
-    // `threads` threads convert the sums that were read back to integers. Throws GlError if there is no
-    // context, a function is missing, or the driver refuses a shader.
+    // GlPaths reads back the sums of depths, and `threads` threads convert them to integers. Throws GlError
+    // if there is no context, a function is missing, or the driver refuses a shader.
     GlPaths(const BodyMeshes &meshes, GlOpener open, int threads);
     ~GlPaths() override;
 

@@ -37,7 +37,8 @@ struct SineCosine {
     double sine, cosine;
 };
 
-// Accepts any angle within +-1e6 degrees; multiples of 90 degrees are exact.
+// Computes the sine and cosine of any angle within +-1e6 degrees; the results for multiples of 90 degrees are
+// exact.
 SineCosine sine_cosine(double angle_deg)
 {
     double quarters = std::floor(angle_deg / 90.0 + 0.5);

@@ -1,4 +1,4 @@
-// Describes the geometry of the C-arm: the places of source and detector in the patient frame
+// Describes the geometry of the C-arm: the positions of source and detector in the patient frame
 // (docs/frames.md). Angles are those of DICOM PS3.3 C.8.7.5.1.2: the primary angle is positive for LAO and
 // negative for RAO; the secondary angle is positive for cranial and negative for caudal.
 #pragma once
@@ -20,8 +20,8 @@ struct CArm {
     bool operator==(const CArm &) const = default;
 };
 
-// Describes the same geometry by points and unit vectors. This geometry is computed without libm, so that
-// every compiler gives equal bytes.
+// Describes the geometry of the C-arm by points and unit vectors in the patient frame. The geometry is
+// computed without libm, so that every compiler gives results that are equal bit for bit.
 struct View {
     Eigen::Vector3d source_m;
     Eigen::Vector3d right;   // picture's right, patient left in AP

@@ -1,4 +1,4 @@
-// Cuts the mesh of a body into chunks of neighbouring triangles, so that a chunk outside the field can be
+// Cuts the mesh of a body into chunks of neighbouring triangles, so that a chunk outside the picture can be
 // skipped as a whole.
 #include "host/xray/paths/meshes.hpp"
 #include <algorithm>
@@ -11,7 +11,8 @@ namespace crn
 namespace
 {
 
-// Interleaves the bits of three numbers of ten bits, so that places that are near in space get similar keys.
+// Interleaves the bits of three coordinates of ten bits, so that positions near each other in space get
+// similar keys.
 std::uint32_t morton_key(const Eigen::Vector3i &cell)
 {
     std::uint32_t key = 0;

@@ -29,15 +29,15 @@ enum class Material : std::uint8_t {
 };
 inline constexpr int material_count = 16;
 
-// Returns the name that files use, such as "bone_cortical".
+// Returns the name that files use for a material, such as "bone_cortical".
 std::string_view material_name(Material material);
 
-// Accepts these names, and these short forms: tissue, skin, organ, water (soft_tissue), heart (muscle), fat
-// (adipose), bone, cortical (bone_cortical), spongy, marrow (bone_spongy), contrast (iohexol_350), steel_304
-// (steel).
+// Accepts the full names of the materials, and these short forms: tissue, skin, organ, water (soft_tissue),
+// heart (muscle), fat (adipose), bone, cortical (bone_cortical), spongy, marrow (bone_spongy), contrast
+// (iohexol_350), steel_304 (steel).
 std::optional<Material> material_from_name(std::string_view name);
 
-// Returns all accepted names, separated by commas, for error messages.
+// Returns all accepted names of materials, separated by commas, for error messages.
 std::string material_names();
 
 } // namespace crn

@@ -1,6 +1,6 @@
-// Holds the bodies of a scene in the form in which they are drawn: chunks of neighbouring triangles, so that
-// a chunk outside the field is skipped as a whole. These meshes are made once per scene, and then any number
-// of threads and back ends may read them.
+// Holds the bodies of a scene in the form in which they are drawn: as chunks of neighbouring triangles, so
+// that a chunk outside the picture is skipped as a whole. The meshes of a scene's bodies are made once, and
+// then any number of threads and back ends may read them.
 #pragma once
 #include "host/model/bodies.hpp"
 #include <array>
@@ -11,15 +11,15 @@
 namespace crn
 {
 
-// All bodies of one material that lie in bodies of one other material have a common channel, which is one
-// picture of sums. The sums of a channel are added to the bodies' own material and subtracted from the
-// material around them, the parent.
+// A channel is one picture of depth sums: all bodies of one material that lie in bodies of one other material
+// share a channel. The sums of a channel are added to the path lengths in the bodies' own material, and
+// subtracted from the path lengths in the surrounding material, the parent.
 struct MeshChannel {
     int own = 0;     // material
     int parent = -1; // material, -1: air
 };
 
-// A chunk has about a hundred neighbouring triangles and the vertices that they use.
+// A chunk consists of about a hundred neighbouring triangles and the vertices that they use.
 struct MeshChunk {
     std::uint32_t vertex_begin = 0, vertex_count = 0;
     std::uint32_t triangle_begin = 0, triangle_count = 0;
@@ -42,14 +42,16 @@ struct BodyMeshes {
 
 inline constexpr int mesh_chunk_triangles = 128;
 
-// Appends the next body of Bodies, cut into chunks. `own` and `parent` are materials; a parent of -1 is air.
+// Cuts one body into chunks of neighbouring triangles, and appends it to the meshes. `own` is the material of
+// the body, and `parent` is the material around it; a parent of -1 is air.
 void append_body(BodyMeshes &meshes, const Body &body, int own, int parent);
 
-// Replaces the vertices of a body by an equal number of others; its triangles stay.
+// Replaces the vertices of a body by the same number of new vertices; the triangles keep their vertex
+// indices.
 void move_body(BodyMeshes &meshes, int body, std::span<const Eigen::Vector3i> vertices_um);
 
 // Returns the present vertices of a body in the order of Body::vertices_um; a vertex that no triangle uses is
-// 0.
+// returned as 0.
 std::vector<Eigen::Vector3i> body_vertices_um(const BodyMeshes &meshes, int body);
 
 } // namespace crn

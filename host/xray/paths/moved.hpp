@@ -1,5 +1,5 @@
-// Describes the parts of the picture that move from frame to frame: tools on the line, struts and contrast
-// medium as curves, and beating bodies.
+// Describes what moves in the picture from frame to frame: tools along their common centreline, struts and
+// contrast medium as curves, and bodies that beat with the heart.
 #pragma once
 #include "host/model/wire_frame.hpp"
 #include "host/xray/paths/materials.hpp"
@@ -9,24 +9,24 @@
 namespace crn
 {
 
-// Describes one stretch of a tool, by its arc length from the tool's tip. A coil is described as a tube that
-// metal fills partly. A braided wall is described as two sections over the same stretch, one of polymer and
-// one of steel.
+// Describes how X-rays see one stretch of a tool; arc lengths from the tool's tip give the ends of the
+// stretch. A coil is described as a tube that metal fills partly. A braided wall is described as two sections
+// over the same stretch, one of polymer and one of steel.
 struct RadiopaqueSection {
     double arc_begin_m = 0.0;
     double arc_end_m = 3.0;
     Material material = Material::steel;
     double fill = 0.75;        // share of the cross-section filled by the material, 0 .. 1
     double radius_share = 1.0; // of the tool's outer radius; above 1: a band around it
-    // This is the inner radius, as a share of the tool's outer radius. If this radius is above 0, the section
-    // is a ring outside it, such as a jacket or a marker band, and `fill` is the share of the ring. If the
-    // inner radius is 0, the section reaches inwards to the lumen, and `fill` is the share of the whole
-    // cross-section.
+    // This member is the inner radius of the section, as a fraction of the tool's outer radius. If the inner
+    // radius is above 0, the section is a ring outside it, such as a jacket or a marker band, and `fill` is
+    // the filled fraction of the ring. If the inner radius is 0, the section reaches inwards to the lumen,
+    // and `fill` is the filled fraction of the tool's whole cross-section.
     double inner_radius_share = 0.0;
 };
 
-// Holds the radii at an arc length from the tool's tip. Between two entries they change linearly; two entries
-// at the same arc length make a step.
+// Holds a tool's outer and inner radius at an arc length from the tool's tip. Between two entries of the list
+// the radii change linearly; two entries at the same arc length make a step.
 struct RadiopaqueRadius {
     double arc_m = 0.0;
     double outer_m = 0.0;
@@ -42,32 +42,34 @@ struct RadiopaqueInstrument {
 // the coil are of platinum.
 RadiopaqueInstrument guidewire_look(double tip_m = 0.03);
 
-// A point of a curve. Radius and share change linearly to the next point.
+// A point of a curve. From one point of a curve to the next, the radius and the filled fraction of the
+// cross-section change linearly.
 struct SweptPoint {
     Eigen::Vector3d at_m;
     double radius_m = 0.0;
     double share = 1.0; // of the cross-section that the material fills, 0 .. 1
 };
 
-// Describes a round body along straight pieces of a line, such as a strut of a stent, or the contrast medium
-// in a stretch of vessel. Such a curve is drawn by exact path lengths without triangles, so that a picture
-// can have hundreds of them.
+// Describes a round body along a chain of straight pieces, such as a strut of a stent, or the contrast medium
+// in a stretch of vessel. Such a curve is drawn without triangles, by exact path lengths, so that a picture
+// can have hundreds of curves.
 struct SweptCurve {
     Material material = Material::steel;
     std::vector<SweptPoint> points; // two at least; a curve that is not finite is left out
 };
 
-// Returns the share of iohexol 350 in blood that has this concentration of iodine.
+// Returns the volume fraction of iohexol 350 in blood that contains the given concentration of iodine.
 double contrast_share(double iodine_mg_per_ml);
 
-// Holds the new places of the vertices of a body. The number of vertices must be that of the scene's body,
-// because the triangles stay. Entries with another number of vertices are left out.
+// Holds the new positions of the vertices of a body. The number of vertices must equal that of the scene's
+// body, because the triangles keep their vertex indices. A moved body with another number of vertices is
+// ignored.
 struct MovedBody {
     int body = 0; // index in Bodies
     std::span<const Eigen::Vector3i> vertices_um;
 };
 
-// Holds everything that moves, as it is at the tick of the wire frame.
+// Holds everything that moves in a picture, as it is at the tick (millisecond) of the WireFrame.
 struct XrayFrame {
     std::span<const RadiopaqueInstrument>
         tools; // from the innermost out, each over its part of the line (wire.tip_arc_m)

@@ -1,5 +1,5 @@
-// Runs the same work on several threads and waits until all have finished. Results never depend on the number
-// of threads.
+// Runs the same work on several threads and waits until all threads have finished. Results never depend on
+// the number of threads.
 #pragma once
 #include <algorithm>
 #include <atomic>
@@ -18,7 +18,8 @@ template <class Work> void run_on_threads(int count, const Work &work)
     for (std::thread &other : others) other.join();
 }
 
-// Returns the rows that one thread processes when `count` threads share `rows` rows.
+// Returns the rows of a picture that one thread processes when `count` threads divide `rows` rows among
+// themselves.
 struct RowRange {
     int begin, end;
 };
@@ -27,7 +28,8 @@ inline RowRange rows_of_thread(int index, int count, int rows)
     return {rows * index / count, rows * (index + 1) / count};
 }
 
-// Runs work(range) over all rows, `step` rows at a time; each range goes to the next thread that is free.
+// Runs work(range) over all rows of a picture, `step` rows at a time; each range goes to the next thread that
+// is free.
 template <class Work> void run_on_rows(int threads, int rows, int step, const Work &work)
 {
     std::atomic<int> next = 0;

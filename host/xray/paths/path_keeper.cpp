@@ -1,4 +1,4 @@
-// Determines what has changed since the last frame, and which back end draws it.
+// Determines which parts of the scene have changed since the last frame, and which back end draws them.
 #include "host/xray/paths/path_keeper.hpp"
 #include "host/xray/paths/parallel.hpp"
 #include "host/xray/paths/raster_paths.hpp"
@@ -13,7 +13,7 @@ namespace
 
 constexpr int far_um = 2'000'000; // the same limit as in check_bodies
 
-// Makes a picture for every material that a channel uses, and none for other materials.
+// Makes a picture of path lengths for every material that a channel uses, and no picture for other materials.
 void size_pictures(const BodyMeshes &meshes, int size, PathPictures &pictures)
 {
     const std::size_t pixels = static_cast<std::size_t>(size) * size;
@@ -41,8 +41,8 @@ PixelRect around_both(const PixelRect &a, const PixelRect &b)
     return {std::min(a.x0, b.x0), std::min(a.y0, b.y0), std::max(a.x1, b.x1), std::max(a.y1, b.y1)};
 }
 
-// Returns the pixels that a box around these points can cover. If the box reaches behind the source, the
-// result is the whole picture.
+// Returns the rectangle of pixels that the box around the given points can cover. If this box reaches behind
+// the source, the function returns the whole picture.
 PixelRect covered(const View &view, const std::vector<Eigen::Vector3i> &points_um)
 {
     Eigen::Vector3i low = points_um.front(), high = low;
@@ -147,8 +147,8 @@ void PathKeeper::see_view()
     is_filled_ = true;
 }
 
-// Redraws the bodies that moved, over their new places and over those that they have left, and adds them to
-// the sums of the bodies at rest.
+// Redraws the pixels that the moved bodies cover now or covered before, and adds the bodies to the sums of
+// those that do not move.
 void PathKeeper::see_moved(const PixelRect &at_least)
 {
     const PixelRect now = moved_rect();

@@ -1,5 +1,6 @@
-// Keeps the path lengths of one view between frames. Bodies at rest are redrawn only when the view changes,
-// and a moving body when its vertices change. Tools and curves are redrawn in every frame.
+// Keeps the path lengths of one view between frames. Bodies that do not move are redrawn only when the view
+// changes, and a moving body is redrawn when its vertices change. Tools and curves are redrawn in every
+// frame.
 #pragma once
 #include "host/xray/paths/moved.hpp"
 #include "host/xray/paths/paths.hpp"
@@ -23,7 +24,7 @@ class PathKeeper
     const std::string &back_end_error() const { return error_; } // why another back end was abandoned
 
   private:
-    // Moves the bodies of the back end to their places in the frame. True when any has changed.
+    // Moves the bodies of the back end to their positions in the frame. True when any has changed.
     bool move(const XrayFrame &frame);
     void see_view();
     void see_moved(const PixelRect &at_least);

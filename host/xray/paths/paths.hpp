@@ -1,17 +1,18 @@
-// A path length is the length over which a ray crosses a material; there is one for every ray and material.
-// Everything from the transmission on (host/xray/chain.hpp) uses only these lengths, and does not depend on
-// meshes and tubes.
+// A path length is the length over which a ray crosses a material; each ray has one path length for each
+// material. All later steps, beginning with the transmission (host/xray/chain.hpp), use only path lengths,
+// and do not depend on meshes and tubes.
 //
 //     Bodies ──> BodyPaths (a back end: RasterPaths, or OpenGL) ──┐
 //                                                                 ├──> PathKeeper ──> chain
 //     tools on the wire, by exact chords (tube.hpp) ──────────────┘
 //
-// A back end must deliver one int32 for each material and pixel (see BodyPaths::draw), in units of 1/1024 mm.
-// Its unit is 1/1024 mm. The value is (depth where the ray leaves) - (depth where it enters), along the ray
-// through the middle of the pixel, summed over all faces of the selected bodies. The sum of a body is added
-// to its own material, and subtracted from that of its parent, in which it lies. So bodies nested to any
-// depth need no sorting. RasterPaths is the reference. Another back end may differ from RasterPaths by
-// rounding, and a test checks that the difference stays within a stated length.
+// A back end, which computes path lengths, must deliver one int32 for each material and pixel (see
+// BodyPaths::draw), in units of 1/1024 mm. Its unit is 1/1024 mm. The int32 is (depth where the ray leaves) -
+// (depth where it enters), along the ray through the middle of the pixel, summed over all faces of the
+// selected bodies. The sum of a body is added to the path length in its own material, and subtracted from
+// that in the material of its parent, in which it lies. So bodies may be nested to any depth and need no
+// sorting. RasterPaths is the reference. The results of another back end may differ from those of RasterPaths
+// by rounding, and a test limits this difference.
 #pragma once
 #include "host/xray/paths/carm.hpp"
 #include "host/xray/paths/materials.hpp"
@@ -27,8 +28,8 @@
 namespace crn
 {
 
-// Holds one picture per material, size*size pixels with row 0 on top, in 1/1024 mm. A picture is empty if the
-// scene has no such material.
+// Holds one picture of path lengths per material, size*size pixels with row 0 on top, in 1/1024 mm. The
+// picture of a material is empty if the scene has no such material.
 using PathPictures = std::array<std::vector<std::int32_t>, material_count>;
 
 // Describes the pixels in columns [x0, x1) and rows [y0, y1).
@@ -42,32 +43,33 @@ enum class PathForm {
     ray_lengths, // final lengths along the ray, none below 0
 };
 
-// A back end draws closed bodies. A back end is made for one BodyMeshes, which must live longer; only one
-// thread may use it at a time.
+// A back end computes the path lengths through closed bodies. A back end is made for one BodyMeshes, which
+// must exist longer than the back end; only one thread at a time may use a back end.
 class BodyPaths
 {
   public:
     virtual ~BodyPaths() = default;
     virtual std::string_view name() const = 0; // for messages and file headers: "raster", "opengl"
 
-    // From now on replaces the vertices of one body by an equal number of others.
+    // Replaces the vertices of one body, for all later pictures, by the same number of new vertices.
     virtual void move(int body, std::span<const Eigen::Vector3i> vertices_um) = 0;
 
-    // Sets every pixel in `rect` to the sums of those bodies whose entry in `is_drawn` is not 0; there is one
-    // entry per body. The sums are set in the pictures of all materials that the channels of the meshes use.
-    // Pixels outside `rect` do not change. `pictures` must already have the right sizes. Nothing behind the
-    // source, or nearer to it than 1 mm, is drawn. Returns false with a message if the device fails;
-    // PathKeeper then continues with RasterPaths.
+    // Sets every pixel in `rect` to the sum of depths of those bodies whose entry in `is_drawn` is not 0; the
+    // list has one entry per body. The sums are set in the pictures of all materials that the channels of the
+    // meshes use. Pixels outside `rect` do not change. `pictures` must already have the right sizes. Parts of
+    // bodies behind the source, or nearer to the source than 1 mm, are not drawn. Returns false with a
+    // message if the graphics device fails; PathKeeper then continues with RasterPaths.
     virtual bool draw(const View &view, std::span<const std::uint8_t> is_drawn, const PixelRect &rect,
                       PathForm form, PathPictures &pictures, std::string &error) = 0;
 };
 
-// Converts sums along the axis to lengths along the rays, in place, for the columns [begin, end) of one row.
+// Converts depth sums along the central axis to path lengths along the rays, in place, for the columns
+// [begin, end) of one row.
 void finish_row(const View &view, int row, int begin, int end, std::int32_t *line);
 
-// Holds the path lengths that tools add to those of the bodies. Only pixels that a tool touches have entries.
-// Several rays pass through each of these pixels, because tools are thin. Each ray has one length for each of
-// the drawn materials.
+// Holds the path lengths in tools, which are added to the path lengths in the bodies. Only pixels that a tool
+// touches have entries. Several rays pass through each of these pixels, because tools are thin. Each ray has
+// one length for each of the drawn materials.
 inline constexpr int tool_rays = 9;
 
 struct ToolPaths {
@@ -80,8 +82,8 @@ struct ToolPaths {
     std::vector<std::int32_t> q10mm;
 
     std::size_t ints_per_pixel() const { return materials.size() * tool_rays; }
-    // Returns the sum over all rays of one touched pixel, for one of `materials`; this is tool_rays times the
-    // mean.
+    // Returns the sum of path lengths over all rays of one touched pixel, for one of `materials`; this sum is
+    // tool_rays times the mean.
     std::int32_t sum(std::size_t touched, std::size_t material) const
     {
         const std::int32_t *ray = q10mm.data() + touched * ints_per_pixel() + material * tool_rays;

@@ -1,6 +1,6 @@
-// Projects triangles to the picture. Corners are rounded to 1/256 pixel. Edge functions are integers and
-// follow the top-left rule, so that neighbouring triangles cover every pixel exactly once. Depth has correct
-// perspective, because 1/depth is linear in the picture.
+// Projects triangles to the picture. The corners of triangles are rounded to 1/256 pixel. Edge functions are
+// integers and follow the top-left rule, so that neighbouring triangles cover every pixel exactly once. Depth
+// has correct perspective, because 1/depth is linear in the picture.
 #include "host/xray/paths/raster.hpp"
 #include "host/xray/paths/lanes.hpp"
 #include <algorithm>
@@ -18,8 +18,8 @@ float dot(const Eigen::Vector3f &a, const Eigen::Vector3f &b)
     return a.x() * b.x() + a.y() * b.y() + a.z() * b.z();
 }
 
-// Returns true if the sphere around the chunk lies outside one side of the pyramid of rays, or behind the
-// source.
+// Returns true if the sphere around a chunk of triangles lies outside one side of the pyramid of rays, or
+// behind the source.
 bool is_outside(const Camera &camera, const MeshChunk &chunk)
 {
     const Eigen::Vector3f centre = chunk.centre_um - camera.source;
@@ -54,8 +54,9 @@ CRN_WIDE bool project_corners(const Camera &camera, const float *x_um, const flo
             const bool is_plain =
                 int{depth >= near_um} & int{std::fabs(u) <= guard_pixels} & int{std::fabs(v) <= guard_pixels};
             is_far |= is_plain ? 0 : 1;
-            // The value is limited, because converting a number that is too large for the integer is
-            // undefined. A chunk with such a corner is drawn by raster_clipped instead.
+            // The projected coordinate is limited, because converting a number that is too large for an
+            // integer is undefined. A chunk of triangles with such a far corner is drawn by raster_clipped
+            // instead.
             const float held_u = u < guard_pixels ? (u > -guard_pixels ? u : -guard_pixels) : guard_pixels;
             const float held_v = v < guard_pixels ? (v > -guard_pixels ? v : -guard_pixels) : guard_pixels;
             at_x[i] = snap(held_u);

@@ -1,11 +1,11 @@
-// Computes depth sums of closed meshes: where a ray leaves a body its depth is added, and where it enters the
-// depth is subtracted. The sums are int32 in 1/1024 mm along the central axis, so they do not depend on the
-// order of the triangles.
+// Computes depth sums of closed meshes: the depth at which a ray leaves a body is added, and the depth at
+// which the ray enters is subtracted. The sums are int32 in 1/1024 mm along the central axis, so they do not
+// depend on the order of the triangles.
 //
-// A picture is drawn in two passes, whose work several threads share. In the first pass project_chunk
-// projects the corners of every chunk to the picture, and keeps the triangles that cover the middle of a
-// pixel. In the second pass TileRaster draws the triangles that touch one tile of the picture into sums that
-// stay in the processor's cache.
+// A picture is drawn in two passes, and several threads share the work of each pass. In the first pass
+// project_chunk projects the corners of every chunk to the picture, and keeps the triangles that cover the
+// middle of a pixel. In the second pass TileRaster draws all triangles that touch one tile of the picture,
+// and adds their depths to sums that stay in the processor's cache.
 #pragma once
 #include "host/xray/paths/paths.hpp"
 
@@ -34,8 +34,8 @@ inline constexpr float near_um = 1000.0f;      // nothing closer to the source t
 inline constexpr float guard_pixels = 8000.0f; // beyond it a chunk takes the slow path
 inline constexpr float q10mm_per_um = 1.024f;
 
-// Rounds to nearest, and halves upwards, for positions within guard_pixels; the offset keeps the number
-// positive, so that truncation rounds down.
+// Rounds a position within guard_pixels to the nearest integer, and halves upwards; an offset keeps the
+// number positive, so that truncation rounds down.
 inline std::int32_t snap(float pixels)
 {
     constexpr float offset = 8192.0f * subpixels;
@@ -49,8 +49,8 @@ struct KeptTriangle {
     std::uint16_t is_large;  // more than 64 pixels wide or high: products of differences may pass 2^31
 };
 
-// The coordinates of the corners are stored in separate arrays for x, y and z. The corners of each chunk are
-// padded to a multiple of eight.
+// The coordinates of the corners are stored in separate arrays for x, y and z. Each chunk stores a multiple
+// of eight corners; unused entries are filled up.
 struct RasterVertices {
     std::vector<float> x_um, y_um, z_um;
     std::vector<std::uint32_t> begin; // of each chunk
@@ -59,7 +59,7 @@ struct RasterVertices {
     void set(const BodyMeshes &meshes, std::size_t chunk); // reads that chunk's vertices again
 };
 
-// Holds the projections of all chunks in one frame.
+// Holds the projections of all chunks of triangles in one frame.
 struct Projection {
     enum class Kind : std::uint8_t { nowhere, plain, clipped };
     struct OfChunk {
@@ -73,12 +73,12 @@ struct Projection {
     std::vector<KeptTriangle> kept;  // starting at the chunk's triangle_begin
 };
 
-// Computes the projection of chunk `index`, and keeps only triangles that can appear in `rect`.
+// Computes the projection of chunk `index`, and keeps only those of its triangles that can appear in `rect`.
 void project_chunk(const BodyMeshes &meshes, const RasterVertices &vertices, std::size_t index,
                    const Camera &camera, const PixelRect &rect, Projection &projection);
 
-// A tile has one picture of sums per channel. The columns beyond the tile's width receive what groups of
-// eight pixels write past its edge.
+// A tile, which is a small rectangle of the picture, has one picture of depth sums per channel. Each row of a
+// tile has extra columns, because groups of eight pixels are written past the tile's edge.
 inline constexpr int tile_columns = 128, tile_rows = 64;
 inline constexpr int tile_stride = tile_columns + 8;
 inline constexpr int tile_ints = tile_rows * tile_stride;

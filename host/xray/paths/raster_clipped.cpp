@@ -30,9 +30,9 @@ Projected project_um(const Camera &camera, const Eigen::Vector3f &vertex_um)
             camera.half_pixels - dot(camera.up, x, y, z) * scale, depth};
 }
 
-// Within guard_pixels a corner is rounded like all others, because a neighbouring triangle may have the same
-// corner. The coordinates of a corner farther away are limited to four million pixels, so that products of
-// differences fit into 64 bits.
+// Within guard_pixels a corner is rounded like the corners in TileRaster, because a neighbouring triangle may
+// have the same corner. The coordinates of a corner farther away are limited to +-4 million pixels, so that
+// products of differences of coordinates fit into 64 bits.
 std::int32_t snap_far(float pixels)
 {
     if (std::fabs(pixels) <= guard_pixels) return snap(pixels);
@@ -45,8 +45,9 @@ Corner corner(const Projected &p)
     return {snap_far(p.x), snap_far(p.y), 1.0f / p.depth_um};
 }
 
-// Computes the function of the edge from a to b, which is positive on the inner side of the triangle. The
-// edge has the value at the middle of a pixel, and the changes from one pixel to the next.
+// Computes the edge function of the edge from corner a to corner b, which is positive on the inner side of
+// the triangle. The object holds the edge function's value at the middle of a pixel, and its changes from
+// there to the next column and to the next row.
 struct Edge {
     std::int64_t row, step_x, step_y;
 
@@ -60,7 +61,7 @@ struct Edge {
         step_x = -dy * subpixels;
         step_y = dx * subpixels;
     }
-    // Reduces the range [first, last] to the columns on the inner side of the edge.
+    // Reduces the range [first, last] of columns to those on the inner side of the edge.
     void narrow(std::int64_t &first, std::int64_t &last) const
     {
         if (step_x > 0) {
@@ -73,8 +74,8 @@ struct Edge {
     }
 };
 
-// Describes the plane of 1/depth over the picture. The values of the plane are limited to the range of those
-// at the corners, so that a very thin triangle gives no extreme depth.
+// Describes 1/depth over the picture as a plane. The values of 1/depth are limited to the range between the
+// corners' values, so that a very thin triangle gives no extreme depth.
 struct DepthPlane {
     float origin, slope_x, slope_y, low, high;
     std::int32_t x, y;
@@ -136,7 +137,8 @@ void fill(const Corner &a, const Corner &b, const Corner &c, float area, const P
     }
 }
 
-// The picture is seen from the detector, so a face that looks at the source is clockwise in it.
+// The picture is seen from the detector, so a face that is turned towards the source is clockwise in the
+// picture.
 void draw(const Corner &a, const Corner &b, const Corner &c, const PixelRect &tile, std::int32_t *sums)
 {
     const PixelRect box = pixels_inside(a, b, c, tile);
@@ -152,7 +154,7 @@ void draw(const Corner &a, const Corner &b, const Corner &c, const PixelRect &ti
 
 } // namespace
 
-// Cuts the triangle at the near plane, and divides the rest into a fan of triangles.
+// Cuts the triangle at the near plane, and divides the part behind that plane into a fan of triangles.
 void raster_clipped(const Camera &camera, const std::array<Eigen::Vector3f, 3> &vertices,
                     const PixelRect &tile, std::int32_t *sums)
 {

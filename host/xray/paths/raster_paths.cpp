@@ -1,4 +1,5 @@
-// The threads share first the chunks and then the tiles, so that only one thread writes each pixel.
+// The threads first divide the chunks of triangles among themselves and then the tiles of the picture, so
+// that only one thread writes each pixel.
 #include "host/xray/paths/raster_paths.hpp"
 #include "host/xray/paths/parallel.hpp"
 #include "host/xray/paths/raster_tile.hpp"
@@ -11,7 +12,7 @@ namespace crn
 namespace
 {
 
-// Computes for each pixel the length along the ray divided by the length along the axis.
+// Computes for each pixel the length along its ray divided by the length along the central axis.
 CRN_WIDE void oblique_row(const View &view, int row, int begin, int end, float *oblique)
 {
     const float half = 0.5f * static_cast<float>(view.size);
@@ -24,7 +25,8 @@ CRN_WIDE void oblique_row(const View &view, int row, int begin, int end, float *
     }
 }
 
-// Holds the row of a channel, with the sign with which it is added to a material.
+// Holds one row of a channel's depth sums, and the sign with which the row is added to a material's path
+// lengths.
 struct SignedRow {
     const std::int32_t *line;
     std::int32_t sign; // 0: added, -1: subtracted
@@ -39,8 +41,8 @@ CRN_WIDE void add_rows(std::span<const SignedRow> rows, int count, std::int32_t 
     }
 }
 
-// Most materials are absent from most tiles. Testing for zeros is cheaper than writing zeros again, because a
-// write uses memory bandwidth twice.
+// Most materials do not occur in most tiles of the picture. Testing for zeros is cheaper than writing zeros
+// again, because a write uses memory bandwidth twice.
 CRN_WIDE void clear_row(int count, std::int32_t *to)
 {
     std::int32_t any = 0;
@@ -124,8 +126,8 @@ void RasterPaths::sum_tile(const Camera &camera, const PixelRect &rect, Tile &ti
     raster.finish();
 }
 
-// Computes one material in a tile: adds the channels of this material, and subtracts the channels whose
-// bodies lie in it.
+// Computes the path lengths of one material in a tile: adds the channels of this material, and subtracts the
+// channels whose bodies lie in it.
 void RasterPaths::resolve_material(const View &view, const PixelRect &rect, const Tile &tile, int material,
                                    PathForm form, PathPictures &pictures) const
 {

@@ -1,5 +1,5 @@
-// This is the reference back end, which is the integer rasteriser on all processor cores. The sums are equal
-// for any number of threads.
+// RasterPaths is the reference for computing path lengths: an integer rasteriser that uses all processor
+// cores. The depth sums are equal for any number of threads.
 #pragma once
 #include "host/xray/paths/raster.hpp"
 
@@ -17,7 +17,8 @@ class RasterPaths : public BodyPaths
               PathPictures &pictures, std::string &error) override;
 
   private:
-    // Holds the sums of a tile that one thread works on, and the channels that have any.
+    // Holds the depth sums of one tile of the picture, on which one thread works, and marks the channels that
+    // have a body in the tile.
     struct Tile {
         std::vector<std::int32_t> sums; // [channel][tile_ints]
         std::vector<std::uint8_t> has_channel;

@@ -1,5 +1,5 @@
-// Draws triangles into one tile. Eight triangles are set up together, and then the rows of each are drawn
-// eight pixels at a time.
+// Draws triangles into one tile. The edges and depths of eight triangles are computed together, and then the
+// rows of each triangle are drawn eight pixels at a time.
 #include "host/xray/paths/raster_tile.hpp"
 #include <algorithm>
 #include <cmath>
@@ -36,7 +36,8 @@ DrawBatch choose_draw_batch()
     return plain::draw_batch;
 }
 
-// Copies the corners of one triangle, and its part of the tile, to place k of the batch.
+// Copies the corners of one triangle, and the part of the tile that it can cover, to entry k of the group of
+// eight triangles.
 void load(Batch &batch, int k, const Corner &a, const Corner &b, const Corner &c, const KeptTriangle &kept,
           const PixelRect &tile)
 {
@@ -57,7 +58,8 @@ void TileRaster::finish()
 {
     static const DrawBatch draw_batch = choose_draw_batch();
     if (batch_.count == 0) return;
-    // In unused places an earlier triangle may have left values with which 32 bits would overflow.
+    // Unused entries of the group may still hold values of an earlier triangle with which 32-bit numbers
+    // would overflow.
     for (int k = batch_.count; k < lane_count; ++k)
         batch_.ax[k] = batch_.ay[k] = batch_.bx[k] = batch_.by[k] = batch_.cx[k] = batch_.cy[k] = 0;
     draw_batch(batch_, tile_);

@@ -1,5 +1,5 @@
-// Draws the chunks that touch one tile. The triangles of these chunks are collected in groups of eight,
-// across the borders of chunks.
+// Draws the chunks of triangles that touch one tile of the picture. The triangles of these chunks are
+// collected in groups of eight, across the borders of chunks.
 #pragma once
 #include "host/xray/paths/lanes.hpp"
 #include "host/xray/paths/raster.hpp"
@@ -7,7 +7,7 @@
 namespace crn
 {
 
-// Holds eight triangles that are set up together, with their edges and depths at the first pixel of each
+// Holds eight triangles that are processed together, with their edges and depths at the first pixel of each
 // triangle's part of the tile.
 struct Batch {
     std::int32_t ax[lane_count], ay[lane_count], bx[lane_count], by[lane_count], cx[lane_count],
@@ -15,11 +15,11 @@ struct Batch {
     float a_inverse[lane_count], b_inverse[lane_count], c_inverse[lane_count];
     std::int32_t column[lane_count], row[lane_count], columns[lane_count],
         rows[lane_count]; // part of the tile
-    // These are the edge functions at the middle of the first pixel, and their changes from pixel to pixel.
-    // The functions are divided by `subpixels` and rounded down. The rounding is harmless, because the
-    // changes are whole multiples, and only the sign matters.
+    // Holds the edge functions at the middle of the first pixel, and their changes from pixel to pixel. The
+    // edge functions are divided by `subpixels` and rounded down. The rounding of the edge functions is
+    // harmless, because their changes are whole multiples, and only the sign matters.
     std::int32_t edge[3][lane_count], step_x[3][lane_count], step_y[3][lane_count];
-    // This is the range of rows that an edge allows in each strip of eight columns.
+    // Holds the range of rows that an edge allows in each strip of eight columns.
     float from[3][lane_count], from_step[3][lane_count], to[3][lane_count], to_step[3][lane_count];
     float area[lane_count], slope_x[lane_count], slope_y[lane_count], low[lane_count], high[lane_count];
     std::int32_t sign[lane_count];  // -1 for an entry, 0 for an exit
@@ -37,10 +37,10 @@ class TileRaster
     {
     }
 
-    // Adds the part of the chunk that lies in the tile to `sums`, whose first entry is that of pixel
-    // (tile.x0, tile.y0).
+    // Adds to `sums` the part of a chunk of triangles that lies in the tile; the first entry of `sums` is
+    // that of pixel (tile.x0, tile.y0).
     void add(std::size_t chunk, std::int32_t *sums);
-    // Draws the triangles that have been collected but not yet drawn.
+    // Draws the triangles that have been collected in a group but not yet drawn.
     void finish();
 
   private:

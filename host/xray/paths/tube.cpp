@@ -1,5 +1,5 @@
-// Converts the line of tools and the curves to short cylinders, which are cut by bisecting planes where they
-// meet.
+// Converts the tools' common centreline, and the curves of struts and contrast medium, to short cylinders,
+// which are cut by bisecting planes where they meet.
 #include "host/xray/paths/tube.hpp"
 #include "host/xray/paths/tube_painter.hpp"
 #include <algorithm>
@@ -48,8 +48,8 @@ std::vector<Point> to_camera(const WireFrame &wire, const View &view)
     return points;
 }
 
-// Lays a cubic with central tangents through the nodes, and divides it where a straight piece would deviate
-// from it too far.
+// Fits a cubic curve with central tangents through the nodes, and divides the curve where a straight piece
+// would deviate from it too far.
 std::vector<Point> refine(const std::vector<Point> &nodes)
 {
     std::vector<Point> points;
@@ -92,8 +92,8 @@ Point between(const Point &from, const Point &to, double arc_m)
             from.contrast + share * (to.contrast - from.contrast)};
 }
 
-// Returns the part of the line that a tool covers, from the tool's tip on, with a point wherever one of its
-// sections begins or ends.
+// Returns the part of the common centreline that a tool covers, from the tool's tip on, with a point wherever
+// one of the tool's sections begins or ends.
 std::vector<Point> own_part(const std::vector<Point> &line, double tip_arc_m,
                             const RadiopaqueInstrument &tool)
 {
@@ -131,8 +131,8 @@ RadiopaqueRadius radius_at(const RadiopaqueInstrument &tool, double arc_m, doubl
             before.inner_m + share * (after->inner_m - before.inner_m)};
 }
 
-// Returns the cylinder from points[i] to the next point, cut by the planes where it meets its neighbours. At
-// a sharp bend it is cut straight at its end.
+// Returns the cylinder from points[i] to the next point, cut by the planes where the cylinder meets its
+// neighbours. At a sharp bend the cylinder is cut perpendicular to its own axis.
 TubePiece piece_between(const std::vector<Point> &points, std::size_t i)
 {
     TubePiece piece;
@@ -151,8 +151,8 @@ TubePiece piece_between(const std::vector<Point> &points, std::size_t i)
     return piece;
 }
 
-// The fill of a section that reaches down to the lumen is a share of the whole cross-section, although all
-// material is in the wall. The fill of a ring is a share of the ring.
+// The filled fraction of a section that reaches down to the lumen refers to the tool's whole cross-section,
+// although all material is in the wall. The filled fraction of a ring refers to the ring's own cross-section.
 void draw_section(TubePainter &painter, TubePiece &piece, const RadiopaqueSection &section,
                   const RadiopaqueRadius &radius)
 {
@@ -187,7 +187,7 @@ void draw_tool(TubePainter &painter, const RadiopaqueInstrument &tool, const std
     }
 }
 
-// Returns the points of a curve in camera axes; returns none if any point is not finite.
+// Returns the points of a curve in camera axes; returns an empty list if any point is not finite.
 std::vector<Point> to_camera(const SweptCurve &curve, const View &view)
 {
     std::vector<Point> points;
@@ -204,7 +204,7 @@ std::vector<Point> to_camera(const SweptCurve &curve, const View &view)
     return points;
 }
 
-// The pieces of a cone are drawn as cylinders with the same volume.
+// The pieces of a conical curve are drawn as cylinders with the same volume.
 void draw_curve(TubePainter &painter, const SweptCurve &curve, const View &view)
 {
     const std::vector<Point> points = to_camera(curve, view);
@@ -250,9 +250,9 @@ double contrast_share(double iodine_mg_per_ml)
 
 RadiopaqueInstrument guidewire_look(double tip_m)
 {
-    // The wire of a coil fills about three quarters of the tube that represents it; together with the core,
-    // .75 of the cross-section is steel. At the tip a platinum coil surrounds a core that is ground down; 15
-    // % of platinum is already darker than solid steel.
+    // The wire of a coil fills about three quarters of the tube that represents the coil; together with the
+    // core, .75 of the cross-section is steel. At the guidewire's tip a platinum coil surrounds a core that
+    // is ground down; 15 % of platinum is already darker than solid steel.
     return {{{0.0, tip_m, Material::platinum, 0.15, 1.0},
              {0.0, tip_m, Material::steel, 0.45, 1.0},
              {tip_m, 10.0, Material::steel, 0.75, 1.0}},

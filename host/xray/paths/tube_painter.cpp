@@ -1,5 +1,6 @@
-// A ray is t d with d = (u, v, focal length) in pixels, and the middle of the piece lies at t0 d0. Single
-// precision is enough, because all values computed in it are small: the pixels from d0, and t - t0.
+// A ray consists of the points t d with d = (u, v, focal length) in pixels, and the middle of the cylinder
+// lies at t0 d0. Single precision is enough, because all values computed in it are small: the distances in
+// pixels from d0, and t - t0.
 #include "host/xray/paths/tube_painter.hpp"
 #include "host/xray/paths/lanes.hpp"
 #include <algorithm>
@@ -26,7 +27,7 @@ Vector3 single(const Vector3d &v)
     return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
 }
 
-// Holds the values that are constant for all rays through one piece.
+// Holds the values that are constant for all rays through one piece of a tool.
 struct Chords {
     Vector3 axis, normal_a, normal_b;
     float middle_u, middle_v, focal, t0; // pixels; mm per pixel
@@ -45,8 +46,8 @@ float greatest(float a, float b)
     return a > b ? a : b;
 }
 
-// Computes path lengths in the full cylinder, in 1/1024 mm, for `count` rays in a row: (u + i step, v), in
-// pixels from the middle of the piece.
+// Computes path lengths in the uncut cylinder, in 1/1024 mm, for `count` rays in a row: (u + i step, v), in
+// pixels from the middle of the cylinder.
 CRN_WIDE void chords_of_row(const Chords &c, float u, float v, float step, int count, std::int32_t *out)
 {
     const float dy = c.middle_v + v, dz = c.focal, ey = -c.t0 * v;
@@ -59,8 +60,8 @@ CRN_WIDE void chords_of_row(const Chords &c, float u, float v, float step, int c
         const float beside = ex * nx + ey * ny; // distance from the axis times |n|
         const float middle =
             (nx * (ey * c.axis.z) - ny * (ex * c.axis.z) + nz * (ex * c.axis.y - ey * c.axis.x)) / square;
-        // The two planes cut the ray's path in the cylinder; a slope of 0 is replaced by a small one, to
-        // avoid a division by zero.
+        // The two end planes of the cylinder limit the ray's path in it; a slope of 0 is replaced by a small
+        // slope, to avoid a division by zero.
         float slope_a = dx * c.normal_a.x + dy * c.normal_a.y + dz * c.normal_a.z;
         float slope_b = dx * c.normal_b.x + dy * c.normal_b.y + dz * c.normal_b.z;
         slope_a = std::fabs(slope_a) > 1e-6f ? slope_a : 1e-6f;
@@ -188,8 +189,8 @@ void TubePainter::paint(const TubePiece &piece)
     double outer = piece.outer_mm, inner = std::min(piece.inner_mm, outer), share = piece.share;
     const double near_mm = std::min(piece.a_mm.z(), piece.b_mm.z()) - outer;
     if (!(near_mm > 1.0) || !(outer > 0.0) || !(share > 0.0)) return;
-    // A piece thinner than the distance between rays is drawn with that distance as its radius, and with the
-    // same amount of material in its cross-section.
+    // A cylinder thinner than the distance between rays is drawn with that distance as its radius, and with
+    // the same amount of material in its cross-section.
     const double apart_mm = middle.z() / focal_pixels_ / grid;
     if (outer < apart_mm) {
         share *= (outer * outer - inner * inner) / (apart_mm * apart_mm);

@@ -19,7 +19,7 @@ class TubePainter
 {
   public:
     // Empties `paths`. `materials` must list all materials that will be drawn. `displaced` is the material
-    // around tools and contrast medium, usually blood.
+    // around tools and contrast medium that they displace, usually blood.
     TubePainter(const View &view, std::span<const Material> materials, Material displaced, ToolPaths &paths);
 
     void paint(const TubePiece &piece);

@@ -14,8 +14,8 @@ struct Edge {
     std::int64_t value, step_x, step_y;
     bool is_top_left;
 
-    // Computes the function of the edge from a to b, at the centre of pixel (x, y). The function is positive
-    // inside a triangle of positive area.
+    // Computes the edge function of the edge from corner a to corner b, at the centre of pixel (x, y). The
+    // edge function is positive inside a triangle of positive area.
     Edge(const SurfaceCorner &a, const SurfaceCorner &b, int x, int y)
     {
         const std::int64_t dx = b.x - a.x, dy = b.y - a.y;

@@ -1,6 +1,6 @@
-// Computes sums over surfaces. Every triangle adds a value at each pixel whose centre it covers, and the
-// value is linear between the corners. All arithmetic uses integers, so that the sum depends neither on the
-// order of triangles nor on the number of threads.
+// Computes sums over surfaces. Every triangle adds a value at each pixel whose centre it covers, and this
+// value changes linearly between the corners. All arithmetic uses integers, so that the sum depends neither
+// on the order of triangles nor on the number of threads.
 #pragma once
 #include "host/xray/paths/carm.hpp"
 #include <array>
@@ -16,11 +16,11 @@ struct SurfaceCorner {
     bool is_seen = false;       // in front of the source and not far off the picture
 };
 
-// Projects a point of the patient to the picture, and assigns a value to it.
+// Projects a point of the patient to the picture, and stores a value for it.
 SurfaceCorner surface_corner(const View &view, const Eigen::Vector3d &point_m, std::int32_t value_q16);
 
-// Adds one triangle to the rows [row_begin, row_end) of `sums` (size*size). Neighbouring triangles cover each
-// pixel exactly once (top-left rule).
+// Adds one triangle to the rows [row_begin, row_end) of the picture `sums` (size*size pixels). Neighbouring
+// triangles cover each pixel exactly once (top-left rule).
 void add_surface(const std::array<SurfaceCorner, 3> &corners, int size, int row_begin, int row_end,
                  std::int32_t *sums);
 

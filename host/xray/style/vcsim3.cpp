@@ -39,15 +39,16 @@ constexpr double contrast_depth =
     8.0; // a quarter of undiluted medium looks nearly as dark as undiluted medium
 constexpr double density_per_log2 = 1.4426950408889634 / 65536.0; // converts 1/65536 nepers to powers of two
 
-// Returns the density -ln(1 - A (1 - |n.v|)^p) in units of 1/65536.
+// Returns the optical density -ln(1 - A (1 - |n.v|)^p) of a surface with normal n, seen along v, in units of
+// 1/65536.
 std::int32_t density_q16(const SurfaceLook &look, double cosine)
 {
     const double opacity = look.edge_opacity * std::pow(1.0 - std::min(1.0, std::abs(cosine)), look.power);
     return static_cast<std::int32_t>(std::lround(-std::log1p(-opacity) * 65536.0));
 }
 
-// Returns the corners of a part in a view; the normal at a corner is the mean over its triangles, weighted by
-// area.
+// Returns the corners of a body's mesh in a view; the normal at a corner is the mean over its triangles,
+// weighted by area.
 std::vector<SurfaceCorner> corners_of(const SurfaceScene::Part &part,
                                       std::span<const Eigen::Vector3i> places_um, const View &view)
 {
@@ -69,7 +70,7 @@ std::vector<SurfaceCorner> corners_of(const SurfaceScene::Part &part,
     return corners;
 }
 
-// Adds to the sums either the parts that have moved or those that have not.
+// Adds to the density sums either the bodies that have moved or the bodies that have not moved.
 void add_parts(const SurfaceScene &scene, std::span<const std::span<const Eigen::Vector3i>> places_um,
                bool moved, const View &view, std::vector<std::int32_t> &sums)
 {
@@ -87,7 +88,8 @@ void add_parts(const SurfaceScene &scene, std::span<const std::span<const Eigen:
     });
 }
 
-// Keeps the sums of parts at rest from picture to picture, and redraws parts that have moved.
+// Keeps the density sums of bodies that do not move from picture to picture, and redraws the bodies that have
+// moved.
 void fill_bodies(SurfaceScene &scene, const CArm &carm, int size, std::span<const MovedBody> moved)
 {
     std::vector<std::uint8_t> is_moved(scene.parts.size(), 0);
@@ -127,8 +129,8 @@ double radius_m(const RadiopaqueInstrument &tool, double arc_m, double node_radi
     return after[-1].outer_m + share * (after->outer_m - after[-1].outer_m);
 }
 
-// Returns a point on the curve through the nodes (Catmull-Rom), at the fraction `share` of the way from node
-// i to the next.
+// Returns a point on the curve through the nodes (Catmull-Rom), at the fraction `share` of the distance from
+// node i to the next node.
 Vector3d on_curve(const std::vector<WireNode> &nodes, std::size_t i, double share)
 {
     const Vector3d &b = nodes[i].position_m, &c = nodes[std::min(i + 1, nodes.size() - 1)].position_m;
@@ -234,7 +236,7 @@ std::uint8_t grey_of(float share, float noise)
     return static_cast<std::uint8_t>(std::clamp(value, 0.0f, 255.0f));
 }
 
-// Returns the share of light that passes the tools in front of one pixel.
+// Returns the fraction of light that passes the tools in front of one pixel.
 float tool_share(const SurfaceScene &scene, int x, int y)
 {
     float share = 0.0f;

@@ -1,7 +1,7 @@
 // Draws pictures that look like VCSim3's fluoroscopy screen (thesis, 5.3.4.1), as an alternative to the
 // physical picture. This look has no attenuation. A surface has an opacity that depends on the angle between
-// its normal and the view, and noise is added afterwards. The thesis gives the idea without an equation; ours
-// is in docs/xray-style.md:
+// its normal and the direction of view, and noise is added to the picture afterwards. The thesis gives the
+// idea without an equation; ours is in docs/xray-style.md:
 //
 //   I = product over all surfaces s on the ray of (1 - A_s (1 - |n_s . v|)^p_s),   grey = 255 (b I + sigma g)
 #pragma once
@@ -10,14 +10,15 @@
 namespace crn
 {
 
-// Describes the opacity of a surface seen edge-on, and how it decreases towards the view from the front.
+// Describes the opacity of a surface seen edge-on, and how the opacity decreases as the surface turns towards
+// the viewer.
 struct SurfaceLook {
     double edge_opacity = 0.0; // A, 0 .. 0.98; 0: not shown
     double power = 2.0;        // p
 };
 
-// Returns the look of those bodies that the thesis shows: skeleton, heart and filled vessels. Skin, fat,
-// lungs and gas are left out.
+// Returns the opacity of a body's surface if the thesis shows such bodies: skeleton, heart and filled
+// vessels. The opacity of skin, fat, lungs and gas is 0, so they are not drawn.
 SurfaceLook surface_look(const Bodies &bodies, std::size_t index);
 
 inline constexpr double vcsim3_background = 0.84; // b, share of white
@@ -25,8 +26,8 @@ inline constexpr double vcsim3_noise = 0.035;     // sigma, share of white
 inline constexpr SurfaceLook vcsim3_tool = {0.75, 0.6};
 inline constexpr SurfaceLook vcsim3_contrast = {0.80, 0.7}; // undiluted
 
-// Returns the look of a curve: contrast medium according to its share of the cross-section (0 .. 1), or a
-// strut, which is as dark as a tool.
+// Returns the opacity of a curve's surface: for contrast medium according to its fraction of the
+// cross-section (0 .. 1), and for a strut as dark as a tool.
 SurfaceLook curve_look(Material material, double share);
 
 struct SurfaceScene; // the bodies that are shown, and the sums of the last view
@@ -39,13 +40,13 @@ class Vcsim3Look
     Vcsim3Look(const Vcsim3Look &) = delete;
     Vcsim3Look &operator=(const Vcsim3Look &) = delete;
 
-    // Replaces only `grey` and `shown` of a picture; its counts and doses remain those of Xray::render. Like
-    // Xray::render, draw() gives the same bytes for any number of threads. Of the settings, only `carm` and
-    // `size` have an effect.
+    // Replaces only `grey` and `shown` of a picture; the picture's photon counts and doses remain those of
+    // Xray::render. Like Xray::render, draw() gives the same result, bit for bit, for any number of threads.
+    // Of the settings, only `carm` and `size` have an effect on the picture.
     void draw(const XraySettings &settings, const XrayFrame &frame, std::uint64_t seed, XrayPicture &picture);
 
-    // Returns the sum of -ln(1 - opacity) over the surfaces of the bodies in the last picture, in units of
-    // 1/65536, size*size.
+    // Returns for each pixel of the last picture the sum of -ln(1 - opacity) over the surfaces of the bodies,
+    // in units of 1/65536, size*size pixels.
     const std::vector<std::int32_t> &body_density_q16() const;
 
   private:

@@ -1,6 +1,7 @@
-// Claims: the geometry of the picture is that of the C-arm. Markers at known places appear at the pixels that
-// an independent calculation predicts, and on the side that DICOM prescribes. The motors stay within their
-// limits, and nothing collides with the table.
+// Claims: points of the patient appear in the picture where the geometry of the C-arm projects them. Markers
+// at known positions appear at the pixels that an independent calculation predicts, and on the side that
+// DICOM prescribes. The C-arm's motors stay within their limits, and the C-arm does not collide with the
+// table.
 #include "firmware/tests/reference/long_run.h"
 #include "host/room/command.hpp"
 #include "host/room/gantry.hpp"
@@ -37,7 +38,7 @@ Eigen::Vector3d corner_m(int i)
 }
 
 // Makes steel balls of 3 mm at the corners of a box of 80 x 100 x 60 mm. Each ball has a material name of its
-// own, so that the picture tells them apart.
+// own, so that its path lengths appear in a picture of their own.
 Bodies marker_cube(const Eigen::Vector3d &middle_m)
 {
     static const char *names[8] = {"steel", "nitinol",       "platinum", "tungsten",
@@ -48,7 +49,7 @@ Bodies marker_cube(const Eigen::Vector3d &middle_m)
     return bodies;
 }
 
-// Returns the centre of a marker's shadow, in which each pixel is weighted by its path length.
+// Returns the centre of a marker's shadow, as a mean over pixels that is weighted by path length.
 Eigen::Vector2d shadow(const std::vector<std::int32_t> &path, int size)
 {
     Eigen::Vector2d sum = Eigen::Vector2d::Zero();
@@ -63,9 +64,9 @@ Eigen::Vector2d shadow(const std::vector<std::int32_t> &path, int size)
     return sum / weight;
 }
 
-// Predicts the pixel without the program's own C-arm. The calculation turns the patient instead, first about
-// the long axis by the primary angle and then about the left-right axis by the secondary angle, and looks
-// from the front.
+// Predicts the pixel of a marker without the program's own C-arm code. The calculation turns the patient
+// instead, first about the long axis by the primary angle and then about the left-right axis by the secondary
+// angle, and looks from the front.
 Eigen::Vector2d predicted(const CArm &carm, int size, const Eigen::Vector3d &point_m)
 {
     const Eigen::Vector3d p = point_m - carm.isocentre_m;
@@ -111,8 +112,9 @@ static void markers_land_on_the_predicted_pixels(void **)
     assert_true(worst_px <= 0.5);
 }
 
-// With LAO the detector moves to the patient's left, and what lies behind moves to the right of the picture.
-// With cranial angulation the detector moves to the head, and what lies in front moves down in the picture.
+// With LAO (left anterior oblique) the detector moves to the patient's left, and structures in the back of
+// the body move to the right of the picture. With cranial angulation the detector moves to the head, and
+// structures in the front of the body move down in the picture.
 static void angles_have_the_signs_of_dicom(void **)
 {
     const auto at = [](double primary_deg, double secondary_deg, const Eigen::Vector3d &point_m) {
@@ -154,8 +156,9 @@ static void sides_of_the_picture_are_named_as_dicom_does(void **)
     assert_string_equal(sides(120, 0).c_str(), "PR/H");
 }
 
-// Moves every axis. No axis may exceed its stated speed or acceleration or overshoot its target. The time
-// must be that of a trapezium of speed, distance/speed + speed/acceleration, within 2 %.
+// Moves every axis. No axis of the C-arm may exceed its given speed or acceleration or overshoot its target.
+// The time of the motion must be that of a trapezium of speed, distance/speed + speed/acceleration, within 2
+// %.
 static void motors_keep_speed_and_acceleration_and_do_not_overshoot(void **)
 {
     const GantryPose from = {0, 0, 0, 0, 0, 1.05, 0.75}, to = {30, -20, 0.1, -0.2, 0.05, 1.15, 0.80};
@@ -221,8 +224,8 @@ static void halt_brakes_and_stays(void **)
     assert_true(gantry.pose()[axis_primary] == stood_deg && stood_deg < 40.0);
 }
 
-// Whatever pose is ordered, a gap must remain between C-arm and table, also at the end of braking. The test
-// orders random poses one after the other, each for 4 s.
+// Whatever pose is commanded, a gap must remain between C-arm and table, also at the end of braking. The test
+// commands random poses of the C-arm one after the other, each for 4 s.
 static void nothing_touches_the_table(void **)
 {
     std::uint64_t seed = 12345;
@@ -264,16 +267,17 @@ static void a_blocked_arm_is_free_to_go_back(void **)
     assert_true(gantry.pose()[axis_primary] == 0.0 && !gantry.is_blocked());
 }
 
-// The gap in the AP view is known. The tube's housing ends 25 cm in front of the focal spot, which is 50 cm
-// below the isocentre. The underside of the table is 13 + 6 cm below the patient's origin.
+// The gap between C-arm and table in the AP view is known. The tube's housing ends 25 cm in front of the
+// focal spot, which is 50 cm below the isocentre. The underside of the table is 13 + 6 cm below the patient's
+// origin.
 static void the_gap_under_the_table_is_the_one_of_the_drawing(void **)
 {
     const double gap_m = table_clearance_m({0, 0, 0, 0, 0, 1.05, 0.75});
     assert_float_equal(gap_m, 0.50 - 0.19, 1e-9);
 }
 
-// The heart is at the isocentre, as in coronary views. Views of arch, renal and iliac arteries have the same
-// table at another height.
+// The heart is at the isocentre, as in coronary views. In views of the aortic arch and of the renal and iliac
+// arteries, the same table has another height.
 static void every_preset_is_reached_clear_of_the_table(void **)
 {
     std::set<std::string_view> names;

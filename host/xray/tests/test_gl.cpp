@@ -1,13 +1,15 @@
-// Compares the path lengths by OpenGL with those of the rasteriser, in both contexts that need no window. The
-// test also covers a library, a function or a context that is missing or has been lost.
+// Compares path lengths from OpenGL with those of the rasteriser, in both kinds of OpenGL context that need
+// no window. The test also covers a library, a function or an OpenGL context that is missing or has been
+// lost.
 //
-// Tolerances. The tolerances have the following reasons. Both back ends cover a pixel if its centre lies in
-// the triangle, after they moved the corners to a grid. The grid is 1/256 pixel in the rasteriser, and the
-// driver's choice in OpenGL (llvmpipe uses 1/256 too, with its own rounding). So at an edge a pixel may
-// belong to either side. Inside, the path length changes by less than 2 mm between neighbouring pixels, so a
-// shift by 1/128 pixel changes it by 0.016 mm. The sums of OpenGL are floats around 100 mm, each exact to
-// 0.00001 mm, and the rasteriser rounds each face to 1/1024 mm. Therefore the tolerance is 0.05 mm inside,
-// with a mean of 0.002 mm, and a share of the pixels at edges may differ.
+// Tolerances. The tolerances of the comparison have the following reasons. Both OpenGL and the rasteriser
+// move the corners of a triangle to a grid, and then cover each pixel whose centre lies in the triangle. The
+// grid of corners is 1/256 pixel in the rasteriser, and the driver's choice in OpenGL (llvmpipe uses 1/256
+// too, with its own rounding). So a pixel at an edge may be covered by one of the two programs and not by the
+// other. Away from edges, the path length changes by less than 2 mm between neighbouring pixels, so a shift
+// by 1/128 pixel changes it by 0.016 mm. The sums of OpenGL are floating-point numbers around 100 mm, each
+// exact to 0.00001 mm, and the rasteriser rounds each face to 1/1024 mm. Therefore the tolerance is 0.05 mm
+// inside, with a mean of 0.002 mm, and some of the pixels at edges may differ.
 #include "firmware/tests/reference/long_run.h"
 #include "host/xray/gl/gl_paths.hpp"
 #include "host/xray/paths/raster_paths.hpp"
@@ -29,8 +31,8 @@ extern "C" {
 #include <cmocka.h>
 }
 
-// Mesa and LLVM never free what they allocate at start-up. Only leaks of blocks that they allocated are
-// suppressed.
+// Mesa and LLVM never free what they allocate at start-up. The test suppresses reports of leaks only for
+// blocks that Mesa and LLVM allocated.
 extern "C" const char *__lsan_default_suppressions();
 extern "C" const char *__lsan_default_suppressions()
 {
@@ -113,8 +115,8 @@ struct Difference {
     double inner_sum_mm = 0.0;
 };
 
-// A pixel counts as inside if its path length differs from those of all eight neighbours by less than 2 mm,
-// and none of the nine is empty.
+// A pixel counts as inside a body if its path length differs from those of all eight neighbours by less than
+// 2 mm, and none of the nine path lengths is 0.
 void compare_material(const std::vector<std::int32_t> &expected, const std::vector<std::int32_t> &got,
                       int size, Difference &difference)
 {
@@ -237,8 +239,8 @@ void a_source_inside_a_body_sees_the_way_out_only(void **)
     draw(raster, view, expected, 2);
     draw(opengl, view, got, 2);
     assert_same(expected, got, 256, "source inside");
-    // On the axis the path in air goes from the source, at 750 mm, to the far wall, at 900 mm, except for the
-    // trunk.
+    // On the axis, the path in air is the distance from the source, at 750 mm, to the far wall, at 900 mm,
+    // minus the path in the trunk.
     const double axis_mm = got[static_cast<int>(Material::air)][128 * 256 + 128] * q10_mm;
     std::printf("# axis %.2f mm, expected 1470 mm\n", axis_mm);
     assert_true(std::fabs(axis_mm - 1470.0) < 1.5); // facets of the large sphere
@@ -315,8 +317,8 @@ void every_size_from_64_to_2048_and_back_is_right(void **)
     }
 }
 
-// A guidewire passes through the trunk, and the whole chain computes the picture. Only the path lengths of
-// the bodies come from another back end.
+// In this test a guidewire passes through the trunk, and the whole signal chain computes the picture. In the
+// picture under test, only the path lengths of the bodies come from another back end.
 void pictures_with_a_wire_look_the_same_to_the_eye(void **)
 {
     XrayScene scene;
@@ -397,8 +399,8 @@ void nothing_compiled(unsigned, unsigned, int *value)
     *value = 0;
 }
 
-// Simulates a context that is lost the n-th time it is entered, or in which one function is replaced; behind
-// it is a real context.
+// Wraps a real context, and simulates that it is lost the n-th time it is entered, or that one of its
+// functions is replaced.
 class Tampered final : public GlContext
 {
   public:

@@ -1,6 +1,6 @@
-// Claims: the measuring chamber gives the same techniques that automatic exposure would take from a picture
-// of any size. So the dose of a session does not depend on the pictures made of it. The kerma-area product of
-// the chamber is the kerma times the area of the open field.
+// Claims: the measuring chamber gives the same techniques that automatic exposure would choose from a picture
+// of any size. So the dose of a session does not depend on which pictures the program makes. The kerma-area
+// product of the chamber is the kerma times the area of the open field.
 #include "host/xray/meter.hpp"
 #include "host/xray/tests/xray_room.hpp"
 #include <algorithm>
@@ -12,8 +12,8 @@ using namespace crn;
 namespace
 {
 
-// Makes a trunk of uneven thickness, with bone beside the middle and air above. So the chamber and the
-// pictures sample different pixels.
+// Makes a trunk of uneven thickness, with bone beside the middle and air above it. So the chamber and the
+// pictures measure at different points of the trunk.
 Bodies trunk()
 {
     Bodies bodies = slab(0.2);
@@ -24,8 +24,8 @@ Bodies trunk()
 
 } // namespace
 
-// Takes the first eight pulses after the beam is switched on. Measured difference: 2.0 % of kerma at most,
-// from 256 to 1024 pixels: about one step of 1 kV.
+// Simulates the first eight pulses after the beam is switched on. Measured difference: 2.0 % of kerma at
+// most, from 256 to 1024 pixels: about one step of 1 kV.
 static void pulses_are_taken_as_from_a_picture_of_any_size(void **)
 {
     double worst = 0.0;
@@ -82,8 +82,8 @@ static void kerma_area_product_is_kerma_times_the_open_area(void **)
                   1.0) < 1e-12);
 }
 
-// The first frame of DSA follows test exposures. So this frame must have the technique of a single picture,
-// whatever pulses came before.
+// The first frame of a DSA run follows test exposures. So this first frame must have the technique of a
+// single picture, whatever pulses came before.
 static void test_exposures_settle_at_once(void **)
 {
     Room room(trunk());

@@ -85,10 +85,10 @@ bool is_near(const char *what, double value, double expected, double share)
 
 } // namespace
 
-// The reference is spekpy 2.5.4, whose model uses other cross-sections (by Omar) than ours. The anode has 11
-// degrees; the beam passes 2.5 mm Al + 0.2 mm Cu and 20 cm of soft tissue, and the signal is that of 0.55 mm
-// of CsI crystal. The models differ by 1 % in mean energy, and therefore by 1 % and 5 % in the attenuation of
-// tissue and bone.
+// The reference is spekpy 2.5.4, whose model uses other cross-sections (by Omar) than ours. The anode angle
+// is 11 degrees; the beam passes 2.5 mm Al + 0.2 mm Cu and 20 cm of soft tissue, and the signal is that of
+// 0.55 mm of CsI crystal. The two models differ by 1 % in mean energy, and therefore by 1 % in the
+// attenuation of tissue and by 5 % in that of bone.
 static void beam_behind_a_patient_agrees_with_spekpy(void **)
 {
     struct Row {
@@ -127,8 +127,8 @@ static void contrast_hardens_the_beam_as_in_spekpy(void **)
     }
 }
 
-// The half-value layers are spekpy's. Tucker's spectrum is known to be somewhat harder, by 6 % without copper
-// and by 3 % with it.
+// The half-value layers are spekpy's. Tucker's spectrum is known to be somewhat harder, by 6 % without a
+// copper filter and by 3 % with a copper filter.
 static void half_value_layers_agree_with_spekpy(void **)
 {
     struct Row {
@@ -142,8 +142,8 @@ static void half_value_layers_agree_with_spekpy(void **)
 }
 
 // Tests every combination of 0 .. 40 cm tissue, 0 .. 5 cm bone and 0 .. 2 cm undiluted contrast medium that
-// transmits more than 1e-4. It uses every filter of the tube, from 60 to 125 kV. The result must be within 1
-// % of that with steps of 1 keV.
+// transmits a fraction of more than 1e-4. It uses every filter of the tube, from 60 to 125 kV. The result
+// must be within 1 % of that with steps of 1 keV.
 static void few_energies_are_within_one_percent_of_one_keV_steps(void **)
 {
     double worst = 0.0;
@@ -206,8 +206,8 @@ static void functions_without_libm_are_exact(void **)
     }
 }
 
-// The bytes of a table must be the same with every compiler and optimisation level. The hash of the tables is
-// golden: it changes only with the physics.
+// The bytes of a table must be equal with every compiler and optimisation level. The hash of the tables is
+// golden: it may change only when the simulated physics changes.
 static void beam_tables_have_one_hash(void **)
 {
     std::uint64_t hash = 14695981039346656037ull;

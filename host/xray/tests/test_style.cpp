@@ -1,6 +1,6 @@
-// Claims: the thesis' look is the stated product over surfaces, shows the bodies that the thesis shows, and
-// gives the same picture with any number of threads. The test uses a sphere, where the chord of a ray
-// determines the angle between normal and ray.
+// Claims: pictures in the style of the VCSim3 thesis follow the formula for the product over surfaces, show
+// the bodies that the thesis shows, and are the same with any number of threads. The test uses a sphere,
+// where the chord of a ray determines the angle between normal and ray.
 #include "host/xray/style/vcsim3.hpp"
 #include "host/xray/tests/xray_shapes.hpp"
 #include <algorithm>
@@ -74,7 +74,7 @@ void density_of_a_sphere_is_the_stated_product(void **)
             const double cosine = std::sqrt(1.0 - square / (sphere_radius_m * sphere_radius_m));
             const double opacity = surface.edge_opacity * std::pow(1.0 - cosine, surface.power);
             const double expected = -2.0 * std::log1p(-opacity);
-            // The normals are those of flat facets, which are 0.9 degrees wide.
+            // The normals of the mesh are those of flat facets, which are 0.9 degrees wide.
             if (std::abs(got - expected) > 0.012 + 0.02 * expected)
                 fail_msg("pixel %d, %d: density %.4f, expected %.4f", x, y, got, expected);
             ++compared;
@@ -93,8 +93,8 @@ void noise_has_the_stated_mean_and_deviation(void **)
     }
     const double count = static_cast<double>(picture.grey.size()), mean = sum / count;
     const double deviation = std::sqrt(squares / count - mean * mean);
-    // With 16,384 pixels the standard errors are 0.07 for the mean and 0.05 for the deviation. Rounding down
-    // to whole numbers lowers the mean by half a grey value.
+    // With 16,384 pixels the standard error of the mean is 0.07 grey values, and that of the deviation is
+    // 0.05 grey values. Rounding down to whole numbers lowers the mean by half a grey value.
     if (std::abs(mean - (255.0 * vcsim3_background - 0.5)) > 0.3) fail_msg("mean %.3f", mean);
     if (std::abs(deviation - 255.0 * vcsim3_noise) > 0.25) fail_msg("deviation %.3f", deviation);
 }
@@ -133,8 +133,8 @@ void wire_is_a_dark_line_at_its_place(void **)
         fail_msg("grey %d and %d beside it", at(row - 5), at(row + 5));
 }
 
-// Returns the mean grey along a line that is parallel to the tube's axis and this far below it; noise of 0.8
-// grey values remains.
+// Returns the mean grey value along a line that is parallel to the tube's axis and this far below it; noise
+// of 0.8 grey values remains in the mean.
 double grey_beside_the_axis(const XrayPicture &picture, double below_m)
 {
     const View view = make_view(small_view().carm, 128);
@@ -148,7 +148,7 @@ double grey_beside_the_axis(const XrayPicture &picture, double below_m)
     return sum / 120.0;
 }
 
-// This test covers a former error: this look did not show the medium in vessels.
+// The test covers a former error: pictures in the thesis' style did not show contrast medium in vessels.
 void contrast_medium_is_a_tube_that_is_darker_the_more_iodine_it_holds(void **)
 {
     const auto picture_with = [](double share) {
@@ -161,8 +161,8 @@ void contrast_medium_is_a_tube_that_is_darker_the_more_iodine_it_holds(void **)
     };
     const double background = 255.0 * vcsim3_background;
     const XrayPicture undiluted = picture_with(1.0), diluted = picture_with(0.05);
-    // At 4 mm from the axis the ray crosses two surfaces with |n.v| = 0.6. The tube has only 12 sides, and
-    // the rows are 0.8 mm apart.
+    // At 4 mm from the tube's axis the ray crosses two surfaces with |n.v| = 0.6. The tube has only 12 sides,
+    // and the rows are 0.8 mm apart.
     const double light = 1.0 - 0.8 * std::pow(1.0 - 0.6, 0.7);
     const double edge = grey_beside_the_axis(undiluted, 0.004);
     if (std::abs(edge - background * light * light) > 0.15 * background)
@@ -175,9 +175,9 @@ void contrast_medium_is_a_tube_that_is_darker_the_more_iodine_it_holds(void **)
     assert_true(picture_with(0.0).grey == picture_of({}, {}, 1).grey);
 }
 
-// This test covers a former error: a beating heart did not move in this look. Bodies must be drawn where they
-// are at the moment of the picture. The bodies must return to their places of rest when the next picture has
-// no moved bodies.
+// The test covers a former error: a beating heart did not move in pictures in the thesis' style. Bodies must
+// be drawn where they are at the tick of the picture. The bodies must return to their unmoved positions when
+// the next picture has no moved bodies.
 void bodies_are_drawn_where_they_have_moved_to(void **)
 {
     const Eigen::Vector3i way_um(21000, -13000, 8000);

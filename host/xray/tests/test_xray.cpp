@@ -1,5 +1,5 @@
-// Compares path lengths with formulas, and tests that a picture depends on nothing but its inputs. The
-// photons and the detector are tested in test_xray_physics.cpp.
+// Compares path lengths with formulas, and tests that a picture depends only on its inputs. The photons and
+// the detector are tested in test_xray_physics.cpp.
 #include "host/xray/detector.hpp"
 #include "host/xray/tests/xray_shapes.hpp"
 #include "host/xray/xray.hpp"
@@ -141,8 +141,8 @@ std::uint64_t hash_of(const XrayPicture &picture)
 
 } // namespace
 
-// With 100k triangles the remaining error is that of the facets' chords (0.013 mm), and half a unit of
-// rounding per face.
+// With 100k triangles the remaining errors are that of the facets' chords (0.013 mm), and half a unit (1/2048
+// mm) of rounding per face.
 static void sphere_path_is_the_chord(void **)
 {
     const Eigen::Vector3d centre_m(0.02, 0.01, -0.02);
@@ -155,8 +155,8 @@ static void sphere_path_is_the_chord(void **)
     assert_true(errors.mean_mm < 0.02);
 }
 
-// Flat faces have no error of facets; the remaining errors are those of corners rounded to 1/512 pixel at the
-// slanted rim, and rounding.
+// Flat faces have no facet error; the only errors come from corners rounded to 1/512 pixel at the slanted
+// rim, and from rounding.
 static void box_path_is_the_chord(void **)
 {
     const Eigen::Vector3d low(-0.03, -0.05, -0.04), high(0.04, 0.03, 0.02);
@@ -182,7 +182,7 @@ static void nested_body_is_taken_out_of_its_parent(void **)
 }
 
 // If the source is inside a body, the path length is measured from the source to the wall; faces nearer than
-// 1 mm to it, or behind it, are cut off.
+// 1 mm to the source, or behind it, are cut off.
 static void source_inside_a_body_sees_the_way_out(void **)
 {
     XraySettings settings;
@@ -200,8 +200,8 @@ static void picture_is_the_same_for_any_number_of_threads(void **)
     for (int threads : {2, 3, 7})
         assert_int_equal(hash_of(render(chest_like(), oblique_settings(), bent_wire(), threads)->picture),
                          one);
-    // This hash is golden over all compilers and optimisation levels; it changes only when the picture is
-    // meant to change.
+    // This golden hash is equal for all compilers and optimisation levels; it changes only when the picture
+    // is meant to change.
     std::printf("# hash %016llx\n", static_cast<unsigned long long>(one));
     assert_int_equal(one, 0x7a9083b12e5445e1);
 }
@@ -223,8 +223,8 @@ static void kept_view_gives_the_same_picture_as_a_new_one(void **)
     assert_false(first->xray->last_render_used_cache());
 }
 
-// The volume of the tube, including its bends, must be the sum over all pixels of path length x cross-section
-// of the beam.
+// The volume of the guidewire's tube, including its bends, must be the sum over all pixels of path length x
+// cross-section of the beam.
 static void tube_has_the_volume_of_its_wire(void **)
 {
     XraySettings settings;
@@ -274,8 +274,8 @@ static void tube_is_unbroken_and_as_thick_as_the_wire(void **)
         thickest_mm = std::max(thickest_mm, chord_mm);
     }
     std::printf("# between %.3f and %.3f mm, diameter 0.9\n", thinnest_mm, thickest_mm);
-    // The mean is taken over a pixel (.45 mm), whose centre may lie .3 mm beside the axis. So the mean is at
-    // least .60 mm, and a gap between pieces would make it smaller.
+    // The mean path length is taken over a pixel (.45 mm), whose centre may lie .3 mm beside the axis. So the
+    // mean path length is at least .60 mm, and a gap between pieces would make it smaller.
     assert_true(thinnest_mm > 0.60 && thickest_mm < 0.91);
 }
 
@@ -294,7 +294,8 @@ static void cramped_or_broken_wire_frames_do_no_harm(void **)
     render(chest_like(), XraySettings{}, through_source);
 }
 
-// In DICOM, positive LAO moves what lies behind, such as the spine, to the right of the picture.
+// In DICOM, a positive LAO angle moves structures behind the isocentre, such as the spine, to the right of
+// the picture.
 static void carm_angles_have_the_signs_of_dicom(void **)
 {
     CArm carm;

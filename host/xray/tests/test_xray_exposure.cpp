@@ -1,5 +1,5 @@
 // Tests the effects of one picture on the next: exposure control against its curve and limits, lag against
-// its stated decay, and that a sequence is repeatable.
+// its decay law, and that a sequence of pictures is repeatable.
 #include "host/xray/lag.hpp"
 #include "host/xray/tests/xray_room.hpp"
 #include <cmath>
@@ -27,8 +27,9 @@ static void exposure_holds_the_dose_behind_thin_and_thick(void **)
     }
 }
 
-// When the view changes from thin to thick, the first pictures are darker. The pictures must approach the
-// final value monotonically, be within 12 % after five pulses, and then stay constant.
+// When the view changes from thin to thick parts of the patient, the first pictures are darker. The signals
+// of the pictures must approach the final value monotonically, be within 12 % after five pulses, and then
+// stay constant.
 static void exposure_follows_within_a_few_pulses(void **)
 {
     Room thin(slab(0.12)), thick(slab(0.24));
@@ -53,7 +54,7 @@ static void exposure_follows_within_a_few_pulses(void **)
 
 // While the patient's thickness increases, voltage, current and pulse width must stay within the limits of
 // the tube and of its power. The kerma rate of fluoroscopy must never exceed 88 mGy/min. Beyond the end of
-// the curve the picture must be underexposed, and is_underexposed must be true.
+// the exposure curve the picture must be underexposed, and is_underexposed must be true.
 static void exposure_keeps_its_limits_and_underexposes_at_them(void **)
 {
     Exposure exposure;
@@ -89,9 +90,9 @@ static void exposure_keeps_its_limits_and_underexposes_at_them(void **)
     assert_true(dark.raw[256 * 512 + 256] < 0.5 * raw_of_wanted_dose);
 }
 
-// A plate lies in the beam for 40 pictures, and then a motion of the table removes it. The ghost of the plate
-// must be the stated share of the change, and in each picture 2^(-T/h) of that in the previous one. Without a
-// memory there must be no lag.
+// A plate lies in the beam for 40 pictures, and then the table moves it out of the beam. The ghost of the
+// plate must be 3 % of the change in signal, and in each picture 2^(-T/h) times that of the previous picture.
+// Without an XrayMemory there must be no lag.
 static void lag_is_the_stated_share_and_decays_per_picture(void **)
 {
     Room room({{box_body("plate", "soft_tissue", -1, {-0.02, -0.02, -0.1}, {0.02, 0.02, 0.1})}});
@@ -117,7 +118,8 @@ static void lag_is_the_stated_share_and_decays_per_picture(void **)
     }
 }
 
-// A copy of the memory must continue as the original does; a memory that is reset must begin like a new one.
+// A copy of the XrayMemory must continue as the original does; an XrayMemory that is reset must begin like a
+// new one.
 static void sequence_repeats_from_a_copy_of_its_memory(void **)
 {
     Room room(slab(0.2));

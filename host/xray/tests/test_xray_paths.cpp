@@ -93,7 +93,7 @@ Eigen::Matrix3d turned(Lot &lot)
     return q.toRotationMatrix();
 }
 
-// Moves a body from its own axes to the place `at`.
+// Moves a body from its own axes to the position `at`.
 Body placed(const std::string &name, const std::vector<Vector3d> &points_m,
             const std::vector<std::array<std::uint32_t, 3>> &triangles, const Eigen::Matrix3d &axes,
             const Vector3d &at)
@@ -216,8 +216,8 @@ Body slivers(Lot &lot, int count)
     return body;
 }
 
-// A face without its counterpart would leave its distance from the source in the sum. Such a distance is 500
-// mm or more, and no closed body here has such a path length.
+// A face that is drawn without the opposite face would leave its distance from the source in the sum. Such a
+// distance from the source is 500 mm or more, and no closed body in this test has such a path length.
 void no_pixel_is_unpaired(const BodyMeshes &meshes, const View &view, double largest_mm)
 {
     const PathPictures pictures = draw(meshes, view, PathForm::axis_sums);
@@ -232,8 +232,8 @@ void no_pixel_is_unpaired(const BodyMeshes &meshes, const View &view, double lar
 
 } // namespace
 
-// On the sphere the facets cause an error of 0.010 mm. The cylinder has 720 sides, which cause an error of
-// 0.3 um. Corners are rounded to 1 um.
+// On the sphere the flat facets cause an error of 0.010 mm. The cylinder has 720 sides, which cause an error
+// of 0.3 um. The corners of the bodies are rounded to 1 um.
 static void paths_of_sphere_cylinder_and_tilted_box_are_their_chords(void **)
 {
     Lot lot(1);
@@ -320,8 +320,8 @@ static void corners_and_edges_on_the_centres_of_pixels_are_covered_once(void **)
         }
 }
 
-// The expected length is that of the ray from the source to the face where the ray leaves the body. Whatever
-// is nearer to the source than 1 mm, measured along the axis, is cut off.
+// The expected length is that of the ray from the source to the face where the ray leaves the body. Parts of
+// the body that are nearer to the source than 1 mm, measured along the axis, are cut off.
 static void a_source_inside_a_body_sees_the_way_out_in_every_direction(void **)
 {
     Lot lot(3);
@@ -436,8 +436,8 @@ static void a_moved_body_is_drawn_as_if_the_scene_had_it_there(void **)
     }
     assert_true(keeper.see(carm, 256, {{}, wire}));
     assert_true(keeper.bodies() == at_rest);
-    // Entries for bodies that do not exist, with a wrong number of vertices, or with vertices too far away
-    // must be left out.
+    // The code must ignore entries for bodies that do not exist, with a wrong number of vertices, or with
+    // vertices too far away.
     std::vector<Eigen::Vector3i> far(heart.vertices_um.size(), Eigen::Vector3i(3'000'000, 0, 0));
     const std::vector<Eigen::Vector3i> few(3, Eigen::Vector3i(0, 0, 0));
     const MovedBody wrong[] = {{7, heart.vertices_um}, {-1, heart.vertices_um}, {1, few}, {1, far}};

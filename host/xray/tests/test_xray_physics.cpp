@@ -1,6 +1,6 @@
-// Tests the chain from path lengths to raw values. Attenuation is compared with the exponential function,
-// noise with Poisson's law, edges with the stated MTF, and scatter with a measurement. The effects of one
-// picture on the next are tested in test_xray_exposure.cpp.
+// Tests the signal chain from path lengths to raw values. The test compares attenuation with the exponential
+// function, noise with Poisson's law, edges with the formula of the MTF, and scatter with a measurement. The
+// effects of one picture on the next are tested in test_xray_exposure.cpp.
 #include "host/xray/blur.hpp"
 #include "host/xray/detector.hpp"
 #include "host/xray/scatter.hpp"
@@ -119,8 +119,8 @@ static void rendered_counts_have_variance_over_mean_of_one(void **)
 }
 
 // Photons, kerma and kerma-area product (KAP) must increase in proportion to the charge. The KAP must not
-// depend on the distance, and the kerma at the reference point must not depend on the distance of the
-// detector.
+// depend on the distance from the source, and the kerma at the reference point must not depend on the
+// distance of the detector.
 static void dose_and_photons_come_from_the_same_charge(void **)
 {
     Room room(slab(0.20));
@@ -138,7 +138,7 @@ static void dose_and_photons_come_from_the_same_charge(void **)
     const XrayPicture same = room.picture(far);
     assert_true(std::fabs(same.kap_Gy_cm2 / one.kap_Gy_cm2 - 1.0) < 1e-9);
     assert_true(std::fabs(same.air_kerma_uGy / one.air_kerma_uGy - 1.0) < 1e-12);
-    // A field that is 97 % of 32 cm wide at 1.05 m is 17.74 cm wide at the reference point.
+    // A field whose width is 97 % of 32 cm at a distance of 1.05 m is 17.74 cm wide at the reference point.
     const double side_cm = 32.0 * 496.0 / 512.0 * 0.60 / 1.05;
     std::printf("# area %.2f cm2, expected %.2f\n", one.kap_Gy_cm2 / one.air_kerma_uGy * 1e6,
                 side_cm * side_cm);
@@ -146,8 +146,8 @@ static void dose_and_photons_come_from_the_same_charge(void **)
                 0.02 * side_cm * side_cm);
 }
 
-// Raw values must be linear in the quanta: mean raw = gain x mean photons, at doses that differ by a factor
-// of 10.
+// Raw values must be linear in the number of quanta: mean raw = gain x mean photons, at doses that differ by
+// a factor of 10.
 static void raw_values_are_linear(void **)
 {
     Room room(slab(0.25));
@@ -171,9 +171,9 @@ static void raw_values_are_linear(void **)
 namespace
 {
 
-// Measures the MTF before sampling with the slanted edge of ISO 12233 and IEC 62220-1. Every pixel of a row
-// has its own distance from the edge. All of them make one edge profile in steps of a tenth of a pixel, and
-// the Fourier transform of its derivative is the MTF.
+// Measures the MTF before sampling by the slanted-edge method of ISO 12233 and IEC 62220-1. Each pixel of a
+// row has its own distance from the slanted edge. All of them make one edge profile in steps of a tenth of a
+// pixel, and the Fourier transform of its derivative is the MTF.
 class SlantedEdge
 {
   public:
@@ -227,7 +227,7 @@ Body slanted_plate()
 
 } // namespace
 
-// The MTF of a rendered edge must be the product of the stated curves of focal spot, pixel and scintillator.
+// The MTF of a rendered edge must be the product of the MTF formulas of focal spot, pixel and scintillator.
 // The MTF is tested up to 0.9 of half the sampling frequency, for three fields and both focal spots.
 static void slanted_edge_has_the_stated_mtf(void **)
 {
@@ -263,7 +263,7 @@ namespace
 {
 
 // Returns the signal that a straight guidewire absorbs in each column, summed over rows around the middle.
-// The sums over all columns are a line spread function.
+// The sums of all columns together are a line spread function.
 std::vector<double> line_of_a_wire(double focal_spot_mm)
 {
     Room room(slab(0.05));
@@ -359,7 +359,7 @@ namespace
 {
 
 // Returns the ratio of scattered to primary signal in the middle of a field, in front of the grid. The slab
-// covers a detector of square pixels.
+// covers the whole detector, whose pixels are square.
 double scatter_to_primary(double tissue_cm, double kV, double width_cm, double height_cm)
 {
     const Spectrum open = tube_spectrum(kV, 0.2), left = behind(open, Material::soft_tissue, tissue_cm);
@@ -386,9 +386,9 @@ double scatter_to_primary(double tissue_cm, double kV, double width_cm, double h
 } // namespace
 
 // Altunbas et al. 2016 measured scatter at 125 kV in a field of 40 x 30 cm behind 30 cm of acrylic, which has
-// the electrons of 33 cm of tissue. The ratio of scattered to primary photons is 4.51, and 1.28 behind the
-// grid. Textbooks (Bushberg et al., chapter on scatter) give about 3 for 20 cm in a field of 30 x 30 cm; the
-// ratio increases with thickness and field.
+// the electrons of 33 cm of tissue. Altunbas measured a ratio of scattered to primary photons of 4.51 without
+// a grid, and of 1.28 behind the grid. Textbooks (Bushberg et al., chapter on scatter) give a ratio of about
+// 3 for 20 cm of tissue in a field of 30 x 30 cm; the ratio increases with thickness and field.
 static void scatter_agrees_with_a_measurement_and_grows_with_field_and_thickness(void **)
 {
     const double measured = scatter_to_primary(33.0, 125.0, 40.0, 30.0);
@@ -410,10 +410,10 @@ static void scatter_agrees_with_a_measurement_and_grows_with_field_and_thickness
                 1.3 * scatter_to_primary(20.0, 80.0, 20.0, 20.0));
 }
 
-// Digital subtraction takes the logarithms of two raw pictures with the same fixed technique. In one of them
-// there are 4 mm of undiluted contrast medium. The two logarithms must differ by the attenuation that the
-// beam's table gives for the medium behind the same patient. Beside the medium the two pictures must be equal
-// to the last bit.
+// Digital subtraction takes the logarithms of two raw pictures with the same fixed technique. In one of the
+// two pictures the beam also passes 4 mm of undiluted contrast medium. The two logarithms must differ by the
+// attenuation that the beam's table gives for contrast medium behind the same patient. Beside the contrast
+// medium the two pictures must be equal to the last bit.
 static void logarithms_of_raw_values_subtract_exactly(void **)
 {
     const Body trunk = box_body("trunk", "soft_tissue", -1, {-0.5, -0.5, -0.1}, {0.5, 0.5, 0.1});
@@ -460,8 +460,8 @@ static void window_and_level_are_those_of_dicom(void **)
     assert_true(between > 1000);
 }
 
-// The grey of the picture must not depend on the dose: a tenth of the dose gives the same shares, with more
-// noise.
+// The grey of the picture must not depend on the dose: a tenth of the dose gives the same mean grey value,
+// with more noise.
 static void photons_are_fewer_at_a_lower_dose_and_the_grey_is_the_same(void **)
 {
     Room room(slab(0.2));

@@ -53,8 +53,8 @@ double volume_mm3(const ToolPaths &paths, const View &view, Material material)
     double sum = 0.0;
     for (std::int32_t pixel : paths.pixels) {
         const int x = pixel % paths.size, y = pixel / paths.size;
-        // The beam of a pixel beside the axis has the same cross-section in this plane, but crosses the plane
-        // at an angle.
+        // The beam of a pixel beside the axis has the same cross-section in the plane of the isocentre, but
+        // crosses this plane at an angle.
         const double dx = (x + 0.5 - view.size * 0.5) * view.pixel_m,
                      dy = (y + 0.5 - view.size * 0.5) * view.pixel_m;
         const double slant = std::sqrt(dx * dx + dy * dy + view.source_detector_m * view.source_detector_m);
@@ -107,8 +107,8 @@ static void catheter_wall_braid_and_marker_band_have_their_thickness(void **)
                 0.004); // displaced by the wall; the lumen stays
 }
 
-// The reference is the volume of a cone, pi h (a^2 + a b + b^2)/3, times the mean of its share from s to t.
-// The mean is exact for pieces of 0.5 mm.
+// The expected amount is the volume of a cone, pi h (a^2 + a b + b^2)/3, times the mean fraction of contrast
+// medium between positions s and t along it. The mean fraction is exact for pieces of 0.5 mm.
 static void contrast_column_holds_the_iodine_of_its_cone(void **)
 {
     for (double thickest_m : {0.0005, 0.002, 0.012}) {
@@ -138,7 +138,7 @@ static void contrast_column_holds_the_iodine_of_its_cone(void **)
     }
 }
 
-// A strut of 40 um must lose no metal where rays are 0.14 mm apart, wherever it lies between the rays.
+// A strut of 40 um must lose no metal where rays are 0.14 mm apart, wherever the strut lies between the rays.
 static void struts_thinner_than_the_rays_are_apart_lose_nothing(void **)
 {
     const WireFrame wire;
@@ -156,7 +156,7 @@ static void struts_thinner_than_the_rays_are_apart_lose_nothing(void **)
 }
 
 // A guidewire in contrast medium displaces it: there must be less iodine, and blood must be subtracted for
-// the rest.
+// the remaining displaced volume.
 static void wire_in_contrast_displaces_iodine_and_blood(void **)
 {
     const std::vector<RadiopaqueInstrument> tools = {{{{0.0, 1.0, Material::nitinol, 1.0, 1.0}}, {}}};
@@ -199,9 +199,9 @@ static void many_curves_add_up(void **)
                     1e-6);
 }
 
-// These curves are not finite, have no length or only one point, lie behind the source or pass through it,
-// are seen end-on, or are bent back on themselves. Such curves must do no harm, and the parts that can be
-// drawn must be drawn.
+// The tested curves are not finite, have no length or only one point, lie behind the source or pass through
+// it, are seen end-on, or are bent back on themselves. Such faulty curves must do no harm, and those parts of
+// them that can be drawn must be drawn.
 static void broken_and_awkward_curves_do_no_harm(void **)
 {
     const double nan = std::numeric_limits<double>::quiet_NaN(),

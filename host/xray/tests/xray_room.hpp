@@ -52,7 +52,8 @@ inline XraySettings fixed(double kV, double mA, double ms, double copper_mm = 0.
     return settings;
 }
 
-// Returns the value that automatic exposure measures: the geometric mean over the round measuring field.
+// Returns the value that automatic exposure measures: the geometric mean of the signal over the round
+// measuring field.
 inline double measured_raw(const XrayPicture &picture)
 {
     const double half = 0.5 * picture.size, reach = 0.65 * half;

@@ -1,5 +1,5 @@
-// Makes small runs like those of the X-ray room. The runs have rendered frames of a sphere in a box, and
-// every value that a file contains.
+// Makes small X-ray runs like those of the simulated X-ray room, for tests. The runs contain rendered frames
+// of a sphere in a box, and every value that a DICOM file contains.
 #pragma once
 #include "host/xray/run.hpp"
 #include "host/xray/tests/xray_shapes.hpp"
@@ -10,8 +10,8 @@ namespace crn
 
 inline constexpr int run_size = 64;
 
-// Makes frames at the pulse rate; the first one is at tick 1000. With `moves`, angles, table and tube values
-// differ from frame to frame.
+// Makes frames at the pulse rate of the run; the first frame is at tick 1000. With `moves`, the angles, the
+// table and the tube values differ from frame to frame.
 inline XrayRun sample_run(RunKind kind, int frame_count, bool moves = false)
 {
     Bodies bodies;
