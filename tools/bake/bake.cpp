@@ -1,4 +1,5 @@
-// The pipeline of bake: it turns text into surface, field, measurements, bodies and files.
+// Runs the pipeline of the program `bake`: reads the scene's text, makes the lumen's surface and distance
+// field, measures the field, makes the bodies, and writes the files.
 #include "tools/bake/bake.hpp"
 #include "host/base/format.hpp"
 #include "host/base/output_files.hpp"
@@ -41,8 +42,8 @@ CurvePoint entry_of(const SceneText &text, const TriangleTree &tree)
     return entry;
 }
 
-// Narrows the lumen, or a body of its blood, by its lesions. Returns for each vertex whether it moved; the
-// returned list is empty if the tree has no lesion.
+// Narrows the mesh of the lumen, or of the blood in the lumen, wherever a lesion lies. Returns for each
+// vertex whether it moved; the returned list is empty if the tree has no lesion.
 std::vector<bool> narrow(Mesh &mesh, const VesselTree &tree)
 {
     if (tree.lesions.empty()) return {};
@@ -131,8 +132,8 @@ std::string lattice_report(const crn_lattice &lattice, std::size_t numbers)
                      static_cast<double>(numbers) * 2 / 1048576);
 }
 
-// Returns one report line per frame. The line states how far the lumen, moved by the core, deviates from the
-// mesh of that frame.
+// Returns one report line per frame. Each report line states how far the lumen, as the core moves it,
+// deviates from the mesh of that frame.
 std::string motion_report(const Motion &motion, std::size_t pose, const std::vector<FrameError> &errors)
 {
     std::string text = "motion            " + lattice_report(motion.lattices.beat, motion.rows.size()) +
@@ -175,7 +176,7 @@ Mesh posed_lumen(const SceneText &text, const Frames &frames, Progress &progress
     return mesh;
 }
 
-// The introducer sheath does not move, so the vessel should not move at its entry.
+// The introducer sheath does not move, so the vessel wall should not move where the sheath enters the vessel.
 std::string entry_report(const Motion &motion, const Eigen::Vector3d &entry_mm)
 {
     constexpr double still_mm = 0.1;
@@ -252,7 +253,8 @@ Mesh lumen_surface(const SceneText &text, std::string &report, Progress &progres
     return mesh;
 }
 
-// `picture` is empty for a scene without bodies and tree.
+// Writes the scene file and, unless `picture` is empty, the body file; `picture` is empty for a scene that
+// has no bodies and no vessel tree.
 static std::string write_outputs(const Options &options, const Bytes &scene, const Bytes &picture,
                                  std::size_t body_count)
 {

@@ -20,7 +20,7 @@ struct Options {
 Mesh lumen_surface(const SceneText &text, std::string &report, Progress &progress);
 
 // Bakes the scene, writes its files and returns the report (docs/scene.md). Throws Fault if the scene cannot
-// be baked. Throws UsageError if an output would overwrite an input; no file has then been changed.
+// be baked. Throws UsageError, before any file is changed, if an output file would overwrite an input file.
 std::string bake(const Options &options, Progress &progress);
 
 } // namespace crn::bake

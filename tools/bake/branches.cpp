@@ -15,8 +15,8 @@ namespace
 constexpr double apart_max_radii =
     1.25; // an end farther than this many radii from a centreline is not joined to it
 
-// Leaves out points that coincide with the point before them. Coordinates are rounded as the file will hold
-// them.
+// Leaves out points that coincide with the point before them. Rounds the coordinates to the precision with
+// which the body file stores them.
 VesselBranch branch_of(const Curve &line)
 {
     VesselBranch branch;
@@ -38,7 +38,7 @@ void turn(VesselBranch &branch)
 }
 
 // A branch that leaves within one radius of its parent's end is joined at that end, so that no stump of the
-// parent remains behind the division.
+// parent remains beyond the fork.
 std::size_t leaving_point(const VesselBranch &parent, std::size_t point)
 {
     const std::size_t last = parent.points_m.size() - 1;
@@ -53,13 +53,14 @@ std::size_t leaving_point(const VesselBranch &parent, std::size_t point)
                 "': lengthen it into that vessel, or leave it out of [tree]");
 }
 
-// Sets the branch that a new branch leaves, and its point nearest to the new branch's first one.
+// Sets the parent branch of a new branch, and the parent's point that is nearest to the new branch's first
+// point.
 void attach(VesselBranch &branch, const VesselTree &tree, std::size_t parent)
 {
     const VesselFoot foot = vessel_foot(tree.branches[parent], branch.points_m.front());
     std::size_t point = foot.point + (foot.share < 0.5 ? 0 : 1);
-    // A branch that begins at the very start of its parent is joined to the parent's own parent, at the same
-    // place.
+    // A branch that would leave at the very first point of its parent is joined to the grandparent instead,
+    // at the point where the parent leaves the grandparent.
     while (point == 0 && tree.branches[parent].parent >= 0) {
         point = tree.branches[parent].parent_point;
         parent = static_cast<std::size_t>(tree.branches[parent].parent);

@@ -9,13 +9,13 @@ namespace crn::bake
 // Returns the name of a branch: "right_renal_artery" for ".../right_renal_artery.mrk.json", at most 31 bytes.
 std::string branch_name(const std::filesystem::path &file);
 
-// The root begins at its inlet. Every other branch begins at whichever of its two ends lies deeper in a
-// vessel that is already joined. A branch that leaves within a radius of its parent's end leaves at that end.
-// Throws Fault naming a centreline that touches no other, a name that is used twice, or a name in `text` that
-// no centreline has.
+// The root begins at its inlet. Every other branch begins at that one of its two ends which lies deeper in a
+// vessel that is already joined. A branch that leaves its parent within one radius of the parent's end is
+// joined at that end. Throws Fault naming a centreline that touches no other, a name that is used twice, or a
+// name in `text` that no centreline has.
 VesselTree join_branches(const std::vector<Curve> &lines, const TreeText &text);
 
-// Returns the report's line, "vessels           11 branches, ...".
+// Returns the line of the report that describes the tree, "vessels 11 branches, ...".
 std::string branches_report(const VesselTree &tree);
 
 } // namespace crn::bake

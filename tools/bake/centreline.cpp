@@ -1,4 +1,5 @@
-// Places centrelines in the patient's frame and follows them by arc length.
+// Converts centrelines to the patient's coordinates, and computes positions on a centreline at a given arc
+// length.
 #include "tools/bake/centreline.hpp"
 #include "tools/bake/fault.hpp"
 #include "tools/centreline/formats.hpp"
@@ -30,8 +31,8 @@ void check_sizes(const Curve &line)
 std::vector<Curve> read_centrelines(const std::filesystem::path &file, const Placement &placement)
 {
     const centreline::Tree tree = centreline::read_tree(file);
-    // Unequal scales along the axes turn a circular section into an oval one. We replace the oval by the
-    // circle that gives the vessel the same volume.
+    // If the scene's text scales the axes unequally, a circular section of a vessel becomes oval. We replace
+    // the oval by the circle that gives the vessel the same volume.
     const double scale = std::cbrt(placement.scale.prod());
     std::vector<Curve> lines;
     for (const centreline::Branch &branch : tree.branches) {
@@ -61,8 +62,8 @@ CurvePoint along(const Curve &line, bool from_last, double distance_mm)
     for (std::size_t i = 0; i + 1 < points.size(); ++i) {
         const Eigen::Vector3d step = points[i + 1] - points[i];
         if (step.norm() > 0 && left <= step.norm()) {
-            // We take the tangent over a few millimetres, because control points are close together and their
-            // direction is rough.
+            // We take the tangent of a centreline over a few millimetres, because neighbouring control points
+            // are close together and the direction between them is rough.
             const Eigen::Vector3d position = points[i] + step * (left / step.norm());
             std::size_t ahead = i + 1;
             while (ahead + 1 < points.size() && (points[ahead] - position).norm() < 5) ++ahead;

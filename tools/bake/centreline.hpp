@@ -1,5 +1,5 @@
-// These functions place centrelines with radii, read by tools/centreline, in the patient and build the vessel
-// surface that they describe.
+// These functions convert centrelines with radii, read by tools/centreline, to the patient's coordinates, and
+// build the surface of the vessel that the centrelines describe.
 #pragma once
 #include "tools/bake/mesh.hpp"
 #include "tools/centreline/tree.hpp"
@@ -10,21 +10,21 @@ namespace crn::bake
 using centreline::tapered_capsule_distance;
 using Curve = centreline::Branch; // its parent is not set: join_branches finds it
 
-// Reads every curve of a .mrk.json, .vtp, .csv or .obj file; `read_centreline` returns the first. The axes
-// that the file itself states are ignored: `placement.axes` decides. A branch of a file with several branches
-// is called FILE/BRANCH. Throws Fault naming file, point and field.
+// Reads every curve of a .mrk.json, .vtp, .csv or .obj file; `read_centreline` returns the first. The axis
+// convention that the file itself states is ignored, because `placement.axes` sets it. A branch of a file
+// with several branches is called FILE/BRANCH. Throws Fault naming file, point and field.
 std::vector<Curve> read_centrelines(const std::filesystem::path &file, const Placement &placement);
 Curve read_centreline(const std::filesystem::path &file, const Placement &placement);
 
 // Returns the position and unit tangent at a distance along the curve from its first or last point. The
-// tangent points from the end into the curve.
+// tangent points from that end of the curve into the curve.
 struct CurvePoint {
     Eigen::Vector3d position_mm, direction;
 };
 CurvePoint along(const Curve &line, bool from_last, double distance_mm);
 
-// Returns the union of the tapered capsules between neighbouring points, as a closed mesh made on a grid of
-// the given voxel size.
+// Returns a closed mesh of the union of tapered capsules, each of which joins two neighbouring points; the
+// mesh is made on a grid of the given voxel size.
 Mesh surface_of(const std::vector<Curve> &lines, double voxel_mm, Progress &progress);
 
 } // namespace crn::bake

@@ -17,8 +17,8 @@ struct BakedBody {
 };
 
 // The functions below open the bytes with the scene reader of shared/scene before they return them, and throw
-// Fault if the reader rejects the bytes. `motion` is nullptr when the lumen does not move. `tree` is nullptr
-// when no lesion can be opened by a balloon; otherwise it holds the lesions of the field.
+// Fault if the reader rejects the bytes. `motion` is nullptr when the lumen does not move. `tree` holds the
+// lesions of the field; it is nullptr when the scene has no lesion that a balloon can open.
 Bytes scene_bytes(const SceneText &text, const Eigen::Vector3d &entry_mm, const Eigen::Vector3d &direction,
                   const Field &field, const Motion *motion = nullptr, const VesselTree *tree = nullptr);
 // `scene` holds the bytes of the scene to which the bodies belong; the body file records their hash. `scene`
@@ -26,10 +26,10 @@ Bytes scene_bytes(const SceneText &text, const Eigen::Vector3d &entry_mm, const 
 Bytes bodies_bytes(const SceneText &text, const std::vector<BakedBody> &bodies, const VesselTree &tree,
                    const Bytes &scene = {});
 
-// The file is written beside the target and renamed, so an interrupt or a full disk leaves the old file
-// intact.
+// The new file is written beside the old file and then renamed, so an interrupt or a full disk leaves the old
+// file intact.
 void write_whole(const std::filesystem::path &file, const Bytes &bytes);
-// Writes a scene and its bodies: either both files are replaced, or neither is.
+// Writes a scene file and its body file, so that either both files are replaced or neither file is.
 void write_both(const std::filesystem::path &scene_file, const Bytes &scene,
                 const std::filesystem::path &bodies_file, const Bytes &bodies);
 

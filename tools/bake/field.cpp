@@ -1,5 +1,5 @@
-// Making the field (see field.hpp). Bricks are made level by level, so a finer grid exists only where it is
-// needed.
+// Making the field (see field.hpp). Bricks (blocks of 8^3 voxels) are made level by level from coarse to
+// fine, so a finer grid exists only where it is needed.
 #include "tools/bake/field.hpp"
 #include "shared/scene/scene.h"
 #include "tools/bake/fault.hpp"
@@ -53,8 +53,8 @@ mesh::LevelSet distances(const Mesh &mesh, int level, Progress &progress)
 
 // While OpenVDB spreads distances from the surface, it keeps only one triangle per voxel. Where triangles are
 // smaller than voxels, OpenVDB's distances are up to 0.03 mm too large. We therefore recompute the distances
-// exactly near the wall and wherever a brick will be stored. A block is 8^3 voxels, as a brick is, so we
-// recompute the blocks of a brick and of its neighbours.
+// exactly near the wall, and also in all voxels of the bricks that will be stored. A block of the grid has
+// 8^3 voxels, like a brick, so we recompute the block of each brick and the neighbouring blocks.
 void make_exact(mesh::LevelSet &grid, const std::vector<Brick> &bricks, int level, const TriangleTree &tree,
                 Progress &progress)
 {
@@ -94,8 +94,8 @@ std::array<double, 2 * filter_reach + 1> prefilter()
     return taps;
 }
 
-// Filters along one axis. `size` holds the lengths before and after; the new length is shorter by twice the
-// reach.
+// Filters along one axis. `size` holds the lengths of the array along the three axes; the filter shortens the
+// length along `axis` by twice its own reach.
 void filter_axis(std::vector<double> &values, std::array<int, 3> &size, int axis)
 {
     static const auto taps = prefilter();
@@ -125,8 +125,8 @@ std::vector<double> gather(const mesh::LevelSet &grid, const Cell &cell, double 
     return grid.read({8 * cell[0] - reach, 8 * cell[1] - reach, 8 * cell[2] - reach}, block, voxel);
 }
 
-// Returns whether the brick contains a part of the field that is stored, judged by the brick's 10^3 samples
-// with a margin of half a voxel.
+// Returns whether some of the brick's distances lie in the range that the file stores; the function uses the
+// brick's 10^3 samples and a margin of half a voxel.
 std::uint16_t classify(const std::vector<double> &values, const FieldText &text, double voxel)
 {
     const double inside = std::min(text.inside_mm / voxel, coefficient_max) + 0.5;
@@ -153,7 +153,7 @@ std::vector<std::int8_t> quantise(std::vector<double> values)
     return coefficients;
 }
 
-// Returns the spline of a brick, in voxels, at the point x (in voxels from the brick's corner).
+// Returns the value of a brick's spline, in voxels, at the point x (in voxels from the brick's corner).
 double spline(const std::vector<std::int8_t> &c, const Eigen::Vector3d &x)
 {
     double w[3][3];
@@ -235,8 +235,8 @@ std::vector<Brick> octants(const std::vector<Brick> &bricks)
 
 // --- the lattice ---
 
-// Returns the entry of each brick: "far from the wall", a refinement (rows counted from `row`), or the next
-// place in `samples`.
+// Returns one index entry per brick: "far from the wall", the row of its refinement (rows are counted from
+// `row`), or the next free position in `samples`.
 std::vector<std::uint16_t> number(const std::vector<Brick> &bricks, int level, std::uint32_t row,
                                   Field &field)
 {

@@ -1,4 +1,5 @@
-// Makes the lumen's distance field: a closed mesh becomes the lattice of bricks of firmware/core/lumen.h.
+// Makes the lumen's distance field from a closed mesh, as the lattice of bricks that firmware/core/lumen.h
+// defines.
 //
 //   exact distances near the wall on a grid per level  ->  coefficients of the interpolating B-spline
 //   ->  bricks, refined where the measured error exceeds the tolerance  ->  index, child rows, samples
@@ -20,7 +21,7 @@ constexpr double voxel0_mm = 1000.0 / 1024.0; // level 0
 constexpr double brick0_mm = 8 * voxel0_mm;
 constexpr double error_band_mm = 1.5; // the field's error is measured this close to the wall
 
-// This class holds a lumen together with the arrays to which the lumen points.
+// This class holds a lumen and owns the arrays to which the lumen's pointers refer.
 struct Field {
     crn_lumen lumen{};
     std::vector<std::uint16_t> index, children;

@@ -1,4 +1,5 @@
-// Makes the bodies of a scene and measures how accurate they are.
+// Makes the bodies (organs, bones and vessels) of a scene, and measures how far they deviate from their
+// meshes.
 #include "tools/bake/form.hpp"
 #include "host/base/format.hpp"
 #include "tools/bake/fault.hpp"
@@ -25,7 +26,7 @@ double spread(std::size_t index, std::size_t base)
     return value;
 }
 
-// Returns all vertices, and `count` points spread evenly over the surface by area.
+// Returns all vertices of the mesh, and `count` further points spread evenly over its surface by area.
 std::vector<Eigen::Vector3d> sample(const Mesh &mesh, std::size_t count)
 {
     std::vector<Eigen::Vector3d> points = mesh.vertices_mm;
@@ -170,8 +171,8 @@ struct Neighbour {
     std::unique_ptr<TriangleTree> tree; // made at its first use
 };
 
-// Returns the sample of `mesh` that lies deepest on the wrong side of `of`: outside (sign +1) or inside (sign
-// -1).
+// Returns the vertex of `mesh`, of those that are sampled, that lies deepest on the wrong side of the surface
+// `of`: outside the surface for sign +1, inside for sign -1.
 Deviation worst(const Mesh &mesh, Neighbour &of, double sign, std::size_t samples)
 {
     Deviation found;

@@ -7,8 +7,8 @@
 namespace crn::bake
 {
 
-// The distance between two surfaces is measured from points of each (all vertices and evenly spread points)
-// to the nearest point of the other.
+// The distance between two surfaces is measured from points of each surface (all vertices and evenly spread
+// points) to the nearest point of the other surface.
 struct Deviation {
     double mean_mm = 0, largest_mm = 0;
     Eigen::Vector3d place_mm = Eigen::Vector3d::Zero(); // of the largest deviation
@@ -17,17 +17,17 @@ struct Deviation {
 
 Deviation deviation(const Mesh &one, const Mesh &other, std::size_t points_each);
 
-// Merges triangles of a closed mesh by edge collapse. The permitted error of the collapse is lowered until
-// the measured deviation from the original is within error_mm. Returns the measured deviation.
+// Reduces the number of triangles of a closed mesh by edge collapse. The permitted error of the collapse is
+// lowered until the measured deviation from the original is within error_mm. Returns the measured deviation.
 Deviation decimate(Mesh &mesh, double error_mm);
 
-// Makes one body of the scene's text from the mesh file that the text names. `made` holds the bodies made
-// before it, and `report` gets one or two lines.
+// Makes one body of the scene's text from the mesh file that the text names. `made` holds the bodies that
+// were made earlier, and the function adds one or two lines to `report`.
 Mesh form_body(const BodyText &body, const std::vector<BakedBody> &made, std::string &report);
 
-// Returns one line for each body that protrudes from the body around it, or enters a neighbouring body, by
-// more than 0.3 mm. Where two bodies overlap, the picture counts both materials. Tests `samples` vertices of
-// each body.
+// Returns one report line for each body that protrudes from the body around it, or that enters a neighbouring
+// body, by more than 0.3 mm. Where two bodies overlap, the X-ray picture shows the absorption of both
+// materials. The function tests `samples` vertices of each body.
 std::string nesting_report(const std::vector<BakedBody> &bodies, std::size_t samples);
 
 } // namespace crn::bake

@@ -48,10 +48,10 @@ Axis axis_at(const VesselBranch &branch, const std::vector<double> &arcs, double
             branch.radii_m[i] + share * (branch.radii_m[i + 1] - branch.radii_m[i])};
 }
 
-// Computes directions across the healthy vessel at the points of a lesion. The direction called front is
-// determined in the lesion's middle; where the vessel itself runs forwards there, the patient's left is taken
-// instead. The direction is carried along the vessel without twist, so that plaque stays on the same side of
-// the vessel in a bend.
+// Computes unit vectors that are perpendicular to the healthy vessel, at each point of a lesion. In the
+// lesion's middle, the direction called front is the patient's front; where the vessel itself runs forwards
+// there, the patient's left is taken instead. The direction called front is carried along the vessel without
+// twist, so that plaque stays on one side of the vessel in a bend.
 class Across
 {
   public:
@@ -69,8 +69,8 @@ class Across
         for (std::size_t i = middle; i > 0; --i) carry(fronts_[i], i - 1);
     }
 
-    // Returns the direction `deg` degrees from the front at a point of the lesion, right-handed about the
-    // flow.
+    // Returns the direction across the vessel at an angle of `deg` degrees from the front, right-handed about
+    // the flow, at a point of the lesion.
     Vector3d at(std::size_t point, double deg) const
     {
         const double angle = deg * pi / 180;
@@ -104,7 +104,7 @@ std::size_t branch_of(const VesselTree &tree, const LesionText &text)
 }
 
 // Gives the branch a point every half a millimetre from `begin_m` to `end_m`. The branch keeps its other
-// points and the places where other vessels leave.
+// points, and other vessels still leave it at the same positions.
 VesselLesion divide(VesselTree &tree, std::size_t index, double begin_m, double end_m)
 {
     const VesselBranch old = tree.branches[index];
@@ -164,8 +164,8 @@ void narrow(VesselBranch &branch, const VesselLesion &lesion, const LesionText &
     }
 }
 
-// Places the points of one lesion in a tree that no lesion has narrowed yet. Positions refer to the healthy
-// vessel, so the order of lesions does not matter.
+// Places the points of one lesion in a tree that no lesion has narrowed yet. Positions of lesions refer to
+// the healthy vessel, so lesions may be placed in any order.
 void place(VesselTree &tree, const LesionText &text)
 {
     const std::size_t index = branch_of(tree, text);
@@ -278,8 +278,8 @@ BakedBody calcium_of(const VesselTree &tree, const VesselLesion &lesion, const L
         for (std::size_t j = 0; j <= columns; ++j) {
             const double turn = static_cast<double>(j) / columns - 0.5;
             const Vector3d ray = across.at(i, text.plaque_deg + turn * text.calcified_deg);
-            // We compute the distance from the centre at which the ray leaves the channel; it is 0 if the ray
-            // does not cross the channel.
+            // The variable `begin` is the distance from the centre at which the ray leaves the channel;
+            // `begin` is 0 if the ray does not cross the channel.
             const double inwards = off.dot(ray);
             const double square = channel * channel - off.squaredNorm() + inwards * inwards;
             const double begin = square > 0 ? std::max(inwards + std::sqrt(square), 0.0) : 0.0;
@@ -290,7 +290,8 @@ BakedBody calcium_of(const VesselTree &tree, const VesselLesion &lesion, const L
             body.mesh.vertices_mm.push_back((centre + outer * ray) * 1e3);
         }
     }
-    // Returns the index of the corner at row i, column j, on the inner (0) or outer (1) sheet.
+    // Returns the index of the shell's vertex at row i and column j, on the inner sheet (0) or the outer
+    // sheet (1) of the shell.
     const auto at = [&](std::size_t i, std::size_t j, std::size_t sheet) {
         return static_cast<std::uint32_t>(2 * (i * (columns + 1) + j) + sheet);
     };

@@ -8,9 +8,9 @@
 // The channel narrows as a cosine (Young and Tsai, J Biomech 6 (1973) 395, eq. 1):
 //   r = R (1 - S (1 + cos(2 pi u)) / 2)
 //
-// Here u runs from -1/2 to 1/2 along the lesion, R is the radius of the healthy vessel, and S is the stenosis
-// by diameter. With eccentricity e, the middle of the channel lies e (R - r) from the vessel's middle, away
-// from the plaque.
+// In the formula, u runs from -1/2 to 1/2 along the lesion, R is the radius of the healthy vessel, and S is
+// the stenosis by diameter. With eccentricity e, the centre of the narrowed channel (radius r) lies e (R - r)
+// from the vessel's centre, away from the plaque.
 #pragma once
 #include "host/model/lesion_wall.hpp"
 #include "tools/bake/container.hpp"
@@ -29,8 +29,8 @@ Eigen::AlignedBox3d lesion_box_mm(const VesselLesion &lesion, double radii);
 void place_lesions(VesselTree &tree, const std::vector<LesionText> &lesions);
 
 // Divides edges near a lesion until they are shorter than 0.6 times the narrowest radius and shorter than a
-// twentieth of the lesion's length. No edge below a quarter of a millimetre is divided. Existing corners keep
-// their numbers.
+// twentieth of the lesion's length. Edges shorter than a quarter of a millimetre are not divided. Existing
+// corners keep their numbers.
 void refine_lesions(Mesh &mesh, const VesselTree &tree);
 
 // Moves vertices from the healthy wall to the narrowed wall, and returns true for each vertex that moved.
@@ -41,18 +41,19 @@ std::vector<bool> narrow_lesions(std::vector<Eigen::Vector3d> &vertices_mm, cons
 // vessel, such as a chamber of the heart, is not narrowed with the vessel.
 VesselTree lesions_within(const VesselTree &tree, const TriangleTree &body);
 
-// Returns the regions where the field must resolve the narrowed wall, whatever tolerance the scene states
-// elsewhere. The tolerance is a fifteenth of the radius at the narrowest point, but at least 0.03 mm. Voxels
-// are at most 0.7 of the tolerance where the container has voxels of that size. A tool that passes the
-// narrowest point of the mesh then also passes the narrowest point of the field.
+// Returns the regions in which the field must resolve the narrowed wall, even if the scene's text permits a
+// larger tolerance. The tolerance of the distance in these regions is a fifteenth of the radius at the
+// narrowest point, but at least 0.03 mm. The edge of a voxel is at most 0.7 times this tolerance, if the
+// scene container permits such small voxels. A guidewire or catheter that passes the narrowest point of the
+// mesh then also passes the narrowest point of the field.
 std::vector<FineRegion> fine_regions(const VesselTree &tree);
 
 // Returns a shell of calcium in the plaque of the lesion, over the arc that the lesion's text states. Only
 // lesions whose text states an arc have such a shell.
 BakedBody calcium_of(const VesselTree &tree, const VesselLesion &lesion, const LesionText &text);
 
-// Returns one report line per lesion with the diameter measured on the narrowed surface, and a warning where
-// this diameter differs from the tree's.
+// Returns one report line per lesion, with the diameter measured on the narrowed surface, and with a warning
+// if this diameter differs from the diameter in the tree.
 std::string lesions_report(const VesselTree &tree, const TriangleTree &surface);
 
 } // namespace crn::bake

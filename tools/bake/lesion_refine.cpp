@@ -52,7 +52,8 @@ class Divider
   private:
     static Edge edge(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
-    // Returns the longest permitted edge from a to b; infinite when no part of it is near a lesion.
+    // Returns the permitted length of an edge from a to b, which is infinite when no part of the edge is near
+    // a lesion.
     double edge_max_mm(const Vector3d &a_mm, const Vector3d &b_mm) const
     {
         double most = std::numeric_limits<double>::infinity();
@@ -78,7 +79,7 @@ class Divider
     }
 
     // Replaces a triangle by one to four triangles, depending on how many of its edges are divided.
-    // Neighbouring triangles share the midpoints, so no crack opens between them.
+    // Neighbouring triangles use the same midpoint of their common edge, so no crack opens between them.
     void divide(const Triangle &t, std::vector<Triangle> &out) const
     {
         std::array<std::int64_t, 3> middle; // of the edge that follows each corner; -1: not divided

@@ -1,4 +1,4 @@
-// Measures a baked lumen (see measure.hpp).
+// Measures how accurate the field of a baked lumen is (see measure.hpp).
 #include "tools/bake/measure.hpp"
 #include "tools/bake/fault.hpp"
 
@@ -113,7 +113,7 @@ void triangle_centre(const void *object, ccd_vec3_t *out)
     ccdVec3Set(out, p.x(), p.y(), p.z());
 }
 
-// Returns the penetration of the capsule into one triangle; 0 when they do not touch.
+// Returns how deep the capsule penetrates one triangle, or 0 when the two do not touch.
 double ccd_depth(const CcdCapsule &capsule, const CcdTriangle &triangle)
 {
     ccd_t ccd;
@@ -151,7 +151,7 @@ double referee_depth(const TriangleTree &tree, const Pose &pose, double radius)
     return deepest;
 }
 
-// The core tests points only, so we test 33 points along the capsule's axis.
+// The core tests points but not whole capsules, so we test 33 points along the capsule's axis.
 double core_depth(const crn_lumen *lumen, const Pose &pose, double radius)
 {
     double deepest = -INFINITY;
@@ -160,8 +160,9 @@ double core_depth(const crn_lumen *lumen, const Pose &pose, double radius)
     return deepest;
 }
 
-// Draws a capsule near a random point of the wall. Its axis lies in the lumen, and its radius reaches the
-// wall. Returns false when the capsule drawn does not lie so.
+// Draws a capsule near a random point of the wall. The capsule's axis must lie in the lumen, and the
+// capsule's radius must reach the wall. Returns false when the random capsule does not meet these two
+// conditions.
 bool draw_pose(const TriangleTree &tree, const SurfacePoints &surface, double radius, double length,
                Random &random, Pose &pose)
 {
@@ -177,7 +178,8 @@ bool draw_pose(const TriangleTree &tree, const SurfacePoints &surface, double ra
 
 // Returns the radius of the largest ball that touches the wall at p from inside and has no wall inside it;
 // its centre lies on the inward normal. The ball's radius is reduced step by step (shrinking balls: Ma, Bae &
-// Choi 2012). Returns `limit` when the ball touches no other wall, or no wall opposite.
+// Choi 2012). Returns `limit` when the ball touches no second part of the wall, or no part on the side
+// opposite to p.
 double ball_radius(const TriangleTree &tree, const Eigen::Vector3d &p, const Eigen::Vector3d &inward,
                    double limit)
 {
@@ -190,8 +192,8 @@ double ball_radius(const TriangleTree &tree, const Eigen::Vector3d &p, const Eig
         radius = to.squaredNorm() / (2 * to.dot(inward));
     }
     if (radius >= limit) return limit;
-    // A ball in a dent of the surface touches only wall near p. We recognise this case because there is no
-    // wall at the ball's far end.
+    // A ball in a dent of the surface touches the wall only near p. We recognise such a dent because there is
+    // no wall at the side of the ball opposite to p.
     return std::abs(tree.nearest(p + inward * (2 * radius)).distance_mm) > 0.3 * radius ? limit : radius;
 }
 

@@ -1,6 +1,6 @@
-// Measures the accuracy of a baked lumen. It compares the field with exact distances, the field's two
-// samplers with each other, and the contact depth with libccd's. All random numbers come from a seed that is
-// printed.
+// Measures the accuracy of a baked lumen. Compares the distance field with exact distances, the results of
+// the two functions that sample the field, and the core's contact depth with that of the library libccd. All
+// random numbers are generated from a seed, which the program prints.
 #pragma once
 #include "tools/bake/field.hpp"
 
@@ -24,10 +24,11 @@ struct FieldError {
     Worst largest;
 };
 
-// Returns the distance by which a point is outside the core's lumen, and below 0 inside.
+// Returns the distance of a point from the wall of the core's lumen; the result is positive outside and
+// negative inside.
 double contact_mm(const crn_lumen *lumen, const Eigen::Vector3d &p_mm);
 
-// Compares the core's distance with the exact signed distance at random points within error_band_mm of the
+// Compares the core's distance with the exact signed distance, at random points within error_band_mm of the
 // wall.
 FieldError measure_field(const crn_lumen *lumen, const TriangleTree &tree, std::size_t points,
                          std::uint64_t seed, Progress &progress);
@@ -38,14 +39,15 @@ struct Referee {
     Worst disagreement;
 };
 
-// Tests random capsules whose axis lies in the lumen and whose radius reaches the wall. The core's contact
-// depth, which is the largest phi + r along the axis, is compared with the deepest penetration that libccd
-// finds among the triangles around it.
+// Tests random capsules whose axis lies in the lumen and whose radius reaches the wall. Compares the core's
+// contact depth, which is the largest phi + r along the axis, with the deepest penetration that libccd finds
+// among the triangles around the capsule.
 Referee measure_contact(const crn_lumen *lumen, const TriangleTree &tree, std::size_t poses,
                         std::uint64_t seed, Progress &progress);
 
-// Returns the radius of the smallest ball that touches two opposite walls. The walls must be at least 120
-// degrees apart as seen from the ball's centre; up to `points` places of the surface are tried.
+// Returns the radius of the smallest ball that touches two opposite walls. The two points of contact must be
+// at least 120 degrees apart as seen from the ball's centre; the function tries up to `points` points of the
+// surface.
 Worst smallest_radius(const TriangleTree &tree, std::size_t points);
 
 } // namespace crn::bake

@@ -31,22 +31,24 @@ std::string place_text(const Eigen::Vector3d &p_mm); // "(1.0, 2.0, 3.0) mm"
 // has a size that suggests another unit.
 Mesh load_mesh(const MeshText &text);
 
-// Checks that the mesh is finite, of a plausible size and not empty. `unit` is named in the message's advice.
+// Checks that the mesh has a plausible size, has only finite coordinates, and is not empty. The error message
+// names `unit` in its advice.
 void check_extent(const Mesh &mesh, const std::string &unit);
 
 // Merges vertices at equal positions and drops triangles without area; both are noted in the report.
 void weld(Mesh &mesh);
 
-// Checks that the mesh is closed: every edge belongs to exactly two triangles of opposite sense. Openings are
-// closed by a cap if `cap` permits it. The triangles of a mesh of negative volume are reversed (noted in the
-// report). Throws Fault otherwise.
+// Checks that the mesh is closed: every edge must belong to exactly two triangles, which run along this edge
+// in opposite directions. Openings are closed by a cap if `cap` permits it. If the volume of the mesh is
+// negative, all its triangles are reversed, and the report notes this. Throws Fault otherwise.
 void check_closed(Mesh &mesh, Cap cap);
 
 // Only caps the openings. This function serves meshes whose surface is remade afterwards (solid.hpp), which
 // may be non-manifold and may cross themselves.
 void cap_openings(Mesh &mesh, Cap cap);
 
-// Throws Fault with the first pair and the number of pairs when triangles cross without sharing a vertex.
+// Throws Fault when triangles cross without sharing a vertex; the message gives the first pair and the number
+// of such pairs.
 void check_crossing(const Mesh &mesh, Progress &progress);
 
 double volume_mm3(const Mesh &mesh);

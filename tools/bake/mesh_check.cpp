@@ -1,4 +1,5 @@
-// Decides whether a mesh is the boundary of a body: edges, openings, caps, orientation.
+// Decides whether a mesh is the boundary of a solid: examines its edges, closes its openings by caps, and
+// makes its triangles point outwards.
 #include "host/base/format.hpp"
 #include "tools/bake/fault.hpp"
 #include "tools/bake/mesh.hpp"
@@ -12,8 +13,8 @@ namespace crn::bake
 namespace
 {
 
-// A side is one edge of a triangle: the edge from vertex `low` to `high`, and whether the triangle runs from
-// low to high.
+// A Side is one edge of one triangle: it holds the vertices `low` and `high` of the edge, and whether the
+// triangle runs along the edge from low to high.
 struct Side {
     std::uint32_t low, high, triangle;
     bool forward;
@@ -35,7 +36,7 @@ std::vector<Side> sides_of(const Mesh &mesh)
     return sides;
 }
 
-// Calls use(begin, end) with the sides of every edge.
+// Calls use(begin, end) once for every edge, with the range of that edge's sides.
 template <typename Use> void for_each_edge(const std::vector<Side> &sides, Use use)
 {
     for (std::size_t i = 0, end; i < sides.size(); i = end) {
@@ -70,7 +71,7 @@ void check_manifold(const Mesh &mesh, const std::vector<Side> &sides)
                     ": remove double and inner faces (\"make manifold\" in a mesh editor)");
 }
 
-// Reverses triangles so that neighbouring triangles have the same sense. Returns the number of reversed
+// Reverses triangles so that neighbouring triangles have the same orientation. Returns the number of reversed
 // triangles; throws Fault for a one-sided surface.
 std::size_t agree(Mesh &mesh, const std::vector<Side> &sides)
 {
@@ -121,7 +122,8 @@ std::size_t agree(Mesh &mesh, const std::vector<Side> &sides)
     return count;
 }
 
-// An opening is stored as its corners, in the order in which the missing face would have them.
+// An opening is stored as the list of its corners, in the order in which the face that would close it would
+// list them.
 using Loop = std::vector<std::uint32_t>;
 
 std::vector<Loop> openings(const std::vector<Side> &sides)
@@ -197,8 +199,8 @@ void close_openings(Mesh &mesh, const std::vector<Loop> &loops, Cap cap)
     double widest_mm = 0;
     for (const Loop &loop : loops) {
         const Opening opening = describe(mesh, loop);
-        // An opening counts as flat if it is even within 5 % of its width, as where a scan's software has cut
-        // off the end of a vessel.
+        // An opening counts as flat if its corners deviate from a plane by at most 5 % of its width, as where
+        // a scanner's software has cut off the end of a vessel.
         const bool is_flat = loop.size() >= 3 && opening.unevenness_mm <= 0.05 * opening.across_mm;
         if (!is_flat && cap == Cap::flat)
             throw Fault(mesh.name + ": the opening at " + opening_text(opening, loop.size()) +

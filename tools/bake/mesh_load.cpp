@@ -1,4 +1,5 @@
-// Places a mesh in the patient's frame, merges equal vertices, and writes the mesh. mesh_file.cpp reads it.
+// Converts a mesh to the patient's coordinates, merges equal vertices, and writes the mesh. The file
+// mesh_file.cpp reads meshes.
 #include "host/base/format.hpp"
 #include "host/base/pending_file.hpp"
 #include "tools/bake/fault.hpp"
@@ -16,7 +17,7 @@ namespace crn::bake
 namespace
 {
 
-// Adds a part of the file to the mesh, in the patient's frame.
+// Adds one part of the mesh file to the mesh, in the patient's coordinates.
 void append(const MeshPiece &piece, const MeshText &text, Mesh &mesh)
 {
     const double unit_mm = millimetres_per(text.placement.unit);

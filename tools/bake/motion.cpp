@@ -1,5 +1,5 @@
-// Fits the lattice: solves one sparse system per keyframe for all three components of the displacement
-// together.
+// Fits the lattice that describes the motion: solves one sparse system per keyframe for all three components
+// of the displacement together.
 #include "tools/bake/motion.hpp"
 #include "host/model/motion.hpp"
 #include "shared/scene/scene.h"
@@ -40,7 +40,8 @@ struct Lattice {
     {
         return x == 0 || y == 0 || z == 0 || x + 1 == count.x() || y + 1 == count.y() || z + 1 == count.z();
     }
-    // Finds the cell and the position within the cell; returns false outside the lattice.
+    // Finds the cell of the lattice that contains a point, and the point's position within the cell; returns
+    // false if the point lies outside the lattice.
     bool find(const Eigen::Vector3d &p_mm, Eigen::Vector3i &cell, Eigen::Vector3d &place) const
     {
         const Eigen::Vector3d at = (p_mm - origin_mm) / spacing_mm;
@@ -64,8 +65,8 @@ struct Lattice {
     }
 };
 
-// Collects the points of a sequence that move: the box around them, and their longest displacement from the
-// reference pose.
+// Collects the points of a sequence that move; stores the box around these points, and their longest
+// displacement from the reference pose.
 struct Moving {
     Eigen::AlignedBox3d box;
     double way_mm = 0;
@@ -117,7 +118,7 @@ Lattice lattice_for(const Moving &moving, double spacing_mm, double reach_spacin
 }
 
 // Penalises bending and tension over the free nodes. The graph Laplacian compares each node with the mean of
-// its six neighbours; boundary nodes count as 0.
+// its six neighbours; it takes the values of nodes on the boundary as 0.
 Sparse smoothing(const Lattice &lattice)
 {
     std::vector<Eigen::Triplet<double>> entries;
@@ -149,7 +150,7 @@ class Fit
     {
     }
 
-    // Adds a point at which the displacement should be `way_mm`.
+    // Adds a point, and the displacement `way_mm` that the lattice should have at this point.
     void tell(const Eigen::Vector3d &at_mm, const Eigen::Vector3d &way_mm, double weight)
     {
         Eigen::Vector3i cell;
@@ -196,7 +197,7 @@ class Fit
     Ways right_;
 };
 
-// Adds the displacements from the moved vertices back to the reference pose.
+// Adds the displacements that carry the moved vertices back to the reference pose.
 void tell_all(Fit &fit, const std::vector<Eigen::Vector3d> &moved_mm,
               const std::vector<Eigen::Vector3d> &back_mm, double weight)
 {
@@ -258,8 +259,8 @@ void fit_beat(const Frames &frames, double spacing_mm, Motion &motion, Progress 
         put_node(keys, node, &motion.rows[static_cast<std::size_t>(node) * 3 * CRN_MOTION_ROW]);
 }
 
-// The heart beats inside a chest that moves with breath. Breath therefore displaces a place equally in every
-// frame of the beat, and we fit its lattice to the first frame only.
+// The heart beats inside a chest that moves with breath. Breath therefore displaces a given point equally in
+// every frame of the heartbeat, so we fit the lattice of breath to the first frame only.
 void fit_breath(const Frames &frames, double spacing_mm, Motion &motion)
 {
     Moving moving;
@@ -293,7 +294,8 @@ void Sequence::retime(double end_systole)
                             : end_systole + (k - wanted_end) * (count - end_systole) / (count - wanted_end);
         const auto at = static_cast<std::size_t>(source);
         const double t = source - std::floor(source);
-        // We interpolate by Catmull and Rom's cubic through the neighbouring frames.
+        // Between two frames of the sequence, we interpolate by Catmull and Rom's cubic through the
+        // neighbouring frames.
         const double weights[4] = {t * (-0.5 + t * (1 - 0.5 * t)), 1 + t * t * (-2.5 + 1.5 * t),
                                    t * (0.5 + t * (2 - 1.5 * t)), t * t * (-0.5 + 0.5 * t)};
         for (std::size_t i = 0; i < moved_mm[key].size(); ++i) {

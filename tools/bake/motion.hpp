@@ -25,14 +25,15 @@ namespace crn::bake
 
 constexpr std::size_t frames_count = CRN_MOTION_KEYFRAMES;
 
-// A sequence is one set of points through the heart cycle; frame k shows the points at k / 24 of the cycle.
+// A sequence holds the positions of one set of points through the heart cycle; frame k shows the points at k
+// / 24 of the cycle.
 struct Sequence {
     std::vector<Eigen::Vector3d> reference_mm;
     std::vector<std::vector<Eigen::Vector3d>> moved_mm; // frames_count of them, or none
     std::vector<Eigen::Vector3d> inhaled_mm;            // frame 0 at the end of inspiration; empty: no breath
 
-    // Resamples the frames in time. In the given frames, systole ends at frame `end_systole`; after
-    // resampling it ends at frame 10.
+    // Resamples the frames in time. In the given frames, systole ends at frame `end_systole`; after the
+    // frames are resampled, systole ends at frame 10.
     void retime(double end_systole);
 };
 
@@ -43,15 +44,15 @@ struct Frames {
     std::size_t pose = 0; // the keyframe that is the reference pose
 };
 
-// Loads the files of the text's folders in the order of their names and retimes them. The reference pose is
-// the one that middle_pose() returns. `lumen` is the scene's lumen; it must be checked and closed. Throws
-// Fault if the number of files is wrong, a file's triangles differ from the first file's, or a vertex jumps
-// between frames. Also throws Fault if the first frame differs from the scene's lumen; the message names the
-// file or the place.
+// Loads the files of the folders that the scene's text names, in the order of the file names, and resamples
+// the frames to the 24 standard times. The reference pose is the keyframe that middle_pose() returns. `lumen`
+// is the scene's lumen; it must be checked and closed. Throws Fault if the number of files is wrong, a file's
+// triangles differ from the first file's, or a vertex jumps between frames. Also throws Fault if the first
+// frame differs from the scene's lumen; the message names the file or the position of the difference.
 Frames load_frames(const MotionText &text, const LumenText &lumen);
 
-// Returns the keyframe from which the longest displacement to any other keyframe is shortest. Relative to
-// this pose the displacements are half as long, and half as steep, as relative to one end of the motion.
+// Returns the keyframe for which the longest displacement to any other keyframe is smallest. Relative to this
+// middle pose, the displacements and their gradients are half as large as relative to one end of the motion.
 std::size_t middle_pose(const Sequence &sequence);
 
 struct Motion {
@@ -61,16 +62,16 @@ struct Motion {
     Eigen::Vector3d to_reference_mm(const Eigen::Vector3d &at_mm) const;
 };
 
-// The spacings of the lattices are the largest powers of two, in Q30, that do not exceed the wanted spacings.
-// Throws Fault when a displacement is larger than the file format can hold, or when the displaced space would
-// fold over.
+// The spacings of the lattices are the largest powers of two (in metres) that do not exceed the wanted
+// spacings, and are stored in Q30. Throws Fault when a displacement is larger than the file format can hold,
+// or when the displaced space would fold over.
 struct MotionSpacing {
     double beat_mm, breath_mm;
 };
 Motion fit_motion(const Frames &frames, const MotionSpacing &spacing, Progress &progress);
 
-// The steepness is the difference in displacement between neighbouring nodes as a share of their distance.
-// The core's arithmetic permits only a limited steepness (docs/heart.md).
+// The steepness is the difference in displacement between neighbouring nodes, divided by the distance between
+// these nodes. The core's arithmetic permits only a limited steepness (docs/heart.md).
 struct Steepness {
     Worst heart, breath; // dimensionless shares, although the fields are called mm
 };
@@ -78,8 +79,8 @@ constexpr double heart_steepness_max = 0.625, breath_steepness_max = 0.375;
 Steepness steepness(const Motion &motion);
 void refuse_steep(const Motion &motion); // throws Fault with the place where it is too steep
 
-// Compares one frame's surface with the lumen moved as the core computes it. The error is |phi / |g|| at the
-// vertices and at the middles of the triangles.
+// Compares the surface of one frame with the lumen as the core moves it. The error is |phi / |g||, evaluated
+// at the vertices and at the middles of the triangles, where phi is the core's distance and g its gradient.
 struct FrameError {
     double rms_mm = 0;
     Worst small; // where the reference lumen's radius is below small_vessel_mm
@@ -88,8 +89,8 @@ struct FrameError {
 };
 constexpr double small_vessel_mm = 2.3;
 
-// `left_out` marks vertices that are skipped because a lesion makes the scene's lumen differ from the frames
-// there; an empty list skips none.
+// `left_out` marks vertices that the comparison skips, because a lesion makes the scene's lumen differ from
+// the frames there; an empty list means that no vertex is skipped.
 std::vector<FrameError> measure_motion(const crn_lumen *lumen, const crn_motion *motion, const Frames &frames,
                                        const std::vector<bool> &left_out = {});
 

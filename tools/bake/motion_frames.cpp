@@ -1,5 +1,5 @@
-// Reads a sequence of meshes, checks that all have the same triangles and that no vertex jumps, and measures
-// a fitted lattice against the sequence.
+// Reads a sequence of meshes, checks that all of them have the same triangles and that no vertex jumps, and
+// measures how far a fitted lattice deviates from the sequence.
 #include "host/base/format.hpp"
 #include "tools/bake/fault.hpp"
 #include "tools/bake/measure.hpp"
@@ -29,8 +29,8 @@ std::vector<std::filesystem::path> frame_files(const std::filesystem::path &fold
     return files;
 }
 
-// Returns the vertices of one frame, placed in the patient as the lumen is; its triangles must equal those of
-// the reference.
+// Returns the vertices of one frame in the patient's coordinates, as for the lumen; the frame's triangles
+// must equal the triangles of the reference mesh.
 std::vector<Eigen::Vector3d> frame_vertices(const std::filesystem::path &file, const MeshText &lumen,
                                             const Mesh &reference)
 {
@@ -45,8 +45,8 @@ std::vector<Eigen::Vector3d> frame_vertices(const std::filesystem::path &file, c
     return mesh.vertices_mm;
 }
 
-// Checks that no vertex moves farther between neighbouring frames than a vessel wall can in 1/24 of a beat.
-// The last frame and the first frame also count as neighbours.
+// Checks that no vertex moves farther from one frame to the next than a vessel wall can move in 1/24 of a
+// heartbeat. The first frame counts as the successor of the last frame.
 void check_jumps(const Sequence &frames, const std::vector<std::filesystem::path> &files)
 {
     constexpr double jump_mm = 8.0; // faster than any wall: 0.2 m/s over 1/24 s
@@ -64,8 +64,8 @@ void check_jumps(const Sequence &frames, const std::vector<std::filesystem::path
     }
 }
 
-// Returns the radius of the reference lumen at a point of its wall, which is the greatest depth along the
-// inward normal.
+// Returns the radius of the reference lumen at a point of its wall; the radius is taken as the greatest depth
+// along the inward normal.
 double radius_mm(const crn_lumen *lumen, const Eigen::Vector3d &wall_mm)
 {
     const crn_vec3 q = to_q30(wall_mm);
@@ -88,7 +88,7 @@ crn_motion_pose pose_of(const crn_motion *motion, std::size_t key, bool inhaled)
     return pose;
 }
 
-// Returns the place in the reference pose of a point that is given in another pose.
+// Converts a point that is given in another pose to its position in the reference pose.
 Eigen::Vector3d pulled_mm(const crn_motion *motion, crn_motion_pose &pose, const Eigen::Vector3d &at_mm)
 {
     const crn_vec3 q = to_q30(at_mm), back = crn_motion_pull(motion, &pose, &q);
@@ -97,7 +97,7 @@ Eigen::Vector3d pulled_mm(const crn_motion *motion, crn_motion_pose &pose, const
     return reference;
 }
 
-// Loads one mesh per frame; the triangles of all must equal those of the first.
+// Loads one mesh per frame; the triangles of every mesh must equal those of the first mesh.
 Sequence load_sequence(const std::filesystem::path &folder, const std::filesystem::path &inhaled,
                        const MeshText &placed, Mesh &first)
 {
@@ -160,7 +160,7 @@ Eigen::Vector3d Motion::to_reference_mm(const Eigen::Vector3d &at_mm) const
 namespace
 {
 
-// Returns the steepest place of a lattice that stores `numbers` numbers per node.
+// Returns the position at which a lattice is steepest; the lattice stores `numbers` numbers per node.
 Worst steepest_of(const crn_lattice &lattice, const std::vector<std::int16_t> &rows, std::size_t numbers)
 {
     const std::size_t steps[3] = {1, lattice.count_xyz[0],

@@ -26,7 +26,7 @@ struct Station {
     double healthy_radius_m = 0, channel_radius_m = 0;
 };
 
-// Describes a lesion by arc length along its healthy centreline.
+// Describes a lesion as a function of arc length along the lesion's healthy centreline.
 class Stretch
 {
   public:
@@ -40,7 +40,7 @@ class Stretch
     }
     double length_m() const { return arcs_m_.back(); }
 
-    // Beyond the lesion's ends the vessel continues straight and healthy.
+    // Beyond the ends of the lesion, the vessel is taken as straight and healthy.
     Station at(double arc_m) const
     {
         const auto after = std::upper_bound(arcs_m_.begin() + 1, arcs_m_.end() - 1, arc_m);
@@ -64,8 +64,8 @@ class Stretch
     std::vector<double> arcs_m_;
 };
 
-// Returns at most CRN_SCENE_PLAQUE_STATION_MAX stations whose spacing is a power of two; the lesion lies in
-// the middle of them.
+// Returns at most CRN_SCENE_PLAQUE_STATION_MAX points along the vessel whose spacing is a power of two (in
+// metres); the lesion lies in the middle of these points.
 std::vector<Station> stations_of(const Stretch &stretch, const std::string &name, unsigned &log2)
 {
     for (log2 = spacing_log2_min; log2 <= spacing_log2_max; ++log2) {

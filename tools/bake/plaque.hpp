@@ -1,6 +1,7 @@
-// Writes lesions that a balloon can open, in the form that the core needs: stations along each lesion. A
-// station holds centre and radius of the healthy vessel and of the narrowed channel (docs/lesions.md). The
-// stations are given in the pose in which the lumen is described.
+// Writes the lesions that a balloon can open in the form that the core needs, which is a list of points
+// ("stations") along each lesion. A station is a point along a lesion; it holds centre and radius of the
+// healthy vessel and of the narrowed channel (docs/lesions.md). The stations (points along each lesion) are
+// given in the pose in which the lumen is described.
 #pragma once
 #include "host/model/vessel_tree.hpp"
 #include "tools/bake/scene_text.hpp"
@@ -11,9 +12,9 @@
 namespace crn::bake
 {
 
-// Returns the PLAQUES section with the first CRN_SCENE_PLAQUE_MAX lesions of the tree, or nothing if the tree
-// has no lesions. `texts` must list the same lesions in the same order. Throws Fault for a lesion longer than
-// 89 mm.
+// Returns the PLAQUES section of the scene file, with the first CRN_SCENE_PLAQUE_MAX lesions of the tree; the
+// section is empty if the tree has no lesions. The list `texts` must contain the same lesions as the tree, in
+// the same order. Throws Fault for a lesion longer than 89 mm.
 std::vector<std::uint8_t> plaques_section(const VesselTree &tree, const std::vector<LesionText> &texts);
 
 } // namespace crn::bake

@@ -1,4 +1,4 @@
-// Reads the text of a scene. Every error message names file, line and key.
+// Reads the text of a scene. Every error message names the file, the line and the key at fault.
 #include "tools/bake/scene_text.hpp"
 #include "host/base/toml_reader.hpp"
 #include "shared/scene/scene.h"
@@ -16,7 +16,7 @@ namespace crn::bake
 namespace
 {
 
-// Holds one table of the text, and the folders to which its file names may refer.
+// Holds one table of the scene's text, and the folders in which the files named by the text may lie.
 struct Table : TomlTable {
     Table(const TomlTable &table, const Folders &folders_) : TomlTable(table), folders(folders_) {}
     const Folders &folders;
@@ -24,7 +24,7 @@ struct Table : TomlTable {
     Eigen::Vector3d vector(const char *key) const { return vector((*this)[key]); }
     static Eigen::Vector3d vector(const TomlValue &value) { return Eigen::Vector3d(value.three(1e6).data()); }
 
-    // Returns the box between two opposite corners; the box is empty when the key is missing.
+    // Returns the box that two opposite corners span; the box is empty when the text lacks this key.
     Eigen::AlignedBox3d box(const char *key) const
     {
         const TomlValue value = (*this)[key];
@@ -111,8 +111,8 @@ Eigen::Vector3d scale_of(const Table &t)
     return scale;
 }
 
-// Rotates first about the axis to the left, then to the head, then to the front; each rotation is
-// right-handed about its axis.
+// Rotates first about the axis that points to the patient's left, then about the axis to the head, then about
+// the axis to the front; each rotation is right-handed.
 Eigen::Matrix3d rotation_of(const Eigen::Vector3d &deg)
 {
     constexpr double rad_per_deg = 3.14159265358979323846 / 180;
@@ -164,7 +164,8 @@ std::vector<std::filesystem::path> centrelines_of(const Table &t)
     return files;
 }
 
-// Which end of a centreline is meant: true for the last point.
+// Returns true if the text selects the last point of a centreline as its end, and false if the text selects
+// the first point.
 bool is_last(const Table &t, const char *key, const char *standard)
 {
     return (t.has(key) ? t[key].one_of({"first", "last"}) : standard) == "last";
@@ -344,7 +345,7 @@ void check_lesions(const SceneText &scene)
                     std::to_string(CRN_SCENE_BODY_MAX) + ": join some bodies, or leave out calcified_deg");
 }
 
-// Adds a marrow body inside every body that has a shell, directly behind that body in the list.
+// Adds a marrow body inside every body that has a shell; the marrow directly follows that body in the list.
 void add_marrows(SceneText &scene)
 {
     std::vector<BodyText> all;

@@ -11,8 +11,8 @@
 namespace crn::bake
 {
 
-// These values convert file coordinates to patient millimetres in this order: axes, unit, scale, rotation,
-// offset.
+// These values convert coordinates of a file to millimetres in the patient; the conversions apply in this
+// order: axes, unit, scale, rotation, offset.
 struct Placement {
     std::string unit; // "mm"; empty for centrelines, whose files state their unit
     Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
@@ -67,7 +67,7 @@ struct TreeText {
     std::vector<std::string> left_coronary, right_coronary;
 };
 
-// Names the frames of a lumen that moves (docs/heart.md).
+// Names the mesh files that show the frames of a lumen that moves (docs/heart.md).
 struct MotionText {
     std::filesystem::path frames;                 // folder of 24 meshes; empty: the lumen does not move
     std::filesystem::path inhaled;                // the first frame at the end of inspiration, or empty
@@ -85,8 +85,8 @@ struct EntryText {
     double distance_mm = 8.0;
 };
 
-// A body's mesh goes through these steps, in this order, before it is written. A step whose length is 0 is
-// skipped.
+// Before a body's mesh is written, the program `bake` applies the following steps to the mesh in this order.
+// A step whose length is 0 is skipped.
 struct FormText {
     double solid_mm = 0;           // voxel of the level set from which the surface is made anew
     double close_mm = 0;           // hollows and gaps up to twice as wide are filled
@@ -135,7 +135,7 @@ struct SceneText {
     std::vector<BodyText> bodies;
 };
 
-// A path in the text may begin with a name for one of these folders.
+// A path in the scene's text may begin with the name of one of these folders.
 struct Folders {
     std::filesystem::path data;    // "data:", anatomy that does not ship
     std::filesystem::path shipped; // "shipped:", the meshes that `anatomy` has made

@@ -40,7 +40,7 @@ std::vector<Capsule> capsules_of(const std::vector<Curve> &lines)
 using BlockKey = mesh::Cell;
 using Blocks = std::map<BlockKey, std::vector<std::uint32_t>>;
 
-// Lists which capsules may reach into which block of voxels.
+// Returns, for each block of voxels, the list of capsules that may reach into the block.
 Blocks blocks_of(const std::vector<Capsule> &capsules, double voxel_mm)
 {
     Blocks blocks;

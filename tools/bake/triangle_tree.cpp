@@ -1,4 +1,5 @@
-// The tree consists of bounding boxes over triangles; each box is halved at the median of its longest side.
+// The tree consists of bounding boxes around triangles; each box is split into two halves at the median of
+// its longest side.
 #include "tools/bake/triangle_tree.hpp"
 
 #include <algorithm>
@@ -79,8 +80,8 @@ void TriangleTree::build(std::uint32_t node, std::uint32_t first, std::uint32_t 
     build(children + 1, first + half, count - half);
 }
 
-// Returns the closest point of a triangle by the regions of its corners and edges (Ericson, Real-Time
-// Collision Detection, 5.1.5).
+// Returns the point of a triangle that is closest to a given point; the function distinguishes the regions of
+// corners, edges and interior (Ericson, Real-Time Collision Detection, 5.1.5).
 TriangleTree::Hit TriangleTree::closest_on(std::uint32_t triangle, const Eigen::Vector3d &p) const
 {
     const Triangle &t = mesh_.triangles[triangle];
@@ -123,7 +124,7 @@ TriangleTree::Hit TriangleTree::search(const Eigen::Vector3d &p, double limit_sq
         }
         const double left = nodes_[node.first].box.squaredExteriorDistance(p);
         const double right = nodes_[node.first + 1].box.squaredExteriorDistance(p);
-        // The nearer child is pushed last, so it is visited first.
+        // The child box that is nearer to the point is pushed last, so it is visited first.
         stack[depth++] = left < right ? std::pair{node.first + 1, right} : std::pair{node.first, left};
         stack[depth++] = left < right ? std::pair{node.first, left} : std::pair{node.first + 1, right};
     }
@@ -142,9 +143,10 @@ TriangleTree::Nearest TriangleTree::nearest(const Eigen::Vector3d &p_mm, double 
     return {normal.dot(p_mm - hit.point) < 0 ? -distance : distance, hit.point, hit.triangle};
 }
 
-// Returns +1 or -1 where the ray from p along +z leaves or enters the body through the triangle, else 0. A
-// place on an edge or corner of triangles is counted for one of these triangles only. The test uses half-open
-// intervals and computes an edge identically for both of its triangles.
+// Returns +1 or -1 if the ray from p along +z leaves or enters the body through the triangle, and 0 if the
+// ray misses the triangle. If the ray passes through a common edge or corner of several triangles, only one
+// of these triangles counts the crossing. The function uses half-open intervals and computes an edge
+// identically for both of its triangles, so that no crossing is missed or counted twice.
 int TriangleTree::crossing(std::uint32_t triangle, const Eigen::Vector3d &p) const
 {
     const Triangle &t = mesh_.triangles[triangle];

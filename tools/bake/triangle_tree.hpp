@@ -1,6 +1,7 @@
-// Computes exact geometry of a closed triangle mesh. This class gives the signed distance, whose sign comes
-// from angle-weighted normals of the nearest feature (Baerentzen & Aanaes 2005), and the triangles near a
-// box. All approximations of `bake` are compared with this exact geometry.
+// Computes exact geometry of a closed triangle mesh. This class gives the signed distance to the mesh, whose
+// sign comes from angle-weighted normals of the nearest feature (Baerentzen & Aanaes 2005), and lists the
+// triangles near a box. Every approximation that the program `bake` makes is compared with this exact
+// geometry.
 #pragma once
 #include "tools/bake/mesh.hpp"
 
@@ -20,13 +21,14 @@ class TriangleTree
         Eigen::Vector3d point_mm;
         std::uint32_t triangle;
     };
-    // `bound_mm` is an upper bound of the distance, which makes the search faster; it is infinite if no bound
-    // is known.
+    // `bound_mm` is an upper bound of the distance, which makes the search for the nearest triangle faster;
+    // the bound is infinite if it is unknown.
     Nearest nearest(const Eigen::Vector3d &p_mm, double bound_mm = INFINITY) const;
 
-    // Returns the winding number of the surface around a place: 1 inside, 0 outside. The winding number is
-    // counted along a ray from that place. The winding number is therefore right where a thin sheet is folded
-    // over at its edge. The sign of nearest() is wrong wherever the fold is the nearest place.
+    // Returns the winding number of the surface around a point, which is 1 inside the surface and 0 outside.
+    // The function counts crossings of the surface along a ray from that point. The winding number is
+    // therefore right where a thin sheet is folded over at its edge. The sign of nearest() is wrong wherever
+    // the nearest part of the surface is such a fold.
     int winding(const Eigen::Vector3d &p_mm) const;
 
     // Lists the triangles whose bounding box overlaps the given box.

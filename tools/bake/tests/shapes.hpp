@@ -1,4 +1,5 @@
-// Provides meshes whose distances are known in closed form, scene texts and folders for the tests of bake.
+// Provides data for the tests of `bake`: meshes whose distances are known in closed form, texts of scenes,
+// and folders.
 #pragma once
 #include "host/base/pending_file.hpp"
 #include "tools/bake/bake.hpp"
@@ -13,8 +14,8 @@
 namespace crn::bake::tests
 {
 
-// Returns a surface over a u-v grid. The surface is always closed along v, and closed along u when `round_u`
-// is set.
+// Returns a surface that is given at the points of a grid with the parameters u and v. The surface is always
+// closed along v, and it is also closed along u when `round_u` is set.
 inline Mesh grid_mesh(int nu, int nv, bool round_u, const std::function<Eigen::Vector3d(double, double)> &at)
 {
     Mesh mesh;
@@ -34,7 +35,7 @@ inline Mesh grid_mesh(int nu, int nv, bool round_u, const std::function<Eigen::V
 
 constexpr double turn = 2 * 3.14159265358979323846;
 
-// Returns a torus around the z axis: a tube of radius `r` bent to radius `R`.
+// Returns a torus around the z axis, which is a tube of radius `r` bent to a circle of radius `R`.
 inline Mesh torus(double R, double r, int nu, int nv)
 {
     return grid_mesh(nu, nv, true, [=](double u, double v) {
@@ -67,7 +68,7 @@ inline Mesh cube(double edge)
     return mesh;
 }
 
-// Makes an empty folder for one test and removes it with all its contents afterwards.
+// Makes an empty folder for one test, and removes this folder with all its contents after the test.
 struct Folder {
     std::filesystem::path path;
     Folder()
@@ -95,7 +96,7 @@ inline std::string scene_text_of(const std::string &mesh, const std::string &mor
            "\n[entry]\nposition_mm = " + entry + "\ndirection = [-1, 0, 0]\n";
 }
 
-// Returns the message of the Fault that `work` throws, or "" when it throws none.
+// Returns the message of the Fault that the function `work` throws, or "" when `work` throws no Fault.
 inline std::string complaint(const std::function<void()> &work)
 {
     try {

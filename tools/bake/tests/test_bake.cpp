@@ -1,6 +1,7 @@
-// Claims: a baked lumen equals the given surface within the stated tolerance, whatever level a brick has. Its
-// file opens. A scene that cannot be baked is refused in one sentence, and the old files remain. The claims
-// are shown on a torus, whose distance is known in closed form, and on texts with one fault each.
+// Claims: a baked lumen equals the given surface within the stated tolerance, whichever refinement level the
+// field's bricks have. Its file opens. If a scene cannot be baked, the program `bake` prints one sentence
+// with the reason, and the old files remain. The claims are shown on a torus, whose distance is known in
+// closed form, and on texts of scenes with one fault each.
 #include "shared/scene/scene.h"
 #include "tools/bake/tests/shapes.hpp"
 
@@ -28,7 +29,8 @@ void contains(const std::string &text, std::initializer_list<const char *> parts
         if (text.find(part) == std::string::npos) fail_msg("\"%s\" does not say \"%s\"", text.c_str(), part);
 }
 
-// Returns the largest |field - torus| within 1.5 mm of the wall.
+// Returns the largest difference between the field's distance and the exact distance to the torus, within 1.5
+// mm of the wall.
 double worst_of(Field &field, double inner_mm)
 {
     std::mt19937_64 random(17);
@@ -52,8 +54,8 @@ void field_of_a_torus_is_its_closed_form_distance(void **)
     const TriangleTree tree(mesh);
     Field field = make_field(tree, {10, 2.5, 1.5, 0}, progress);
     const double worst = worst_of(field, tube_mm);
-    // The limit is the sum of rounding to 1/64 voxel (0.015 mm), the spline's error at a curved wall (0.01
-    // mm), and the chords of the triangles.
+    // The limit of this difference is the sum of three errors: rounding to 1/64 voxel (0.015 mm), the
+    // spline's error at a curved wall (0.01 mm), and the error of flat triangles.
     if (worst > 0.03) fail_msg("worst %.4f mm, allowed 0.03", worst);
     assert_true(field.bricks_of_level[1] == 0);
 }
@@ -75,7 +77,8 @@ void bricks_are_refined_until_the_tolerance_holds(void **)
     }
 }
 
-// Neighbouring bricks share their last and first samples, so a guidewire feels no step between them.
+// Neighbouring bricks of the field store equal samples where they overlap, so a guidewire feels no step
+// between the bricks.
 void neighbouring_bricks_agree_where_they_overlap(void **)
 {
     Progress progress;
@@ -195,8 +198,8 @@ void axes_and_offset_move_the_surface(void **)
         {folder.path, {}});
     std::string report;
     const Mesh mesh = lumen_surface(text, report, progress);
-    // The first vertex of the file is (56, 0, 0): its left coordinate is +y = 0, and its head coordinate is
-    // -x.
+    // The first vertex of the file is (56, 0, 0); the patient's left coordinate is the file's y, which is 0,
+    // and the head coordinate is the file's -x.
     assert_true((mesh.vertices_mm.size() == 8000) &&
                 std::abs(volume_mm3(mesh) / (turn * turn / 2 * 25 * 9) - 1) < 0.01);
     Eigen::AlignedBox3d box;
@@ -313,8 +316,8 @@ void stevebench_obj_is_refused_with_its_faults(void **)
              {"non-manifold edges", "open edges", "triangle"});
 }
 
-// The shipped example on the real centrelines has at most 2 MB, and its error is within 0.15 mm at 99.9 % of
-// places near the wall.
+// The shipped example on the real centrelines has at most 2 MB, and the error of its field is within 0.15 mm
+// at 99.9 % of the points near the wall.
 void stevebench_scene_keeps_its_size_and_error(void **)
 {
     const char *folder_name = std::getenv("CRN_ANATOMY");

@@ -1,5 +1,5 @@
-// Claims: centrelines in any order and direction become the tree along which blood flows; centrelines that
-// make no tree are refused with the name of one of them.
+// Claims: centrelines in any order and direction become the tree along which blood flows; if the centrelines
+// form no tree, the error message names one of them.
 #include "host/model/bodies.hpp"
 #include "tools/bake/branches.hpp"
 #include "tools/bake/container.hpp"
@@ -34,8 +34,8 @@ Curve line(const char *file, const Eigen::Vector3d &from_mm, const Eigen::Vector
     return made;
 }
 
-// An aorta that was traced upwards and divides at its lower end, a renal artery traced towards it, and one
-// iliac artery in each direction.
+// The test's vessels are an aorta that was traced upwards and divides at its lower end, a renal artery traced
+// towards the aorta, and two iliac arteries traced in opposite directions.
 std::vector<Curve> four()
 {
     return {line("a/left_iliac.mrk.json", {80, -120, 0}, {1, -3, 0}, 4, 5),
@@ -73,8 +73,8 @@ void lines_in_any_order_and_direction_become_a_tree(void **)
     assert_false(tree.is_outlet(0)); // the branch divides there
 }
 
-// The centreline tool and VMTK write a fork in this form: both branches begin at one place, here slightly
-// beyond the trunk's end.
+// The centreline tool and VMTK write a fork in this form: both branches begin at the same point, here
+// slightly beyond the trunk's end.
 void branches_that_begin_together_leave_one_parent(void **)
 {
     const VesselTree tree = join_branches({line("trunk", {0, 0, 0}, {0, 50, 0}, 6, 5),

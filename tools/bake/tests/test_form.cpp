@@ -1,6 +1,6 @@
-// Claims: a body's surface can be remade, closed, cut, hollowed and reduced to fewer triangles, each within a
-// stated distance of a closed form. Bodies that overlap are named. The parts, pieces and transforms that a
-// scene's text states have the effect that docs/scene.md describes.
+// Claims: the surface of a body can be remade, closed, cut, hollowed and reduced to fewer triangles; each
+// result is within a stated distance of a closed form. Bodies that overlap are named. The parts, pieces and
+// transforms that a scene's text states have the effect that docs/scene.md describes.
 #include "tools/bake/form.hpp"
 #include "tools/bake/solid.hpp"
 #include "tools/bake/tests/shapes.hpp"
@@ -53,8 +53,8 @@ void opening_that_is_not_flat_is_capped_when_any_may_be(void **)
     Mesh mesh = tube(6, 80, 20, 32);
     mesh.vertices_mm[3].y() -= 4;
     check_closed(mesh, Cap::any);
-    // One corner of the tube's open end is pulled out by 4 mm, so the two triangles of the cap at this corner
-    // enclose slightly more volume.
+    // The test pulls one corner of the tube's open end out by 4 mm, so the two triangles of the cap at this
+    // corner enclose slightly more volume.
     is_near(volume_mm3(mesh), 32 * 36.0 / 2 * std::sin(turn / 32) * 80, 20, "the volume in mm3");
     contains(mesh.notes.at(0), {"capped the opening", "32 edges"});
 }
@@ -77,8 +77,8 @@ void overlapping_pieces_become_one_solid(void **)
     is_near(volume_mm3(two), 2000, 1e-6, "the volume counted twice");
     Mesh one = offset_surface(two, 0.25, 0);
     check_closed(one, Cap::none);
-    // The volume of the union is the sum of both volumes less the shared 7 x 6 x 5 mm; the edges of a cube
-    // are rounded by half a voxel.
+    // The volume of the union is the sum of both volumes less the volume that both cubes contain, 7 x 6 x 5
+    // mm; the edges of a cube are rounded by half a voxel.
     is_near(volume_mm3(one), 2000 - 7 * 6 * 5, 18, "the volume of the union in mm3");
 }
 
@@ -95,9 +95,9 @@ void surface_inside_is_as_deep_as_stated(void **)
 void closing_fills_the_hole_of_a_ring_and_keeps_its_outside(void **)
 {
     const Mesh ring = torus(10, 6, 160, 80);
-    // The tube of the ring has a radius of 13 mm after it is expanded by 7 mm, so the ring's middle is then
-    // full from -8.3 to 8.3 mm along the axis. After shrinking by 7 mm, the middle is full from -1.3 to 1.3
-    // mm along the axis.
+    // The expansion by 7 mm gives the ring's tube a radius of 13 mm, so the hole in the ring's middle is
+    // filled from -8.3 to 8.3 mm along the axis. After shrinking by 7 mm, the hole remains filled from -1.3
+    // to 1.3 mm along the axis.
     const Mesh full = closed_surface(ring, 0.4, 7);
     assert_true(TriangleTree(ring).nearest({0, 0, 0}).distance_mm > 3.9);
     assert_true(TriangleTree(full).nearest({0, 0, 0}).distance_mm < -1);
@@ -169,8 +169,8 @@ void decimated_surface_stays_within_the_stated_distance(void **)
     if (mesh.triangles.size() * 5 > before)
         fail_msg("%zu of %zu triangles are left", mesh.triangles.size(), before);
     assert_true(found.largest_mm <= 0.1 && found.points > 20000);
-    // The mesh is compared with the closed form at the corners and middles of the triangles; the facets of
-    // the torus deviate by 0.005 mm.
+    // The test compares the mesh with the closed form at the corners and middles of the triangles; the facets
+    // of the torus deviate from the closed form by 0.005 mm.
     for (const Triangle &t : mesh.triangles) {
         const Eigen::Vector3d middle =
             (mesh.vertices_mm[t[0]] + mesh.vertices_mm[t[1]] + mesh.vertices_mm[t[2]]) / 3;
@@ -217,9 +217,9 @@ Mesh folded_plate()
     return mesh;
 }
 
-// Regression: the report said that lungs, heart and airway "reached 96 mm into" the shoulders, whose two thin
-// blades lie on either side of them. Where the folded edge of a blade was the nearest place, a point outside
-// was taken for a point inside.
+// Regression: the report stated that lungs, heart and airway "reached 96 mm into" the shoulders, although
+// these organs lie between the two thin shoulder blades. If the nearest part of the surface was the folded
+// edge of a shoulder blade, an earlier version took a point outside for a point inside.
 void fold_at_the_edge_of_a_thin_sheet_puts_nothing_inside(void **)
 {
     Mesh sheets = joined(folded_plate(), moved(cube(10), {90, 0, -5}));
@@ -234,7 +234,8 @@ void fold_at_the_edge_of_a_thin_sheet_puts_nothing_inside(void **)
     contains(nesting_report(bodies, 100), {"'organ' reaches 2.0 mm into 'sheets'"});
 }
 
-// The cube and the torus are sampled on a raster that passes through corners and edges.
+// The test samples the cube and the torus at the points of a grid that passes through corners and edges of
+// their triangles.
 void winding_counts_the_surface_once_inside_and_never_outside(void **)
 {
     const Mesh box = cube(8), ring = torus(20, 6, 60, 40);
@@ -298,8 +299,8 @@ void transforms_come_in_the_stated_order(void **)
         folder.write("scene.toml", body_text("axes = [\"+y\", \"-x\", \"+z\"]\nscale = [2, 1, 1]\n"
                                              "rotate_deg = [90, 0, 0]\noffset_mm = [1, 2, 3]\n")),
         {folder.path, {}});
-    // The point (50, 40, 7) becomes (40, -50, 7) by the axes and (80, -50, 7) by the scale; a quarter turn
-    // about the left axis then carries the head to the front.
+    // The axes convert the point (50, 40, 7) to (40, -50, 7), and the scale converts it to (80, -50, 7); a
+    // quarter turn about the left axis then carries the head to the front.
     const Eigen::Vector3d placed = text.bodies[0].mesh.placement.place({50, 40, 7}, 1);
     is_near((placed - Eigen::Vector3d(81, 2 - 7, 3 - 50)).norm(), 0, 1e-9,
             "the distance from the place by hand");

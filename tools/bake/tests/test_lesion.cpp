@@ -1,6 +1,6 @@
-// Claims: a lesion narrows tree, surface and field alike, as its text states. A lesion leaves the rest of the
-// vessel unchanged, and it keeps the mesh closed with its vertices in place. A text whose values do not fit
-// the vessel is refused by name.
+// Claims: a lesion narrows the vessel tree, the surface and the distance field equally, as the scene's text
+// states. Outside the lesion the vessel stays unchanged, and the mesh stays closed with its vertices in
+// place. If a value in the text does not fit the vessel, the error message names this value.
 extern "C" {
 #include "firmware/core/lesion.h"
 }
@@ -92,8 +92,8 @@ void side_branches_still_leave_where_they_left(void **)
     assert_true(check_vessel_tree(tree, error));
 }
 
-// With plaque in front (+z) the channel lies towards the back; at eccentricity 1 it touches the healthy wall
-// there.
+// With plaque in front (+z) the narrowed channel lies towards the back; at eccentricity 1 the channel touches
+// the healthy wall at the back.
 void an_eccentric_channel_lies_away_from_the_plaque(void **)
 {
     VesselTree tree = tree_of_tube();
@@ -107,8 +107,8 @@ void an_eccentric_channel_lies_away_from_the_plaque(void **)
     assert_true(tree.branches[0].points_m[tree.throat(tree.lesions[0])].x() < -1.39e-3);
 }
 
-// The distance from the tree's points to the wall of the mesh equals the radii at these points. Chords of 0.4
-// mm in a circle of 2 mm radius lie up to 0.01 mm inside the circle.
+// The distance from each point of the vessel tree to the wall of the mesh equals the radius at this point.
+// Chords of 0.4 mm length in a circle of 2 mm radius lie up to 0.01 mm inside the circle.
 void the_surface_goes_with_the_tree(void **)
 {
     for (double eccentricity : {0.0, 0.6}) {
@@ -140,8 +140,9 @@ void the_surface_goes_with_the_tree(void **)
     }
 }
 
-// A guidewire of 0.18 mm radius that touches the wall must touch it in the core at the same place, all round.
-// On the axis of such a narrow channel, the spline rounds off the ridge of the distance field.
+// A guidewire of 0.18 mm radius that touches the mesh's wall must touch the core's wall at the same position,
+// all round the vessel. On the axis of such a narrow channel, the spline rounds off the peak of the distance
+// field.
 void the_field_knows_the_narrowed_wall(void **)
 {
     VesselTree tree = tree_of_tube();
@@ -165,9 +166,10 @@ void the_field_knows_the_narrowed_wall(void **)
     assert_true(worst_mm < 0.05); // a fifth of a voxel
 }
 
-// A scene may set a coarse tolerance for its field. The field must still resolve a channel of 0.4 mm radius;
-// without the lesion's fine region the channel vanishes from the field. On the axis of such a narrow channel,
-// the spline rounds off the ridge of the distance, so the field shows less than 0.4 mm of clearance.
+// The text of a scene may set a coarse tolerance for the distance field. The field must still resolve a
+// channel of 0.4 mm radius; without the lesion's fine region the channel vanishes from the field. On the axis
+// of such a narrow channel, the spline rounds off the peak of the distance, so the field shows less than 0.4
+// mm of clearance.
 void a_lesion_asks_more_of_the_field_than_its_scene(void **)
 {
     VesselTree tree = tree_of_tube();
@@ -197,7 +199,8 @@ void a_lesion_asks_more_of_the_field_than_its_scene(void **)
     assert_true(fine_mm > 0.15 && fine_mm < 0.41);
 }
 
-// Bakes an eccentric lesion of 70 % and loads its PLAQUES section as the core does.
+// Bakes an eccentric lesion with a stenosis of 70 %, and loads the PLAQUES section of the baked scene as the
+// core does.
 struct BakedLesion {
     VesselTree tree = tree_of_tube();
     Mesh mesh = capped_tube();
@@ -239,8 +242,8 @@ struct BakedLesion {
         lumen.lesions = &lesion;
     }
     Vector3d throat_mm() const { return tree.branches[0].points_m[tree.throat(tree.lesions[0])] * 1e3; }
-    // Returns the core's distance at a place, in mm outside the wall, with the stations open by the given
-    // shares.
+    // Returns the core's distance from the wall at a point, in mm, positive outside the lumen; `open` states
+    // how far each point along the lesion is open, as a fraction.
     double distance_mm(const Vector3d &place_mm, const std::vector<double> &open) const
     {
         crn_lesion_state state{};
@@ -254,8 +257,9 @@ struct BakedLesion {
     }
 };
 
-// A fully open lesion has the wall of the healthy vessel; a half-open lesion is narrowed half as much.
-// Opening the lesion also magnifies the error of the narrow field.
+// A fully open lesion has the wall of the healthy vessel, and at a half-open lesion the wall moves half of
+// the distance to the healthy wall. Opening the lesion also magnifies the error that the distance field has
+// in the narrow channel.
 void opened_it_is_the_healthy_vessel(void **)
 {
     const BakedLesion baked;
@@ -275,8 +279,9 @@ void opened_it_is_the_healthy_vessel(void **)
     }
 }
 
-// The host's vessel, which pictures and flow use, must have its wall where the core has it. The test compares
-// vertices and inscribed spheres, with the stations open by 0.2 to 0.9.
+// The host's vessel, from which pictures and blood flow are computed, must have its wall at the same position
+// as the core's vessel. The test compares vertices and inscribed spheres, with the points along the lesion
+// open by fractions of 0.2 to 0.9.
 void the_hosts_vessel_opens_as_the_cores_does(void **)
 {
     const BakedLesion baked;
@@ -318,9 +323,9 @@ void the_hosts_vessel_opens_as_the_cores_does(void **)
     assert_true(wall_mm < 0.06 && sphere_mm < 0.06);
 }
 
-// The positions of lesions refer to the healthy vessel. A lesion stays in place when another lesion is added:
-// an eccentric lesion upstream, whose channel is longer than the vessel, or a lesion that narrows the parent
-// at the branch's origin.
+// The positions of lesions refer to the healthy vessel. A lesion keeps its position when another lesion is
+// added: either an eccentric lesion upstream, whose channel is longer than the vessel, or a lesion that
+// narrows the parent vessel where the branch begins.
 void a_lesion_lies_where_it_would_lie_alone(void **)
 {
     LesionText second = plaque(0.5), ostium = plaque(), side = plaque();
@@ -342,8 +347,8 @@ void a_lesion_lies_where_it_would_lie_alone(void **)
     assert_true(alone.branches[1].points_m == both.branches[1].points_m);
 }
 
-// A vessel turns to run forwards within its lesion, and the plaque stays on one side of the vessel.
-// Neighbouring points of the vessel are 5 degrees of its bend apart.
+// The test's vessel bends towards the front within its lesion, and the plaque stays on one side of the
+// vessel. Between neighbouring points of the centreline, the vessel turns by 5 degrees.
 void plaque_stays_on_its_side_in_a_bend(void **)
 {
     VesselTree tree;
@@ -370,8 +375,8 @@ void plaque_stays_on_its_side_in_a_bend(void **)
     assert_true(before.norm() > 0);
 }
 
-// A side branch of 1 mm runs along the vessel, and both have lesions. A part of the wall that lies nearer to
-// the side branch moves with the side branch only.
+// A side branch of 1 mm radius runs along the vessel, and both vessels have lesions. If a part of the wall
+// lies nearer to the side branch, only the lesion of the side branch moves this part.
 void walls_go_with_their_own_vessel_when_both_are_narrowed(void **)
 {
     VesselTree tree = tree_of_tube();
@@ -387,7 +392,8 @@ void walls_go_with_their_own_vessel_when_both_are_narrowed(void **)
     assert_true((wall_mm[0] - Vector3d(3.05 - 0.3 * 0.17, 30, 0.3 * 0.985)).norm() < 5e-3);
 }
 
-// Computer-aided design writes tubes of long triangles: the middles of their edges lie far from the lesion.
+// Programs for computer-aided design write tubes of long triangles, so the middles of the edges may lie far
+// from the lesion.
 void triangles_as_long_as_the_vessel_are_divided(void **)
 {
     LesionText text = plaque();
@@ -458,8 +464,9 @@ void a_file_gives_the_lesion_back(void **)
         assert_true((lesion.healthy_points_m[i] - tree.lesions[0].healthy_points_m[i]).norm() < 1e-9);
 }
 
-// The mesh has a radius of 2 mm, and the centrelines state 2 mm in one case and 2.5 mm in the other. In the
-// first case the minimal lumen radius agrees; in the second it is 0.3 mm larger in the tree than in the mesh.
+// The mesh of the vessel has a radius of 2 mm; the centrelines state a radius of 2 mm in the first case and
+// 2.5 mm in the second case. In the first case the minimal lumen radius agrees; in the second case it is 0.3
+// mm larger in the vessel tree than in the mesh.
 void a_mesh_that_is_not_the_trees_is_warned_of(void **)
 {
     for (const double stated_mm : {2.0, 2.5}) {
@@ -530,7 +537,7 @@ void a_text_says_where_it_is_wrong(void **)
                                 "256 bodies and the calcium of 1 lesions are more than 256"));
 }
 
-// A balloon can open at most four lesions of a scene; the report names the others.
+// A balloon can open at most four lesions of a scene, and the report names the lesions that it cannot open.
 void more_lesions_than_give_way_are_named(void **)
 {
     VesselTree tree = tree_of_tube();

@@ -1,6 +1,6 @@
-// Claims: exact distances are exact. Claims: meshes that bound a body are accepted and repaired where a
-// repair is safe; all others are refused with file, element and remedy. The claims are shown on small meshes
-// with one fault each.
+// Claims: exact distances are exact. Claims: a mesh that encloses a solid is accepted, and is repaired where
+// a repair is safe; for any other mesh the error message gives the file, the element and the remedy. The
+// claims are shown on small meshes with one fault each.
 #include "tools/bake/centreline.hpp"
 #include "tools/bake/tests/shapes.hpp"
 
@@ -197,7 +197,8 @@ void equal_vertices_are_welded(void **)
     assert_true(std::abs(volume_mm3(loaded) - 1000) < 1e-6);
 }
 
-// Returns the distance from the hull of two spheres by brute force, over spheres interpolated between them.
+// Returns the distance of a point from the convex hull of two spheres; the function tries many spheres
+// interpolated between the two.
 double hull_distance(const Eigen::Vector3d &p, const Eigen::Vector3d &a, double ra, const Eigen::Vector3d &b,
                      double rb)
 {

@@ -1,7 +1,7 @@
-// Claims: no file can end the program by declaring more data than it holds, by naming a missing vertex, by
-// nesting without end, or by being no mesh at all. Each such file is refused with its name, the place and the
-// remedy; it is read in a child process of limited memory, time and stack. A valid file is read without any
-// change.
+// Claims: no mesh file can crash the program, even if the file declares more data than it holds, names a
+// missing vertex, nests without end, or is no mesh at all. For each such file the error message gives the
+// file's name, the position of the fault and the remedy; a child process with limited memory, time and stack
+// reads the file. A valid mesh file is read without any change.
 #include "host/base/guarded_read.hpp"
 #include "tools/bake/mesh.hpp"
 #include "tools/bake/tests/shapes.hpp"
@@ -36,7 +36,7 @@ void contains(const std::string &text, std::initializer_list<const char *> parts
         if (text.find(part) == std::string::npos) fail_msg("\"%s\" does not say \"%s\"", text.c_str(), part);
 }
 
-// Returns the message of a refusal, or "" if the file was accepted.
+// Returns the error message, or "" if the file was accepted.
 std::string said(const std::function<void()> &work)
 {
     try {
@@ -65,7 +65,7 @@ template <class Value> void put(std::string &bytes, Value value)
     bytes.append(reinterpret_cast<const char *>(&value), sizeof value);
 }
 
-// Returns a tetrahedron of 20 mm whose corner number of face 2 is replaced by `corner`.
+// Returns a tetrahedron of 20 mm in which one corner number of face 2 is replaced by `corner`.
 std::string binary_ply(std::int32_t corner, const std::string &vertices = "4")
 {
     std::string bytes = ply_head("binary_little_endian", vertices, "4");

@@ -1,6 +1,7 @@
-// Claims: a lattice fitted to 24 frames moves the lumen to within 0.3 mm of each frame, as the core computes
-// the motion. Frames of another timing are retimed, and meshes that form no sequence are refused in one
-// sentence. The claims are shown on a tube of 1.5 mm radius that lies on a beating and rotating sphere.
+// Claims: a lattice fitted to 24 frames moves the lumen, as the core computes the motion, to within 0.3 mm of
+// each frame. Frames with other times of the heartbeat are converted to the standard times, and meshes that
+// form no sequence are refused with a message of one sentence. The claims are shown on a tube of 1.5 mm
+// radius that lies on a beating and rotating sphere.
 #include "host/model/bodies.hpp"
 #include "host/model/motion.hpp"
 #include "shared/scene/scene.h"
@@ -27,7 +28,8 @@ const std::string motion_text = "[motion]\nframes = \"frames\"\nend_systole = 10
 constexpr double ring_mm = 40, tube_mm = 1.5;
 constexpr int around = 220, across = 14;
 
-// Returns the contraction: 0 at the end of filling, and 1 at the end of systole (10 / 24 of the cycle).
+// Returns the contraction of the heart, which is 0 at the end of filling and 1 at the end of systole (10 / 24
+// of the cycle).
 double contraction(double phase)
 {
     const double end = 10.0 / 24.0;
@@ -35,8 +37,8 @@ double contraction(double phase)
     return (1 - std::cos(turn * share)) / 2;
 }
 
-// Shrinks the space by 30 % about its own middle, moves it 6 mm down and rotates it by 12 degrees; the motion
-// fades out at 90 mm.
+// Shrinks the space by 30 % towards a fixed point, moves it 6 mm down and rotates it by 12 degrees; the
+// motion fades to zero at 90 mm from that point.
 Eigen::Vector3d beating(const Eigen::Vector3d &X, double phase)
 {
     const Eigen::Vector3d middle(8, -5, 6), r = X - middle;
@@ -46,8 +48,8 @@ Eigen::Vector3d beating(const Eigen::Vector3d &X, double phase)
     return middle + (1 - 0.3 * c) * (twist * r) - Eigen::Vector3d(0, 6 * c, 0);
 }
 
-// Returns the place to which a full breath moves a point: 3.2 mm down, as in the shipped heart, fading out at
-// 90 mm.
+// Returns the position to which a full breath moves a point: 3.2 mm down, as in the shipped heart, with a
+// displacement that fades to zero at a distance of 90 mm.
 Eigen::Vector3d inhaled(const Eigen::Vector3d &x)
 {
     const double s = x.norm() / 90, fade = s < 1 ? (1 - s * s) * (1 - s * s) : 0;
@@ -70,7 +72,7 @@ std::string frame_name(int k)
     return (k < 10 ? "frames/f0" : "frames/f") + std::to_string(k) + ".obj";
 }
 
-// Writes 24 frames, and a scene whose lumen is the first frame.
+// Writes 24 mesh files, one per frame, and a scene whose lumen is the first frame.
 void write_frames(const Folder &folder, const std::function<double(int)> &phase_of)
 {
     std::filesystem::create_directory(folder.path / "frames");
@@ -129,8 +131,8 @@ void the_moved_lumen_is_the_moved_mesh_in_every_frame(void **)
     assert_int_equal(scene.motion.spacing_log2_q30, 23);
 }
 
-// The lattice of breath is fitted to the first frame alone and must carry every other frame too, because a
-// moving chest moves the beating heart.
+// The lattice of breath is fitted to the first frame alone, but it must also be correct for every other
+// frame, because the moving chest moves the beating heart.
 void a_full_breath_carries_every_frame(void **)
 {
     Folder folder;
@@ -160,7 +162,8 @@ void a_full_breath_carries_every_frame(void **)
     assert_true(worst_mm > 0.005 && worst_mm < 0.3);
 }
 
-// The reference pose is the middle keyframe: no frame is farther from it than half the motion.
+// The reference pose is the middle keyframe: no frame is farther from this pose than half the length of the
+// motion.
 void the_reference_pose_is_in_the_middle(void **)
 {
     Sequence sequence;
@@ -169,8 +172,8 @@ void the_reference_pose_is_in_the_middle(void **)
     assert_true(std::abs(sequence.moved_mm[pose][0].x() - 5) < 1.1);
 }
 
-// Bodies described at keyframe 0 are carried to the reference pose, so that each of their vertices lies where
-// the frames have it.
+// Bodies described at keyframe 0 are moved to the reference pose, so that each of their vertices lies where
+// the frames show it.
 void bodies_go_to_the_reference_pose_with_the_lumen(void **)
 {
     Folder folder;
@@ -194,8 +197,9 @@ void bodies_go_to_the_reference_pose_with_the_lumen(void **)
     assert_true(nearest_mm < 0.3);
 }
 
-// A lesion of 60 % at 220 degrees of the ring is made in the reference pose. When the lesion is carried to a
-// frame, its narrowest point lies where the motion carries that place of the ring.
+// A lesion of 60 % stenosis is made in the reference pose, at the angle of 220 degrees on the ring-shaped
+// vessel. When the motion carries the lesion to a frame, the narrowest point lies where the motion carries
+// the corresponding point of the ring.
 void a_lesion_moves_with_its_vessel(void **)
 {
     Folder folder;
@@ -233,8 +237,8 @@ void a_lesion_moves_with_its_vessel(void **)
     }
 }
 
-// The same motion was recorded with the end of systole in frame 8; after retiming, that frame is keyframe 10,
-// and frame 4 is keyframe 5.
+// A second recording of this motion ends systole in frame 8; after conversion to the standard times, frame 8
+// is keyframe 10, and frame 4 is keyframe 5.
 void frames_of_another_timing_are_retimed(void **)
 {
     Sequence timed;

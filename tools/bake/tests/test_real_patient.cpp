@@ -1,7 +1,7 @@
-// Claims: shared/examples/real_patient.toml combines bones, heart and vessels of three sources into one
-// patient. Neighbouring organs touch as in a body, and no bone lies in the aorta. The claims are shown on the
-// meshes as they are loaded and placed; one bone goes through all steps of its preparation. The test is
-// skipped, and prints so, if the anatomy is missing.
+// Claims: shared/examples/real_patient.toml combines bones, heart and vessels from three sources into one
+// patient. Neighbouring organs touch as in a human body, and no bone lies in the aorta. The claims are shown
+// on the meshes after they are loaded and converted to the patient's coordinates; one bone also passes
+// through all steps of its preparation. If the anatomy data are missing, the test prints that it is skipped.
 #include "tools/bake/centreline.hpp"
 #include "tools/bake/form.hpp"
 #include "tools/bake/tests/shapes.hpp"
@@ -181,12 +181,12 @@ void hip_bone_becomes_one_solid_within_its_stated_error(void **)
     check_closed(mesh, Cap::none);
     if (report.find("decimated         hip_left") == std::string::npos) fail_msg("%s", report.c_str());
     const Deviation found = deviation(load_mesh(body("hip_left").mesh), mesh, 2000);
-    // The inner walls between ilium, ischium and pubis are gone, so only the mean distance shows that it is
-    // the same bone.
+    // The inner walls between ilium, ischium and pubis are gone, so only the mean distance between the
+    // surfaces shows that the bone is the same.
     if (found.mean_mm > 1.5) fail_msg("%.2f mm from the atlas's bone on average", found.mean_mm);
-    // The atlas's own volume consists of shells of compact bone and the spongy bone inside them, as their
-    // faces enclose it. Our solid has no gap between the two kinds of bone and closes the joints; this may
-    // change the volume by one part in a hundred.
+    // The bone's volume in the atlas is the volume of its shells of compact bone plus the spongy bone inside
+    // the shells, as computed from their faces. Our solid has no gap between compact and spongy bone, and it
+    // closes the joints, so its volume may differ by one part in a hundred.
     MeshText whole = body("hip_left").mesh;
     for (const char *name : {"ilium", "ischium", "pubis"})
         whole.parts.push_back("VH_M_" + std::string(name) + "_spongy_bone_L");
