@@ -1,8 +1,9 @@
-// A checkpoint is a file that holds the state of a search. A search that was stopped continues from its
-// checkpoint, here or on another machine, with the same results as if it had never stopped. The file is text.
-// The file contains a head with version, hash and settings, every trial as hexadecimal doubles (exact),
-// pagmo's archive, and a last line, without which the file counts as incomplete. After every generation the
-// checkpoint is written under another name and then renamed.
+// A checkpoint is a file that holds the state of a search for the best parameters. A search that was stopped
+// continues from its checkpoint, on the same or on another machine, with the same results as if it had never
+// stopped. The file is text. The file begins with a header (version, hash and settings); then follow every
+// trial as hexadecimal doubles (exact), pagmo's archive, and a last line, without which the file counts as
+// incomplete. After every generation, the program writes the checkpoint under another name and then renames
+// it.
 #pragma once
 #include "tools/lab/calibrate/search.hpp"
 
@@ -38,8 +39,8 @@ std::uint64_t hash_of(const insertion::Case &c, const Evaluator &evaluator, cons
 // Throws OutputError.
 void write_checkpoint(const std::string &path, std::uint64_t hash, const SearchSettings &settings,
                       const SearchState &state);
-// Throws CheckpointError when the file is incomplete, or belongs to another version, case or settings than
-// `hash`.
+// Throws CheckpointError when the file is incomplete, or when its version, case or settings differ from those
+// on which `hash` is based.
 SearchState read_checkpoint(const std::string &path, std::uint64_t hash, std::size_t parameter_count);
 
 } // namespace crn::calibrate

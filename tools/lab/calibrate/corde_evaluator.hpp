@@ -1,5 +1,5 @@
-// Makes the thesis' rod an evaluator, so that the search can fit it. The thesis' rod serves as the baseline
-// for our rod, and the same search fits both.
+// Gives the thesis' rod (CoRdE) the interface of an Evaluator, so that the search can fit it. The thesis' rod
+// is the baseline with which our rod is compared, and the same search fits both rods.
 //
 // Five numbers are fitted, as in section 5.3.3 of the thesis: Young's modulus of the shaft, alpha (the tip's
 // modulus over the shaft's), radius, density and Kp. The instrument file determines how stiffness changes
@@ -12,13 +12,14 @@
 namespace crn::calibrate
 {
 
-// Returns the default settings, or those without shortcuts: elements half as long, a slow hand and a long
-// rest.
+// Returns the default settings, or settings without shortcuts: elements half as long, a slow motion of the
+// hand and a long wait for rest.
 CordeSettings corde_settings();
 CordeSettings careful_corde_settings();
 
-// Converts the stiffness, radius and mass of the instrument file to those of a solid round wire. Kp is chosen
-// so that the directors follow waves longer than some millimetres.
+// Converts the stiffness, radius and mass of the instrument file to those of a solid round wire. The function
+// chooses Kp so that the directors (the segments' axes) follow bends of the rod that are longer than some
+// millimetres.
 CordeValues nominal_corde_values(const Instrument &instrument);
 
 class CordeEvaluator final : public Evaluator

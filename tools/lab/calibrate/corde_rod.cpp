@@ -13,14 +13,15 @@ namespace
 using vcsim3::JointProperties, vcsim3::RodProperties;
 
 constexpr double tick_s = 1e-3, radian = std::numbers::pi / 180.0;
-// These constants limit two products: the time step times the fastest motion of the points, and the time step
-// times the fastest rotation of the segments. The integration is stable while the square root of the sum of
-// both squares stays below 2; the margin covers compressed segments and large rotations.
+// These constants limit two products: the time step times the highest angular frequency of the points, and
+// the time step times the highest angular frequency of the segments' rotation. The integration is stable
+// while the root of the sum of the squares of these two products is below 2; the margin covers compressed
+// segments and large rotations.
 constexpr double point_ratio = 1.5, turn_ratio = 0.9;
 constexpr double outside_mm = 3.0; // a rod deeper in the wall has passed through it
 
-// Returns EI, GJ and the rest angle of a joint between two elements. Compliance and curvature are summed over
-// the half elements on both sides of the joint.
+// Returns EI, GJ and the resting angle of a joint between two elements. Compliance and curvature are summed
+// over the half elements on both sides of the joint.
 JointProperties joint_at(const crn_wire_instrument &table, const CordeValues &values, double arc_mm,
                          double element_mm)
 {
@@ -34,17 +35,17 @@ JointProperties joint_at(const crn_wire_instrument &table, const CordeValues &va
         const double bend_N_m2 = values.bend_N_m2() * std::pow(values.tip_over_shaft, weight);
         bend += 1.0 / (samples * bend_N_m2);
         twist += knot.bend_stiffness_nN_m2 / (samples * bend_N_m2 * knot.twist_stiffness_nN_m2);
-        // A bend of the tip towards the first axis is a rotation about the second axis, in the direction from
-        // the tip's side to the hand's side.
+        // If the tip is bent towards the first axis, a rotation about the second axis turns the segment on
+        // the tip's side into the direction of the segment on the hand's side.
         turn_rad += element_mm * 1e-6 / samples *
                     Vector3d(-knot.rest_curvature2_per_m_milli, knot.rest_curvature1_per_m_milli, 0.0);
     }
     return {1.0 / bend, 1.0 / twist, vcsim3::rest_strain(turn_rad, element_mm * 1e-3)};
 }
 
-// Chooses the number of substeps for the real mass, up to the given maximum, and then the mass that this
-// number of substeps requires. The rotational inertia affects only the numerical integration, so it gets the
-// value that makes rotation as stable as translation.
+// Chooses the number of substeps that the rod's real mass requires, up to the given maximum, and then the
+// mass for which this number of substeps is stable. The rotational inertia affects only the numerical
+// integration, so we choose the value that makes rotation as stable as translation.
 void choose_steps(CordeModel &model, double real_kg_per_m, int substeps_max)
 {
 

@@ -1,5 +1,6 @@
-// Makes an instrument in a hand from the thesis' rod (tools/lab/vcsim3). The instrument's file determines the
-// stiffness along the rod and the shape of its tip; the five numbers that the thesis fits determine the rest.
+// Makes a rod of the thesis' kind (tools/lab/vcsim3) from an instrument file; the simulated hand holds one
+// end of the rod. The instrument file gives the distribution of stiffness along the rod and the shape of its
+// tip; the five numbers that the thesis fits give all other properties.
 #pragma once
 #include "shared/wire/wire.h"
 #include "tools/lab/calibrate/hand.hpp"
@@ -17,9 +18,9 @@ struct CordeValues {
     double bend_N_m2() const;
 };
 
-// Explicit integration is stable while the time steps are short compared with the fastest motion. A rod that
-// would need more than `substeps_max` substeps gets more mass instead. docs/calibrate.md, "The thesis' rod",
-// gives the measurements behind all values.
+// Explicit integration is stable while the time steps are short compared with the period of the fastest
+// oscillation. A rod that would need more than `substeps_max` substeps gets more mass instead.
+// docs/calibrate.md, "The thesis' rod", gives the measurements behind all values.
 struct CordeSettings : InsertionSettings {
     double element_mm = 3.0; // with element_factor 1
     int substeps_max = 8;    // per tick of 1 ms
@@ -37,9 +38,9 @@ struct CordeModel {
 CordeModel corde_model(const crn_wire_instrument &table, const CordeValues &values, const insertion::Case &c,
                        const CordeSettings &settings, double length_mm);
 
-// Returns the direction of the first axis of the instrument's frame while the hand is not turned, as in the
-// core. The direction is perpendicular to `direction` and to the world's axis that is most perpendicular to
-// `direction`.
+// Returns the direction of the first axis of the instrument's frame while the hand's angle is 0, as in the
+// core. The direction is perpendicular to `direction`, and also to that axis of the world's coordinates which
+// is most nearly perpendicular to `direction`.
 Vector3d zero_turn_axis(const Vector3d &direction);
 
 class CordeRod final : public HeldRod

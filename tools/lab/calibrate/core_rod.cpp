@@ -10,8 +10,8 @@ using vcsim3::from_q, vcsim3::to_q30;
 
 constexpr double m_of_mm = 1e-3;
 
-// Converts the table as the device does when it receives the table (firmware/app/app_setup.c); a balloon is
-// not part of a calibration.
+// Converts the instrument table as the device does when it receives a table (firmware/app/app_setup.c); a
+// balloon is not part of a calibration.
 crn_instrument tool_of(const crn_wire_instrument &table)
 {
     crn_instrument tool{};

@@ -1,5 +1,5 @@
-// Runs the firmware core with one tool, as far as an insertion needs it. Only this header and its .cpp file,
-// of all files in this folder, call the core.
+// Runs the firmware core with a single instrument, using only the functions that an insertion needs. Only
+// this header and its .cpp file, of all files in this folder, call the core.
 #pragma once
 #include "shared/wire/wire.h"
 #include "tools/lab/calibrate/hand.hpp"

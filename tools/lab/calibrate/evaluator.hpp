@@ -1,6 +1,6 @@
-// Defines the fitted parameters and the result of one trial. A trial is an insertion of the virtual
-// instrument by the case's protocol. `Evaluator` hides the rod, so that the same search can fit another rod
-// than ours, such as the thesis' CoRdE.
+// Defines the fitted parameters, and the result of one trial of their values. A trial is an insertion of the
+// virtual instrument by the case's protocol. `Evaluator` hides the rod, so that the same search can fit
+// another rod than ours, such as the thesis' CoRdE.
 #pragma once
 #include "tools/lab/case/case.hpp"
 #include <Eigen/Core>
@@ -13,8 +13,9 @@ namespace crn::calibrate
 
 using Eigen::Vector3d;
 
-// A parameter is one number to fit; it is above 0. The search uses the parameter's position 0 .. 1 in the
-// logarithmic range from `low` to `high`, because ratios matter more than differences.
+// A parameter is one number that the search fits; its value is above 0. The search represents a value by its
+// position 0 .. 1 in the logarithmic range from `low` to `high`, because ratios of values matter more than
+// differences.
 struct Parameter {
     std::string name, unit, text; // "bend_shaft", "N m^2", its description
     double low = 0.1, high = 10.0, nominal = 1.0;
@@ -25,7 +26,8 @@ struct Parameter {
     double share_of(double value) const; // limited to 0 .. 1
 };
 
-// The result holds the instrument at rest, and the force on the hand during the insertion.
+// The result of a trial holds the shape of the instrument at rest, and the force on the hand during the
+// insertion.
 struct Insertion {
     std::vector<std::vector<Vector3d>>
         nodes_mm; // one list per depth: the nodes inside the vessel, tip first, at their mean places at rest
@@ -35,15 +37,15 @@ struct Insertion {
     long ticks = 0;                            // of the whole insertion
 };
 
-// Thrown when an instrument cannot be tried with these numbers: the core rejects the numbers, or the rod
-// became unstable. The text gives the reason.
+// A TrialRefused is thrown when an instrument with the given values cannot be simulated, because the core
+// rejects the values or the rod became unstable. The text gives the reason.
 class TrialRefused : public std::runtime_error
 {
   public:
     using std::runtime_error::runtime_error;
 };
 
-// An Evaluator is safe to call from several threads at once; the same values give the same bits.
+// Several threads may call an Evaluator at once; equal values give results that are equal bit for bit.
 class Evaluator
 {
   public:
@@ -58,8 +60,8 @@ class Evaluator
     virtual Insertion insert(const std::vector<double> &values, std::size_t depth_count) const = 0;
     // Returns all settings that change the results, as text for the checkpoint's hash.
     virtual std::string settings_text() const = 0;
-    // Returns the text of the instrument's file with these values, each followed by `source`; empty when our
-    // simulator has no such rod.
+    // Returns the text of the instrument file with these values, and writes the text `source` after each
+    // value; the text is empty when our simulator has no such rod.
     virtual std::string instrument_text(const std::vector<double> &values,
                                         const std::string &source) const = 0;
 

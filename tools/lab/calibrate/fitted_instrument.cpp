@@ -10,7 +10,7 @@ namespace crn::calibrate
 namespace
 {
 
-// These keys of an instrument file state a value that a fit determines.
+// The following keys of an instrument file have values that a fit determines.
 const char *const replaced_keys[] = {"bend_stiffness_N_m2", "flexural_modulus_GPa", "twist_stiffness_N_m2",
                                      "twist_to_bend",       "mass_kg_per_m",        "radius_outer_mm",
                                      "friction_kinetic",    "friction_static"};
@@ -29,8 +29,8 @@ toml::table value_of(double from, double to, const std::string &source)
     return value;
 }
 
-// Writes a whole number of the wire protocol's small units as a decimal of the file's units. 14500 nN m^2
-// becomes 1.45e-05, which is read back exactly.
+// Converts a whole number of the wire protocol's small units to a decimal number in the units of an
+// instrument file. 14500 nN m^2 becomes 1.45e-05, which is read back exactly.
 double decimal(std::uint32_t value, double units)
 {
     return static_cast<double>(value) / units;
@@ -51,7 +51,7 @@ void fill_section(toml::table &section, const crn_wire_knot &begin, const crn_wi
     put("friction_static", begin.friction_static_milli, end.friction_static_milli, 1e3);
 }
 
-// Collects names that sources state as "@name" or "@name: more".
+// Collects the names of the sources that an instrument file cites as "@name" or "@name: more".
 void gather_names(const toml::node &node, std::set<std::string> &names)
 {
     if (const toml::table *table = node.as_table()) {

@@ -27,7 +27,7 @@ class Hand
     {
     }
 
-    // Turns the tip into the plane of the first depth while the hand does not feed.
+    // Turns the instrument's tip into the plane of the first depth while the simulated hand does not advance.
     void turn_first()
     {
         const double to_deg = case_.depths.front().turn_deg;
@@ -45,7 +45,7 @@ class Hand
         }
     }
 
-    // We take mean places at rest, because the tip may oscillate about them.
+    // We use mean positions at rest, because the tip may oscillate about these positions.
     std::vector<Vector3d> rest()
     {
         const double still_mm = settings_.still_um_per_tick * settings_.rest_window_ticks * 1e-3;
@@ -65,16 +65,16 @@ class Hand
     }
 
   private:
-    // Returns the speed of the approach, or the case's speed if that is faster, but never more than the
-    // normal feed.
+    // Returns the hand's speed before a depth: the slow speed of the approach, or the case's speed if that is
+    // faster, but never more than the normal speed.
     double near_speed_mm_per_s() const
     {
         return std::min(settings_.speed_mm_per_s,
                         std::max(settings_.approach_mm_per_s, case_.speed_mm_per_s));
     }
 
-    // Returns the mean place of each node over the next window; empty if the number of nodes changes, as it
-    // does while the rod still follows the hand.
+    // Returns the mean position of each node over the next window of time; the list is empty if the number of
+    // nodes changes, as happens while the rod still follows the hand.
     std::vector<Vector3d> mean_over_window()
     {
         const double turn_deg = case_.turn_deg_at(hand_mm_);

@@ -1,17 +1,17 @@
-// The inserting hand executes the case's protocol with any kind of rod.
+// Simulates the user's hand, which inserts any kind of rod by the protocol of a case.
 #pragma once
 #include "tools/lab/calibrate/evaluator.hpp"
 
 namespace crn::calibrate
 {
 
-// Represents a rod with one end in the hand, advanced in ticks of 1 ms.
+// Represents a rod that the simulated hand holds at one end; the simulation advances in ticks of 1 ms.
 class HeldRod
 {
   public:
     virtual ~HeldRod() = default;
-    // Sets the hand's position after the next tick: the pushed-in length, counted from the introducer, and
-    // the angle, right-handed about the feed.
+    // Sets the inserted length, counted from the introducer, and the angle, right-handed about the direction
+    // of insertion, that the hand has after the next tick.
     virtual void tick(double hand_mm, double turn_deg) = 0;
 
     virtual double inserted_mm() const = 0;
@@ -20,16 +20,19 @@ class HeldRod
     virtual std::vector<Vector3d> nodes_mm() const = 0; // the nodes inside the vessel, tip first
 };
 
-// These settings define the hand's motion, the criterion of rest, and the resolution. The defaults are for
-// our rod; docs/calibrate.md, "Short cuts", states how they change the result.
+// These settings define the hand's motion, the criterion by which the rod counts as resting, and the
+// resolution. The default values are for our rod; docs/calibrate.md, "Short cuts", states how these settings
+// change the result.
 struct InsertionSettings {
     double start_mm = 5.0;        // inserted length when the hand begins; the core may need slightly more
     double speed_mm_per_s = 40.0; // of the hand; the case's speed where that is faster
-    // Only the last stretch of travel affects the friction at rest. The hand therefore approaches every depth
-    // at this speed, or at the case's speed if that is faster.
+    // Only the last millimetres of the hand's motion affect the friction forces when the rod has come to
+    // rest. The hand therefore approaches every depth at the speed `approach_mm_per_s`, or at the case's
+    // speed if that is faster.
     double approach_mm = 10.0, approach_mm_per_s = 10.0;
-    // The rod is at rest when no node's mean place moves by more than this per tick during three times
-    // `rest_window_ticks`. We use a mean, because a soft tip may chatter on the wall for ever.
+    // The rod is at rest when no node's mean position moves by more than `still_um_per_tick` per tick during
+    // three times `rest_window_ticks`. We use a mean position, because a soft tip may chatter on the wall for
+    // ever.
     double still_um_per_tick = 0.2;
     int rest_window_ticks = 50;
     int settle_max_ticks = 1000;
@@ -38,8 +41,8 @@ struct InsertionSettings {
     std::string text() const; // for Evaluator::settings_text
 };
 
-// Feeds from the present position to the first `depth_count` depths, and rests at each of them. Throws
-// TrialRefused when the rod's state becomes invalid.
+// Advances the rod from its present position to the first `depth_count` depths, and waits at each depth until
+// the rod rests. Throws TrialRefused when the rod's state becomes invalid.
 Insertion insert_by_hand(HeldRod &rod, const insertion::Case &c, const InsertionSettings &settings,
                          std::size_t depth_count);
 

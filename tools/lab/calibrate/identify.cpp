@@ -1,7 +1,7 @@
-// Moves each number away from the optimum, first by doubling steps, and then by halving between the last step
-// within the noise and the first beyond it. Moving one number at a time does not find numbers that compensate
-// each other. The search's trials that are as good as the best trial reveal such numbers, so the range is
-// widened to include these trials.
+// Moves each number away from the optimum by doubling steps, and then halves the interval between the last
+// step within the noise and the first step beyond it. Moving one number at a time does not find numbers that
+// compensate each other. The search has other trials that are as good as the best trial and reveal such
+// compensation, so the range of a number is widened to include these trials.
 #include "tools/lab/calibrate/identify.hpp"
 #include <algorithm>
 #include <array>
@@ -34,8 +34,8 @@ std::vector<double> shares_at(const Trial &best, const Side &side, double offset
     return shares;
 }
 
-// Returns the number of steps up to the first step that reaches the bound; larger steps would give the same
-// trial.
+// Returns the number of trial steps up to the first step that reaches the bound of the parameter; any larger
+// step would give the same trial.
 std::size_t steps_to_bound(const Trial &best, const Side &side)
 {
     const double room =

@@ -1,5 +1,6 @@
-// Determines for each number the range over which it can vary while the objective rises by no more than the
-// noise explains. The other numbers stay as they are, or vary as in the search's trials.
+// Determines, for each fitted number, the range in which it can vary while the objective rises by no more
+// than the measurement noise explains. While one number varies, the other numbers stay constant, or vary as
+// in the trials of the search.
 #pragma once
 #include "tools/lab/calibrate/search.hpp"
 
@@ -19,8 +20,8 @@ struct Identified {
     bool is_determined = false;
 };
 
-// Returns one entry per parameter. The function `evaluate` receives the trials in a few batches. `trials` are
-// the trials that the search has made.
+// Returns one entry per parameter. The function `evaluate` receives the trials in a few large groups.
+// `trials` holds all trials that the search has evaluated.
 std::vector<Identified> identify(const std::vector<Parameter> &parameters, const Trial &best,
                                  const std::vector<Trial> &trials, const EvaluateShares &evaluate,
                                  const IdentifySettings &settings);

@@ -1,5 +1,5 @@
-// Judges how far an insertion deviates from the scan and from the measured force. The judge uses equation 19
-// of the thesis at each depth, and the force trace.
+// Computes how far a simulated insertion deviates from the scan and from the measured force. The Judge
+// compares the shapes by equation 19 of the thesis at each depth, and also compares the force traces.
 #pragma once
 #include "tools/lab/calibrate/evaluator.hpp"
 #include <span>
@@ -8,7 +8,7 @@ namespace crn::calibrate
 {
 
 // Holds statistics of the distances from the simulated nodes to the nearest point of the reference, which is
-// a line of straight pieces.
+// a polyline.
 struct Distances {
     double rms_mm = 0.0, mean_mm = 0.0, deviation_mm = 0.0, max_mm = 0.0;
     std::size_t count = 0;
@@ -17,19 +17,20 @@ double distance_to_line_mm(const Vector3d &point, std::span<const Vector3d> line
 Distances distances_of(std::span<const Vector3d> nodes_mm, std::span<const Vector3d> reference_mm);
 
 // Returns the relative RMS of the difference of two force traces: sqrt(sum (F - F_ref)^2 / sum F_ref^2) over
-// the samples of the reference from `from_mm` to `to_mm`. Both forces are medians over `smooth_mm` around
-// each sample. A tip that snaps past an edge gives a peak, which another model has at another place. Returns
-// nothing when the reference has no sample between `from_mm` and `to_mm`.
+// the samples of the reference from `from_mm` to `to_mm`. Before the comparison, each force is replaced by
+// the median over `smooth_mm` around its sample. A tip that snaps past an edge causes a peak of force, and
+// another model of the rod has this peak at another inserted length. Returns nothing when the reference has
+// no sample between `from_mm` and `to_mm`.
 std::optional<double> force_error(std::span<const insertion::ForceSample> simulated,
                                   std::span<const insertion::ForceSample> reference, double from_mm,
                                   double to_mm, double smooth_mm);
-// Returns the median around one inserted length, or nothing if the trace has no sample there.
+// Returns the median force around one inserted length, or nothing if the trace has no sample there.
 std::optional<double> force_at(std::span<const insertion::ForceSample> trace, double inserted_mm,
                                double smooth_mm);
 
 // The search minimises the mean RMS over the fitted depths, in mm, plus `force_weight_mm` times the relative
-// RMS of the force. In a rigid lumen forces are proportional to EI, so an EI that is 10 % wrong costs a tenth
-// of the weight.
+// RMS of the force. In a rigid lumen the forces are proportional to EI, so an error of 10 % in EI adds a
+// tenth of `force_weight_mm` to the objective.
 struct JudgeSettings {
     std::size_t fit_depths = 2; // the first ones; the others serve for validation
     double force_weight_mm = 1.0;
@@ -50,7 +51,7 @@ class Judge
     // Reads the case's centrelines and force trace. Throws Fault.
     Judge(const insertion::Case &c, const JudgeSettings &settings);
     Verdict judge(const Insertion &insertion) const;
-    // Runs the insertion and judges it; a refused trial also gets a verdict.
+    // Simulates the insertion and returns a Verdict on it; a trial that the rod refuses also gets a Verdict.
     Verdict evaluate(const Evaluator &evaluator, const std::vector<double> &values) const;
 
     bool has_force() const { return !force_.empty(); }

@@ -83,7 +83,7 @@ std::pair<std::size_t, std::string> named(const std::string &text, const std::ve
     throw UsageError("'" + text + "': give NAME=... with one of this instrument's parameters: " + known);
 }
 
-// Holds all data that one trial needs; these data are the same on every rank (MPI process).
+// Holds all data that one trial needs; these data are equal on every rank (MPI process).
 struct Setup {
     insertion::Case c;
     std::unique_ptr<vcsim3::Vessel> vessel;
@@ -136,8 +136,8 @@ struct Setup {
     }
 };
 
-// Writes the nodes, which are listed tip first, as depth_N.csv of a case, which runs from the introducer to
-// the tip.
+// Writes depth_N.csv of a case; the nodes are listed from the tip, and the file lists them from the
+// introducer to the tip.
 void write_shape(const Options &options, const insertion::Case &c, std::size_t depth,
                  const std::vector<Vector3d> &nodes_mm)
 {

@@ -28,8 +28,8 @@ ParameterResult judged(const Parameter &parameter, double share, const Identifie
     return result;
 }
 
-// Sets undetermined numbers back to the file's value, one after the other, as long as the objective stays
-// within the noise.
+// Resets each number that the data do not determine to the instrument file's value, one number after the
+// other, as long as the objective stays within the noise.
 Verdict keep_nominal(std::vector<ParameterResult> &parameters, double limit, const EvaluateShares &evaluate,
                      Verdict best)
 {
@@ -53,7 +53,8 @@ Verdict keep_nominal(std::vector<ParameterResult> &parameters, double limit, con
 }
 
 // Repeats the insertion without shortcuts, if the core's number format permits such short elements. If the
-// format does not permit them, the fit still counts, and only this insertion is missing.
+// format does not permit such short elements, the fit is still valid, and only the result of this insertion
+// is missing.
 std::optional<Insertion> careful_insertion(const Evaluator &careful, const std::vector<double> &values,
                                            std::size_t depth_count)
 {

@@ -11,9 +11,9 @@ namespace crn::calibrate
 namespace
 {
 
-// The bounds are a factor of 10 either way for EI and alpha, a quarter either way for the radius, and a
-// factor of 8 either way for the density. The tip is never more than four times as stiff as the shaft. The
-// core's own limits also apply to these values.
+// The range of each value extends from the nominal value by a factor of 10 either way for EI and alpha, a
+// quarter either way for the radius, and a factor of 8 either way for the density. The tip is never more than
+// four times as stiff as the shaft. The core's own limits also apply to these values.
 constexpr double bend_factor = 10.0, alpha_factor = 10.0, radius_factor = 1.25, density_factor = 8.0;
 constexpr double alpha_max = 4.0;
 constexpr double outside_mm =
@@ -139,8 +139,8 @@ RodValues RodEvaluator::values_of(const std::vector<double> &values) const
     return all;
 }
 
-// Makes the core with elements of the wanted length. The elements are longer where short elements would take
-// stiffness and mass out of the core's number format.
+// Makes the simulation of the core with elements of the wanted length. The elements are longer than wanted
+// where short elements would have a stiffness or mass outside the core's number format.
 std::unique_ptr<CoreRod> RodEvaluator::make_rod(const crn_wire_instrument &table) const
 {
     for (double factor = settings_.element_factor;; factor *= coarser) {

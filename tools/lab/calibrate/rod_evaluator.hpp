@@ -1,8 +1,9 @@
-// Makes our own rod an evaluator: the firmware core is fed into the case's lumen as the device feeds it.
+// Gives our own rod the interface of an Evaluator: the firmware core simulates how the rod is inserted into
+// the case's lumen, as on the device.
 //
 // Four numbers are fitted: EI of the shaft, alpha (EI of the tip over EI of the shaft), the outer radius and
-// the density. The case gives the friction, and the instrument file gives the shape and the mesh. An
-// instrument whose tip is as stiff as its shaft has no parameter alpha.
+// the density. The case gives the friction; the instrument file gives the shape of the tip and the division
+// into elements. An instrument whose tip is as stiff as its shaft has no parameter alpha.
 #pragma once
 #include "host/model/instrument.hpp"
 #include "tools/lab/calibrate/core_rod.hpp"
@@ -15,20 +16,23 @@ namespace crn::calibrate
 // where the core accepts them, and a long rest.
 InsertionSettings careful_settings();
 
-// Holds the values of the four numbers; a missing parameter gets its nominal value.
+// Holds the values of the four fitted numbers; a number that is not fitted gets its nominal value.
 struct RodValues {
     double bend_shaft_N_m2 = 0.0, tip_over_shaft = 0.0, radius_mm = 0.0, density_kg_m3 = 0.0;
 };
 
-// Returns the mass per length divided by the metal's cross-section at the shaft.
+// Returns the density of the instrument at the shaft, which is its mass per length divided by the metal's
+// cross-section.
 double density_of(const crn_wire_instrument &table, double radius_mm);
 RodValues nominal_values(const crn_wire_instrument &table);
-// Returns the nominal table with these values. tools/lab/case/stiffness.hpp gives EI and GJ, one factor
-// applies to radius and one to mass along the whole instrument, and the friction is the case's everywhere.
+// Returns the nominal instrument table with these values. EI and GJ come from tools/lab/case/stiffness.hpp,
+// one factor applies to the radius and one to the mass along the whole instrument, and the friction is
+// everywhere that of the case.
 crn_wire_instrument virtual_instrument(const crn_wire_instrument &nominal, const RodValues &values,
                                        const insertion::Case &c);
 
-// Returns the first `length_mm` of an instrument; the part that stays outside the patient needs no nodes.
+// Returns the first `length_mm` of an instrument; the remaining part stays outside the patient and needs no
+// nodes.
 crn_wire_instrument shortened(const crn_wire_instrument &table, double length_mm);
 
 class RodEvaluator final : public Evaluator

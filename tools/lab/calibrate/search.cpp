@@ -1,4 +1,4 @@
-// Only this file uses pagmo and boost.
+// Of all files in this folder, only this file includes the libraries pagmo and boost.
 #include "tools/lab/calibrate/search.hpp"
 #include <algorithm>
 #include <boost/archive/text_iarchive.hpp>
@@ -20,7 +20,7 @@ namespace
 
 using Numbers = std::vector<double>;
 
-// Holds the data that both problems share: the requested trials, and the result of each trial.
+// Holds the data that both optimisation problems use: the requested trials, and the result of each trial.
 struct Exchange {
     bool is_collecting = false;
     std::vector<Numbers> asked;
@@ -29,7 +29,7 @@ struct Exchange {
     EvaluateShares evaluate;
 };
 
-// pagmo copies its problems, so a problem contains only a pointer to the exchange.
+// The library pagmo copies its problems, so each problem contains only a pointer to these data.
 struct SharedProblem {
     std::size_t count = 1;
     Exchange *exchange = nullptr;
@@ -49,17 +49,19 @@ struct SharedProblem {
         return {answer->second};
     }
     std::pair<Numbers, Numbers> get_bounds() const { return {Numbers(count, 0.0), Numbers(count, 1.0)}; }
-    // SearchState stores the search's state; pagmo's archives of a problem store nothing.
+    // SearchState stores the state of the search, so the functions with which pagmo would store a problem do
+    // nothing.
     template <typename Archive> void serialize(Archive &, unsigned) {}
 };
 
-// Tolerances are 0, so that only the budget ends a search and the three methods can be compared.
+// All tolerances are 0, so that a search ends only when its budget is used up, and the three methods can be
+// compared.
 pagmo::algorithm fresh_algorithm(const SearchSettings &settings)
 {
     switch (settings.method) {
     case Method::genetic:
         // The genetic algorithm crosses pairs drawn by tournament with probability 0.9 and mutates each
-        // number with probability 1/20; the best of parents and children survive.
+        // number with probability 1/20; then the best of the parents and children survive.
         return pagmo::algorithm(
             pagmo::sga(1, 0.9, 10.0, 0.05, 10.0, 2, "sbx", "polynomial", "tournament", settings.seed));
     case Method::differential:
@@ -96,7 +98,7 @@ pagmo::population population_of(const SearchState &state, std::size_t count, Exc
     return population;
 }
 
-// Draws evenly distributed numbers with 53 bits from a generator that the C++ standard defines bit for bit.
+// Draws evenly distributed random numbers with 53 bits; the C++ standard defines the generator bit for bit.
 std::vector<Numbers> first_trials(const SearchSettings &settings, std::size_t count)
 {
     std::mt19937_64 generator(settings.seed);

@@ -1,11 +1,13 @@
-// Searches for the best numbers with pagmo, by the thesis' genetic algorithm. CMA-ES and differential
-// evolution can be used with the same budget. A trial gives each parameter as a share 0 .. 1 of its range.
+// Searches for the best parameter values with the library pagmo, by the thesis' genetic algorithm. CMA-ES and
+// differential evolution can be used instead of the genetic algorithm, with the same budget. A trial gives
+// the value of each parameter as its position 0 .. 1 in the parameter's range.
 //
 // pagmo's algorithms request one trial after the other. To evaluate whole generations in parallel, we run
 // each generation twice. First we advance a copy of the algorithm with a problem that only records the
-// requested trials; a generation's trials do not depend on one another's results. The workers then evaluate
-// these trials together. Finally we advance the algorithm itself with a problem that returns these results.
-// The outcome is the same as if the algorithm had run alone, whatever the number of workers.
+// requested trials; no trial of a generation depends on the result of another trial of that generation. The
+// workers (threads or processes) then evaluate the recorded trials at the same time. Finally we advance the
+// algorithm itself with a problem that returns the recorded results. The outcome of the search equals that of
+// pagmo's algorithm running alone, for any number of workers.
 #pragma once
 #include "tools/lab/calibrate/workers.hpp"
 #include <cstdint>
@@ -17,10 +19,10 @@ enum class Method { genetic, cmaes, differential };
 const char *method_token(Method method); // "genetic", "cmaes", "differential"
 std::optional<Method> method_of(const std::string &token);
 
-// By default one search has the thesis' budget: 50 generations of 50 trials.
+// By default one search has the budget of the thesis, which is 50 generations of 50 trials.
 constexpr unsigned trial_budget = 2500;
-// Returns the number of trials per generation that suits a method. The number is the thesis' 50, or a third
-// of it for CMA-ES. CMA-ES learns from every generation and needs few trials for up to five numbers
+// Returns the number of trials per generation that suits a method. The number is 50, as in the thesis, or a
+// third of 50 for CMA-ES. CMA-ES learns from every generation and needs few trials for up to five numbers
 // (docs/calibrate.md, "Search").
 unsigned default_population(Method method);
 
@@ -33,8 +35,8 @@ struct SearchSettings {
         0.0; // has_converged() compares with it; 0: only the number of generations ends a search
 };
 
-// `settings` completed for a method. Where no value is given, the function takes the method's population and
-// as many generations as the budget permits, but at least 50.
+// `settings` completed for a method. If `population` or `generations` is not given, the function takes the
+// method's usual population and as many generations as the budget permits, but at least 50.
 SearchSettings sized(SearchSettings settings, Method method, std::optional<unsigned> population,
                      std::optional<unsigned> generations);
 
@@ -43,7 +45,7 @@ struct Trial {
     Verdict verdict;
 };
 
-// Holds everything on which the next generation depends.
+// Holds all data on which the next generation depends.
 struct SearchState {
     unsigned generation = 0;       // number of completed generations
     std::vector<Trial> trials;     // all trials, in the order in which they were drawn
@@ -61,16 +63,18 @@ struct GenerationFigures {
 
 using EvaluateShares = std::function<std::vector<Verdict>(const std::vector<std::vector<double>> &)>;
 
-// Runs one more generation. `late` receives the number of trials that had not been recorded before; it is 0
-// unless pagmo's behaviour has changed.
+// Runs one more generation. `late` receives the number of trials that pagmo requested although they had not
+// been recorded before; this number is 0 unless pagmo's behaviour has changed.
 void advance(const SearchSettings &settings, std::size_t parameter_count, const EvaluateShares &evaluate,
              SearchState &state, std::size_t *late = nullptr);
 
-// Returns whether the objectives of the whole population are within `stop_spread_mm` of the best one. The
-// result depends only on the state, so a search that was stopped and resumed ends at the same generation.
+// Returns whether the objective of every member of the population is within `stop_spread_mm` of the best
+// objective. The result depends only on the state, so a search that was stopped and resumed ends at the same
+// generation.
 bool has_converged(const SearchSettings &settings, const SearchState &state);
 
-// Returns the first of the best trials of a search. The search's state must contain at least one trial.
+// Returns the trial with the lowest objective; if several trials are equally good, it returns the first of
+// them. The search's state must contain at least one trial.
 const Trial &best_of(const SearchState &state);
 std::vector<GenerationFigures> curve_of(const SearchState &state, unsigned population);
 

@@ -3,13 +3,13 @@
 
   table51.py -o out/table51 [--preset full|quick|fast] [--instruments NAME ...] [--page-only]
 
-For each instrument, the reference rod makes the true shapes, with a stiffness that differs from the instrument file's.
-These shapes go through virtual scans and segmentation, or they become centrelines with noise directly. Our rod is then
-fitted without and with the force trace, and so is the CoRdE baseline. Every finished step leaves a file NAME.done with
-its commands, and is not repeated for the same commands. A fit that was stopped continues from its last generation. An
-instrument that fails is named on the page, and the work continues with the others. The page is written again after
-every instrument. The exit code is 0 when everything was made, 1 when something failed or was stopped, and 2 for a usage
-error.
+For each instrument, the reference rod makes the true shapes, with a stiffness that differs from the stiffness in the
+instrument file. These shapes are either scanned virtually and segmented, or converted directly to centrelines with
+noise. Our rod is then fitted without the force trace and with it, and the CoRdE baseline is fitted without the force
+trace. Every finished step leaves a file NAME.done that contains its command, and the program does not repeat a step
+whose command is unchanged. A fit that was stopped continues from its last generation. An instrument that fails is named
+on the page, and the work continues with the others. The page is written again after every instrument. The exit code is
+0 when every result was made, 1 when a step failed or was stopped, and 2 for a usage error.
 """
 
 import argparse
@@ -72,7 +72,8 @@ class Stopped(Exception):
 
 
 def run(command, log):
-    """Runs one program with its standard output into `log`; progress goes to the terminal if there is one."""
+    """Runs one program and writes its standard output to the file `log`; the program's progress goes to the terminal if
+    there is one."""
     quiet = not sys.stderr.isatty()
     with open(log, "a", encoding="utf-8") as out:
         out.write("$ %s\n" % shlex.join(command))
@@ -119,9 +120,9 @@ def digest(program):
 
 
 def step(row_folder, name, command, announce, unheard=()):
-    """Runs `command` and announces it, unless the same command has been run before; returns True if it ran.
+    """Announces and runs `command`, unless the same command has been run before; returns True if the command ran.
 
-    A failure leaves NAME.failed. `unheard` holds arguments that do not change the result.
+    A failure leaves NAME.failed. `unheard` holds further arguments of the command that do not change its result.
     """
     log, done, failed = (os.path.join(row_folder, name + ending) for ending in (".log", ".done", ".failed"))
     wanted = shlex.join(command) + "\n"
@@ -159,8 +160,8 @@ class Chain:
         return os.path.join(self.options.build, "bin", name)
 
     def case_steps(self, row, case):
-        """Returns (name, announcement, command) of two kinds of steps: those that make the truth, and those that make
-        the data that calibrate may see."""
+        """Returns (name, announcement, command) of the steps that make the true shapes, and of the steps that make the
+        data that the program `calibrate` may read."""
         depths = [
             word
             for (inserted, name), turn in zip(self.depths, row["turns_deg"])
@@ -196,7 +197,7 @@ class Chain:
         ]
 
     def kinds(self):
-        """Returns the fits to make. An older version of calibrate cannot fit the baseline."""
+        """Returns the fits to make. An older version of the program `calibrate` cannot fit the CoRdE baseline."""
         return [
             kind for kind in self.options.fits if kind != "corde" or (self.has_corde and CORDE[self.options.preset])
         ]
@@ -227,8 +228,8 @@ class Chain:
         return command
 
     def check_scans(self, row_folder):
-        """Measures the segmentation against the truth for the page; if the segmentation misses a bar, the chain
-        continues."""
+        """Measures how far the segmentation deviates from the true shapes, for the page of results; if the deviation
+        exceeds a limit, the remaining steps still run."""
         log = os.path.join(row_folder, "check.log")
         remove(log)
         try:
@@ -270,7 +271,7 @@ class Chain:
         )
 
     def make_row(self, row, say):
-        """Makes everything that is possible for one instrument; returns True if nothing failed."""
+        """Runs all possible steps for one instrument; returns True if no step failed."""
         row_folder = os.path.join(self.options.output, row["stem"])
         os.makedirs(row_folder, exist_ok=True)
         try:
@@ -288,7 +289,8 @@ class Chain:
         return good
 
     def by_other_builds(self, rows):
-        """Lists the results that are older than the program that makes them, such as "Rosen: shape"."""
+        """Lists the results that are older than the program that makes them; an entry of the list is, for example,
+        "Rosen: shape"."""
         programs = {
             "truth": "reference_rod",
             "scans": "ct",

@@ -1,4 +1,4 @@
-"""Provides the data of `make table51`: the rows of table51.txt, and the results of the fits in each row's folder.
+"""Provides the data of `make table51`: the rows of table51.txt, and the results of the fits in the folder of each row.
 
 table51.py and table51_page.py import it.
 """
@@ -28,7 +28,7 @@ TRUE_NAMES = {"bend_shaft": "shaft_bend_stiffness_N_m2", "alpha": "tip_over_shaf
 
 
 class BadTable(Exception):
-    """Raised for an error in table51.txt; the message gives its place."""
+    """Raised for an error in table51.txt; the message gives the file and the line of the error."""
 
 
 def _row(cells):
@@ -49,7 +49,9 @@ def _row(cells):
 
 
 def read_table(path=TABLE):
-    """Returns the depths, as (inserted_mm, name), and the rows. Raises BadTable with file and line."""
+    """Returns the depths, each as (inserted_mm, name), and the rows of table51.txt. Raises BadTable, which names the
+    file and the line.
+    """
     depths, rows = [], []
     with open(path, encoding="utf-8") as file:
         for number, line in enumerate(file, 1):
@@ -91,15 +93,15 @@ def read_fit(folder):
 
 
 def figures_of(result):
-    """Takes the five figures of Table 5.1 from a result.json."""
+    """Reads the five values of a row of Table 5.1 from a result.json."""
     figures = {key: result["average"][name] for key, _, name in FIGURES if name}
     figures["depth3_rms_mm"] = result["depths"][-1]["rms_mm"]
     return {key: figures[key] for key, _, _ in FIGURES}
 
 
 def recovery_of(result, truth):
-    """Returns for each parameter the fitted value over the true one, and whether the fit itself reports the parameter
-    as determined."""
+    """Returns for each parameter the ratio of the fitted value to the true value, and whether the fit reports that the
+    data determine the parameter."""
     found = {}
     for parameter in result["parameters"]:
         true = truth.get(TRUE_NAMES.get(parameter["name"]))
@@ -115,7 +117,7 @@ def recovery_of(result, truth):
 
 
 def said(path):
-    """Returns a file's text without its last line end, or None if there is no file."""
+    """Returns the text of a file without the last end of line, or None if there is no file."""
     if not os.path.exists(path):
         return None
     with open(path, encoding="utf-8") as file:
@@ -148,7 +150,7 @@ def collect(rows, output):
 
 
 def averages(rows, kind):
-    """Returns the means of the five figures over the rows that have them, and the number of these rows. `kind`: a fit,
+    """Returns the means of the five values over those rows that have them, and the number of these rows. `kind`: a fit,
     or "thesis".
     """
     sets = [
@@ -162,13 +164,14 @@ def averages(rows, kind):
 
 
 def thesis_bend_N_m2(thesis):
-    """Computes EI from a row of Table 5.1, whose units docs/thesis.md states: E x 1e7 Pa, radius x 1e-4 m."""
+    """Computes EI from a row of Table 5.1; docs/thesis.md states the units of the table, which are E x 1e7 Pa and
+    radius x 1e-4 m."""
     numbers = thesis["parameters"]
     return numbers["young_1e7"] * 1e7 * math.pi / 4.0 * (numbers["radius_1e3"] * 1e-4) ** 4
 
 
 def to_json(rows, settings):
-    """Returns the whole table as one object, which contains the page's numbers."""
+    """Returns the whole table as one object, which contains all numbers of the page of results."""
     out = {"settings": settings, "rows": [], "averages": {}}
     for row in rows:
         entry = {
@@ -194,7 +197,7 @@ def to_json(rows, settings):
 
 
 def write_csv(rows, path):
-    """Writes one line per instrument and one of averages; the cells of missing fits are empty."""
+    """Writes one line per instrument and one line of averages; cells of a missing fit are empty."""
     kinds = (*FITS, "thesis")
     names = {
         kind: ("young", "alpha", "radius", "density", "kp")

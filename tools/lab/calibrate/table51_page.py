@@ -1,7 +1,7 @@
-"""Writes the page of `make table51`: Table 5.1 beside our values, recovery of the true values, identifiability,
-convergence and pictures.
+"""Writes the page of `make table51`, which shows Table 5.1 beside our values, the recovery of the true values,
+identifiability, convergence and pictures.
 
-The same results give the same bytes. table51.py imports it.
+Equal results give a page of equal bytes. The program table51.py imports this module.
 """
 
 import html
@@ -51,7 +51,7 @@ def judged(words, is_good):
 
 
 def table(head_rows, body_rows):
-    """`rows` is a list; each row is a list of whole cells, or (class, cells)."""
+    """`rows` is a list of the table's rows; each row is a list of cells in HTML, or a pair (class, cells)."""
     out = ["<table>"]
     out += ["<tr>%s</tr>" % "".join(cells) for cells in head_rows]
     for row in body_rows:
@@ -66,7 +66,7 @@ def group(words, columns):
 
 # --- Table 5.1 ---
 def figure_cells(key, sets, bar):
-    """Formats one figure of the table: our value, CoRdE's and the thesis'."""
+    """Formats three cells of the table for one kind of error: our value, the value of CoRdE, and the value in the thesis."""
     ours, corde, thesis = sets
     words = millimetres(ours.get(key))
     if key in ours and bar is not None:
@@ -75,7 +75,7 @@ def figure_cells(key, sets, bar):
 
 
 def average_name(rows):
-    """If some rows lack a fit, the name states how many rows the average covers."""
+    """If some rows lack a fit, the name of the average states how many rows the average covers."""
     counts = [(words, averages(rows, kind)[1]) for kind, words in (("shape", "ours"), ("corde", "CoRdE"))]
     partial = ["%s of %d" % (words, count) for words, count in counts if 0 < count < len(rows)]
     return "Average" + (" (%s)" % ", ".join(partial) if partial else "")
@@ -111,7 +111,8 @@ def fitted_cell(parameters, name):
 
 
 def parameter_table(rows):
-    """Shows the fitted numbers, in grey where the data leave them undetermined, and the thesis' numbers as printed."""
+    """Shows the fitted numbers, in grey if the data leave a number undetermined, and the numbers that the thesis
+    prints."""
     corde_names = list(
         dict.fromkeys(
             p["name"]
@@ -247,7 +248,7 @@ def curve_points(curve, most, low, high, box):
 
 
 def convergence_chart(row):
-    """Draws for every search of a row the best objective over the number of insertions, on a logarithmic scale."""
+    """Draws, for every search of a row, the best objective against the number of insertions, on a logarithmic scale."""
     searches = [
         (kind, search) for kind in FITS if kind in row["fits"] for search in row["fits"][kind]["result"]["searches"]
     ]
@@ -336,7 +337,7 @@ def notes(rows):
 
 
 def segmentation(rows, output):
-    """Quotes what `ct check` reported for each case's scans."""
+    """Quotes the text that the command `ct check` printed for the scans of each case."""
     parts = []
     for row in rows:
         said = table51_data.said(os.path.join(output, row["stem"], "check.log"))
@@ -346,7 +347,7 @@ def segmentation(rows, output):
 
 
 def searches(rows):
-    """Quotes the methods and settings that the fits report."""
+    """Quotes the methods and settings that the results of the fits state."""
     found = [fit["result"] for row in rows for fit in row["fits"].values()]
     kinds = sorted(
         {
@@ -393,7 +394,7 @@ def introduction(rows, settings):
 
 
 def page(rows, settings, output):
-    """Returns the whole page; its pictures are files in the folders of the fits."""
+    """Returns the whole page of results; the pictures on the page are files in the folders of the fits."""
     parts = [
         "<!DOCTYPE html>",
         '<html lang="en"><head><meta charset="utf-8">',

@@ -1,4 +1,5 @@
-// Runs threads that evaluate trials as they arrive and return the results in any order.
+// Runs threads that evaluate the trials of a search as the trials arrive, and that return the results in any
+// order.
 #pragma once
 #include "tools/lab/calibrate/workers.hpp"
 #include <condition_variable>
@@ -23,9 +24,10 @@ class ThreadPool
 
     unsigned size() const { return static_cast<unsigned>(threads_.size()); }
     void give(std::size_t index, std::vector<double> values);
-    // Returns the results since the last call; waits at most `wait_ms` for the first one.
+    // Returns the results that arrived since the last call; if there is none, waits at most `wait_ms` for the
+    // first result.
     std::vector<Done> take(int wait_ms);
-    // Discards the trials that no thread has begun.
+    // Discards the trials that no thread has begun to evaluate.
     void clear();
 
   private:

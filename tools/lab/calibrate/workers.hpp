@@ -1,5 +1,6 @@
 // Workers evaluate the trials of a generation; they are threads of this process, or ranks (processes) of an
-// MPI job. The results depend neither on the worker nor on the order: verdict i belongs to trial i.
+// MPI job. The results depend neither on which worker evaluates a trial nor on the order of the trials:
+// verdict i belongs to trial i.
 #pragma once
 #include "tools/lab/calibrate/judge.hpp"
 #include <functional>
@@ -11,19 +12,21 @@ struct Interrupted : std::exception {
     const char *what() const noexcept override { return "interrupted"; }
 };
 
-// This function evaluates one trial: it takes values and returns a verdict. The function that evaluates a
-// trial must be safe to call from several threads.
+// A function of the type Evaluate evaluates one trial: it takes the values of the parameters and returns a
+// Verdict. The function that evaluates a trial must be safe to call from several threads.
 using Evaluate = std::function<Verdict(const std::vector<double> &values)>;
-// This function is called between trials; it returns true if the work must stop.
+// The program calls a function of the type Stop between trials; the function returns true if the work must
+// stop.
 using Stop = std::function<bool()>;
-// The leading thread calls this function from time to time with the number of finished trials.
+// The leading thread calls a function of the type Progress from time to time, with the number of finished
+// trials.
 using Progress = std::function<void(std::size_t done)>;
 
 class Workers
 {
   public:
     virtual ~Workers() = default;
-    // Throws Interrupted when a stop was requested, and rethrows what a trial has thrown.
+    // Throws Interrupted when a stop was requested, and rethrows any exception that a trial has thrown.
     virtual std::vector<Verdict> evaluate(const std::vector<std::vector<double>> &trials) = 0;
     virtual std::string description() const = 0; // "4 threads", "2 ranks with 1 thread each"
 };
@@ -32,7 +35,8 @@ std::unique_ptr<Workers> thread_workers(unsigned threads, Evaluate evaluate, Sto
 
 // --- MPI (workers_mpi.cpp) ---
 
-// The value is true when mpirun or another launcher started the program; otherwise MPI is never initialised.
+// Returns true when mpirun or another launcher started the program; otherwise the program never initialises
+// MPI.
 bool is_mpi_job();
 
 // Initialises and finalises MPI. Rank 0 leads; the other ranks evaluate trials until rank 0 dismisses them.
@@ -46,15 +50,17 @@ class MpiJob
 
     int rank() const { return rank_; }
     int size() const { return size_; }
-    // Ends every rank at once with this exit status. After a failure only this call can end the program,
-    // because the other ranks wait for messages.
+    // Ends every rank (process) of the MPI job at once with this exit status. After a failure, only this call
+    // can end the program, because the other ranks (processes) wait for messages.
     [[noreturn]] void abort(int status);
 
-    // Rank 0 calls this function; the workers are rank 0 itself with `threads`, and all other ranks.
+    // Rank 0 (the leading process) calls this function; its workers are `threads` threads of rank 0 and all
+    // other ranks.
     std::unique_ptr<Workers> workers(unsigned threads, Evaluate evaluate, Stop stop, Progress progress);
-    // The other ranks call this function; it evaluates incoming trials until rank 0 sends the end.
+    // The other ranks (processes) call this function, which evaluates incoming trials until rank 0 sends the
+    // message that no more trials follow.
     void serve(unsigned threads, const Evaluate &evaluate);
-    // Rank 0 calls this function to inform the other ranks that no more trials follow.
+    // Rank 0 (the leading process) calls this function to inform the other ranks that no more trials follow.
     void dismiss();
 
   private:

@@ -1,6 +1,7 @@
-// Distributes trials over the ranks of an MPI job. Only this file uses MPI. Only the first thread of a rank
-// exchanges messages with other ranks. This thread polls for messages and sleeps in between, because MPI's
-// waiting calls keep a processor core busy.
+// Distributes trials over the ranks (processes) of an MPI job. Of all files in this folder, only this file
+// uses MPI. Only the first thread of each rank (process) exchanges messages with other ranks. The first
+// thread polls for messages and sleeps between the polls, because MPI's own functions that wait keep a
+// processor core busy.
 //   trial    rank 0 -> r   { index, values... }
 //   verdict  r -> rank 0   { index, objective, error, force error }
 //   threads  r -> rank 0   { how many trials r takes at a time }

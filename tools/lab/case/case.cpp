@@ -48,7 +48,7 @@ std::vector<Depth> read_depths(const TomlTable &root)
     return depths;
 }
 
-// Reads lines of numbers under a header that names at least the first `columns` of them.
+// Reads lines of numbers; a header line must name at least the first `columns` columns.
 std::vector<std::vector<double>> read_columns(const std::filesystem::path &file, const std::string &header,
                                               std::size_t columns)
 {
@@ -145,7 +145,7 @@ Case read_case(const std::filesystem::path &folder_or_file, CaseParts wanted)
     return c;
 }
 
-// Returns three numbers as TOML, with the end of the line.
+// Returns three numbers as a TOML array, with an end of line.
 static std::string vector_text(const Eigen::Vector3d &v)
 {
     return "[" + number_text(v.x(), file_digits) + ", " + number_text(v.y(), file_digits) + ", " +
@@ -169,7 +169,7 @@ void complete_case(const Case &c)
     if (added.empty()) return;
     std::ifstream stream(file, std::ios::binary);
     std::string text{std::istreambuf_iterator<char>(stream), {}};
-    // The lines are inserted after the line of `format`, which is a key of the first table.
+    // The new lines are inserted after the line with the key `format`, which belongs to the first table.
     std::size_t at = 0;
     for (int line = 0; line < root["format"].line(); ++line)
         at = std::min(text.find('\n', at), text.size() - 1) + 1;

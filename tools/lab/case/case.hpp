@@ -1,14 +1,14 @@
-// A case describes one instrument in one phantom. The case holds the data that a scan, or the virtual
-// scanner, provides for the calibration. Its folder contains
+// A case describes the insertion of one instrument into one phantom. The case holds the data that a scan, or
+// the virtual scanner, provides for the calibration. Its folder contains
 //   case.toml      phantom, instrument, friction, depths, names of the files below
 //   depth_N.csv    the instrument's centreline at each depth, from the introducer to the tip
 //   force.csv      the hand's force during the insertion, where it was measured
 //
-// All places are in the scene's axes and in mm. docs/ct.md specifies the format.
+// All positions in a case are in the scene's axes and in mm. The format of a case is specified in docs/ct.md.
 //
-// The case also states the protocol of the insertion. The hand feeds at `speed_mm_per_s`. While feeding, the
-// hand turns evenly from the angle of one depth to that of the next; before the first depth it keeps the
-// first depth's angle. The hand rests at each depth.
+// The case also states the protocol of the insertion. The hand feeds at `speed_mm_per_s`. Between two depths,
+// the hand turns evenly from the angle of the first to the angle of the second; before the first depth, the
+// hand keeps the angle of the first depth. The hand stops at each depth until the instrument rests.
 #pragma once
 #include "host/base/fault.hpp"
 #include <Eigen/Core>
@@ -20,7 +20,7 @@
 namespace crn::insertion
 {
 
-// Describes a depth at which the insertion rests and at which it was scanned.
+// Describes a depth at which the insertion pauses and at which the instrument was scanned.
 struct Depth {
     std::string name;                 // "iliac bifurcation"
     double inserted_mm = 0.0;         // 0 < . <= 1000, rising from depth to depth
@@ -29,13 +29,15 @@ struct Depth {
     std::filesystem::path centreline; // depth_N.csv
 };
 
-// Holds the force on the hand at this inserted length; a positive force pushes the instrument out.
+// Holds the force on the hand at one inserted length; a positive force pushes the instrument out of the
+// phantom.
 struct ForceSample {
     double inserted_mm = 0.0;
     double axial_mN = 0.0;
 };
 
-// Paths are stored as in the file, absolute or relative to the case's folder; path_in() resolves them.
+// Paths are stored as they are written in the case's file, absolute or relative to the case's folder;
+// path_in() makes them absolute.
 struct Case {
     std::string name;
     std::filesystem::path folder;
@@ -54,23 +56,24 @@ struct Case {
     std::filesystem::path force;                          // empty: no force was measured
 
     std::filesystem::path path_in(const std::filesystem::path &path) const;
-    // Returns the hand's angle at this inserted length.
+    // Returns the angle to which the hand is turned at this inserted length.
     double turn_deg_at(double inserted_mm) const;
 };
 
-// States which parts a case must have: all parts, or only those that are known from scans alone. `ct segment`
-// later adds scene, surface and mouth_mm.
+// States which parts a case must have: either all parts, or only the parts that are known before the scans
+// are segmented. The command `ct segment` later adds the missing parts, which are scene, surface and
+// mouth_mm.
 enum class CaseParts { all, before_segmentation };
 // Reads FOLDER/case.toml, or the given file itself. Throws Fault.
 Case read_case(const std::filesystem::path &folder_or_file, CaseParts wanted = CaseParts::all);
 // Writes FOLDER/case.toml. Throws crn::OutputError.
 void write_case(const Case &c);
-// Adds scene, surface, mouth_mm and direction if FOLDER/case.toml lacks them, and keeps the rest of the text
-// as a person wrote it. Throws Fault, crn::OutputError.
+// Adds scene, surface, mouth_mm and direction to FOLDER/case.toml if that file lacks them, and leaves the
+// rest of the file's text unchanged. Throws Fault, crn::OutputError.
 void complete_case(const Case &c);
 
-// Reads ordered points in mm under the header x_mm,y_mm,z_mm; further columns are ignored. The file must have
-// at least two points. Throws Fault.
+// Reads an ordered list of points in mm under the header x_mm,y_mm,z_mm, and ignores further columns. The
+// file must have at least two points. Throws Fault.
 std::vector<Eigen::Vector3d> read_centreline(const std::filesystem::path &file);
 void write_centreline(const std::filesystem::path &file, const std::vector<Eigen::Vector3d> &points_mm);
 
@@ -79,7 +82,7 @@ void write_centreline(const std::filesystem::path &file, const std::vector<Eigen
 std::vector<ForceSample> read_force(const std::filesystem::path &file);
 void write_force(const std::filesystem::path &file, const std::vector<ForceSample> &samples);
 
-// Numbers in all files of a case have this many significant digits.
+// Numbers in all files of a case are written with this many significant digits.
 inline constexpr int file_digits = 9;
 
 } // namespace crn::insertion

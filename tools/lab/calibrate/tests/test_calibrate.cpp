@@ -1,6 +1,7 @@
-// Claims: distances and forces are judged as equation 19 and the documents state; the tests use closed forms.
-// The virtual instrument, and the file written from it, have the requested numbers. A search gives the same
-// bits for any number of workers and after any number of stops. Undetermined numbers are reported as such.
+// Claims: distances and forces are compared with the reference as equation 19 and the documents state; the
+// tests use closed forms. The simulated instrument, and the file that is written from it, have the requested
+// values. A search gives results that are equal bit for bit for any number of workers (threads or processes)
+// and after any number of stops. If the data do not determine a parameter, the result reports this.
 #include "host/base/tests/folder.hpp"
 #include "tools/lab/calibrate/checkpoint.hpp"
 #include "tools/lab/calibrate/fitted_instrument.hpp"
@@ -71,8 +72,8 @@ SearchState searched(const SearchSettings &settings, const EvaluateShares &evalu
 
 // --- judging ---
 
-// For a point beside a piece of the line, the distance is that to the piece; for a point beyond an end, it is
-// that to the end. We use 3-4-5 triangles.
+// The distance of a point beside a piece of the polyline is its distance to this piece; the distance of a
+// point beyond an end is its distance to this end. We use 3-4-5 triangles.
 void distances_go_to_the_nearest_point_of_the_line(void **)
 {
     const std::vector<Vector3d> line = {{0, 0, 0}, {10, 0, 0}, {10, 10, 0}};
@@ -82,7 +83,8 @@ void distances_go_to_the_nearest_point_of_the_line(void **)
     assert_near(distance_to_line_mm({12, 5, 0}, line), 2.0, 1e-12);
 }
 
-// The distances are 1, 1, 2 and 4, so the RMS is sqrt(22/4), the mean 2 and the deviation sqrt(22/4 - 4).
+// The distances of the nodes are 1, 1, 2 and 4 mm, so the RMS is sqrt(22/4) mm, the mean 2 mm and the
+// standard deviation sqrt(22/4 - 4) mm.
 void equation_19_is_the_rms_over_the_nodes(void **)
 {
     const std::vector<Vector3d> line = {{0, 0, 0}, {10, 0, 0}};
@@ -94,8 +96,8 @@ void equation_19_is_the_rms_over_the_nodes(void **)
     assert_near(d.max_mm, 4.0, 1e-12);
 }
 
-// A trace that is 1.2 times the reference everywhere has an error of 0.2; a peak of a single sample has no
-// effect.
+// A force trace that is 1.2 times the reference everywhere has an error of 0.2; a peak in a single sample
+// does not change this error.
 void the_force_error_is_relative_and_passes_over_single_peaks(void **)
 {
     std::vector<insertion::ForceSample> reference, simulated;
@@ -120,7 +122,7 @@ void parameters_and_shares_are_each_others_inverse(void **)
     assert_near(parameter.share_of(100.0), 1.0, 0.0);
 }
 
-// EI of tip and shaft, radius and mass per length are compared with their definitions.
+// The test compares EI of tip and shaft, radius and mass per length with the definitions of these values.
 void a_virtual_instrument_has_the_values_asked_for(void **)
 {
     const crn_wire_instrument nominal =
@@ -195,8 +197,8 @@ void a_preset_made_from_another_one_cannot_be_written(void **)
 
 // --- the search ---
 
-// The recording run requests every trial that pagmo's real run requests later, so no trial is evaluated
-// alone.
+// The run that records requests every trial that pagmo's real run requests later, so no trial has to be
+// evaluated separately.
 void all_trials_of_a_generation_are_evaluated_together(void **)
 {
     for (const Method method : methods) {
@@ -223,8 +225,8 @@ void every_method_finds_the_bottom_of_a_valley(void **)
     }
 }
 
-// The test begins with three hand-made trials that lie 0.03 apart, and continues with a valley until the
-// expected final state.
+// The test begins with three trials whose objectives span 0.03, and then runs a search on a smooth function
+// until the search counts as converged.
 void a_search_has_converged_when_its_population_is_equally_good(void **)
 {
     SearchState state;
@@ -248,7 +250,7 @@ void a_search_has_converged_when_its_population_is_equally_good(void **)
     assert_true(best_of(state).verdict.objective < 0.02);
 }
 
-// The nodes lie 2 mm from the reference, and the force is twice the measured one.
+// In this test the nodes lie 2 mm from the reference, and the force is twice the measured force.
 void without_a_weight_the_force_trace_is_not_there(void **)
 {
     const Folder folder("judge");
@@ -287,7 +289,7 @@ void without_a_size_a_search_has_the_budget_of_the_thesis(void **)
     assert_int_equal(sized({}, Method::cmaes, {}, 20).generations, 20);
 }
 
-// The rod in this evaluator either lies on the reference or is refused.
+// This evaluator either returns a rod that lies on the reference, or refuses every trial.
 struct ScriptedEvaluator final : Evaluator {
     bool refuses = false;
 
@@ -312,8 +314,8 @@ struct ScriptedEvaluator final : Evaluator {
     }
 };
 
-// Short elements may exceed the core's number format; then only the figure from the careful insertion is
-// missing.
+// Short elements may exceed the core's number format; in this case only the result of the insertion without
+// shortcuts is missing.
 void a_fit_is_not_lost_where_its_short_cuts_cannot_be_measured(void **)
 {
     const Folder folder("careful");
@@ -388,7 +390,8 @@ void a_wish_to_stop_ends_an_evaluation(void **)
 
 // --- checkpoints ---
 
-// A search that is written and read back after every generation proceeds exactly as one that is not.
+// A search that is written to a checkpoint and read back after every generation proceeds exactly as a search
+// that is not.
 void a_search_that_was_stopped_after_any_generation_goes_on_as_if_not(void **)
 {
     const Folder folder{"checkpoint"};
@@ -450,8 +453,9 @@ void the_hash_tells_borders_and_numbers(void **)
 
 // --- what is determined ---
 
-// The objective is |x - 0.4| + 0 y, where x and y are shares of their ranges. A permitted rise of 0.05 bounds
-// x by 0.35 and 0.45, with an error of one halving step (0.04 / 16). It does not bound y.
+// The objective is |x - 0.4| + 0 y, where x and y are the positions 0 .. 1 of two parameters in their ranges.
+// If the objective may rise by 0.05, x is bounded by 0.35 and 0.45, with an error of one halving step (0.04 /
+// 16). It does not bound y.
 void what_the_data_leave_open_is_said_to_be_undetermined(void **)
 {
     const std::vector<Parameter> parameters = {{"x", "", "", 1.0, 10.0, 3.0}, {"y", "", "", 1.0, 10.0, 3.0}};
@@ -470,8 +474,8 @@ void what_the_data_leave_open_is_said_to_be_undetermined(void **)
     assert_false(found[1].is_determined);
 }
 
-// The objective is |x - y|, and the optimum is at x = y = 0.5. Varied alone, each number is bounded; the
-// search's trials along x = y show that both are undetermined.
+// The objective is |x - y|, and the optimum is at x = y = 0.5. If only one number varies, its range is
+// bounded; the search's trials along x = y show that both numbers are undetermined.
 void numbers_that_make_up_for_each_other_are_undetermined(void **)
 {
     const std::vector<Parameter> parameters = {{"x", "", "", 1.0, 10.0, 3.0}, {"y", "", "", 1.0, 10.0, 3.0}};

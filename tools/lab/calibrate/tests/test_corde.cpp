@@ -1,6 +1,6 @@
-// Claims: the thesis' rod, as the baseline of `calibrate`, is the instrument that its file describes, in the
-// same frame as our rod. The rod's integration stays stable for any trial. The same search fits this rod,
-// with the same bits for any number of workers.
+// Claims: the thesis' rod, as the baseline of `calibrate`, represents the instrument that its file describes,
+// in the same coordinate frame as our rod. The rod's integration stays stable for any trial. The search that
+// fits our rod also fits this rod, with results that are equal bit for bit for any number of workers.
 #include "host/base/tests/folder.hpp"
 #include "tools/lab/calibrate/corde_evaluator.hpp"
 #include "tools/lab/calibrate/core_rod.hpp"
@@ -38,7 +38,7 @@ crn::Instrument instrument_of(const std::string &name)
     return crn::read_instrument(std::string(instruments) + name + ".toml");
 }
 
-// Makes a lattice of 125 mm around the origin, without a wall.
+// Makes the distance field of a space of 125 mm around the origin that has no wall.
 struct Space {
     std::vector<std::uint16_t> index = std::vector<std::uint16_t>(16 * 16 * 16, CRN_LUMEN_ENTRY_INSIDE);
     crn_lumen lumen{};
@@ -55,7 +55,7 @@ struct Space {
     }
 };
 
-// Makes a case in free space with one rest, 30 mm beyond the introducer.
+// Makes a case in free space with a single depth, at which 30 mm of the instrument are inserted.
 insertion::Case free_case(const std::string &name)
 {
     insertion::Case c;
@@ -86,8 +86,8 @@ void nominal_values_make_the_files_stiffness_and_mass(void **)
     }
 }
 
-// EI is alpha times the shaft's EI at the tip, and the shaft's EI on the shaft; GJ has the file's ratio to
-// EI. Values in between lie in this range.
+// EI is the shaft's EI on the shaft and alpha times this value at the tip; GJ has the instrument file's ratio
+// to EI. Between tip and shaft, the values lie between these limits.
 void joints_have_the_stiffness_asked_for(void **)
 {
     const crn::Instrument instrument = instrument_of("amplatz_super_stiff");
@@ -106,9 +106,9 @@ void joints_have_the_stiffness_asked_for(void **)
         assert_true(joints[i].bend_N_m2 >= joints[i - 1].bend_N_m2 * (1.0 - 1e-12));
 }
 
-// At all corners of the bounds, the number of substeps is at most the permitted one, and the mass is at least
-// the real one. The time step times the fastest angular frequency stays below 2. Closed forms give the
-// fastest frequencies, of a point between two springs Kp/l and of a turning segment.
+// For the extreme values of all parameters, the number of substeps is at most the permitted number, and the
+// mass is at least the real mass. The time step times the fastest angular frequency stays below 2. Closed
+// forms give the highest frequency of a point between two springs Kp/l and of a rotating segment.
 void every_trial_gets_a_step_that_is_stable(void **)
 {
     const Space space;
@@ -135,8 +135,8 @@ void every_trial_gets_a_step_that_is_stable(void **)
     }
 }
 
-// In this test the hand turns an instrument whose tip carries no load. Our rod has other elements than CoRdE,
-// so the tips are compared as lines.
+// In this test the hand turns an instrument whose tip carries no load. Our rod has elements of another length
+// than CoRdE, so the test compares the curves of the two tips.
 void a_bent_tip_lies_where_our_rods_tip_lies(void **)
 {
     const Space space;
@@ -167,8 +167,8 @@ void a_bent_tip_lies_where_our_rods_tip_lies(void **)
 
 // --- the fit ---
 
-// A wire that sags under its weight beyond the introducer shows the EI of its tip. All other numbers are kept
-// within 0.1 % of their nominal values.
+// A wire that extends beyond the introducer and sags under its weight shows the EI of its tip. The other
+// fitted numbers may vary by only 0.1 % from their nominal values.
 struct Sagging {
     Folder folder{"corde"};
     Space space;
@@ -229,8 +229,8 @@ void a_fit_finds_the_tips_stiffness_with_the_same_bits_from_any_threads(void **)
     assert_near(found, 0.5, 0.1);
 }
 
-// A checkpoint holds results of trials, so its hash must include the version of the core that gave them, and
-// the rod.
+// A checkpoint holds results of trials, so its hash must depend on the kind of rod, and on the version of the
+// core that gave the results.
 void settings_name_the_rod_and_the_core(void **)
 {
     const Space space;
@@ -256,7 +256,8 @@ void bounds_without_the_nominal_value_are_refused(void **)
     assert_near(evaluator.parameters()[0].low, 1e7, 0.0);
 }
 
-// The bounds contain the file's numbers and the numbers of the thesis' table.
+// The ranges of the parameters contain the numbers of the instrument file and the numbers of the thesis'
+// table.
 void bounds_hold_the_row_of_the_thesis_table(void **)
 {
     const Space space;
@@ -273,7 +274,7 @@ void bounds_hold_the_row_of_the_thesis_table(void **)
     assert_true(holds("kp", 377.0));
 }
 
-// Places every point 15 mm outside the vessel, in the wall.
+// The wall function of this test states that every point lies 15 mm outside the vessel.
 void a_rod_that_leaves_the_vessel_is_refused(void **)
 {
     const insertion::Case c = free_case("bentson");

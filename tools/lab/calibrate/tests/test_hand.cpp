@@ -1,6 +1,6 @@
-// Claims: the hand approaches each depth slowly. The hand waits until the rod is at rest on average: a
-// chattering tip does not prolong the wait, and a pause of a creeping tip does not end it. The force is
-// recorded from the first millimetre of insertion onwards.
+// Claims: the simulated hand approaches each depth slowly. The hand waits until the rod's mean position no
+// longer moves: a chattering tip does not prolong the wait, and a pause of a creeping tip does not end the
+// wait. The force is recorded from the first millimetre of insertion onwards.
 #include "tools/lab/calibrate/hand.hpp"
 #include <cmath>
 
@@ -26,8 +26,8 @@ void assert_near(double got, double expected, double tolerance)
     assert_true(false);
 }
 
-// The scripted rod follows the hand immediately. Its only node is displaced sideways by `aside_mm`, a
-// function of the number of ticks since the hand stopped.
+// The simulated rod of this test follows the hand immediately. The only node of the rod is displaced sideways
+// by `aside_mm`, a function of the number of ticks since the hand stopped.
 struct ScriptedRod final : HeldRod {
     double (*aside_mm)(int ticks) = [](int) { return 0.0; };
     std::vector<double> places_mm;
@@ -43,7 +43,7 @@ struct ScriptedRod final : HeldRod {
     bool is_sound() const override { return true; }
     std::vector<Vector3d> nodes_mm() const override { return {{inserted_mm(), aside_mm(still_ticks), 0.0}}; }
 
-    // Returns the fastest feed, in mm/s, while the hand was between two places.
+    // Returns the highest speed of insertion, in mm/s, while the inserted length was between two values.
     double fastest_mm_per_s(double from_mm, double to_mm) const
     {
         double most = 0.0;
@@ -113,9 +113,10 @@ void a_still_rod_is_at_rest_after_three_windows(void **)
     assert_int_equal(made.settle_ticks.at(0), 150);
 }
 
-// The node is displaced by 25 um in every second tick, as a J tip on a wall is (docs/rod.md). This
-// displacement of 25 um is a hundred times the limit per tick. In the next window the node is displaced in
-// the other ticks; a method that reads only every second tick would take this for a real displacement.
+// The node is displaced by 25 um in every second tick, like a J tip that chatters on a wall (docs/rod.md).
+// This displacement of 25 um is a hundred times the displacement per tick that still counts as rest. In the
+// next window of time, the node is displaced in the ticks in between; a method that reads only every second
+// tick would take this change for a real displacement.
 void a_tip_that_trembles_in_its_place_is_at_rest(void **)
 {
     ScriptedRod rod;
@@ -126,7 +127,7 @@ void a_tip_that_trembles_in_its_place_is_at_rest(void **)
     assert_near(made.nodes_mm.at(0).at(0).y(), 12.5 * um, 3.0 * um); // its mean place, from ten samples
 }
 
-// The node creeps by 0.3 um per tick for 400 ticks and then stops.
+// The node moves slowly by 0.3 um per tick for 400 ticks and then stops.
 void a_creeping_rod_is_waited_for(void **)
 {
     ScriptedRod rod;
@@ -136,7 +137,8 @@ void a_creeping_rod_is_waited_for(void **)
     assert_in_range(made.settle_ticks.at(0), 500, 600);
 }
 
-// Two windows of equal length before and after the turning point have the same mean.
+// The node swings to and fro; two windows of equal length, just before and after the turning point of the
+// swing, have equal mean positions.
 void a_swing_is_not_at_rest_where_it_turns_back(void **)
 {
     ScriptedRod rod;
@@ -153,8 +155,8 @@ void a_rod_that_never_rests_is_said_to_be_unsettled(void **)
     assert_int_equal(made.settle_ticks.at(0), 1000);
 }
 
-// The limit applies per tick, whatever the window: a rod that moves by 0.3 um per tick is at rest if the
-// limit is 0.4 um.
+// The criterion of rest is a displacement per tick, whatever the window: a rod that moves by 0.3 um per tick
+// is at rest if the limit is 0.4 um per tick.
 void rest_is_judged_by_the_way_per_tick(void **)
 {
     ScriptedRod rod;
@@ -166,7 +168,7 @@ void rest_is_judged_by_the_way_per_tick(void **)
 
 // --- force ---
 
-// The force is sampled at equal lengths, on the slow stretch as well as on the fast one.
+// The force is sampled at equal steps of inserted length, both where the hand is slow and where it is fast.
 void force_is_sampled_by_way(void **)
 {
     ScriptedRod rod;

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Tests the chain of programs that `make table51` runs.
 
-Claims: the fast preset fits the Amplatz to a truth whose stiffness differs from the file's, and reports its findings.
-The chain of all nine instruments keeps finished results, names failures, continues after Ctrl-C, and fills the page.
-The second part replaces the real programs with programs of a few lines, which return the first part's results. Prints
-TAP.
+Claims: the fast preset fits the Amplatz guidewire to true shapes whose stiffness differs from the instrument file's,
+and reports its findings. The program that fits all nine instruments keeps finished results, names failures, continues
+after Ctrl-C, and writes the page of results. In the second part of the test, programs of a few lines replace the real
+programs and return the results of the first part. Prints TAP.
 """
 
 import csv
@@ -133,7 +133,7 @@ def check_fast(tap, output):
 
 
 class Rehearsal:
-    """Runs the chain with the replacement programs, which record their arguments."""
+    """Runs the program table51.py with the replacement programs, which record their arguments."""
 
     def __init__(self, work, real):
         self.folder, self.output = os.path.join(work, "fake"), os.path.join(work, "out")
@@ -180,7 +180,7 @@ class Rehearsal:
         return lines
 
     def stopped_in(self, place):
-        """Sends Ctrl-C to the chain as soon as this fit has begun."""
+        """Sends Ctrl-C to the program table51.py as soon as this fit has begun."""
         with self.start() as child:
             deadline = time.monotonic() + 60
             while (

@@ -1,5 +1,6 @@
-// Claims: a case's folder is read back as it was written. Every error in the folder is refused with the file,
-// the field and the remedy. Numbers are written with 9 digits, so the tolerance is 1e-8 of the value.
+// Claims: the files of a case are read back with the values with which they were written. For every error in
+// the case's folder, the message names the file, the field and the remedy. Numbers are written with 9
+// significant digits, so the relative tolerance of the comparison is 1e-8.
 #include "host/base/tests/folder.hpp"
 #include "tools/lab/case/case.hpp"
 
@@ -65,8 +66,8 @@ void a_case_comes_back_as_it_was_written(void **)
     assert_true(back.path_in(back.scene) == std::filesystem::path(folder.path) / "phantom.scene");
 }
 
-// A person may begin a case with scans alone. Scene, surface and mouth_mm are added later, and nothing else
-// in the file changes.
+// A person may begin a case whose only data are scans. The program adds scene, surface and mouth_mm to
+// case.toml later, and changes nothing else in this file.
 void a_case_of_scans_alone_is_completed_in_place(void **)
 {
     const Folder folder{"case"};

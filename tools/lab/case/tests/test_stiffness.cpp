@@ -1,5 +1,6 @@
-// Claims: an instrument is unchanged if it is given its own two numbers; with other numbers its EI is shaft *
-// alpha^w; impossible requests are refused. Knots are whole numbers of nN m^2, so the tolerance is 1 nN m^2.
+// Claims: an instrument is unchanged if it is given its own EI of the shaft and alpha; with other numbers its
+// EI is shaft * alpha^w; impossible values are refused. The EI of a knot is stored as a whole number of nN
+// m^2, so the tolerance is 1 nN m^2.
 #include "tools/lab/case/case.hpp"
 #include "tools/lab/case/stiffness.hpp"
 #include <cmath>
@@ -45,7 +46,8 @@ void its_own_numbers_change_nothing(void **)
 
 void other_numbers_scale_by_the_weight_of_the_tip(void **)
 {
-    // For w = 1, 1/2 and 0 we expect 2e-3 * 0.04^w, which is 8e-5, 4e-4 and 2e-3.
+    // For the weights w = 1, 1/2 and 0 we expect an EI of 2e-3 * 0.04^w N m^2, which is 8e-5, 4e-4 and 2e-3 N
+    // m^2.
     const crn_wire_instrument other = with_stiffness(tapered(), {2e-3, 0.04});
     const std::uint32_t bend[] = {80000, 400000, 2000000};
     for (unsigned i = 0; i < 3; i++) {
