@@ -47,8 +47,8 @@ std::vector<Vector3d> part_of(const std::vector<Vector3d> &line, double begin_mm
     return result;
 }
 
-// Fits a line to weighted places with a penalty on third differences: (W + k D'D) x = W m. The matrix has
-// seven diagonals and is solved by Cholesky's method.
+// Fits a smooth curve to weighted points, with a penalty on the third differences of neighbouring points: (W
+// + k D'D) x = W m. The matrix of this system has seven diagonals, and Cholesky's method solves the system.
 std::vector<Vector3d> smooth(const std::vector<Vector3d> &places, const std::vector<double> &weights,
                              double against)
 {
@@ -86,7 +86,7 @@ std::vector<Vector3d> smooth(const std::vector<Vector3d> &places, const std::vec
     return x;
 }
 
-// Extends the line with the curvature of its last three millimetres.
+// Extends the centreline with the curvature of its last three millimetres.
 void extrapolate(std::vector<Vector3d> &line, double by_mm)
 {
     const double length = length_of(line);
@@ -113,7 +113,8 @@ double median_height(const std::vector<LinePoint> &points)
     return *middle;
 }
 
-// Moves every place to the middle of the section across it, and repeats this a few times.
+// Moves every point of the centreline to the middle of the instrument's cross-section, and repeats this step
+// a few times.
 std::vector<LinePoint> refine(const LineFit &fit, std::vector<Vector3d> line, LineModel &model,
                               const Report &report)
 {
@@ -149,7 +150,7 @@ std::vector<LinePoint> refine(const LineFit &fit, std::vector<Vector3d> line, Li
     return points;
 }
 
-// Returns the line up to the instrument's end, with the uncertainty of its points.
+// Returns the centreline up to the instrument's end, with the uncertainty of each of its points.
 std::vector<LinePoint> to_the_tip(const LineFit &fit, const std::vector<LinePoint> &points,
                                   const LineModel &model)
 {
@@ -166,7 +167,7 @@ std::vector<LinePoint> to_the_tip(const LineFit &fit, const std::vector<LinePoin
     while (result.size() > 2 && length_of({result.begin()->place_mm}) == 0 &&
            static_cast<double>(result.size() - 1) * step_mm > end)
         result.pop_back();
-    // The last stretch is computed again so that it ends at the tip.
+    // The points of the last stretch are computed again so that the centreline ends at the tip.
     double from = 0;
     for (std::size_t i = 1; i < result.size(); ++i)
         from += (result[i].place_mm - result[i - 1].place_mm).norm();
@@ -178,10 +179,10 @@ std::vector<LinePoint> to_the_tip(const LineFit &fit, const std::vector<LinePoin
     return result;
 }
 
-// The residuals of the fit do not show errors that displace a whole section. In a bend, blur displaces the
-// section inwards. For a line that lies in the plane of the slice, only one or two slices determine its
-// height. The weights of these uncertainties were found with virtual scans of bends of 3 mm radius and 1 mm
-// slices.
+// The residuals of the fit do not show errors that displace a whole cross-section of the instrument. In a
+// bend, blur displaces the cross-section of the instrument towards the inside of the bend. If the instrument
+// lies in the plane of the slices, only one or two slices determine the height of its centreline. The weights
+// of these two uncertainties were found with virtual scans of bends of 3 mm radius in 1 mm slices.
 void doubt_bends_and_slices(std::vector<LinePoint> &points, const Volume &volume)
 {
     constexpr double bend_mm2 = 0.4, slice_share = 0.12, flat = 0.5; // flat: sine of the angle to the slice
@@ -199,8 +200,8 @@ void doubt_bends_and_slices(std::vector<LinePoint> &points, const Volume &volume
         if (doubt > doubtful_mm && points[i].why.empty())
             points[i].why = in_slice > 0.5 ? "lies in the slice" : "bends sharply";
     }
-    // The tip and the point beside it are as uncertain as the points before them. In the direction along the
-    // line, a tip that lies in the slice may end anywhere within the slice.
+    // The tip and the point beside it are taken to be as uncertain as the points before them. If the tip lies
+    // in the plane of a slice, it may end anywhere within the thickness of this slice.
     const double leads = points[points.size() - std::min<std::size_t>(points.size(), 3)].unsure_mm;
     const Vector3d end = points.back().place_mm - points[points.size() - 2].place_mm;
     const double in_slice = std::max(0.0, 1 - std::abs(end.normalized().dot(across_slices)) / flat);
@@ -274,7 +275,7 @@ InstrumentLine trace_instrument(const Volume &volume, const Volume &mask, const 
     const double length = length_of(path);
     if (length < 4 * trimmed_mm + 2)
         throw Fault(volume.name + ": the instrument in the scan is too short to be followed");
-    // Smoothing first removes the stair-steps that voxels leave in the path.
+    // Smoothing first removes the steps that the voxels leave in the path.
     path = part_of(path, 0, length);
     path = smooth(path, std::vector<double>(path.size(), 1.0), 60);
     const bool is_cut_off =

@@ -1,5 +1,5 @@
-// Finds the instrument in a scan: its voxels, their order, and the middle line between them (docs/ct.md, "The
-// centreline").
+// Finds the instrument in a scan: its voxels, the order of these voxels, and the middle line through them
+// (docs/ct.md, "The centreline").
 #pragma once
 #include "tools/lab/ct/scanner.hpp"
 #include "tools/lab/ct/volume/volume.hpp"
@@ -33,20 +33,21 @@ struct InstrumentLine {
     std::vector<Eigen::Vector3d> places() const;
 };
 
-// Returns a volume in which the voxels of the instrument are 1. Throws Fault if the scan has no instrument,
-// or has two.
+// Returns a volume in which the voxels of the instrument have the value 1. Throws Fault if the scan shows no
+// instrument or more than one instrument.
 Volume find_instrument(const Volume &volume, LineOptions &options);
 
-// Returns the whole line in the scan, including the part outside the introducer. Throws Fault if two
-// instruments touch, or if the instrument is too short.
+// Returns the whole centreline of the instrument in the scan, including the part outside the introducer.
+// Throws Fault if two instruments touch, or if the instrument is too short.
 InstrumentLine trace_instrument(const Volume &volume, const Volume &mask, const LineOptions &options,
                                 const Report &report);
 
 // --- parts, for tests ---
 
-// Returns points of a line at even distances of about step_mm.
+// Returns points of the centreline at equal distances of about step_mm.
 std::vector<Eigen::Vector3d> resampled(const std::vector<Eigen::Vector3d> &line, double step_mm);
-// Returns the distance from a line, and the nearest place on the line (arc length).
+// Returns the distance of a point from the centreline, and the arc length of the nearest point on the
+// centreline.
 struct LineDistance {
     double distance_mm, arc_mm;
 };

@@ -23,7 +23,8 @@ struct ScanOptions {
     std::vector<double> box_mm; // six numbers, or none
 };
 
-// Makes one volume of a phantom with instruments along lines. Throws Fault.
+// Makes one virtual CT scan of a phantom with instruments in it; each instrument follows a given curve.
+// Throws Fault.
 void command_scan(ScanOptions options);
 
 struct SimulateOptions {
@@ -34,8 +35,8 @@ struct SimulateOptions {
     reference::TruthRequest truth; // with an instrument, the case is made first, in this folder
 };
 
-// Scans every depth of a case that has a truth/ folder, and writes the scans' names into case.toml. Throws
-// Fault, and any exception that reference::make_case throws.
+// Makes a virtual scan at every depth of a case that has a truth/ folder, and writes the names of the scans
+// into case.toml. Throws Fault, and any exception that reference::make_case throws.
 void command_simulate(SimulateOptions options);
 
 struct SegmentCommand {
@@ -47,7 +48,8 @@ struct SegmentCommand {
 // Throws Fault.
 void command_segment(const SegmentCommand &command);
 
-// Compares a case's centrelines and lumen with its truth; returns false if a distance is over its bar.
+// Compares the centrelines and the lumen of a case with the case's truth; returns false if a distance is
+// larger than permitted.
 bool command_check(const std::filesystem::path &case_folder);
 
 } // namespace crn::ct

@@ -28,7 +28,8 @@ bake::Mesh closed_mesh(const fs::path &file)
     return mesh;
 }
 
-// The instrument continues straight outside the vessel, within the introducer, until it leaves the picture.
+// Outside the vessel, the instrument continues straight within the introducer until it leaves the scanned
+// region.
 std::vector<Vector3d> with_inserter(std::vector<Vector3d> line, const insertion::Case &c)
 {
     constexpr double behind_mm = 300;
@@ -119,7 +120,8 @@ void command_simulate(SimulateOptions options)
         throw Fault((c.folder / "case.toml").string() +
                     ": surface: is missing: the scanner needs the lumen as a closed mesh");
     const bake::Mesh lumen = closed_mesh(c.path_in(c.surface));
-    // Returns the instrument that was really inserted, if it differs from the nominal file.
+    // Returns the instrument that was inserted in the simulation, if it differs from the nominal instrument
+    // file.
     const fs::path true_instrument = c.folder / "truth" / "instrument.toml";
     const std::vector<ScanStretch> stretches = stretches_of(
         fs::exists(true_instrument) ? true_instrument.string() : c.path_in(c.instrument).string());

@@ -1,5 +1,5 @@
-// The command `ct segment` makes files from scans, and `ct check` measures the distance of these files from
-// the truth.
+// The command `ct segment` makes centrelines and surfaces from scans, and `ct check` measures how far they
+// deviate from the truth.
 #include "host/base/format.hpp"
 #include "host/base/output_files.hpp"
 #include "host/base/pending_file.hpp"
@@ -26,7 +26,7 @@ bake::Mesh mesh_of(const fs::path &file)
     return bake::load_mesh(text);
 }
 
-// Holds a depth of the case, and the instrument that was found in its scan.
+// Holds one depth of the case, and the instrument that was found in the scan of this depth.
 struct SegmentedDepth {
     const insertion::Depth *depth;
     Volume volume;
@@ -49,7 +49,8 @@ SegmentedDepth segment_depth(const insertion::Case &c, const insertion::Depth &d
     return result;
 }
 
-// Writes the results from the introducer onwards: pictures, a page, and the case's own depth_N.csv.
+// Writes the results from the introducer onwards, which are pictures, a page, and the file depth_N.csv of the
+// case.
 void finish_depth(const insertion::Case &c, SegmentedDepth &found)
 {
     const bool begins_at_mouth = begin_at_mouth(found.line, {c.mouth_mm, c.direction}, found.volume.name);
@@ -60,15 +61,15 @@ void finish_depth(const insertion::Case &c, SegmentedDepth &found)
     insertion::write_centreline(c.path_in(found.depth->centreline), found.line.places());
 }
 
-// Returns the file's path relative to the case's folder if the file lies inside that folder; otherwise the
-// absolute path.
+// Returns the path of a file relative to the case's folder if the file lies inside that folder; otherwise
+// returns the absolute path.
 fs::path path_from(const fs::path &folder, const fs::path &file)
 {
     const fs::path relative = fs::relative(file, folder.empty() ? fs::path(".") : folder);
     return relative.empty() || *relative.begin() == ".." ? fs::absolute(file) : relative;
 }
 
-// Bakes the lumen's mesh into the scene that calibrate and the simulator use.
+// Converts the lumen's mesh to the scene file that the program `calibrate` and the simulator use.
 void bake_lumen(const insertion::Case &c, const bake::Mesh &lumen, const fs::path &surface,
                 const fs::path &scene)
 {
@@ -98,7 +99,8 @@ void bake_lumen(const insertion::Case &c, const bake::Mesh &lumen, const fs::pat
     std::fputs(bake::bake(options, progress).c_str(), stdout);
 }
 
-// Finds the lumen from all scans. Adds what the case still lacks for calibrate: surface, scene, mouth_mm.
+// Finds the lumen of the phantom from the scans of all depths. Adds the entries that the case still lacks for
+// the program `calibrate`, which are surface, scene and mouth_mm.
 void finish_case(insertion::Case &c, const std::vector<SegmentedDepth> &found, const LumenOptions &options,
                  const fs::path &folder, const Report &report)
 {

@@ -16,8 +16,8 @@ namespace
 
 constexpr double branch_mm = 6; // length of voxels off the path that show a second instrument
 
-// The instrument's voxels, and bridges across gaps between them, form a graph. The graph's shortest paths
-// follow the brightest line.
+// The instrument's voxels, and bridges across gaps between them, form a graph. The shortest paths of this
+// graph follow the brightest line through the voxels.
 class Ways
 {
   public:
@@ -33,8 +33,9 @@ class Ways
 
     const std::vector<std::size_t> &voxels() const { return inside_; }
 
-    // Computes the costs of all paths from a voxel; `before` gives the preceding voxel. The search does not
-    // stop early, because the costs of all the instrument's voxels are needed.
+    // Computes the costs of the cheapest paths from one voxel to all others; `before` stores the preceding
+    // voxel on each path. The search does not stop early, because the costs of all voxels of the instrument
+    // are needed.
     void spread(std::size_t start, std::vector<double> &cost, std::vector<std::size_t> &before) const
     {
         using Entry = std::pair<double, std::size_t>;
@@ -77,8 +78,8 @@ class Ways
     }
 
   private:
-    // Numbers shells from the border inwards, so that the middle of a region at the end of the grey scale is
-    // deepest.
+    // Numbers the layers of voxels from the border of the instrument inwards, so that the innermost layer of
+    // a region of saturated voxels has the highest number.
     std::vector<std::uint8_t> depths() const
     {
         std::vector<std::uint8_t> depth(volume_.count(), 0);
@@ -131,7 +132,7 @@ std::string middle_text(const Vector3d &p)
     return formatted("(%.0f, %.0f, %.0f) mm", p.x(), p.y(), p.z());
 }
 
-// Voxels that lie off the path over more than a certain length belong to another object.
+// If voxels away from the path extend over more than a certain length, they belong to another object.
 void refuse_branches(const Ways &ways, const std::vector<Vector3d> &path, const Volume &volume)
 {
     Eigen::AlignedBox3d stray;
@@ -177,8 +178,8 @@ std::vector<Vector3d> path_through(const Volume &volume, const Volume &mask, con
         if (at == one) break;
     }
     refuse_branches(ways, path, volume);
-    // The line begins at the end nearest to mouth_mm if that is given, else at the end that leaves the
-    // picture, else at the lower end.
+    // The path begins at the end of the instrument that is nearest to mouth_mm if mouth_mm is given;
+    // otherwise at the end that leaves the scanned region, or else at the lower end.
     bool begins_at_mouth = path.front().y() < path.back().y();
     if (options.mouth_mm) {
         begins_at_mouth = (path.front() - *options.mouth_mm).dot(options.direction) <

@@ -1,12 +1,12 @@
-// Converts an instrument file to the form that the scanner needs.
+// Converts an instrument file to the list of tubes that the virtual scanner needs.
 #pragma once
 #include "tools/lab/ct/scanner.hpp"
 
 namespace crn::ct
 {
 
-// Returns stretches of constant section, from the tip onwards, made from the file's knots and layers. Throws
-// crn::FileError, Fault.
+// Returns stretches of constant cross-section, from the tip onwards, made from the knots and layers of the
+// instrument file. Throws crn::FileError, Fault.
 std::vector<ScanStretch> stretches_of(const std::string &instrument_path);
 
 // Makes a round tube of one material. Throws Fault for an unknown material.

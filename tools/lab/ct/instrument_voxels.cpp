@@ -1,4 +1,5 @@
-// Selects the instrument's voxels: bright voxels that are connected over a greater length than any streak.
+// Selects the instrument's voxels, which are bright voxels connected over a greater length than any streak of
+// the picture.
 #include "host/base/format.hpp"
 #include "tools/lab/ct/centreline.hpp"
 #include "tools/mesh/fault.hpp"
@@ -43,7 +44,7 @@ Vector3d place_of(const Volume &volume, std::size_t at)
     return volume.scene({double(index[0]), double(index[1]), double(index[2])});
 }
 
-// Returns the groups of connected voxels above the threshold, with the longest first.
+// Returns the groups of connected voxels above the threshold, and lists the longest group first.
 std::vector<Piece> pieces_above(const Volume &volume, double threshold)
 {
     std::vector<Piece> pieces;
@@ -126,8 +127,8 @@ Volume find_instrument(const Volume &volume, LineOptions &options)
     }
     std::swap(pieces[0], pieces[chosen]);
     Piece whole = pieces[0];
-    // A group that continues the instrument is part of it; an equally long group elsewhere is another
-    // instrument.
+    // A group of voxels that continues the instrument is part of the instrument; an equally long group
+    // elsewhere is another instrument.
     std::vector<bool> joined(pieces.size(), false);
     for (bool changes = true; changes;) {
         changes = false;

@@ -77,8 +77,8 @@ LineModel LineFit::first_model(const std::vector<Vector3d> &line) const
     return model;
 }
 
-// Returns the voxels around a place of the line, by their position across the line and along it. The line
-// itself may bend.
+// Returns the voxels around one point of the centreline, each with its position across the centreline and
+// along it. The line itself may bend.
 std::vector<LineFit::Sample> LineFit::samples_at(const std::vector<Frame> &frames, std::size_t index,
                                                  double reach, double along) const
 {
@@ -110,7 +110,7 @@ std::vector<LineFit::Sample> LineFit::samples_at(const std::vector<Frame> &frame
                 const Vector3d off = place - foot.place;
                 const double ahead = off.dot(foot.tangent);
                 const double s = foot.arc_mm + ahead - frame.arc_mm;
-                // Between the points of the line, the curve is followed to second order.
+                // Between the points of the centreline, positions on the curve are computed to second order.
                 Vector3d across = off - ahead * foot.tangent;
                 if (nearest > 0 && nearest + 1 < frames.size()) {
                     const double span = 0.5 * (frames[nearest + 1].arc_mm - frames[nearest - 1].arc_mm);
@@ -137,8 +137,8 @@ Eigen::Matrix2d LineFit::inverse_spread(const Frame &frame, const LineModel &mod
     return Eigen::Matrix2d(across.transpose() * spread * across).inverse();
 }
 
-// Fits the line's displacement and the logarithm of its height by Levenberg and Marquardt's method. The
-// weights of this fit reduce the influence of streaks.
+// Fits the displacement of the centreline and the logarithm of the peak's height by Levenberg and Marquardt's
+// method. The weights of this fit reduce the influence of streaks.
 AcrossFit LineFit::fit(const std::vector<Frame> &frames, std::size_t index, const LineModel &model) const
 {
     const std::vector<Sample> samples = samples_at(frames, index, reach_mm, 1.5);
@@ -163,7 +163,8 @@ AcrossFit LineFit::fit(const std::vector<Frame> &frames, std::size_t index, cons
             if (!matrix) continue;
             const double weight = sample.weight / (1 + scaled * scaled) / (sigma * sigma);
             Vector3d derivative(height * pull.x(), height * pull.y(), height);
-            // A voxel at the end of the grey scale only shows that the model's value is not too low there.
+            // A saturated voxel (at the end of the grey scale) only shows that the value of the model is not
+            // too low there.
             if (is_cut) derivative *= residual < -0.02 * room ? 0.3 * room / height : 0.0;
             *matrix += weight * derivative * derivative.transpose();
             *slope += weight * residual * derivative;
@@ -199,7 +200,7 @@ AcrossFit LineFit::fit(const std::vector<Frame> &frames, std::size_t index, cons
     const Matrix3d covariance = information.inverse();
     double weights = 0;
     for (const Sample &sample : samples) weights += sample.weight;
-    // The excess is the ratio of the residuals to the noise, but at least 1.
+    // `excess` is the ratio of the residuals to the noise, but at least 1.
     const double excess = std::max(1.0, misfit / std::max(weights, 1.0) * cauchy * cauchy);
     result.variance_mm2 = std::clamp(0.5 * (covariance(0, 0) + covariance(1, 1)) * excess, 1e-6, 4.0);
     return result;
@@ -231,7 +232,7 @@ void LineFit::fit_blurs(const std::vector<Frame> &frames, LineModel &model) cons
                 }
 }
 
-// At the end of the instrument, the profile along the line is a step blurred by the point spread.
+// At the end of the instrument, the profile along the centreline is a step that the point spread blurs.
 double LineFit::fit_end(const std::vector<Frame> &frames, double low_mm, double high_mm, double height_HU,
                         const LineModel &model) const
 {

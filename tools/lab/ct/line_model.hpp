@@ -1,21 +1,21 @@
-// Models the blurred instrument in voxels, and fits the model across the line at one place. Across a straight
-// round line, the blurred picture is a Gaussian. The covariance of this Gaussian is that of the point spread
-// plus that of the instrument's own section, as seen along the line. The top of the Gaussian is cut off at
-// the end of the grey scale.
+// Models the voxels of the blurred instrument, and fits this model across the centreline at one point. Across
+// a straight round instrument, the blurred picture is a Gaussian. The covariance of this Gaussian is the
+// covariance of the point spread plus that of the instrument's own cross-section, as seen along the
+// instrument. The model cuts off the top of the Gaussian at the end of the grey scale.
 #pragma once
 #include "tools/lab/ct/centreline.hpp"
 
 namespace crn::ct
 {
 
-// These values of the model are constant along the whole line.
+// The following values of the model are constant along the whole instrument.
 struct LineModel {
     double blur_mm = 0.5,
            blur_slice_mm = 0.6; // sigma along the first two axes of the grid, and along the third
     double around_HU = 0, highest_HU = 3071, noise_HU = 15;
 };
 
-// Holds a point of a line with its arc length, its tangent and two axes across the line.
+// Holds a point of the centreline with its arc length, its tangent and two axes perpendicular to the tangent.
 struct Frame {
     Eigen::Vector3d place, tangent, across1, across2;
     double arc_mm;
@@ -34,13 +34,13 @@ class LineFit
 {
   public:
     explicit LineFit(const Volume &volume);
-    // Estimates the noise, the end of the grey scale, and the value around the line.
+    // Estimates the noise, the end of the grey scale, and the value of the voxels around the instrument.
     LineModel first_model(const std::vector<Eigen::Vector3d> &line) const;
     AcrossFit fit(const std::vector<Frame> &frames, std::size_t index, const LineModel &model) const;
-    // Finds the blurs that fit best at a few places of the line.
+    // Finds the widths of blur with which the model fits best at a few points of the centreline.
     void fit_blurs(const std::vector<Frame> &frames, LineModel &model) const;
     // Returns the arc length, between the two given values, at which the instrument ends; `height_HU` is the
-    // line's height there.
+    // height of the instrument's Gaussian there.
     double fit_end(const std::vector<Frame> &frames, double low_mm, double high_mm, double height_HU,
                    const LineModel &model) const;
 

@@ -52,8 +52,8 @@ struct Crests {
     std::vector<double> crests, edges;
 };
 
-// Searches outwards across the line in 16 directions. In each direction the wall is the first peak well above
-// the fluid's value.
+// Searches outwards from the centreline of the instrument in 16 directions. In each direction, the wall is
+// taken to be the first peak that is well above the value of the fluid.
 void look_outwards(const Volume &volume, const std::vector<Vector3d> &line, double fluid, double from_mm,
                    Crests &found)
 {
@@ -130,9 +130,10 @@ struct Grower {
     }
 };
 
-// Takes the voxels that may be fluid and applies a morphological opening with a ball. No gap that a streak
-// leaves in the wall then connects the inside with the outside. Then keeps the voxels that are connected to
-// the line, and adds all voxels that these enclose.
+// Takes the voxels that may be fluid, and applies a morphological opening with a ball to them. After this
+// opening, no gap that a streak leaves in the wall connects the inside of the lumen with the outside. The
+// function then keeps the voxels that are connected to the centreline, and adds all voxels that these voxels
+// enclose.
 Volume grown(const Volume &restored, const Volume &distance, double fluid, double limit)
 {
     Volume dim = restored.like(0);
@@ -177,7 +178,7 @@ Volume grown(const Volume &restored, const Volume &distance, double fluid, doubl
     return mask;
 }
 
-// Closes cracks that streaks leave near the instrument by expanding and shrinking the mask.
+// Closes cracks in the mask, which streaks leave near the instrument, by expanding and shrinking the mask.
 void close_cracks(Volume &mask, const Volume &distance)
 {
     Volume wide = signed_distance(mask);
@@ -188,23 +189,23 @@ void close_cracks(Volume &mask, const Volume &distance)
             mask.hu[i] = 1;
 }
 
-// Places the surface between voxels where their interpolated values pass the limit. Enclosed bright voxels
-// stay inside.
+// Places the surface of the lumen at those points between voxels where the interpolated value equals the
+// limit. Enclosed bright voxels stay inside.
 Volume level_of(const Volume &mask, const Volume &restored, double limit, double slope_HU_per_mm)
 {
     Volume level = signed_distance(mask);
     for (std::size_t i = 0; i < level.hu.size(); ++i) {
         const double away = static_cast<double>(level.hu[i]),
                      by_value = (static_cast<double>(restored.hu[i]) - limit) / slope_HU_per_mm;
-        // `away` is the distance from the nearest voxel on the other side; the surface lies between the two
-        // voxels.
+        // `away` is the distance from the nearest voxel on the other side of the surface; the surface lies
+        // between this voxel and the voxel at index i.
         if (std::abs(away) < 1.1 && (by_value < 0) == (mask.hu[i] > 0))
             level.hu[i] = static_cast<float>(std::clamp(by_value, -1.2, 1.2));
     }
     return level;
 }
 
-// Returns the box around the mask, with `around` more voxels on each side.
+// Returns the box around the mask, enlarged by `around` voxels on each side.
 void box_of(const Volume &mask, int around, std::array<int, 3> &low, std::array<int, 3> &high)
 {
     low = mask.size;
@@ -259,8 +260,8 @@ Lumen find_lumen(const std::vector<LumenScan> &scans, const LumenOptions &option
     for (Volume *part : {&mask, &merged.distance, &merged.filled, &merged.hidden, &lumen.restored})
         *part = cut_out(*part, low, high);
     lumen.hidden = std::move(merged.hidden);
-    // The steepest slope of a smooth edge of this height is height / (sigma sqrt(2 pi)); a slope of half this
-    // size counts as an edge.
+    // The steepest slope of a smooth edge with this contrast is contrast / (sigma sqrt(2 pi)); a slope of
+    // half this size counts as an edge.
     const double steepest = contrast / (2.5066 * std::hypot(options.smooth_mm, 0.45));
     lumen.edge_HU_per_mm = 0.5 * steepest;
     lumen.first = level_of(mask, lumen.restored, lumen.edge_HU, steepest);

@@ -1,5 +1,5 @@
-// Finds the phantom's lumen in a scan, which is the space around the instrument up to the wall (docs/ct.md,
-// "The lumen").
+// Finds the lumen of a phantom in a scan; the lumen is the space around the instrument up to the wall
+// (docs/ct.md, "The lumen").
 #pragma once
 #include "tools/lab/ct/centreline.hpp"
 #include "tools/lab/ct/snake.hpp"
@@ -7,7 +7,8 @@
 namespace crn::ct
 {
 
-// Within this distance of the line, values that neither fluid nor silicone can have are treated as streaks.
+// Within this distance of the instrument's centreline, values that neither fluid nor silicone can have are
+// treated as streaks.
 inline constexpr double streak_mm = 9.0;
 
 struct LumenOptions {
@@ -20,8 +21,8 @@ struct LumenOptions {
     SnakeWeights snake{0.0, 0.15, 0.5, 15};
 };
 
-// Holds one of the scans of the phantom, with the parts of the instrument that hide some of the phantom in
-// it.
+// Holds one scan of the phantom, and the parts of the instrument, which hide parts of the phantom in this
+// scan.
 struct LumenScan {
     const Volume *volume;
     std::vector<Eigen::Vector3d> line;   // the part of the instrument that lies in the lumen
@@ -29,7 +30,7 @@ struct LumenScan {
 };
 
 struct Lumen {
-    // All volumes of this struct cover only the part of the scan around the lumen.
+    // All volumes of this struct cover only that part of the scan which surrounds the lumen.
     Volume level;    // mm from the wall, negative inside
     Volume restored; // the merged scans without the instrument, smoothed
     Volume hidden;   // 1 where metal hid the voxel in all scans, else 0
@@ -40,9 +41,9 @@ struct Lumen {
     std::vector<std::string> notes;
 };
 
-// The scans show the same phantom at the same place, each with the instrument at another place. Where metal
-// or streaks hide the phantom in one scan, the other scans are used. Throws Fault if no space with a wall
-// surrounds the line.
+// The scans show one phantom at one position, each with the instrument at another depth. Where metal or
+// streaks hide the phantom in one scan, the function uses the other scans. Throws Fault if the centreline is
+// not surrounded by a space with a wall.
 Lumen find_lumen(const std::vector<LumenScan> &scans, const LumenOptions &options, const Report &report);
 
 // --- parts, for tests ---
@@ -54,10 +55,10 @@ struct Merged {
     Volume hidden;   // 1 where no scan shows the voxel
 };
 Merged merge_scans(const std::vector<LumenScan> &scans, double masked_mm, double fluid_HU);
-// Fills hidden voxels from their surroundings by Laplace's equation; the iteration starts from the value
+// Fills hidden voxels from the voxels around them by Laplace's equation; the iteration starts from the value
 // `start`.
 void fill_in(Volume &volume, const std::vector<std::size_t> &hidden, double start);
-// Returns the distance of every voxel from a line; distances above `reach_mm` become `reach_mm`.
+// Returns the distance of every voxel from a polyline; distances above `reach_mm` are set to `reach_mm`.
 Volume distance_volume(const Volume &grid, const std::vector<Eigen::Vector3d> &line, double reach_mm);
 
 } // namespace crn::ct

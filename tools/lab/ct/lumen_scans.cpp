@@ -1,4 +1,4 @@
-// Merges scans of the phantom, each with the instrument at another place, into one picture of the phantom.
+// Merges scans of one phantom, each with the instrument at another depth, into one picture of the phantom.
 #include "tools/lab/ct/lumen.hpp"
 #include <algorithm>
 #include <cmath>
@@ -13,9 +13,9 @@ namespace
 
 constexpr double noise_least_HU = 4;
 
-// Estimates the standard deviation of noise and streaks, which differs from place to place. Each slice is
-// divided into blocks, and the estimate uses the median difference of voxels two apart. A wall is too thin to
-// change a median.
+// Estimates the standard deviation of noise and streaks, which varies over the volume. Each slice is divided
+// into blocks; the estimate for a block is based on the median difference between voxels that are two voxels
+// apart. A wall covers too few voxels of a block to change the median.
 class LocalNoise
 {
   public:
@@ -33,7 +33,7 @@ class LocalNoise
                 }
     }
 
-    // Interpolates between the middles of the nearest four blocks.
+    // Interpolates the standard deviation between the middles of the nearest four blocks.
     double sigma_HU(int i, int j, int k) const
     {
         const double x = std::clamp((i + 0.5) / side - 0.5, 0.0, columns_ - 1.0),
@@ -83,8 +83,8 @@ bool is_same_grid(const Volume &a, const Volume &b)
            (a.origin_mm - b.origin_mm).norm() < 1e-3 && (a.direction - b.direction).norm() < 1e-6;
 }
 
-// Returns the weight of a scan's voxel as information about the phantom; zero where the instrument hides the
-// phantom.
+// Returns the weight that a voxel of one scan has in the merged picture of the phantom; the weight is zero
+// where the instrument hides the phantom.
 double weight_of(double value, double away_mm, double sigma_HU, double masked_mm, double fluid)
 {
     if (away_mm < masked_mm || (away_mm < streak_mm && (value > fluid + 280 || value < fluid - 180)))

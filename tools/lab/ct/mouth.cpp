@@ -26,7 +26,8 @@ double length_of(const std::vector<Vector3d> &line)
     return length;
 }
 
-// Returns the place at this distance back from the line's last point; the line must be that long.
+// Returns the point at a given distance back along the centreline from its last point; the centreline must be
+// at least that long.
 Vector3d before_tip(const std::vector<Vector3d> &line, double arc_mm)
 {
     for (std::size_t i = line.size() - 1; i > 0; --i) {
@@ -37,7 +38,8 @@ Vector3d before_tip(const std::vector<Vector3d> &line, double arc_mm)
     return line.front();
 }
 
-// Returns the direction of the straight line that fits the places best, pointing from the first to the last.
+// Returns the direction of the straight line that fits the points best; the direction leads from the first to
+// the last point.
 Vector3d direction_of(const std::vector<Vector3d> &places)
 {
     Vector3d middle = Vector3d::Zero();
@@ -48,8 +50,9 @@ Vector3d direction_of(const std::vector<Vector3d> &places)
     return axis.dot(places.back() - places.front()) < 0 ? Vector3d(-axis) : axis;
 }
 
-// Returns the direction of the introducer, which is straight. The direction is measured on the part of the
-// introducer that the scan shows; if there is none, on the line's first millimetres.
+// Returns the direction of the introducer, which is straight. The function measures the direction on the part
+// of the introducer that the scan shows; if the scan shows no such part, on the first millimetres of the
+// centreline.
 Vector3d direction_at(const InsertedLine &line)
 {
     const double end = length_of(line.places), mouth = end - line.inserted_mm;

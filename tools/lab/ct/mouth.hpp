@@ -1,4 +1,5 @@
-// Finds the distal end of the introducer in scans (in the code: mouth), where a case's line begins.
+// Finds the distal end of the introducer (called "mouth" in the code) in scans; the centrelines of a case
+// begin at this end.
 #pragma once
 #include "tools/lab/ct/centreline.hpp"
 
@@ -10,27 +11,28 @@ struct Mouth {
         direction; // in the scene's axes; the direction is a unit vector into the vessel
 };
 
-// Cuts the line where it crosses the plane of the introducer's distal end. Returns false, and adds a note, if
-// the scan shows the instrument only in front of that plane. Throws Fault if the line does not pass through
-// the introducer's end; messages use the scan's `name`.
+// Cuts the centreline where it crosses the plane of the introducer's distal end. Returns false, and adds a
+// note, if the scan shows only that part of the instrument which lies beyond this plane in the vessel. Throws
+// Fault if the centreline does not pass through the introducer's end; the message names the scan as `name`.
 bool begin_at_mouth(InstrumentLine &line, const Mouth &mouth, const std::string &name);
 
-// Holds the whole line of an instrument, with the inserted length that the case states.
+// Holds the whole centreline of an instrument, and the inserted length that the case states.
 struct InsertedLine {
     std::vector<Eigen::Vector3d> places; // from outside the vessel to the tip
     double inserted_mm;
     std::string name; // the name of the scan
 };
-// The introducer's end lies back from the tip along the line by the inserted length; for several depths we
-// take the mean. Throws Fault if a scan shows less of the instrument than is inserted, or if the depths
-// contradict each other.
+// The introducer's end lies at the inserted length from the tip, measured back along the centreline; for
+// several depths we take the mean of the positions found. Throws Fault if the part of the instrument in a
+// scan is shorter than the inserted length, or if the depths give contradictory positions.
 Mouth find_mouth(const std::vector<InsertedLine> &lines);
 
-// Checks that a line from the introducer's end to the tip is as long as the inserted length. Throws Fault if
-// the line has another length, because then the spacing or the introducer's end is wrong.
+// Checks that the length of a centreline, from the introducer's end to the tip, equals the inserted length.
+// Throws Fault if the centreline has another length, because the spacing of the voxels or the introducer's
+// end is then wrong.
 void check_length(const InsertedLine &line);
 
-// Returns the straight continuation of the line outside the vessel, inside the introducer.
+// Returns the straight continuation of the centreline outside the vessel, inside the introducer.
 std::vector<Eigen::Vector3d> behind_mouth(const LineOptions &options, const Eigen::Vector3d &begin_mm);
 
 } // namespace crn::ct

@@ -1,4 +1,4 @@
-// Writes a folder of pictures, and the page that shows them.
+// Writes a folder of pictures, and an HTML page that shows these pictures.
 #pragma once
 #include "tools/lab/ct/pictures.hpp"
 
@@ -12,11 +12,12 @@ class Page
     explicit Page(const std::filesystem::path &folder);
     const std::filesystem::path &folder() const { return folder_; }
 
-    // Saves the picture under this name, and adds it to the page with a line of text. Throws OutputError.
+    // Saves the picture under this name, and adds the picture to the page with a line of text. Throws
+    // OutputError.
     void show(const Picture &picture, const std::string &name, const std::string &what);
-    // Adds to the page a link with this name to another page.
+    // Adds a link to another page; `name` is the text of the link.
     void link(const std::string &to, const std::string &name);
-    // Writes index.html with everything shown so far. Throws OutputError.
+    // Writes index.html with all pictures and links that have been added so far. Throws OutputError.
     void write(const std::string &head, const std::string &facts) const;
 
   private:

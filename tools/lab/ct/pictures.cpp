@@ -16,7 +16,8 @@ std::size_t at_axis(int axis)
     return static_cast<std::size_t>(axis);
 }
 
-// Projects the volume along the axis: takes the largest or the smallest value of every column.
+// Projects the volume along the axis: the value of a pixel is the largest or the smallest value in its column
+// of voxels.
 std::vector<float> extreme_along(const Volume &volume, int axis, bool wants_largest)
 {
     const int right = axis == 0 ? 1 : 0, down = axis == 2 ? 1 : 2;
@@ -36,7 +37,8 @@ std::vector<float> extreme_along(const Volume &volume, int axis, bool wants_larg
     return result;
 }
 
-// Returns a flat picture of a volume, which is either one slice or a projection of extreme values.
+// Returns a two-dimensional picture of a volume, which is either one slice or the projection of the largest
+// or smallest values.
 struct Flat {
     int columns, rows;
     std::vector<float> values;

@@ -1,5 +1,5 @@
-// Draws pictures of volumes: a slice, or the brightest voxels along an axis, with outlines and lines over
-// them.
+// Draws pictures of volumes, which show either a slice or the brightest voxels along an axis, with outlines
+// and lines drawn over them.
 #pragma once
 #include "host/picture/canvas.hpp"
 #include "tools/lab/ct/volume/volume.hpp"
@@ -11,15 +11,16 @@ namespace crn::ct
 
 inline constexpr Ink red{230, 40, 40}, green{60, 200, 80}, yellow{250, 210, 60}, blue{80, 140, 250};
 
-// The view is along an axis of the grid: 0 from the side, 1 from the front, 2 from below as radiologists look
-// (front up). The head is up in views 0 and 1.
+// The view is along an axis of the grid: axis 0 shows the side, axis 1 the front, and axis 2 the view from
+// below that radiologists use (front up). The head is up in views 0 and 1.
 class Picture
 {
   public:
-    // Shows the slice `index` with each pixel's value, or the brightest value of all slices if index < 0.
+    // Shows the slice `index`; if index < 0, each pixel shows the brightest value of all slices.
     Picture(const Volume &volume, int axis, int index, double low_HU, double high_HU, double pixel_mm = 0.35);
-    // Draws the outline where `level`, a volume on the same grid, changes its sign in that slice. In a view
-    // through all slices, the function outlines the places where any slice is inside.
+    // Draws the outline along which `level`, a volume on the same grid, changes its sign in that slice. In a
+    // picture of all slices, the function outlines the region of pixels where `level` is negative (inside) in
+    // at least one slice.
     void outline(const Volume &level, Ink ink);
     void line(const std::vector<Eigen::Vector3d> &scene_mm, Ink ink, double width);
     void dot(const Eigen::Vector3d &scene_mm, Ink ink, double width);

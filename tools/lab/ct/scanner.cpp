@@ -22,8 +22,8 @@ constexpr double around_mm = 3;           // margin of air in the picture
 constexpr double photons_least = 2;       // least number of photons that a starved ray counts
 constexpr double electronic_photons = 15; // standard deviation of the read-out
 
-// Returns an independent random number for every ray by splitmix64's finaliser; the order of the calls does
-// not matter.
+// Returns an independent random number for every ray, by the last step of the generator splitmix64; the order
+// of the calls does not matter.
 std::uint64_t mixed(std::uint64_t value)
 {
     value += 0x9e3779b97f4a7c15u;
@@ -92,17 +92,18 @@ class Scan
     }
 
   private:
-    // Returns the number of bins that cover the volume's diagonal, with some more at each end for the
-    // interpolation.
+    // Returns the number of detector bins that cover the volume's diagonal, with some extra bins at each end
+    // for the interpolation.
     static int bins_for(const Volume &volume, double pitch_mm)
     {
         const double x = volume.size[0] * volume.spacing_mm.x(), y = volume.size[1] * volume.spacing_mm.y();
         return static_cast<int>(std::ceil(std::hypot(x, y) / pitch_mm)) + 6;
     }
 
-    // Returns the share of the signal that remains on each ray through an instrument, and -1 for other rays;
-    // the list is empty if no ray passes an instrument. Over the aperture and the slice we average the
-    // signal, not the lengths of material. Averaging the signal makes thin metal bloom and cause streaks.
+    // Returns the fraction of the signal that remains on each ray through an instrument, and -1 for other
+    // rays; the list is empty if no ray passes through an instrument. Over the detector's aperture and the
+    // slice's thickness, we average the signal and not the lengths of material. Because the signal is
+    // averaged, thin metal blooms and causes streaks, as in a real scanner.
     std::vector<float> through_instruments(double height, const std::vector<float> &water) const
     {
         const std::size_t materials = beam_.material_count(), block = slice_planes * rays_per_bin * materials;
@@ -156,8 +157,8 @@ class Scan
         return std::max(photons_least, mean + sigma * normal_number(settings_.seed, number)) / photons_;
     }
 
-    // Returns the number of photons per ray in air that gives the wanted noise at the lumen's middle in the
-    // middle slice.
+    // Returns the number of photons per ray in air with which the picture has the wanted noise at the lumen's
+    // centre in the middle slice.
     double photons_for_noise() const
     {
         std::vector<Edge> edges;
@@ -166,7 +167,7 @@ class Scan
         add_chords(edges, rays_, 1, water);
         for (float &length : water) {
             // The variance of -log(signal) is 1 / (number of photons). The variance of the water length is
-            // this variance times the square of the change in length per change in -log(signal).
+            // this variance times the square of the slope d(water length) / d(-log(signal)).
             const double share = beam_.water_transmission(static_cast<double>(length));
             const double slope = beam_.water_for(share * 0.99) - beam_.water_for(share * 1.01);
             length = static_cast<float>(slope * slope / (0.02 * 0.02) / share);

@@ -1,12 +1,12 @@
 // The virtual scanner makes an axial CT image of a silicone phantom with an instrument in it (docs/ct.md,
 // "The scanner").
 //
-// For every slice the scanner computes the line integrals of parallel beams exactly, from chords of the cut
-// meshes and of the instrument's tube. The integrals are averaged over the detector's aperture and the
-// slice's profile. The scanner attenuates a polychromatic beam, counts photons, corrects for the beam
-// hardening by water as scanners do, and reconstructs by filtered back-projection. Blooming, streaks and
-// photon starvation result from this computation; none of them is drawn artificially. Scatter, and the
-// geometry of fan beam and helix, are not modelled.
+// For every slice, the scanner computes the line integrals of parallel beams exactly, from chords through the
+// cut meshes and through the instrument's tubes. The integrals are averaged over the detector's aperture and
+// the slice's profile. The scanner attenuates a polychromatic beam, counts photons, corrects beam hardening
+// for water as real scanners do, and reconstructs the picture by filtered back-projection. Blooming, streaks
+// and photon starvation result from this computation; the program does not draw them artificially. Scatter,
+// and the geometry of fan beam and helix, are not modelled.
 #pragma once
 #include "host/xray/paths/materials.hpp"
 #include "tools/bake/mesh.hpp"
@@ -57,10 +57,10 @@ struct ScannerSettings {
     Eigen::AlignedBox3d box_mm; // box of the gel, scene's axes; empty: the phantom with 8 mm around it
 };
 
-// Receives the completed share, 0 .. 1; it may throw to stop the work.
+// Receives the completed fraction of the work, 0 .. 1; the function may throw to stop the work.
 using Report = std::function<void(const std::string &stage, double share)>;
 
-// `lumen` must be closed; it is in the scene's mm. The same settings give the same volume for any number of
+// `lumen` must be closed; it is in the scene's mm. Equal settings give equal volumes for any number of
 // threads. Throws Fault for impossible sizes.
 Volume simulate_scan(const bake::Mesh &lumen, const PhantomMaterials &phantom,
                      const std::vector<ScanInstrument> &instruments, const ScannerSettings &settings,

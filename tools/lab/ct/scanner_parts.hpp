@@ -1,6 +1,6 @@
 // Defines the parts of the virtual scanner: planes through the phantom, chords of the instrument, the beam
-// and the reconstruction. Lengths inside these parts are in mm in LPS axes (left, posterior, superior), with
-// the scanner's axis through `centre`.
+// and the reconstruction. In these parts of the scanner, positions are in mm in LPS axes (left, posterior,
+// superior), and the scanner's axis passes through `centre`.
 #pragma once
 #include "tools/lab/ct/scanner.hpp"
 #include <array>
@@ -9,8 +9,8 @@
 namespace crn::ct
 {
 
-// Describes the parallel rays of one slice: view v looks along (-sin, cos), and ray i lies at s = (i + 0.5 -
-// bins / 2) pitch along (cos, sin).
+// Describes the parallel rays of one slice: the rays of view v have the direction (-sin, cos), and ray i lies
+// at s = (i + 0.5 - bins / 2) pitch along (cos, sin).
 struct Rays {
     Rays(int views, int bins, double pitch_mm);
     int views, bins;
@@ -19,7 +19,7 @@ struct Rays {
     std::size_t count() const { return static_cast<std::size_t>(views) * static_cast<std::size_t>(bins); }
 };
 
-// Holds an edge of a closed outline in a plane; the enclosed region lies on the edge's left.
+// Holds one edge of a closed outline in a plane; the enclosed region lies to the left of the edge.
 struct Edge {
     Eigen::Vector2d a, b;
     double value; // HU / 1000 inside minus outside
@@ -29,12 +29,12 @@ struct Edge {
 class PhantomPlanes
 {
   public:
-    // Places are relative to `centre` (LPS).
+    // Positions are relative to `centre`, in LPS axes (left, posterior, superior).
     PhantomPlanes(const bake::Mesh &lumen, const PhantomMaterials &phantom,
                   const Eigen::AlignedBox3d &box_lps, const Eigen::Vector3d &centre);
     void edges_at(double height_mm, std::vector<Edge> &edges) const;
-    // Returns the middle of the lumen in this plane, or the scanner's axis if the plane does not cut the
-    // lumen.
+    // Returns the middle of the lumen in this plane, or the point on the scanner's axis if the plane does not
+    // cut the lumen.
     Eigen::Vector2d middle_at(double height_mm) const;
 
   private:
@@ -47,20 +47,21 @@ class PhantomPlanes
     Eigen::AlignedBox3d box_;
     std::vector<std::array<Eigen::Vector3d, 3>> triangles_;
     std::vector<std::vector<std::uint32_t>> at_height_; // triangles that reach into each millimetre of height
-    // Holds the distance from the lumen's surface (negative inside) on a grid of 1 mm, up to slightly beyond
-    // the wall.
+    // Holds the distance from the lumen's surface (negative inside), sampled on a grid of 1 mm, up to
+    // slightly beyond the wall.
     Eigen::Vector3d field_origin_;
     std::array<int, 3> field_size_;
     std::vector<float> field_;
 };
 
-// Adds for each ray the mean chord, in mm, of the region that the edges enclose, times the edges' value.
+// Adds, for each ray, the mean length in mm over which the ray lies in the region that the edges enclose,
+// multiplied by the edges' value.
 void add_chords(const std::vector<Edge> &edges, const Rays &rays, double weight, std::vector<float> &sums);
 
 inline constexpr int rays_per_bin = 3;
 inline constexpr int beam_energies = 8;
 
-// Holds the length of metal or polymer that one sub-ray of a plane crosses in an instrument.
+// Holds the length of metal or polymer of an instrument that one sub-ray of a plane passes through.
 struct TubeChord {
     std::uint32_t ray; // view * bins * rays_per_bin + sub-ray
     float length_mm;   // multiplied by `fill`
@@ -90,16 +91,17 @@ class InstrumentTubes
     std::vector<Material> materials_;
 };
 
-// Represents the X-ray beam by a few energies, weighted by the detector's response.
+// Represents the X-ray beam by a few photon energies, weighted by the detector's response.
 class Beam
 {
   public:
     Beam(double tube_kV, const std::vector<Material> &materials);
-    // Returns the share of the signal that remains behind these lengths, in mm, of water and of each
-    // material.
+    // Returns the fraction of the signal that remains after the beam has passed through these lengths, in mm,
+    // of water and of each material.
     double transmission(double water_mm, const float *lengths_mm) const;
     double water_transmission(double water_mm) const;
-    // Returns the length of water with the same transmission; scanners correct beam hardening in this way.
+    // Returns the length of water that would transmit the same fraction of the signal; real scanners correct
+    // beam hardening in this way.
     double water_for(double transmission) const;
     std::size_t material_count() const { return per_mm_.size(); }
 
@@ -119,8 +121,8 @@ class Reconstruction
     void filter(std::vector<float> &lengths_mm) const;
     void project_back(const std::vector<float> &filtered, const Eigen::Vector2d &first,
                       const Eigen::Vector2d &spacing, int columns, int rows, float *out_HU) const;
-    // Returns the standard deviation, in HU, of a pixel at `place`, for independent rays with these variances
-    // (mm2).
+    // Returns the standard deviation, in HU, of a pixel at `place`; the rays are independent, and
+    // `variance_mm2` holds the variance of each ray in mm2.
     double noise_HU(const std::vector<float> &variance_mm2, const Eigen::Vector2d &place) const;
 
   private:

@@ -1,5 +1,5 @@
-// Computes planes through the phantom. The lumen's mesh is cut exactly, and the wall's outline is the line at
-// a given distance from the lumen.
+// Computes planes through the phantom. The lumen's mesh is cut exactly, and the wall's outer outline is the
+// curve at a given distance from the lumen.
 #include "tools/lab/ct/scanner_parts.hpp"
 #include <algorithm>
 #include <cmath>
@@ -43,7 +43,7 @@ Vector2d flat(const Vector3d &p)
     return p.head<2>();
 }
 
-// Adds a box as four edges, with its inside on their left.
+// Adds a rectangle as four edges, with its inside on their left.
 void add_box(const Eigen::AlignedBox3d &box, double value, std::vector<Edge> &edges)
 {
     const Vector2d low = flat(box.min()), high = flat(box.max());
@@ -90,8 +90,8 @@ PhantomPlanes::PhantomPlanes(const bake::Mesh &lumen, const PhantomMaterials &ph
     mark_inside();
 }
 
-// Computes the distance field: each triangle reduces the distance at all places within the wall and slightly
-// beyond.
+// Computes the distance field: each triangle lowers the distance at all grid points in the wall and slightly
+// beyond, if it is nearer than the triangles before.
 void PhantomPlanes::measure_distance()
 {
     const double reach = phantom_.wall_mm + 2;
@@ -119,8 +119,8 @@ void PhantomPlanes::measure_distance()
     }
 }
 
-// A row of the grid crosses the outline of the cut lumen an even number of times, so crossings separate
-// inside from outside.
+// Each row of the grid crosses the outline of the cut lumen an even number of times, so the crossings
+// separate points inside from points outside.
 void PhantomPlanes::mark_inside()
 {
     std::vector<Edge> edges;
@@ -160,7 +160,7 @@ void PhantomPlanes::cut_lumen(double height_mm, double value, std::vector<Edge> 
             ends[found++] = flat(p + (z - p.z()) / (q.z() - p.z()) * (q - p));
         }
         if (found < 2) continue;
-        // An edge runs along z x n, and the lumen lies on its left.
+        // An edge of the outline runs along z x n, and the lumen lies on the left of the edge.
         const Vector3d normal = (t[1] - t[0]).cross(t[2] - t[0]);
         const Vector2d along(-normal.y(), normal.x());
         if (along.dot(ends[1] - ends[0]) < 0) std::swap(ends[0], ends[1]);
@@ -168,8 +168,8 @@ void PhantomPlanes::cut_lumen(double height_mm, double value, std::vector<Edge> 
     }
 }
 
-// Applies marching squares to the distance in this plane; the outline is where the distance equals the wall's
-// thickness.
+// Applies the method of marching squares to the distance in this plane; the outline is where the distance
+// equals the wall's thickness.
 void PhantomPlanes::outline_wall(double height_mm, double value, std::vector<Edge> &edges) const
 {
     const double place = height_mm - field_origin_.z();
@@ -184,8 +184,8 @@ void PhantomPlanes::outline_wall(double height_mm, double value, std::vector<Edg
     };
     for (int j = 0; j + 1 < field_size_[1]; ++j)
         for (int i = 0; i + 1 < field_size_[0]; ++i) {
-            // Corners of a square are counter-clockwise; an edge of the outline enters the square where the
-            // level falls below 0 and leaves it where the level rises.
+            // The corners of a square are counted counter-clockwise; an edge of the outline enters the square
+            // where the level falls below 0, and leaves it where the level rises above 0.
             const int di[4] = {0, 1, 1, 0}, dj[4] = {0, 0, 1, 1};
             double v[4];
             int inside = 0;
@@ -227,9 +227,10 @@ Vector2d PhantomPlanes::middle_at(double height_mm) const
     return area > 1 ? Vector2d(sum / area) : Vector2d::Zero();
 }
 
-// The chord of a ray is the sum over edges of -t sign(ds), because the ray enters through edges below and
-// leaves through edges above. Along an edge, t is linear in s. The mean over a bin is therefore the value at
-// the middle of that part of the bin that the edge covers.
+// The chord of a ray is the sum of -t sign(ds) over all edges that the ray crosses, because the ray enters
+// through edges below and leaves through edges above. Along an edge of the outline, the position t along the
+// ray is a linear function of s. The mean of t over a detector bin is therefore the value of t at the middle
+// of that part of the bin which the edge covers.
 void add_chords(const std::vector<Edge> &edges, const Rays &rays, double weight, std::vector<float> &sums)
 {
     const double per_bin = 1 / rays.pitch_mm, half = 0.5 * rays.bins;

@@ -1,4 +1,5 @@
-// Computes the chords of rays in pieces of round tubes, which form the instrument, and the beam itself.
+// Computes the chords of rays through pieces of round tubes, which form the instrument, and computes the
+// X-ray beam itself.
 #include "host/xray/attenuation.hpp"
 #include "host/xray/spectrum.hpp"
 #include "tools/lab/ct/scanner_parts.hpp"
@@ -19,7 +20,7 @@ constexpr double piece_mm =
 constexpr double water_step_mm = 1.0;
 constexpr int water_steps = 3000;
 
-// Divides a line into pieces of at most piece_mm.
+// Divides a polyline into pieces of at most piece_mm.
 std::vector<Vector3d> fine_line(const std::vector<Vector3d> &line)
 {
     std::vector<Vector3d> fine{line.front()};
@@ -38,7 +39,7 @@ struct Span {
     double length() const { return std::max(0.0, high - low); }
 };
 
-// Keeps the part of the ray p + t d that lies before, or behind, a plane through q.
+// Keeps that part of the ray p + t d which lies in front of a plane through q, or behind this plane.
 void clip(Span &span, double slope, double beyond, bool wants_positive)
 {
     if (!wants_positive) {
@@ -166,7 +167,8 @@ Beam::Beam(double tube_kV, const std::vector<Material> &materials)
     double below = 0;
     for (int i = 0; i < energy_count; ++i) {
         const double share = signal[static_cast<std::size_t>(i)] / all;
-        // We divide the spectrum into bins of equal signal; each bin has the mean attenuation of its photons.
+        // We divide the spectrum of the beam into bins of equal signal; the attenuation of a bin is the mean
+        // attenuation of its photons.
         const auto bin = std::min<std::size_t>(beam_energies - 1,
                                                static_cast<std::size_t>((below + share / 2) * beam_energies));
         below += share;

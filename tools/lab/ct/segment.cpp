@@ -35,8 +35,8 @@ void write_points(const InstrumentLine &line, const fs::path &file)
     write_whole_file(file.string(), text);
 }
 
-// Writes the instrument's own surface, which the snake (active contour) finds from its voxels as it finds the
-// lumen.
+// Writes the surface of the instrument itself; the snake (active contour) finds this surface from the
+// instrument's voxels, as it finds the lumen's surface.
 void write_instrument(const Volume &volume, const Volume &mask, const InstrumentLine &line,
                       const fs::path &file)
 {
@@ -120,7 +120,8 @@ void show_line(Page &page, const Volume &volume, const InstrumentLine &line)
     }
 }
 
-// Shows slices through a place in the lumen: the picture, the snake's speed and the snake.
+// Shows slices through a point in the lumen; the pictures show the scan, the speed of the snake (active
+// contour) and the snake's final contour.
 void show_lumen(Page &page, const Lumen &lumen, const Vector3d &place)
 {
     const Vector3d middle = lumen.level.voxel(place);
@@ -252,8 +253,8 @@ Apart lines_apart(const std::vector<Vector3d> &line, const std::vector<Vector3d>
     return apart;
 }
 
-// The mean is weighted by area, because vertices are denser where the surface bends. Every triangle is
-// sampled on a grid whose spacing is at most this value.
+// The mean distance is weighted by area, because vertices are denser where the surface bends. Every triangle
+// is sampled on a grid whose spacing is at most this value.
 Apart surfaces_apart(const bake::Mesh &surface, const bake::Mesh &reference)
 {
     constexpr double grid_mm = 1.0;
@@ -266,7 +267,8 @@ Apart surfaces_apart(const bake::Mesh &surface, const bake::Mesh &reference)
         const int parts =
             std::clamp(static_cast<int>(std::ceil(std::max(u.norm(), v.norm()) / grid_mm)), 1, 200);
         const double share = 0.5 * u.cross(v).norm() / (parts * parts);
-        // We divide a triangle into small triangles of both orientations and sample their middles.
+        // We divide a triangle into small triangles of both orientations and sample the distance at their
+        // middles.
         for (int i = 0; i < parts; ++i)
             for (int j = 0; i + j < parts; ++j)
                 for (const double third : {1.0 / 3, 2.0 / 3}) {

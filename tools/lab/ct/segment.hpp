@@ -1,4 +1,5 @@
-// Writes lines, lumen and instrument of scans as files, with pictures of every step.
+// Writes the centreline, the lumen and the surface of the instrument that are found in scans to files, with
+// pictures of every step.
 #pragma once
 #include "tools/bake/mesh.hpp"
 #include "tools/lab/ct/centreline.hpp"
@@ -17,9 +18,10 @@ struct SegmentOptions {
 
 // Finds the instrument in one scan; writes instrument.ply and a picture into the page's folder. Throws Fault.
 InstrumentLine segment_line(const Volume &volume, LineOptions options, Page &page, const Report &report);
-// Writes centreline.csv, report.json, the line's pictures, and the page, which begins with the text `facts`.
+// Writes centreline.csv, report.json, pictures of the centreline, and the page, which begins with the text
+// `facts`.
 void write_line(const InstrumentLine &line, const Volume &volume, Page &page, const std::string &facts);
-// Returns the results as lines of text, "volume ..." and "instrument ...".
+// Returns the results as text in two lines, "volume ..." and "instrument ...".
 std::string line_facts(const InstrumentLine &line, const Volume &volume);
 
 struct LumenSurface {
@@ -27,13 +29,13 @@ struct LumenSurface {
     Lumen lumen;
     std::vector<std::string> notes;
 };
-// Finds the lumen in scans of the same phantom at the same place; writes lumen.ply and pictures into the
+// Finds the lumen from scans that show one phantom at one position; writes lumen.ply and pictures into the
 // page's folder. Throws Fault.
 LumenSurface segment_lumen(const std::vector<LumenScan> &scans, const LumenOptions &options, Page &page,
                            const Report &report);
 std::string lumen_facts(const LumenSurface &surface);
 
-// Finds the line and the lumen of one scan, and writes the page index.html.
+// Finds the instrument's centreline and the lumen in one scan, and writes the page index.html.
 struct Segmentation {
     InstrumentLine line;
     bake::Mesh lumen; // closed, mm, scene's axes; empty where it was not requested
@@ -41,14 +43,15 @@ struct Segmentation {
 Segmentation segment_scan(const Volume &volume, const SegmentOptions &options,
                           const std::filesystem::path &folder, const Report &report);
 
-// Returns the distance of one line from another, from the nearest distances of the first line's points.
+// Holds the mean and the largest of the smallest distances from the first polyline's points to the second
+// polyline, and the distance between the tips.
 struct Apart {
     double mean_mm = 0, max_mm = 0, tip_mm = 0;
     double offset_mm = 0; // for a surface: mean with its sign, + outside the reference
 };
 Apart lines_apart(const std::vector<Eigen::Vector3d> &line, const std::vector<Eigen::Vector3d> &reference);
-// Returns the nearest distances of a surface from another surface, which must be closed; the mean is over the
-// first surface's area.
+// Returns the smallest distances from points of the first surface to the second surface, which must be
+// closed; the mean is weighted by the first surface's area.
 Apart surfaces_apart(const bake::Mesh &surface, const bake::Mesh &reference);
 
 } // namespace crn::ct

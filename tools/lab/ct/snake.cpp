@@ -16,7 +16,8 @@ namespace
 using Image = itk::Image<float, 3>;
 using Mask = itk::Image<unsigned char, 3>;
 
-// Makes an image of the grid without its position, because filters need the spacing alone.
+// Makes an image with the size and spacing of the grid but without its position, because the filters need
+// only the spacing.
 template <class Type> typename Type::Pointer empty_image(const Volume &volume)
 {
     const auto image = Type::New();
@@ -39,7 +40,7 @@ Image::Pointer image_of(const Volume &volume)
     return image;
 }
 
-// Runs a filter and copies the image that it makes onto the volume's grid.
+// Runs a filter of ITK and copies the resulting image onto the volume's grid.
 template <class Filter> Volume run(const Volume &grid, const Filter &filter)
 {
     try {
@@ -102,8 +103,8 @@ Volume evolve_snake(const Volume &level, const Volume &speed, const SnakeWeights
     filter->SetCurvatureScaling(static_cast<float>(weights.curvature));
     filter->SetAdvectionScaling(static_cast<float>(weights.advection));
     filter->SetMaximumRMSError(0.001);
-    // With the usual wider sigma, the valleys of the speed at the two sides of a wall merge, and the snake
-    // stops at the wrong side.
+    // With the usual larger sigma, the regions of low speed at the two sides of a wall merge, and the snake
+    // (active contour) stops at the wrong side of the wall.
     filter->SetDerivativeSigma(0.3);
     filter->SetNumberOfIterations(static_cast<unsigned>(weights.iterations));
     return run(level, filter);

@@ -1,6 +1,7 @@
-// Computes level sets on a volume's grid with ITK, which this header does not include: smoothing, edges,
-// distance and the snake. The snake is ITK-SNAP's name for the geodesic active contour (Caselles, Kimmel and
-// Sapiro 1997). A level is a volume whose values are mm from the surface, negative inside.
+// Computes level sets on a volume's grid with the library ITK, which this header does not include; the steps
+// are smoothing, edges, distance and the snake (active contour). The snake is ITK-SNAP's name for the
+// geodesic active contour (Caselles, Kimmel and Sapiro 1997). A level is a volume whose values are distances
+// from the surface in mm, negative inside.
 #pragma once
 #include "tools/lab/ct/volume/volume.hpp"
 
@@ -8,12 +9,12 @@ namespace crn::ct
 {
 
 Volume smoothed(const Volume &volume, double sigma_mm);
-// Returns the magnitude in HU per mm of the gradient of the volume smoothed by sigma.
+// Smooths the volume by sigma, and returns the magnitude of its gradient in HU per mm.
 Volume gradient_magnitude(const Volume &volume, double sigma_mm);
-// Returns the speed of the snake: 1 in even regions and 0 at edges; the middle of the sigmoid between them is
-// at `edge_HU_per_mm`.
+// Returns the speed of the snake (active contour): 1 in even regions and 0 at edges; the speed is 0.5 where
+// the gradient is `edge_HU_per_mm`.
 Volume speed_of(const Volume &gradient, double edge_HU_per_mm, double width_HU_per_mm);
-// Returns the signed distance from the border of a mask, whose inside has values above 0.
+// Returns the signed distance from the border of a mask; voxels inside the mask have values above 0.
 Volume signed_distance(const Volume &mask);
 
 struct SnakeWeights {
@@ -22,8 +23,8 @@ struct SnakeWeights {
     double advection = 1;   // towards edges
     int iterations = 40;
 };
-// Returns the level after the given number of steps. ITK runs on one thread here, so the result is
-// deterministic.
+// Returns the level (signed distance from the snake) after the given number of steps. ITK runs on one thread
+// here, so the result is deterministic.
 Volume evolve_snake(const Volume &level, const Volume &speed, const SnakeWeights &weights);
 
 } // namespace crn::ct

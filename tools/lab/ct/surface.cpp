@@ -12,8 +12,8 @@ namespace
 
 using Eigen::Vector3d;
 
-// Returns the level at a voxel. Everything beyond the volume is outside, so a surface that reaches the border
-// is closed there. A level of exactly 0 counts as outside.
+// Returns the value of the level set at a voxel. Everything beyond the volume's border counts as outside, so
+// a surface that reaches the border is closed there. A level-set value of exactly 0 counts as outside.
 double level_at(const Volume &level, const mesh::Cell &at)
 {
     if (!level.holds(at[0], at[1], at[2])) return 1;

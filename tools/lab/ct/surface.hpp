@@ -1,4 +1,4 @@
-// Converts the surface of a level into a closed mesh.
+// Converts the zero surface of a level set to a closed mesh.
 #pragma once
 #include "tools/bake/mesh.hpp"
 #include "tools/lab/ct/volume/volume.hpp"
@@ -7,8 +7,9 @@
 namespace crn::ct
 {
 
-// Returns the surface where the level is 0 (tools/mesh/level_set). The mesh is closed, has outward normals,
-// and is in the scene's mm. The mesh is also closed where the inside reaches the volume's border.
+// Returns the surface on which the level set is 0 (tools/mesh/level_set). The mesh is closed, has outward
+// normals, and is in the scene's mm. The mesh is closed even where the inside of the surface reaches the
+// volume's border.
 bake::Mesh surface_of(const Volume &level, const std::string &name);
 
 // Writes a binary PLY file in mm with the property unsure_mm per vertex. Throws OutputError.

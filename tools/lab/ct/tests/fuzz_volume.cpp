@@ -1,6 +1,6 @@
-// Fuzz target: gives any bytes as the header of a scan to the strict readings that precede ITK's. The first
-// byte selects the format (NRRD, MetaImage, NIfTI). An accepted header has sizes and a finite spacing, and
-// its number of bytes is that of its voxels.
+// Passes arbitrary bytes as the header of a scan to the strict functions that read headers before ITK does;
+// this is a fuzz target. The first byte selects the format (NRRD, MetaImage, NIfTI). If a header is accepted,
+// it has sizes and a finite spacing, and its declared number of bytes equals that of its voxels.
 #include "tools/lab/ct/volume/volume_declared.hpp"
 #include "tools/lab/ct/volume/volume_io.hpp"
 #include <algorithm>

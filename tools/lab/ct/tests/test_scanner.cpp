@@ -1,7 +1,7 @@
-// Claims: scans by the virtual scanner have the numbers that its settings state. The tests check the
-// Hounsfield units of fluid, wall and gel at their places, the noise and point spread, and the position of
-// the instrument on its line. One seed gives the same volume on any number of threads. The references are
-// closed forms, such as areas of circles and moments of Gaussians.
+// Claims: scans by the virtual scanner have the noise, blur and Hounsfield units that the scanner's settings
+// state. The tests check the Hounsfield units of fluid, wall and gel at their positions, the noise and point
+// spread, and the position of the instrument. A given seed gives equal volumes for any number of threads. The
+// reference values come from closed forms, such as areas of circles and moments of Gaussians.
 #include "tools/lab/ct/tests/tube_phantom.hpp"
 
 #include <algorithm>
@@ -59,8 +59,8 @@ void fluid_wall_and_gel_have_their_hounsfield_units(void **)
     assert_true(std::abs(fluid - 80) < 2 && std::abs(wall - 230) < 4 && std::abs(gel - 20) < 2);
 }
 
-// The picture's value is half-way between fluid and wall at the lumen's edge; the area within this edge gives
-// the radius.
+// At the lumen's edge, the picture has the value half-way between fluid and wall; the area inside this edge
+// gives the lumen's radius.
 void the_lumen_has_its_area_at_half_height(void **)
 {
     ScannerSettings settings = quick_scanner(16, -1, 1);
@@ -90,8 +90,8 @@ void the_noise_is_the_one_that_was_asked_for(void **)
     assert_true(std::abs(deviation - 15) < 2.5);
 }
 
-// A thin plastic thread images as a point. The point's second moments are those of the point spread plus
-// those of the thread's section, r^2 / 4.
+// A thin plastic thread along the scanner's axis appears as a point in each slice. The second moments of this
+// point are the moments of the point spread plus the moments r^2 / 4 of the thread's cross-section.
 void a_thread_is_blurred_as_stated(void **)
 {
     ScannerSettings settings = quick_scanner(10, -1, 1);
@@ -123,8 +123,8 @@ void a_thread_is_blurred_as_stated(void **)
     assert_true(std::abs(sigma - expected) < 0.04);
 }
 
-// Metal reaches the end of the grey scale, and the picture around it deviates to both sides by more than the
-// noise.
+// Metal reaches the end of the grey scale, and the values around it deviate upwards and downwards by more
+// than the noise.
 void steel_blooms_and_streaks(void **)
 {
     const std::vector<Vector3d> line = {{-6, 0.2, 1}, {6, -0.2, 1}};

@@ -1,9 +1,11 @@
-// Claims for a virtual scan of 0.53 x 0.53 x 1 mm: the centreline of a J wire that leans on the wall is found
-// within bar 1 of the project. The bar is 0.2 mm on average and 0.6 mm at most, in both directions, including
-// the tip of the wire. The lumen is closed and its mean error is below 0.3 mm; a catheter with markers gives
-// a lumen of the same accuracy. The stated uncertainty covers the errors. A scan without an instrument, with
-// two separate instruments, or with two that touch, is refused by name. The reference is the line and the
-// mesh from which the scan was made; the segmentation never reads them.
+// Claims for a virtual scan with voxels of 0.53 x 0.53 x 1 mm: the segmentation finds the centreline of a J
+// wire that touches the wall with the accuracy that requirement 1 of the project demands. This requirement is
+// an error of at most 0.2 mm on average and 0.6 mm anywhere, measured in both directions and including the
+// tip of the wire. The surface of the lumen is closed and its mean error is below 0.3 mm; in scans of a
+// catheter with markers, the lumen is equally accurate. The uncertainty that the segmentation reports covers
+// its errors. If a scan has no instrument, two separate instruments, or two that touch, the error message
+// states this fault. The reference is the line and the mesh from which the scan was made; the segmentation
+// never reads them.
 #include "host/base/tests/folder.hpp"
 #include "tools/lab/case/case.hpp"
 #include "tools/lab/ct/mouth.hpp"
@@ -31,7 +33,7 @@ namespace
 
 constexpr double radius_mm = 8;
 
-// The wire comes from below along the wall, and turns back in a half circle of 3 mm radius.
+// The wire of this test comes from below along the wall, and turns back in a half circle of 3 mm radius.
 std::vector<Vector3d> j_line()
 {
     std::vector<Vector3d> line;
@@ -98,8 +100,8 @@ void a_j_wire_and_its_lumen_are_within_the_bars(void **)
                 there.max_mm, back.mean_mm, back.max_mm, there.tip_mm);
     assert_true(there.mean_mm <= 0.2 && there.max_mm <= 0.6 && back.mean_mm <= 0.2 && back.max_mm <= 0.6 &&
                 there.tip_mm <= 0.6);
-    // The stated uncertainty is correct: no error exceeds three times its value, and the top of the J is more
-    // uncertain than the shaft.
+    // The reported uncertainty is correct: no error exceeds three times the uncertainty, and the top of the J
+    // is more uncertain than the shaft.
     double shaft = 1, top = 0;
     for (const LinePoint &point : result.line.points) {
         assert_true(distance_from(truth, point.place_mm).distance_mm <= 3 * point.unsure_mm + 0.01);
@@ -115,7 +117,8 @@ void a_j_wire_and_its_lumen_are_within_the_bars(void **)
         assert_true(std::filesystem::file_size(folder.file(name)) > 100);
     crn::bake::Mesh lumen = result.lumen, reference = tube_mesh(radius_mm, -40, 40, 64);
     crn::bake::check_closed(lumen, crn::bake::Cap::none);
-    // The ends of the scan cut the tube; the surfaces that close these cuts are not part of the wall.
+    // The ends of the scan cut the tube; the surfaces that close the tube at these cuts are not part of the
+    // wall.
     std::erase_if(lumen.triangles,
                   [&](const crn::bake::Triangle &t) { return std::abs(lumen.vertices_mm[t[0]].y()) > 12; });
     const Apart wall = surfaces_apart(lumen, reference);

@@ -1,7 +1,7 @@
-// Claims: a volume is read back from every format with its values and places. Left-handed grids keep their
-// places. Errors in a scan are refused by name: wrong spacing, axes or values, and slices that are missing,
-// double, uneven, mixed or truncated. No truncated or damaged file crashes the readers; for every format 2
-// files are cut and damaged at places that a printed seed gives.
+// Claims: a volume is read back from every file format with its values and positions. Left-handed grids keep
+// their places. If a scan has wrong spacing, axes or values, or slices that are missing, double, uneven,
+// mixed or truncated, the error message names this fault. No truncated or damaged file crashes the readers;
+// for every format, the test cuts and damages 2 files at positions that follow from a printed seed.
 #include "host/base/tests/folder.hpp"
 #include "tools/lab/ct/volume/volume_io.hpp"
 
@@ -30,8 +30,8 @@ namespace fs = std::filesystem;
 namespace
 {
 
-// Returns an oblique volume with a different value in every voxel, so that no axis can be mistaken for
-// another.
+// Returns a volume on an oblique grid with a different value in every voxel, so that no axis can be mistaken
+// for another axis.
 Volume sample()
 {
     Volume volume;
@@ -64,7 +64,7 @@ void replace_in(const fs::path &file, const std::string &what, const std::string
     put_bytes(file, bytes.replace(at, what.size(), by));
 }
 
-// Asserts that reading `path` is refused with a message that contains every part.
+// Checks that reading `path` fails with a message that contains all given parts.
 void refused(const fs::path &path, const std::vector<std::string> &parts)
 {
     try {
@@ -116,8 +116,8 @@ void the_scene_looks_at_the_patient_as_lps_does(void **)
     assert_true((volume.voxel(volume.scene({2, 3, 1.5})) - Eigen::Vector3d(2, 3, 1.5)).norm() < 1e-9);
 }
 
-// A file whose third axis runs backwards holds the same scan: the scan is not mirrored, and a note states the
-// reversal.
+// A file whose third axis runs backwards holds the same scan: the scan is not mirrored, and a note reports
+// that the axis is reversed.
 void mirrored_axes_keep_their_places(void **)
 {
     const Folder folder{"mirror"};
@@ -193,7 +193,8 @@ void a_scale_that_is_none_is_refused(void **)
     refused(folder.file("a.nrrd"), {"a.nrrd:7", "spacings", "finite"});
 }
 
-// The first file would make ITK search for ever, and the others would make it reserve memory without limit.
+// The first file would make ITK search without end, and the other files would make ITK reserve memory without
+// limit.
 void absurd_numbers_of_axes_and_voxels_are_refused(void **)
 {
     const Folder folder{"axes"};
@@ -286,7 +287,7 @@ void other_contents_are_refused(void **)
     refused(folder.file("d.nrrd"), {"d.nrrd"});
 }
 
-// Each file is either read or refused by a Fault; any other outcome ends the test.
+// Each file is either read, or refused by a Fault; with any other outcome the test fails.
 void cut_and_damaged_files_never_crash(void **)
 {
     const Folder folder{"fuzz"};

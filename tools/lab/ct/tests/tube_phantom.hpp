@@ -1,5 +1,5 @@
-// Provides a straight closed tube along the head axis as a phantom for tests, and scans of it that take
-// little time.
+// Provides a phantom for tests, which is a straight closed tube along the head axis, and scans of this
+// phantom that take little time.
 #pragma once
 #include "tools/lab/ct/instrument_scan.hpp"
 #include "tools/lab/ct/scanner.hpp"

@@ -1,7 +1,8 @@
 // A CT volume holds Hounsfield units on a grid with spacing, origin and direction. There are three frames. In
-// the voxel frame whole numbers are the middles of voxels. LPS is used by scanners and ITK, in mm: +x patient
-// left, +y back, +z head. The scene's frame, also in mm, has +x left, +y head, +z front. Only the two
-// functions below convert between LPS and the scene's frame.
+// the coordinates of the voxels, whole numbers are the middles of voxels. Scanners and ITK use the LPS axes,
+// in mm: +x towards the patient's left, +y towards the back, +z towards the head. The scene's coordinates,
+// also in mm, have +x towards the left, +y towards the head, and +z towards the front. Only the following two
+// functions convert between LPS and the scene's coordinates.
 #pragma once
 #include <Eigen/Core>
 #include <array>
@@ -55,19 +56,21 @@ struct Volume {
     {
         return (direction.transpose() * (lps_from_scene(scene_mm) - origin_mm)).cwiseQuotient(spacing_mm);
     }
-    // These two functions convert a displacement in voxels to the scene's millimetres, and back.
+    // The following two functions convert a displacement in voxels to the scene's millimetres, and back.
     Eigen::Matrix3d scene_per_voxel() const;
-    // Interpolates between the nearest eight voxels; outside the volume it returns the value at the border.
+    // Interpolates between the nearest eight voxels; outside the volume, the function returns the value at
+    // the border.
     double value(const Eigen::Vector3d &voxel) const;
-    // Returns a volume on the same grid with all voxels set to `fill`; it serves for masks and speeds.
+    // Returns a volume on the same grid with all voxels set to `fill`, for use as a mask or as a map of
+    // speeds.
     Volume like(float fill) const;
 };
 
-// Turns a left-handed grid into a right-handed one by counting the third axis from its other end. Every place
-// keeps its value.
+// Makes a left-handed grid right-handed by counting the voxels of the third axis from the other end. Every
+// place keeps its value.
 void make_right_handed(Volume &volume);
 
-// Returns the box [low, high) of voxels as a separate volume.
+// Returns the voxels in the box [low, high) as a separate volume.
 Volume cut_out(const Volume &volume, const std::array<int, 3> &low, const std::array<int, 3> &high);
 
 } // namespace crn::ct

@@ -1,6 +1,6 @@
-// A volume is read in a separate process (host/base/guarded_read.hpp), because ITK trusts headers and
-// Debian's GDCM is built with its assertions. A damaged file then ends only the child process, and the parent
-// process reports which file is damaged.
+// A separate process reads each volume (host/base/guarded_read.hpp), because ITK trusts the headers of files,
+// and Debian's GDCM is built with assertions that end the process. A damaged file then ends only the child
+// process, and the parent process reports the name of this file.
 #include "host/base/guarded_read.hpp"
 #include "tools/lab/ct/volume/volume_io.hpp"
 #include <algorithm>
@@ -15,13 +15,13 @@ namespace
 
 namespace fs = std::filesystem;
 
-// A byte of a compressed file may become a thousand bytes, so even a small file may need all the memory that
-// is permitted for one file.
+// One byte of a compressed file may expand to a thousand bytes, so even a small file may need all the memory
+// that is permitted for one file.
 constexpr double growth = 1100;
 constexpr std::uint64_t file_bytes_max = std::uint64_t{4} << 30, files_max = 4096;
 
-// Every block is preceded by a number: the count of its values, 0 at the end of the blocks, or this value if
-// the text of a fault follows.
+// A number precedes every block of values: the count of the block's values, 0 after the last block, or
+// `fault_follows` if the text of an error follows.
 constexpr std::uint64_t fault_follows = UINT64_MAX;
 
 struct Grid {
@@ -78,7 +78,7 @@ Volume receive(Inbox &in, const std::string &name)
     return volume;
 }
 
-// Returns the size of all files that a volume consists of.
+// Returns the total size of all files that a volume consists of.
 std::uint64_t bytes_of(const fs::path &path)
 {
     std::error_code ignored;

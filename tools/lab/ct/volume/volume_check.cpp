@@ -1,4 +1,5 @@
-// Checks the conditions that a grid and a series of slices must fulfil before anything is measured in them.
+// Checks the conditions that a grid and a series of slices must fulfil before the program measures anything
+// in them.
 #include "host/base/format.hpp"
 #include "tools/lab/ct/volume/volume_io.hpp"
 #include <Eigen/LU>
@@ -68,8 +69,8 @@ void check_nifti_length(const std::string &file, std::uint64_t value_bytes)
                     " or more; copy or export it again");
 }
 
-// The pixel data are an element preceded by its length (explicit or implicit, little-endian). Packed pixels
-// have no length.
+// In a DICOM file, the length of the pixel data precedes the data (with explicit or implicit type,
+// little-endian). Packed pixels have no length.
 void check_dicom_length(const std::filesystem::path &file)
 {
     std::ifstream stream(file, std::ios::binary);
@@ -128,7 +129,7 @@ SliceOrder order_slices(const std::vector<Eigen::Vector3d> &places_mm, const Eig
                 formatted(" are %.3f mm apart, others %.3f mm: reconstruct or resample the series evenly",
                           steps[i], step));
         }
-        // If slices are displaced sideways, all shapes in the volume are sheared.
+        // If slices are displaced sideways relative to each other, all shapes in the volume are sheared.
         const Eigen::Vector3d shift = places_mm[result.order[i + 1]] - places_mm[result.order[i]];
         if ((shift - shift.dot(normal) * normal).norm() > 0.05)
             throw Fault(series + ": " + after + " is shifted sideways against " + before +

@@ -1,5 +1,5 @@
-// Reads headers of NRRD, MetaImage and NIfTI, as specified in teem.sourceforge.net/nrrd/format.html,
-// itk.org/Wiki/MetaIO/Documentation and nifti1.h.
+// Reads the headers of NRRD, MetaImage and NIfTI files, as specified in
+// teem.sourceforge.net/nrrd/format.html, itk.org/Wiki/MetaIO/Documentation and nifti1.h.
 #include "tools/lab/ct/volume/volume_declared.hpp"
 #include <algorithm>
 #include <bit>
@@ -25,7 +25,7 @@ constexpr std::size_t head_bytes_max = 1 << 20;
 constexpr double deflate_growth = 1040; // 1032 for its longest runs, and the trailer
 constexpr double bzip2_growth = 50000;
 
-// Holds one field of a header, with the place that messages name.
+// Holds one field of a header, with the position in the file that error messages state.
 struct Field {
     const std::string &file;
     std::size_t line = 0;
@@ -92,7 +92,7 @@ std::string trimmed(std::string_view text)
     return std::string(text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1));
 }
 
-// Holds the lines of a header; each has the form "name SEPARATOR value".
+// Holds the lines of a header; each line has the form "name SEPARATOR value".
 class Fields
 {
   public:
@@ -180,7 +180,7 @@ std::vector<double> nrrd_vector(const Field &field, const std::string &word)
     return numbers;
 }
 
-// Blanks within brackets do not separate words.
+// Blanks within brackets do not separate values.
 Field without_inner_blanks(Field field)
 {
     int depth = 0;
@@ -243,7 +243,7 @@ bool is_true(const Field *field)
 
 // --- NIfTI ---
 
-// Reads the numbers of a header in either byte order.
+// Reads the numbers of a binary header in either byte order.
 struct Binary {
     std::string_view head;
     bool is_swapped = false;
@@ -296,8 +296,8 @@ std::string first_bytes(const fs::path &path)
     return head;
 }
 
-// Checks that compressed values can be decompressed, that their number is the declared one, and that they
-// match their checksum; ITK does not check this.
+// Checks that compressed values can be decompressed, that their number equals the declared number, and that
+// they match their checksum, because ITK does not check these facts.
 void check_packed(const DeclaredVolume &declared, std::uint64_t bytes, const fs::path &data,
                   const std::string &file)
 {

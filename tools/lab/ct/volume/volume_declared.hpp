@@ -1,6 +1,7 @@
-// Reads strictly, and without ITK, what a volume file declares about itself. ITK replaces a spacing that it
-// does not understand by 1 mm, trusts any number of dimensions, and reserves any amount of memory that is
-// declared. What ITK reads is therefore compared with this strict reading.
+// Reads, strictly and without ITK, the sizes, the spacing and the amount of data that a volume file declares.
+// ITK replaces a spacing that it does not understand by 1 mm, trusts any number of dimensions, and reserves
+// any amount of memory that is declared. The program therefore compares the data that ITK reads with the
+// result of this strict reading.
 #pragma once
 #include "tools/mesh/fault.hpp"
 #include <Eigen/Core>
@@ -29,10 +30,10 @@ DeclaredVolume declared_nrrd(std::string_view head, const std::string &file);
 DeclaredVolume declared_meta(std::string_view head, const std::string &file);
 DeclaredVolume declared_nifti(std::string_view head, const std::string &file);
 
-// Reads a file's header and compares the declared values with the file's size.
+// Reads the header of a file, and compares the declared values with the size of the file.
 DeclaredVolume declared_volume(const std::filesystem::path &file);
 
-// Throws Fault when ITK finds another grid than the file declares.
+// Throws Fault when the grid that ITK reports differs from the grid that the file declares.
 void check_agreement(const DeclaredVolume &declared, const std::array<long, 3> &size,
                      const Eigen::Vector3d &spacing_mm, const std::string &file);
 

@@ -13,10 +13,10 @@ inline constexpr int volume_side_max = 2048;                           // voxels
 inline constexpr std::size_t volume_voxels_max = std::size_t{1} << 28; // 1 GiB as the floats that we keep
 inline constexpr double spacing_min_mm = 0.01, spacing_max_mm = 10.0;
 
-// Reads a file .nrrd, .nhdr, .nii, .nii.gz, .mha or .mhd, or a folder with one DICOM series. Throws Fault
-// with the cause, the place and the remedy. Left-handed grids are made right-handed (make_right_handed), and
-// a note states this. A child process reads the file (volume_apart.cpp), so that damaged files end only the
-// child. Call this before threads start.
+// Reads a file .nrrd, .nhdr, .nii, .nii.gz, .mha or .mhd, or a folder with one DICOM series. Throws Fault,
+// whose message gives the cause, the position and the remedy. A left-handed grid is made right-handed
+// (make_right_handed), and a note reports this change. A child process reads the file (volume_apart.cpp), so
+// that a damaged file ends only the child process. Call this before threads start.
 Volume read_volume(const std::filesystem::path &path);
 // The child process delivers the grid first (as a volume without values), then all values in order, in
 // blocks. Throws Fault, possibly between blocks.
@@ -25,28 +25,30 @@ using TakeValues = std::function<void(const float *values, std::size_t count)>;
 void read_volume_here(const std::filesystem::path &path, const TakeHead &take_head,
                       const TakeValues &take_values);
 
-// The extension of the name selects one of the formats that read_volume accepts; values are whole numbers of
-// HU. A name without extension becomes a folder with a DICOM series. Throws Fault.
+// The extension of the file's name selects one of the formats that read_volume accepts; values are whole
+// numbers of HU. If the name has no extension, the function writes a folder with a DICOM series. Throws
+// Fault.
 void write_volume(const Volume &volume, const std::filesystem::path &path);
 
-// Checks every volume that is read: sizes, spacing and axes must be possible. `what` begins the message.
+// Checks that sizes, spacing and axes of a volume are possible; the program checks every volume that it
+// reads. `what` begins the message.
 void check_grid(const std::array<long, 3> &size, const Eigen::Vector3d &spacing_mm,
                 const Eigen::Vector3d &origin_mm, const Eigen::Matrix3d &direction, const std::string &what);
 
-// Checks only sizes and spacing, which need no axes.
+// Checks only the sizes and the spacing of a volume; this check does not need its axes.
 void check_plausible(const std::array<long, 3> &size, const Eigen::Vector3d &spacing_mm,
                      const std::string &what);
-// Refuses values that are not finite, that are all the same, or that no scanner writes.
+// Throws Fault if a value is not finite, if all values are equal, or if no scanner writes such values.
 void check_values(const Volume &volume);
 
-// The readers of NIfTI and DICOM accept files that end before all declared values; this check refuses them.
-// Throws Fault.
+// The functions that read NIfTI and DICOM accept files that end before all declared values; this check
+// refuses such files. Throws Fault.
 void check_nifti_length(const std::string &file, std::uint64_t value_bytes);
 void check_dicom_length(const std::filesystem::path &file);
 
-// Sorts the slices of a series along `normal` by the place of the first pixel's middle (LPS). Returns the
-// order of the slices, from the lowest onwards, and the distance between slices. Throws Fault if slices are
-// missing, double or unevenly spaced. `names` serve the message.
+// Sorts the slices of a series by the position of the middle of their first pixel (LPS) along `normal`.
+// Returns the order of the slices, from the lowest slice onwards, and the distance between neighbouring
+// slices. Throws Fault if slices are missing, double or unevenly spaced. `names` serve the message.
 struct SliceOrder {
     std::vector<std::size_t> order;
     double distance_mm = 0;

@@ -1,6 +1,6 @@
-// Reads NRRD, NIfTI and MetaImage files, and DICOM series slice by slice, with ITK's ImageIO classes. We call
-// these classes directly. ITK's image and pipeline templates would take a minute to compile and report less
-// about errors.
+// Reads NRRD, NIfTI and MetaImage files, and DICOM series slice by slice, with the ImageIO classes of the
+// library ITK. We call these classes directly. We do not use ITK's image and pipeline templates, because they
+// take a minute to compile and report less about errors.
 #include "tools/lab/ct/volume/volume_declared.hpp"
 #include "tools/lab/ct/volume/volume_io.hpp"
 #include <algorithm>
@@ -22,7 +22,7 @@ namespace
 
 namespace fs = std::filesystem;
 
-// Returns the end of a header's error message, without ITK's file and line numbers.
+// Returns the last part of the error message about a header, without ITK's file names and line numbers.
 std::string cause_of(const itk::ExceptionObject &error)
 {
     std::string text = error.GetDescription();
@@ -32,7 +32,7 @@ std::string cause_of(const itk::ExceptionObject &error)
     return text.substr(0, 200);
 }
 
-// Returns the grid of a file, in three dimensions, as its reader reports it.
+// Returns the grid of a file, in three dimensions, as the ITK class that reads the file reports it.
 struct Head {
     std::array<long, 3> size = {1, 1, 1};
     Eigen::Vector3d spacing_mm = Eigen::Vector3d::Ones(), origin_mm = Eigen::Vector3d::Zero();
@@ -64,7 +64,7 @@ Head head_of(const itk::ImageIOBase &io, const std::string &name)
     return head;
 }
 
-// The values are passed on in blocks, so that memory never holds a scan twice.
+// The values of a scan are passed on in blocks, so that memory never holds the scan twice.
 template <class Value> void take(const std::vector<char> &bytes, const TakeValues &out, std::size_t count)
 {
     constexpr std::size_t block_values = 1 << 18;
@@ -83,7 +83,7 @@ void read_values(itk::ImageIOBase &io, const TakeValues &out, std::size_t count,
     const std::size_t bytes = static_cast<std::size_t>(io.GetImageSizeInBytes());
     if (bytes != count * static_cast<std::size_t>(io.GetComponentSize()))
         throw Fault(name + ": the header's sizes do not fit together: export it again");
-    // Some readers write slightly more bytes than they declare if the file is damaged.
+    // Some of ITK's reading functions write slightly more bytes than they declare if the file is damaged.
     std::vector<char> raw(bytes + 4096);
     itk::ImageIORegion region(io.GetNumberOfDimensions());
     for (unsigned axis = 0; axis < io.GetNumberOfDimensions(); ++axis)
@@ -250,7 +250,8 @@ std::vector<Slice> slices_in(const fs::path &folder)
     return slices;
 }
 
-// Checks that the folder has one series of one size, and that the series is as complete as it declares.
+// Checks that the folder has a single series whose slices have equal sizes, and that the series is as
+// complete as it declares.
 void check_series(const std::vector<Slice> &slices, const std::string &folder)
 {
     std::map<std::string, std::size_t> series;

@@ -1,4 +1,5 @@
-// Writes NRRD, NIfTI, MetaImage, and DICOM series as a CT scanner writes them, with ITK's ImageIO classes.
+// Writes NRRD, NIfTI and MetaImage files, and DICOM series in the form of a CT scanner, with the ImageIO
+// classes of the library ITK.
 #include "host/base/format.hpp"
 #include "host/base/number_text.hpp"
 #include "host/base/pending_file.hpp"
@@ -29,7 +30,7 @@ std::vector<std::int16_t> whole_numbers(const Volume &volume)
     return values;
 }
 
-// Passes sizes and places to a writer; `slice` selects one slice of a series.
+// Passes the sizes and positions of a volume to a writer of ITK; `slice` selects one slice of a series.
 void describe(itk::ImageIOBase &io, const Volume &volume, int slice)
 {
     const bool is_slice = slice >= 0;
@@ -73,7 +74,8 @@ void write_file(const Volume &volume, const fs::path &path, const std::string &e
     describe(*io, volume, -1);
     io->SetUseCompression(ending != ".nii");
     const std::vector<std::int16_t> values = whole_numbers(volume);
-    // ITK's writers check the extension, so the name of the pending file has the same extension.
+    // ITK's writers check the extension of a file's name, so the temporary name of an unfinished file has the
+    // same extension as its final name.
     const OpenPending pending = open_pending(path.string(), ending);
     ::close(pending.file);
     try {
@@ -91,8 +93,8 @@ void put(itk::MetaDataDictionary &tags, const std::string &tag, const std::strin
     itk::EncapsulateMetaData<std::string>(tags, tag, value);
 }
 
-// Identifiers lie under DICOM's UUID arc and are derived from the volume, so that the same scan always has
-// the same identifiers.
+// The identifiers of a DICOM series begin with DICOM's prefix for UUIDs and are derived from the volume, so
+// that a given scan always has the same identifiers.
 std::string uid_of(const Volume &volume, std::uint64_t kind, std::uint64_t number)
 {
     std::uint64_t hash = 1469598103934665603u;
