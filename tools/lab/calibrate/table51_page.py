@@ -66,7 +66,7 @@ def group(words, columns):
 
 # --- Table 5.1 ---
 def figure_cells(key, sets, bar):
-    """Formats three cells of the table for one kind of error: our value, the value of CoRdE, and the value in the thesis."""
+    """Formats three cells of the table for one kind of error: our value, CoRdE's value, and the thesis' value."""
     ours, corde, thesis = sets
     words = millimetres(ours.get(key))
     if key in ours and bar is not None:

@@ -1,5 +1,5 @@
-// Draws charts into a picture with rectangles, lines, discs and letters. Everything is drawn at twice the
-// size and then reduced, so that edges look smooth.
+// Draws charts into a picture, as rectangles, lines, discs and letters. Every shape is drawn at twice its
+// final size and then reduced, so that its edges look smooth.
 #pragma once
 #include <Eigen/Core>
 #include <cstdint>
@@ -16,8 +16,8 @@ struct Colour {
 
 enum class Align { left, centre, right };
 
-// Coordinates are pixels of the finished picture, with the origin at the top left. Anything drawn outside the
-// picture is clipped.
+// Coordinates are pixels of the finished picture, with the origin at the top left. If a shape extends beyond
+// the picture, the outer part is cut off.
 class Canvas
 {
   public:
@@ -32,14 +32,14 @@ class Canvas
     void disc(double x, double y, double radius, Colour colour);
     void blend(int x, int y, Colour colour, double share); // one pixel
 
-    // Letters have 6 x 8 points of `size` pixels each; y is their top. Upward text is rotated by a quarter
-    // turn; y is its middle.
+    // A letter is a grid of 6 x 8 dots, each dot measures `size` pixels, and y is the top of the letter. The
+    // function text_upwards() rotates the text by a quarter turn, and y is the middle of this text.
     void text(double x, double y, std::string_view letters, double size, Colour colour,
               Align align = Align::left);
     void text_upwards(double x, double y, std::string_view letters, double size, Colour colour);
     static double text_width(std::string_view letters, double size);
 
-    // Throws std::runtime_error that names the file and the cause.
+    // Throws std::runtime_error, whose message names the file and the cause.
     void write_png(const std::string &path) const;
 
   private:

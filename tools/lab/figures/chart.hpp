@@ -1,4 +1,4 @@
-// Draws the frame of a chart (title, axes, grid and legend), and converts values to pixels.
+// Draws the frame of a chart, which consists of title, axes, grid and legend, and converts values to pixels.
 #pragma once
 #include "tools/lab/figures/canvas.hpp"
 #include <utility>
@@ -20,7 +20,7 @@ struct Axis {
     std::vector<double> ticks() const; // decades, or about six round steps
 };
 
-// Represents a plot area in a canvas, with a value axis on the left.
+// Represents the plot area of a chart in a canvas, with an axis for the values on the left.
 class Chart
 {
   public:
@@ -44,7 +44,7 @@ class Chart
 void draw_title(Canvas &canvas, const std::string &title, const std::vector<std::string> &lines);
 void draw_legend(Canvas &canvas, double x, double y, const std::vector<std::pair<Colour, std::string>> &rows);
 
-// Formats the significant digits of a number without an exponent: "0.00842", "7.07", "384".
+// Formats the significant digits of a number without an exponent, for example "0.00842", "7.07" or "384".
 std::string short_number(double value, int digits = 3);
 
 } // namespace vcsim3

@@ -12,7 +12,8 @@ constexpr double reach_m = 0.5;
 constexpr int spare_elements = 6; // these stay in the inserter
 constexpr double axial_max_N = 10000.0;
 
-// Both solvers with one interface. The run of a solver ends when its length error is not a number.
+// Both solvers with one interface. The run of a solver ends when the relative error of the rod's length is
+// not a number.
 class BaselineRun
 {
   public:
@@ -65,7 +66,8 @@ class DirectRun
     DirectRod rod_;
 };
 
-// Adds the values of one tick to the result: averages over the last part of push and hold, and extremes.
+// Adds the values of one tick to the result: means over the last part of the push and of the hold, and the
+// largest values of the run.
 template <class Run>
 void record(const Run &run, int tick, int push, int all, int window, CompressionResult &result)
 {
@@ -138,8 +140,8 @@ Simulation make_simulation(const Preset &preset, const Mode &mode, const Vessel 
 {
     SimulationSettings settings;
     settings.mode = mode;
-    // Shorter elements need proportionally shorter steps, because 2/l sqrt(Kp/mass per length) h must stay
-    // constant.
+    // Shorter elements need proportionally shorter time steps h, because the product 2/l sqrt(Kp/mass per
+    // length) h must stay constant.
     settings.substeps =
         static_cast<int>(std::ceil(preset.substeps * preset_element_m / protocol.element_m - 1e-9));
     return Simulation(

@@ -1,6 +1,7 @@
-// Repeats the experiment of the thesis' section 5.4.2. A rod is fed into the phantom until its tip is at the
-// closed end and further feeding has compressed it. The length of the rod is then compared with its rest
-// length. All modes of the thesis' rod, and our direct solver, get the same rod, vessel and hand.
+// Repeats the compression experiment of section 5.4.2 of the thesis. The hand pushes a rod into the phantom
+// until the rod's tip is at the closed end and further pushing has compressed the rod. The function then
+// compares the length of the compressed rod with its unloaded length. All solvers (the modes of the thesis'
+// rod, and our direct solver) simulate the same rod, vessel and motion of the hand.
 #pragma once
 #include "tools/lab/vcsim3/direct.hpp"
 #include "tools/lab/vcsim3/preset.hpp"
@@ -30,9 +31,9 @@ struct ShapeNode {
     bool is_touching; // true if it touched at some tick of the last average_s of the hold
 };
 
-// Positive percentages are compression. If a rod has become unstable, is_sound is false and its other values
-// are meaningless. A rod is unstable if a coordinate is not finite or half a metre away, or if the length
-// error is more than half.
+// Positive percentages are compression. If a rod has become unstable, is_sound is false and the other values
+// of the result are meaningless. A rod counts as unstable if a coordinate is not finite or more than half a
+// metre from the first node that the hand holds, or if the relative error of its length is more than half.
 struct CompressionResult {
     std::string name, token; // "25 Local", "local25"; "Direct", "direct"
     bool is_sound = true;
@@ -46,15 +47,15 @@ struct CompressionResult {
     std::vector<std::uint8_t> state; // state at the same moment, for timing: begin_at() or DirectRod::restore
 };
 
-// This function is called after each tick with the completed share; if it returns false, the run stops and
-// throws Interrupted.
+// The program calls a Watch after each tick with the completed fraction of the run; if the Watch returns
+// false, the run stops and throws Interrupted.
 using Watch = std::function<bool(double)>;
 struct Interrupted : std::exception {
     const char *what() const noexcept override { return "interrupted"; }
 };
 
-// Returns the properties for our solver: the preset's stiffness, radius and friction, the mass of a real
-// wire, and no weight, as in the baseline.
+// Returns the rod's properties for our solver: stiffness, radius and friction from the preset, the mass of a
+// real wire, and zero weight, as in the baseline.
 DirectProperties direct_of(const Preset &preset, const Protocol &protocol);
 inline constexpr double direct_mass_kg_per_m = 0.005;
 
@@ -67,7 +68,8 @@ CompressionResult compress_baseline(const Preset &preset, const Mode &mode, cons
 CompressionResult compress_direct(const Preset &preset, const Vessel &vessel, const Protocol &protocol,
                                   const Watch &watch);
 
-// Converts a simulation's numbers to bytes and back, for CompressionResult::state.
+// Converts the state of a simulation, which is a list of numbers, to bytes and back, for
+// CompressionResult::state.
 std::vector<std::uint8_t> to_bytes(const std::vector<double> &numbers);
 std::vector<double> to_numbers(const std::vector<std::uint8_t> &bytes);
 

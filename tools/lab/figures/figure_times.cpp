@@ -1,5 +1,5 @@
-// Draws figure 5.14 twice: with the thesis' milliseconds on its machine, and with our microseconds per step
-// on the present machine.
+// Draws Figure 5.14 twice: with the milliseconds that the thesis measured on its machine, and with our
+// microseconds per step on the present machine.
 #include "tools/lab/figures/chart.hpp"
 #include "tools/lab/figures/figures.hpp"
 #include "tools/lab/figures/thesis_values.hpp"
@@ -27,7 +27,7 @@ double height_of(const Stack &stack)
     return stack.parts[0] + stack.parts[1] + stack.parts[2] + stack.parts[3] + stack.direct;
 }
 
-// Splits a name such as "25 Local" into two lines that fit a narrow place.
+// Splits the name of a mode, such as "25 Local", into two lines, so that the name fits below a narrow bar.
 std::pair<std::string, std::string> two_lines(const std::string &name)
 {
     if (name == "1 Global") return {"1", "glob."};

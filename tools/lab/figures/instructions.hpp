@@ -1,13 +1,13 @@
-// Counts the instructions of one step by running this same program under callgrind.
+// Counts the processor instructions of one simulation step by running this program under callgrind.
 #pragma once
 #include "tools/lab/figures/study.hpp"
 
 namespace vcsim3
 {
 
-// Fills in `instructions` for all times of the study. The command `vcsim3 steps`, called with the additional
-// `arguments`, reads each run's state from `states_folder`. Throws std::runtime_error that states what is
-// missing or wrong.
+// Stores the number of instructions per step in the field `instructions` of every time of the study. The
+// command `vcsim3 steps`, with the additional `arguments`, reads the state of each run from `states_folder`.
+// Throws std::runtime_error, whose message states what is missing or wrong.
 void count_instructions(Study &study, const std::string &states_folder,
                         const std::vector<std::string> &arguments, const Report &report);
 

@@ -56,8 +56,8 @@ struct Options {
     }
 };
 
-// Reports progress on standard error. A terminal shows the completed share; a file gets only the beginning of
-// each part.
+// Reports progress on standard error. On a terminal, the program prints the completed fraction of the work;
+// in a file, it prints only the beginning of each part.
 bool report(const std::string &what, double share)
 {
     static const bool is_watched = isatty(2) != 0;

@@ -1,22 +1,22 @@
-// Determines the number of steps per millisecond that a preset needs. The needed number is the smallest with
-// which a short rod survives compression in a closed tube. The number of substeps in the presets has a margin
-// above it.
+// Determines the number of time steps per millisecond that a preset (an instrument of the thesis) needs. This
+// number is the smallest one with which a short rod survives compression in a closed tube. The number of
+// substeps that a preset states is larger than the needed number by a safety margin.
 #pragma once
 #include "tools/lab/figures/compression.hpp"
 
 namespace vcsim3
 {
 
-// Makes a straight tube along +x from the origin, closed by a plane at `length_m`; the distances to its wall
-// are exact.
+// Makes a straight tube along +x from the origin that a plane closes at `length_m`; the distances to the
+// tube's wall are exact.
 Wall tube_wall(double radius_m, double length_m);
 
-// Pushes 64 elements of the preset (96 mm) at 0.1 m/s into a tube of 85 mm. Returns true if no segment grows
-// by a tenth of its length.
+// Pushes a rod of 64 elements (96 mm), with the preset's properties, at 0.1 m/s into a tube of 85 mm length.
+// Returns true if no segment of the rod grows by a tenth of its length.
 bool survives_crowding(const Preset &preset, const Mode &mode, int substeps);
 
-// Searches by bisection between 1 and twice the preset's substeps; returns 0 when even twice the substeps
-// fail.
+// Searches by bisection between 1 and twice the preset's number of substeps; returns 0 when the rod is
+// unstable even with twice the number.
 int smallest_stable_substeps(const Preset &preset, const Mode &mode, const Watch &watch);
 
 } // namespace vcsim3

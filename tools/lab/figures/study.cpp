@@ -11,8 +11,8 @@ namespace vcsim3
 namespace
 {
 
-// Runs work(0) .. work(count - 1) on several threads; the first exception stops the other calls and is thrown
-// again here.
+// Calls work(0) .. work(count - 1) on several threads; if a call throws an exception, the other calls stop
+// and this function rethrows the first exception.
 void in_parallel(int count, int threads, const std::function<void(int)> &work)
 {
     std::atomic<int> next = 0;
@@ -36,7 +36,7 @@ void in_parallel(int count, int threads, const std::function<void(int)> &work)
     if (failure) std::rethrow_exception(failure);
 }
 
-// Computes the completed share of many jobs of different duration.
+// Computes the completed fraction of the work of many jobs that take different times.
 class Progress
 {
   public:
@@ -95,7 +95,7 @@ void add_runs(Study &study, const StudySettings &settings, const Vessel &vessel,
     study.runs.resize(baseline + 1);
     Progress progress("compression", weights, report);
     in_parallel(static_cast<int>(baseline) + 1, settings.threads, [&](int job) {
-        // The longest jobs run first, so that all threads end at about the same time.
+        // The jobs that take longest run first, so that all threads end at about the same time.
         const std::size_t i = baseline - static_cast<std::size_t>(job);
         const Preset &preset = *settings.preset;
         study.runs[i] = i == baseline ? compress_direct(preset, vessel, settings.protocol, progress.watch(i))
@@ -114,7 +114,7 @@ void add_stability(Study &study, const StudySettings &settings, const Report &re
     in_parallel(static_cast<int>(presets().size()), settings.threads, [&](int job) {
         const Preset &preset = presets()[job];
         const Watch watch = progress.watch(job);
-        // Each of the three calls does a third of this preset's work.
+        // Each of the following three calls does a third of the work for this preset.
         const auto measure = [&](Mode::Kind kind, int iterations, double third) {
             return smallest_stable_substeps(preset, {kind, iterations},
                                             [&](double share) { return watch((third + share) / 3.0); });

@@ -6,7 +6,7 @@
 namespace vcsim3
 {
 
-// Holds the smallest stable number of steps per millisecond of a preset, for each mode.
+// Holds, for each mode, the smallest number of steps per millisecond with which a preset's rod is stable.
 struct StabilityRow {
     const Preset *preset;
     int penalty, local10, global;
@@ -29,9 +29,9 @@ struct StudySettings {
     int threads = 1;
 };
 
-// Reports the current work and its progress, as (name of the work, completed share); a share of -1 prints a
-// separate line. The report function is called from several threads, but never by two at the same time. If
-// the report function returns false, all work stops and throws Interrupted.
+// Receives the name of the current work and the completed fraction of this work; if the fraction is -1, the
+// name is printed as a separate line. The report function is called from several threads, but never by two at
+// the same time. If the report function returns false, all work stops and throws Interrupted.
 using Report = std::function<bool(const std::string &, double)>;
 
 Study make_study(const StudySettings &settings, const Vessel &vessel, const Report &report);
@@ -39,9 +39,9 @@ Study make_study(const StudySettings &settings, const Vessel &vessel, const Repo
 // Returns the run with this token, or nullptr if there is none.
 const CompressionResult *find_run(const Study &study, const std::string &token);
 
-// Returns a sentence for each requirement on Figure 5.11 (bar 4 of the product) that is not met. The list is
-// empty when three things hold: the compression falls in the order penalty > 5 > 10 > 25 > 50 local, no rod
-// became unstable, and the direct solver has less compression than every mode.
+// Returns one sentence for each violated requirement on Figure 5.11 (requirement 4 of the product). The list
+// is empty when the compression falls in the order penalty > 5 > 10 > 25 > 50 local, no rod became unstable,
+// and the direct solver has less compression than every mode.
 std::vector<std::string> order_faults(const Study &study);
 
 } // namespace vcsim3

@@ -1,11 +1,12 @@
-// Converts a study to tables (TSV) and to one JSON file, which contain the numbers of the figures.
+// Converts the results of a study to tables (TSV) and to one JSON file, both of which contain the numbers of
+// the figures.
 #pragma once
 #include "tools/lab/figures/study.hpp"
 
 namespace vcsim3
 {
 
-// Holds a table of text; every row has as many cells as the head.
+// Holds a table of texts; every row has as many cells as the table's header.
 struct Table {
     std::vector<std::string> head;
     std::vector<std::vector<std::string>> rows;

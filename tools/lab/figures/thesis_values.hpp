@@ -1,5 +1,5 @@
-// Provides the values that the thesis' text states for Figures 5.11, 5.13 and 5.14. No value is measured on
-// the printed bars.
+// Provides the values that the text of the thesis states for Figures 5.11, 5.13 and 5.14. No value was
+// obtained by measuring the printed bars.
 #pragma once
 #include <optional>
 #include <string>
@@ -7,13 +7,13 @@
 namespace vcsim3
 {
 
-// Returns the compression in percent, or nothing if the thesis shows only a bar. The axis of the printed
-// figure ends at 14 %.
+// Returns the compression in percent, or nothing if the thesis shows this value only as a bar. The axis of
+// the printed figure ends at 14 %.
 std::optional<double> thesis_compression_pct(const std::string &mode_token);
 inline constexpr double thesis_compression_axis_pct = 14.0;
 
-// Returns the milliseconds per step on a Core2 Quad at 2.66 GHz, or nothing for 200 local, which Figure 5.14
-// omits.
+// Returns the milliseconds per step on a Core2 Quad at 2.66 GHz, or nothing for the mode "200 local", which
+// Figure 5.14 omits.
 struct ThesisTimes {
     double integrator_ms, constraints_ms, cosserat_ms, collisions_ms, total_ms; // the total as printed
 };

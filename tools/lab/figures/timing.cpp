@@ -11,7 +11,8 @@ namespace
 
 constexpr int rounds = 60, steps_per_round = 10;
 
-// Runs a single rod, either the baseline's or ours, from the end of its compression run.
+// Simulates a single rod, either the baseline's or ours, and starts from the end of the rod's compression
+// run.
 class Runner
 {
   public:
@@ -71,7 +72,7 @@ void keep_fastest(TimingResult &best, const TimingResult &now)
 
 } // namespace
 
-// The option --toggle-collect of callgrind uses this name.
+// The option --toggle-collect of callgrind refers to this function by its name.
 extern "C" __attribute__((noinline)) void vcsim3_measured_step(void *runner);
 extern "C" void vcsim3_measured_step(void *runner)
 {

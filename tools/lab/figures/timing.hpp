@@ -1,5 +1,5 @@
-// Measures figure 5.14: the cost of one step, phase by phase, for every mode. Each mode starts from the end
-// of its own compression run.
+// Measures the values of Figure 5.14: the cost of one step, phase by phase, for every mode. The measurement
+// of each mode starts from the state at the end of the mode's compression run.
 #pragma once
 #include "tools/lab/figures/compression.hpp"
 
@@ -17,14 +17,14 @@ struct TimingResult {
     double per_ms_s() const { return total_s() * steps_per_ms; }
 };
 
-// Times all runs in turn, round after round, so that a disturbance of the machine does not affect one mode
-// alone. For each phase, the fastest time in 600 steps is kept. The states of `runs` must have been made with
-// the same preset, vessel and protocol.
+// Measures the time of all runs in turn, round after round, so that a disturbance of the machine does not
+// affect one mode alone. For each phase of a step, the function keeps the shortest time of 600 steps. All
+// states in `runs` must have been made with this preset, vessel and protocol.
 std::vector<TimingResult> time_steps(const std::vector<CompressionResult> &runs, const Preset &preset,
                                      const Vessel &vessel, const Protocol &protocol, const Watch &watch);
 
-// Advances the state of one run by `count` steps, within the function whose name callgrind is given
-// (vcsim3_measured_step).
+// Advances the state of one run by `count` steps within the function vcsim3_measured_step, whose name is
+// passed to callgrind.
 void run_measured_steps(const CompressionResult &run, int count, const Preset &preset, const Vessel &vessel,
                         const Protocol &protocol);
 

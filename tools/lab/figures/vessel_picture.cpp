@@ -1,5 +1,5 @@
-// The view is from the front (from +z): the patient's left is on the right of the picture, as in a
-// radiograph.
+// The picture shows the vessel from the front (from +z), so the patient's left is on the right of the
+// picture, as in a radiograph.
 #include "tools/lab/figures/vessel_picture.hpp"
 #include <algorithm>
 #include <cmath>
@@ -44,7 +44,7 @@ VesselPicture::VesselPicture(const Vessel &vessel, double pixels_per_mm) : pixel
             double deepest_mm = 0.0; // depth of the lumen along the line of sight
             for (double z = low_mm.z(); z < high_mm.z(); z += depth_step_mm)
                 deepest_mm = std::max(deepest_mm, -1e3 * vessel.sample(Vector(x, y, z) * 1e-3).distance_m);
-            // Glass looks darkest where it is seen edge-on.
+            // The glass of the vessel looks darkest where its wall is seen edge-on.
             const double edge = std::max(0.0, 1.0 - deepest_mm / rim_mm);
             glass_[static_cast<std::size_t>(row) * width_ + column] =
                 deepest_mm > 0.0 ? 0.18 + 0.55 * edge * edge : 0.0;

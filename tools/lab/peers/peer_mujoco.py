@@ -6,11 +6,12 @@ angle per edge.
 
 Prints one line of key=value pairs. Needs the package mujoco (4.x, or 3.17 and later for the rod's bending).
 
-All choices favour the peer. The `discrete` integrator is implicit in the bending, and the only one that is stable with
-this rod at 1 ms. MuJoCo's Newton solver is its fastest solver for this scene. The tube is made of eight planes, which
-are cheaper than a mesh and exact for a straight tube. The rod is at rest, so the solver's warm start is perfect. The
-length of the rod is kept by edge equalities. With the default impedance the hanging rod is 8 % too long; with the
-`solimp` below its error is 0.07 % at the same speed.
+All choices favour the peer. The integrator `discrete` treats bending implicitly, and is the only integrator that is
+stable with this rod at time steps of 1 ms. MuJoCo's Newton solver is its fastest solver for this scene. Eight planes
+form the tube, because planes are faster than a mesh; for a straight tube, they are also exact. The rod is at rest, so
+the solver starts each step with the correct solution. Equality constraints on the edges of MuJoCo's flex keep the
+length of the rod. With the default impedance of these constraints, the hanging rod is 8 % too long; with the `solimp`
+below, the error is 0.07 % at equal speed.
 """
 
 import math
@@ -31,7 +32,7 @@ CONTACT = 'condim="3" friction="%g 0 0" solref="0.002 1"' % FRICTION
 
 
 def tube_planes():
-    """Yields planes whose normals point to the tube's axis; the first plane is below the rod."""
+    """Yields the planes that form the tube; all normals point to the tube's axis. The first plane is below the rod."""
     for k in range(PLANES):
         angle = 2 * math.pi * k / PLANES
         normal = (0.0, math.sin(angle), math.cos(angle))

@@ -1,7 +1,8 @@
-/* Simulates the rod that tools/lab/peers/run_peers.py compares with other simulators (docs/bench.md,
- * "Peers"). The rod has a length of 0.5 m, 256 elements, 60 GPa and a diameter of 0.89 mm. Under gravity the
- * rod is held horizontally at one end, either free or in a straight tube of 3 mm. `peer_rod free|tube
- * SETTLE_TICKS TIMED_TICKS` prints one line of key=value pairs. */
+/* Simulates, in our core, the rod that tools/lab/peers/run_peers.py compares with other simulators
+ * (docs/bench.md, "Peers"). The rod has a length of 0.5 m, 256 elements, a Young's modulus of 60 GPa and a
+ * diameter of 0.89 mm. Under gravity the rod is held horizontally at one end; it is either free or lies in a
+ * straight tube of 3 mm diameter. The command `peer_rod free|tube SETTLE_TICKS TIMED_TICKS` prints one line
+ * of key=value pairs. */
 #include "firmware/bench/bench.h"
 #include "firmware/core/core_state.h"
 #include "firmware/tests/reference/tube_lumen.h"
@@ -11,8 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The element is 0.5 m / 256, rounded up to a whole micrometre, so the inner part of the last element remains
- * in the sheath. */
+/* The length of an element is 0.5 m / 256, rounded up to a whole micrometre, so the rear part of the last
+ * element remains in the sheath. */
 enum { ELEMENTS = 256, ELEMENT_um = 1954, LENGTH_um = 500000, SPARE_ELEMENTS = 8, TICKS_MAX = 1000000 };
 static const double young_Pa = 60e9, density_kg_m3 = 7850, radius_m = 0.445e-3, tube_radius_m = 1.5e-3,
                     friction = 0.2;

@@ -3,10 +3,10 @@
 //
 //   peer_xray BODIES FOLDER SIZE ROUNDS
 //
-// The program writes FOLDER/body_N.stl (binary, mm), FOLDER/scene.json (materials, geometry of each view,
-// spectrum) and FOLDER/ours_V.f32 (transmissions, row 0 on top), and prints one line of key=value pairs.
-// Bodies that lie in other bodies within the skin (marrow, vessels of the lungs) are left out, because
-// gVirtualXray allows only one level of nesting.
+// The program writes the files FOLDER/body_N.stl (binary, mm), FOLDER/scene.json (materials, geometry of each
+// view, spectrum) and FOLDER/ours_V.f32 (transmissions, row 0 on top). It also prints one line of key=value
+// pairs. Bodies that lie in other bodies within the skin (marrow, vessels of the lungs) are left out, because
+// gVirtualXray allows only one level of nested bodies.
 #include "host/base/format.hpp"
 #include "host/xray/detector.hpp"
 #include "host/xray/xray.hpp"
@@ -26,8 +26,8 @@ using namespace crn;
 namespace
 {
 
-// These energies are the middles of steps of the attenuation table, where it is not interpolated; `shares`
-// are their shares of the beam's energy.
+// The following energies are the midpoints of the attenuation table's energy steps, where the table is not
+// interpolated; `shares` are the fractions of the beam's energy.
 constexpr double energies_keV[] = {36.5, 44.5, 52.5, 60.5, 68.5};
 constexpr double shares[] = {0.21, 0.28, 0.26, 0.18, 0.07};
 
@@ -43,7 +43,7 @@ double now_ms()
         .count();
 }
 
-// Returns the processor time of all threads of this process.
+// Returns the processor time that all threads of this process have used.
 double processor_ms()
 {
     return static_cast<double>(std::clock()) * 1e3 / CLOCKS_PER_SEC;

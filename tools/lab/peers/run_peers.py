@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
-"""Times one rod in our core and in other simulators, in turn, and prints the ratio peer/ours (docs/bench.md, "Peers").
+"""Times one rod in our core and in other simulators, and prints the ratios of the times (docs/bench.md, "Peers").
 
   run_peers.py --ours build/bench/peer_rod [--environment build/peers] [--repeats 5] [--output out/bench_peers.tsv]
 
-Every simulator is a child process on the same processor core that prints one line of key=value pairs. The simulators
-alternate, so that a slow minute of the machine affects all of them. Our core and MuJoCo are timed per 1 ms step at
-rest, and PyElastica per simulated millisecond. The peers are installed into a separate virtual environment
-(tools/lab/peers/peers.txt). The exit code is 1 when a simulator cannot be measured, when a peer is more accurate than
-ours, or when a bar is missed.
+Every simulator runs as a child process on the same processor core, and prints one line of key=value pairs. The
+simulators alternate, so that a slow minute of the machine affects all of them. For our core and MuJoCo, the program
+measures the time per step of 1 ms with the rod at rest; for PyElastica, it measures the time per simulated millisecond.
+The other simulators are installed into a separate virtual environment (tools/lab/peers/peers.txt). The exit code is 1
+when a simulator cannot be measured, when another simulator is more accurate than our core, or when our speed misses a
+requirement.
 """
 
 import argparse
@@ -46,7 +47,7 @@ LENGTH_mm, GRAVITY_m_s2 = 500.0, 9.81
 
 
 class CannotMeasure(Exception):
-    """Raised for an error; the text gives the cause, the place and the remedy."""
+    """Raised for an error; the message gives the cause, the location and the remedy."""
 
 
 def tail(text, lines=4):
@@ -77,8 +78,8 @@ def run(command):
 
 
 def fetch(environment, imports, announcement, packages, refusal):
-    """Returns the Python of a virtual environment that can import `imports`; makes the environment from the list
-    `packages` if it does not exist. `refusal` explains what this requires."""
+    """Returns the path of a virtual environment's Python that can import the modules `imports`; makes the environment
+    from the list `packages` if it does not exist. `refusal` explains what this requires."""
     python = os.path.join(environment, "bin", "python")
     probe = [python, "-c", "import " + imports]
     if (
@@ -108,7 +109,8 @@ def fetch(environment, imports, announcement, packages, refusal):
 
 
 def prepare(environment):
-    """Returns the Python of a virtual environment that has the peers, and fetches them if they are missing."""
+    """Returns the path of a virtual environment's Python that has the other simulators, and installs them if they are
+    missing."""
     return fetch(
         environment,
         "mujoco, elastica",
@@ -120,7 +122,8 @@ def prepare(environment):
 
 
 def parse(line, source):
-    """Returns the pairs of one line, with numbers as float; refuses a value that is missing or not a number."""
+    """Converts one line of key=value pairs to a dictionary, with numbers as float; raises an error if a value is
+    missing or not a number."""
     pairs = dict(word.partition("=")[::2] for word in line.split())
     for key in ("code", "version", "scene") + NUMBERS:
         if not pairs.get(key):
@@ -141,7 +144,7 @@ def measure(command):
 
 
 def commands(ours, python):
-    """Returns one command per (code, scene), in the order of a round; a code is one simulator."""
+    """Returns one command per simulator and scene, in the order in which a round of measurements runs them."""
     mujoco, elastica = os.path.join(FOLDER, "peer_mujoco.py"), os.path.join(FOLDER, "peer_elastica.py")
     for scene, settle in SETTLE.items():
         yield [ours, scene, str(settle), str(TIMED_TICKS)]
@@ -150,7 +153,8 @@ def commands(ours, python):
 
 
 def merge(rounds):
-    """Returns one row per (code, scene), with the smallest of the minima and the median of the medians."""
+    """Returns one row per simulator and scene, with the smallest of the minimal times and the median of the median
+    times."""
     rows = {}
     for row in rounds:
         rows.setdefault((row["code"], row["scene"]), []).append(row)
@@ -161,8 +165,8 @@ def merge(rounds):
 
 
 def hanging_tip_mm(bend_N_m2, mass_g_per_m):
-    """Returns the tip of the inextensible elastica under its own weight by a shooting method: EI k' = w (L - s)
-    cos(angle)."""
+    """Returns the tip's position of an inextensible elastica under its own weight; a shooting method solves EI k' = w
+    (L - s) cos(angle)."""
     length, weight = LENGTH_mm * 1e-3, mass_g_per_m * 1e-3 * GRAVITY_m_s2
 
     def shoot(curvature, steps=1000):
@@ -184,8 +188,8 @@ def hanging_tip_mm(bend_N_m2, mass_g_per_m):
 
 
 def add_tip_error(row):
-    """Adds to the row the distance of the hanging tip from the closed form, in % of the length; it is NaN if no rod
-    hangs at rest."""
+    """Adds to the row the distance of the hanging tip from the closed form, in % of the rod's length; this distance is
+    NaN if no rod hangs at rest."""
     row["tip_error_pct"] = math.nan
     if row["scene"] == "free":
         x, z = hanging_tip_mm(row["bend_N_m2"], row["mass_g_per_m"])
@@ -193,7 +197,7 @@ def add_tip_error(row):
 
 
 def same_physics(rows):
-    """Yields the differences between the simulators in values that must be equal."""
+    """Yields a message for each physical value that differs between the simulators although it must be equal."""
     for key in ("elements", "bend_N_m2", "mass_g_per_m", "friction", "drag_per_s"):
         values = {row[key] for row in rows.values() if not math.isnan(row[key])}
         if max(values) - min(values) > 1e-3 * max(values):
@@ -201,7 +205,7 @@ def same_physics(rows):
 
 
 def compare(rows):
-    """Returns (text of the ratio, finding or None) for each comparison."""
+    """Returns, for each comparison, the text of the ratio, and an error message or None."""
     for scene, peer, our_scene, bar in COMPARISONS:
         theirs, ours = rows[(peer, scene)], rows[("cournand", our_scene)]
         ratio = theirs["us_per_ms_median"] / ours["us_per_ms_median"]
@@ -284,8 +288,7 @@ def report(rows, path):
 
 
 def status_of(name, work):
-    """Returns the exit code of work(), or prints a message and returns 1 when the measurement cannot be made or is
-    stopped."""
+    """Returns the exit code of work(), or prints a message and returns 1 when the measurement fails or is stopped."""
     try:
         return work()
     except CannotMeasure as problem:

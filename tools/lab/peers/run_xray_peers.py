@@ -1,15 +1,16 @@
 #!/usr/bin/env python3
-"""Compares our transmission pictures with those of gVirtualXray, for the same meshes, geometry, materials and five
+"""Compares our transmission pictures with those of gVirtualXray for equal meshes, geometry, materials and five
 energies.
 
   run_xray_peers.py --ours build/bench/peer_xray --bodies out/aorta.bodies [--environment build/xray_peers] [--size 512]
                     [--rounds 5] [--output out/bench_xray_peers.tsv]
 
 Prints the mean relative difference over the pixels inside the patient with a transmission above 1e-4, and the ratio of
-the peer's time per picture to ours. Our time includes the whole picture with scatter, noise and display. Ratios are
-given for the clock and for the processor time of all threads. The second ratio is judged, since other work on the
-machine does not change it. The peer is installed into a separate virtual environment (tools/lab/peers/xray_peers.txt).
-The exit code is 1 when a bar is missed or nothing could be measured.
+gVirtualXray's time per picture to our time. Our time includes the whole picture with scatter, noise and display. The
+program prints one ratio for the elapsed time and one ratio for the processor time of all threads. The requirement
+applies to the ratio of processor times, because other work on the machine does not change this ratio. The program
+gVirtualXray is installed into a separate virtual environment (tools/lab/peers/xray_peers.txt). The exit code is 1 when
+a requirement is missed or when the measurement fails.
 """
 
 import argparse
@@ -27,7 +28,8 @@ NUMBERS = ("ms_min", "ms_median", "processor_ms_median")
 
 
 def prepare(environment):
-    """Returns the Python of a virtual environment that has the peer, and fetches the peer if it is missing."""
+    """Returns the path of a virtual environment's Python that has gVirtualXray, and installs gVirtualXray if it is
+    missing."""
     return run_peers.fetch(
         environment,
         "numpy, gvxrPython3",
@@ -39,7 +41,7 @@ def prepare(environment):
 
 
 def measure(command):
-    """Returns the pairs of the command's last line of pairs, with times as numbers."""
+    """Returns the key=value pairs of the last such line that the command printed, with times as numbers."""
     lines = [line for line in run_peers.run(command).splitlines() if line.startswith("code=")]
     pairs = dict(word.partition("=")[::2] for word in lines[-1].split()) if lines else {}
     for key in NUMBERS:
@@ -69,7 +71,7 @@ def read_picture(path, pixels):
 
 
 def difference_pct(ours, theirs):
-    """Returns (mean of |theirs/ours - 1|, number of pixels) for the pixels inside the patient."""
+    """Returns the mean of |theirs/ours - 1| over the pixels inside the patient, and the number of these pixels."""
     total, count = 0.0, 0
     for own, other in zip(ours, theirs):
         if TRANSMISSION_MIN < own < INSIDE_MAX:

@@ -241,7 +241,8 @@ void truncated_series_are_refused(void **)
     refused(series / "0001.dcm", {"folder"});
 }
 
-// The files do not state enough, so the places of the slices are compared.
+// The headers of a series do not show whether a slice is missing, so the program compares the positions of
+// the slices.
 void missing_and_uneven_slices_are_named(void **)
 {
     const std::vector<std::string> names = {"a", "b", "c", "d", "e"};

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Claims: tools/lab/peers/run_peers.py compares what its programs print and reports errors. The test replaces our
-programs and the peers' by small programs, and uses a package index that cannot be reached. Prints TAP."""
+"""Claims: tools/lab/peers/run_peers.py compares the values that its programs print, and reports errors. The test
+replaces our programs and the other simulators by small programs, and uses an address of a package index that cannot be
+reached. Prints TAP."""
 
 import os
 import subprocess
@@ -38,8 +39,8 @@ def write_program(path, text):
 
 
 def run(ours, peers, environment=None):
-    """Returns the exit code, output and table of run_peers.py, which runs replacement programs that print the given
-    lines."""
+    """Runs run_peers.py with replacement programs that print the given lines; returns the exit code, the output and the
+    table."""
     with tempfile.TemporaryDirectory() as folder:
         write_program(
             folder + "/ours", "case $1 in %s esac" % "".join("%s) echo '%s';;" % item for item in ours.items())

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Claims: tools/lab/peers/run_xray_peers.py compares pictures and times and reports errors. The test replaces our
-program and the peer's by small programs, and uses a package index that cannot be reached. Prints TAP."""
+"""Claims: tools/lab/peers/run_xray_peers.py compares pictures and times, and reports errors. The test replaces our
+program and gVirtualXray by small programs, and uses an address of a package index that cannot be reached. Prints TAP.
+"""
 
 import os
 import struct
@@ -30,7 +31,7 @@ def write_picture(path, values):
 
 
 def run(theirs, ours_ms=10.0, theirs_ms=200.0, ours_values=None, environment=None):
-    """Returns the exit code and output of a run with replacement programs that put the given pictures into the
+    """Returns the exit code and the output of a run in which replacement programs write the given pictures into the
     folder."""
     with tempfile.TemporaryDirectory() as folder:
         write_picture(folder + "/a", ours_values or [0.5] * PIXELS)
