@@ -1,5 +1,5 @@
-// Holds a symmetric band matrix whose entries lie within `Band::reach` of the diagonal; it can be factored by
-// Cholesky's method and solved.
+// Holds a symmetric band matrix, whose entries lie within `Band::reach` of the diagonal, and solves systems
+// with this matrix by Cholesky's method.
 #pragma once
 #include <Eigen/Core>
 #include <vector>
@@ -15,7 +15,7 @@ class Band
 
     void reset(int size); // all zero
     int size() const { return size_; }
-    // Returns the entry (row, column) with row >= column >= row - reach.
+    // Returns the matrix entry at (row, column), where row >= column >= row - reach.
     double &at(int row, int column)
     {
         return entries_[static_cast<std::size_t>(row) * (reach + 1) + column - row + reach];
@@ -26,9 +26,9 @@ class Band
     }
 
     // Replaces the matrix by its lower Cholesky factor. Returns false when the matrix is not positive
-    // definite; its entries are then lost.
+    // definite; the entries of the matrix are lost in this case.
     bool factor();
-    // Replaces the right side by the solution; factor() must have been called before.
+    // Replaces the right-hand side of the system by the solution; the caller must call factor() first.
     void solve(Eigen::VectorXd &x) const;
 
   private:

@@ -10,7 +10,7 @@ namespace crn::reference
 namespace
 {
 
-// Returns the profile at one place, linear between knots, as the wire format specifies.
+// Returns the instrument's properties at one position, linear between knots, as the wire protocol specifies.
 struct Profile {
     double bend_N_m2, twist_N_m2, radius_m, curvature1_per_m, curvature2_per_m;
 };
@@ -30,7 +30,7 @@ Profile profile_at(const crn_wire_instrument &table, double arc_m)
             between(from.rest_curvature2_per_m_milli, to.rest_curvature2_per_m_milli, 1e-3)};
 }
 
-// Returns the place where the last curve of the tip ends.
+// Returns the distance from the tip at which the curved part of the tip ends.
 double curves_m(const crn_wire_instrument &table)
 {
     double end_m = 0.0;
@@ -41,7 +41,8 @@ double curves_m(const crn_wire_instrument &table)
     return end_m;
 }
 
-// Parts of a cell act as springs in series, so their compliances add up. Curvature adds over the cell.
+// The parts of a joint's cell act as springs in series, so the compliances of the parts add up. Curvature
+// adds over the cell.
 void fill_cell(const crn_wire_instrument &table, double from_m, double to_m, int node, Rod &rod)
 {
     constexpr int samples = 16;

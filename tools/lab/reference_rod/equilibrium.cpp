@@ -1,5 +1,5 @@
-// Finds equilibrium by Newton's method with a shifted band Cholesky factor and backtracking; the friction of
-// an iterate is that of the previous one.
+// Finds the rod's equilibrium by Newton's method with a shifted band Cholesky factor and backtracking; each
+// iteration uses the friction forces of the previous iteration.
 #include "tools/lab/reference_rod/equilibrium.hpp"
 #include <algorithm>
 #include <cmath>
@@ -9,8 +9,8 @@ namespace crn::reference
 namespace
 {
 
-// Holds the energy, force and stiffness of the wall per length at a penetration depth, divided by the wall's
-// stiffness k.
+// Holds the energy, force and stiffness of the wall per length of the rod, as functions of the penetration
+// depth, divided by the wall's stiffness k.
 struct Press {
     double energy, force, stiffness;
 };
@@ -33,8 +33,9 @@ class Potential
     {
     }
 
-    // Moves the friction of every node by `share` of the difference towards its value in this state. Returns
-    // the largest difference before the friction was changed.
+    // Moves the friction limit of every node from its old value towards its value in this state, by the
+    // fraction `share` of the difference. Returns the largest difference between old and new friction limits
+    // before the change.
     double renew_friction(const State &state, double share)
     {
         double most_N = 0.0;
@@ -143,8 +144,8 @@ void newton_direction(const Band &whole, const Eigen::VectorXd &slope, int unkno
     band.solve(direction);
 }
 
-// Returns the longest permitted step along `direction`, as a factor. In one iterate no node moves by more
-// than 2 mm, and no edge turns by more than 0.7 rad.
+// Returns the longest permitted step along `direction`, as a factor of `direction`. In one iteration no node
+// moves by more than 2 mm, and no edge of the rod turns by more than 0.7 rad.
 double longest(const Eigen::VectorXd &direction, int free)
 {
     constexpr double way_m = 2e-3, turn_rad = 0.7;

@@ -1,5 +1,5 @@
-// Finds the rod's rest position under wall, friction and loads. The search minimises an incremental potential
-// (Li et al., Incremental Potential Contact, 2020, section 5) by Newton's method.
+// Finds the position in which the rod is at rest under wall forces, friction and loads. The search minimises
+// an incremental potential (Li et al., Incremental Potential Contact, 2020, section 5) by Newton's method.
 //
 //   wall       k l p^2 / 2 per node; p = depth of its surface in the wall, l = its cell. The first `onset` is cubic, so
 //              that second derivatives are continuous. k per length is far above what bends the rod into the
@@ -18,7 +18,8 @@ namespace crn::reference
 
 namespace lumen = vcsim3; // we share only the baked field in doubles with that rod
 
-// Holds the wall's distance (negative inside), with its gradient and second derivatives at a place.
+// Returns the distance of a point from the wall (negative inside the lumen), with its gradient and second
+// derivatives.
 using Wall = std::function<lumen::LumenField(const Vector &)>;
 
 struct Physics {
@@ -32,7 +33,7 @@ struct Physics {
     int iterations_max = 600;
 };
 
-// Holds the state of friction at a node between two steps of the insertion.
+// Holds the state of friction at one node of the rod between two steps of the insertion.
 struct Anchor {
     Vector at = Vector::Zero();
     Vector normal = Vector::Zero(); // normal of the wall, outward
@@ -47,12 +48,13 @@ struct Outcome {
     Eigen::VectorXd slope;   // slope of the energy at every unknown; at held ones it is the holding force
 };
 
-// Brings nodes 0 .. free-1 and edges 0 .. free-1 to rest. Nodes free .. count-1 and their edges keep their
-// places.
+// Moves nodes 0 .. free-1 and edges 0 .. free-1 of the rod until they are at rest. Nodes free .. count-1 and
+// their edges keep their positions.
 Outcome find_rest(const Rod &rod, const Physics &physics, int free, int count, std::vector<Anchor> &anchors,
                   State &state);
 
-// Call this after a step: friction anchors then move with those nodes that slid or left the wall.
+// After a step of the insertion, this function moves the friction anchors of all nodes that slid along the
+// wall or left it.
 void drag_anchors(const Rod &rod, const Physics &physics, int free, const State &state,
                   std::vector<Anchor> &anchors);
 

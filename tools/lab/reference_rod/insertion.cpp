@@ -1,4 +1,4 @@
-// Feeds the rod through a sheath, step by step.
+// Feeds the reference rod through the introducer sheath, step by step.
 #include "tools/lab/reference_rod/insertion.hpp"
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -34,8 +34,8 @@ Insertion::Insertion(const Rod &rod, const Physics &physics, const Sheath &sheat
     step(start_m, turn_rad);
 }
 
-// Returns the new place of a node when the line moves along itself, which is the place that the line in front
-// of the node had before.
+// Returns the position of a node after the rod has moved along its own curve by `feed_m`; this position is a
+// point of the rod's curve before the step.
 Vector Insertion::followed(int node, double feed_m) const
 {
     const double arc_m = rod_.arc_m[node] - feed_m;
@@ -46,8 +46,8 @@ Vector Insertion::followed(int node, double feed_m) const
     return (1.0 - u) * state_.x[edge] + u * state_.x[edge + 1];
 }
 
-// Moves the line along itself, with its curved tip as a rigid body in front; the whole line turns with the
-// hand.
+// Moves the rod along its own curve, with its curved tip as a rigid body in front; the whole rod turns with
+// the hand.
 void Insertion::place(double inserted_m, double turn_rad)
 {
     const double feed_m = inserted_m - inserted_m_;
@@ -78,8 +78,9 @@ void Insertion::place(double inserted_m, double turn_rad)
     stiffen_mouth();
 }
 
-// The bending of a joint acts over its whole cell. Of the two joints beside the sheath's end, only the part
-// outside the sheath may bend. Otherwise the rod would be clamped up to one edge behind that end.
+// A joint of the rod bends over its whole cell, which extends half an edge to either side. The two joints
+// next to the sheath's end may bend only in the part of their cells that is outside the sheath. Otherwise the
+// rod would behave as if it were clamped up to one edge behind the sheath's end.
 void Insertion::stiffen_mouth()
 {
     constexpr double least = 0.02; // of a cell
@@ -93,11 +94,12 @@ double Insertion::cell_front_m(int joint) const
     return rod_.arc_m[joint] - 0.5 * rod_.length_m(joint - 1);
 }
 
-// Returns the force that holds the nodes in the sheath, plus the push EI kappa^2 / 2 of a sleeve on a rod
-// that is bent where it leaves the sleeve (Bigoni et al., Eshelby-like forces acting on elastic structures,
-// 2015). The push arises because every step lets more of the rod bend. Without the push, the hand's work
-// would not equal the energy that the rod stores. The push accounts for bending alone: twist at the sheath's
-// end would add GJ m^2 / 2 (m is twist per metre), which is below a millinewton here.
+// Returns the force that holds the nodes in the sheath, plus the force EI kappa^2 / 2 with which a sleeve
+// pushes a rod that is bent where it leaves the sleeve (Bigoni et al., Eshelby-like forces acting on elastic
+// structures, 2015). This push arises because every step frees a further part of the rod, which can then
+// bend. Without this push, the work of the hand would not equal the energy that the rod stores. The push
+// includes bending alone: twist at the sheath's end would add GJ m^2 / 2 (m is the twist per metre), which is
+// below 1 mN here.
 double Insertion::held_N() const
 {
     double force_N = 0.0;

@@ -1,5 +1,6 @@
-// Runs the protocol of an insertion (tools/lab/case/case.hpp) with the reference rod. The rod is fed in small
-// steps through a straight frictionless sheath that ends at the vessel, and comes to rest after each step.
+// Runs the protocol of an insertion (tools/lab/case/case.hpp) with the reference rod. The simulation feeds
+// the rod in small steps through a straight frictionless sheath that ends at the vessel, and finds the rod's
+// position at rest after each step.
 #pragma once
 #include "tools/lab/case/case.hpp"
 #include "tools/lab/reference_rod/equilibrium.hpp"
@@ -16,13 +17,13 @@ struct Sheath {
 class Insertion
 {
   public:
-    // At the beginning, `start_m` of the rod are outside the sheath. The part outside the sheath is straight
-    // at first, so it should be short.
+    // At the beginning, a length of `start_m` of the rod is outside the sheath. This part of the rod is
+    // straight at first, so it should be short.
     Insertion(const Rod &rod, const Physics &physics, const Sheath &sheath, double start_m, double turn_rad);
 
-    // Feeds to `inserted_m` with the hand at `turn_rad`. The feed takes one step, or several shorter steps if
-    // the rod does not come to rest. Returns false if the rod does not come to rest even with short steps;
-    // the state is then the best one found.
+    // Advances the rod to the inserted length `inserted_m`, with the hand at the angle `turn_rad`. The rod
+    // advances in one step, or in several shorter steps if it does not come to rest. Returns false if the rod
+    // does not come to rest even with short steps; the object then holds the state nearest to rest.
     bool advance(double inserted_m, double turn_rad);
 
     double inserted_m() const { return inserted_m_; }
@@ -38,7 +39,7 @@ class Insertion
     double depth_m() const { return depth_m_; }       // deepest contact of all steps so far
     double residual_N() const { return residual_N_; } // largest of all steps so far
 
-    // Returns the part of the rod outside the sheath, from the sheath's end to the tip.
+    // Returns the curve of the rod outside the sheath, from the sheath's end to the tip.
     std::vector<Vector> centreline_m() const;
 
   private:
@@ -60,8 +61,8 @@ class Insertion
     int curved_ = 0; // number of nodes from the tip that are curved at rest
 };
 
-// Returns the axis d1 at the sheath's end while the hand is not turned. As on the device, d1 is perpendicular
-// to the direction and to the coordinate axis that is least parallel to the direction.
+// Returns the rod's first material axis d1 at the sheath's end while the hand's angle is 0. As on the device,
+// d1 is perpendicular to `direction` and to that coordinate axis which is least parallel to `direction`.
 Vector zero_turn_axis(const Vector &direction);
 
 struct Step {
@@ -75,7 +76,8 @@ struct Run {
     double depth_mm = 0.0, residual_mN = 0.0;        // deepest contact and largest remaining force
 };
 
-// Inserts to all depths of a case. `progress` receives reports of the work and may be empty.
+// Simulates the insertion to all depths of a case. The function `progress` receives messages about the work;
+// it may be empty.
 Run insert(const insertion::Case &c, const crn_wire_instrument &table, const Wall &wall, double friction,
            const Cut &cut, const Step &step, const std::function<void(const std::string &)> &progress = {});
 

@@ -1,5 +1,5 @@
-// We take derivatives with respect to the two edges first, and convert them to derivatives with respect to
-// the nodes: rear edge = node - rear node, front edge = front node - node.
+// We first take derivatives with respect to the two edges of a joint, and then convert them to derivatives
+// with respect to the nodes: rear edge = node - rear node, front edge = front node - node.
 #include "tools/lab/reference_rod/joint.hpp"
 #include <Eigen/Geometry>
 
@@ -34,8 +34,8 @@ void spread(const Vector &de, const Vector &df, Slope &slope)
     slope.segment<3>(at_front) = df;
 }
 
-// Converts second derivatives with respect to the edges to those with respect to the nodes; the rows of ef
-// belong to the rear edge.
+// Converts second derivatives with respect to the edges to second derivatives with respect to the nodes; the
+// rows of the matrix `ef` belong to the rear edge.
 void spread(const Matrix &ee, const Matrix &ff, const Matrix &ef, Second &second)
 {
     const Matrix fe = ef.transpose();
@@ -50,8 +50,8 @@ void spread(const Matrix &ee, const Matrix &ff, const Matrix &ef, Second &second
     second.block<3, 3>(at_front, at_front) = ff;
 }
 
-// Converts second derivatives with respect to an angle and the two edges to those with respect to the angle
-// and the nodes.
+// Converts second derivatives with respect to an angle and the two edges to second derivatives with respect
+// to the angle and the nodes.
 void spread_angle(int angle, const Vector &de, const Vector &df, Second &second)
 {
     Slope row = Slope::Zero();
@@ -60,9 +60,9 @@ void spread_angle(int angle, const Vector &de, const Vector &df, Second &second)
     second.row(angle) += row.transpose();
 }
 
-// The curvature towards d1 is kb . (ue + uf) / 2, where u = t x d1 is the second axis of each edge. The same
-// formula with u = -d1 gives the curvature towards the axis t x d1. `ve` and `vf` are -du / d(angle), which
-// is d1 in the first case and t x d1 in the second.
+// The curvature towards d1 is kb . (ue + uf) / 2, where u = t x d1 is the second axis of each edge. With u =
+// -d1, this formula gives the curvature towards the axis t x d1. `ve` and `vf` are -du / d(angle), which is
+// d1 for the curvature towards d1, and t x d1 for the curvature towards t x d1.
 void curvature(const Frame &f, const Vector &ue, const Vector &uf, const Vector &ve, const Vector &vf,
                bool with_second, Measure &out)
 {

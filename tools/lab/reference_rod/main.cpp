@@ -1,4 +1,4 @@
-// The program reference_rod makes calibration cases with a known answer (docs/reference_rod.md).
+// The program reference_rod makes calibration cases whose correct answer is known (docs/reference_rod.md).
 #include "host/base/command_values.hpp"
 #include "host/base/output_files.hpp"
 #include "host/base/terminal.hpp"

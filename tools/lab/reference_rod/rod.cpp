@@ -11,8 +11,8 @@ namespace
 
 constexpr double pi = 3.14159265358979323846;
 
-// Returns the vector `v`, perpendicular to `from`, after the smallest rotation that turns `from` into `to`
-// (unit vectors).
+// Rotates the vector `v`, which is perpendicular to `from`, by the smallest rotation that turns `from` into
+// `to` (unit vectors), and returns the result.
 Vector carry(const Vector &v, const Vector &from, const Vector &to)
 {
     const Vector b = from.cross(to);
@@ -21,7 +21,8 @@ Vector carry(const Vector &v, const Vector &from, const Vector &to)
     return (turned - turned.dot(to) * to).normalized();
 }
 
-// Returns the angle from a to b about t, nearest to `guess`.
+// Returns the angle from a to b about the axis t; of all equivalent angles, the function returns the one
+// nearest to `guess`.
 double angle_near(const Vector &a, const Vector &b, const Vector &t, double guess)
 {
     const double angle = std::atan2(a.cross(b).dot(t), a.dot(b));
@@ -34,12 +35,12 @@ void set_reference(State &state, int joint, double guess)
     state.reference[joint] = angle_near(carry(state.axis[joint], te, tf), state.axis[joint - 1], tf, guess);
 }
 
-// Adds the energy weight * (measure - rest)^2 / 2 and its derivatives.
+// Adds the energy weight * (measure - rest)^2 / 2 of one joint, and the derivatives of this energy.
 double add_square(const Measure &m, double rest, double weight, int first, Eigen::VectorXd *slope,
                   Band *second)
 {
-    // Gives the places of the joint's unknowns among all unknowns, which are ordered with the front node and
-    // edge first.
+    // Gives the index of each unknown of the joint among the rod's unknowns, in which the front node and the
+    // front edge come first.
     static constexpr int place[11] = {8, 9, 10, 7, 4, 5, 6, 3, 0, 1, 2};
     const double off = m.value - rest;
     if (slope)

@@ -1,6 +1,6 @@
 // Models an instrument as a discrete elastic rod (Bergou et al., Discrete Elastic Rods, 2008, and Discrete
-// Viscous Threads, 2010). The rod has nodes, and per edge an angle between a reference frame and the material
-// frame. SI units, doubles.
+// Viscous Threads, 2010). The rod has nodes, and each edge between two nodes has an angle from its reference
+// frame to its material frame. SI units, doubles.
 //
 //     tip                                     hand
 //      0 --- 1 --- 2 ---  ...  --- k --- k+1      node i, position x_i, arc s_i from the tip
@@ -20,7 +20,8 @@ namespace crn::reference
 
 using Vector = Eigen::Vector3d;
 
-// The constants of a rod. The nodes are numbered 0 .. n-1; the joints are the nodes 1 .. n-2.
+// The constants of a rod. The nodes are numbered 0 .. n-1; each of the nodes 1 .. n-2 is a joint between two
+// edges.
 struct Rod {
     std::vector<double> arc_m;                            // per node, from 0
     std::vector<double> cell_m;                           // per node: half of each edge beside it
@@ -35,18 +36,19 @@ struct Rod {
     double length_m(int edge) const { return arc_m[edge + 1] - arc_m[edge]; }
 };
 
-// States how an instrument is divided into edges.
+// States into how long edges an instrument is divided.
 struct Cut {
     double tip_m = 0.25e-3, shaft_m = 0.75e-3; // longest edge at the tip, and elsewhere
     double fine_m = 0.0; // length from the tip; 0: to 5 mm behind the tip's curves, at least 20 mm
-    // EA is stretch * EI / edge^2, with the EI of the edge's softer end. In a bend of radius R the force is
-    // EI / R^2, and an edge of length h shortens by the share (h / R)^2 / stretch. This share is 3e-5 for an
-    // edge of 2 mm and a radius of 50 mm. A higher value of `stretch` only needs more iterations.
+    // The axial stiffness EA is stretch * EI / edge^2, with the smaller of the EI at the two ends of the
+    // edge. In a bend of radius R the axial force is EI / R^2, and an edge of length h shortens by the
+    // fraction (h / R)^2 / stretch of its length. This fraction is 3e-5 for an edge of 2 mm and a radius of
+    // 50 mm. A higher value of `stretch` would require more iterations and bring no other benefit.
     double stretch = 64.0;
 };
 
-// Returns the instrument's first `length_m`, plus two edges inside the sheath. Throws std::invalid_argument
-// when the instrument is shorter.
+// Makes a rod from the first `length_m` of the instrument, plus two edges that stay inside the sheath. Throws
+// std::invalid_argument when the instrument is shorter than this length.
 Rod cut_rod(const crn_wire_instrument &table, double length_m, const Cut &cut);
 // Returns the outer radius, in m, of an instrument at a distance from its tip.
 double radius_at_m(const crn_wire_instrument &table, double arc_m);
@@ -62,20 +64,20 @@ struct State {
     std::vector<double>
         reference; // per joint (index of its node): twist of the reference frames, rear to front edge
 
-    // Makes a straight rod with its tip at x, along the unit vector `forward`, with d1 equal to the unit
-    // vector `d1` everywhere.
+    // Makes a straight rod with its tip at x, along the unit vector `forward`; the material axis d1 of every
+    // edge is the unit vector `d1`.
     static State straight(const Rod &rod, const Vector &tip, const Vector &forward, const Vector &d1);
     Vector d1(int edge) const;
 };
 
-// Computes the state with other places and angles; reference frames follow each tangent by the smallest
-// rotation.
+// Computes the state that has other positions and angles; the reference frame of each edge follows the edge's
+// tangent by the smallest rotation.
 void move_state(const State &from, const std::vector<Vector> &x, const std::vector<double> &angle, int nodes,
                 State &to);
 
-// Returns the elastic energy, in J, of nodes 0 .. nodes-1 and the joints among them. The function adds the
-// energy's slope (4 per node: x, y, z, angle of the edge behind the node) and, if requested, its second
-// derivatives.
+// Returns the elastic energy, in J, of the nodes 0 .. nodes-1 and of the joints between them. The function
+// adds the energy's first derivatives (4 per node: x, y, z, and the angle of the edge behind the node) and,
+// if requested, its second derivatives.
 double elastic_energy(const Rod &rod, const State &state, int nodes, Eigen::VectorXd *slope, Band *second);
 
 } // namespace crn::reference

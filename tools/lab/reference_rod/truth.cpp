@@ -1,4 +1,4 @@
-// Makes a calibration case with a known answer (see truth.hpp).
+// Makes a calibration case whose correct answer is known (see truth.hpp).
 #include "tools/lab/reference_rod/truth.hpp"
 #include "host/base/number_text.hpp"
 #include "host/base/pending_file.hpp"
@@ -82,8 +82,8 @@ void write_parameters(const TruthRequest &request, const Truth &truth)
     write_whole_file((request.folder / "truth" / "parameters.toml").string(), file.str());
 }
 
-// Returns the places of a centreline as a scan without bias would give them: each place has independent
-// noise, except that the first place is known exactly.
+// Returns the points of a centreline as a scan without bias would give them: each point has independent
+// noise, except the first point, which is known exactly.
 std::vector<Vector> noisy(const std::vector<Vector> &points_mm, double noise_mm, Noise &noise)
 {
     std::vector<Vector> out = points_mm;
@@ -92,7 +92,7 @@ std::vector<Vector> noisy(const std::vector<Vector> &points_mm, double noise_mm,
     return out;
 }
 
-// Returns the hand's force at equal distances, with noise.
+// Returns the force on the hand at equal steps of inserted length, with noise.
 std::vector<insertion::ForceSample> measured(const TruthRequest &request,
                                              const std::vector<insertion::ForceSample> &force, Noise &noise)
 {
@@ -162,7 +162,7 @@ std::vector<double> radii_mm(const crn_wire_instrument &table, const std::vector
 
 double Noise::even()
 {
-    // The following lines are the generator SplitMix64 (Steele, Lea and Flood, 2014).
+    // The following lines are the random number generator SplitMix64 (Steele, Lea and Flood, 2014).
     std::uint64_t z = (state_ += 0x9e3779b97f4a7c15u);
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;

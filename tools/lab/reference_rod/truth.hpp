@@ -1,6 +1,6 @@
-// Makes a calibration case whose answer is known. The reference rod, with a stiffness that differs from the
-// instrument file's, is inserted into a baked lumen. The case holds the data that a scan and a hand would
-// give; the truth is stored separately.
+// Makes a calibration case whose correct answer is known. The program inserts the reference rod, whose
+// stiffness differs from that in the instrument file, into a baked lumen. The case holds the data that a scan
+// and a force sensor at the hand would give; the true values are stored separately.
 #pragma once
 #include "tools/lab/case/stiffness.hpp"
 #include "tools/lab/reference_rod/insertion.hpp"
@@ -37,17 +37,18 @@ struct Truth {
     Run run;
 };
 
-// Makes the insertion and writes into FOLDER: case.toml, instrument.toml and scene (copies), surface,
-// force.csv, depth_N.csv if noise is requested, truth/parameters.toml, truth/depth_N.csv and truth/force.csv.
-// `progress` is called after each depth; it may be empty. The same request gives the same files. Throws
-// std::runtime_error (Fault, OutputError) with the remedy.
+// Simulates the insertion and writes the following files into FOLDER: case.toml, instrument.toml and scene
+// (copies), surface, force.csv, depth_N.csv if noise is requested, truth/parameters.toml, truth/depth_N.csv
+// and truth/force.csv. The function `progress` is called after each depth; it may be empty. Equal requests
+// give equal files. Throws std::runtime_error (Fault or OutputError), whose message states the remedy.
 Truth make_case(const TruthRequest &request, const std::function<void(const std::string &)> &progress = {});
 
-// Returns the outer radius, in mm, that a scanner sees along `centreline_mm`, from the sheath's end to the
-// tip.
+// Returns the outer radius of the instrument, in mm, at each point of `centreline_mm`, from the sheath's end
+// to the tip, as a scanner sees it.
 std::vector<double> radii_mm(const crn_wire_instrument &table, const std::vector<Vector> &centreline_mm);
 
-// Generates independent normally distributed numbers with standard deviation 1, identical on every machine.
+// Generates independent normally distributed numbers with standard deviation 1; the numbers are identical on
+// every machine.
 class Noise
 {
   public:

@@ -1,4 +1,5 @@
-// Defines the command-line options of a truth, which `reference_rod` and `ct simulate --instrument` share.
+// Defines the command-line options for making a case with a known answer; the commands `reference_rod` and
+// `ct simulate --instrument` both use these options.
 #pragma once
 #include "tools/lab/reference_rod/truth.hpp"
 #include <CLI/CLI.hpp>
@@ -8,7 +9,7 @@
 namespace crn::reference
 {
 
-// Adds all options except the case's folder and the seed. `depths` are passed to take_depths.
+// Adds all options except the folder of the case and the seed. `depths` are passed to take_depths.
 inline void add_truth_options(CLI::App &app, TruthRequest &request, std::vector<std::string> &depths)
 {
     app.add_option("--instrument", request.instrument, "nominal instrument file, or FILE:preset");
@@ -38,7 +39,8 @@ inline void add_truth_options(CLI::App &app, TruthRequest &request, std::vector<
         ->capture_default_str();
 }
 
-// Reads "NAME:INSERTED_MM:TURN_DEG". Throws std::invalid_argument with the expected form.
+// Reads "NAME:INSERTED_MM:TURN_DEG". Throws std::invalid_argument, whose message states the expected form of
+// the option.
 inline insertion::Depth depth_from(const std::string &text)
 {
     const std::size_t turn = text.rfind(':'), inserted = turn == 0 ? turn : text.rfind(':', turn - 1);

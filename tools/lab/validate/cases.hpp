@@ -1,5 +1,5 @@
-// Lists the cases of the validation suite. Each case sets up a rod, loads it, and compares the result with a
-// reference.
+// Lists the cases of the validation suite. Each case of the suite sets up a rod, loads the rod, and compares
+// the result with a reference.
 #pragma once
 #include "tools/lab/validate/report.hpp"
 

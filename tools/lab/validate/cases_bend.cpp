@@ -1,4 +1,4 @@
-// Tests bending at rest: large deflections, weight, three-point bending, and curved tips.
+// Tests the bending of a rod at rest: large deflections, weight, three-point bending, and curved tips.
 #include "host/base/number_text.hpp"
 #include "tools/lab/validate/cases.hpp"
 #include "tools/lab/validate/elastica.hpp"
@@ -13,7 +13,7 @@ namespace crn::validate
 namespace
 {
 
-// Sets up a cantilever that leaves the introducer along +x.
+// Sets up a cantilever, which is a rod that leaves the introducer along +x.
 struct Cantilever {
     double bend_N_m2, length_m;
     unsigned elements;
@@ -100,8 +100,8 @@ void tip_load(Result &result, bool quick)
 
 // --- weight ---
 
-// Returns the heaviest load with which the rod comes to rest within the limits of the number formats; the
-// load rises in steps of 30 %.
+// Increases the load in steps of 30 %; returns the heaviest load at which the rod comes to rest and no number
+// format is exceeded.
 double heaviest(double bend_N_m2, double from, double to)
 {
     Cantilever c(bend_N_m2, 0.5, 256);
@@ -151,10 +151,10 @@ void self_weight(Result &result, bool quick)
 
 // --- three-point bend ---
 
-// Models half of the span: by symmetry the middle of the beam is clamped, and each support pushes with P / 2.
-// Returns the load P divided by the deflection. `mass_factor` multiplies the rod's mass m. With time step h,
-// a solve depends on h only through m / h^2 and the drag. A factor of 4 therefore has the same effect as half
-// the time step.
+// Models half of the span of a three-point bending test: by symmetry the middle of the beam is clamped, and
+// each support pushes with P / 2. Returns the load P divided by the deflection of the beam. `mass_factor`
+// multiplies the mass m of the rod. The result for a time step h depends on h only through m / h^2 and the
+// drag. A mass factor of 4 therefore has the same effect as half the time step.
 double bench_stiffness(double bend_N_m2, double span_m, double deflection_m, double mass_factor, int ticks)
 {
     double half = span_m / 2, element = element_length(half, bend_N_m2 > 2e-3 ? 10 : 20);
@@ -205,10 +205,11 @@ void three_point(Result &result, bool)
 
 // --- curved tips ---
 
-// A rod with rest curvature 1/R is held straight by supports on its axis. The rod has two spans: from the
-// base clamp to the support `second` (length a), and from there to the tip (length d). Clapeyron's theorem of
-// three moments gives the moment at `second`, divided by EI/R. The result is near 1, but not 1, because the
-// last span is only supported at its ends.
+// Supports on the x axis hold a rod straight whose resting shape has the curvature 1/R. The rod has two
+// spans: the first reaches from the clamp at the base to the support `second` (length a), and the second from
+// there to the tip (length d). Clapeyron's theorem of three moments gives the moment at the support `second`,
+// divided by EI/R. This moment is near 1 but not equal to 1, because the last span is only supported at its
+// ends.
 double three_moments(double a, double d)
 {
     return (3 * d + 1.5 * a) / (2 * d + 1.5 * a);

@@ -1,4 +1,5 @@
-// Tests buckling under thrust: Euler's four columns, and the behaviour beyond the critical load.
+// Tests buckling under axial thrust: Euler's four columns, and the behaviour of a column above the critical
+// load.
 #include "host/base/number_text.hpp"
 #include "tools/lab/validate/cases.hpp"
 #include "tools/lab/validate/elastica.hpp"
@@ -30,11 +31,11 @@ constexpr Column columns[] = {{"K_2", End::free, 2, 8},
                               {"K_0.699", End::pinned, 0.699156, 185},
                               {"K_0.5", End::clamped, 0.5, 384}};
 
-// Two supports at this distance from each other clamp the tip of a column. Supports on neighbouring nodes
-// could not clamp it, because each node's spring would let it turn.
+// Two supports at a distance of `clamp_elements` elements clamp the tip of a column. Supports on neighbouring
+// nodes could not clamp the tip, because the spring of each support would let the tip turn.
 constexpr unsigned clamp_elements = 8;
 
-// A soft piece of one element at the introducer serves as a hinge.
+// A soft piece of the rod, one element long, serves as a hinge at the introducer.
 constexpr double hinge_N_m2 = 2e-6;
 
 Rig make(const Column &column)
@@ -81,10 +82,10 @@ double sag(const Rig &rig)
     return most;
 }
 
-// The ratio of side load to sag falls as the thrust rises, nearly along a straight line, and reaches zero at
-// the critical load (Southwell). The thrust is first raised by half of its value at a time, until the sag has
-// grown. From then on, the last two points are extrapolated to zero, and the thrust is raised by 7/10 of the
-// remaining distance. No theory of buckling enters.
+// The ratio of side load to sag falls nearly linearly as the thrust rises, and reaches zero at the critical
+// load (Southwell). The function first raises the thrust by half of its value at a time, until the sag has
+// grown. From then on, the function extrapolates the last two points to a ratio of zero, and raises the
+// thrust by 7/10 of the distance to the thrust found in this way. No theory of buckling enters.
 double measure(const Column &column, Series &series)
 {
     Rig rig = make(column);

@@ -1,5 +1,5 @@
-// Tests tools inside one another: their stiffness adds up, their shapes combine, and the rod does not jump
-// when another tool takes the lead.
+// Tests tools that lie inside one another: their stiffnesses add up, their shapes combine, and the combined
+// rod does not jump when another tool becomes the one that reaches farthest.
 #include "host/base/number_text.hpp"
 #include "tools/lab/validate/cases.hpp"
 #include "tools/lab/validate/elastica.hpp"
@@ -80,8 +80,8 @@ void stiffness_adds(Result &result, bool quick)
 
 // --- a straight catheter opens a J ---
 
-// Returns the angle, in degrees, between the directions of the tip and of the introducer, as the sum of the
-// angles between neighbouring segments.
+// Returns the angle, in degrees, between the direction of the tip and that of the introducer, as the sum of
+// the angles between neighbouring segments.
 double opening(const Rig &rig)
 {
     std::vector<Vector3d> points = rig.shape();
@@ -162,9 +162,9 @@ void opens_hook(Result &result, bool quick)
 
 // --- change of the lead ---
 
-// A catheter is pushed over a resting wire in a bend until the catheter leads by 20 mm, and is then drawn
-// back. We take the largest displacement per tick of any node that the catheter does not cover, less the feed
-// of the tool itself.
+// The test pushes a catheter over a resting wire in a bend until the catheter reaches 20 mm beyond the wire,
+// and then draws the catheter back. We take the largest displacement per tick of any node that the catheter
+// does not cover, and subtract the displacement by which the hand moves the tool itself.
 void lead_change(Result &result, bool quick)
 {
     result.title = "Change of the leading tool";

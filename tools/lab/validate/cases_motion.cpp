@@ -1,4 +1,4 @@
-// Tests motion: frequencies and damping of a cantilever.
+// Tests the motion of a cantilever: the frequencies and damping of its oscillations.
 #include "tools/lab/validate/cases.hpp"
 #include "tools/lab/validate/elastica.hpp"
 #include "tools/lab/validate/support.hpp"
@@ -14,8 +14,8 @@ namespace
 
 constexpr double step_s = 1e-3, drag_per_s = 20; // the core's tick and its mass-proportional drag
 
-// Returns the eigenshape of a rod with one clamped and one free end at s (0 at the clamp, 1 at the free end);
-// it is 2 at the free end.
+// Returns the eigenshape, at position s, of a rod with one clamped end (s = 0) and one free end (s = 1); its
+// value at the free end is 2.
 double eigenshape(double beta, double s)
 {
     double ratio = (std::cosh(beta) + std::cos(beta)) / (std::sinh(beta) + std::sin(beta));
@@ -27,8 +27,8 @@ struct Oscillation {
     double omega, decay; // rad/s, 1/s
 };
 
-// q[n+1] = a q[n] + b q[n-1] holds for every decaying oscillation. We fit a and b by least squares and take
-// the complex root.
+// The samples q of every decaying oscillation satisfy q[n+1] = a q[n] + b q[n-1]. We fit a and b by least
+// squares and take the complex root of the equation z^2 = a z + b.
 Oscillation fit(const std::vector<double> &q, double interval_s)
 {
     double pp = 0, pr = 0, rr = 0, pq = 0, rq = 0;
@@ -45,8 +45,8 @@ Oscillation fit(const std::vector<double> &q, double interval_s)
     return {std::fabs(rate.imag()), -rate.real()};
 }
 
-// Computes how implicit Euler integration changes omega and the drag, from the roots of (1 + w^2 h^2) z^2 -
-// (2 - g h) z + (1 - g h) = 0.
+// Computes how implicit Euler integration changes the angular frequency omega and the drag, from the roots of
+// (1 + w^2 h^2) z^2 - (2 - g h) z + (1 - g h) = 0.
 Oscillation implicit_euler(double omega)
 {
     double a = 1 + omega * omega * step_s * step_s, b = 2 - drag_per_s * step_s, c = 1 - drag_per_s * step_s;
@@ -55,7 +55,7 @@ Oscillation implicit_euler(double omega)
     return {rate.imag(), -rate.real()};
 }
 
-// Releases the rod from an eigenshape and records the amplitude of this shape.
+// Releases the rod from an eigenshape, and records the amplitude of this shape over time.
 std::vector<double> released(double length_m, double bend, double mass, double beta, double stride_s,
                              double for_s)
 {

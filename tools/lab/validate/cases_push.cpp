@@ -1,5 +1,5 @@
-// Tests pushing: compression at a wall, stall, work against energy, and the range of stiffness in which the
-// rod does not vibrate.
+// Tests pushing a rod: its compression at a wall, the stall of the hand, the work compared with the energy,
+// and the range of stiffness in which the rod does not vibrate.
 #include "host/base/number_text.hpp"
 #include "tools/lab/validate/cases.hpp"
 #include "tools/lab/validate/support.hpp"
@@ -21,8 +21,8 @@ struct Pressed {
     Series force_against_way;
 };
 
-// A rod of 256 elements of 3 mm lies in a closed straight tube; its last millimetres are pushed in until the
-// hand stalls.
+// A rod of 256 elements of 3 mm lies in a closed straight tube; the hand pushes its last millimetres in until
+// the force stalls the hand.
 Pressed press(double axial_N, double stall_N, double friction, double speed_m_s)
 {
     Path path({-0.03, 0, 0}, {1, 0, 0}, {0, 0, 1});
@@ -105,8 +105,9 @@ void stall(Result &result, bool quick)
 
 // --- work and energy ---
 
-// Returns the bending energy of the free part, computed from positions alone. The joint at the introducer
-// counts with the length that the core gives it (half an element or less).
+// Returns the bending energy of the part outside the introducer, computed from the nodes' positions alone.
+// For the joint at the introducer, the function uses the length that the core gives this joint (half an
+// element or less).
 double bending_energy(const Rig &rig, double bend_N_m2, double element_m)
 {
     double sum = 0;
@@ -172,8 +173,8 @@ struct Calm {
     bool saturated;
 };
 
-// The rod is pushed 0.55 m at 0.1 m/s through three bends that do not lie in one plane, and then rests for a
-// second.
+// In this case the hand pushes the rod 0.55 m at 0.1 m/s through three bends that do not lie in one plane,
+// and then stops for a second.
 Calm insert(const Tool &tool)
 {
     Path path({-0.03, 0, 0}, {1, 0, 0}, {0, 0, 1});

@@ -1,4 +1,4 @@
-// Tests turning: torque that is transmitted to the tip, in a straight tube and round a bend, without and with
+// Tests turning a rod: the torque that reaches the tip in a straight tube and round a bend, without and with
 // friction.
 #include "host/base/number_text.hpp"
 #include "tools/lab/validate/cases.hpp"
@@ -83,8 +83,8 @@ struct Turned {
 
 constexpr double hook_radius_m = 0.015, hook_m = 0.03;
 
-// A J tip (radius 15 mm, length 30 mm, EI 1e-4 N m2) on a shaft with EI 1e-3 N m2 lies beyond a 90 degree
-// bend while the hand makes `turns` turns.
+// A J tip (radius 15 mm, length 30 mm, EI 1e-4 N m2) on a shaft with EI 1e-3 N m2 lies beyond a bend of 90
+// degrees while the hand makes `turns` turns.
 Turned turn_hook(double friction, double speed_rad_s, double turns)
 {
     Path path({-0.03, 0, 0}, {1, 0, 0}, {0, 0, 1});

@@ -1,4 +1,4 @@
-// Tests twist that causes buckling: of a straight rod, of a ring, and of a long rod that forms a local coil.
+// Tests buckling that twist causes: in a straight rod, in a ring, and in a long rod that forms a local coil.
 #include "tools/lab/validate/cases.hpp"
 #include "tools/lab/validate/elastica.hpp"
 #include "tools/lab/validate/support.hpp"
@@ -14,8 +14,8 @@ namespace
 
 constexpr double nu = 0.3, bend_over_twist = 1 + nu;
 
-// Sets up a rod whose tip is clamped in space by its first edge. This edge counts as rigid, and the clamp
-// lies in its middle.
+// Sets up a rod whose tip is clamped in space by its first edge (the segment next to the tip). This edge
+// counts as rigid, and the clamp lies in its middle.
 struct Clamped {
     Rig rig;
     double element_m, length_m; // between the clamps
@@ -97,11 +97,12 @@ void greenhill_case(Result &result, bool)
 
 // --- ring ---
 
-// Returns the root mean square distance of the nodes from the plane that fits them best and contains the x
-// axis and the introducer's end.
+// Fits a plane that contains the x axis and the introducer's end to the nodes; returns the root mean square
+// distance of the nodes from this plane.
 double warp(const Rig &rig)
 {
-    // We solve y = a x + b z by the normal equations, whose two columns are nearly orthogonal for a ring.
+    // We solve y = a x + b z by the normal equations, whose two columns are nearly orthogonal for a
+    // ring-shaped rod.
     const unsigned n = rig.free_count();
     double xx = 0, xz = 0, zz = 0, xy = 0, zy = 0;
     for (unsigned i = 0; i < n; i++) {

@@ -12,7 +12,8 @@ namespace
 constexpr int steps = 2000;
 constexpr int ramp = 40;
 
-// Integrates from the tip, where the angle is `tip`, to the clamp; returns the angle at the clamp.
+// Integrates the elastica's equations from the tip, where the angle is `tip`, to the clamp; returns the angle
+// at the clamp.
 double shoot(double tip, double tip_load, double line_load, std::vector<double> *angles)
 {
     double h = 1.0 / steps, theta = tip, moment = 0;
@@ -107,8 +108,8 @@ double euler_spring_pinned(double spring)
                 1.5 * M_PI);
 }
 
-// The slope-deflection method with stability functions gives s(u) / a + s''(v) / d = 0; one far end is
-// clamped, and the other is free to turn.
+// The slope-deflection method with stability functions gives s(u) / a + s''(v) / d = 0 for two spans: the far
+// end of one span is clamped, and the far end of the other span is free to turn.
 double euler_two_spans(double a, double d)
 {
     auto stiffness = [&](double q) {
@@ -128,7 +129,7 @@ double greenhill()
 Writhe writhe(double slack, double turn_rad, double bend_over_twist)
 {
     // The equations are slack = sqrt(16 / t (1 - m^2 / 4t)) and turn = m B/C + 4 acos(m / (2 sqrt t)); the
-    // second gives m for a given t.
+    // second equation gives m for a given t.
     auto moment = [&](double t) {
         return root(
             [&](double m) { return m * bend_over_twist + 4 * std::acos(m / (2 * std::sqrt(t))) - turn_rad; },

@@ -1,5 +1,5 @@
-// Computes reference solutions in double precision that do not use the core: shooting methods, closed forms
-// and characteristic equations.
+// Computes reference solutions in double precision without the core: by shooting methods, closed forms and
+// characteristic equations.
 #pragma once
 #include <functional>
 #include <vector>
@@ -13,13 +13,13 @@ struct PlaneShape {
     std::vector<double> x, y, angle; // at s = i / (size - 1)
 };
 
-// Computes the inextensible elastica under a tip load and a load per length, both constant and towards -y. A
-// shooting method solves theta' = M, M' = (P + w (1 - s)) cos(theta), M(1) = 0. The loads are raised in steps
-// from zero.
+// Computes the inextensible elastica under a tip load and a load per length, both of which are constant and
+// point towards -y. A shooting method solves theta' = M, M' = (P + w (1 - s)) cos(theta), M(1) = 0. The loads
+// are raised in steps from zero.
 PlaneShape elastica(double tip_load, double line_load);
 
-// Computes, in closed form with elliptic integrals, a cantilever that a constant load above Euler's presses
-// at its tip towards the clamp.
+// Computes, in closed form with elliptic integrals, the shape of a cantilever whose tip a constant load,
+// larger than Euler's critical load, presses towards the clamp.
 struct Buckled {
     double x, y, angle; // of the tip
 };
@@ -31,15 +31,15 @@ double root(const std::function<double(double)> &f, double low, double high);
 double beam_mode(unsigned number);         // beta of a cantilever's mode 1, 2, 3: cos b cosh b = -1
 double euler_clamped_pinned();             // u = L sqrt(P/EI): tan u = u
 double euler_spring_pinned(double spring); // the same with a torsional spring k L / EI at the other end
-// Computes the critical thrust through two spans: from a clamp to a support at distance `a`, and on to a
-// support at the end after another `d`. The rod is free to turn at both supports. Returns sqrt(P/EI).
+// Computes the critical thrust of a rod with two spans: from a clamp to a support at distance `a`, and from
+// there to a support at the end, after a further distance `d`. The rod is free to turn at both of these
+// supports. Returns sqrt(P/EI).
 double euler_two_spans(double a, double d);
 double greenhill(); // M L / B of a rod clamped at both ends
 
-// Computes the writhing of a long twisted rod with clamped ends, for a slack d = 1 - distance / L, an end
-// rotation of R radians, and B / C = `bend_over_twist` (van der Heijden and Thompson 2000; van der Heijden,
-// Neukirch, Goss, Thompson 2003). The results are the end moment divided by B/L, and the tension divided by
-// B/L^2.
+// Computes how a long twisted rod with clamped ends coils, for a slack d = 1 - distance / L, an end rotation
+// of R radians, and B / C = `bend_over_twist` (van der Heijden and Thompson 2000; van der Heijden, Neukirch,
+// Goss, Thompson 2003). The function returns the end moment divided by B/L, and the tension divided by B/L^2.
 struct Writhe {
     double moment, tension;
 };

@@ -114,7 +114,7 @@ class Builder
     {
     }
 
-    // Returns the entry for the cube of 8 voxels at `corner`.
+    // Returns the index entry for the cube of 8^3 voxels whose low corner is `corner`.
     std::uint16_t entry(const Vector3d &corner, unsigned level)
     {
         double voxel = voxel0_m / (1u << level);

@@ -1,6 +1,6 @@
-// Makes lumens from closed forms: exact distance functions, and the core's sparse field computed from them in
-// memory. The program `bake` would make the same field. This code does not use bake, so that a validation
-// case depends on the core alone.
+// Makes lumens from exact distance functions in closed form, and computes the core's sparse field from these
+// functions in memory. The program `bake` would make an equal field. This code does not use the program
+// `bake`, so that a validation case depends on the core alone.
 #pragma once
 #include <Eigen/Geometry>
 #include <functional>
@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 // Returns the signed distance to the wall in metres, negative inside; its slope never exceeds 1.
 using Distance = std::function<double(const Vector3d &)>;
 
-// Describes a path in closed form by straight pieces and arcs, in one or several planes.
+// Describes a path in closed form, as straight pieces and arcs in one or several planes.
 class Path
 {
   public:
@@ -51,8 +51,8 @@ class Path
 class LumenField
 {
   public:
-    // Makes the field of `distance` within the box; refinement levels 0, 1 and 2 have voxels of 1, 0.5 and
-    // 0.25 mm.
+    // Makes the core's field from the function `distance` within the box; the refinement levels 0, 1 and 2
+    // have voxels of 1, 0.5 and 0.25 mm.
     LumenField(const Distance &distance, const Vector3d &low, const Vector3d &high, unsigned level);
     ~LumenField();
     LumenField(LumenField &&) noexcept;
@@ -63,7 +63,8 @@ class LumenField
     std::unique_ptr<Storage> storage_;
 };
 
-// Makes a tube of one radius around a path; its ends are hemispheres, or a plane closes it across its end.
+// Makes a tube of constant radius around a path; the tube ends in hemispheres, or a plane across its end
+// closes it.
 LumenField tube_field(const Path &path, double radius_m, unsigned level, bool flat_end = false);
 
 } // namespace crn::validate

@@ -51,8 +51,8 @@ Result run_case(const Case &one, bool quick)
     return result;
 }
 
-// `jobs` threads take cases from the list. Cases share no data, so the results do not depend on the number of
-// threads.
+// As many threads as `jobs` states take cases from the list. Cases share no data, so the results do not
+// depend on the number of threads.
 std::vector<Result> run_all(const std::vector<Case> &cases, const Options &options)
 {
     std::vector<Result> results(cases.size());
@@ -74,7 +74,7 @@ std::vector<Result> run_all(const std::vector<Case> &cases, const Options &optio
     return results;
 }
 
-// Replaces the text between the two marks of a page.
+// Replaces the text between the two marker comments of a documentation page.
 void write_docs(const std::string &path, const std::string &table)
 {
     std::ifstream file(path, std::ios::binary);

@@ -12,7 +12,8 @@ namespace
 {
 
 constexpr double width = 620, height = 390, left = 76, right = 20, top = 40, bottom = 72;
-// The colours are dark enough on white, and colour-blind readers can distinguish them (Okabe and Ito).
+// The colours are dark enough on a white background, and colour-blind readers can distinguish them (Okabe and
+// Ito).
 const char *const colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8a6d00", "#56b4e9", "#000000"};
 
 const char *colour_of(const Plot &plot, std::size_t i)
@@ -154,7 +155,7 @@ std::string curve(const Plot &plot, const Series &s, const char *colour, const A
     return out + "\n";
 }
 
-// The legend is below the plot, with one entry after the other.
+// The legend is below the plot and lists its entries one after the other.
 std::string legend(const Plot &plot, double line_y)
 {
     std::string out;

@@ -1,5 +1,5 @@
-// Draws line plots as SVG text, with plain axes and round ticks. Lines show references, and dots show our
-// values.
+// Draws line plots as SVG text, with plain axes and round numbers at the ticks. In these plots, lines show
+// references, and dots show our values.
 #pragma once
 #include <string>
 #include <vector>
@@ -21,7 +21,7 @@ struct Plot {
     bool x_is_logarithmic = false;
 };
 
-// Returns a complete <svg> element. Values that are not finite are left out.
+// Returns a complete <svg> element. Values that are not finite are not drawn.
 std::string svg(const Plot &plot);
 
 } // namespace crn::validate

@@ -61,7 +61,7 @@ std::string tolerance_text(const Row &row)
     return row.is_bar() ? number_text(row.tolerance, 4) : "-";
 }
 
-// Returns how close a row is to failing; the result is 1 if the error equals the tolerance.
+// Returns the error of a row divided by its tolerance, which states how close the row is to failing.
 double share(const Row &row)
 {
     return row.tolerance > 0 ? std::fabs(row.error) / row.tolerance : row.passed() ? 0 : 2;

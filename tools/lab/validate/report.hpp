@@ -1,5 +1,5 @@
-// Holds the results of a case, which are figures compared with references and plots, and writes them. Every
-// comparison states its tolerance.
+// Holds the results of a validation case, which are values with their references and plots, and writes these
+// results. Every comparison states its tolerance.
 #pragma once
 #include "tools/lab/validate/plot.hpp"
 
@@ -9,8 +9,8 @@
 namespace crn::validate
 {
 
-// One figure. `error` is in `error_unit`; the row passes when the error's magnitude is within `tolerance`. A
-// tolerance below 0 means that the figure is reported but not judged.
+// One figure. `error` has the unit `error_unit`; the row passes when the magnitude of the error is within
+// `tolerance`. A tolerance below 0 means that the value is reported but not judged.
 struct Row {
     std::string name;    // case.what: unique and stable, because others refer to it
     std::string formula; // how the reference is computed
@@ -31,16 +31,16 @@ struct Result {
     double seconds = 0;
     std::string failure; // the error that stopped the case, or empty
 
-    // Compares the value with the reference; the error is in percent of the reference.
+    // Compares the value with the reference, and computes the error in percent of the reference.
     void relative(const std::string &what, const std::string &unit, double reference, double value,
                   double tolerance_pct);
-    // Compares the value with the reference; the error is in the value's own unit.
+    // Compares the value with the reference, and computes the error in the unit of the value.
     void absolute(const std::string &what, const std::string &unit, double reference, double value,
                   double tolerance);
-    // Takes an error, in `error_unit`, that the case has computed itself.
+    // Stores an error, in `error_unit`, that the validation case itself has computed.
     void error(const std::string &what, const std::string &unit, double reference, double value, double error,
                const std::string &error_unit, double tolerance);
-    // Checks that a value is not larger than a bar.
+    // Checks that a value is not larger than the limit `bar`.
     void at_most(const std::string &what, const std::string &unit, double value, double bar);
     void reported(const std::string &what, const std::string &unit, double reference, double value);
     bool passed() const;
@@ -49,7 +49,8 @@ struct Result {
 std::string tsv(const std::vector<Result> &results);
 std::string html(const std::vector<Result> &results, const std::string &command);
 std::string tap(const std::vector<Result> &results);
-// Returns the table of docs/validation.md, which has one line per case with its worst figure.
+// Returns the table of docs/validation.md, which has one line per case; the line shows that value of the case
+// which is closest to failing.
 std::string markdown(const std::vector<Result> &results);
 
 } // namespace crn::validate

@@ -129,9 +129,9 @@ void Rig::set_hold(const Hold &hold)
     crn_model_set_tip_hold(&core_->model, &h);
 }
 
-// The core controls the tip's angle relative to an axis that is carried without twist from the introducer to
-// the tip. When the line coils, this axis itself rotates at the tip (writhe). To keep the tip from rotating
-// in space, the controlled angle must be the negative of the axis's rotation.
+// The core controls the tip's angle relative to an axis that follows the rod without twist from the
+// introducer to the tip. When the rod coils, this axis itself rotates at the tip (writhe). To keep the tip
+// from rotating in space, the controlled angle must be the negative of this rotation of the axis.
 void Rig::hold_in_space()
 {
     crn_model &model = core_->model;
@@ -240,8 +240,8 @@ double Rig::base_angle(unsigned tool) const
     return core_->base_angle[tool];
 }
 
-// Angles of frames are counted about tangents that point to the hand, and angles of the hand about the
-// direction of insertion, so the signs are opposite.
+// Angles of the rod's frames are counted about tangents that point to the hand, but angles of the hand about
+// the direction of insertion, so the two have opposite signs.
 double Rig::tip_angle(unsigned tool) const
 {
     const crn_node_state *nodes = core_->state.words.nodes;

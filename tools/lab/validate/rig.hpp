@@ -1,9 +1,10 @@
-// Provides the core to the validation cases, with SI units in double precision for input and output. Only
-// rig.hpp and rig.cpp, of all files in this folder, call the core, so that a change of its interface affects
-// one place.
+// Provides the core to the validation cases; inputs and outputs are in SI units and double precision. Of all
+// files in this folder, only rig.hpp and rig.cpp call the core, so that only they must change when the core's
+// interface changes.
 //
-// Lengths count from the tip of tool 0 (node 0 is the leading tip). The introducer ends at the origin and
-// points along +x unless a case states otherwise.
+// Arc lengths count from the tip of tool 0, and node 0 is the tip of the tool that reaches farthest. The
+// introducer ends at the origin and points along +x unless a validation case states another position or
+// direction.
 #pragma once
 #include "tools/lab/validate/lumen_field.hpp"
 
@@ -17,8 +18,8 @@ namespace crn::validate
 
 using Eigen::Vector3d;
 
-// Holds the properties of a tool at an arc length from the tip. Properties are linear between knots; two
-// knots at one arc length make a step.
+// Holds the properties of a tool at an arc length from the tip. Properties change linearly between knots; two
+// knots at an equal arc length make a step.
 struct Knot {
     double arc_m = 0;
     double bend_N_m2 = 1e-3;
@@ -37,10 +38,11 @@ struct Tool {
     double element_m = 0.003; // of the whole tool
 };
 
-// Makes a tool with the same properties along the whole `length_m`.
+// Makes a tool of length `length_m` with constant properties along its whole length.
 Tool uniform_tool(const Knot &knot, double length_m, double element_m);
 
-// Springs of 2e5 N/m hold the tip at anchors: they act on node 0, and on node `second` if it is not 0.
+// Springs of 2e5 N/m hold the tip at fixed points: one spring acts on node 0, and another spring on node
+// `second` if `second` is not 0.
 struct Hold {
     Vector3d anchor_m = Vector3d::Zero();
     unsigned second = 0;
@@ -58,7 +60,8 @@ struct Start {
 class Rig
 {
   public:
-    // Throws std::runtime_error when the core rejects the tools. The field must outlive the rig.
+    // Throws std::runtime_error when the core rejects the tools. The lumen field must exist longer than the
+    // rig, which keeps a pointer to the field.
     Rig(const std::vector<Tool> &tools, const LumenField *field, const Start &start);
     ~Rig();
     Rig(Rig &&) noexcept;
@@ -73,7 +76,7 @@ class Rig
               unsigned tool = 0); // the hand's angle, right-handed about the direction of insertion
     void step(int ticks = 1);
 
-    // Gives the free nodes of the rig these positions and no velocity.
+    // Sets the positions of the rod's free nodes, and sets their velocities to zero.
     void place(const std::vector<Vector3d> &positions_m);
 
     unsigned free_count() const;

@@ -1,6 +1,6 @@
-// Keeps the distances between neighbouring mass points by constraints on their velocities, with Baumgarte's
-// term (thesis 5.4.2). For segment j with e = x[j+1] - x[j], n = e/|e| and C = |e| - l, the wanted relative
-// velocity along n is -beta C / h.
+// Keeps the distances between neighbouring mass points constant by constraints on their velocities, with
+// Baumgarte's term (thesis 5.4.2). For segment j with e = x[j+1] - x[j], n = e/|e| and C = |e| - l, the
+// constraint demands a relative velocity of -beta C / h along n.
 //   local    one sweep of pairwise impulses (Gauss-Seidel), from the hand to the tip; N sweeps per step
 //   global   all impulses of the chain at once by one tridiagonal solve
 #pragma once
@@ -14,7 +14,7 @@ struct DistanceSettings {
     double baumgarte = 0.1; // share of the length error removed per step
 };
 
-// The directions and wanted velocities of one step stay the same over its iterations.
+// Within one step, the directions n and the demanded velocities stay constant over all iterations.
 class DistanceConstraints
 {
   public:
@@ -23,13 +23,13 @@ class DistanceConstraints
     // Reads the present positions.
     void prepare(const Rod &rod, double step_s);
 
-    // Each of these functions changes velocities of free nodes only.
+    // The following functions change the velocities of free nodes only.
     void sweep_local(Rod &rod);
     void solve_global(Rod &rod);
 
     int count() const { return static_cast<int>(normal_.size()); }
 
-    // Returns the sum, in N s, of this step's impulses on the first held node.
+    // Returns the sum, in N s, of the impulses that this step applied to the first node that the hand holds.
     const Vector &hand_impulse() const { return hand_impulse_; }
 
   private:

@@ -1,4 +1,5 @@
-// Holds the memory of one core for use in a double-precision program, and converts the core's number formats.
+// Holds the memory of one simulation of the core for use in a double-precision program, and converts the
+// core's number formats.
 #pragma once
 #include <cmath>
 #include <cstddef>
@@ -16,14 +17,14 @@ inline double from_q(std::int32_t value, int bits)
     return std::ldexp(value, -bits);
 }
 
-// Rounds to the nearest number; |value| must be below 2.
+// Rounds `value` to the nearest number in the Q30 format; |value| must be below 2.
 inline std::int32_t to_q30(double value)
 {
     return static_cast<std::int32_t>(std::lround(std::ldexp(value, 30)));
 }
 
-// Holds the core's model and state, as bytes aligned for any of their members, and one tick's input and
-// output. This object is neither copied nor moved.
+// Holds the core's model and state in aligned memory, and the input and output of one tick. A CoreBlocks
+// object cannot be copied or moved.
 struct CoreBlocks {
     std::vector<std::max_align_t> model_memory, state_memory;
     crn_model *model = nullptr;

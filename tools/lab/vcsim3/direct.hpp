@@ -1,5 +1,6 @@
-// Runs our own solver beside the baseline: the firmware core, which is fed into the same vessel through its
-// public header. Only this header and its .cpp file, of all files in this folder, call the core.
+// Simulates a rod with our own solver for comparison with the baseline; the solver is the firmware core,
+// which receives the same vessel through its public header. Of all files in this folder, only this header and
+// its .cpp file call the core.
 #pragma once
 #include "tools/lab/vcsim3/lumen.hpp"
 #include "tools/lab/vcsim3/rod.hpp"
@@ -8,7 +9,7 @@
 namespace vcsim3
 {
 
-// Holds the properties of a uniform, straight rod that the core receives. Ranges: firmware/core/core.h.
+// Holds the properties of a uniform, straight rod that are passed to the core. Ranges: firmware/core/core.h.
 struct DirectProperties {
     double length_m = 0.0;
     double element_m = 0.0;
@@ -22,14 +23,15 @@ struct DirectProperties {
 class DirectRod
 {
   public:
-    // `lumen` must outlive this object; the rod enters it at `mouth_m` along the unit vector `direction`.
-    // Throws std::runtime_error when the core rejects the rod.
+    // `lumen` must exist longer than this object; the rod enters the lumen at `mouth_m` along the unit vector
+    // `direction`. Throws std::runtime_error when the core rejects the rod.
     DirectRod(const DirectProperties &properties, const crn_lumen &lumen, const Vector &mouth_m,
               const Vector &direction, double inserted_m);
     DirectRod(DirectRod &&) noexcept;
     ~DirectRod();
 
-    // Simulates a tick of 1 ms in which the hand moves by feed_m. A tick is one step of our solver.
+    // Simulates a tick of 1 ms, in which the hand pushes the rod in by feed_m. For our solver, one tick is
+    // one time step.
     void tick(double feed_m);
 
     double inserted_m() const;
@@ -41,8 +43,8 @@ class DirectRod
     std::vector<Vector> positions() const; // free nodes and the first held one
     std::vector<bool> touching() const;    // for each of these nodes
 
-    // These functions convert the state to bytes and back; restore() returns false when the bytes do not
-    // belong to this rod.
+    // The following functions convert the state of the rod to bytes and back; restore() returns false when
+    // the bytes do not belong to this rod.
     std::vector<std::uint8_t> save() const;
     bool restore(const std::vector<std::uint8_t> &bytes);
 

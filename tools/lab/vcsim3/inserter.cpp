@@ -30,7 +30,7 @@ void Inserter::feed(Rod &rod, double inserted_m, double speed_m_s, double turn_r
         rod.position[i] = mouth_m_ + (inserted_m - i * element_m) * direction_;
         rod.velocity[i] = speed_m_s * direction_;
     }
-    // The segments' third axis points out of the vessel.
+    // The third axis of each segment points out of the vessel.
     const Quaternion turned =
         unturned_ * Quaternion(std::cos(0.5 * turn_rad), 0.0, 0.0, -std::sin(0.5 * turn_rad));
     for (int j = rod.free_count; j < rod.properties.element_count; j++) rod.orientation[j] = turned;

@@ -1,4 +1,5 @@
-// Models the sheath that feeds the rod: the nodes inside the sheath lie on its axis and move with the hand.
+// Models the introducer sheath: the rod's nodes inside the sheath lie on the sheath's axis and move with the
+// hand.
 #pragma once
 #include "tools/lab/vcsim3/rod.hpp"
 
@@ -8,21 +9,21 @@ namespace vcsim3
 class Inserter
 {
   public:
-    // `direction` (unit) points into the vessel.
+    // The unit vector `direction` points along the sheath into the vessel.
     Inserter(const Vector &mouth_m, const Vector &direction)
         : mouth_m_(mouth_m), direction_(direction), unturned_(turn_from_z(-direction))
     {
     }
-    // `axis` (unit, perpendicular to `direction`) is the segments' first axis while the hand is not turned; a
-    // bent tip points in this direction.
+    // The unit vector `axis`, perpendicular to `direction`, is the first axis of the segments while the
+    // hand's angle is 0; a bent tip points in this direction.
     Inserter(const Vector &mouth_m, const Vector &direction, const Vector &axis);
 
-    // Makes a straight rod at rest; the length `inserted_m` is outside the sheath and may be anything from 0
-    // to the whole length.
+    // Makes a straight rod at rest; the length `inserted_m`, from 0 to the whole length, is outside the
+    // sheath.
     Rod make_rod(const RodProperties &properties, double inserted_m) const;
 
-    // Places and moves the held nodes for this inserted length, and turns their segments right-handed about
-    // the direction. Frees the nodes that have left the sheath.
+    // Sets the positions and velocities of the nodes in the sheath for this inserted length, and turns their
+    // segments right-handed about `direction`. Nodes that have left the sheath become free.
     void feed(Rod &rod, double inserted_m, double speed_m_s, double turn_rad = 0.0) const;
 
     const Vector &direction() const { return direction_; }

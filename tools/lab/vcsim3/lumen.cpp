@@ -1,5 +1,6 @@
-// Reads a scene file and evaluates its field. The spline's weights at fraction u of a voxel are (1-u)^2/2,
-// 1/2 + u - u^2 and u^2/2; their slopes are -(1-u), 1-2u and u; their second derivatives are 1, -2 and 1.
+// Reads a scene file and evaluates the lumen's distance field in it. At the fraction u of a voxel, the
+// weights of the spline are (1-u)^2/2, 1/2 + u - u^2 and u^2/2; their first derivatives are -(1-u), 1-2u and
+// u; their second derivatives are 1, -2 and 1.
 #include "tools/lab/vcsim3/lumen.hpp"
 #include "shared/scene/scene.h"
 #include <cmath>
@@ -32,8 +33,8 @@ std::vector<std::uint8_t> read_bytes(const std::string &path)
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// Returns the index entry of the brick that contains a point; `place` becomes the point in voxels of that
-// brick's level.
+// Returns the index entry of the brick (block of voxels) that contains a point; `place` receives the point in
+// voxels of that brick's refinement level.
 std::uint32_t find_entry(const crn_lumen &lumen, Eigen::Array3d &place, int &level)
 {
     Eigen::Array3i cell = place.floor().cast<int>();
@@ -61,7 +62,7 @@ struct Weights {
     }
 };
 
-// Holds the result of one row of spline coefficients along x: value, slope and second derivative.
+// Holds the sum over one row of spline coefficients along x: value, first derivative and second derivative.
 struct Line {
     double value, slope, bend;
 };

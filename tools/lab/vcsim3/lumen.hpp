@@ -1,5 +1,6 @@
-// Evaluates the vessel in double precision. The code reads the same sparse field of B-spline coefficients as
-// the core (the core's lumen.h specifies the layout), but independently of the core's arithmetic.
+// Evaluates the distance field of the vessel in double precision. This code reads the same sparse field of
+// B-spline coefficients as the core (the core's lumen.h specifies the layout), but does not use the core's
+// arithmetic.
 #pragma once
 #include "tools/lab/vcsim3/rod.hpp"
 extern "C" {
@@ -17,23 +18,23 @@ struct LumenSample {
     Vector inward = Vector::Zero(); // unit normal; zero far from the wall
 };
 
-// Holds the field at a point. Neighbouring values differ exactly as the gradient states, but the gradient's
-// length is not exactly 1. Second derivatives jump at the borders of voxels. Gradient and second derivatives
-// are zero far from the wall.
+// Holds the value and derivatives of the distance field at a point. The gradient is the exact derivative of
+// the field's value, but the length of the gradient is not exactly 1. The second derivatives of the field are
+// discontinuous at the borders of voxels. The gradient and second derivatives are zero far from the wall.
 struct LumenField {
     double distance_m = 0.0; // negative inside the lumen
     Vector gradient = Vector::Zero();
     Eigen::Matrix3d second_per_m = Eigen::Matrix3d::Zero();
 };
 
-// Holds the lumen and the place where the rod enters it. This object owns the bytes of its file, so it is
-// neither copied nor moved.
+// Holds the lumen of a scene, and the position at which the rod enters the lumen. This object owns the bytes
+// of the scene file, so it cannot be copied or moved.
 class Vessel
 {
   public:
-    // Throws std::runtime_error that names the file, the fault and the remedy.
+    // Throws std::runtime_error, whose message names the file, the fault and the remedy.
     explicit Vessel(const std::string &path);
-    // Uses a lumen that belongs to another object, which must outlive this one.
+    // Uses a lumen that belongs to another object, which must exist longer than this object.
     Vessel(const crn_lumen &lumen, const Vector &mouth_m, const Vector &direction);
     Vessel(const Vessel &) = delete;
     Vessel &operator=(const Vessel &) = delete;
@@ -44,7 +45,7 @@ class Vessel
     const Vector &direction() const { return direction_; }
     const std::string &name() const { return name_; }
 
-    // Returns the corners of the lattice.
+    // Returns two opposite corners of the lattice on which the field is stored.
     Vector low_m() const;
     Vector high_m() const;
 
@@ -55,8 +56,9 @@ class Vessel
     std::string name_;
 };
 
-// Returns the field at a point: its value, and the normal from its gradient, computed from 27 coefficients.
-// Far from every wall, the value is +-15.6 mm and the normal is zero.
+// Returns the value of the field at a point, and the normal of the wall from the field's gradient; both are
+// computed from 27 coefficients. Far from every wall, the value of the field is +-15.6 mm and the normal is
+// zero.
 LumenSample sample_lumen(const crn_lumen &lumen, const Vector &position_m);
 
 LumenField lumen_field(const crn_lumen &lumen, const Vector &position_m);

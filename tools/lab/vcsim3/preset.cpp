@@ -36,8 +36,9 @@ double Preset::mass_kg_per_m() const
     return density_kg_m3() * mass_scale * area_m2(*this);
 }
 
-// The number of substeps is the smallest number with step_ratio <= 1.5, so that every mode stays stable when
-// segments are compressed. `vcsim3 stability` measures where each mode becomes unstable.
+// The number of substeps is the smallest with step_ratio <= 1.5, so that every mode of the thesis' rod stays
+// stable when segments are compressed. The command `vcsim3 stability` measures with how few steps each mode
+// becomes unstable.
 const std::vector<Preset> &presets()
 {
     static const std::vector<Preset> rows = {

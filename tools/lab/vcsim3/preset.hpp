@@ -1,10 +1,10 @@
-// Provides the nine instruments of the thesis' Table 5.1 as rods, with the scales that keep them stable in
-// explicit integration.
+// Provides the nine instruments of the thesis' Table 5.1 as rods; mass and inertia are scaled so that
+// explicit integration of these rods is stable.
 //
 // The table gives no units. With the following units all nine instruments are consistent: E x 1e7 Pa, radius
 // x 1e-4 m (8.9 is then the Super Stiff's 0.89 mm), density x 1e5 kg/m^3, and Kp x 10 N. The unit of Kp
-// follows because Kp / (E radius^2) must be the table's own ratio if the table's length is the decimetre, in
-// which 0.89 mm is 8.9e-3. docs/thesis.md gives the argument.
+// follows if the table's length is the decimetre (0.89 mm is then 8.9e-3), because Kp / (E radius^2) must be
+// the ratio of the table's own numbers. The document docs/thesis.md gives the argument.
 #pragma once
 #include "tools/lab/vcsim3/rod.hpp"
 #include <string>
@@ -15,7 +15,7 @@ namespace vcsim3
 struct Preset {
     const char *token;      // for command lines
     const char *instrument; // row of Table 5.1
-    // The values are as printed, without the powers of ten in the table's head.
+    // The values are as printed in the table, without the powers of ten in the header of the table.
     double young, radius, density, parallel;
     // The same for all modes.
     int substeps;         // steps per millisecond with elements of element_m
@@ -33,7 +33,8 @@ struct Preset {
 
 inline constexpr double preset_element_m = 1.5e-3;
 inline constexpr double wall_friction = 0.2;
-// These are the drags, per second, of the mass points (as in our solver) and of the segments' rotation.
+// The following constants are the drag of the mass points (as in our solver) and of the segments' rotation,
+// in 1/s.
 inline constexpr double drag_per_s = 20.0, spin_drag_per_s = 200.0;
 
 const std::vector<Preset> &presets();
@@ -41,8 +42,8 @@ const Preset *find_preset(const std::string &token); // nullptr when there is no
 
 RodProperties rod_of(const Preset &preset, int element_count, double element_m);
 
-// Returns the time step times the highest frequency that the parallel constraint gives the mass points, which
-// is 2/l sqrt(Kp / mass per length). Explicit integration is stable only if this product is below 2.
+// Returns the time step times the highest angular frequency of the mass points, which the parallel constraint
+// sets to 2/l sqrt(Kp / mass per length). Explicit integration is stable only if this product is below 2.
 double step_ratio(const Preset &preset, double element_m, int substeps);
 
 } // namespace vcsim3

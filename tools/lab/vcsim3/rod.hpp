@@ -1,6 +1,6 @@
-// Models the thesis' rod (CoRdE): mass points are joined by segments, each segment has a unit quaternion, and
-// time integration is explicit. Node 0 is the tip. Segment j joins nodes j and j+1, and its third director
-// points towards the hand. SI units, doubles.
+// Models the thesis' rod (CoRdE): segments join mass points, each segment has a unit quaternion, and time
+// integration is explicit. Node 0 is the tip. Segment j joins nodes j and j+1, and its third director points
+// towards the hand. SI units, doubles.
 //   Energies and forces          rod_forces.cpp
 //   Explicit integration         rod_integrate.cpp
 //   Inserter that feeds the rod  inserter.hpp
@@ -16,14 +16,14 @@ namespace vcsim3
 using Vector = Eigen::Vector3d;
 using Quaternion = Eigen::Quaterniond;
 
-// Holds the properties of a joint; they are needed if the rod is not uniform or not straight.
+// Holds the properties of one joint of the rod, for rods that are not uniform or not straight.
 struct JointProperties {
     double bend_N_m2 = 0.0, twist_N_m2 = 0.0;
     Vector rest_strain =
         Vector::Zero(); // u of rod_forces.cpp at rest, 1/m, in the segments' axes: rest_strain()
 };
 
-// The constants of a rod. All constants are finite and positive unless stated otherwise.
+// The constants of a rod. All constants are finite and positive unless a comment states otherwise.
 struct RodProperties {
     int element_count = 0;      // 2 or more
     double element_m = 0.0;     // rest length of every segment
@@ -43,9 +43,9 @@ struct RodProperties {
     Vector weight_N_per_m = Vector::Zero();
 };
 
-// Node i has a position and a velocity. Segment j has an orientation (body to world), and an angular velocity
-// in its own axes. Nodes from free_count onwards, and their segments, are held: no function in this file
-// moves them.
+// Node i has a position and a velocity. Segment j has an orientation (from its own axes to the world's axes),
+// and an angular velocity in its own axes. The hand holds the nodes from free_count onwards and their
+// segments, so no function in this file moves them.
 struct Rod {
     RodProperties properties;
     int free_count = 0; // 0 .. element_count + 1
@@ -62,17 +62,19 @@ struct Rod {
     Vector director(int segment) const { return orientation[segment] * Vector::UnitZ(); }
 };
 
-// Returns the smallest rotation from +z to a direction.
+// Returns the smallest rotation that turns +z into a given direction.
 Quaternion turn_from_z(const Vector &direction);
 
-// Returns the rest strain of a joint whose segment on the hand's side is rotated by `turn_rad` relative to
-// the segment on the tip's side. `turn_rad` is the axis times the angle, which must be under 2 pi.
+// Returns the strain that a joint has in its resting shape, if the segment on the hand's side is rotated by
+// `turn_rad` relative to the segment on the tip's side. `turn_rad` is the axis of the rotation times its
+// angle, which must be below 2 pi.
 Vector rest_strain(const Vector &turn_rad, double element_m);
 
-// Computes force and torque (in the segment's axes) from weight and from the energies of the present shape.
+// Computes the force on each node and the torque on each segment (in the segment's axes) from weight and from
+// the elastic energies.
 void add_elastic_forces(Rod &rod);
 
-// Holds the energies in J, for tests and for monitoring stability.
+// Holds the rod's energies in J, for tests and for monitoring stability.
 struct Energy {
     double bend_and_twist = 0.0, parallel = 0.0, stretch = 0.0, kinetic = 0.0;
     double total() const { return bend_and_twist + parallel + stretch + kinetic; }
@@ -84,12 +86,12 @@ Energy energy_of(const Rod &rod);
 void integrate_velocities(Rod &rod, double step_s);
 void integrate_positions(Rod &rod, double step_s);
 
-// Returns the present length of the free part divided by its rest length, minus 1; the result is negative
-// when the rod is compressed.
+// Returns the present length of the free part of the rod divided by its unloaded length, minus 1; the result
+// is negative when the rod is compressed.
 double length_error(const Rod &rod);
 
-// Returns false when a coordinate is not finite, or when a node is farther than `reach_m` from the first held
-// node (from the tip if no node is held).
+// Returns false when a coordinate is not finite, or when a node is farther than `reach_m` from the first node
+// that the hand holds (from the tip if the hand holds no node).
 bool is_sound_within(const Rod &rod, double reach_m);
 
 } // namespace vcsim3

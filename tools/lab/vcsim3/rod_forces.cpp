@@ -1,13 +1,13 @@
-// Computes the energies of CoRdE and their gradients. In the following formulas l is the rest length,
-// e = x[j+1] - x[j], t = e/|e|, and d3 is the third director:
+// Computes the elastic energies of the rod model CoRdE and their gradients. In the following formulas l is
+// the rest length, e = x[j+1] - x[j], t = e/|e|, and d3 is the third director:
 //   parallel  l Kp/2 |t - d3|^2                           per segment
 //   bending   l/2 (EI (u1^2 + u2^2) + GJ u3^2)            per joint, u = (4/l) v/(1+w), (w, v) = q[j]* q[j+1],
 //                                                         less u at rest
 //   stretch   Ks/(2 l) (|e| - l)^2                        per segment, in the penalty mode only
 //
-// In CoRdE, u is 2/|q|^2 B q.q', where q is the mean of both quaternions and q' is their difference divided
-// by l. For unit quaternions u is 4/l tan(angle/4) about the axis of rotation. Every node has the weight of
-// one element.
+// In CoRdE, the strain u is 2/|q|^2 B q.q', where q is the mean of the two segments' quaternions and q' is
+// their difference divided by l. For unit quaternions, the strain u is 4/l tan(angle/4) about the axis of the
+// rotation between the segments. The weight of every node is that of one element.
 #include "tools/lab/vcsim3/rod.hpp"
 
 namespace vcsim3
@@ -15,7 +15,8 @@ namespace vcsim3
 namespace
 {
 
-// Returns half the tangent of a quarter of the rotation angle, as a vector in the axes of either segment.
+// Returns half the tangent of a quarter of the rotation angle between two segments, as a vector in the axes
+// of either segment.
 Vector quarter_tangent(const Quaternion &a, const Quaternion &b)
 {
     const Quaternion relative = a.conjugate() * b;
@@ -36,8 +37,8 @@ Bent bent_from_rest(const RodProperties &p, int node, const Vector &strain)
     return {off, {joint.bend_N_m2 * off.x(), joint.bend_N_m2 * off.y(), joint.twist_N_m2 * off.z()}};
 }
 
-// The joint at the first held node represents only half a cell, because the other half is inside the
-// introducer.
+// The joint at the first node that the hand holds represents only half a cell, because the other half is
+// inside the introducer.
 double joint_weight(const Rod &rod, int joint_node)
 {
     return joint_node >= rod.free_count ? 2.0 : 1.0;

@@ -1,4 +1,4 @@
-// Holds the state of the rod and its explicit integration.
+// Makes the state of the rod, and advances this state by explicit integration.
 #include "tools/lab/vcsim3/rod.hpp"
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,9 @@
 namespace vcsim3
 {
 
-// For the direction -z, the result is half a turn about x. For this direction alone, Eigen's FromTwoVectors
-// would compile a singular value decomposition, which takes 8 s.
+// For the direction -z, the result is a rotation by half a turn about x. The function handles this direction
+// itself, because Eigen's FromTwoVectors would compile a singular value decomposition for it, which takes 8
+// s.
 Quaternion turn_from_z(const Vector &direction)
 {
     const Vector to = direction.normalized();
@@ -43,7 +44,8 @@ void integrate_velocities(Rod &rod, double step_s)
     const double bend = p.inertia_bend_kg_m * p.element_m, twist = p.inertia_twist_kg_m * p.element_m;
     for (int j = 0; j < std::min(rod.free_count, p.element_count); j++) {
         const Vector w = rod.spin[j];
-        // The vector w x (J w) has no third component, since both transverse inertias are equal.
+        // The vector w x (J w) has no third component, because the two transverse moments of inertia are
+        // equal.
         const double gyro = (twist - bend) * w.z();
         const Vector turning = rod.torque[j] - gyro * Vector(w.y(), -w.x(), 0.0);
         rod.spin[j] =

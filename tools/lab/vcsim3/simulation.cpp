@@ -12,9 +12,9 @@ constexpr double tick_s = 1e-3;
 
 RodProperties with_mode(RodProperties properties, const SimulationSettings &settings)
 {
-    // The penalty spring removes the same share of a length error per step as Baumgarte's term does. When
-    // Ks/l C pushes two points of mass m apart for the time h, their relative velocity changes by 2 h Ks C/(l
-    // m). The change equals beta C/h for Ks = beta m l/(2 h^2).
+    // In each step, the penalty spring removes the same fraction of a length error as Baumgarte's term. When
+    // the spring force Ks/l C pushes two points of mass m apart for the time h, their relative velocity
+    // changes by 2 h Ks C/(l m). This change of velocity equals beta C/h if Ks = beta m l/(2 h^2).
     const double step_s = tick_s / settings.substeps;
     const double mass_kg = properties.mass_kg_per_m * properties.element_m;
     properties.stretch_N =
@@ -24,7 +24,7 @@ RodProperties with_mode(RodProperties properties, const SimulationSettings &sett
     return properties;
 }
 
-// Adds the time since the last call to one phase of the step.
+// Adds the time since the last call to the time of one phase of the step.
 class Stopwatch
 {
   public:

@@ -1,5 +1,5 @@
-// Simulates one rod of the thesis that is fed into a vessel; defines the order of work within a step, and
-// measures the time of each phase.
+// Simulates one rod of the thesis' kind that the hand feeds into a vessel; defines the order of the phases
+// within a time step, and measures the time of each phase.
 //   Cosserat     elastic forces and torques
 //   Integrator   velocities, later positions and orientations
 //   Collisions   depth of every point in the wall
@@ -24,11 +24,11 @@ struct Mode {
 };
 bool operator==(const Mode &a, const Mode &b);
 
-// Parses the token of a mode; returns false for an unknown token. For the mode "local", the number of
-// iterations in the token must be 1 .. 10000.
+// Parses the short name of a mode; returns false for an unknown name. For the mode "local", the number of
+// iterations in the name must be 1 .. 10000.
 bool parse_mode(const std::string &token, Mode &mode);
 
-// Returns the nine modes of Figures 5.11 to 5.14, in the thesis' order.
+// Returns the nine modes that Figures 5.11 to 5.14 show, in the order of the thesis.
 const std::vector<Mode> &thesis_modes();
 
 struct PhaseTimes {
@@ -48,12 +48,12 @@ class Simulation
     Simulation(const RodProperties &properties, const Inserter &inserter, const Wall &wall,
                const SimulationSettings &settings, double inserted_m);
 
-    // Simulates one millisecond, during which the hand feeds `feed_m` and turns by `turn_rad` (right-handed
-    // about the feed) at constant speed.
+    // Simulates one millisecond, during which the hand pushes the rod in by `feed_m` and turns it by
+    // `turn_rad` (right-handed about the direction of insertion) at constant speed.
     void tick(double feed_m, double turn_rad = 0.0);
 
-    // Simulates one step of 1 ms / substeps with the hand at rest; adds the phases' durations to `times` if
-    // that is given.
+    // Simulates one step of 1 ms / substeps while the hand stands still; adds the durations of the phases to
+    // `times` if `times` is not null.
     void step(PhaseTimes *times);
 
     const Rod &rod() const { return rod_; }
@@ -63,8 +63,8 @@ class Simulation
     double handle_axial_N() const; // of the last step, + pushes the hand back out; noisy, so take a mean
     double handle_axial_mean_N() const { return handle_mean_N_; } // over the steps of the last tick
 
-    // These functions convert the rod to numbers and back. restore() returns false when the numbers belong to
-    // a rod with another number of elements.
+    // The following functions convert the state of the rod to numbers and back. The function restore()
+    // returns false when the numbers belong to a rod with another number of elements.
     std::vector<double> save() const;
     bool restore(const std::vector<double> &numbers);
     const std::vector<Contact> &contacts() const { return contacts_; } // of the last step

@@ -1,8 +1,8 @@
-// Claims: the derivatives of the distance field agree with differences of its values. On a plane, friction is
-// mu times the load. In a rigid bent tube the shape does not depend on the scale of EI, and the force is
-// proportional to EI. The work of the hand equals the stored energy. Shorter edges and shorter feeding steps
-// change the result little. A rod at rest does not creep. The noise has a normal distribution and is
-// repeatable.
+// Claims: the derivatives of the distance field agree with differences of the field's values. On a plane, the
+// friction force on the rod is mu times the load. In a rigid bent tube the shape of the rod does not depend
+// on the scale of EI, and the force is proportional to EI. The work of the hand equals the energy that the
+// rod stores. Shorter edges of the rod and shorter feeding steps change the result only slightly. A rod at
+// rest does not creep. The noise has a normal distribution and is repeatable.
 #include "tools/lab/reference_rod/truth.hpp"
 extern "C" {
 #include "firmware/tests/reference/tube_lumen.h"
@@ -33,8 +33,8 @@ void assert_below(const char *what, double value, double limit)
     assert_true(value <= limit);
 }
 
-// Makes a tube 8 mm wide: first a straight piece of 20 mm, then two bends of 90 degrees and 30 mm radius that
-// form an S and do not lie in one plane.
+// Makes a tube 8 mm wide: a straight piece of 20 mm is followed by two bends of 90 degrees and 30 mm radius,
+// which form an S and do not lie in one plane.
 class Tube
 {
   public:
@@ -64,7 +64,7 @@ const Tube &tube()
     return one;
 }
 
-// Makes a wire with a soft end of 40 mm, which is a tenth as stiff as the shaft, and a taper up to 80 mm.
+// Makes a guidewire whose first 40 mm are a tenth as stiff as the shaft; a taper from 40 to 80 mm follows.
 crn_wire_instrument wire(double factor)
 {
     crn_wire_instrument table{};
@@ -100,7 +100,7 @@ double distance_mm(const Vector &p, const std::vector<Vector> &line)
     return least;
 }
 
-// Returns the root mean square of nearest distances over all depths.
+// Returns the root mean square of the smallest distances between two sets of curves, over all depths.
 double shape_off_mm(const Run &a, const Run &b)
 {
     double sum = 0.0;
@@ -118,8 +118,8 @@ double force_sum_mN(const Run &r)
     return sum / static_cast<double>(r.force.size());
 }
 
-// We take central differences over 1 um within a voxel, where the second derivative along an axis is
-// constant.
+// We take central differences over 1 um within a voxel, where the second derivative of the field along an
+// axis is constant.
 void field_has_the_derivatives_of_its_value(void **)
 {
     const double h = 1e-6;
@@ -144,7 +144,7 @@ void field_has_the_derivatives_of_its_value(void **)
 }
 
 // A rod lies on a plane under a load of 0.5 N/m and is pushed along the plane. The force on the hand is mu
-// times the load outside the sheath.
+// times the load on that part of the rod which is outside the sheath.
 void friction_on_a_plane_is_the_coefficient_times_the_load(void **)
 {
     const double per_m_N = 0.5, friction = 0.2, inserted_m = 0.08;
@@ -190,10 +190,10 @@ void finer_cutting_and_feeding_change_little(void **)
                  0.01);
 }
 
-// Without friction the hand's work equals the energy that the rod stores; the wall stores a thousandth of it.
-// The tolerance of 1.5 % covers the error of the trapezium rule over steps in which a node loses contact. An
-// earlier version lacked the push of the sleeve on a rod that is bent where it leaves the sleeve; its work
-// was 13 % too large.
+// Without friction the work of the hand equals the energy that the rod stores; the wall stores a thousandth
+// of this energy. The tolerance of 1.5 % covers the error of the trapezium rule in steps in which a node
+// loses contact with the wall. An earlier version lacked the force with which a sleeve pushes a rod that is
+// bent where it leaves the sleeve; the computed work was therefore 13 % too large.
 void the_work_of_the_hand_is_the_energy_that_the_rod_stores(void **)
 {
     const Rod rod = cut_rod(wire(1.0), 0.1, {0.5e-3, 1e-3});
@@ -212,8 +212,8 @@ void the_work_of_the_hand_is_the_energy_that_the_rod_stores(void **)
     assert_below("work over stored energy, less 1", std::abs(work_J / stored_J - 1.0), 0.015);
 }
 
-// The sheath straightens a J. The J then pulls itself out of the sheath with a force that equals the energy
-// per length that it stores there, EI kappa^2 / 2.
+// The sheath straightens a J tip. The J then pulls itself out of the sheath with a force that equals the
+// energy per length that the straightened rod stores in the sheath, EI kappa^2 / 2.
 void free_j_pulls_itself_out_of_the_sheath(void **)
 {
     const double bend_N_m2 = 1e-5, curvature_per_m = 100.0;
@@ -233,7 +233,8 @@ void free_j_pulls_itself_out_of_the_sheath(void **)
                  0.01);
 }
 
-// With friction the hand must push harder; without friction it feels only the energy that the bends store.
+// With friction the hand must push harder; without friction the hand feels only the energy that the bends of
+// the rod store.
 void friction_is_felt_by_the_hand(void **)
 {
     assert_true(force_sum_mN(run(1.0, 0.1, coarse, two_mm)) >
@@ -268,7 +269,8 @@ void noise_is_normal_and_repeats(void **)
         squares += value * value;
         fourth += value * value * value * value;
     }
-    // The bounds are five standard errors, which are 1/sqrt(n), sqrt(2/n) and sqrt(96/n).
+    // The bounds of mean, variance and fourth moment are five standard errors, which are 1/sqrt(n), sqrt(2/n)
+    // and sqrt(96/n).
     assert_below("mean", std::abs(sum / count), 0.035);
     assert_below("variance off by", std::abs(squares / count - 1.0), 0.05);
     assert_below("fourth moment off by", std::abs(fourth / count - 3.0), 0.35);

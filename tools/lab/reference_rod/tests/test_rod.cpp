@@ -1,6 +1,6 @@
-// Claims: the derivatives of the rod's energy are correct, and its band solver solves its systems. A
-// cantilever takes the shape of Euler's elastica, which an independent shooting method computes. A curved tip
-// at rest lies on its circle, in the plane that the hand's angle determines.
+// Claims: the derivatives of the rod's energy are correct, and the band solver solves its systems of
+// equations. A cantilever takes the shape of Euler's elastica, which a separate shooting method computes. A
+// curved tip at rest lies on the circle of its curve, in the plane that the hand's angle determines.
 #include "tools/lab/reference_rod/insertion.hpp"
 #include "tools/lab/validate/elastica.hpp"
 #include <Eigen/Dense>
@@ -31,7 +31,7 @@ void assert_near(const char *what, double value, double expected, double allowed
     assert_true(std::abs(value - expected) <= allowed);
 }
 
-// Makes a rod of six nodes, which is bent, twisted and stretched by fixed numbers of order 0.1.
+// Makes a rod of six nodes that is bent, twisted and stretched; the amounts are fixed numbers of order 0.1.
 struct Crooked {
     Rod rod = uniform_rod(3e-4, 2e-4, 4e-4, 0.01, 0.002);
     State state;
@@ -60,7 +60,8 @@ struct Crooked {
     }
 };
 
-// We take central differences with steps of 1e-7 m and rad; their error is about 1e-6 of the largest value.
+// We take central differences with steps of 1e-7 m and 1e-7 rad; their error is about 1e-6 of the largest
+// derivative.
 void forces_are_the_slope_of_the_energy(void **)
 {
     const Crooked c;
@@ -75,9 +76,10 @@ void forces_are_the_slope_of_the_energy(void **)
     }
 }
 
-// At the displaced state the frames have been carried along, so the differences of the energy's slope are not
-// quite symmetric. The antisymmetric part is the rotation of frames that are carried around a closed loop. We
-// therefore compare the symmetric part, which is the mean of the matrix and its transpose.
+// In the displaced state the reference frames have moved with the rod, so the matrix of differences of the
+// energy's slope is not quite symmetric. The antisymmetric part of this matrix is the rotation of frames that
+// are carried around a closed loop. We therefore compare the symmetric part, which is the mean of this matrix
+// and its transpose.
 void stiffness_is_the_slope_of_the_forces(void **)
 {
     const Crooked c;
@@ -146,9 +148,9 @@ void cantilever_is_the_elastica(void **)
     }
 }
 
-// The tip has a curve of 180 degrees with a radius of 3 mm. The curve's end lies 6 mm beside the shaft,
-// towards d1, level with the beginning of the curve. Edges of 0.5 mm length make the circle of the curve 0.1
-// % larger.
+// The tip has a curve of 180 degrees with a radius of 3 mm. The end of the curve lies 6 mm beside the shaft,
+// towards d1, at the same distance along the shaft as the beginning of the curve. Because the edges are 0.5
+// mm long, the circle of the curve is 0.1 % larger.
 void curved_tip_rests_in_its_circle_where_the_hand_turned_it(void **)
 {
     crn_wire_instrument table{};

@@ -1,7 +1,7 @@
 // Claims: the reference solutions of the validation suite are correct; the tests do not use the core. The
-// solutions reproduce published values for the elastica, Euler's columns, Greenhill's rod and the localised
-// coil. The lumen field made for the cases has its wall where its distance function states it. The report
-// states which rows passed.
+// solutions reproduce published values for the elastica, Euler's columns, Greenhill's twisted rod and the
+// localised coil. The lumen field that the suite makes for a case has its wall where the distance function is
+// zero. The report states which rows (comparisons) passed.
 extern "C" {
 #include "firmware/core/lumen.h"
 }
@@ -34,7 +34,7 @@ struct Known {
     double load, shortening, deflection, angle;
 };
 
-// The values are those of Bisshopp and Drucker's table of the tip-loaded elastica, to its sixth digit.
+// The expected values come from Bisshopp and Drucker's table of the tip-loaded elastica, to the sixth digit.
 void tip_loaded_elastica_has_the_published_values(void **)
 {
     for (Known k : {Known{0.5, .015919, .162144, .244534},
@@ -62,8 +62,8 @@ void heavy_elastica_has_the_published_values(void **)
     }
 }
 
-// The values are those of Timoshenko and Gere, table 2-4: alpha is 60 degrees at 1.152 Pcr, with x / L 0.741
-// and y / L 0.593; alpha is 120 degrees at 1.884 Pcr.
+// The expected values come from Timoshenko and Gere, table 2-4: alpha is 60 degrees at 1.152 Pcr, with x / L
+// 0.741 and y / L 0.593; alpha is 120 degrees at 1.884 Pcr.
 void buckled_cantilever_has_the_published_values(void **)
 {
     const double euler = M_PI * M_PI / 4;
@@ -86,8 +86,8 @@ void columns_have_the_published_loads(void **)
     check_near("beta 3", beam_mode(3), 7.854757, 1e-6);
 }
 
-// PyElastica's example of Gazzola et al. 2018 states this solution for 27 turns, slack 3 %, B / C = 1.345 /
-// 0.789.
+// PyElastica's example of Gazzola et al. 2018 states this solution for an end rotation of 27 turns, a slack
+// of 3 %, and B / C = 1.345 / 0.789.
 void coil_has_the_published_moment_and_tension(void **)
 {
     Writhe coil = writhe(0.03, 27 * 2 * M_PI, 1.345 / 0.789);
@@ -122,8 +122,8 @@ void field_lies_where_its_distance_says(void **)
     }
 }
 
-// Rows pass within their tolerance. Rows fail beyond their tolerance, and also for a value that is not a
-// number; rows that are only reported never fail.
+// Rows pass within their tolerance. A row of the report fails if its error exceeds the tolerance or its value
+// is not a number; a row that is only reported never fails.
 void report_says_what_passed(void **)
 {
     Result good, bad;
@@ -148,7 +148,7 @@ void report_says_what_passed(void **)
     assert_non_null(std::strstr(page.c_str(), "make &lt;it&gt;"));
 }
 
-// A plot draws finite values only and names its series.
+// A plot draws only finite values, and shows the names of its series.
 void plot_leaves_out_what_is_not_finite(void **)
 {
     std::string drawn =

@@ -1,8 +1,9 @@
-// Claims: the baseline is the rod that docs/thesis.md describes. The rod's forces are the gradient of its
-// energies. The rod's static shape is that of a beam. The shape is also right when one end is stiffer, when
-// the rod is curved at rest, and when the hand turns it. The rod's constraints conserve momentum and never
-// add energy. One global iteration gives exact lengths, and the result of many local iterations converges to
-// it. The claims are shown against closed forms and against an alternative computation of the same quantity.
+// Claims: the baseline behaves like the rod that docs/thesis.md describes. The rod's forces are the gradient
+// of its energies. The shape of the rod at rest is that of an elastic beam. This shape is also right when one
+// end of the rod is stiffer, when the rod is curved without load, and when the hand turns the rod. The
+// constraints on the rod conserve momentum and never add energy. One iteration of the global method gives
+// exact lengths, and the result of many local iterations converges to this result. The tests compare with
+// closed forms, and with an alternative computation of the same value.
 #include "tools/lab/figures/stability.hpp"
 
 #include <algorithm>
@@ -55,7 +56,8 @@ RodProperties soft_rod(int elements)
     return p;
 }
 
-// Makes a rod whose nodes, orientations and velocities all deviate slightly from straight.
+// Makes a rod whose nodes, orientations and velocities all deviate slightly from those of a straight rod at
+// rest.
 Rod shaken_rod(int elements, Draws &draws)
 {
     Rod rod(soft_rod(elements), Vector::Zero(), Vector(0.6, 0.0, 0.8));
@@ -118,8 +120,8 @@ void forces_and_torques_are_the_gradient_of_the_energies(void **)
 
 void bending_strain_is_the_curvature(void **)
 {
-    // Neighbouring segments differ by a constant rotation a about x, so u = 4/l tan(a/4), and the energy per
-    // joint is l/2 EI u^2.
+    // Neighbouring segments differ by a constant rotation a about x, so the strain is u = 4/l tan(a/4), and
+    // the energy per joint is l/2 EI u^2.
     const int elements = 20;
     const double a = 0.3;
     Rod rod(soft_rod(elements), Vector::Zero(), Vector::UnitZ());
@@ -137,7 +139,7 @@ RodProperties damped_rod(int elements)
     return p;
 }
 
-// Simulates 2 s with a load along y on the tip.
+// Simulates 2 s with a load on the tip along y.
 void settle(Rod &rod, double load_N)
 {
     DistanceConstraints distances({1.0, 0.1});
@@ -168,8 +170,9 @@ void cantilever_sags_by_PL3_over_3EI(void **)
            0.005 * 0.01 * length);
 }
 
-// A soft front part of length a on a stiff rear part, of total length L, sags by P a^3 / 3 EI_front + P (L^3
-// - a^3) / 3 EI_rear. The joint between the two parts bends half like the one and half like the other.
+// If a soft front part of length a continues a stiff rear part, and the total length is L, the tip sags by P
+// a^3 / 3 EI_front + P (L^3 - a^3) / 3 EI_rear. The compliance of the joint between the two parts is the mean
+// of the compliances of the soft and the stiff part.
 void a_cantilever_of_two_stiffnesses_sags_by_both(void **)
 {
     const int elements = 32, soft = 20;
@@ -197,7 +200,7 @@ void a_cantilever_sags_under_its_weight_by_qL4_over_8EI(void **)
     p.weight_N_per_m = Vector(0.0, 0.01 * length / per_N_per_m, 0.0);
     Rod rod = Inserter(Vector::Zero(), Vector::UnitX()).make_rod(p, length);
     settle(rod, 0.0);
-    // Every node carries the weight of a whole element; so does the tip. The extra half element at the tip
+    // Every node, including the tip, carries the weight of a whole element. The extra half element at the tip
     // adds a sag of P L^3 / 3 EI.
     const double tip_N = 0.5 * p.element_m * p.weight_N_per_m.y();
     within("sag in m", rod.position[0].y(),
@@ -205,7 +208,8 @@ void a_cantilever_sags_under_its_weight_by_qL4_over_8EI(void **)
            0.01 * 0.01 * length);
 }
 
-// At the tip, 10 joints of 12 degrees each, towards the first axis, form chords of a circle.
+// At the tip, 10 joints bend by 12 degrees each towards the first axis, so their segments form chords of a
+// circle.
 constexpr int hook_joints = 10;
 constexpr double hook_step_rad = 12.0 * 3.14159265358979323846 / 180.0;
 
@@ -223,8 +227,8 @@ Rod rod_with_hook(const Inserter &inserter, double turn_rad)
     return rod;
 }
 
-// The rod starts straight and takes its rest shape, which is a polygon whose segments turn by 12 degrees at
-// each joint.
+// The rod is straight at first, and then takes its resting shape, which is a polygon whose segments turn by
+// 12 degrees at each joint.
 void a_free_hook_takes_its_own_shape(void **)
 {
     const Vector forward = Vector(0.6, 0.0, 0.8), axis = Vector(0.8, 0.0, -0.6);
@@ -238,7 +242,8 @@ void a_free_hook_takes_its_own_shape(void **)
     }
 }
 
-// The whole hook turns right-handed about the feed; we compare it point by point.
+// The whole hook turns right-handed about the direction of insertion; the test compares it point by point
+// with the expected shape.
 void turning_the_hand_turns_the_hook(void **)
 {
     const Vector forward = Vector(0.6, 0.0, 0.8), axis = Vector(0.8, 0.0, -0.6);
@@ -251,8 +256,8 @@ void turning_the_hand_turns_the_hook(void **)
 
 void twisted_rod_springs_back_at_the_frequency_of_a_shaft(void **)
 {
-    // For the first torsional mode of a chain with free ends, w = 2 sqrt(k/J) sin(pi/(2 n)), where k = GJ/l
-    // and J = inertia per length * l.
+    // The first torsional mode of a chain with free ends has the angular frequency w = 2 sqrt(k/J) sin(pi/(2
+    // n)), where k = GJ/l and J = inertia per length * l.
     const int n = 16;
     Rod rod(soft_rod(n), Vector::Zero(), Vector::UnitZ());
     const double pi = std::acos(-1.0);
@@ -363,7 +368,8 @@ void one_global_iteration_with_baumgarte_1_makes_small_errors_exact(void **)
     distances.solve_global(rod);
     integrate_positions(rod, 1e-3);
     after = worst();
-    // After the iteration, the remaining error is of second order in the error before it.
+    // After the iteration, the remaining length error is of second order in the length error before the
+    // iteration.
     at_most("length error in m", after, 20.0 * before * before / rod.properties.element_m);
     at_most("share that stays", after / before, 0.02);
 }

@@ -1,8 +1,8 @@
-// Claims: the thesis' experiment can be repeated in a short form. In one lumen, the compression of the
-// baseline's modes has the order of Figure 5.11, and our direct solver has the least compression. The presets
-// are stable with their number of steps, and become unstable with slightly fewer. The rod shows the limits of
-// the method that docs/thesis.md states. Everything is deterministic. The lumen is a straight tube closed at
-// both ends.
+// Claims: the compression experiment of the thesis can be repeated in a short form. In a given lumen, the
+// compressions of the baseline's modes have the order of Figure 5.11, and our direct solver has the least
+// compression. The presets are stable with the number of steps that they state, and become unstable with
+// slightly fewer steps. The rod shows those limits of the thesis' method that docs/thesis.md states.
+// Everything is deterministic. The lumen is a straight tube closed at both ends.
 #include "tools/lab/figures/study.hpp"
 #include "tools/lab/figures/thesis_values.hpp"
 
@@ -43,7 +43,7 @@ int free_tube(void **)
     return 0;
 }
 
-// The rod enters at an angle, so that it is bent when it reaches the tube's end.
+// The rod enters the tube at an angle, so that the rod is bent when it reaches the tube's end.
 Vessel vessel()
 {
     return {tube->lumen, Vector::Zero(), Vector(1.0, 0.25, 0.1)};
@@ -150,7 +150,7 @@ void lumen_in_doubles_is_the_cores_lumen(void **)
         const crn_lumen_sample core = crn_lumen_contact(&tube->lumen, &q);
         const LumenSample ours = sample_lumen(tube->lumen, p);
         worst_m = std::max(worst_m, std::abs(ours.distance_m - std::ldexp(core.distance_m_q30, -30)));
-        // The direction of the normal has no meaning where the field's value is at its limit.
+        // The direction of the normal has no meaning where the value of the distance field is at its limit.
         if (std::abs(ours.distance_m) > 0.003) continue;
         for (int k = 0; k < 3; k++)
             worst_normal =
@@ -170,7 +170,7 @@ void presets_are_table_5_1_and_keep_the_step_ratio(void **)
             fail_msg("%s: step ratio %.3f with %d steps, %.3f with one less; allowed 1.5", preset.token,
                      ratio, preset.substeps, fewer);
     }
-    // The expected value is EI of the table's first row in the units of docs/instruments.md.
+    // The expected value is the EI of the first row of Table 5.1 in the units of docs/instruments.md.
     const double bend = find_preset("amplatz")->bend_N_m2();
     if (std::abs(bend - 1.8e-5) > 1e-7) fail_msg("EI = %g, expected 1.80e-5", bend);
     assert_null(find_preset("lunderquist"));
@@ -188,10 +188,10 @@ void preset_is_stable_at_its_steps_and_bursts_with_half(void **)
     }
 }
 
-// The parallel constraint gives the transverse motion of a segment of length |e| the frequency 2/|e| sqrt(Kp
-// l/m), so compressed segments need shorter time steps. With a step ratio r, the rod is stable up to a
-// compression of 1 - r/2 of its length. Beyond this limit the rod becomes unstable, so the compression of a
-// mode cannot grow without limit.
+// The parallel constraint gives the transverse motion of a segment of length |e| the angular frequency 2/|e|
+// sqrt(Kp l/m), so compressed segments need shorter time steps. With a step ratio r (time step times the
+// highest angular frequency), the rod is stable up to a compression of 1 - r/2 of its length. Beyond this
+// compression the rod becomes unstable, so the compression that a mode shows cannot grow without limit.
 bool stays_straight_when_squeezed(double compression)
 {
     const Preset &preset = *find_preset("amplatz");
@@ -223,9 +223,9 @@ void squeezed_segments_burst_where_the_step_ratio_says(void **)
     if (!(std::abs(burst - limit) < 0.05)) fail_msg("bursts at %.3f, predicted %.3f +- 0.05", burst, limit);
 }
 
-// When a straight rod is pushed straight into a wall, the wall stops the tip after the distance constraints
-// have been solved. The next solution of the constraints sets the tip in motion again with the whole rod, so
-// the wall's force never reaches the rest of the rod.
+// When a straight rod is pushed straight into a wall, the wall stops the tip only after the distance
+// constraints have been solved. The next solution of the constraints sets the tip in motion again with the
+// whole rod, so the wall's force never reaches the other parts of the rod.
 void one_global_iteration_does_not_pass_the_walls_force_on(void **)
 {
     const Preset &preset = *find_preset("amplatz");
@@ -259,7 +259,8 @@ void modes_have_names_and_tokens(void **)
     for (const char *wrong : {"", "local", "local0", "local10001", "local5x", "globally", "direct"})
         assert_false(parse_mode(wrong, mode));
     assert_string_equal(thesis_modes()[5].name().c_str(), "25 Local");
-    // The expected values are that of 50 local less the two gains that the thesis' text states.
+    // The expected values are the compression of the mode "50 local" less the two improvements that the text
+    // of the thesis states.
     assert_true(std::abs(*thesis_compression_pct("local100") - 0.99) < 1e-12);
     assert_true(std::abs(*thesis_compression_pct("local200") - 0.61) < 1e-12);
     assert_false(thesis_compression_pct("penalty").has_value());
