@@ -42,8 +42,8 @@ CurvePoint entry_of(const SceneText &text, const TriangleTree &tree)
     return entry;
 }
 
-// Narrows the mesh of the lumen, or of the blood in the lumen, wherever a lesion lies. Returns for each
-// vertex whether it moved; the returned list is empty if the tree has no lesion.
+// Narrows the mesh of the lumen, or of the blood in the lumen, wherever a lesion lies. Returns a list that
+// states for each vertex whether it moved; the list is empty if the tree has no lesion.
 std::vector<bool> narrow(Mesh &mesh, const VesselTree &tree)
 {
     if (tree.lesions.empty()) return {};
@@ -81,8 +81,9 @@ std::vector<BakedBody> bodies_of(const SceneText &text, const Mesh &lumen, const
     return bodies;
 }
 
-// A text without [tree] may still give a tree, made from the centrelines of the lumen. If the centrelines of
-// the lumen do not join, the scene gets no tree, and the report states the reason.
+// Makes the vessel tree from the centrelines that the table [tree] names, or from the lumen's centrelines if
+// the scene's text has no such table. If the lumen's centrelines do not join, the scene gets no vessel tree,
+// and the report states the reason.
 VesselTree tree_of(const SceneText &text, std::string &report)
 try {
     if (text.tree.centrelines.empty()) return {};
@@ -132,8 +133,8 @@ std::string lattice_report(const crn_lattice &lattice, std::size_t numbers)
                      static_cast<double>(numbers) * 2 / 1048576);
 }
 
-// Returns one report line per frame. Each report line states how far the lumen, as the core moves it,
-// deviates from the mesh of that frame.
+// Returns one line of the report per frame of the motion. Each report line states how far the lumen, as the
+// core moves it, deviates from the mesh of that frame.
 std::string motion_report(const Motion &motion, std::size_t pose, const std::vector<FrameError> &errors)
 {
     std::string text = "motion            " + lattice_report(motion.lattices.beat, motion.rows.size()) +
@@ -165,7 +166,7 @@ std::string motion_report(const Motion &motion, std::size_t pose, const std::vec
     return text;
 }
 
-// Returns the lumen as its field describes it, in the reference pose.
+// Returns the mesh of the lumen in the reference pose, which is the pose that the distance field describes.
 Mesh posed_lumen(const SceneText &text, const Frames &frames, Progress &progress)
 {
     Mesh mesh = load_mesh(text.lumen.mesh);
@@ -188,8 +189,8 @@ std::string entry_report(const Motion &motion, const Eigen::Vector3d &entry_mm)
         place_text(entry_mm).c_str(), way_mm);
 }
 
-// Moves the vertices of the moving bodies from keyframe 0, in which they are described, to the reference
-// pose.
+// Moves the vertices of the moving bodies to the reference pose; the scene's text describes these bodies in
+// the pose of keyframe 0.
 void to_reference(const Motion &motion, std::vector<BakedBody> &bodies)
 {
     for (BakedBody &body : bodies)
@@ -213,7 +214,7 @@ std::filesystem::path bodies_file(const std::filesystem::path &scene)
     return file.replace_extension(".bodies");
 }
 
-// Checks that all input files can be read before anything is written, and that no output file is also an
+// Checks, before any file is written, that all input files can be read and that no output file is also an
 // input file.
 void check_files(const SceneText &text, const Options &options)
 {

@@ -1,4 +1,5 @@
-// Runs the whole pipeline from the text of a scene to its files; main.cpp adds only the command line.
+// Runs the whole program `bake`, from the text of a scene to the written files, except for the command line,
+// which main.cpp reads.
 #pragma once
 #include "tools/bake/centreline.hpp"
 #include "tools/bake/container.hpp"
@@ -16,7 +17,8 @@ struct Options {
     std::size_t points = 200000;
 };
 
-// Returns the checked and closed surface of the lumen. Adds a line to `report` for each repair.
+// Reads the mesh of the lumen, checks and closes it, and returns it. For each repair of the mesh, the
+// function adds a line to `report`.
 Mesh lumen_surface(const SceneText &text, std::string &report, Progress &progress);
 
 // Bakes the scene, writes its files and returns the report (docs/scene.md). Throws Fault if the scene cannot

@@ -15,8 +15,8 @@ namespace
 constexpr double apart_max_radii =
     1.25; // an end farther than this many radii from a centreline is not joined to it
 
-// Leaves out points that coincide with the point before them. Rounds the coordinates to the precision with
-// which the body file stores them.
+// Converts a centreline to a branch of the vessel tree, without points that coincide with the point before
+// them. Rounds the coordinates to the precision with which the body file stores them.
 VesselBranch branch_of(const Curve &line)
 {
     VesselBranch branch;

@@ -10,14 +10,15 @@ namespace crn::bake
 using centreline::tapered_capsule_distance;
 using Curve = centreline::Branch; // its parent is not set: join_branches finds it
 
-// Reads every curve of a .mrk.json, .vtp, .csv or .obj file; `read_centreline` returns the first. The axis
-// convention that the file itself states is ignored, because `placement.axes` sets it. A branch of a file
-// with several branches is called FILE/BRANCH. Throws Fault naming file, point and field.
+// Reads every curve of a .mrk.json, .vtp, .csv or .obj file; the function `read_centreline` returns only the
+// first curve. The axis convention that the file itself states is ignored, because `placement.axes` sets it.
+// If a file has several branches, each branch is called FILE/BRANCH. Throws Fault, whose message names the
+// file, the point and the field.
 std::vector<Curve> read_centrelines(const std::filesystem::path &file, const Placement &placement);
 Curve read_centreline(const std::filesystem::path &file, const Placement &placement);
 
-// Returns the position and unit tangent at a distance along the curve from its first or last point. The
-// tangent points from that end of the curve into the curve.
+// Returns the position and unit tangent at a given distance along the curve, counted from the curve's first
+// or last point. The tangent points from that end of the curve into the curve.
 struct CurvePoint {
     Eigen::Vector3d position_mm, direction;
 };

@@ -67,7 +67,7 @@ Bytes lumen_section(const Field &field)
     return bytes;
 }
 
-// Writes the MOTION section, or the BREATH section when there are no keyframes.
+// Writes the MOTION section of the scene file, or the BREATH section when the motion has no keyframes.
 Bytes motion_section(const crn_lattice &lattice, std::uint16_t keyframes,
                      const std::vector<std::int16_t> &values)
 {

@@ -1,4 +1,5 @@
-// Packs baked data into the bytes of the scene container, and writes files completely or not at all.
+// Packs the data that `bake` has made into the bytes of the scene container, and writes files completely or
+// not at all.
 #pragma once
 #include "host/model/vessel_tree.hpp"
 #include "tools/bake/field.hpp"

@@ -51,10 +51,10 @@ mesh::LevelSet distances(const Mesh &mesh, int level, Progress &progress)
     return grid;
 }
 
-// While OpenVDB spreads distances from the surface, it keeps only one triangle per voxel. Where triangles are
-// smaller than voxels, OpenVDB's distances are up to 0.03 mm too large. We therefore recompute the distances
-// exactly near the wall, and also in all voxels of the bricks that will be stored. A block of the grid has
-// 8^3 voxels, like a brick, so we recompute the block of each brick and the neighbouring blocks.
+// When the library OpenVDB computes distances from a mesh, it keeps only one triangle per voxel. Where
+// triangles are smaller than voxels, OpenVDB's distances are up to 0.03 mm too large. We therefore recompute
+// the distances exactly near the wall, and also in all voxels of the bricks that will be stored. A block of
+// the grid has 8^3 voxels, like a brick, so we recompute the block of each brick and the neighbouring blocks.
 void make_exact(mesh::LevelSet &grid, const std::vector<Brick> &bricks, int level, const TriangleTree &tree,
                 Progress &progress)
 {
@@ -118,7 +118,7 @@ void filter_axis(std::vector<double> &values, std::array<int, 3> &size, int axis
 
 // --- one brick ---
 
-// Returns the samples of a brick and of its surroundings, in voxels.
+// Returns the distances in a brick (block of voxels) and in its surroundings, in units of the voxel size.
 std::vector<double> gather(const mesh::LevelSet &grid, const Cell &cell, double voxel)
 {
     const int reach = 1 + filter_reach;
@@ -174,8 +174,8 @@ double spline(const std::vector<std::int8_t> &c, const Eigen::Vector3d &x)
     return sum / 32;
 }
 
-// Returns whether the brick's error exceeds the tolerance at some point of a test grid near the wall. Returns
-// false for a brick that may not be divided into finer ones.
+// Returns whether the error of a brick's spline exceeds the tolerance at some point of a test grid near the
+// wall. Returns false for a brick (block of voxels) that may not be divided into smaller bricks.
 bool is_wrong(const Brick &brick, int level, const TriangleTree &tree, const FieldText &text)
 {
     const double voxel = voxel_mm(level);

@@ -8,7 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
-// The core's headers are plain C without C++ guards.
+// The core's headers are plain C and have no extern "C" for C++, so they are included within extern "C".
 extern "C" {
 #include "firmware/core/lumen.h"
 }
@@ -45,7 +45,7 @@ struct FieldText {
     std::vector<FineRegion> fine = {};
 };
 
-// Throws Fault when the lumen needs more bricks than a scene file can hold.
+// Throws Fault when the lumen needs more bricks (blocks of voxels) than a scene file can hold.
 Field make_field(const TriangleTree &tree, const FieldText &text, Progress &progress);
 
 crn_vec3 to_q30(const Eigen::Vector3d &p_mm);

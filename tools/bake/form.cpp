@@ -15,7 +15,7 @@ namespace crn::bake
 namespace
 {
 
-// Returns numbers that are spread evenly in 0..1 without randomness (van der Corput).
+// Returns numbers that are spread evenly from 0 to 1 without randomness (van der Corput's sequence).
 double spread(std::size_t index, std::size_t base)
 {
     double value = 0, share = 1;

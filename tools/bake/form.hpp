@@ -1,5 +1,5 @@
-// A body's mesh goes through these steps before it is written: it is made solid, cut by its neighbours,
-// decimated and hollowed. The report of `bake` states how well the bodies fit into each other.
+// Before a body's mesh is written, the program makes it solid, cuts it by its neighbours, reduces its number
+// of triangles, and hollows it. The report of `bake` states how well the bodies fit into each other.
 #pragma once
 #include "tools/bake/container.hpp"
 #include "tools/bake/triangle_tree.hpp"
@@ -17,12 +17,13 @@ struct Deviation {
 
 Deviation deviation(const Mesh &one, const Mesh &other, std::size_t points_each);
 
-// Reduces the number of triangles of a closed mesh by edge collapse. The permitted error of the collapse is
-// lowered until the measured deviation from the original is within error_mm. Returns the measured deviation.
+// Reduces the number of triangles of a closed mesh by edge collapse. The function lowers the permitted error
+// of the edge collapse until the measured deviation from the original mesh is within error_mm. Returns the
+// measured deviation.
 Deviation decimate(Mesh &mesh, double error_mm);
 
-// Makes one body of the scene's text from the mesh file that the text names. `made` holds the bodies that
-// were made earlier, and the function adds one or two lines to `report`.
+// Makes one body that the scene's text describes, from the mesh file that the text names. `made` holds the
+// bodies that were made earlier, and the function adds one or two lines to `report`.
 Mesh form_body(const BodyText &body, const std::vector<BakedBody> &made, std::string &report);
 
 // Returns one report line for each body that protrudes from the body around it, or that enters a neighbouring

@@ -103,8 +103,8 @@ std::size_t branch_of(const VesselTree &tree, const LesionText &text)
                 (names.empty() ? "the scene has no [tree]" : "there are " + names));
 }
 
-// Gives the branch a point every half a millimetre from `begin_m` to `end_m`. The branch keeps its other
-// points, and other vessels still leave it at the same positions.
+// Inserts points into the branch of the vessel, one every half a millimetre, from `begin_m` to `end_m`. The
+// branch keeps its other points, and other vessels still leave it at the same positions.
 VesselLesion divide(VesselTree &tree, std::size_t index, double begin_m, double end_m)
 {
     const VesselBranch old = tree.branches[index];
@@ -115,7 +115,7 @@ VesselLesion divide(VesselTree &tree, std::size_t index, double begin_m, double 
     VesselLesion lesion;
     lesion.branch = index;
     lesion.first_point = wanted.size();
-    // The number of steps is even, so that a point lies exactly at the narrowest place.
+    // The number of steps is even, so that one point lies exactly where the vessel is narrowest.
     const double steps = std::max(2 * std::ceil((end_m - begin_m) / (2e-3 * point_step_mm)), 16.0);
     for (int i = 0; i <= static_cast<int>(steps); ++i)
         wanted.push_back(begin_m + i / steps * (end_m - begin_m));
@@ -149,7 +149,7 @@ VesselLesion divide(VesselTree &tree, std::size_t index, double begin_m, double 
     return lesion;
 }
 
-// Replaces the branch's points and radii by those of the narrowed channel.
+// Replaces the branch's points and radii by the points and radii of the narrowed channel.
 void narrow(VesselBranch &branch, const VesselLesion &lesion, const LesionText &text)
 {
     const std::size_t count = lesion.size();
@@ -164,8 +164,8 @@ void narrow(VesselBranch &branch, const VesselLesion &lesion, const LesionText &
     }
 }
 
-// Places the points of one lesion in a tree that no lesion has narrowed yet. Positions of lesions refer to
-// the healthy vessel, so lesions may be placed in any order.
+// Stores the points of one lesion in a vessel tree that no lesion has narrowed yet. Positions of lesions
+// refer to the healthy vessel, so lesions may be placed in any order.
 void place(VesselTree &tree, const LesionText &text)
 {
     const std::size_t index = branch_of(tree, text);

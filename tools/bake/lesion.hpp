@@ -21,24 +21,25 @@
 namespace crn::bake
 {
 
-// Returns the box around everything within `radii` radii of a lesion's healthy centreline.
+// Returns the box that contains every point within `radii` vessel radii of a lesion's healthy centreline.
 Eigen::AlignedBox3d lesion_box_mm(const VesselLesion &lesion, double radii);
 
-// Throws Fault naming the lesion and the value that does not fit: the branch, the position, the length, or
-// another lesion at the same place.
+// Throws Fault, whose message names the lesion and the unsuitable value: the branch, the position, the
+// length, or another lesion at this position.
 void place_lesions(VesselTree &tree, const std::vector<LesionText> &lesions);
 
-// Divides edges near a lesion until they are shorter than 0.6 times the narrowest radius and shorter than a
-// twentieth of the lesion's length. Edges shorter than a quarter of a millimetre are not divided. Existing
-// corners keep their numbers.
+// Divides the mesh's edges near a lesion until they are shorter than 0.6 times the narrowest radius and
+// shorter than a twentieth of the lesion's length. Edges shorter than a quarter of a millimetre are not
+// divided. Existing corners keep their numbers.
 void refine_lesions(Mesh &mesh, const VesselTree &tree);
 
-// Moves vertices from the healthy wall to the narrowed wall, and returns true for each vertex that moved.
-// Vertices on the walls of neighbouring vessels do not move.
+// Moves vertices from the healthy wall to the narrowed wall; the returned list is true for each vertex that
+// moved. Vertices on the walls of neighbouring vessels do not move.
 std::vector<bool> narrow_lesions(std::vector<Eigen::Vector3d> &vertices_mm, const VesselTree &tree);
 
-// Returns the tree with only those lesions whose vessel runs through the body. Blood beside a diseased
-// vessel, such as a chamber of the heart, is not narrowed with the vessel.
+// Returns a copy of the vessel tree that keeps only those lesions whose vessel runs through the given body.
+// Blood in a neighbouring space, such as a chamber of the heart, is therefore not narrowed together with the
+// diseased vessel.
 VesselTree lesions_within(const VesselTree &tree, const TriangleTree &body);
 
 // Returns the regions in which the field must resolve the narrowed wall, even if the scene's text permits a

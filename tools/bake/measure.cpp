@@ -16,7 +16,7 @@ namespace
 
 using Random = std::mt19937_64;
 
-// Returns evenly distributed random numbers that are the same on every machine, unlike those of
+// Returns evenly distributed random numbers that are equal on every machine, unlike the numbers of
 // std::uniform_real_distribution.
 double uniform(Random &random, double from, double to)
 {
@@ -31,7 +31,7 @@ Eigen::Vector3d in_ball(Random &random, double radius)
     }
 }
 
-// Draws random points of the surface, evenly by area.
+// Selects random points of the surface, evenly distributed by area.
 class SurfacePoints
 {
   public:
@@ -160,7 +160,7 @@ double core_depth(const crn_lumen *lumen, const Pose &pose, double radius)
     return deepest;
 }
 
-// Draws a capsule near a random point of the wall. The capsule's axis must lie in the lumen, and the
+// Selects a random capsule near a random point of the wall. The capsule's axis must lie in the lumen, and the
 // capsule's radius must reach the wall. Returns false when the random capsule does not meet these two
 // conditions.
 bool draw_pose(const TriangleTree &tree, const SurfacePoints &surface, double radius, double length,
@@ -177,9 +177,9 @@ bool draw_pose(const TriangleTree &tree, const SurfacePoints &surface, double ra
 }
 
 // Returns the radius of the largest ball that touches the wall at p from inside and has no wall inside it;
-// its centre lies on the inward normal. The ball's radius is reduced step by step (shrinking balls: Ma, Bae &
-// Choi 2012). Returns `limit` when the ball touches no second part of the wall, or no part on the side
-// opposite to p.
+// the ball's centre lies on the inward normal at p. The function reduces the ball's radius step by step
+// (shrinking balls: Ma, Bae & Choi 2012). Returns `limit` when the ball touches no second part of the wall,
+// or no part on the side opposite to p.
 double ball_radius(const TriangleTree &tree, const Eigen::Vector3d &p, const Eigen::Vector3d &inward,
                    double limit)
 {

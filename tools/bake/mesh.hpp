@@ -1,4 +1,4 @@
-// Loads, checks, closes and writes a triangle mesh in patient millimetres.
+// Loads, checks, closes and writes a triangle mesh in the patient's millimetres.
 #pragma once
 #include "tools/bake/scene_text.hpp"
 #include "tools/mesh/progress.hpp"
@@ -26,9 +26,9 @@ struct Mesh {
 
 std::string place_text(const Eigen::Vector3d &p_mm); // "(1.0, 2.0, 3.0) mm"
 
-// Reads a mesh (mesh_file.hpp), places it in the patient's frame, and merges vertices at equal positions.
-// Throws Fault for a mesh that is unreadable, empty or too large, has infinite numbers or missing corners, or
-// has a size that suggests another unit.
+// Reads a mesh (mesh_file.hpp), converts it to the patient's coordinates, and merges vertices at equal
+// positions. Throws Fault for a mesh that is unreadable, empty or too large, has infinite numbers or missing
+// corners, or has a size that suggests another unit.
 Mesh load_mesh(const MeshText &text);
 
 // Checks that the mesh has a plausible size, has only finite coordinates, and is not empty. The error message
@@ -39,12 +39,12 @@ void check_extent(const Mesh &mesh, const std::string &unit);
 void weld(Mesh &mesh);
 
 // Checks that the mesh is closed: every edge must belong to exactly two triangles, which run along this edge
-// in opposite directions. Openings are closed by a cap if `cap` permits it. If the volume of the mesh is
-// negative, all its triangles are reversed, and the report notes this. Throws Fault otherwise.
+// in opposite directions. Openings of the mesh are closed by a cap if `cap` permits this. If the volume of
+// the mesh is negative, all its triangles are reversed, and the report notes this. Throws Fault otherwise.
 void check_closed(Mesh &mesh, Cap cap);
 
-// Only caps the openings. This function serves meshes whose surface is remade afterwards (solid.hpp), which
-// may be non-manifold and may cross themselves.
+// Only caps the openings. This function is for meshes whose surface is remade afterwards (solid.hpp); these
+// meshes may be non-manifold and may cross themselves.
 void cap_openings(Mesh &mesh, Cap cap);
 
 // Throws Fault when triangles cross without sharing a vertex; the message gives the first pair and the number

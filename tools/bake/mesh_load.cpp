@@ -27,7 +27,7 @@ void append(const MeshPiece &piece, const MeshText &text, Mesh &mesh)
     for (const auto &t : piece.triangles) mesh.triangles.push_back({base + t[0], base + t[1], base + t[2]});
 }
 
-// Keeps only the connected pieces that the text selects.
+// Keeps only those connected pieces of the mesh that the scene's text selects.
 void keep_pieces(Mesh &mesh, const MeshText &text)
 {
     const std::vector<std::uint32_t> piece = mesh::pieces_of(mesh.vertices_mm.size(), mesh.triangles);

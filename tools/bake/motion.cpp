@@ -92,8 +92,8 @@ struct Moving {
     }
 };
 
-// Makes a lattice around everything that moves, with enough margin for the displacement to fall to zero. The
-// lattice's corner lies on a multiple of the spacing.
+// Makes a lattice around all moving points, with enough margin for the displacement to fall to zero. The
+// coordinates of the lattice's corner are multiples of the lattice's spacing.
 Lattice lattice_for(const Moving &moving, double spacing_mm, double reach_spacings)
 {
     Lattice lattice;
@@ -117,8 +117,9 @@ Lattice lattice_for(const Moving &moving, double spacing_mm, double reach_spacin
     return lattice;
 }
 
-// Penalises bending and tension over the free nodes. The graph Laplacian compares each node with the mean of
-// its six neighbours; it takes the values of nodes on the boundary as 0.
+// Penalises bending and tension of the displacement field at the free nodes of the lattice. The graph
+// Laplacian compares each node with the mean of its six neighbours; it takes the values of nodes on the
+// boundary as 0.
 Sparse smoothing(const Lattice &lattice)
 {
     std::vector<Eigen::Triplet<double>> entries;
@@ -141,7 +142,7 @@ Sparse smoothing(const Lattice &lattice)
     return energy;
 }
 
-// Finds the displacements w of the nodes that best fit the given points.
+// Finds those displacements w of the lattice's nodes that best fit the displacements of the given points.
 class Fit
 {
   public:
@@ -236,7 +237,7 @@ void put_node(const std::vector<Ways> &keys, int node, std::int16_t *rows)
     }
 }
 
-// The nodes at the boundary of the beat's lattice keep a displacement of 0.
+// The nodes at the boundary of the heartbeat's lattice keep a displacement of 0.
 void fit_beat(const Frames &frames, double spacing_mm, Motion &motion, Progress &progress)
 {
     Moving moving;

@@ -1,5 +1,5 @@
-// Describes how a lumen moves: by the lattice of firmware/core/motion.h, fitted to a sequence of meshes with
-// the same triangles (docs/heart.md).
+// Describes the motion of a lumen by the lattice of firmware/core/motion.h, which is fitted to a sequence of
+// meshes with equal triangles (docs/heart.md).
 //
 //   frames (the lumen's mesh at 24 moments)
 //   ->  the frame from which the others are least far becomes the reference pose
@@ -7,8 +7,8 @@
 //   ->  least squares on a trilinear lattice, smooth where there is no vertex, 0 at its boundary
 //   ->  coefficients of the periodic spline in time  ->  int16  ->  measured by the core's own look-up
 //
-// The scene's text describes all parts at keyframe 0. The fitted lattice then carries the moving parts to the
-// reference pose.
+// The scene's text describes all parts in the pose of keyframe 0. The fitted lattice then carries the moving
+// parts to the reference pose.
 
 #pragma once
 #include "tools/bake/field.hpp"
@@ -46,9 +46,10 @@ struct Frames {
 
 // Loads the files of the folders that the scene's text names, in the order of the file names, and resamples
 // the frames to the 24 standard times. The reference pose is the keyframe that middle_pose() returns. `lumen`
-// is the scene's lumen; it must be checked and closed. Throws Fault if the number of files is wrong, a file's
-// triangles differ from the first file's, or a vertex jumps between frames. Also throws Fault if the first
-// frame differs from the scene's lumen; the message names the file or the position of the difference.
+// is the mesh of the scene's lumen, which must be checked and closed. Throws Fault if the number of files is
+// wrong, if a file's triangles differ from those of the first file, or if a vertex jumps between frames. Also
+// throws Fault if the first frame differs from the scene's lumen; the message names the file or the position
+// of the difference.
 Frames load_frames(const MotionText &text, const LumenText &lumen);
 
 // Returns the keyframe for which the longest displacement to any other keyframe is smallest. Relative to this
@@ -64,7 +65,7 @@ struct Motion {
 
 // The spacings of the lattices are the largest powers of two (in metres) that do not exceed the wanted
 // spacings, and are stored in Q30. Throws Fault when a displacement is larger than the file format can hold,
-// or when the displaced space would fold over.
+// or when the motion would fold the space over.
 struct MotionSpacing {
     double beat_mm, breath_mm;
 };

@@ -37,7 +37,7 @@ struct Table : TomlTable {
         return box;
     }
 
-    // Reads a value that is either a string or a list of strings.
+    // Reads a value of the scene's text that is either a string or a list of strings.
     std::vector<std::string> texts(const char *key) const
     {
         return has(key) ? (*this)[key].texts() : std::vector<std::string>{};

@@ -1,4 +1,4 @@
-// The text of a scene (TOML) is read and checked key by key (docs/scene.md).
+// Reads the text of a scene (TOML) and checks the text key by key (docs/scene.md).
 #pragma once
 #include "tools/mesh/fault.hpp"
 

@@ -17,8 +17,8 @@ constexpr double solid_voxels_max =
 // is larger than the greatest depth inside the body. Throws Fault when the grid would need too many voxels.
 Mesh offset_surface(const Mesh &mesh, double voxel_mm, double offset_mm);
 
-// Expands the mesh by `close_mm` and shrinks it again. The function fills hollows and gaps up to twice
-// `close_mm` wide, and leaves the rest of the outer surface unchanged.
+// Expands the mesh by `close_mm` and shrinks it again by `close_mm`. The function fills hollows and gaps up
+// to twice `close_mm` wide, and leaves the rest of the outer surface unchanged.
 Mesh closed_surface(const Mesh &mesh, double voxel_mm, double close_mm);
 
 // Returns the part of `mesh` that lies in the box.
@@ -31,7 +31,8 @@ Mesh difference(const Mesh &mesh, const std::vector<const Mesh *> &taken, double
 // Returns the voxels inside a closed mesh, each with its depth below the mesh's surface.
 std::vector<mesh::InsideVoxel> inside_voxels(const Mesh &mesh, double voxel_mm);
 
-// Returns signed distances to a closed mesh (LevelSet has the same constructor).
+// Returns the level set of signed distances to a closed mesh (the constructor of LevelSet explains the
+// parameters).
 mesh::LevelSet level_set(const Mesh &mesh, double voxel_mm, double place, double outside, double inside);
 
 } // namespace crn::bake

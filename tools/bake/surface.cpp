@@ -1,5 +1,5 @@
-// Turns tapered capsules into a closed mesh: computes distances on a grid near the wall and takes the surface
-// of that level set.
+// Converts tapered capsules to a closed mesh: computes distances on a grid near the wall, and takes the
+// surface on which the distance is zero.
 #include "tools/bake/centreline.hpp"
 #include "tools/bake/fault.hpp"
 #include "tools/mesh/files/mesh_file.hpp"

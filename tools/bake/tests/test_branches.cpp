@@ -127,8 +127,8 @@ void a_branch_is_called_as_its_file(void **)
     assert_int_equal(branch_name(std::string(60, 'a') + ".mrk.json").size(), 31);
 }
 
-// The [tree] of a scene text is written as a section of the body file, and the host reads the same tree from
-// it.
+// The table [tree] of a scene's text is written as a section of the body file, and the host reads an equal
+// tree from this section.
 void a_tree_of_the_text_comes_back_from_the_body_file(void **)
 {
     const std::filesystem::path folder =

@@ -167,9 +167,9 @@ void the_field_knows_the_narrowed_wall(void **)
 }
 
 // The text of a scene may set a coarse tolerance for the distance field. The field must still resolve a
-// channel of 0.4 mm radius; without the lesion's fine region the channel vanishes from the field. On the axis
-// of such a narrow channel, the spline rounds off the peak of the distance, so the field shows less than 0.4
-// mm of clearance.
+// channel of 0.4 mm radius; without the finer resolution near the lesion, the channel vanishes from the
+// field. On the axis of such a narrow channel, the spline rounds off the peak of the distance, so the field
+// shows less than 0.4 mm of clearance.
 void a_lesion_asks_more_of_the_field_than_its_scene(void **)
 {
     VesselTree tree = tree_of_tube();

@@ -90,7 +90,8 @@ void an_index_beyond_the_vertices_is_named(void **)
     contains(reading(folder, "d.obj", "v 0 0 0\nv 9 0 0\nv 0 9 0\nf 1 2 -4\n"), {"d.obj:4", "'-4'"});
 }
 
-// The check between assimp and the program must find a bad index, whatever data assimp returns.
+// The program checks the data from the library assimp; this check must find a bad vertex index, whatever data
+// assimp returns.
 void pieces_with_an_index_beyond_their_vertices_are_refused(void **)
 {
     const std::vector<MeshPiece> good = {{"left", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}};
@@ -182,7 +183,7 @@ void damaged_texts_are_named_by_line(void **)
 
 // --- the child ---
 
-// The limit is 15 s of wall time, because on a busy machine a new process may wait for seconds.
+// The limit is 15 s of elapsed time, because on a busy machine a new process may wait for seconds.
 const crn::ReadLimits small = {std::uint64_t{64} << 20, 2, 15, std::uint64_t{8} << 20};
 
 std::string apart(const std::function<void(crn::Outbox &)> &parse, const crn::ReadLimits &limits = small)
@@ -238,7 +239,7 @@ void a_reader_has_limits_of_stack_memory_and_time(void **)
                  },
                  {std::uint64_t{64} << 20, 1, 15, std::uint64_t{8} << 20}),
              {"a.ply", "not done after"});
-    // A reader process that dies must not leave a file behind.
+    // If the process that reads a mesh crashes, it must not leave a file behind.
     const Folder folder;
     const std::string litter = folder.write("litter", "").string();
     apart([&](crn::Outbox &) {
@@ -250,7 +251,7 @@ void a_reader_has_limits_of_stack_memory_and_time(void **)
     assert_int_equal(std::filesystem::file_size(litter), 0);
 }
 
-// A reader process that reports impossible counts or values is not trusted.
+// If the process that reads a mesh reports impossible counts or values, the program does not use its data.
 void counts_from_the_child_are_bounded(void **)
 {
     contains(said([] {

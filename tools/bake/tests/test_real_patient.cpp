@@ -108,7 +108,7 @@ void hips_turn_about_the_heads_of_the_femurs(void **)
     }
 }
 
-// Every connected piece of the rib meshes must begin at the spine.
+// Every connected piece of the meshes of the ribs must begin at the spine.
 void every_rib_reaches_the_spine(void **)
 {
     skip_without_anatomy();

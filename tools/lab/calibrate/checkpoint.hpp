@@ -17,7 +17,7 @@ class CheckpointError : public std::runtime_error
     using std::runtime_error::runtime_error;
 };
 
-// Computes an FNV-1a hash over everything on which a search depends.
+// Computes an FNV-1a hash over all data on which the result of a search depends.
 class Hash
 {
   public:
@@ -31,8 +31,8 @@ class Hash
     std::uint64_t value_ = 14695981039346656037u;
 };
 
-// Hashes the case with all its files, the evaluator, the judge and the search. The number of generations is
-// not hashed, because a search may be prolonged.
+// Hashes the case with all its files, and the settings of the evaluator, the judge and the search. The number
+// of generations is not hashed, because a search may be prolonged.
 std::uint64_t hash_of(const insertion::Case &c, const Evaluator &evaluator, const Judge &judge,
                       const SearchSettings &settings);
 

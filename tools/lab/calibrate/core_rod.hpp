@@ -1,5 +1,5 @@
-// Runs the firmware core with a single instrument, using only the functions that an insertion needs. Only
-// this header and its .cpp file, of all files in this folder, call the core.
+// Runs the firmware core with a single instrument, using only the functions that an insertion needs. Of all
+// files in this folder, only this header and its .cpp file call the core.
 #pragma once
 #include "shared/wire/wire.h"
 #include "tools/lab/calibrate/hand.hpp"
@@ -13,11 +13,11 @@ namespace crn::calibrate
 class CoreRod final : public HeldRod
 {
   public:
-    // The `lumen` must outlive this object; nullptr means free space. Throws TrialRefused when the core
-    // rejects the tool.
+    // The `lumen` must exist longer than this object; nullptr means free space. Throws TrialRefused when the
+    // core rejects the instrument.
     CoreRod(const crn_wire_instrument &table, const crn_lumen *lumen, const Vector3d &mouth_mm,
             const Vector3d &direction, const Vector3d &gravity_m_s2, double inserted_mm);
-    // Returns the core's version. With the same version of the core, the same inputs give the same hashes.
+    // Returns the core's version. With a given version of the core, equal inputs give equal hashes.
     static unsigned version();
     ~CoreRod() override;
 

@@ -1,6 +1,6 @@
-// Defines the fitted parameters, and the result of one trial of their values. A trial is an insertion of the
-// virtual instrument by the case's protocol. `Evaluator` hides the rod, so that the same search can fit
-// another rod than ours, such as the thesis' CoRdE.
+// Defines the fitted parameters, and the result of one trial of their values. In a trial, the program
+// simulates how an instrument with these values is inserted by the protocol of the case. `Evaluator` hides
+// the rod, so that the same search can fit another rod than ours, such as the thesis' CoRdE.
 #pragma once
 #include "tools/lab/case/case.hpp"
 #include <Eigen/Core>

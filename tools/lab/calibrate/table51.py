@@ -7,9 +7,10 @@ For each instrument, the reference rod makes the true shapes, with a stiffness t
 instrument file. These shapes are either scanned virtually and segmented, or converted directly to centrelines with
 noise. Our rod is then fitted without the force trace and with it, and the CoRdE baseline is fitted without the force
 trace. Every finished step leaves a file NAME.done that contains its command, and the program does not repeat a step
-whose command is unchanged. A fit that was stopped continues from its last generation. An instrument that fails is named
-on the page, and the work continues with the others. The page is written again after every instrument. The exit code is
-0 when every result was made, 1 when a step failed or was stopped, and 2 for a usage error.
+whose command is unchanged. A fit that was stopped continues from its last generation. If a step fails for an
+instrument, the page names the instrument, and the work continues with the other instruments. The page is written again
+after every instrument. The exit code is 0 when every result was made, 1 when a step failed or was stopped, and 2 for a
+usage error.
 """
 
 import argparse
@@ -98,7 +99,7 @@ def remove(path):
 
 
 def text_of(path):
-    """Returns the file's text, or None if there is no such file."""
+    """Returns the text of a file, or None if there is no such file."""
     if not os.path.exists(path):
         return None
     with open(path, encoding="utf-8") as file:
@@ -112,7 +113,7 @@ def write(path, text):
 
 @functools.cache
 def digest(program):
-    """Returns a digest that identifies the build of a program; it is empty if the program does not exist."""
+    """Returns a digest that identifies the build of a program; the digest is empty if the program does not exist."""
     if not os.path.exists(program):
         return ""
     with open(program, "rb") as file:
@@ -142,7 +143,7 @@ def step(row_folder, name, command, announce, unheard=()):
 
 
 class Chain:
-    """Runs the steps of every row with one set of options."""
+    """Runs all steps for every row of the table (instrument) with one set of options."""
 
     def __init__(self, options, depths):
         self.options, self.depths = options, depths
@@ -254,7 +255,7 @@ class Chain:
             self.check_scans(row_folder)
 
     def make_fit(self, row_folder, kind, say):
-        """If only the length of a search has changed, the search continues from its last state."""
+        """If only the number of generations of a search has changed, the search continues from its last state."""
         command = self.fit_command(row_folder, kind)
         begun = os.path.join(row_folder, kind + ".begun")
         search = shlex.join([word for before, word in zip([""] + command, command) if before != "--generations"]) + "\n"

@@ -125,7 +125,7 @@ def said(path):
 
 
 def collect(rows, output):
-    """Adds the results of the fits to each row.
+    """Adds the results of the fits to each row of the table.
 
     The added fields are "fits" (kind -> result.json, figures and recovery), "truth", "folder" and "notes" (kind ->
     reason for a missing fit).

@@ -64,7 +64,7 @@ struct Case {
 // are segmented. The command `ct segment` later adds the missing parts, which are scene, surface and
 // mouth_mm.
 enum class CaseParts { all, before_segmentation };
-// Reads FOLDER/case.toml, or the given file itself. Throws Fault.
+// Reads FOLDER/case.toml if the argument is a folder, or else the given file. Throws Fault.
 Case read_case(const std::filesystem::path &folder_or_file, CaseParts wanted = CaseParts::all);
 // Writes FOLDER/case.toml. Throws crn::OutputError.
 void write_case(const Case &c);
@@ -73,7 +73,7 @@ void write_case(const Case &c);
 void complete_case(const Case &c);
 
 // Reads an ordered list of points in mm under the header x_mm,y_mm,z_mm, and ignores further columns. The
-// file must have at least two points. Throws Fault.
+// file must contain at least two points. Throws Fault.
 std::vector<Eigen::Vector3d> read_centreline(const std::filesystem::path &file);
 void write_centreline(const std::filesystem::path &file, const std::vector<Eigen::Vector3d> &points_mm);
 

@@ -2,9 +2,9 @@
 // EI of its shaft.
 //
 // An instrument file states EI at every position along the instrument. If these two numbers are changed, the
-// way in which stiffness is distributed between tip and shaft stays as it was. Where the file's EI is (EI of
-// the shaft) * alpha_file^w, the new EI is (new EI of the shaft) * alpha^w. The weight w is thus 1 at the tip
-// and 0 on the shaft, and it lies between 0 and 1 on a taper. The EI of the shaft scales the whole
+// way in which stiffness is distributed between tip and shaft stays as it was. Where the instrument file's EI
+// is (EI of the shaft) * alpha_file^w, the new EI is (new EI of the shaft) * alpha^w. The weight w is thus 1
+// at the tip and 0 on the shaft, and it lies between 0 and 1 on a taper. The EI of the shaft scales the whole
 // instrument, and alpha states how soft the tip is relative to the shaft. GJ keeps its ratio to EI.
 #pragma once
 #include "shared/wire/wire.h"

@@ -36,7 +36,7 @@ struct SimulateOptions {
 };
 
 // Makes a virtual scan at every depth of a case that has a truth/ folder, and writes the names of the scans
-// into case.toml. Throws Fault, and any exception that reference::make_case throws.
+// into case.toml. Throws Fault, or any exception that the function reference::make_case throws.
 void command_simulate(SimulateOptions options);
 
 struct SegmentCommand {

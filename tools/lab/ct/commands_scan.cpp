@@ -1,4 +1,4 @@
-// The commands `ct scan` and `ct simulate` make volumes with the virtual scanner.
+// The commands `ct scan` and `ct simulate` make CT volumes with the virtual scanner.
 #include "host/base/output_files.hpp"
 #include "host/base/pending_file.hpp"
 #include "tools/lab/case/case.hpp"

@@ -48,7 +48,8 @@ Lumen find_lumen(const std::vector<LumenScan> &scans, const LumenOptions &option
 
 // --- parts, for tests ---
 
-// Holds all scans merged into one picture without the instrument, on the grid of the first scan.
+// Holds one picture that is merged from all scans and does not show the instrument, on the grid of the first
+// scan.
 struct Merged {
     Volume filled;   // hidden voxels are filled from their surroundings
     Volume distance; // distance from the nearest line in the lumen, cut off

@@ -2,11 +2,11 @@
 // "The scanner").
 //
 // For every slice, the scanner computes the line integrals of parallel beams exactly, from chords through the
-// cut meshes and through the instrument's tubes. The integrals are averaged over the detector's aperture and
-// the slice's profile. The scanner attenuates a polychromatic beam, counts photons, corrects beam hardening
-// for water as real scanners do, and reconstructs the picture by filtered back-projection. Blooming, streaks
-// and photon starvation result from this computation; the program does not draw them artificially. Scatter,
-// and the geometry of fan beam and helix, are not modelled.
+// cut meshes and through the instrument's tubes. The line integrals are averaged over the detector's aperture
+// and the slice's profile. The scanner attenuates a polychromatic beam, counts photons, corrects beam
+// hardening for water as real scanners do, and reconstructs the picture by filtered back-projection.
+// Blooming, streaks and photon starvation result from this computation; the program does not draw them
+// artificially. The scanner does not model scatter, nor the geometry of a fan beam or a helical scan.
 #pragma once
 #include "host/xray/paths/materials.hpp"
 #include "tools/bake/mesh.hpp"
@@ -27,8 +27,8 @@ struct PhantomMaterials {
     double wall_mm = 2;       // thickness of silicone around the lumen; assumed
 };
 
-// Describes a stretch of the instrument, counted from its tip: a round tube with the layers of an instrument
-// file.
+// Describes a stretch of the instrument, counted from the tip, as a round tube with the layers of an
+// instrument file.
 struct ScanLayer {
     Material material = Material::steel;
     double fill = 1, radius_share = 1; // shares of the section and of the radius
@@ -60,8 +60,8 @@ struct ScannerSettings {
 // Receives the completed fraction of the work, 0 .. 1; the function may throw to stop the work.
 using Report = std::function<void(const std::string &stage, double share)>;
 
-// `lumen` must be closed; it is in the scene's mm. Equal settings give equal volumes for any number of
-// threads. Throws Fault for impossible sizes.
+// The mesh `lumen` must be closed, and its coordinates are in the scene's axes and in mm. Equal settings give
+// equal volumes for any number of threads. Throws Fault for impossible sizes.
 Volume simulate_scan(const bake::Mesh &lumen, const PhantomMaterials &phantom,
                      const std::vector<ScanInstrument> &instruments, const ScannerSettings &settings,
                      const Report &report);

@@ -21,7 +21,7 @@ double level_at(const Volume &level, const mesh::Cell &at)
     return here == 0 ? 1e-6 : here;
 }
 
-// Returns whether the surface crosses the block or ends at its border.
+// Returns whether the surface crosses the block, or whether the surface ends at the block's border.
 bool is_crossed(const Volume &level, const mesh::Cell &low)
 {
     int inside = 0;
@@ -49,7 +49,7 @@ bake::Mesh surface_of(const Volume &level, const std::string &name)
 {
     constexpr int edge = mesh::block_edge;
     mesh::LevelSet set(1, 1); // in voxels, which need not be cubes
-    // The blocks reach one voxel beyond the volume on each side.
+    // The blocks of voxels extend one voxel beyond the volume on each side.
     for (int k = -1; k * edge <= level.size[2]; ++k)
         for (int j = -1; j * edge <= level.size[1]; ++j)
             for (int i = -1; i * edge <= level.size[0]; ++i) {

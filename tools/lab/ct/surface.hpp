@@ -7,9 +7,9 @@
 namespace crn::ct
 {
 
-// Returns the surface on which the level set is 0 (tools/mesh/level_set). The mesh is closed, has outward
-// normals, and is in the scene's mm. The mesh is closed even where the inside of the surface reaches the
-// volume's border.
+// Returns the surface on which the level set is 0 (tools/mesh/level_set). The mesh is closed, its normals
+// point outwards, and its coordinates are in the scene's axes and in mm. The mesh is closed even where the
+// inside of the surface reaches the volume's border.
 bake::Mesh surface_of(const Volume &level, const std::string &name);
 
 // Writes a binary PLY file in mm with the property unsure_mm per vertex. Throws OutputError.

@@ -24,7 +24,7 @@ struct Axis {
 class Chart
 {
   public:
-    // The rectangle of the plot area is in pixels.
+    // The rectangle of the chart's plot area is given in pixels.
     Chart(Canvas &canvas, double left, double top, double right, double bottom, Axis vertical);
 
     void draw_frame(); // grid lines, numbers and label of the vertical axis

@@ -30,13 +30,13 @@ struct StudySettings {
 };
 
 // Receives the name of the current work and the completed fraction of this work; if the fraction is -1, the
-// name is printed as a separate line. The report function is called from several threads, but never by two at
-// the same time. If the report function returns false, all work stops and throws Interrupted.
+// name is printed as a separate line. Several threads call the report function, but never two of them at the
+// same time. If the report function returns false, all work stops and throws Interrupted.
 using Report = std::function<bool(const std::string &, double)>;
 
 Study make_study(const StudySettings &settings, const Vessel &vessel, const Report &report);
 
-// Returns the run with this token, or nullptr if there is none.
+// Returns the run of the mode with this short name, or nullptr if there is none.
 const CompressionResult *find_run(const Study &study, const std::string &token);
 
 // Returns one sentence for each violated requirement on Figure 5.11 (requirement 4 of the product). The list

@@ -4,7 +4,8 @@ angle per edge.
 
   peer_mujoco.py free|tube SETTLE_TICKS TIMED_TICKS
 
-Prints one line of key=value pairs. Needs the package mujoco (4.x, or 3.17 and later for the rod's bending).
+Prints one line of key=value pairs. The program needs the Python package mujoco (4.x, or 3.17 and later for the rod's
+bending).
 
 All choices favour the peer. The integrator `discrete` treats bending implicitly, and is the only integrator that is
 stable with this rod at time steps of 1 ms. MuJoCo's Newton solver is its fastest solver for this scene. Eight planes

@@ -4,9 +4,9 @@
 //   peer_xray BODIES FOLDER SIZE ROUNDS
 //
 // The program writes the files FOLDER/body_N.stl (binary, mm), FOLDER/scene.json (materials, geometry of each
-// view, spectrum) and FOLDER/ours_V.f32 (transmissions, row 0 on top). It also prints one line of key=value
-// pairs. Bodies that lie in other bodies within the skin (marrow, vessels of the lungs) are left out, because
-// gVirtualXray allows only one level of nested bodies.
+// view, spectrum) and FOLDER/ours_V.f32 (transmissions, row 0 on top). The program also prints one line of
+// key=value pairs. Bodies that lie in other bodies within the skin (marrow, vessels of the lungs) are left
+// out, because gVirtualXray allows only one level of nested bodies.
 #include "host/base/format.hpp"
 #include "host/xray/detector.hpp"
 #include "host/xray/xray.hpp"

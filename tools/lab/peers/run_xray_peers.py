@@ -6,11 +6,11 @@ energies.
                     [--rounds 5] [--output out/bench_xray_peers.tsv]
 
 Prints the mean relative difference over the pixels inside the patient with a transmission above 1e-4, and the ratio of
-gVirtualXray's time per picture to our time. Our time includes the whole picture with scatter, noise and display. The
-program prints one ratio for the elapsed time and one ratio for the processor time of all threads. The requirement
-applies to the ratio of processor times, because other work on the machine does not change this ratio. The program
-gVirtualXray is installed into a separate virtual environment (tools/lab/peers/xray_peers.txt). The exit code is 1 when
-a requirement is missed or when the measurement fails.
+gVirtualXray's time per picture to our time. Our time includes the computation of the whole picture with scatter, noise
+and display. The program prints one ratio for the elapsed time and one ratio for the processor time of all threads. The
+requirement applies to the ratio of processor times, because other work on the machine does not change this ratio. The
+program gVirtualXray is installed into a separate virtual environment (tools/lab/peers/xray_peers.txt). The exit code is
+1 when a requirement is missed or when the measurement fails.
 """
 
 import argparse

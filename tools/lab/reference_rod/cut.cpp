@@ -1,4 +1,4 @@
-// Computes the constants of a rod from the profile of an instrument file.
+// Computes the constants of the reference rod from the table of properties in an instrument file.
 #include "tools/lab/reference_rod/rod.hpp"
 #include <algorithm>
 #include <cmath>

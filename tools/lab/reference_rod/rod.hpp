@@ -36,21 +36,21 @@ struct Rod {
     double length_m(int edge) const { return arc_m[edge + 1] - arc_m[edge]; }
 };
 
-// States into how long edges an instrument is divided.
+// States the lengths of the edges into which an instrument is divided.
 struct Cut {
     double tip_m = 0.25e-3, shaft_m = 0.75e-3; // longest edge at the tip, and elsewhere
     double fine_m = 0.0; // length from the tip; 0: to 5 mm behind the tip's curves, at least 20 mm
     // The axial stiffness EA is stretch * EI / edge^2, with the smaller of the EI at the two ends of the
     // edge. In a bend of radius R the axial force is EI / R^2, and an edge of length h shortens by the
     // fraction (h / R)^2 / stretch of its length. This fraction is 3e-5 for an edge of 2 mm and a radius of
-    // 50 mm. A higher value of `stretch` would require more iterations and bring no other benefit.
+    // 50 mm. A higher value of `stretch` would only increase the number of iterations.
     double stretch = 64.0;
 };
 
 // Makes a rod from the first `length_m` of the instrument, plus two edges that stay inside the sheath. Throws
 // std::invalid_argument when the instrument is shorter than this length.
 Rod cut_rod(const crn_wire_instrument &table, double length_m, const Cut &cut);
-// Returns the outer radius, in m, of an instrument at a distance from its tip.
+// Returns the outer radius of an instrument, in m, at a given distance from its tip.
 double radius_at_m(const crn_wire_instrument &table, double arc_m);
 // Makes a uniform straight rod.
 Rod uniform_rod(double bend_N_m2, double twist_N_m2, double radius_m, double length_m, double edge_m);

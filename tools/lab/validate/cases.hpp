@@ -14,10 +14,10 @@ struct Case {
         run; // quick: fewer figures, so that the whole suite takes seconds
 };
 
-// Returns all cases in the order of the report.
+// Returns all validation cases in the order of the report.
 std::vector<Case> all_cases();
 
-// Each of these functions returns the cases of one source file.
+// Each of the following functions returns the validation cases of one source file.
 std::vector<Case> bend_cases();
 std::vector<Case> motion_cases();
 std::vector<Case> buckle_cases();

@@ -7,15 +7,15 @@
 namespace crn::validate
 {
 
-// Holds the shape of a plane rod that is clamped at s = 0 along x; lengths are divided by L, and forces by
-// EI/L^2.
+// Holds the shape of a rod that bends in a plane and is clamped at s = 0 along x; lengths are divided by L,
+// and forces by EI/L^2.
 struct PlaneShape {
     std::vector<double> x, y, angle; // at s = i / (size - 1)
 };
 
 // Computes the inextensible elastica under a tip load and a load per length, both of which are constant and
-// point towards -y. A shooting method solves theta' = M, M' = (P + w (1 - s)) cos(theta), M(1) = 0. The loads
-// are raised in steps from zero.
+// point towards -y. A shooting method solves theta' = M, M' = (P + w (1 - s)) cos(theta), M(1) = 0. The
+// function raises the loads in steps from zero.
 PlaneShape elastica(double tip_load, double line_load);
 
 // Computes, in closed form with elliptic integrals, the shape of a cantilever whose tip a constant load,
@@ -25,7 +25,7 @@ struct Buckled {
 };
 Buckled buckled_cantilever(double load); // load > pi^2 / 4
 
-// Returns a root of f between two values at which f has opposite signs.
+// Returns a root of the function f between two given values, at which f has opposite signs.
 double root(const std::function<double(double)> &f, double low, double high);
 
 double beam_mode(unsigned number);         // beta of a cantilever's mode 1, 2, 3: cos b cosh b = -1

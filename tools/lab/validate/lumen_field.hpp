@@ -14,7 +14,8 @@ namespace crn::validate
 
 using Eigen::Vector3d;
 
-// Returns the signed distance to the wall in metres, negative inside; its slope never exceeds 1.
+// A Distance function returns the signed distance to the wall in metres, negative inside; the slope of this
+// distance never exceeds 1.
 using Distance = std::function<double(const Vector3d &)>;
 
 // Describes a path in closed form, as straight pieces and arcs in one or several planes.

@@ -1,6 +1,6 @@
 // Models the thesis' rod (CoRdE): segments join mass points, each segment has a unit quaternion, and time
-// integration is explicit. Node 0 is the tip. Segment j joins nodes j and j+1, and its third director points
-// towards the hand. SI units, doubles.
+// integration is explicit. Node 0 is the tip. Segment j of the rod joins the nodes j and j+1, and its third
+// axis (director) points towards the hand. SI units, doubles.
 //   Energies and forces          rod_forces.cpp
 //   Explicit integration         rod_integrate.cpp
 //   Inserter that feeds the rod  inserter.hpp

@@ -6,9 +6,8 @@
 namespace vcsim3
 {
 
-// For the direction -z, the result is a rotation by half a turn about x. The function handles this direction
-// itself, because Eigen's FromTwoVectors would compile a singular value decomposition for it, which takes 8
-// s.
+// For the direction -z, the result is a rotation by half a turn about x. The function handles the direction
+// -z itself, because the compiler needs 8 s for the singular value decomposition in Eigen's FromTwoVectors.
 Quaternion turn_from_z(const Vector &direction)
 {
     const Vector to = direction.normalized();

@@ -36,7 +36,8 @@ void assert_near(double got, double expected, double tolerance)
     assert_true(false);
 }
 
-// The objective is a curved valley with its lowest point at 0.3, 0.6, ...; it is smooth and cheap.
+// The objective of this test is a smooth function like a curved valley, with its lowest point at 0.3, 0.6,
+// ...; it is cheap to compute.
 Verdict valley(const std::vector<double> &shares)
 {
     double sum = 0.0;
@@ -289,7 +290,7 @@ void without_a_size_a_search_has_the_budget_of_the_thesis(void **)
     assert_int_equal(sized({}, Method::cmaes, {}, 20).generations, 20);
 }
 
-// This evaluator either returns a rod that lies on the reference, or refuses every trial.
+// The evaluator of this test either returns a rod that lies on the reference, or refuses every trial.
 struct ScriptedEvaluator final : Evaluator {
     bool refuses = false;
 

@@ -1,6 +1,7 @@
 // Claims: the thesis' rod, as the baseline of `calibrate`, represents the instrument that its file describes,
-// in the same coordinate frame as our rod. The rod's integration stays stable for any trial. The search that
-// fits our rod also fits this rod, with results that are equal bit for bit for any number of workers.
+// in the same coordinate frame as our rod. The integration of the rod's motion stays stable for any values of
+// the parameters. The search that fits our rod also fits this rod, with results that are equal bit for bit
+// for any number of workers.
 #include "host/base/tests/folder.hpp"
 #include "tools/lab/calibrate/corde_evaluator.hpp"
 #include "tools/lab/calibrate/core_rod.hpp"
@@ -107,7 +108,7 @@ void joints_have_the_stiffness_asked_for(void **)
 }
 
 // For the extreme values of all parameters, the number of substeps is at most the permitted number, and the
-// mass is at least the real mass. The time step times the fastest angular frequency stays below 2. Closed
+// mass is at least the real mass. The time step times the highest angular frequency stays below 2. Closed
 // forms give the highest frequency of a point between two springs Kp/l and of a rotating segment.
 void every_trial_gets_a_step_that_is_stable(void **)
 {

@@ -1,6 +1,6 @@
 // Claims: the simulated hand approaches each depth slowly. The hand waits until the rod's mean position no
 // longer moves: a chattering tip does not prolong the wait, and a pause of a creeping tip does not end the
-// wait. The force is recorded from the first millimetre of insertion onwards.
+// wait. The force on the hand is recorded from the first millimetre of insertion onwards.
 #include "tools/lab/calibrate/hand.hpp"
 #include <cmath>
 

@@ -40,7 +40,7 @@ Case shipped(const std::filesystem::path &folder)
     return c;
 }
 
-// Returns the reader's error message, or "" if there is none.
+// Returns the error message that reading the case gives, or "" if there is none.
 template <class Read> std::string refusal(Read read)
 {
     try {

@@ -4,8 +4,8 @@
 // tip of the wire. The surface of the lumen is closed and its mean error is below 0.3 mm; in scans of a
 // catheter with markers, the lumen is equally accurate. The uncertainty that the segmentation reports covers
 // its errors. If a scan has no instrument, two separate instruments, or two that touch, the error message
-// states this fault. The reference is the line and the mesh from which the scan was made; the segmentation
-// never reads them.
+// states this fault. The reference is the curve and the mesh from which the test made the scan; the
+// segmentation never reads them.
 #include "host/base/tests/folder.hpp"
 #include "tools/lab/case/case.hpp"
 #include "tools/lab/ct/mouth.hpp"
@@ -65,7 +65,8 @@ InstrumentLine line_in(const Volume &volume, LineOptions options = {})
     return line;
 }
 
-// Returns the part of the reference that the scan shows, from the plane of the introducer's opening onwards.
+// Returns the part of the reference curve that the scan shows, from the plane of the introducer's opening
+// onwards.
 std::vector<Vector3d> ahead_of(const std::vector<Vector3d> &line, double y_mm)
 {
     std::vector<Vector3d> part;

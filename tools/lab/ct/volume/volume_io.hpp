@@ -13,10 +13,10 @@ inline constexpr int volume_side_max = 2048;                           // voxels
 inline constexpr std::size_t volume_voxels_max = std::size_t{1} << 28; // 1 GiB as the floats that we keep
 inline constexpr double spacing_min_mm = 0.01, spacing_max_mm = 10.0;
 
-// Reads a file .nrrd, .nhdr, .nii, .nii.gz, .mha or .mhd, or a folder with one DICOM series. Throws Fault,
-// whose message gives the cause, the position and the remedy. A left-handed grid is made right-handed
-// (make_right_handed), and a note reports this change. A child process reads the file (volume_apart.cpp), so
-// that a damaged file ends only the child process. Call this before threads start.
+// Reads a volume from a file .nrrd, .nhdr, .nii, .nii.gz, .mha or .mhd, or from a folder with one DICOM
+// series. Throws Fault, whose message gives the cause, the position and the remedy. A left-handed grid is
+// made right-handed (make_right_handed), and a note reports this change. A child process reads the file
+// (volume_apart.cpp), so that a damaged file ends only the child process. Call this before threads start.
 Volume read_volume(const std::filesystem::path &path);
 // The child process delivers the grid first (as a volume without values), then all values in order, in
 // blocks. Throws Fault, possibly between blocks.
