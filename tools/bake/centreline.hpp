@@ -24,7 +24,7 @@ struct CurvePoint {
 };
 CurvePoint along(const Curve &line, bool from_last, double distance_mm);
 
-// Returns a closed mesh of the union of tapered capsules, each of which joins two neighbouring points; the
+// Returns a closed mesh of the union of tapered capsules, each of which joins two neighbouring points. The
 // mesh is made on a grid of the given voxel size.
 Mesh surface_of(const std::vector<Curve> &lines, double voxel_mm, Progress &progress);
 

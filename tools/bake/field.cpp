@@ -125,7 +125,7 @@ std::vector<double> gather(const mesh::LevelSet &grid, const Cell &cell, double 
     return grid.read({8 * cell[0] - reach, 8 * cell[1] - reach, 8 * cell[2] - reach}, block, voxel);
 }
 
-// Returns whether some of the brick's distances lie in the range that the file stores; the function uses the
+// Returns whether some of the brick's distances lie in the range that the file stores. The function uses the
 // brick's 10^3 samples and a margin of half a voxel.
 std::uint16_t classify(const std::vector<double> &values, const FieldText &text, double voxel)
 {

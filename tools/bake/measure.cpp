@@ -176,8 +176,8 @@ bool draw_pose(const TriangleTree &tree, const SurfacePoints &surface, double ra
     return true;
 }
 
-// Returns the radius of the largest ball that touches the wall at p from inside and has no wall inside it;
-// the ball's centre lies on the inward normal at p. The function reduces the ball's radius step by step
+// Returns the radius of the largest ball that touches the wall at p from inside and has no wall inside it.
+// The ball's centre lies on the inward normal at p. The function reduces the ball's radius step by step
 // (shrinking balls: Ma, Bae & Choi 2012). Returns `limit` when the ball touches no second part of the wall,
 // or no part on the side opposite to p.
 double ball_radius(const TriangleTree &tree, const Eigen::Vector3d &p, const Eigen::Vector3d &inward,

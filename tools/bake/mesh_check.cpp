@@ -199,8 +199,8 @@ void close_openings(Mesh &mesh, const std::vector<Loop> &loops, Cap cap)
     double widest_mm = 0;
     for (const Loop &loop : loops) {
         const Opening opening = describe(mesh, loop);
-        // An opening counts as flat if its corners deviate from a plane by at most 5 % of its width, as where
-        // a scanner's software has cut off the end of a vessel.
+        // An opening counts as flat if its corners deviate from a plane by at most 5 % of its width. Openings
+        // that a scanner's software has cut into vessels are flat.
         const bool is_flat = loop.size() >= 3 && opening.unevenness_mm <= 0.05 * opening.across_mm;
         if (!is_flat && cap == Cap::flat)
             throw Fault(mesh.name + ": the opening at " + opening_text(opening, loop.size()) +

@@ -78,7 +78,7 @@ void overlapping_pieces_become_one_solid(void **)
     Mesh one = offset_surface(two, 0.25, 0);
     check_closed(one, Cap::none);
     // The volume of the union is the sum of both volumes less the volume that both cubes contain, 7 x 6 x 5
-    // mm; the edges of a cube are rounded by half a voxel.
+    // mm. The edges of a cube are rounded by half a voxel.
     is_near(volume_mm3(one), 2000 - 7 * 6 * 5, 18, "the volume of the union in mm3");
 }
 
@@ -169,7 +169,7 @@ void decimated_surface_stays_within_the_stated_distance(void **)
     if (mesh.triangles.size() * 5 > before)
         fail_msg("%zu of %zu triangles are left", mesh.triangles.size(), before);
     assert_true(found.largest_mm <= 0.1 && found.points > 20000);
-    // The test compares the mesh with the closed form at the corners and middles of the triangles; the facets
+    // The test compares the mesh with the closed form at the corners and middles of the triangles. The facets
     // of the torus deviate from the closed form by 0.005 mm.
     for (const Triangle &t : mesh.triangles) {
         const Eigen::Vector3d middle =
@@ -198,8 +198,8 @@ void body_that_leaves_its_parent_or_enters_its_neighbour_is_named(void **)
     contains(nested({28, 10, 10}, -1), {"'inner' reaches 2.0 mm into 'outer'", "less"});
 }
 
-// Returns a plate of 20 x 30 x 1 mm whose end at x = 20 mm is folded over by half a millimetre; its last face
-// points backwards.
+// Returns a plate of 20 x 30 x 1 mm whose end at x = 20 mm is folded over by half a millimetre. The face at
+// the end of the fold points backwards.
 Mesh folded_plate()
 {
     const double x[] = {0, 20, 20.5, 20.5, 20, 0}, z[] = {-0.5, -0.5, 0.3, -0.3, 0.5, 0.5};
@@ -299,8 +299,9 @@ void transforms_come_in_the_stated_order(void **)
         folder.write("scene.toml", body_text("axes = [\"+y\", \"-x\", \"+z\"]\nscale = [2, 1, 1]\n"
                                              "rotate_deg = [90, 0, 0]\noffset_mm = [1, 2, 3]\n")),
         {folder.path, {}});
-    // The axes convert the point (50, 40, 7) to (40, -50, 7), and the scale converts it to (80, -50, 7); a
-    // quarter turn about the left axis then carries the head to the front.
+    // The scene's axes convert the point (50, 40, 7) to (40, -50, 7), and the scale converts it to (80, -50,
+    // 7). A quarter turn about the axis to the left then turns the direction to the head into the direction
+    // to the front.
     const Eigen::Vector3d placed = text.bodies[0].mesh.placement.place({50, 40, 7}, 1);
     is_near((placed - Eigen::Vector3d(81, 2 - 7, 3 - 50)).norm(), 0, 1e-9,
             "the distance from the place by hand");

@@ -242,8 +242,8 @@ struct BakedLesion {
         lumen.lesions = &lesion;
     }
     Vector3d throat_mm() const { return tree.branches[0].points_m[tree.throat(tree.lesions[0])] * 1e3; }
-    // Returns the core's distance from the wall at a point, in mm, positive outside the lumen; `open` states
-    // how far each point along the lesion is open, as a fraction.
+    // Returns the core's distance from the wall at a point, in mm, positive outside the lumen. The fractions
+    // `open` state how far each point along the lesion is open.
     double distance_mm(const Vector3d &place_mm, const std::vector<double> &open) const
     {
         crn_lesion_state state{};
@@ -464,7 +464,7 @@ void a_file_gives_the_lesion_back(void **)
         assert_true((lesion.healthy_points_m[i] - tree.lesions[0].healthy_points_m[i]).norm() < 1e-9);
 }
 
-// The mesh of the vessel has a radius of 2 mm; the centrelines state a radius of 2 mm in the first case and
+// The mesh of the vessel has a radius of 2 mm. The centrelines state a radius of 2 mm in the first case and
 // 2.5 mm in the second case. In the first case the minimal lumen radius agrees; in the second case it is 0.3
 // mm larger in the vessel tree than in the mesh.
 void a_mesh_that_is_not_the_trees_is_warned_of(void **)

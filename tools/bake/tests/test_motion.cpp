@@ -37,7 +37,7 @@ double contraction(double phase)
     return (1 - std::cos(turn * share)) / 2;
 }
 
-// Shrinks the space by 30 % towards a fixed point, moves it 6 mm down and rotates it by 12 degrees; the
+// Shrinks the space by 30 % towards a fixed point, moves it 6 mm down and rotates it by 12 degrees. The
 // motion fades to zero at 90 mm from that point.
 Eigen::Vector3d beating(const Eigen::Vector3d &X, double phase)
 {
@@ -48,8 +48,8 @@ Eigen::Vector3d beating(const Eigen::Vector3d &X, double phase)
     return middle + (1 - 0.3 * c) * (twist * r) - Eigen::Vector3d(0, 6 * c, 0);
 }
 
-// Returns the position to which a full breath moves a point: 3.2 mm down, as in the shipped heart, with a
-// displacement that fades to zero at a distance of 90 mm.
+// Returns the position to which a full breath moves a point. The displacement is 3.2 mm down, as in the
+// shipped heart, and fades to zero at a distance of 90 mm.
 Eigen::Vector3d inhaled(const Eigen::Vector3d &x)
 {
     const double s = x.norm() / 90, fade = s < 1 ? (1 - s * s) * (1 - s * s) : 0;

@@ -61,7 +61,7 @@ class Evaluator
     // Returns all settings that change the results, as text for the checkpoint's hash.
     virtual std::string settings_text() const = 0;
     // Returns the text of the instrument file with these values, and writes the text `source` after each
-    // value; the text is empty when our simulator has no such rod.
+    // value. The text is empty when our simulator has no such rod.
     virtual std::string instrument_text(const std::vector<double> &values,
                                         const std::string &source) const = 0;
 

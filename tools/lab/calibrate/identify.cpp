@@ -1,6 +1,6 @@
 // Moves each number away from the optimum by doubling steps, and then halves the interval between the last
 // step within the noise and the first step beyond it. Moving one number at a time does not find numbers that
-// compensate each other. The search has other trials that are as good as the best trial and reveal such
+// compensate each other. Some trials of the search are as good as the best trial and reveal such
 // compensation, so the range of a number is widened to include these trials.
 #include "tools/lab/calibrate/identify.hpp"
 #include <algorithm>

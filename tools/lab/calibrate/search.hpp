@@ -4,7 +4,7 @@
 //
 // The algorithms of the library pagmo request one trial after the other. To evaluate whole generations in
 // parallel, we run each generation twice. First we advance a copy of the algorithm with a problem that only
-// records the requested trials; no trial of a generation depends on the result of another trial of that
+// records the requested trials. No trial of a generation depends on the result of another trial of that
 // generation. The workers (threads or processes) then evaluate the recorded trials at the same time. Finally
 // we advance the algorithm itself with a problem that returns the recorded results. The outcome of the search
 // equals that of pagmo's algorithm running alone, for any number of workers.

@@ -7,8 +7,9 @@
 // All positions in a case are in the scene's axes and in mm. The format of a case is specified in docs/ct.md.
 //
 // The case also states the protocol of the insertion. The hand feeds at `speed_mm_per_s`. Between two depths,
-// the hand turns evenly from the angle of the first to the angle of the second; before the first depth, the
-// hand keeps the angle of the first depth. The hand stops at each depth until the instrument rests.
+// the hand turns evenly from the angle of the first depth to the angle of the second depth. Before the first
+// depth, the hand keeps the angle of the first depth. The hand stops at each depth until the instrument
+// rests.
 #pragma once
 #include "host/base/fault.hpp"
 #include <Eigen/Core>

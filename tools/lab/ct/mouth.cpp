@@ -51,8 +51,8 @@ Vector3d direction_of(const std::vector<Vector3d> &places)
 }
 
 // Returns the direction of the introducer, which is straight. The function measures the direction on the part
-// of the introducer that the scan shows; if the scan shows no such part, on the first millimetres of the
-// centreline.
+// of the introducer that the scan shows. If the scan shows no such part, the function uses the first
+// millimetres of the centreline.
 Vector3d direction_at(const InsertedLine &line)
 {
     const double end = length_of(line.places), mouth = end - line.inserted_mm;

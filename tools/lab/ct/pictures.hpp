@@ -11,7 +11,7 @@ namespace crn::ct
 
 inline constexpr Ink red{230, 40, 40}, green{60, 200, 80}, yellow{250, 210, 60}, blue{80, 140, 250};
 
-// The view is along an axis of the grid: axis 0 shows the side, axis 1 the front, and axis 2 the view from
+// The view is along an axis of the grid. Axis 0 shows the side, axis 1 the front, and axis 2 the view from
 // below that radiologists use (front up). In the views along axes 0 and 1, the patient's head is at the top
 // of the picture.
 class Picture

@@ -101,7 +101,7 @@ class Scan
     }
 
     // Returns the fraction of the signal that remains on each ray through an instrument, and -1 for other
-    // rays; the list is empty if no ray passes through an instrument. Over the detector's aperture and the
+    // rays. The list is empty if no ray passes through an instrument. Over the detector's aperture and the
     // slice's thickness, we average the signal and not the lengths of material. Because the signal is
     // averaged, thin metal blooms and causes streaks, as in a real scanner.
     std::vector<float> through_instruments(double height, const std::vector<float> &water) const

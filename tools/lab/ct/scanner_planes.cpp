@@ -184,7 +184,7 @@ void PhantomPlanes::outline_wall(double height_mm, double value, std::vector<Edg
     };
     for (int j = 0; j + 1 < field_size_[1]; ++j)
         for (int i = 0; i + 1 < field_size_[0]; ++i) {
-            // The corners of a square are counted counter-clockwise; an edge of the outline enters the square
+            // The corners of a square are counted counter-clockwise. An edge of the outline enters the square
             // where the level falls below 0, and leaves it where the level rises above 0.
             const int di[4] = {0, 1, 1, 0}, dj[4] = {0, 0, 1, 1};
             double v[4];

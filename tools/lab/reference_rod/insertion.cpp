@@ -34,7 +34,7 @@ Insertion::Insertion(const Rod &rod, const Physics &physics, const Sheath &sheat
     step(start_m, turn_rad);
 }
 
-// Returns the position of a node after the rod has moved along its own curve by `feed_m`; this position is a
+// Returns the position of a node after the rod has moved along its own curve by `feed_m`. This position is a
 // point of the rod's curve before the step.
 Vector Insertion::followed(int node, double feed_m) const
 {

@@ -205,9 +205,9 @@ void three_point(Result &result, bool)
 
 // --- curved tips ---
 
-// Supports on the x axis hold a rod straight whose resting shape has the curvature 1/R. The rod has two
-// spans: the first reaches from the clamp at the base to the support `second` (length a), and the second from
-// there to the tip (length d). Clapeyron's theorem of three moments gives the moment at the support `second`,
+// A rod whose resting shape has the curvature 1/R is held straight by supports on the x axis. The first span
+// (length a) reaches from the clamp at the base to the support `second`. The second span (length d) reaches
+// from there to the tip. Clapeyron's theorem of three moments gives the moment at the support `second`,
 // divided by EI/R. This moment is near 1 but not equal to 1, because the last span is only supported at its
 // ends.
 double three_moments(double a, double d)

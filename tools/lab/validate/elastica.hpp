@@ -7,7 +7,7 @@
 namespace crn::validate
 {
 
-// Holds the shape of a rod that bends in a plane and is clamped at s = 0 along x; lengths are divided by L,
+// Holds the shape of a rod that bends in a plane and is clamped at s = 0 along x. Lengths are divided by L,
 // and forces by EI/L^2.
 struct PlaneShape {
     std::vector<double> x, y, angle; // at s = i / (size - 1)
@@ -31,9 +31,9 @@ double root(const std::function<double(double)> &f, double low, double high);
 double beam_mode(unsigned number);         // beta of a cantilever's mode 1, 2, 3: cos b cosh b = -1
 double euler_clamped_pinned();             // u = L sqrt(P/EI): tan u = u
 double euler_spring_pinned(double spring); // the same with a torsional spring k L / EI at the other end
-// Computes the critical thrust of a rod with two spans: from a clamp to a support at distance `a`, and from
-// there to a support at the end, after a further distance `d`. The rod is free to turn at both of these
-// supports. Returns sqrt(P/EI).
+// Computes the critical thrust of a rod with two spans. The first span reaches from a clamp to a support at
+// distance `a`; the second span has the length `d` and ends at another support. The rod is free to turn at
+// both of these supports. Returns sqrt(P/EI).
 double euler_two_spans(double a, double d);
 double greenhill(); // M L / B of a rod clamped at both ends
 

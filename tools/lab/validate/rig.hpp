@@ -18,8 +18,8 @@ namespace crn::validate
 
 using Eigen::Vector3d;
 
-// Holds the properties of a tool at an arc length from the tip. Properties change linearly between knots; two
-// knots at an equal arc length make a step.
+// Holds the properties of a tool at an arc length from the tip. Properties of a tool change linearly between
+// knots; if two knots have one arc length, the properties change abruptly there.
 struct Knot {
     double arc_m = 0;
     double bend_N_m2 = 1e-3;

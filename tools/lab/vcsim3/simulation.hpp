@@ -1,5 +1,5 @@
-// Simulates one rod of the thesis' kind that the hand feeds into a vessel; defines the order of the phases
-// within a time step, and measures the time of each phase.
+// Simulates one rod of the thesis' kind, which the hand pushes into a vessel. The class defines the order of
+// the phases within a time step, and measures the time of each phase.
 //   Cosserat     elastic forces and torques
 //   Integrator   velocities, later positions and orientations
 //   Collisions   depth of every point in the wall

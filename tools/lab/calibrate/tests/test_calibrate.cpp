@@ -73,7 +73,7 @@ SearchState searched(const SearchSettings &settings, const EvaluateShares &evalu
 
 // --- judging ---
 
-// The distance of a point beside a piece of the polyline is its distance to this piece; the distance of a
+// The distance of a point beside a piece of the polyline is its distance to this piece. The distance of a
 // point beyond an end is its distance to this end. We use 3-4-5 triangles.
 void distances_go_to_the_nearest_point_of_the_line(void **)
 {

@@ -1,6 +1,6 @@
-// Claims: an instrument is unchanged if it is given its own EI of the shaft and alpha; with other numbers its
-// EI is shaft * alpha^w; impossible values are refused. The EI of a knot is stored as a whole number of nN
-// m^2, so the tolerance is 1 nN m^2.
+// Claims: an instrument is unchanged if it is given its own EI of the shaft and alpha. With other numbers its
+// EI is shaft * alpha^w, and impossible values are refused. The EI of a knot is stored as a whole number of
+// nN m^2, so the tolerance is 1 nN m^2.
 #include "tools/lab/case/case.hpp"
 #include "tools/lab/case/stiffness.hpp"
 #include <cmath>

@@ -1,4 +1,4 @@
-// Provides a phantom for tests, which is a straight closed tube along the head axis, and scans of this
+// Provides a phantom for tests, which is a straight closed tube along the axis to the head, and scans of this
 // phantom that take little time.
 #pragma once
 #include "tools/lab/ct/instrument_scan.hpp"

@@ -33,8 +33,8 @@ void assert_below(const char *what, double value, double limit)
     assert_true(value <= limit);
 }
 
-// Makes a tube 8 mm wide: a straight piece of 20 mm is followed by two bends of 90 degrees and 30 mm radius,
-// which form an S and do not lie in one plane.
+// Makes a tube 8 mm wide, in which two bends of 90 degrees and 30 mm radius follow a straight piece of 20 mm.
+// The bends form an S and do not lie in one plane.
 class Tube
 {
   public:

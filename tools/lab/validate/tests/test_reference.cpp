@@ -62,8 +62,8 @@ void heavy_elastica_has_the_published_values(void **)
     }
 }
 
-// The expected values come from Timoshenko and Gere, table 2-4: alpha is 60 degrees at 1.152 Pcr, with x / L
-// 0.741 and y / L 0.593; alpha is 120 degrees at 1.884 Pcr.
+// The expected values come from Timoshenko and Gere, table 2-4. At 1.152 Pcr, alpha is 60 degrees, x / L is
+// 0.741 and y / L is 0.593; at 1.884 Pcr, alpha is 120 degrees.
 void buckled_cantilever_has_the_published_values(void **)
 {
     const double euler = M_PI * M_PI / 4;
