@@ -18,7 +18,7 @@ std::vector<Curve> read_centrelines(const std::filesystem::path &file, const Pla
 Curve read_centreline(const std::filesystem::path &file, const Placement &placement);
 
 // Returns the position and unit tangent at a given distance along the curve, counted from the curve's first
-// or last point. The tangent points from that end of the curve into the curve.
+// or last point. At either end, the tangent points into the curve.
 struct CurvePoint {
     Eigen::Vector3d position_mm, direction;
 };

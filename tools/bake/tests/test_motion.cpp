@@ -38,7 +38,7 @@ double contraction(double phase)
 }
 
 // Shrinks the space by 30 % towards a fixed point, moves it 6 mm down and rotates it by 12 degrees. The
-// motion fades to zero at 90 mm from that point.
+// motion fades to zero at 90 mm from the fixed point.
 Eigen::Vector3d beating(const Eigen::Vector3d &X, double phase)
 {
     const Eigen::Vector3d middle(8, -5, 6), r = X - middle;

@@ -1,9 +1,9 @@
 // A checkpoint is a file that holds the state of a search for the best parameters. A search that was stopped
 // continues from its checkpoint, on the same or on another machine, with the same results as if it had never
-// stopped. The file is text. The file begins with a header (version, hash and settings). Then follow every
-// trial as hexadecimal doubles (exact), pagmo's archive, and a last line, without which the file counts as
-// incomplete. After every generation, the program writes the checkpoint under another name and then renames
-// it.
+// stopped. The file is text. The file begins with a header (version, hash and settings). After the header
+// follow every trial as hexadecimal doubles (exact), pagmo's archive, and a last line, without which the file
+// counts as incomplete. After every generation, the program writes the checkpoint under another name and then
+// renames it.
 #pragma once
 #include "tools/lab/calibrate/search.hpp"
 

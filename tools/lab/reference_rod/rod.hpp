@@ -48,7 +48,7 @@ struct Cut {
 };
 
 // Makes a rod from the first `length_m` of the instrument, plus two edges that stay inside the sheath. Throws
-// std::invalid_argument when the instrument is shorter than this length.
+// std::invalid_argument when the instrument is shorter than the needed length.
 Rod cut_rod(const crn_wire_instrument &table, double length_m, const Cut &cut);
 // Returns the outer radius of an instrument, in m, at a given distance from its tip.
 double radius_at_m(const crn_wire_instrument &table, double arc_m);
