@@ -10,8 +10,8 @@
 namespace anatomy
 {
 
-/* One body of the X-ray picture. It lies completely inside the body that `inside` names; the outermost
- * body lies in none (""). */
+/* One body of the X-ray picture. The body lies completely inside another body, which `inside` names. For the
+ * outermost body `inside` is "". */
 struct Body {
     std::string name, material, inside;
     MeshRequest request;
@@ -24,8 +24,8 @@ struct Fineness {
 
 MeshRequest lumen_request(const VesselTree &tree, const Fineness &fineness);
 
-/* Returns the bodies of the patient around these vessels, which must be in the patient's frame. They
- * include the vessels of the heart if the tree has coronary arteries. */
+/* Returns the bodies of the patient around these vessels, which must be in the patient's frame. If the tree
+ * has coronary arteries, these bodies include the root of the aorta and the coronary arteries. */
 std::vector<Body> patient_bodies(const VesselTree &tree, const Fineness &fineness);
 
 /* Returns the bodies of a phantom, which is a tank of water with a silicone wall around the vessels. A

@@ -1,4 +1,4 @@
-/* The belly: its cavity, kidneys, liver, spleen, psoas, bowel and gas. */
+/* Makes the shapes of the belly: cavity, kidneys, liver, spleen, psoas muscles, bowel and gas. */
 #include "tools/anatomy/organs.hpp"
 #include <algorithm>
 #include <cmath>
@@ -130,7 +130,8 @@ Solid spleen()
 namespace
 {
 
-/* Adds a pouch of gas. It is a row of uneven balls along a course, like the haustra of the colon. */
+/* Adds a pouch of gas. The pocket of gas is a row of uneven balls along a curve, like the haustra of the
+ * colon. */
 void add_pouches(Part &part, const std::vector<Vec3> &course, double radius_mm, double wall_mm, uint32_t seed)
 {
     uint32_t state = seed;
