@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Measures what a newcomer waits for: processor time, compiled files and packages of `make run`, and processor time of
-`make test`.
+"""Measures the cost of a first build: the processor time, compiled files and packages of `make run`, and the processor
+time of `make test`.
 
   build_cost.py [--test] [--write out/bench.tsv]
 
-Clones the last commit into a temporary folder and builds there without a compiler cache. Prints
+The program clones the last commit into a temporary folder and builds the clone without a compiler cache. Prints
 `name<TAB>value<TAB>unit <TAB>context` lines: build.run_cpu_s (compiling and linking of `make run`), build.run_units,
 build.run_packages_mb (archives to download on a minimal Debian 12), and with --test build.test_cpu_s (all of `make
 test`, from clean) and build.test_again_cpu_s (the same after one file of host/xray was touched). --write puts them into

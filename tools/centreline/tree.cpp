@@ -86,9 +86,9 @@ double length_mm(const Branch &branch)
     return sum;
 }
 
-// For p, s is the coordinate along the axis and q the distance from the axis; the side of the hull is the
-// cone that touches both spheres. Where the foot of the normal lies beyond an end of the cone, the sphere at
-// that end is nearer.
+// For the point p, s is the coordinate along the axis from a to b, and q is the distance from this axis. The
+// side of the hull is the cone that touches both spheres. Where the perpendicular from p meets the cone's
+// line beyond an end of the cone, the sphere at that end is nearer to p.
 double tapered_capsule_distance(const Eigen::Vector3d &p, const Eigen::Vector3d &a, double radius_a,
                                 const Eigen::Vector3d &b, double radius_b)
 {
@@ -165,8 +165,8 @@ Tree split_at_junctions(const Tree &tree)
                 if (sphere == old.parent_sphere) parent = made;
         std::size_t first = 0;
         for (std::size_t cut : at) {
-            // A cut at the first sphere makes no new branch, because no part of the old branch lies before
-            // it.
+            // A cut at the first sphere of a branch makes no new branch, because no part of the old branch
+            // lies before this sphere.
             if (cut == 0) {
                 ends[b].push_back({0, parent});
                 continue;

@@ -73,7 +73,7 @@ stations = [
 ]
 """
 # Each entry has the text of a valid file, the words to replace, the new words, and words that the error message must
-# contain. In the message LINE is the file with the line of the replacement.
+# contain. In these words, "LINE" or "LINE #" stands for the file's name and the line of the replaced words.
 MISTAKES = (
     (OWN, "fillet_mm", "filet_mm", "LINE:12: unknown key 'filet_mm', did you mean 'fillet_mm'?"),
     (OWN, "format = 1", "format = 2", "LINE:10: 'format' must be 1; this file is of another version"),

@@ -1,4 +1,4 @@
-// Closes or remakes the mesh, and distinguishes openings from walls.
+// Closes or remakes the mesh of a vessel, and distinguishes openings from walls.
 #include "tools/centreline/fit/lumen.hpp"
 #include "host/base/format.hpp"
 #include "tools/bake/solid.hpp"
@@ -60,7 +60,7 @@ Lumen::Lumen(bake::Mesh mesh, const LumenWish &wish, bake::Progress &progress)
         bake::check_closed(closed, wish.cap);
     } catch (const Fault &fault) {
         if (wish.cap != bake::Cap::any) throw;
-        // The mesh does not bound a body, but a level set may turn it into a mesh that does.
+        // Although this mesh does not bound a body, a level set may turn it into a mesh that bounds a body.
         closed = raw;
         bake::cap_openings(closed, bake::Cap::any);
         Eigen::AlignedBox3d box;
@@ -75,7 +75,7 @@ Lumen::Lumen(bake::Mesh mesh, const LumenWish &wish, bake::Progress &progress)
         } catch (const Fault &) {
             throw fault; // the fault of the mesh says more than that of its level set
         }
-        // If capping has missed a hole, the level set has no inside, and only a thin shell remains.
+        // If a hole of the mesh was not capped, the level set has no inside, and only a thin shell remains.
         if (bake::volume_mm3(made) < 0.5 * before_mm3) throw;
         notes_.push_back(std::string(fault.what()));
         const std::string text =

@@ -1,4 +1,5 @@
-// Draws in software: first the glass vessel, then the spheres from far to near, and then points and letters.
+// Draws without a graphics processor: first the transparent vessel, then the spheres from far to near, and
+// then points and letters.
 #include "tools/centreline/fit/tree_picture.hpp"
 #include "host/base/format.hpp"
 
@@ -35,7 +36,7 @@ void draw_dot(Sheet &sheet, const SheetPoint &at, double radius_px, Ink ink)
     for (int y = static_cast<int>(at.y - reach); y <= at.y + reach; ++y)
         for (int x = static_cast<int>(at.x - reach); x <= at.x + reach; ++x) {
             const double distance = std::hypot(x + 0.5 - at.x, y + 0.5 - at.y);
-            // Light from the upper left makes the ball look round.
+            // The drawing brightens the ball's upper left, so that the ball looks round.
             const double light =
                 std::hypot(x + 0.5 - at.x + 0.35 * radius_px, y + 0.5 - at.y + 0.35 * radius_px);
             const double bright = std::max(0.0, 1 - light / (0.8 * radius_px));
@@ -157,7 +158,7 @@ std::vector<float> glass_of(const bake::Mesh &mesh, const View &view)
 namespace
 {
 
-// Draws each edge once; edges far from the viewer come first and are paler.
+// Draws each edge of the mesh once; edges far from the viewer are drawn first and are paler.
 void draw_wires(Sheet &sheet, const View &view, const bake::Mesh &mesh)
 {
     const Eigen::Matrix3d axes = view.axes();
