@@ -30,7 +30,7 @@ def version():
 
 
 def answer(name):
-    """Returns a program's output, or a sentence if it prints none."""
+    """Returns a program's output, or a sentence if the program prints nothing."""
     try:
         done = subprocess.run(
             [os.path.join(BUILD, name), "--version"],
