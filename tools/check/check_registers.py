@@ -94,7 +94,8 @@ def check_pad(iomux, name, value):
 
 
 def check_line(header, description, name, value):
-    """Returns the value in the description if it differs from the given value, and otherwise None."""
+    """Returns None if the header's value agrees with the chip's description, and otherwise a text that states the
+    difference."""
     if name.startswith("BASE_"):
         right = description.bases.get(name[5:])
         return None if right == value[0] else "the description has %s" % (right if right is None else hex(right))

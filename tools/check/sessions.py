@@ -108,7 +108,7 @@ class Sessions:
         self.result(code == 0 and EXPECTS.search(text) is not None, f"{short}_reaches_the_end_that_it_states", said)
 
     def misses(self, name, scene, tools, stent=None):
-        """Tests that the session, if the tools are not turned, fails at the expectation of the given name."""
+        """Tests that, if the tools are not turned, the session fails at an expectation of its script."""
         with open(f"shared/examples/{name}.session", encoding="utf-8") as file:
             text = file.read()
         short = name.split("/")[1]

@@ -1,4 +1,5 @@
-// Claims: edges shorter than a length are collapsed, and the surface stays closed and in its place.
+// Claims: drop_short_edges collapses edges that are shorter than a given length, and the surface stays closed
+// and does not move.
 #include "tools/mesh/simplify.hpp"
 
 #include <Eigen/Geometry>
