@@ -11,15 +11,16 @@
 namespace anatomy
 {
 
-/* The landmarks of a heart at the end of diastole, in the patient frame of that heart. */
+/* Holds the positions of three landmarks of a heart at the end of diastole, in the patient frame of that
+ * heart. */
 struct HeartLandmarks {
     Vec3 left_ostium_mm, right_ostium_mm, apex_mm;
 };
 
 HeartLandmarks shipped_landmarks();
 
-/* The rotation, scale and shift that map the other heart onto the shipped one. This transformation is the
- * least-squares fit over the three landmarks (Umeyama, IEEE PAMI 1991;13:376). */
+/* Holds the rotation, scale and shift that map the other heart onto the shipped heart. This transformation is
+ * the least-squares fit over the three landmarks (Umeyama, IEEE PAMI 1991;13:376). */
 struct HeartPlacement {
     double scale = 1.0; // size of the shipped heart divided by the size of the other heart
     Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
@@ -32,15 +33,16 @@ struct HeartPlacement {
 };
 
 /* Throws std::invalid_argument when no man's heart can have these landmarks; the message names the
- * command-line option that may be wrong. The shipped heart may be 0.6 to 1.6 times as large as the other
+ * command-line option that may be wrong. The shipped heart must be 0.6 to 1.6 times as large as the other
  * heart. After the fit, no landmark may be more than 20 mm away from its counterpart on the shipped heart.
  * The three landmarks must not lie on one straight line. */
 HeartPlacement place_heart(const HeartLandmarks &other);
 
 /* Writes FOLDER/NAME_00.ply ... NAME_23.ply with the mesh's vertices in every frame, and FOLDER_inhaled.ply
- * beside the folder, as bake reads them. Each vertex moves like the corresponding point of the shipped heart,
- * and the displacement is scaled to the size of the other heart. The displacement by breathing is not scaled.
- * Returns the largest displacement of any vertex from its position in the mesh `rest`, in mm. */
+ * beside the folder. The program `bake` reads these files. Each vertex moves like the corresponding point of
+ * the shipped heart, and the displacement is scaled to the size of the other heart. The displacement by
+ * breathing is not scaled. Returns the largest displacement of any vertex from its position in the mesh
+ * `rest`, in mm. */
 double write_borrowed_beat(const std::filesystem::path &folder, const std::string &name, const Mesh &rest,
                            const HeartPlacement &placement);
 

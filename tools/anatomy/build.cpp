@@ -11,11 +11,11 @@ namespace anatomy
 namespace
 {
 
-/* GAP_MM is the least distance between neighbouring bodies. It is larger than the sum of the errors that
- * simplification may cause on two facing surfaces. */
+/* GAP_MM is the smallest permitted distance between neighbouring bodies of the anatomy. This distance is
+ * larger than the sum of the errors that mesh simplification may cause on two facing surfaces. */
 constexpr double GAP_MM = 0.9, SHELL_MM = 1.0;
-/* Thin bones are simplified less than other bones. X-rays that pass along a wing with 2 mm of cortex show
- * a slope that is wrong by 3 degrees as a streak. */
+/* The meshes of thin bones are simplified less than those of other bones. If X-rays pass along the iliac
+ * wing, whose cortex is 2 mm thick, a surface whose direction is wrong by 3 degrees appears as a streak. */
 constexpr double BONE_ERROR_MM = 0.16, THIN_BONE_ERROR_MM = 0.1;
 /* The inner surface of the cortex is uneven by this many millimetres, so that bones look grainy in the X-ray
  * picture. */

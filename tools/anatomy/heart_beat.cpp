@@ -10,8 +10,8 @@ namespace anatomy
 namespace
 {
 
-/* Makes a function of the phase that repeats with every beat. Each knot has a time in milliseconds and a
- * value. */
+/* Makes a spline over the phase of the heartbeat that repeats with every beat. Each knot of the spline has a
+ * time in milliseconds and a value. */
 Spline course(const std::vector<std::pair<double, double>> &knots)
 {
     std::vector<double> phase, value;
@@ -33,7 +33,8 @@ Spline profile(const std::vector<std::pair<double, double>> &knots)
     return Spline(height, value);
 }
 
-/* Returns 0 below `low`, 1 above `high`, and values that rise smoothly in between. */
+/* Returns 0 if `value` is below `low`, 1 if `value` is above `high`, and smoothly rising numbers in
+ * between. */
 double smooth_step(double low, double high, double value)
 {
     const double t = std::clamp((value - low) / (high - low), 0.0, 1.0);

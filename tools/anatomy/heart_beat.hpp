@@ -6,10 +6,10 @@
  * wall thickens. As seen from the apex, the base turns clockwise and the apex counter-clockwise. The length,
  * the radius and the twist of the left ventricle follow different functions of time, so the centre towards
  * which the walls move is not a fixed point. Inv. Radiol. 1984 reports that 91 % of the wall's motion is
- * radial to one moving centre. Three common figures are assumed: the base descends by 12 to 15 mm, the twist
- * is 10 to 15 degrees, and the right coronary artery moves by 20 to 30 mm. The functions of time for length,
- * radius and twist are assumed, too. These functions are chosen so that heart_figures() measures the chamber
- * volumes and rest periods of a man at 70 beats per minute. */
+ * radial to one moving centre. Three commonly published figures are assumed: the base descends by 12 to 15
+ * mm, the twist is 10 to 15 degrees, and the right coronary artery moves by 20 to 30 mm. The functions of
+ * time for length, radius and twist are also assumed. These functions are chosen so that heart_figures()
+ * measures the chamber volumes and rest periods of a man at 70 beats per minute. */
 #pragma once
 #include "tools/anatomy/vessels.hpp"
 
@@ -19,7 +19,7 @@ namespace anatomy
 constexpr double BEAT_MS = 60000.0 / 70.0;
 constexpr int BEAT_FRAMES = 24;
 
-/* The axes of the left ventricle at the end of diastole. */
+/* Holds the axes of the left ventricle at the end of diastole. */
 struct HeartAxes {
     Vec3 apex_mm;
     Vec3 up;       // unit, from the apex to the middle of the base
@@ -42,7 +42,7 @@ const HeartAxes &heart_axes();
 class HeartBeat
 {
   public:
-    /* The part of `aorta` behind the heart does not move. */
+    /* Prepares the map of the heart's motion. The part of `aorta` behind the heart does not move. */
     explicit HeartBeat(const Vessel &aorta);
     /* Returns the position in every frame of the tissue that is at `point` at the end of diastole and of
      * expiration. Frame k is at k / BEAT_FRAMES of BEAT_MS. */

@@ -1,5 +1,5 @@
-/* Makes courses of arteries on the surface of the shipped heart. A course is given by heights and angles
- * about the axis of the left ventricle (HeartAxes). */
+/* Computes the courses of arteries along the surface of the shipped heart. The course of an artery is given
+ * by points with a height along the axis of the left ventricle and an angle about this axis (HeartAxes). */
 #pragma once
 #include "tools/anatomy/vessels.hpp"
 #include <optional>
@@ -16,7 +16,7 @@ struct HeartMark {
 
 /* Follows a ray from the heart's axis straight outwards and returns the point slightly beyond the heart's
  * surface. The point lies outside the surface because arteries lie only half in their grooves. Returns
- * nothing if the ray does not begin inside the heart. */
+ * std::nullopt if the ray does not begin inside the heart. */
 std::optional<Vec3> on_heart(double height, double angle_deg);
 
 /* Returns the points of an artery's centreline through at least two marks, with unnamed points every few

@@ -60,9 +60,10 @@ Slice slice_of(const MovingBody &body, double low, double high, size_t frame)
     return slice;
 }
 
-/* The centre towards which the vertices move. For each vertex, the displacement has a part perpendicular to
- * the direction of the centre; the centre minimises the sum of squares of these parts. `radial_share` is the
- * fraction of the summed squared displacements that points towards the centre. */
+/* Holds the centre towards which the vertices of the left ventricle move. For each vertex, the displacement
+ * has a part perpendicular to the direction of the centre; the centre minimises the sum of squares of these
+ * parts. `radial_share` is the fraction of the summed squared displacements that points towards the
+ * centre. */
 struct Centre {
     Vec3 place = Vec3::Zero();
     double radial_share = 0.0;

@@ -1,6 +1,6 @@
 /* The heart over one beat. Each body of the heart has one set of triangles and the positions of its vertices
- * in every frame. The arteries have centrelines in every frame. The figures of the beat, such as volumes and
- * displacements, are measured on the bodies and the centrelines. */
+ * in every frame. Each artery of the heart has a centreline in every frame. The figures of the beat, such as
+ * volumes and displacements, are measured on the bodies and the centrelines. */
 #pragma once
 #include "tools/anatomy/build.hpp"
 #include "tools/anatomy/heart_beat.hpp"
@@ -35,8 +35,8 @@ bool moves_with_heart(const std::string &body);
 MovingBody moving_body(const std::string &name, const Mesh &rest, const HeartBeat &beat);
 MovingVessel moving_vessel(const Vessel &vessel, const HeartBeat &beat);
 
-/* Holds the measured figures of a beat that takes BEAT_MS. heart_figures() measures on the meshes and
- * centrelines of the frames, not on the map that moved them. */
+/* Holds the measured figures of a beat that takes BEAT_MS. heart_figures() computes these figures from the
+ * meshes and centrelines of the frames, without using the map of the motion. */
 struct VesselFigures {
     std::string name;
     double length_mm, excursion_mm; // length at the end of diastole; largest displacement between two frames

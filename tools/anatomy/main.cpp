@@ -1,5 +1,5 @@
-/* The program `anatomy` makes the anatomy that ships with Cournand (docs/anatomy.md), or one from a user's
- * file of vessels (docs/vessels.md). */
+/* The program `anatomy` makes the anatomy that ships with Cournand (docs/anatomy.md), or an anatomy from a
+ * user's file of vessels (docs/vessels.md). */
 #include "host/base/command_values.hpp"
 #include "host/base/format.hpp"
 #include "host/base/number_text.hpp"
@@ -35,8 +35,8 @@ struct Options {
     std::vector<std::string> lesions; // as given on the command line
 };
 
-/* Reads the vessels for `anatomy KIND`. Throws std::invalid_argument when the user's file does not suit
- * this command. */
+/* Reads the vessels for the command `anatomy KIND`. Throws std::invalid_argument when the user's file lacks
+ * vessels that this command needs. */
 VesselTree vessels_for(const std::string &kind, const Options &options)
 {
     if (options.vessels.empty()) return shipped_vessels(kind);
@@ -89,9 +89,9 @@ void make_folder(const Options &options)
                                  ": the folder cannot be made: " + failure.message());
 }
 
-/* Returns the text of all lesions. The program makes this text before the meshes, so that a mistake on the
- * command line is reported before minutes of meshing. The calcium of a lesion lies in the body that contains
- * the vessels. */
+/* Returns the [[lesion]] tables of the scene text for all lesions on the command line. The program makes this
+ * text before the meshes, so that a mistake on the command line is reported before minutes of meshing. The
+ * calcium of a lesion lies in the body that contains the vessels. */
 std::string lesions_of(const Options &options, const VesselTree &tree, const std::vector<Body> &bodies)
 {
     std::vector<Lesion> lesions;
@@ -103,7 +103,7 @@ std::string lesions_of(const Options &options, const VesselTree &tree, const std
 }
 
 /* If a sphere of the lumen is narrower than the diagonal of a grid cell, the sphere may contain no grid
- * point, and the lumen's mesh would have a gap there. */
+ * point, and the mesh of the lumen would have a gap at this sphere. */
 void check_grid(const VesselTree &tree, double voxel_mm)
 {
     const double narrowest_mm = std::sqrt(3.0) * voxel_mm;
@@ -118,8 +118,8 @@ void check_grid(const VesselTree &tree, double voxel_mm)
         }
 }
 
-/* Makes and writes the meshes, the centrelines and the scene's text. `keep` receives the mesh of the lumen
- * and of every body. */
+/* Makes and writes the meshes, the centrelines and the scene's text. The function passes the meshes of the
+ * lumen and of every body to the callback `keep`. */
 void make_scene(const Options &options, const VesselTree &tree, const std::vector<Body> &bodies,
                 const std::function<void(const std::string &, const Mesh &)> &keep)
 {
@@ -288,7 +288,7 @@ int check(const std::filesystem::path &folder)
 }
 
 /* Prints one line per given diameter, which states where the diameter applies and the source of its value.
- * Lines are separated by tabs, so that scripts can read them. */
+ * Tabs separate the values of a line, so that scripts can read the lines. */
 int list(const VesselTree &tree)
 {
     std::printf("vessel\tstation\tdiameter_mm\tx_mm\ty_mm\tz_mm\ttangent_x\ttangent_y\ttangent_z\tsource\n");

@@ -29,7 +29,7 @@ Box block_box(const Cell &block, double voxel_mm)
     return box;
 }
 
-/* Fills one block of the grid with values of the distance function. Exact values are needed only beside the
+/* Fills one block of the grid with values of the distance function. Exact distances are needed only near the
  * surface. If the middle of a group of grid points is far enough from the surface, no neighbour of these
  * points lies on the surface's other side. All points of this group then get the width of the level set's
  * band as their distance, with the sign of the distance at the middle. */
@@ -61,8 +61,9 @@ crn::mesh::Block block_of(const Cell &block, const MeshRequest &request)
     return made;
 }
 
-/* Makes the level set. Blocks whose centre is far from the surface are skipped, and fill_signs() gives them
- * their sign. The grid's unit is a voxel, so its surface must be multiplied by the voxel's edge. */
+/* Makes the level set. The function skips blocks whose centre is far from the surface, and fill_signs() later
+ * gives these blocks their sign. The grid's unit is a voxel, so its surface must be multiplied by the voxel's
+ * edge. */
 crn::mesh::LevelSet level_set(const MeshRequest &request)
 {
     // One distance function serves to test the centres of all blocks in a column of the grid.
@@ -86,7 +87,7 @@ crn::mesh::LevelSet level_set(const MeshRequest &request)
     return level;
 }
 
-/* Moves a vertex of the grid's surface onto the true surface by one Newton step. */
+/* Moves a vertex of the level set's surface onto the true surface by one Newton step. */
 Vec3 onto_surface(const Distance &distance, double voxel_mm, const Vec3 &point)
 {
     const double step = 0.1 * voxel_mm;

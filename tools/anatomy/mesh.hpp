@@ -22,8 +22,9 @@ struct Mesh {
 using LocalDistance = std::function<Distance(const Box &box, double reach_mm)>;
 LocalDistance local_distance(const Solid &solid);
 
-/* Describes a solid and the fineness of the mesh that is made from it. Simplification may move the surface by
- * error_mm; if error_mm is 0, the mesh is not simplified. Edges shorter than shortest_mm are collapsed. */
+/* Describes a solid and the required fineness of its mesh. Simplification may move the surface by error_mm;
+ * if error_mm is 0, the mesh is not simplified. Edges of the mesh that are shorter than shortest_mm are
+ * collapsed. */
 struct MeshRequest {
     Box bounds;
     LocalDistance distance_in;
@@ -32,12 +33,13 @@ struct MeshRequest {
     double shortest_mm = 0;
 };
 
-/* Returns the mesh of the surface on which the distance is 0. Connected parts with fewer than 60 triangles
- * are left out. Throws std::runtime_error when the surface is empty or leaves the bounds. */
+/* Returns the mesh of the surface on which the distance is 0. The function leaves out connected parts of the
+ * mesh that have fewer than 60 triangles. Throws std::runtime_error when the surface is empty or extends
+ * beyond the given bounds. */
 Mesh mesh_of(const MeshRequest &request);
 
 /* Returns an empty text if every edge belongs to exactly two triangles, whose corner orders traverse the edge
- * in opposite directions. Otherwise returns a description of the first fault in the mesh. */
+ * in opposite directions. If the mesh has a fault, the function returns a description of the first fault. */
 std::string closed_mesh_fault(const Mesh &mesh);
 
 double mesh_volume_mm3(const Mesh &mesh);

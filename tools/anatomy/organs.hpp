@@ -7,23 +7,23 @@
 namespace anatomy
 {
 
-/* Returns the trunk from mid-thigh to the neck, with the stumps of the raised arms. The returned distances
- * are estimates, but their sign (inside or outside) is right. */
+/* Returns the shape of the trunk from mid-thigh to the neck, with the stumps of the raised arms. The returned
+ * distances are estimates, but their sign (inside or outside) is right. */
 Solid skin();
 
 /* Returns the combined thickness of the skin and of the fat under the skin at this point. */
 double flesh_depth_mm(const Vec3 &p);
 
-/* Returns the chest cavity of one side (sign -1 right, +1 left) down to the diaphragm. Other bodies, such as
- * the heart, are not yet cut out of the chest cavity. */
+/* Returns the shape of the chest cavity on one side of the body (sign -1 for right, +1 for left), down to the
+ * diaphragm. Other bodies, such as the heart, are not yet cut out of the chest cavity. */
 Distance lung_cavity(double sign);
 Box lung_bounds(double sign);
 
-/* Returns the space in the middle of the chest that the heart, the great veins, the hila and soft tissue
- * fill. The lungs leave it free. */
+/* Returns the shape of the space in the middle of the chest that the heart, the great veins, the hila and
+ * soft tissue fill. The lungs do not extend into this space. */
 Solid mediastinum();
 
-/* One chamber of the heart, given by its distance function. A chamber keeps a wall's thickness of distance
+/* Describes one chamber of the heart by its distance function. A chamber keeps a wall's thickness of distance
  * from the chambers that precede it in the list. */
 struct Chamber {
     const char *name;

@@ -9,7 +9,8 @@ namespace anatomy
 namespace
 {
 
-/* The half-width, front and back of the cavity at several heights, in millimetres. */
+/* This table gives the half-width, front and back of the belly's cavity at several heights, in
+ * millimetres. */
 struct Level {
     double y, half_width, front, back;
 };
@@ -98,7 +99,7 @@ Solid kidneys()
         const KidneyPlace place = kidney_place(s);
         Part part(0.0);
         part.add<Ellipsoid>(place.centre, Vec3(27, 57, 23), place.lean);
-        // The hilum is a notch filled with fat, open to the middle and the front.
+        // The kidney's hilum is a notch that is filled with fat and open towards the middle and the front.
         const Vec3 hilum = place.centre + place.lean * side(s, -31, 0, 8);
         part.cut<Ellipsoid>(hilum, Vec3(20, 19, 13), place.lean);
         solid.add(part);

@@ -10,7 +10,7 @@ namespace anatomy
 namespace
 {
 
-/* The half-width, front and back of the chest cavity at several heights, in millimetres. */
+/* This table gives the half-width, front and back of the chest cavity at several heights, in millimetres. */
 struct ChestLevel {
     double y, half_width, front, back;
 };
@@ -79,8 +79,9 @@ namespace
 /* Returns the rotation that turns +x to `direction`, which must not be -x. */
 Eigen::Matrix3d axis_to(const Vec3 &direction)
 {
-    // This is the shortest rotation from +x. Eigen's FromTwoVectors would compile a singular value
-    // decomposition for the opposite direction, which takes 8 s.
+    // The returned rotation is the shortest rotation from +x to `direction`. The function does not use
+    // Eigen's FromTwoVectors. That function contains a singular value decomposition for the case -x, which
+    // takes 8 s to compile.
     const Vec3 to = direction.normalized();
     const double w = std::sqrt(2.0 * (1.0 + to.x())); // twice the cosine of half the angle
     const Vec3 axis = Vec3(0.0, -to.z(), to.y()) / w;
@@ -156,7 +157,7 @@ Solid mediastinum()
                                   {24, 22, 20, 22, 24}, 6.0));
     middle.plate({0, 80, -60}, {0, 80, 66}, {0, 250, -60}, 1.2);
     middle.plate({0, 80, 66}, {0, 250, -60}, {0, 250, 34}, 1.2);
-    // The muscles behind the spine keep the lungs beside the vertebrae.
+    // The muscles behind the spine fill the space there, so that the lungs stay beside the vertebrae.
     middle.add<Tube>(sample_curve({{0, -40, -76}, {0, 60, -97}, {0, 150, -108}, {0, 220, -99}, {0, 300, -78}},
                                   {26, 27, 27, 26, 26}, 6.0));
     // The code below adds the superior vena cava with the right brachiocephalic vein, the inferior vena cava,
@@ -268,8 +269,8 @@ std::vector<Node> grow_tree(const Vec3 &hilum, const std::vector<Vec3> &ends)
 
 Solid lung_vessels(double sign, const Distance &lung)
 {
-    // Radii follow Murray's law: the cube of a vessel's radius is the sum of the cubes of its branches'
-    // radii.
+    // The radii of the lung vessels follow Murray's law: the cube of a vessel's radius is the sum of the
+    // cubes of its branches' radii.
     constexpr double END_RADIUS_MM = 1.5;
     constexpr size_t ENDS = 100;
     const Vec3 hilum = side(sign, 40, sign > 0 ? 172 : 164, -18);

@@ -9,7 +9,8 @@
 namespace anatomy
 {
 
-/* Writes little-endian binary PLY with 32-bit float coordinates in millimetres of the patient frame. */
+/* Writes a mesh as a little-endian binary PLY file with 32-bit float coordinates, in millimetres in the
+ * patient frame. */
 void write_ply(const std::filesystem::path &file, const Mesh &mesh, const std::string &comment);
 
 /* Writes one open curve as a 3D Slicer file, with a measurement "Radius" at each control point. The file

@@ -117,7 +117,8 @@ class Formula : public Shape
     std::function<double(const Vec3 &)> function_;
 };
 
-/* Return the minimum and the maximum, with a smooth transition over a width of `blend_mm`. */
+/* The next two functions return the minimum and the maximum of two distances, with a smooth transition over a
+ * width of `blend_mm`. */
 double smooth_min(double a, double b, double blend_mm);
 double smooth_max(double a, double b, double blend_mm);
 
@@ -140,8 +141,8 @@ class Part
     {
         removed.push_back(std::make_shared<T>(std::forward<Arguments>(arguments)...));
     }
-    /* Adds a tube of varying radius that runs through a few points. Most of the smaller bones consist of such
-     * tubes. */
+    /* Adds a tube of varying radius that runs through a few points. Most of the smaller bones consist of
+     * tubes that this function adds. */
     Tube &rod(const std::vector<Vec3> &points, const std::vector<double> &radii_mm, double cortex_mm = 1.0);
     Plate &plate(const Vec3 &a, const Vec3 &b, const Vec3 &c, double half_thickness_mm,
                  double cortex_mm = 1.0);

@@ -1,5 +1,5 @@
 /* Makes the shapes of the ribs, sternum, clavicles, shoulder blades and heads of the humerus. All dimensions
- * are assumed for a chest that is 280 mm wide inside. */
+ * of these bones are assumed, for a chest that is 280 mm wide inside. */
 #include "tools/anatomy/sheet.hpp"
 #include "tools/anatomy/skeleton.hpp"
 #include <cmath>
@@ -10,8 +10,9 @@ namespace anatomy
 namespace
 {
 
-/* Holds the dimensions of one rib. They are the half-width of its loop, the drop from its head to its front
- * end, the depths of its angle and of its widest point, and the position of its front end. */
+/* Holds the dimensions of one rib. These dimensions are the half-width of the rib's loop, the drop from its
+ * head to its front end, the depths of its angle and of its widest point, and the position of its front
+ * end. */
 struct RibShape {
     double half_width, fall, z_angle, z_side, front_x, front_z, height, angle_share;
 };
@@ -74,8 +75,8 @@ Part sternum_part()
     return part;
 }
 
-/* Returns the blade from its medial border to its neck and lateral border, from the superior angle down to
- * the inferior one. */
+/* Returns the shape of the shoulder blade from its medial border to its neck and lateral border, and from its
+ * superior angle down to its inferior angle. */
 Sheet blade(double s)
 {
     constexpr size_t DOWN = 55, ACROSS = 25;
@@ -88,7 +89,7 @@ Sheet blade(double s)
         for (size_t i = 0; i < ACROSS; i++) {
             const double share = static_cast<double>(i) / (ACROSS - 1), middle = 4.0 * share * (1.0 - share);
             const double width_mm = (lateral[row] - medial[row]).norm();
-            // The blade is hollow towards the ribs and thin in the middle.
+            // The shoulder blade is concave on the side of the ribs and thin in the middle.
             const Vec3 point =
                 medial[row] + share * (lateral[row] - medial[row]) - 0.1 * middle * width_mm * Vec3::UnitZ();
             rows[row].push_back({side(s, point.x(), point.y(), point.z()), 2.4 - 0.35 * middle});
@@ -96,7 +97,8 @@ Sheet blade(double s)
     return Sheet(rows);
 }
 
-/* Adds one shoulder. The arms are raised, so the blade is turned outwards and the humerus points up. */
+/* Adds one shoulder. The arms are raised, so the shoulder blade is turned outwards and the humerus points
+ * up. */
 Part scapula_part(double s)
 {
     Part part(4.0);

@@ -70,8 +70,8 @@ void add_pubis_and_ischium(Part &part, double s)
     rod({{76, -306, -36}, {70, -276, -46}, {58, -250, -58}}, {12, 8, 9});  // back pillar and notch
 }
 
-/* Adds the socket of the femoral head. The socket is a thick hollow ball that is joined to the three bones of
- * the hip and is open outwards, downwards and forwards. */
+/* Adds the hip socket (acetabulum), which holds the femoral head. The socket is a thick hollow ball that is
+ * joined to the three bones of the hip and is open outwards, downwards and forwards. */
 void add_socket(Part &part, double s)
 {
     constexpr double CUP_MM = 26.2, BALL_MM = 31.5;

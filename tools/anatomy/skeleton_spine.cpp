@@ -1,6 +1,6 @@
-/* The spine. The heights of vertebrae and discs are rounded from published morphometry: lumbar heights are
- * near Gilad and Nissan 1985, J Anat 143:115, and thoracic discs of 2.7 to 5.4 mm are from Fletcher 2016, Eur
- * Spine J 25:2999. The height of each individual vertebra and disc is assumed. */
+/* The spine. The heights of vertebrae and discs are rounded from published measurements. The lumbar heights
+ * are near those of Gilad and Nissan 1985, J Anat 143:115. The thoracic discs of 2.7 to 5.4 mm come from
+ * Fletcher 2016, Eur Spine J 25:2999. The height of each individual vertebra and disc is assumed. */
 #include "tools/anatomy/skeleton.hpp"
 #include <cmath>
 
@@ -86,7 +86,8 @@ void add_processes(Part &part, const Frame &f, const Vertebra &v, size_t index, 
     const double back = -0.5 * v.depth_mm, arch = back - 15.0 - 3.0 * lumbar;
     const double pedicle_x = 0.30 * v.width_mm + 1.5;
     const bool cervical = index < 3;
-    // The transverse processes are long and level on L3, short and swept back in the chest.
+    // The transverse processes are long and horizontal on L3, and short and swept back on the thoracic
+    // vertebrae.
     const double span = cervical ? 24.0
                                  : (lumbar > 0.5 ? 44.0 - 2.5 * std::abs(static_cast<double>(index) - 17.0)
                                                  : 33.0 - 0.7 * (static_cast<double>(index) - 3.0));
@@ -99,7 +100,8 @@ void add_processes(Part &part, const Frame &f, const Vertebra &v, size_t index, 
                                     f.rotation.col(1), 0.62);
         tube.cortex_mm = 0.9;
     }
-    // The spinous process is a slender spike that slopes down in the chest, and a blade in the lumbar region.
+    // The spinous process is a slender spike that slopes down on a thoracic vertebra, and a blade on a lumbar
+    // vertebra.
     const double drop = (cervical ? 0.35 : 1.35 - 1.0 * lumbar) * v.height_mm;
     const double length = cervical ? 24.0 : 25.0 + 3.0 * lumbar;
     const Vec3 root_top = f.at(0, 0.1 * v.height_mm, arch - 5),
@@ -137,7 +139,7 @@ Part sacrum_part()
     tilt << Vec3::UnitX(), up, Vec3::UnitX().cross(up);
     part.add<Drum>(Vec3(0, -207, -55), tilt, 52.0, 28.0, 33.0).cortex_mm = 1.2;
     for (double s : {-1.0, 1.0}) {
-        // The wings (alae) reach the sacroiliac joints.
+        // The wings (alae) of the sacrum reach the sacroiliac joints.
         part.add<Ellipsoid>(side(s, 33, -216, -63), Vec3(20, 17, 12)).cortex_mm = 1.2;
         part.add<Ellipsoid>(side(s, 33, -236, -73), Vec3(15, 17, 10)).cortex_mm = 1.2;
         part.rod({side(s, 18, -197, -74), side(s, 17, -188, -74)}, {5, 4.5});

@@ -9,8 +9,9 @@ namespace
 
 constexpr double SOFT_ERROR_MM = 0.3;
 
-/* Returns the voxel size for a body with little clearance in its parent. This voxel size stays fine even if
- * the user chooses a coarse anatomy, so that the body stays inside its parent. */
+/* Returns the voxel size for the mesh of a body that has little clearance to the body that contains it. This
+ * voxel size stays fine even if the user chooses a coarse anatomy, so that the mesh of the body stays inside
+ * the containing body. */
 double tight_mm(double voxel_mm, double scale)
 {
     return voxel_mm * std::min(scale, 1.2);
@@ -18,8 +19,8 @@ double tight_mm(double voxel_mm, double scale)
 
 // --- layers ---
 
-/* Returns the distance to the outside of the skin. The skin covers every bone, and some flesh lies between
- * bone and skin. */
+/* Returns the distance to the outer surface of the skin. The skin covers every bone, and some flesh lies
+ * between bone and skin. */
 LocalDistance outline_distance(const Solid &bones)
 {
     const Solid outline = skin();
@@ -33,8 +34,8 @@ LocalDistance outline_distance(const Solid &bones)
     };
 }
 
-/* Returns the distance to the layer that begins at the depth `depth_mm` under the outside of the skin.
- * Where a bone comes near the skin, the layer still covers it. */
+/* Returns the distance to the layer of the trunk that begins at the depth `depth_mm` below the outer surface
+ * of the skin. Where a bone comes near the skin, the layer still covers the bone. */
 LocalDistance layer_distance(const Solid &bones, double least_mm, double (*depth_mm)(const Vec3 &))
 {
     return [least_mm, depth_mm, bones, outline = outline_distance(bones)](const Box &box,
@@ -119,7 +120,7 @@ void add_lungs(std::vector<Body> &bodies, const Solid &bones, const Solid &aorta
     }
 }
 
-/* Returns the part of the shape that is at least `clear_mm` away from the solid `other`. */
+/* Returns the distance to that part of a shape that is at least `clear_mm` away from the solid `other`. */
 LocalDistance clear_of(const LocalDistance &shape, const Solid &other, double clear_mm)
 {
     return [=](const Box &box, double reach_mm) -> Distance {

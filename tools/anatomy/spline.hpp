@@ -1,7 +1,7 @@
 /* Smooth curves through given points. The positions on a curve follow a natural cubic spline over chord
  * length, so that curvature is continuous. The radii along a curve follow a monotone cubic, which does not
- * overshoot between two given diameters. Vessels, ribs and the spine are such curves. Lengths are in
- * millimetres. */
+ * overshoot between two given diameters. Vessels, ribs and the spine are represented by curves of this kind,
+ * with a position and a radius at each point. Lengths are in millimetres. */
 #pragma once
 #include <Eigen/Core>
 #include <vector>
@@ -11,7 +11,7 @@ namespace anatomy
 
 using Vec3 = Eigen::Vector3d;
 
-/* One point of a sampled curve. arc_mm is the curve's length from its first point to this point. */
+/* Holds one point of a sampled curve. arc_mm is the curve's length from its first point to this point. */
 struct CurvePoint {
     Vec3 position_mm;
     double radius_mm;

@@ -44,7 +44,8 @@ std::string line_of(const TomlValue &value, size_t bytes_max)
     return text;
 }
 
-/* Returns the name of a vessel, which becomes the name of a file and a key of the scene's text. */
+/* Returns the name of a vessel from the file; this name becomes part of file names and a key of the scene's
+ * text. */
 std::string vessel_name(const TomlValue &value)
 {
     const std::string name = line_of(value, NAME_BYTES_MAX);
@@ -79,8 +80,8 @@ Vec3 position_of(const File &file, const TomlValue &value)
 
 // --- stations ---
 
-/* Holds one point of a vessel's course as the file gives it. A point of a coronary artery is given either by
- * a position, or by a height and an angle on the heart. */
+/* Holds one point of a vessel's course in the form in which the vessel file gives the point. A point of a
+ * coronary artery is given either by a position, or by a height and an angle on the heart. */
 struct GivenStation {
     TomlTable table;
     Station station; // diameter 0: not given

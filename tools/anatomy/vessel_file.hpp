@@ -35,7 +35,7 @@ struct TreeDraft {
     std::optional<GivenEntry> entry;
 };
 
-/* Reads the file and the files that it extends. Throws crn::FileError. */
+/* Reads a vessel file and the vessel files that this file extends. Throws crn::FileError. */
 TreeDraft read_vessel_draft(const std::string &file);
 
 /* Adds a vessel, or replaces the vessel that has the same name. Throws crn::FileError when a vessel's name
@@ -43,13 +43,13 @@ TreeDraft read_vessel_draft(const std::string &file);
  * vessel. */
 void add_vessel(TreeDraft &draft, GivenVessel given);
 
-/* Makes the vessel tree and finds the point where the guidewire enters it. Throws crn::FileError when a
+/* Makes the vessel tree and finds the point where the guidewire enters the tree. Throws crn::FileError when a
  * vessel does not begin inside its parent, or when the entry point is not on its vessel. `file` is the user's
  * file; error messages name this file and not the files that it extends. */
 VesselTree tree_of(const TreeDraft &draft, const std::string &file);
 
-/* Reads the file and the files that it extends. Throws crn::FileError with a message of the form
- * "FILE:LINE:COLUMN: vessel, station: what is wrong". */
+/* Reads a vessel file and the vessel files that this file extends. Throws crn::FileError with a message of
+ * the form "FILE:LINE:COLUMN: vessel, station: what is wrong". */
 VesselTree read_vessels(const std::string &file);
 
 /* Returns the path of the shipped vessel file NAME. The shipped vessel files are in

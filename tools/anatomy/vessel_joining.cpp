@@ -23,8 +23,8 @@ std::string rounded(double value)
     return crn::decimals_text(value, 1);
 }
 
-/* Returns the index of the vessel with this name, or the list's size when there is none. Two vessel names
- * count as equal if the files of these vessels would have the same name. */
+/* Returns the index of the vessel that has this name, or the size of the list when no vessel has this name.
+ * Two vessel names count as equal if the files of these vessels would have the same name. */
 size_t index_of(const std::vector<GivenVessel> &vessels, const std::string &name)
 {
     size_t i = 0;
@@ -104,8 +104,8 @@ void set_bed(const TreeDraft &draft, GivenVessel &given)
     if (parent.is_coronary) given.vessel.bed = parent.vessel.bed;
 }
 
-/* A vessel begins inside its parent. The vessel's first point may lie outside the parent by up to a quarter
- * of the vessel's diameter, because the two lumens then still overlap. */
+/* Checks that a vessel begins inside its parent vessel. The vessel's first point may lie outside the parent
+ * by up to a quarter of the vessel's diameter, because the two lumens then still overlap. */
 void check_begins_in_parent(const TreeDraft &draft, const GivenVessel &given, const std::string &file)
 {
     if (given.vessel.parent.empty()) return;

@@ -1,5 +1,5 @@
 /* A tree of vessels. Each vessel has a centreline through a list of points (stations), and a diameter at
- * every point. Trees are read from files (vessel_file.hpp). */
+ * every point. The functions in vessel_file.hpp read vessel trees from files. */
 #pragma once
 #include "tools/anatomy/shapes.hpp"
 #include <string>

@@ -33,7 +33,7 @@ Bar = collections.namedtuple("Bar", "name op limit asked issue since source kind
 
 
 class CannotMeasure(Exception):
-    """Raised when a measurement fails; the text gives the reason."""
+    """Raised when a value cannot be measured; the text gives the reason."""
 
 
 def read_bars(path=LIST):
@@ -150,8 +150,8 @@ def counted_values(counts):
 
 
 def aorta_ticks(options, what):
-    """Returns the second column of the table that `hil --counts` or `hil --overruns` writes, which has one value per
-    tick of the aorta session."""
+    """Runs `hil` with the option --counts or --overruns on the aorta session, and returns the second column of the
+    written table, which has one value per tick."""
     if not os.path.exists(os.path.join(ROOT, options.scene)):
         raise CannotMeasure("%s does not exist: `make %s` makes it" % (options.scene, SCENE))
     with tempfile.TemporaryDirectory() as folder:
@@ -219,7 +219,7 @@ def measure(source, wanted, options):
 
 # --- verdicts ----------------------------------------------------------------------------------------------------
 def judge(bar, value):
-    """Returns the verdict on a bar: 'held', 'red', 'time' or 'not measured here'."""
+    """Compares a value with its bar (limit) and returns 'held', 'red' (failed), 'time' or 'not measured here'."""
     if bar.kind == "time":
         return "not measured here" if value is None else "time"
     if value is None:

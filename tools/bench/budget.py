@@ -55,7 +55,7 @@ LOOP_MIN = 12  # shorter loops are not worth an estimate
 
 
 class CannotMeasure(Exception):
-    """Raised when a measurement fails; the text gives the reason."""
+    """Raised when a value cannot be measured; the text gives the reason."""
 
 
 def run(command, text=None, check=True):
@@ -197,9 +197,9 @@ def call_graph(folders):
 
 
 def worst_stack(folders, root, by_address=()):
-    """Returns the number of stack bytes on the longest call path from `root`. Raises CannotMeasure for recursion and
-    for functions whose stack size is unknown. `by_address` names all functions that can be called through a pointer;
-    without `by_address` the function refuses calls through pointers."""
+    """Returns the largest sum of stack bytes along any path of calls that begins at the function `root`. Raises
+    CannotMeasure for recursion and for functions whose stack size is unknown. `by_address` names all functions that can
+    be called through a pointer; without `by_address` the function refuses calls through pointers."""
     frame, calls, plain = call_graph(folders)
     frame, done = dict(frame), {}
     if by_address:
@@ -240,8 +240,8 @@ def sizes(build):
 
 
 def memory_sizes():
-    """Returns the bytes of the core's model and state for instruments of 256 elements together, as the compiler for the
-    Cortex-M7 computes them."""
+    """Compiles for the Cortex-M7 and returns the bytes of the core's model and state for three instruments with 256
+    elements in total."""
     text = (
         '#include "firmware/core/core_state.h"\nchar model_bytes[sizeof(crn_model)];\n'
         "char state_bytes[sizeof(crn_state)];\nchar words_bytes[sizeof(crn_state_words)];\n"
@@ -272,7 +272,8 @@ def memory_sizes():
 
 
 def forbidden_symbols(image):
-    """Returns the names of forbidden functions in the image. A test shows that this function finds a forbidden name."""
+    """Returns the names of the forbidden functions that the firmware image contains. A test shows that this function
+    finds a forbidden name."""
     names = [line.split()[-1] for line in run(["arm-none-eabi-nm", image]).splitlines()]
     return sorted(name for name in names if is_forbidden(name))
 
@@ -286,7 +287,7 @@ INSTRUCTION = re.compile(r"^\s*([0-9a-f]+):\s+(\S.*)$")
 
 
 def innermost_loops(lines):
-    """Returns the instructions of every innermost loop, which extends from the target of a backward branch to that
+    """Returns the instructions of every innermost loop; a loop extends from the target of a backward branch to this
     branch."""
     code = []
     for line in lines:

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Measures a device's image (code, RAM, worst stack) and checks that it has no soft-float, divide helper or heap.
+"""Measures the code size, RAM and worst stack of a device's firmware image, and checks that the image has no soft-float
+code, divide helper or heap.
 
   image_report.py --build build --port mps2_an500
 

@@ -4,9 +4,9 @@ program.
 
   run_bench.py --build build [--cases TEXT] [PROGRAM...]
 
-Writes out/bench.tsv (name, value, unit, context, separated by tabs) and prints it as a table. With --cases, only the
-cases whose name contains TEXT run, and out/bench.tsv is not changed. The exit code is 1 when a case could not be
-measured.
+The script writes the results to out/bench.tsv (name, value, unit, context, separated by tabs) and prints them as a
+table. With --cases, the script runs only the benchmark cases whose name contains TEXT, and does not change
+out/bench.tsv. The exit code is 1 when a benchmark case could not be measured.
 """
 
 import argparse
@@ -27,11 +27,11 @@ CALIBRATED = "shared/examples/instruments/amplatz_super_stiff.toml"
 
 
 class CannotMeasure(Exception):
-    """Raised when a measurement fails; the text gives the reason."""
+    """Raised when a value cannot be measured; the text gives the reason."""
 
 
 def run(command):
-    """Returns the standard output of a command that must succeed."""
+    """Runs a command, which must succeed, and returns its standard output."""
     try:
         done = subprocess.run(
             command,
@@ -133,8 +133,7 @@ def demo_command(options):
 
 
 def realtime_factor(options, picture_arguments):
-    """Returns the number of seconds that the demo session simulates per second of real time, as the program cournand
-    reports it."""
+    """Returns the simulated seconds per second of real time that the program cournand reports for the demo session."""
     with tempfile.TemporaryDirectory() as folder:
         timing = os.path.join(folder, "timing.json")
         run(

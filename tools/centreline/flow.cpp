@@ -25,8 +25,8 @@ struct Network {
     std::vector<std::vector<double>> conductance;   // from each sphere of each branch onwards, mm^3/(s Pa)
 };
 
-// If no other branch begins at the end of a branch, this end is an outlet, and the resistance of a vascular
-// bed follows it.
+// If no other branch begins at the end of a branch, this end is an outlet, and a vascular bed with its flow
+// resistance follows this outlet.
 double bed_conductance(const Branch &branch, double bed_Pa_s)
 {
     return std::pow(branch.spheres.back().radius_mm, 3) / bed_Pa_s;
@@ -66,8 +66,8 @@ double outlet_cubes_mm3(const Network &network, std::size_t branch)
 
 } // namespace
 
-// The flow resistance is R = 8 mu/pi times the integral of r^-4 along the length; for end radii a and b this
-// integral is (a^2 + a b + b^2) / (3 a^3 b^3) per length.
+// The flow resistance is R = 8 mu/pi times the integral of r^-4 along the length. For a tube with end radii a
+// and b this integral is (a^2 + a b + b^2) / (3 a^3 b^3) per length.
 double tube_resistance(const Sphere &a, const Sphere &b, double viscosity_mPa_s)
 {
     const double length = (b.centre_mm - a.centre_mm).norm(), ra = a.radius_mm, rb = b.radius_mm;

@@ -43,7 +43,8 @@ std::vector<double> radii_of(const json &markup, const std::string &name, std::s
                        "\"Extract Centerline\" in 3D Slicer");
 }
 
-// Returns "LAD" for "LAD-1", because 3D Slicer labels the points of the curve LAD in this form.
+// Returns the curve's name for a point's label, such as "LAD" for "LAD-1", because 3D Slicer labels the
+// points of the curve LAD in this form.
 std::string curve_name(const json &point)
 {
     const std::string label = point.value("label", "");

@@ -18,8 +18,8 @@ constexpr std::size_t file_bytes_max = std::size_t{256} << 20;
 // um.
 Tree read_tree(const std::filesystem::path &file, bool needs_radii = true);
 
-// Writes a vessel tree to a file; the extension of the file's name selects the format. The file appears under
-// its name only when it is complete. Throws Fault or crn::OutputError.
+// Writes a vessel tree to a file; the extension of the file's name selects the format. The function creates
+// the file under its final name only when the file is complete. Throws Fault or crn::OutputError.
 void write_tree(const std::filesystem::path &file, const Tree &tree);
 
 // Each of the next functions reads one format; `name` is the file's name for error messages.
@@ -32,7 +32,7 @@ std::string polydata_text(const Tree &tree);
 std::string csv_text(const Tree &tree);
 std::string polyline_text(const Tree &tree);
 
-// Holds a line of a file and its number; all readers of text formats share this type.
+// Holds a line of a file and the line's number; all readers of text formats use this type.
 struct TextLine {
     std::string_view text;
     std::size_t number; // from 1

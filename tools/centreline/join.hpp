@@ -21,11 +21,11 @@ struct Joint {
 // value is deeper.
 using DepthOf = std::function<double(std::size_t curve, bool is_last, std::size_t branch)>;
 
-// Grows a tree of `count` curves. The tree begins with the curve `first`. In each further step, the curve
-// whose end lies deepest in a branch of the tree is joined to that branch. `place` must append the joint's
-// curve to the tree as its last branch. If two ends are equally deep, the function chooses the earlier curve,
-// then the earlier branch, and then the curve's first point. The caller defines how depth is measured, and
-// what happens to a curve that lies in no branch.
+// Joins `count` curves to a tree, one after another. The tree begins with the curve `first`. In each further
+// step, the curve whose end lies deepest in a branch of the tree is joined to that branch. The callback
+// `place` must append the curve of the given joint to the tree as the last branch. If two ends are equally
+// deep, the function chooses the earlier curve, then the earlier branch, and then the curve's first point.
+// The caller defines how depth is measured, and what happens to a curve that lies in no branch.
 void grow_tree(std::size_t count, std::size_t first, const DepthOf &depth,
                const std::function<void(const Joint &)> &place);
 

@@ -1,4 +1,5 @@
-// Checks the rules of trees, computes distances, and splits trees.
+// Checks that vessel trees obey the rules in tree.hpp, computes distances to their branches, and splits
+// trees.
 #include "tools/centreline/tree.hpp"
 
 #include <algorithm>
@@ -151,7 +152,8 @@ Tree split_at_junctions(const Tree &tree)
     for (const Branch &branch : tree.branches)
         if (branch.parent >= 0) cuts[branch.parent].push_back(branch.parent_sphere);
     Tree split;
-    // Lists for each old branch the spheres at which a new branch ends, with the number of that new branch.
+    // The list has, for each old branch, the spheres at which a new branch ends, and the number of this new
+    // branch.
     std::vector<std::vector<std::pair<std::size_t, int>>> ends(tree.branches.size());
     for (std::size_t b = 0; b < tree.branches.size(); ++b) {
         const Branch &old = tree.branches[b];

@@ -1,6 +1,7 @@
-// A vessel tree is a set of branches, each of which is an ordered list of inscribed spheres. The centreline
-// tool makes such trees, files store them, and `bake` and the flow of contrast medium read them. Coordinates
-// are in millimetres, along the axes of the mesh from which the tree was made.
+// A vessel tree is a set of branches, each of which is an ordered list of inscribed spheres. The program
+// `centreline` makes vessel trees and stores them in files. The program `bake` and the simulation of contrast
+// medium read these files. Coordinates are in millimetres, along the axes of the mesh from which the tree was
+// made.
 #pragma once
 #include "tools/mesh/fault.hpp"
 
@@ -59,14 +60,14 @@ struct HullPlace {
 HullPlace hull_place(const Branch &branch, const Eigen::Vector3d &p_mm);
 
 // Describes the nearest point on the line through the spheres' centres: its distance, its position as sphere
-// number plus fraction, and the radius there.
+// number plus fraction, and the radius at this position.
 struct LinePlace {
     double distance_mm, at, radius_mm;
 };
 LinePlace line_place(const Branch &branch, const Eigen::Vector3d &p_mm);
 
-// Returns the first sphere of the branch whose centre lies outside its parent's tube; 0 for a root. The
-// spheres before this first sphere only connect the middle of the parent with the parent's wall.
+// Returns the number of the branch's first sphere whose centre lies outside the parent's tube; returns 0 for
+// a root. The spheres before this first sphere only connect the middle of the parent with the parent's wall.
 std::size_t first_own_sphere(const Tree &tree, std::size_t branch);
 
 // Splits each branch where another branch leaves it, as VMTK does. In the result every parent_sphere is the

@@ -132,7 +132,8 @@ VtkFile::VtkFile(const std::string &text, const std::string &name) : name_(name)
         throw Fault(name_ + ":" + std::to_string(std::count(text.begin(), end, '\n') + 1) +
                     ": is no XML text: " + result.description() + ": export the file again");
     }
-    // XML permits an attribute name only once; pugixml would silently take the first of two.
+    // XML permits an attribute name only once in an element; of two attributes with the same name, pugixml
+    // would silently use the first.
     TwiceNamed twice;
     if (document_.traverse(twice); !twice.name.empty())
         fail("has the attribute '" + twice.name.substr(0, 40) +

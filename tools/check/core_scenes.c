@@ -19,9 +19,9 @@
  * In the scene "beating" the J wire lies in a tube whose middle moves to and fro by 3.6 mm with a beating
  * heart, and also with breathing. Every kind of command for the heart (such as a change of rate) occurs once.
  *
- * In the scene "balloon" a wire lies in a balloon catheter in the 4 mm wide tube. The balloon fills the tube
- * and opens a lesion. The catheter is pulled while the balloon is inflated, and pushed after it is deflated.
- * Afterwards the lesion is held open, and the balloon bursts.
+ * In the scene "balloon" a wire lies in a balloon catheter in the 4 mm wide tube. The balloon is inflated
+ * until it fills the tube and opens a lesion. The catheter is pulled while the balloon is inflated, and
+ * pushed after the balloon is deflated. Afterwards the lesion is held open, and the balloon bursts.
  *
  * In the scene "stented" the J wire moves to and fro in the beating tube, through and beside a stent that
  * touches no wall. Later the stent is widened, and then half of its rings are removed. */

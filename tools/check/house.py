@@ -5,9 +5,9 @@ struct.
 
   house.py [--write FILE]
 
-It prints lines `name<TAB>value<TAB>unit<TAB>context`, and gives the reasons for every value that is not 0 in comment
-lines. --write appends the lines to FILE (out/bench.tsv) and removes older lines with the same names. The exit code is
-0.
+For each figure the script prints a line `name<TAB>value<TAB>unit<TAB>context`, and for every figure that is not 0 it
+prints the reasons in comment lines. --write appends the lines to FILE (out/bench.tsv) and removes older lines with the
+same names. The exit code is 0.
 """
 
 import argparse

@@ -5,11 +5,12 @@ same hash. If a hash differs, the script finds the first difference.
   matrix.py [--short] [--jobs 2] [--only TEXT] [--break VARIANT:TICK:PART:NODE]
 
 For each variant, the script builds tools/check/core_hash.c with the simulation core, and runs it natively, in QEMU, or
-on an emulated Cortex-M7 board. Prints a table and writes out/matrix.tsv. If the results of a variant differ from those
-of the first variant, the script finds the first tick, the first part of this tick, and the first node with a
-difference. The parts of a tick are feed, stretch, twist, contact, force, solve, angle, friction and motion. --short
-runs one variant per machine and writes no table. --break flips one bit in one variant, to demonstrate the search. The
-exit code is 0 if all variants give the same hash, 1 if a hash differs, and 2 for a usage error.
+on an emulated Cortex-M7 board. The script prints a table and also writes this table to out/matrix.tsv. If the results
+of a variant differ from those of the first variant, the script finds the first tick, the first part of this tick, and
+the first node with a difference. The parts of a tick are feed, stretch, twist, contact, force, solve, angle, friction
+and motion. --short runs one variant per machine and writes no table. --break flips one bit in one variant, to
+demonstrate the search. The exit code is 0 if all variants give the same hash, 1 if a hash differs, and 2 for a usage
+error.
 """
 
 import argparse
@@ -179,8 +180,8 @@ def first_difference(expected, got):
 
 
 def locate(reference, variant):
-    """Returns a text with the first difference from the reference, such as 'scene tube, tick 12, twist, node 3:
-    0000000a instead of 0000000b'."""
+    """Returns a text that describes the first difference from the reference variant, such as 'scene tube, tick 12,
+    twist, node 3: 0000000a instead of 0000000b'."""
     expected, got = (ask(v, ["trace"]).splitlines() for v in (reference, variant))
     index = first_difference(expected, got)
     if index is None or not expected[index].startswith("trace ") or not got[index].startswith("trace "):

@@ -4,13 +4,13 @@ this program.
 
   run_tests.py --build build --jobs 2 --label product|lab
 
-The list of tests comes from CTest. It has all tests of the folder BUILD with the label, and the tests of BUILD/san with
-the label, which are the same tests under sanitizers. With the label `product` it also has the fuzz targets. Every
-program and script prints TAP: a plan `1..N` and one line per test. A program that is missing, crashes, exceeds its time
-limit, or prints fewer or more results than it planned counts as one failed test. Output lines that begin with `#- ` are
-measured figures; the runner prints them below the line of their program. After the list of failures, the runner prints
-the duration of each program in seconds, slowest first. The last line is `N passed, N failed, N skipped`; the exit code
-is 1 when a test failed or no test ran.
+The list of tests comes from CTest. The list has all tests of the folder BUILD with the label, and the tests of
+BUILD/san with the label, which are the same tests under sanitizers. With the label `product` the list also has the fuzz
+targets. Every test program and test script prints its results as TAP, which is a plan `1..N` and one line per test. A
+program that is missing, crashes, exceeds its time limit, or prints fewer or more results than it planned counts as one
+failed test. Output lines that begin with `#- ` are measured figures; the runner prints them below the line of their
+program. After the list of failures, the runner prints the duration of each program in seconds, slowest first. The last
+line is `N passed, N failed, N skipped`; the exit code is 1 when a test failed or no test ran.
 """
 
 import argparse

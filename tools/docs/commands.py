@@ -16,7 +16,7 @@ itself. Without it, a command has the class `short`, or `make` when it begins wi
 
   <!-- command: CLASS[; exit N][; only TEXT][; with A=B C=D][; adding WORDS] -->
 
-`only` limits a marker to those lines of the block that contain TEXT; one block may have several such markers above it.
+`only` limits a marker to those lines of the block that contain TEXT; a block may have several markers with `only`.
 `exit` is the expected exit code of the command. `with` replaces placeholders, such as names of the reader's own files,
 before the command runs. `adding` gives words that the program appends to the command, such as options for a smaller
 picture.
@@ -215,8 +215,8 @@ def clean_environment():
 
 
 class Scratch:
-    """Makes a temporary folder that looks like the repository. It contains links to the repository's files, a folder
-    build/ with the programs, and a folder out/ with the demo's scene."""
+    """Makes a temporary folder that looks like the repository. This folder contains links to the repository's files, a
+    folder build/ with the programs, and a folder out/ with the demo's scene."""
 
     def __init__(self, build, stock):
         self.top = tempfile.mkdtemp(prefix="cournand_commands_")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Gives malformed meshes, TOML files, scans and centrelines to the programs' readers.
+"""Tests the file readers of the project's programs with malformed meshes, TOML files, scans and centrelines.
 
 `make importers` tests the readers with all files, and `make test` with a small part of the files.
 

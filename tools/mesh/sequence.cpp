@@ -117,7 +117,8 @@ std::vector<fs::path> obj_files(const fs::path &folder)
     return files;
 }
 
-/* Checks that the frame has the same bodies, faces and number of vertices as the first frame. */
+/* Checks that a frame of the sequence has the same bodies, faces and number of vertices as the first
+ * frame. */
 void compare(const Frame &first, const Frame &other, const fs::path &first_file, const fs::path &file)
 {
     const std::string start = file.string() + ": ", end = " than " + first_file.filename().string() +

@@ -25,7 +25,7 @@ MEMBER_BYTES_MAX = 256 << 20
 
 
 class Fault(Exception):
-    """Raised for an error; the text gives the remedy."""
+    """Raised when a scene or its archive is wrong or cannot be made; the text gives the remedy."""
 
 
 def read_archive(path):

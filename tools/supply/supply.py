@@ -107,8 +107,8 @@ def header_packages():
 
 
 class Supply:
-    """Holds, for each group of parts and each Debian source package, the names of the programs that use the package. It
-    also holds the binary packages of each source package."""
+    """Holds, for each group of parts and each Debian source package, the names of the programs that use the package.
+    The class also holds the binary packages of each source package."""
 
     def __init__(self, build, names=()):
         self.programs = programs_in(build, names)

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Measures the files of `anatomy heart` without any code of the program, and prints one TAP line per claim.
+"""Measures the files that `anatomy heart` writes, without using code of that program, and prints one TAP line per
+claim.
 
 usage: check_heart.py FOLDER FIRST_NUMBER
 
@@ -27,7 +28,8 @@ APEX, BASE = (78, 69, 48), (4, 117, 2)  # ends of the left ventricle's axis, fro
 
 
 def read_obj(path, wanted):
-    """Returns the vertices and the triangles of the wanted objects. No two objects share a vertex."""
+    """Returns the vertices and the triangles of the wanted objects in an OBJ file. No two objects of the file share a
+    vertex."""
     vertices, bodies, name = [], {}, None
     for line in path.read_text().splitlines():
         key, _, rest = line.partition(" ")

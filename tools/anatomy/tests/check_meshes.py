@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks the files of one anatomy without any code of the program, and prints one TAP line per check.
+"""Checks the files of one anatomy without using code of the program `anatomy`, and prints one TAP line per check.
 
 usage: check_meshes.py FOLDER STATIONS.tsv FIRST_NUMBER     (STATIONS.tsv is the output of `anatomy list`)
 """
@@ -27,7 +27,7 @@ def read_ply(path):
 
 
 def read_scene(path):
-    """Reads the few keys of scene.toml that the checks need."""
+    """Reads the few keys of scene.toml that the checks of the meshes need."""
     bodies, table, entry, ignored = [], None, {}, {}
     for line in path.read_text().splitlines():
         if line == "[[body]]":
@@ -61,7 +61,7 @@ def volume_mm3(vertices, triangles):
 
 
 class Inside:
-    """Decides whether a point lies in a closed mesh. The function counts how often a line along z from the point
+    """Determines whether a point lies inside a closed mesh. The function counts how often a line along z from the point
     crosses the mesh. For speed, the mesh's triangles are sorted into square cells over x and y.
     """
 
@@ -196,8 +196,8 @@ def dimension_faults(lumen, stations):
 
 
 def centreline_faults(folder, lumen):
-    """Checks that every control point lies in the lumen and has a radius. The control points are first converted from
-    LPS coordinates (left, posterior, superior)."""
+    """Checks that every control point of the centrelines lies in the lumen and has a radius. The control points are
+    first converted from LPS coordinates (left, posterior, superior)."""
     inside, faults = Inside(*lumen), []
     files = sorted(folder.glob("*.mrk.json"))
     for path in files:

@@ -257,7 +257,7 @@ def check_mistakes(bench):
 
 
 def damaged(text, dice):
-    """Returns the text with random damage: lines or letters are removed, doubled or changed."""
+    """Returns the text of a vessel file with random damage: lines or letters are removed, doubled or changed."""
     for _ in range(dice.randint(1, 4)):
         lines = text.split("\n")
         at = dice.randrange(len(lines))

@@ -16,7 +16,7 @@ constexpr double wall_share = 1.6; // vertices up to this many radii away carry 
 constexpr std::size_t vertices_wanted = 48;
 constexpr double refit_share = 0.3; // largest displacement of a sphere by the fit, in radii
 
-// Returns the wall vertices around one sphere.
+// Returns those vertices of the vessel's wall that lie around one sphere of the tree.
 std::vector<std::uint32_t> carriers_of(const bake::Mesh &mesh, const Sphere &sphere)
 {
     std::vector<std::pair<double, std::uint32_t>> near;
@@ -37,8 +37,8 @@ std::vector<std::uint32_t> carriers_of(const bake::Mesh &mesh, const Sphere &sph
     return chosen;
 }
 
-// Fits u = t + A (x - mean) by least squares. The matrix A is regularised towards 0, because vertices in one
-// plane or on one line do not determine A completely.
+// Fits the displacements u of the wall vertices x by u = t + A (x - mean), by least squares. The matrix A is
+// regularised towards 0, because vertices in one plane or on one line do not determine A completely.
 Eigen::Vector3d carried_to(const Eigen::Vector3d &p, double radius_mm,
                            const std::vector<std::uint32_t> &carriers, const bake::Mesh &from,
                            const bake::Mesh &to)

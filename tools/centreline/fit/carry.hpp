@@ -15,13 +15,13 @@ struct Frame {
     double refit_mm = 0; // largest displacement by the fit from where the wall had carried a sphere
 };
 
-// Returns the .obj (or .ply, .stl, .glb) files of a folder, sorted by the numbers in their names. Throws
+// Returns the mesh files (.obj, .ply, .stl or .glb) of a folder, sorted by the numbers in their names. Throws
 // Fault.
 std::vector<std::filesystem::path> frames_of(const std::filesystem::path &folder);
 
 // `files` are the meshes of the sequence, and `tree` belongs to the first mesh. Each sphere of the tree moves
-// with the wall around it and is then fitted to the wall again. Throws Fault naming the frame whose triangles
-// differ from the first frame's.
+// with the wall around it and is then fitted to the wall again. Throws a Fault that names a frame whose
+// triangles differ from those of the first frame.
 std::vector<Frame> carried(const Tree &tree, const std::vector<std::filesystem::path> &files,
                            const bake::MeshText &text, const LumenWish &wish, bake::Progress &progress);
 

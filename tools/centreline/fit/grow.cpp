@@ -48,9 +48,9 @@ std::size_t shared_junction(const Tree &tree, int parent, std::size_t sphere)
     return to_end < merge_share * spheres[sphere].radius_mm ? spheres.size() - 1 : sphere;
 }
 
-// Returns the path of a branch, including its connection to the parent. The path begins in the middle of the
-// parent vessel and goes straight to the point where it leaves the parent's tube. From this point the path
-// continues as given.
+// Returns the path of a branch, including the piece that connects the branch to its parent. The path begins
+// in the middle of the parent vessel and goes straight to the point where it leaves the parent's tube. From
+// this point the path continues as given.
 Points from_junction(const Tree &tree, const Lumen &lumen, const Way &way, std::size_t &sphere)
 {
     const Branch &parent = tree.branches[way.parent];
@@ -66,8 +66,8 @@ Points from_junction(const Tree &tree, const Lumen &lumen, const Way &way, std::
     return line;
 }
 
-// Finds the first sphere that touches, or nearly touches, the end of the vessel, and removes all spheres
-// after it. If the vessel's end is round, the centre of the last sphere is then the centre of the rounding.
+// Finds the first sphere that touches, or nearly touches, the end of the vessel, and removes all later
+// spheres. If the vessel's end is round, the centre of the last sphere is then the centre of the rounding.
 void cut_at_last_sphere(const Lumen &lumen, std::vector<Sphere> &spheres)
 {
     const Sphere end = spheres.back();

@@ -22,15 +22,16 @@ struct Way {
                                  // or at the last sphere that touches the far end
 };
 
-// Adds one branch to the tree and returns its number. Throws Fault when the path is too short for a branch.
+// Adds one branch to the tree and returns the number of the new branch. Throws Fault when the path is too
+// short for a branch.
 int grow_branch(Tree &tree, const Lumen &lumen, const Way &way, const GrowWish &wish);
 
 // Returns the branch in whose tube the path stays for the longest distance; returns -1 if the path touches no
 // branch.
 int parent_of(const Tree &tree, const std::vector<Eigen::Vector3d> &way_mm);
 
-// Moves the end of a path to the middle of a nearby opening, if there is one. The function serves for ends
-// that the user has not placed.
+// If the end of a path is near an opening, the function moves this end to the middle of the opening. The
+// function serves for ends that the user has not placed.
 void finish_last(const Lumen &lumen, std::vector<Eigen::Vector3d> &points_mm);
 
 } // namespace crn::centreline

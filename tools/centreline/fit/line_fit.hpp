@@ -1,4 +1,5 @@
-// Fits inscribed spheres in the middle of a vessel along a rough path through it (docs/centreline.md).
+// Fits inscribed spheres in the middle of a vessel, along a rough path through the vessel
+// (docs/centreline.md).
 #pragma once
 #include "tools/centreline/fit/lumen.hpp"
 #include "tools/centreline/tree.hpp"

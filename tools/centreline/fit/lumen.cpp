@@ -23,7 +23,8 @@ double chosen_voxel_mm(double wished_mm, const bake::Mesh &closed)
     return std::clamp(std::cbrt(std::max(inside, around)), voxel_min_mm, voxel_max_mm);
 }
 
-// Capping an opening appends one vertex behind the mesh's own vertices, with a fan of triangles around it.
+// When an opening is capped, one vertex is appended to the list of the mesh's vertices, and a fan of
+// triangles around this vertex closes the opening.
 std::vector<Opening> openings_of(const bake::Mesh &capped, std::size_t own_vertices,
                                  std::size_t own_triangles)
 {
@@ -94,8 +95,8 @@ Lumen::Lumen(bake::Mesh mesh, const LumenWish &wish, bake::Progress &progress)
     if (!wish.with_voxels) return;
     progress.stage("measuring the inside", 0);
     voxels_ = std::make_unique<Voxels>(closed, chosen_voxel_mm(wish.voxel_mm, closed));
-    // An opening that has less than half the radius of the vessel behind it is a crack in the wall, not the
-    // end of a vessel.
+    // If an opening's radius is less than half the radius of the adjacent vessel, the opening is a crack in
+    // the wall and not the end of a vessel.
     std::erase_if(openings_, [&](const Opening &opening) {
         long voxel = -1;
         for (double reach = 2 * voxels_->voxel_mm(); voxel < 0 && reach < 10; reach *= 2)

@@ -1,5 +1,6 @@
-// Holds a vessel's surface that is prepared for fitting. This surface is closed, and its openings are known.
-// Callers can use the inside as voxels and can compute the exact distance to the wall.
+// Holds the surface of the vessels in a form in which centrelines can be fitted. This surface is closed, and
+// its openings are known. Callers can use the inside as voxels and can compute the exact distance to the
+// wall.
 #pragma once
 #include "tools/bake/triangle_tree.hpp"
 #include "tools/centreline/fit/voxels.hpp"
@@ -10,7 +11,7 @@ namespace crn::centreline
 {
 
 // An opening is a hole that the mesh had before it was closed, such as the cut end of a vessel. A centreline
-// continues up to the plane of the opening.
+// that ends at an opening extends up to the plane of this opening.
 struct Opening {
     Eigen::Vector3d centre_mm;
     double radius_mm;
@@ -25,9 +26,9 @@ struct LumenWish {
 class Lumen
 {
   public:
-    // Takes a mesh as it was loaded from its file. If the mesh does not bound a body but has no hole wider
-    // than a vessel, the constructor remakes the mesh from a level set and adds a note. Throws a Fault that
-    // states which part of the mesh must be repaired.
+    // Makes a lumen from a mesh that was loaded from a file. If the mesh does not bound a body but has no
+    // hole wider than a vessel, the constructor remakes the mesh from a level set and adds a note. Throws a
+    // Fault that states which part of the mesh must be repaired.
     Lumen(bake::Mesh mesh, const LumenWish &wish, bake::Progress &progress);
     Lumen(const Lumen &) = delete;
     Lumen &operator=(const Lumen &) = delete;

@@ -16,7 +16,7 @@ constexpr Ink wall_ink{96, 120, 150}, sphere_ink{40, 110, 190}, line_ink{16, 44,
     letter_ink{30, 30, 40};
 constexpr double rad_per_deg = 3.14159265358979323846 / 180;
 
-// Draws a translucent ball whose rim is darker than its middle.
+// Draws a sphere of the tree as a translucent ball whose rim is darker than its middle.
 void draw_ball(Sheet &sheet, const SheetPoint &at, double radius_px, Ink ink, double share)
 {
     const double reach = radius_px + 1;
@@ -57,7 +57,8 @@ void draw_line(Sheet &sheet, const SheetPoint &a, const SheetPoint &b, double wi
     sheet.unclip();
 }
 
-// Calls use() with the barycentric coordinates of each pixel centre that a triangle covers.
+// For each pixel whose centre is covered by a triangle, calls use() with the barycentric coordinates of the
+// pixel's centre.
 template <typename Use> void each_pixel(const std::array<SheetPoint, 3> &c, const View &view, Use use)
 {
     const double area = (c[1].x - c[0].x) * (c[2].y - c[0].y) - (c[2].x - c[0].x) * (c[1].y - c[0].y);

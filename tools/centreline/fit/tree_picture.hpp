@@ -1,5 +1,5 @@
-// Draws a vessel as if it were of glass, with the spheres of its tree inside. `centreline show` writes this
-// picture, and the editor shows it.
+// Draws a vessel as if it were of glass, with the spheres of its tree inside. The command `centreline show`
+// writes this picture to a file, and the editor shows this picture in its window.
 #pragma once
 #include "host/picture/canvas.hpp"
 #include "tools/centreline/fit/points.hpp"
@@ -21,11 +21,12 @@ struct View {
     SheetPoint place(const Eigen::Vector3d &p_mm) const;
     Eigen::Vector3d ray_start_mm(double x, double y) const; // on the plane through the middle
 };
-// Returns a view that shows the whole mesh with a margin.
+// Returns a view in which the whole mesh is visible, with a margin around it.
 View view_of(const bake::Mesh &mesh, double turn_deg, double tilt_deg, int width, int height);
 
 // Returns for each pixel a number from 0 to 1, which grows with the amount of vessel wall that its line of
-// sight passes at a grazing angle. A caller that draws the same view many times should keep the result.
+// sight passes at a grazing angle. A caller that draws the same view many times should store the returned
+// numbers and use them again.
 std::vector<float> glass_of(const bake::Mesh &mesh, const View &view);
 
 struct TreeDrawing {

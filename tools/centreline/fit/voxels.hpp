@@ -11,7 +11,7 @@ constexpr double voxels_inside_max = 3e7;
 class Voxels
 {
   public:
-    // Throws Fault when the mesh has no inside, or needs too many voxels.
+    // Throws a Fault when the mesh encloses no volume, or needs too many voxels.
     Voxels(const bake::Mesh &closed, double voxel_mm);
 
     std::size_t size() const { return depth_mm_.size(); }
@@ -68,7 +68,7 @@ class Voxels
     std::vector<float> depth_mm_;
 };
 
-// Holds the cheapest paths from the source voxels to every voxel. One millimetre of path costs 1 / depth^2,
+// Holds the cheapest paths from the source voxels to every voxel. A millimetre of path costs 1 / depth^2,
 // where depth is the distance to the wall, so the cheapest paths run in the middle of the vessel.
 struct Ways {
     std::vector<std::int32_t> from;   // -1: not reached; a source points to itself

@@ -98,8 +98,8 @@ void a_fork_of_arcs_is_found_without_help(void **)
     assert_int_equal(tree.branches[1].parent, 0);
     assert_int_equal(tree.branches[2].parent, 0);
     check_fork(tree, "fork, automatic");
-    // The first and the last sphere touch the round ends of the vessel, so their centres are the ends of the
-    // original curves.
+    // The first and the last sphere of a branch touch the round ends of the vessel, so the centres of these
+    // spheres are the ends of the original curves.
     const double y = tree.branches[0].spheres.front().centre_mm.y();
     if (std::abs(y + 20) > 0.5) fail_msg("begins at y = %.2f, expected -20", y);
     for (int b : {1, 2}) {
@@ -194,7 +194,8 @@ void short_stubs_are_pruned(void **)
     }
 }
 
-// Makes one frame of a heartbeat, in which the fork bends out of its plane, shifts and narrows.
+// Makes the mesh of one frame of a heartbeat, in which a forked vessel bends out of its plane, shifts and
+// narrows.
 Eigen::Vector3d beaten(const Eigen::Vector3d &p, int frame)
 {
     const double beat = std::sin(turn * frame / 24), squeeze = 1 - 0.06 * beat * beat;

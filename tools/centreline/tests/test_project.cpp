@@ -88,7 +88,7 @@ void every_change_can_be_undone_and_done_again(void **)
     assert_true(!project.redo());
 }
 
-// No input may cause a crash, and each refusal begins with the file's name.
+// No project file may cause a crash, and each error message must begin with the file's name.
 void damaged_texts_of_points_are_points_or_faults(void **)
 {
     const Folder folder;
@@ -149,7 +149,7 @@ void a_mistyped_key_or_word_gets_a_suggestion(void **)
 
 void a_click_means_the_middle_of_the_first_vessel_behind_it(void **)
 {
-    // The test has two tubes, one behind the other, seen from the front.
+    // The test looks from the front at two tubes, one of which is behind the other.
     bake::Mesh mesh = tube_mesh(2, 30, 0, 60, 32);
     const bake::Mesh back = mesh;
     for (const Eigen::Vector3d &v : back.vertices_mm)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Gives malformed files and command lines to the programs and tests how the programs refuse them. Every program must
-end with the documented exit code (1 for unusable input, 2 for usage) and a message that names the cause. The program
-must not write an output file, and it must not crash. Prints TAP.
+"""Tests how the programs refuse malformed files and command lines. Every program must end with the documented exit code
+(1 for unusable input, 2 for usage) and a message that names the cause. The program must not write an output file, and
+it must not crash. Prints TAP.
 
 Each bad input is a good input with one fault. The test first shows that the program accepts the good input, so that
 only the fault can be the reason for the refusal."""

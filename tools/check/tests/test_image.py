@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Checks the firmware images that `make test` built. They must contain no soft-float code, no divide helper and no
-heap, and their RAM and stack must be within the limits. `make firmware` applies the same rules to a firmware image and
-also prints the sizes of its code, RAM and stack. BUILD is the build folder. Prints TAP."""
+"""Checks the firmware images that `make test` built. The images must contain no soft-float code, no divide helper and
+no heap, and their RAM and stack must be within the limits. `make firmware` applies the same rules to a firmware image
+and also prints the sizes of its code, RAM and stack. BUILD is the build folder. Prints TAP."""
 
 import contextlib
 import io

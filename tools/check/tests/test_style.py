@@ -191,7 +191,7 @@ def recursion(sources):
 
 
 def layout(paths):
-    """Checks the layout of every C and C++ file with clang-format."""
+    """Checks with clang-format that every C and C++ file has the project's layout."""
     for start in range(0, len(paths), 50):
         done = subprocess.run(["clang-format", "--dry-run", "-Werror"] + paths[start : start + 50], cwd=tree.ROOT,
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)

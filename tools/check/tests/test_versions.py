@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Claims: every program prints its version, and the changelog contains this version. Prints TAP."""
+"""Claims: every program prints its version, and the changelog begins with the present version. Prints TAP."""
 
 import os
 import re

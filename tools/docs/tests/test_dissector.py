@@ -37,8 +37,8 @@ def frame(sequence, kind, payload, flip=0):
 
 
 def on_bus(data, device):
-    """Returns the record that Linux's usbmon writes for a bulk transfer to endpoint 2 (Documentation/usb/usbmon.rst,
-    struct mon_bin_hdr of 64 bytes)."""
+    """Returns the bytes of the record that usbmon of Linux writes for a bulk transfer to endpoint 2 (struct mon_bin_hdr
+    of 64 bytes in Documentation/usb/usbmon.rst)."""
     header = struct.pack(
         "<QBBBBHBBqiiII8siiII",
         1,

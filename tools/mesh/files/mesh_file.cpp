@@ -20,8 +20,8 @@ namespace crn::bake
 namespace
 {
 
-// For each face in a file, assimp makes an object with a separate list of corners, so the memory is tens of
-// times as large as the file.
+// For each face in a file, assimp makes an object with a separate list of corners, so assimp needs tens of
+// times as much memory as the file has bytes.
 constexpr double growth = 64;
 
 std::string ending_of(const std::filesystem::path &file)

@@ -46,9 +46,9 @@ struct Declared {
     std::int64_t vertices = -1, faces = -1;
 };
 
-// Each of the next functions reads a whole mesh file strictly. It checks that the declared counts fit the
-// file's size, that indices name existing vertices, and that numbers can be parsed. Throws Fault. `folder` is
-// the folder that contains the other files to which a .gltf file refers.
+// Each of the next functions reads a whole mesh file strictly. The function checks that the declared counts
+// fit the file's size, that indices name existing vertices, and that numbers can be parsed. Throws Fault.
+// `folder` is the folder that contains the other files to which a .gltf file refers.
 Declared check_ply(std::string_view bytes, const std::string &file);
 Declared check_stl(std::string_view bytes, const std::string &file);
 Declared check_obj(std::string_view bytes, const std::string &file);
