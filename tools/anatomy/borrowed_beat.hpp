@@ -39,10 +39,10 @@ struct HeartPlacement {
 HeartPlacement place_heart(const HeartLandmarks &other);
 
 /* Writes FOLDER/NAME_00.ply ... NAME_23.ply with the mesh's vertices in every frame, and FOLDER_inhaled.ply
- * beside the folder. The program `bake` reads these files. Each vertex moves like the corresponding point of
- * the shipped heart, and the displacement is scaled to the size of the other heart. The displacement by
- * breathing is not scaled. Returns the largest displacement of any vertex from its position in the mesh
- * `rest`, in mm. */
+ * beside the folder. The program `bake` reads the files of all frames. Each vertex moves like the
+ * corresponding point of the shipped heart, and the displacement is scaled to the size of the other heart.
+ * The displacement by breathing is not scaled. Returns the largest displacement of any vertex from its
+ * position in the mesh `rest`, in mm. */
 double write_borrowed_beat(const std::filesystem::path &folder, const std::string &name, const Mesh &rest,
                            const HeartPlacement &placement);
 

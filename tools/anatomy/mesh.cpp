@@ -62,8 +62,8 @@ crn::mesh::Block block_of(const Cell &block, const MeshRequest &request)
 }
 
 /* Makes the level set. The function skips blocks whose centre is far from the surface, and fill_signs() later
- * gives these blocks their sign. The grid's unit is a voxel, so its surface must be multiplied by the voxel's
- * edge. */
+ * gives these blocks their sign. The unit of length in this level set is a voxel, so the vertices of its
+ * surface must be multiplied by the length of a voxel's edge. */
 crn::mesh::LevelSet level_set(const MeshRequest &request)
 {
     // One distance function serves to test the centres of all blocks in a column of the grid.

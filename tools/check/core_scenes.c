@@ -21,7 +21,8 @@
  *
  * In the scene "balloon" a wire lies in a balloon catheter in the 4 mm wide tube. The balloon is inflated
  * until it fills the tube and opens a lesion. The catheter is pulled while the balloon is inflated, and
- * pushed after the balloon is deflated. Afterwards the lesion is held open, and the balloon bursts.
+ * pushed after the balloon is deflated. Later a scaffold (stent) holds the lesion open, and at the end the
+ * balloon bursts.
  *
  * In the scene "stented" the J wire moves to and fro in the beating tube, through and beside a stent that
  * touches no wall. Later the stent is widened, and then half of its rings are removed. */
@@ -126,8 +127,8 @@ static void fill_fine(void)
     }
 }
 
-/* Fills the table row with the displacements of a lattice node over one cycle: a parabola in time that
- * reaches `reach` units in mid-cycle. */
+/* Fills the table row with the displacements of a lattice node over one cycle. The displacement is a parabola
+ * in time with its peak of `reach` units in mid-cycle. */
 static void fill_row(int16_t *row, int32_t reach)
 {
     for (int32_t i = 0; i < CRN_MOTION_KEYFRAMES + 2; i++) {

@@ -18,8 +18,8 @@ path = "lib.rs"
 %s = "=%s"
 """ % (CRATE, VERSION)
 TIME_LIMIT_S = 180
-# Debian 12's cargo (1.65) reads the registry's index from a git repository by default; later versions read
-# the index from the registry.
+
+# Unlike later versions, cargo 1.65 of Debian 12 reads the registry's index from a git repository by default.
 SPARSE_SINCE = (1, 68)
 SPARSE = [
     "--config",

@@ -72,8 +72,8 @@ stations = [
     { height = 0.9, angle_deg = 300, diameter_mm = 3 },
 ]
 """
-# Each entry has the text of a valid file, the words to replace, the new words, and words that the error message must
-# contain. In these words, "LINE" or "LINE #" stands for the file's name and the line of the replaced words.
+# Each entry has a valid file's text, the words to replace, the new words, and expected words of the error message.
+# In the expected words, "LINE" or "LINE #" stands for the file's name and the line of the replaced words.
 MISTAKES = (
     (OWN, "fillet_mm", "filet_mm", "LINE:12: unknown key 'filet_mm', did you mean 'fillet_mm'?"),
     (OWN, "format = 1", "format = 2", "LINE:10: 'format' must be 1; this file is of another version"),

@@ -67,7 +67,8 @@ Points from_junction(const Tree &tree, const Lumen &lumen, const Way &way, std::
 }
 
 // Finds the first sphere that touches, or nearly touches, the end of the vessel, and removes all later
-// spheres. If the vessel's end is round, the centre of the last sphere is then the centre of the rounding.
+// spheres. If the vessel's end is round, the last remaining sphere has its centre at the centre of the
+// rounding.
 void cut_at_last_sphere(const Lumen &lumen, std::vector<Sphere> &spheres)
 {
     const Sphere end = spheres.back();

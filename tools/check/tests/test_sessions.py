@@ -2,9 +2,10 @@
 """Tests every shipped session that runs in the aorta or without a scene. Each session must reach the end that its
 script states, and must miss this end if the tools are not turned.
 
-The test makes anatomy and scene as `make run` does, but without the bodies that only pictures need. The scene file is
-the same to the byte as that of `make run`. The session of the renal angioplasty has its own scene, which contains a
-lesion. test_heart_sessions.py runs the sessions in the heart, and hil_tests/test_pci.cpp runs the short angioplasties.
+The test makes anatomy and scene as `make run` does, but without the bodies that only pictures need. The resulting scene
+file equals the scene file of `make run` byte for byte. The session of the renal angioplasty has its own scene, which
+contains a lesion. test_heart_sessions.py runs the sessions in the heart, and hil_tests/test_pci.cpp runs the short
+angioplasties.
 """
 
 import os
