@@ -19,8 +19,8 @@ struct HeartLandmarks {
 
 HeartLandmarks shipped_landmarks();
 
-/* Holds the rotation, scale and shift that map the other heart onto the shipped heart. This transformation is
- * the least-squares fit over the three landmarks (Umeyama, IEEE PAMI 1991;13:376). */
+/* Holds the rotation, scale and shift that map the other heart onto the shipped heart. The transformation
+ * between the hearts is the least-squares fit over three landmarks (Umeyama, IEEE PAMI 1991;13:376). */
 struct HeartPlacement {
     double scale = 1.0; // size of the shipped heart divided by the size of the other heart
     Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();

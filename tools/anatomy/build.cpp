@@ -11,8 +11,8 @@ namespace anatomy
 namespace
 {
 
-/* GAP_MM is the smallest permitted distance between neighbouring bodies of the anatomy. This distance is
- * larger than the sum of the errors that mesh simplification may cause on two facing surfaces. */
+/* GAP_MM is the smallest permitted distance between neighbouring bodies of the anatomy. GAP_MM is larger than
+ * the sum of the errors that mesh simplification may cause on two facing surfaces. */
 constexpr double GAP_MM = 0.9, SHELL_MM = 1.0;
 /* The meshes of thin bones are simplified less than those of other bones. If X-rays pass along the iliac
  * wing, whose cortex is 2 mm thick, a surface whose direction is wrong by 3 degrees appears as a streak. */

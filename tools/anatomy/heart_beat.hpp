@@ -8,8 +8,9 @@
  * which the walls move is not a fixed point. Inv. Radiol. 1984 reports that 91 % of the wall's motion is
  * radial to one moving centre. Three commonly published figures are assumed: the base descends by 12 to 15
  * mm, the twist is 10 to 15 degrees, and the right coronary artery moves by 20 to 30 mm. The functions of
- * time for length, radius and twist are also assumed. These functions are chosen so that heart_figures()
- * measures the chamber volumes and rest periods of a man at 70 beats per minute. */
+ * time for length, radius and twist are also assumed. The functions of time are chosen so that
+ * heart_figures() measures the chamber volumes, and the periods of little motion, of a man at 70 beats per
+ * minute. */
 #pragma once
 #include "tools/anatomy/vessels.hpp"
 

@@ -89,9 +89,9 @@ void make_folder(const Options &options)
                                  ": the folder cannot be made: " + failure.message());
 }
 
-/* Returns the [[lesion]] tables of the scene text for all lesions on the command line. The program makes this
- * text before the meshes, so that a mistake on the command line is reported before minutes of meshing. The
- * calcium of a lesion lies in the body that contains the vessels. */
+/* Returns the [[lesion]] tables of the scene text for all lesions on the command line. The program makes the
+ * text of the lesions before the meshes, so that it reports a mistake on the command line without minutes of
+ * meshing. The calcium of a lesion lies in the body that contains the vessels. */
 std::string lesions_of(const Options &options, const VesselTree &tree, const std::vector<Body> &bodies)
 {
     std::vector<Lesion> lesions;

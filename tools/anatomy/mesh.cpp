@@ -31,14 +31,14 @@ Box block_box(const Cell &block, double voxel_mm)
 
 /* Fills one block of the grid with values of the distance function. Exact distances are needed only near the
  * surface. If the middle of a group of grid points is far enough from the surface, no neighbour of these
- * points lies on the surface's other side. All points of this group then get the width of the level set's
- * band as their distance, with the sign of the distance at the middle. */
+ * points lies on the surface's other side. All points of such a group then get, as their distance, the width
+ * of the level set's band with the sign of the distance at the middle. */
 crn::mesh::Block block_of(const Cell &block, const MeshRequest &request)
 {
     constexpr int GROUP = 2;
     const double voxel = request.voxel_mm, band = BAND_VOXELS * voxel;
-    // This distance is half a group's diagonal plus a voxel's diagonal, multiplied by the steepest change of
-    // an estimated distance.
+    // The limit `far` is half the diagonal of a group of points plus a voxel's diagonal, multiplied by the
+    // steepest change of an estimated distance.
     const double far = STEEPEST * (0.5 * (GROUP - 1) + 1.0) * std::sqrt(3.0) * voxel;
     const Distance distance = request.distance_in(block_box(block, voxel), band);
     const Vec3 origin = Vec3(block[0], block[1], block[2]) * BLOCK;

@@ -38,7 +38,7 @@ struct MeshRequest {
  * beyond the given bounds. */
 Mesh mesh_of(const MeshRequest &request);
 
-/* Returns an empty text if every edge belongs to exactly two triangles, whose corner orders traverse the edge
+/* Returns an empty text if every edge of the mesh belongs to exactly two triangles, which traverse the edge
  * in opposite directions. If the mesh has a fault, the function returns a description of the first fault. */
 std::string closed_mesh_fault(const Mesh &mesh);
 

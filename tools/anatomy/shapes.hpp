@@ -122,8 +122,8 @@ class Formula : public Shape
 double smooth_min(double a, double b, double blend_mm);
 double smooth_max(double a, double b, double blend_mm);
 
-/* Returns the distance to an ellipsoid from a point in the ellipsoid's own frame. This distance is exact to
- * first order near the ellipsoid's surface. */
+/* Returns the distance to an ellipsoid from a point in the ellipsoid's own frame. The returned distance is
+ * exact to first order near the ellipsoid's surface. */
 double ellipsoid_distance(const Vec3 &local, const Vec3 &half_axes_mm);
 
 class Part

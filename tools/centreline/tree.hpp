@@ -34,8 +34,8 @@ struct Branch {
     std::vector<Sphere> spheres;   // in the direction of the blood, at least two
 };
 
-// A branch is identified by its number. Readers and writers keep this number, and a branch has the same
-// number in all frames of a beating tree.
+// A branch is identified by its number. The functions that read and write files keep the numbers of branches,
+// and a branch has the same number in all frames of a beating tree.
 struct Tree {
     std::vector<Branch> branches;
 };

@@ -331,8 +331,8 @@ bool core_scene_start(uint32_t scene, crn_model *model, crn_state *state)
     return true;
 }
 
-/* Returns a motion of the hand that advances by `step` per tick while turning, and then moves back at half
- * that speed. */
+/* Returns a motion of the user's hand that advances by `step` per tick while turning, and then moves back at
+ * half this speed. */
 static crn_input forward_and_back(uint32_t tick, uint32_t forward_ticks, int32_t step_m_q30, uint32_t turn32)
 {
     uint32_t forward = tick < forward_ticks ? tick : forward_ticks;

@@ -11,11 +11,11 @@ namespace crn::mesh
 
 using Triangle = std::array<uint32_t, 3>; // counter-clockwise seen from outside
 
-/* Collapses edges, cheapest first, until no collapse costs less than error_mm; the cost is the quadric error
- * of Garland and Heckbert (1997). The cost of a collapse is the root mean square distance of the new vertex
- * from the planes of the triangles that the collapse replaces. The surface itself may move slightly farther
- * than error_mm, so a caller that guarantees a distance must measure this distance. The surface that is
- * passed to the function must be a closed manifold. Every collapse keeps the surface a closed manifold (link
+/* Collapses edges in the order of their cost, by the method of Garland and Heckbert (1997), until no collapse
+ * costs less than error_mm. The cost of a collapse is the root mean square distance of the new vertex from
+ * the planes of the triangles that the collapse replaces. The surface itself may move slightly farther than
+ * error_mm, so a caller that guarantees a distance must measure this distance. The surface that is passed to
+ * the function must be a closed manifold. Every collapse keeps the surface a closed manifold (link
  * condition), and turns no triangle by more than a right angle. The result is deterministic. */
 void simplify(std::vector<Eigen::Vector3d> &vertices_mm, std::vector<Triangle> &triangles, double error_mm);
 

@@ -108,8 +108,8 @@ std::vector<std::vector<std::size_t>> ways_to_tips(const Voxels &voxels, const W
     return kept;
 }
 
-// Returns the vessel's depth (distance to the wall) at a tip, which is the depth of the deepest voxel within
-// a few millimetres along the path.
+// Returns the depth (distance to the wall) of the deepest voxel within a few millimetres of a tip, along the
+// path.
 double width_at(const Voxels &voxels, const std::vector<std::size_t> &way)
 {
     double depth = 0;

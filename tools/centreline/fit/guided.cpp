@@ -53,8 +53,8 @@ void follow(Placed &point, int before, double length_mm)
     if (length_mm > point.length_mm) point.before = before, point.length_mm = length_mm;
 }
 
-// The path from a start point to an end point passes bifurcation points; the order along this path decides
-// which point follows which.
+// The path from a start point to an end point passes bifurcation points; their order along the path is their
+// order in the tree.
 void find_order(const Lumen &lumen, std::vector<Placed> &points, const Ways &ways,
                 const std::vector<int> &starts)
 {

@@ -3,7 +3,7 @@
 these sessions, but no pictures are made. test_heart_turns.py tests that a session fails if its tools are not turned.
 
 The sessions use the scene of `make coronary` without the bodies that only pictures need. The scene of the angioplasty
-also contains its lesion.
+session also contains the lesion that the session treats.
 """
 
 import os

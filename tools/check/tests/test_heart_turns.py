@@ -3,7 +3,7 @@
 Medium flows without pictures.
 
 The sessions use the scene of `make coronary` without the bodies that only pictures need. The scene of the angioplasty
-also contains its lesion.
+session also contains the lesion that the session treats.
 """
 
 import os

@@ -1,5 +1,5 @@
-// Checks STL and OBJ files by reading them strictly before assimp reads them. This check is needed because
-// assimp reads a damaged text without an error and returns a wrong mesh.
+// Checks STL and OBJ files by reading them strictly before assimp reads them. The strict reading is needed
+// because assimp reads a damaged text without an error and returns a wrong mesh.
 #include "tools/mesh/files/mesh_file.hpp"
 #include "tools/mesh/files/mesh_words.hpp"
 

@@ -35,10 +35,10 @@ class LevelSet
     LevelSet(double voxel, double band);
 
     // Makes a grid of distances to a closed mesh, for voxels up to `outside` voxels outside and `inside`
-    // voxels inside its surface. The distance in voxel (i, j, k) is that of the mesh's point (i + place, j +
-    // place, k + place) * voxel_mm. Coordinates are rounded to 32-bit floating point, which is 1e-4 voxels at
-    // a distance of 1,000 voxels from the origin. After Ctrl-C the constructor ends early, and the grid is
-    // incomplete.
+    // voxels inside its surface. Voxel (i, j, k) stores the distance at the point (i + place, j + place, k +
+    // place) * voxel_mm in the mesh's coordinates. Coordinates are rounded to 32-bit floating point, which is
+    // 1e-4 voxels at a distance of 1,000 voxels from the origin. After Ctrl-C the constructor ends early, and
+    // the grid is incomplete.
     LevelSet(const std::vector<Eigen::Vector3d> &vertices_mm, const std::vector<Triangle> &triangles,
              double voxel_mm, double place, double outside, double inside);
 
