@@ -39,8 +39,8 @@ std::filesystem::path frame_file(const std::filesystem::path &folder, const std:
 namespace
 {
 
-/* Returns the first point of an artery's centreline that lies outside of the aorta. The centreline begins
- * inside the aorta. */
+/* Returns the first point of an artery's centreline that lies outside of the aorta. The centreline of an
+ * artery begins inside the aorta. */
 Vec3 ostium(const Vessel &artery, const Curve &aorta)
 {
     for (const CurvePoint &point : vessel_curve(artery, 0.5)) {

@@ -1,7 +1,8 @@
 /* Applies the beat of the shipped heart to another heart whose mesh exists in one phase only, for example
- * from a scan or an atlas. Three landmarks that both hearts have determine how the shipped heart lies in
- * the other one. The map of the shipped heart (heart_beat.hpp) then moves the mesh of the other heart. The
- * result is an assumption, not a measurement: nobody knows how the other heart really beats. */
+ * from a scan or an atlas. Three landmarks, which exist on both hearts, determine the rotation, scale and
+ * shift between the shipped heart and the other heart. The map of the shipped heart (heart_beat.hpp) then
+ * moves the mesh of the other heart. The resulting motion is an assumption, not a measurement, because the
+ * real beat of the other heart is unknown. */
 #pragma once
 #include "tools/anatomy/heart_beat.hpp"
 #include "tools/anatomy/mesh.hpp"
@@ -10,15 +11,16 @@
 namespace anatomy
 {
 
-/* The landmarks of a heart at the end of diastole, in the patient frame of that heart. */
+/* Holds the positions of three landmarks of a heart at the end of diastole, in the patient frame of that
+ * heart. */
 struct HeartLandmarks {
     Vec3 left_ostium_mm, right_ostium_mm, apex_mm;
 };
 
 HeartLandmarks shipped_landmarks();
 
-/* The rotation, scale and shift that map the other heart onto the shipped one. They are the least-squares
- * fit over the three landmarks (Umeyama, IEEE PAMI 1991;13:376). */
+/* Holds the rotation, scale and shift that map the other heart onto the shipped heart. The transformation
+ * between the hearts is the least-squares fit over three landmarks (Umeyama, IEEE PAMI 1991;13:376). */
 struct HeartPlacement {
     double scale = 1.0; // size of the shipped heart divided by the size of the other heart
     Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
@@ -30,15 +32,17 @@ struct HeartPlacement {
     Vec3 from_shipped(const Vec3 &point) const { return rotation.transpose() * (point - shift_mm) / scale; }
 };
 
-/* Throws std::invalid_argument when no man's heart can have these landmarks, and the message names the
- * option to check. The shipped heart may be 0.6 to 1.6 times as large as the other heart. No landmark may
- * be off by more than 20 mm, and the three must not lie on one line. */
+/* Throws std::invalid_argument when no man's heart can have these landmarks; the message names the
+ * command-line option that may be wrong. The shipped heart must be 0.6 to 1.6 times as large as the other
+ * heart. After the fit, no landmark may be more than 20 mm away from its counterpart on the shipped heart.
+ * The three landmarks must not lie on one straight line. */
 HeartPlacement place_heart(const HeartLandmarks &other);
 
-/* Writes FOLDER/NAME_00.ply ... NAME_23.ply with the mesh's vertices in every frame, and
- * FOLDER_inhaled.ply beside the folder, as bake reads them. A vertex moves as the shipped heart moves at
- * the same place, scaled to the size of the other heart. The displacement by breath is not scaled. Returns
- * the largest displacement of any vertex from its place in `rest`, in mm. */
+/* Writes FOLDER/NAME_00.ply ... NAME_23.ply with the mesh's vertices in every frame, and FOLDER_inhaled.ply
+ * beside the folder. The program `bake` reads the files of all frames. Each vertex moves like the
+ * corresponding point of the shipped heart, and the displacement is scaled to the size of the other heart.
+ * The displacement by breathing is not scaled. Returns the largest displacement of any vertex from its
+ * position in the mesh `rest`, in mm. */
 double write_borrowed_beat(const std::filesystem::path &folder, const std::string &name, const Mesh &rest,
                            const HeartPlacement &placement);
 

@@ -11,17 +11,19 @@ namespace anatomy
 namespace
 {
 
-/* GAP_MM is the least distance between neighbouring bodies. It is larger than the sum of the errors that
- * simplification may cause on two facing surfaces. */
+/* GAP_MM is the smallest permitted distance between neighbouring bodies of the anatomy. GAP_MM is larger than
+ * the sum of the errors that mesh simplification may cause on two facing surfaces. */
 constexpr double GAP_MM = 0.9, SHELL_MM = 1.0;
-/* Thin bones are simplified less than other bones. X-rays that pass along a wing with 2 mm of cortex show
- * a slope that is wrong by 3 degrees as a streak. */
+/* The meshes of thin bones are simplified less than those of other bones. If X-rays pass along the iliac
+ * wing, whose cortex is 2 mm thick, a surface whose direction is wrong by 3 degrees appears as a streak. */
 constexpr double BONE_ERROR_MM = 0.16, THIN_BONE_ERROR_MM = 0.1;
-/* The inside of the cortex is uneven by this much, which gives the picture of a bone its grain. */
+/* The inner surface of the cortex is uneven by this many millimetres, so that bones look grainy in the X-ray
+ * picture. */
 constexpr double GRAIN_MM = 0.12, THIN_BONE_GRAIN_MM = 0.05;
 
-/* Returns a smooth function of the place with values between about -1 and 1 and the given wavelength. It
- * makes bones uneven, because real bone is not a perfect surface of revolution. */
+/* Returns a smooth function of the position that has the given wavelength and values between about -1 and 1.
+ * This function makes the surfaces of bones uneven, because real bone is not a perfect surface of
+ * revolution. */
 double unevenness(const Vec3 &p, double wavelength_mm)
 {
     const Vec3 q = p * (6.283 / wavelength_mm);
@@ -37,7 +39,8 @@ struct BoneGroup {
     double voxel_mm, error_mm, grain_mm;
 };
 
-/* Returns the distance to the bones of one group. They keep a gap of GAP_MM to the bones in `before`. */
+/* Returns the distance function of one group of bones. The bones of this group keep a gap of GAP_MM to the
+ * bones in `before`. */
 LocalDistance bone_distance(const Solid &bone, const Solid &before)
 {
     return [=](const Box &box, double reach_mm) -> Distance {
@@ -90,7 +93,8 @@ MeshRequest lumen_request(const VesselTree &tree, const Fineness &fineness)
 
 std::vector<Body> patient_bodies(const VesselTree &tree, const Fineness &fineness)
 {
-    // Frames are written to a micrometre. A face whose edges are not much longer would turn over in them.
+    // The vertices of each frame are rounded to a micrometre in the file. This rounding would turn over
+    // triangles whose edges are hardly longer than a micrometre.
     constexpr double SHORTEST_MM = 0.02;
     const double scale = fineness.body_scale;
     const BoneGroup groups[] = {{"spine", spine_bones(), 1.6, BONE_ERROR_MM, GRAIN_MM},

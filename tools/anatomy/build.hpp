@@ -1,5 +1,5 @@
-/* Assembles an anatomy from its lumen, its centrelines and the bodies of the X-ray picture. Lumen and
- * bodies are closed meshes. */
+/* Assembles an anatomy from its lumen, its centrelines and the bodies of the X-ray picture. The lumen and the
+ * bodies are closed triangle meshes. */
 #pragma once
 #include "tools/anatomy/mesh.hpp"
 #include "tools/anatomy/vessels.hpp"
@@ -10,8 +10,8 @@
 namespace anatomy
 {
 
-/* One body of the X-ray picture. It lies completely inside the body that `inside` names; the outermost
- * body lies in none (""). */
+/* Describes one body (such as a bone or an organ) that X-ray pictures show. The body lies completely inside
+ * another body, which `inside` names. For the outermost body `inside` is "". */
 struct Body {
     std::string name, material, inside;
     MeshRequest request;
@@ -24,12 +24,12 @@ struct Fineness {
 
 MeshRequest lumen_request(const VesselTree &tree, const Fineness &fineness);
 
-/* Returns the bodies of the patient around these vessels, which must be in the patient's frame. They
- * include the vessels of the heart if the tree has coronary arteries. */
+/* Returns the bodies of the patient around these vessels, which must be in the patient's frame. If the tree
+ * has coronary arteries, these bodies include the root of the aorta and the coronary arteries. */
 std::vector<Body> patient_bodies(const VesselTree &tree, const Fineness &fineness);
 
-/* Returns the bodies of a phantom, which is a tank of water with a silicone wall around the vessels. A
- * fluid like blood fills the vessels. */
+/* Returns the bodies of a phantom, which is a tank of water with a silicone wall around the vessels. In a
+ * phantom a fluid like blood fills the vessels. */
 std::vector<Body> phantom_bodies(const VesselTree &tree, const Fineness &fineness);
 
 } // namespace anatomy

@@ -10,8 +10,8 @@ namespace anatomy
 namespace
 {
 
-/* Makes a function of the phase that repeats with every beat. Each knot has a time in milliseconds and a
- * value. */
+/* Makes a spline over the phase of the heartbeat that repeats with every beat. Each knot of the spline has a
+ * time in milliseconds and a value. */
 Spline course(const std::vector<std::pair<double, double>> &knots)
 {
     std::vector<double> phase, value;
@@ -33,15 +33,16 @@ Spline profile(const std::vector<std::pair<double, double>> &knots)
     return Spline(height, value);
 }
 
-/* Returns 0 below `low`, 1 above `high`, and values that rise smoothly in between. */
+/* Returns 0 if `value` is below `low`, 1 if `value` is above `high`, and smoothly rising numbers in
+ * between. */
 double smooth_step(double low, double high, double value)
 {
     const double t = std::clamp((value - low) / (high - low), 0.0, 1.0);
     return t * t * (3.0 - 2.0 * t);
 }
 
-/* Returns the part of the aorta from the end of the arch downwards. It lies behind the heart and does not
- * move. */
+/* Returns the descending aorta, which begins at the end of the arch. The descending aorta lies behind the
+ * heart and does not move. */
 Solid descending_aorta(const Vessel &aorta)
 {
     Curve curve = vessel_curve(aorta, 2.0);
@@ -139,8 +140,8 @@ HeartBeat::HeartBeat(const Vessel &aorta)
 
 HeartBeat::Place HeartBeat::place(const Vec3 &point) const
 {
-    // Displacements differ between the inner and the outer wall, and between the sides of the base. The
-    // free wall of the right ventricle moves further than the other walls.
+    // The inner and the outer surface of the heart's wall move by different amounts, and so do the two sides
+    // of the base. The free wall of the right ventricle moves further than the other walls.
     constexpr double INNER = 0.34, OUTER = 0.12, RIGHT_OUTER = 0.33, WALL_MM = 10.0;
     constexpr double LEFT_DESCENT_MM = 14.0, RIGHT_DESCENT_MM = 22.0, RIGHT_AT_MM = 48.0, RIGHT_DEG = 300.0;
     constexpr double MOVES_WITHIN_MM = 3.0, RESTS_BEYOND_MM = 38.0, HELD_MM = 22.0;

@@ -33,7 +33,8 @@ double ejection(const std::vector<double> &volumes)
     return 1.0 - *least / *most;
 }
 
-/* Means over the vertices that lie in a slice across the axis at rest. */
+/* Holds the mean descent and turn of the vertices that lie, at the end of diastole, in a slice across the
+ * heart's axis. */
 struct Slice {
     double descent_mm = 0.0, turn_deg = 0.0;
 };
@@ -59,9 +60,10 @@ Slice slice_of(const MovingBody &body, double low, double high, size_t frame)
     return slice;
 }
 
-/* The centre towards which the vertices move. It minimises the sum of squares of the parts of all steps
- * that are perpendicular to the direction of the centre. `radial_share` is the share of the squared steps
- * that points towards the centre. */
+/* Holds the centre towards which the vertices of the left ventricle move. For each vertex, the displacement
+ * has a part perpendicular to the direction of the centre; the centre minimises the sum of squares of these
+ * parts. `radial_share` is the fraction of the summed squared displacements that points towards the
+ * centre. */
 struct Centre {
     Vec3 place = Vec3::Zero();
     double radial_share = 0.0;
@@ -94,8 +96,9 @@ Centre centre_of(const std::vector<Vec3> &from, const std::vector<Vec3> &to)
 }
 
 /* Returns the longest time during which no point of the curve has two positions that are more than
- * `within_mm` apart. Between frames the points move along straight lines. A time counts only if its middle
- * lies in the part [from, to) of the beat. */
+ * `within_mm` apart. Between two frames the function moves the points along straight lines. The middle of
+ * this time must lie in the interval [from, to) of the beat, where `from` and `to` are fractions of the
+ * beat. */
 double rest_ms(const std::vector<Curve> &frames, double within_mm, double from, double to)
 {
     constexpr int FINE = 240;
@@ -160,8 +163,8 @@ HeartFigures heart_figures(const HeartSequence &sequence)
     const auto least = std::min_element(figures.left_ml.begin(), figures.left_ml.end());
     figures.systole_frame = static_cast<int>(least - figures.left_ml.begin());
     const auto systole = static_cast<size_t>(figures.systole_frame);
-    // The highest tenth of the left ventricle represents the ring of the mitral valve, and its lowest
-    // fifth represents the apex.
+    // The highest tenth of the left ventricle represents the ring of the mitral valve, and the lowest fifth
+    // of the left ventricle represents the apex.
     const Slice base = slice_of(left, 0.86, 1.2, systole), apex = slice_of(left, -0.2, 0.3, systole);
     figures.base_descent_mm = base.descent_mm;
     figures.base_turn_deg = base.turn_deg;

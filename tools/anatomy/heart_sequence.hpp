@@ -1,5 +1,6 @@
-/* The heart over one beat. Each body has one set of triangles and the places of its vertices in every
- * frame. The arteries have centrelines in every frame. Figures of the beat are measured on both. */
+/* The heart over one beat. Each body of the heart has one set of triangles and the positions of its vertices
+ * in every frame. Each artery of the heart has a centreline in every frame. The figures of the beat, such as
+ * volumes and displacements, are measured on the bodies and the centrelines. */
 #pragma once
 #include "tools/anatomy/build.hpp"
 #include "tools/anatomy/heart_beat.hpp"
@@ -26,15 +27,16 @@ struct HeartSequence {
     std::vector<MovingVessel> vessels;
 };
 
-/* is_of_heart() is true for the heart and its vessels. moves_with_heart() is true for these and for the
- * bodies beside the heart that move with it. */
+/* is_of_heart() is true for the heart and its vessels. moves_with_heart() is also true for the bodies beside
+ * the heart that move with the heart. */
 bool is_of_heart(const std::string &body);
 bool moves_with_heart(const std::string &body);
 
 MovingBody moving_body(const std::string &name, const Mesh &rest, const HeartBeat &beat);
 MovingVessel moving_vessel(const Vessel &vessel, const HeartBeat &beat);
 
-/* The figures of a beat of BEAT_MS. They are measured on meshes and centrelines, without use of the map. */
+/* Holds the measured figures of a beat that takes BEAT_MS. heart_figures() computes these figures from the
+ * meshes and centrelines of the frames, without using the map of the motion. */
 struct VesselFigures {
     std::string name;
     double length_mm, excursion_mm; // length at the end of diastole; largest displacement between two frames
@@ -53,15 +55,18 @@ struct HeartFigures {
     std::vector<VesselFigures> vessels;
 };
 
-/* Measures all figures but `least_volume_factor`. Throws std::runtime_error when a chamber is missing. */
+/* Measures all figures but `least_volume_factor`. Throws std::runtime_error when a chamber of the heart is
+ * missing. */
 HeartFigures heart_figures(const HeartSequence &sequence);
 
-/* Writes the moved mesh of every frame as FOLDER/lumen_00.ply ... lumen_23.ply, and the inhaled one as
- * FOLDER_inhaled.ply beside the folder. `bake` fits a lattice to these files. */
+/* Writes the moved mesh of every frame as FOLDER/lumen_00.ply ... lumen_23.ply. The mesh at the end of
+ * inspiration becomes FOLDER_inhaled.ply beside the folder. The program `bake` fits a lattice of
+ * displacements to these files. */
 void write_lumen_frames(const std::filesystem::path &folder, const Mesh &rest, const HeartBeat &beat);
 
-/* Writes FOLDER/frame_00.obj ... frame_23.obj with one object per body. The centrelines are written beside
- * them as centrelines_00.mrk.json ..., and the inhaled bodies as FOLDER_inhaled.obj beside the folder. */
+/* Writes FOLDER/frame_00.obj ... frame_23.obj with one object per body. The centrelines become
+ * FOLDER/centrelines_00.mrk.json ..., and the bodies at the end of inspiration become FOLDER_inhaled.obj
+ * beside the folder. */
 void write_sequence(const std::filesystem::path &folder, const HeartSequence &sequence);
 std::string figures_json(const HeartFigures &figures);
 

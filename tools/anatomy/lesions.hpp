@@ -1,14 +1,14 @@
-/* Turns the command line's lesions into [[lesion]] tables of the scene text, from which `bake` makes them
- * (docs/lesions.md). */
+/* Turns the lesions on the command line into [[lesion]] tables of the scene text. From these tables the
+ * program `bake` makes the lesions (docs/lesions.md). */
 #pragma once
 #include "tools/anatomy/build.hpp"
 
 namespace anatomy
 {
 
-/* The value of one option `--lesion`: BRANCH:PERCENT:LENGTH_MM:AT_MM, optionally followed by
- * :ECCENTRICITY:PLAQUE_DEG:CALCIFIED_DEG. lesion_from() throws std::invalid_argument with the reason when
- * the text is malformed. */
+/* Holds the value of one option `--lesion`: BRANCH:PERCENT:LENGTH_MM:AT_MM, optionally followed by
+ * :ECCENTRICITY:PLAQUE_DEG:CALCIFIED_DEG. lesion_from() throws std::invalid_argument with the reason when the
+ * option's text is malformed. */
 struct Lesion {
     std::string branch;
     double stenosis_percent = 0, length_mm = 0, at_mm = 0, eccentricity = 0, plaque_deg = 0,
@@ -16,8 +16,9 @@ struct Lesion {
 };
 Lesion lesion_from(const std::string &wish);
 
-/* Returns the [[lesion]] tables. Throws std::invalid_argument for a branch that the tree does not have.
- * `inside` names the body in which calcium lies; "" means no body. */
+/* Returns the [[lesion]] tables. Throws std::invalid_argument when a lesion names a branch that the vessel
+ * tree does not have. `inside` names the body in which the calcium of a lesion lies; "" means that calcium
+ * lies in no body. */
 std::string lesions_text(const std::vector<Lesion> &lesions, const VesselTree &tree,
                          const std::string &inside);
 

@@ -1,5 +1,5 @@
-/* The program `anatomy` makes the anatomy that ships with Cournand (docs/anatomy.md), or one from a user's
- * file of vessels (docs/vessels.md). */
+/* The program `anatomy` makes the anatomy that ships with Cournand (docs/anatomy.md), or an anatomy from a
+ * user's file of vessels (docs/vessels.md). */
 #include "host/base/command_values.hpp"
 #include "host/base/format.hpp"
 #include "host/base/number_text.hpp"
@@ -35,8 +35,8 @@ struct Options {
     std::vector<std::string> lesions; // as given on the command line
 };
 
-/* Reads the vessels for `anatomy KIND`. Throws std::invalid_argument when the user's file does not suit
- * this command. */
+/* Reads the vessels for the command `anatomy KIND`. Throws std::invalid_argument when the user's file lacks
+ * vessels that this command needs. */
 VesselTree vessels_for(const std::string &kind, const Options &options)
 {
     if (options.vessels.empty()) return shipped_vessels(kind);
@@ -60,7 +60,7 @@ VesselTree vessels_for(const std::string &kind, const Options &options)
     return tree;
 }
 
-/* Makes one mesh, reports it on standard error, and writes it. */
+/* Makes one mesh, reports the mesh on standard error, and writes it to a file. */
 Mesh make_mesh(const Options &options, const std::string &name, const MeshRequest &request)
 {
     const auto start = std::chrono::steady_clock::now();
@@ -89,8 +89,9 @@ void make_folder(const Options &options)
                                  ": the folder cannot be made: " + failure.message());
 }
 
-/* Returns the text of all lesions. It is made before the meshes, so that a mistake is reported before
- * minutes of meshing. Calcium lies in the body that contains the vessels. */
+/* Returns the [[lesion]] tables of the scene text for all lesions on the command line. The program makes the
+ * text of the lesions before the meshes, so that it reports a mistake on the command line without minutes of
+ * meshing. The calcium of a lesion lies in the body that contains the vessels. */
 std::string lesions_of(const Options &options, const VesselTree &tree, const std::vector<Body> &bodies)
 {
     std::vector<Lesion> lesions;
@@ -101,8 +102,8 @@ std::string lesions_of(const Options &options, const VesselTree &tree, const std
     return lesions_text(lesions, tree, inside);
 }
 
-/* A sphere narrower than the diagonal of a cell of the grid may contain no point of the grid: there the lumen
- * would have a gap. */
+/* If a sphere of the lumen is narrower than the diagonal of a grid cell, the sphere may contain no grid
+ * point, and the mesh of the lumen would have a gap at this sphere. */
 void check_grid(const VesselTree &tree, double voxel_mm)
 {
     const double narrowest_mm = std::sqrt(3.0) * voxel_mm;
@@ -117,8 +118,8 @@ void check_grid(const VesselTree &tree, double voxel_mm)
         }
 }
 
-/* Makes and writes the meshes, the centrelines and the scene's text. `keep` receives the mesh of the lumen
- * and of every body. */
+/* Makes and writes the meshes, the centrelines and the scene's text. The function passes the meshes of the
+ * lumen and of every body to the callback `keep`. */
 void make_scene(const Options &options, const VesselTree &tree, const std::vector<Body> &bodies,
                 const std::function<void(const std::string &, const Mesh &)> &keep)
 {
@@ -183,7 +184,7 @@ void print_figures(const HeartFigures &f)
             vessel.diastole_rest_ms);
 }
 
-/* Makes the scene with the heart at the end of diastole, and the bodies that move in 24 frames. */
+/* Makes the scene with the heart at the end of diastole, and writes the moving bodies in 24 frames. */
 int make_heart(const Options &options)
 {
     const VesselTree tree = vessels_for("heart", options);
@@ -222,7 +223,7 @@ struct BeatOptions {
     std::vector<double> left_mm, right_mm, apex_mm;
 };
 
-/* Moves the mesh of another heart as the shipped heart moves. */
+/* Moves the mesh of another heart in the way that the shipped heart beats. */
 int make_beat(const BeatOptions &options)
 {
     crn::check_output_folder({"--output", options.folder.string()});
@@ -286,8 +287,8 @@ int check(const std::filesystem::path &folder)
     return is_good ? 0 : 1;
 }
 
-/* Prints one line per stated diameter: its place and its source. Lines are separated by tabs, so that
- * scripts can read them. */
+/* Prints one line per given diameter, which states where the diameter applies and the source of its value.
+ * Tabs separate the values of a line, so that scripts can read the lines. */
 int list(const VesselTree &tree)
 {
     std::printf("vessel\tstation\tdiameter_mm\tx_mm\ty_mm\tz_mm\ttangent_x\ttangent_y\ttangent_z\tsource\n");
@@ -312,7 +313,8 @@ int list(const VesselTree &tree)
     return 0;
 }
 
-/* Reads the vessels of an anatomy that ships, by its name, or of a user's file, by its path. */
+/* Reads the vessels either of a shipped anatomy, which is given by its name, or of a user's file, which is
+ * given by its path. */
 VesselTree tree_named(const std::string &name)
 {
     const std::vector<std::string> shipped = {"aorta", "heart", "phantom", "access"};

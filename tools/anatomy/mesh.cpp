@@ -16,8 +16,8 @@ namespace
 using crn::mesh::Cell;
 constexpr int BLOCK = crn::mesh::block_edge;
 constexpr double BAND_VOXELS = 3.0;
-/* The distances of smooth shapes are estimates. For the shapes that are used here, an estimate changes by
- * at most 1.5 mm per mm. */
+/* The distances that smooth shapes return are estimates. For the shapes that are used here, the estimated
+ * distance changes by at most 1.5 mm when the point moves by 1 mm. */
 constexpr double STEEPEST = 1.5;
 
 /* Returns the box of one block of the grid with a margin of one voxel. */
@@ -29,15 +29,16 @@ Box block_box(const Cell &block, double voxel_mm)
     return box;
 }
 
-/* Fills one block from the distance function. Exact values are needed only beside the surface. If the
- * middle of a group of points is far enough from the surface, no neighbour of these points lies on its
- * other side. All points of this group then get the band's width as their value, with the sign of the
- * middle. */
+/* Fills one block of the grid with values of the distance function. Exact distances are needed only near the
+ * surface. If the middle of a group of grid points is far enough from the surface, no neighbour of these
+ * points lies on the surface's other side. All points of such a group then get, as their distance, the width
+ * of the level set's band with the sign of the distance at the middle. */
 crn::mesh::Block block_of(const Cell &block, const MeshRequest &request)
 {
     constexpr int GROUP = 2;
     const double voxel = request.voxel_mm, band = BAND_VOXELS * voxel;
-    // This is half a group's diagonal plus a voxel's diagonal, times the steepest change of an estimate.
+    // The limit `far` is half the diagonal of a group of points plus a voxel's diagonal, multiplied by the
+    // steepest change of an estimated distance.
     const double far = STEEPEST * (0.5 * (GROUP - 1) + 1.0) * std::sqrt(3.0) * voxel;
     const Distance distance = request.distance_in(block_box(block, voxel), band);
     const Vec3 origin = Vec3(block[0], block[1], block[2]) * BLOCK;
@@ -60,11 +61,12 @@ crn::mesh::Block block_of(const Cell &block, const MeshRequest &request)
     return made;
 }
 
-/* Makes the level set. Blocks whose centre is far from the surface are skipped, and fill_signs() gives them
- * their sign. The grid's unit is a voxel, so its surface must be multiplied by the voxel's edge. */
+/* Makes the level set. The function skips blocks whose centre is far from the surface, and fill_signs() later
+ * gives these blocks their sign. The unit of length in this level set is a voxel, so the vertices of its
+ * surface must be multiplied by the length of a voxel's edge. */
 crn::mesh::LevelSet level_set(const MeshRequest &request)
 {
-    // All blocks of a column share one distance function for the test of their centres.
+    // One distance function serves to test the centres of all blocks in a column of the grid.
     const double block_mm = BLOCK * request.voxel_mm;
     crn::mesh::LevelSet level(1.0, BAND_VOXELS * request.voxel_mm);
     const double reach_mm = STEEPEST * (0.5 * std::sqrt(3.0) * block_mm) + request.voxel_mm;
@@ -85,7 +87,7 @@ crn::mesh::LevelSet level_set(const MeshRequest &request)
     return level;
 }
 
-/* Moves a vertex of the grid's surface onto the true surface by one Newton step. */
+/* Moves a vertex of the level set's surface onto the true surface by one Newton step. */
 Vec3 onto_surface(const Distance &distance, double voxel_mm, const Vec3 &point)
 {
     const double step = 0.1 * voxel_mm;
@@ -103,7 +105,8 @@ Vec3 onto_surface(const Distance &distance, double voxel_mm, const Vec3 &point)
 Mesh surface_of(const crn::mesh::LevelSet &level, const MeshRequest &request)
 {
     crn::mesh::QuadSurface surface = level.surface();
-    // The points come block by block, so a new local distance function is made only when the block changes.
+    // The points arrive in the order of their blocks, so a new local distance function is needed only when
+    // the block changes.
     std::optional<Cell> block;
     Distance distance;
     for (Vec3 &vertex : surface.vertices) {
@@ -129,8 +132,8 @@ LocalDistance local_distance(const Solid &solid)
 
 Mesh mesh_of(const MeshRequest &request)
 {
-    // A saddle of the surface exactly at a grid point can give an edge with four triangles. A tiny offset
-    // of the distance avoids this.
+    // A saddle of the surface exactly at a grid point can produce an edge that belongs to four triangles. A
+    // tiny offset of the distance avoids edges with four triangles.
     constexpr int ATTEMPTS = 4;
     constexpr size_t CRUMB_TRIANGLES = 60;
     std::string fault;

@@ -16,14 +16,15 @@ struct Mesh {
     std::vector<std::array<uint32_t, 3>> triangles; // counter-clockwise seen from outside
 };
 
-/* Returns a distance function for points inside a box. Its value is correct where it is below reach_mm.
- * Only few shapes of a body matter near one place. They are found once per block, which makes meshing many
- * times faster. */
+/* Returns a distance function for points inside a box. The function's value is correct wherever the distance
+ * is below reach_mm. Only a few shapes of a body affect the distance near one point. The program finds these
+ * few shapes once per block of the grid, which makes meshing many times faster. */
 using LocalDistance = std::function<Distance(const Box &box, double reach_mm)>;
 LocalDistance local_distance(const Solid &solid);
 
-/* A solid, and how fine its mesh is. Simplification may move the surface by error_mm; 0 means no
- * simplification. Edges shorter than shortest_mm are collapsed. */
+/* Describes a solid and the required fineness of its mesh. Simplification may move the surface by error_mm;
+ * if error_mm is 0, the mesh is not simplified. Edges of the mesh that are shorter than shortest_mm are
+ * collapsed. */
 struct MeshRequest {
     Box bounds;
     LocalDistance distance_in;
@@ -32,12 +33,13 @@ struct MeshRequest {
     double shortest_mm = 0;
 };
 
-/* Returns the surface where the distance is 0. Connected parts with fewer than 60 triangles are left out.
- * Throws std::runtime_error when the surface is empty or leaves the bounds. */
+/* Returns the mesh of the surface on which the distance is 0. The function leaves out connected parts of the
+ * mesh that have fewer than 60 triangles. Throws std::runtime_error when the surface is empty or extends
+ * beyond the given bounds. */
 Mesh mesh_of(const MeshRequest &request);
 
-/* Returns an empty text if every edge has exactly two triangles, which run along it in opposite
- * directions. Otherwise returns the first fault in words. */
+/* Returns an empty text if every edge of the mesh belongs to exactly two triangles, which traverse the edge
+ * in opposite directions. If the mesh has a fault, the function returns a description of the first fault. */
 std::string closed_mesh_fault(const Mesh &mesh);
 
 double mesh_volume_mm3(const Mesh &mesh);

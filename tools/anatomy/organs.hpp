@@ -1,29 +1,30 @@
-/* Skin, lungs with their vessels, heart, airway and gas of the shipped patient. All shapes are assumed.
- * They are set by eye to resemble a chest and abdomen under X-ray, and no dimension is measured. */
+/* Declares the shapes of the shipped patient's skin, lungs with their vessels, heart, airway and bowel gas.
+ * All shapes are assumed. The shapes of these organs are adjusted by eye to resemble a chest and abdomen
+ * under X-ray; none of their dimensions is measured. */
 #pragma once
 #include "tools/anatomy/shapes.hpp"
 
 namespace anatomy
 {
 
-/* Returns the trunk from mid-thigh to the neck, with the stumps of the raised arms. Distances are
- * estimates, but their sign is right. */
+/* Returns the shape of the trunk from mid-thigh to the neck, with the stumps of the raised arms. The returned
+ * distances are estimates, but their sign (inside or outside) is right. */
 Solid skin();
 
-/* Returns the thickness of the skin and the fat under it at this place. */
+/* Returns the combined thickness of the skin and of the fat under the skin at this point. */
 double flesh_depth_mm(const Vec3 &p);
 
-/* Returns the chest cavity of one side (sign -1 right, +1 left) down to the diaphragm. Other bodies are
- * not yet cut out of it. */
+/* Returns the shape of the chest cavity on one side of the body (sign -1 for right, +1 for left), down to the
+ * diaphragm. Other bodies, such as the heart, are not yet cut out of the chest cavity. */
 Distance lung_cavity(double sign);
 Box lung_bounds(double sign);
 
-/* Returns the space in the middle of the chest that the heart, the great veins, the hila and soft tissue
- * fill. The lungs leave it free. */
+/* Returns the shape of the space in the middle of the chest that the heart, the great veins, the hila and
+ * soft tissue fill. The lungs do not extend into this space. */
 Solid mediastinum();
 
-/* One chamber of the heart, given by its distance. It keeps a wall's thickness from the chambers before it
- * in the list. */
+/* Describes one chamber of the heart by its distance function. A chamber keeps a wall's thickness of distance
+ * from the chambers that precede it in the list. */
 struct Chamber {
     const char *name;
     Distance distance;
@@ -35,7 +36,7 @@ std::vector<Chamber> heart_chambers(); // ventricles and atria, with walls of 2.
 Solid airway();                        // trachea and main bronchi (air)
 
 /* Returns the distance to the belly's cavity, which reaches from the diaphragm to the pelvic floor. Chest,
- * bones and psoas are not yet cut out of it. */
+ * bones and psoas muscles are not yet cut out of the belly's cavity. */
 double belly_outline(const Vec3 &p);
 Box belly_bounds();
 Solid kidney_nests(); // space for the kidneys and the fat around them, beside the spine
@@ -46,7 +47,7 @@ Solid spleen();
 Solid bowel_gas(double wall_mm); // gas of stomach bubble, colon and rectum, expanded by the wall
 Solid bowel(double wall_mm);     // stomach, colon, small bowel, and that wall around the gas
 
-/* Returns the branching vessels inside one lung. `lung` is the distance to that lung. */
+/* Returns the branching vessels inside one lung. `lung` is the distance function of this lung. */
 Solid lung_vessels(double sign, const Distance &lung);
 
 } // namespace anatomy

@@ -1,4 +1,4 @@
-/* The belly: its cavity, kidneys, liver, spleen, psoas, bowel and gas. */
+/* Makes the shapes of the belly: cavity, kidneys, liver, spleen, psoas muscles, bowel and gas. */
 #include "tools/anatomy/organs.hpp"
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,8 @@ namespace anatomy
 namespace
 {
 
-/* The half-width, front and back of the cavity at several heights, in millimetres. */
+/* This table gives the half-width, front and back of the belly's cavity at several heights, in
+ * millimetres. */
 struct Level {
     double y, half_width, front, back;
 };
@@ -98,7 +99,7 @@ Solid kidneys()
         const KidneyPlace place = kidney_place(s);
         Part part(0.0);
         part.add<Ellipsoid>(place.centre, Vec3(27, 57, 23), place.lean);
-        // The hilum is a notch filled with fat, open to the middle and the front.
+        // The kidney's hilum is a notch that is filled with fat and open towards the middle and the front.
         const Vec3 hilum = place.centre + place.lean * side(s, -31, 0, 8);
         part.cut<Ellipsoid>(hilum, Vec3(20, 19, 13), place.lean);
         solid.add(part);
@@ -130,7 +131,8 @@ Solid spleen()
 namespace
 {
 
-/* Adds a pouch of gas. It is a row of uneven balls along a course, like the haustra of the colon. */
+/* Adds a pouch of gas. The pocket of gas is a row of uneven balls along a curve, like the haustra of the
+ * colon. */
 void add_pouches(Part &part, const std::vector<Vec3> &course, double radius_mm, double wall_mm, uint32_t seed)
 {
     uint32_t state = seed;

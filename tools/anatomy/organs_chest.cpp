@@ -1,4 +1,4 @@
-/* Lungs, heart, mediastinum, airway and the vessels of the lungs. */
+/* Makes the shapes of the lungs and their vessels, the heart, the mediastinum and the airway. */
 #include "tools/anatomy/organs.hpp"
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@ namespace anatomy
 namespace
 {
 
-/* The half-width, front and back of the chest cavity at several heights, in millimetres. */
+/* This table gives the half-width, front and back of the chest cavity at several heights, in millimetres. */
 struct ChestLevel {
     double y, half_width, front, back;
 };
@@ -42,8 +42,8 @@ double cavity_distance(const Vec3 &p)
     return smooth_max(outline, p.y() - APEX_MM, 12.0);
 }
 
-/* Returns the height of the diaphragm at this place. The diaphragm is a dome whose edge is lower at the
- * side, and lowest at the back. */
+/* Returns the height of the diaphragm at this position in the horizontal plane. The diaphragm is a dome whose
+ * edge is lower at the side, and lowest at the back. */
 double dome_mm(double sign, double x, double z)
 {
     const double peak = sign < 0 ? 77.0 : 65.0, out = (sign * x - 62.0) / 64.0, along = (z - 8.0) / 100.0;
@@ -79,15 +79,17 @@ namespace
 /* Returns the rotation that turns +x to `direction`, which must not be -x. */
 Eigen::Matrix3d axis_to(const Vec3 &direction)
 {
-    // This is the shortest rotation from +x. Eigen's FromTwoVectors would compile a singular value
-    // decomposition for the opposite direction, which takes 8 s.
+    // The returned rotation is the shortest rotation from +x to `direction`. The function does not use
+    // Eigen's FromTwoVectors. That function contains a singular value decomposition for the case -x, which
+    // takes 8 s to compile.
     const Vec3 to = direction.normalized();
     const double w = std::sqrt(2.0 * (1.0 + to.x())); // twice the cosine of half the angle
     const Vec3 axis = Vec3(0.0, -to.z(), to.y()) / w;
     return Eigen::Quaterniond(0.5 * w, axis.x(), axis.y(), axis.z()).toRotationMatrix();
 }
 
-/* Returns ventricles, atria and outflow tract, with an outline that is wall_mm inside the heart's own. */
+/* Returns the ventricles, atria and outflow tract as one shape, whose outline lies wall_mm inside the heart's
+ * outline. */
 Part heart_part(double wall_mm)
 {
     Part part(18.0);
@@ -150,16 +152,16 @@ Solid mediastinum()
     Solid solid;
     solid.add(heart_part(0.0));
     Part middle(10.0);
-    // This is a column in front of the spine that thins to a septum behind the sternum.
+    // The mediastinum is a column in front of the spine that thins to a septum behind the sternum.
     middle.add<Tube>(sample_curve({{0, 60, -38}, {0, 130, -42}, {0, 190, -30}, {0, 250, -18}, {0, 300, -18}},
                                   {24, 22, 20, 22, 24}, 6.0));
     middle.plate({0, 80, -60}, {0, 80, 66}, {0, 250, -60}, 1.2);
     middle.plate({0, 80, 66}, {0, 250, -60}, {0, 250, 34}, 1.2);
-    // The muscles behind the spine keep the lungs beside the vertebrae.
+    // The muscles behind the spine fill the space there, so that the lungs stay beside the vertebrae.
     middle.add<Tube>(sample_curve({{0, -40, -76}, {0, 60, -97}, {0, 150, -108}, {0, 220, -99}, {0, 300, -78}},
                                   {26, 27, 27, 26, 26}, 6.0));
-    // The next parts are the superior vena cava with the right brachiocephalic vein, the inferior vena
-    // cava, the pulmonary trunk and the hila.
+    // The code below adds the superior vena cava with the right brachiocephalic vein, the inferior vena cava,
+    // the pulmonary trunk and the hila.
     middle.rod({{-30, 112, 8}, {-29, 160, 10}, {-27, 215, 12}, {-32, 252, 12}}, {13, 11, 10, 9});
     middle.rod({{-22, 60, -4}, {-22, 100, 2}}, {14, 14});
     middle.rod({{20, 150, 32}, {28, 172, 16}, {34, 176, -14}}, {14, 14, 12});
@@ -212,8 +214,8 @@ double spread(uint32_t index, uint32_t base)
     return value;
 }
 
-/* Returns the ends of the vessels. They are evenly spread over the lung, and those nearest to the hilum
- * come first. */
+/* Returns the points at which the vessels of one lung end. These end points are evenly spread over the lung,
+ * and the end points nearest to the hilum come first. */
 std::vector<Vec3> vessel_ends(double sign, const Distance &lung, const Vec3 &hilum, size_t count)
 {
     const Box box = lung_bounds(sign);
@@ -229,8 +231,8 @@ std::vector<Vec3> vessel_ends(double sign, const Distance &lung, const Vec3 &hil
     return ends;
 }
 
-/* Joins each end to a node of the tree. It chooses the node for which the new branch and the path from
- * there back to the hilum are shortest together. */
+/* Joins each vessel's end point to a node of the tree of lung vessels. The function chooses the node that
+ * gives the shortest sum of the new branch's length and the path length from the node back to the hilum. */
 std::vector<Node> grow_tree(const Vec3 &hilum, const std::vector<Vec3> &ends)
 {
     constexpr double WAY_BACK = 0.55, STEP_MM = 14.0;
@@ -254,7 +256,8 @@ std::vector<Node> grow_tree(const Vec3 &hilum, const std::vector<Vec3> &ends)
             parent = static_cast<int>(nodes.size()) - 1;
         }
     }
-    // The loop counts the ends beyond each node. A child always comes after its parent in the list.
+    // For each node, the loop counts the vessel ends that lie beyond the node. In the list of nodes a child
+    // always comes after its parent.
     for (size_t i = nodes.size(); i-- > 1;) {
         if (nodes[i].leaves == 0) nodes[i].leaves = 1;
         nodes[static_cast<size_t>(nodes[i].parent)].leaves += nodes[i].leaves;
@@ -266,8 +269,8 @@ std::vector<Node> grow_tree(const Vec3 &hilum, const std::vector<Vec3> &ends)
 
 Solid lung_vessels(double sign, const Distance &lung)
 {
-    // Radii follow Murray's law: the cube of a vessel's radius is the sum of the cubes of its branches'
-    // radii.
+    // The radii of the lung vessels follow Murray's law: the cube of a vessel's radius is the sum of the
+    // cubes of its branches' radii.
     constexpr double END_RADIUS_MM = 1.5;
     constexpr size_t ENDS = 100;
     const Vec3 hilum = side(sign, 40, sign > 0 ? 172 : 164, -18);

@@ -1,4 +1,4 @@
-/* Skin, and the fat under it. */
+/* Makes the shape of the skin and of the fat under the skin. */
 #include "tools/anatomy/organs.hpp"
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@ namespace anatomy
 namespace
 {
 
-/* The half-width, front and back of the trunk at several heights, in millimetres. */
+/* This table gives the half-width, front and back of the trunk at several heights, in millimetres. */
 struct TrunkLevel {
     double y, half_width, front, back;
 };
@@ -36,7 +36,8 @@ double trunk_distance(const Vec3 &p)
                         back = spline(&TrunkLevel::back);
     const double a = width.at(p.y()), z_front = front.at(p.y()), z_back = back.at(p.y());
     const double b = 0.5 * (z_front - z_back), z = p.z() - 0.5 * (z_front + z_back);
-    // The section is a superellipse, because a trunk is squarer than an ellipse.
+    // The cross-section of the trunk is a superellipse, because a trunk is more nearly rectangular than an
+    // ellipse.
     constexpr double POWER = 2.5;
     const double u = std::abs(p.x()) / a, w = std::abs(z) / b;
     const double level = std::pow(std::pow(u, POWER) + std::pow(w, POWER), 1.0 / POWER);
@@ -64,7 +65,7 @@ Solid skin()
     part.add<Formula>(
         [shoulders](const Vec3 &p) {
             double inside = smooth_min(trunk_distance(p), shoulders.distance(p), SHOULDER_BLEND_MM);
-            // This cuts out the gap between the thighs.
+            // The next two lines cut out the gap between the thighs.
             const double gap = std::hypot(p.x() * 1.6, std::max(0.0, p.y() + 400.0)) - 26.0;
             inside = smooth_max(inside, -gap, 20.0);
             return smooth_max(inside, std::max(BOTTOM_MM - p.y(), p.y() - SKIN_TOP_MM), RIM_MM);
@@ -77,7 +78,7 @@ Solid skin()
 
 double flesh_depth_mm(const Vec3 &p)
 {
-    // The fat is thin over the chest and thicker over belly and hips.
+    // The fat under the skin is thin over the chest and thicker over the belly and hips.
     constexpr double SKIN_MM = 2.0, CHEST_FAT_MM = 5.0, BELLY_FAT_MM = 14.0, FROM_MM = 110.0, TO_MM = -30.0;
     const double share = std::clamp((FROM_MM - p.y()) / (FROM_MM - TO_MM), 0.0, 1.0);
     const double smooth = share * share * (3.0 - 2.0 * share);

@@ -1,5 +1,5 @@
 /* Writes the files of an anatomy: binary PLY meshes, 3D Slicer centrelines, and the scene text that `bake`
- * reads. Each function throws std::runtime_error, which names the file, when the file cannot be written. */
+ * reads. If a file cannot be written, each function throws std::runtime_error with the file's name. */
 #pragma once
 #include "tools/anatomy/build.hpp"
 #include <filesystem>
@@ -9,11 +9,12 @@
 namespace anatomy
 {
 
-/* Writes little-endian binary PLY with 32-bit float coordinates in millimetres of the patient frame. */
+/* Writes a mesh as a little-endian binary PLY file with 32-bit float coordinates, in millimetres in the
+ * patient frame. */
 void write_ply(const std::filesystem::path &file, const Mesh &mesh, const std::string &comment);
 
-/* Writes one open curve with a measurement "Radius" per control point. The file declares its coordinates
- * as LPS; L is our +x, P is -z, and S is +y. */
+/* Writes one open curve as a 3D Slicer file, with a measurement "Radius" at each control point. The file
+ * declares its coordinates as LPS (left, posterior, superior); L is our +x, P is our -z, and S is our +y. */
 void write_centreline(const std::filesystem::path &file, const Vessel &vessel);
 
 struct NamedCurve {
@@ -21,14 +22,14 @@ struct NamedCurve {
     Curve curve;
 };
 
-/* Writes several such curves into one file. */
+/* Writes several open curves with their radii into one 3D Slicer file. */
 void write_centrelines(const std::filesystem::path &file, const std::vector<NamedCurve> &curves);
 
 void write_scene(const std::filesystem::path &file, const VesselTree &tree, const std::vector<Body> &bodies,
                  const std::string &lesions = "");
 
-/* Returns the name with underscores in place of spaces, which is the name of its files without their
- * ending. */
+/* Returns the vessel's name with underscores in place of spaces; the vessel's files have this name, followed
+ * by an extension. */
 std::string file_stem(const std::string &name);
 
 } // namespace anatomy

@@ -93,8 +93,8 @@ double Tube::section_distance(const Vec3 &point, const Segment &segment, double 
 
 double Tube::distance(const Vec3 &point) const
 {
-    // For a flat section the nearest point of the axis decides. For a round section the distance is the
-    // minimum over all segments.
+    // If the tube's cross-section is flat, the distance is computed at the nearest point of the axis. If the
+    // tube's cross-section is round, the distance is the minimum over all segments of the tube.
     constexpr double FAR = 1e9;
     double best = FAR, best_t = 0.0;
     const Segment *nearest = nullptr;
@@ -186,7 +186,7 @@ double Drum::distance(const Vec3 &point) const
     const Vec3 local = inverse_ * (point - centre_);
     const double level = std::clamp(local.y() / half_height_, -1.0, 1.0);
     const double girth = 1.0 - WAIST * (1.0 - level * level);
-    // Seen from above, the back half of the section is flatter than the front half.
+    // Seen from above, the back half of the vertebral body is flatter than its front half.
     const double depth = half_depth_ * girth, width = half_width_ * girth;
     const double back = local.z() < 0.0 ? 0.88 : 1.0;
     const double from_side = ellipsoid_distance({local.x(), local.z() / back, 0.0}, {width, depth, width});
@@ -250,8 +250,8 @@ double Part::distance(const Vec3 &point) const
 
 double Part::marrow_distance(const Vec3 &point) const
 {
-    // Where shapes are joined smoothly, the shell may become thinner. It never becomes thinner than
-    // SHELL_LEAST_MM, so that the marrow stays inside the bone.
+    // Where two shapes of a bone are joined smoothly, the bone's shell may become thinner. The shell never
+    // becomes thinner than SHELL_LEAST_MM, so that the marrow stays inside the bone.
     constexpr double SHELL_LEAST_MM = 0.7;
     return std::max(evaluate(point, 1.0), evaluate(point, 0.0) + SHELL_LEAST_MM);
 }

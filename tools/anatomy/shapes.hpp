@@ -1,7 +1,8 @@
-/* Solids from which bodies are built. Each solid has bounds and returns an approximate signed distance in
- * millimetres, which is negative inside. A Part joins shapes smoothly into one bone, and a Solid is the
- * plain union of parts. Shapes of bones also have the thickness of their cortical shell, so the same Solid
- * also gives the marrow space inside. */
+/* Declares the solids from which the bodies of an anatomy are built. Each solid has a bounding box and
+ * returns an approximate signed distance in millimetres, which is negative inside the solid. The class Part
+ * joins several shapes smoothly into one bone, and the class Solid is the plain union of several parts. Each
+ * shape of a bone also stores the thickness of its cortical shell, so the bone's Solid can also compute the
+ * marrow space inside the shell. */
 #pragma once
 #include "tools/anatomy/spline.hpp"
 #include <Eigen/Geometry>
@@ -27,17 +28,17 @@ class Shape
   public:
     virtual ~Shape() = default;
     virtual double distance(const Vec3 &point) const = 0;
-    /* Returns a shape that has the same distances near the box but is cheaper to evaluate; null when there
-     * is none. */
+    /* Returns a shape that has the same distances near the box but is cheaper to evaluate; returns null when
+     * there is no cheaper shape. */
     virtual std::shared_ptr<Shape> near(const Box &, double) const { return nullptr; }
     Box bounds;
     double cortex_mm = 1.0;        // thickness of the shell around the marrow space
     std::shared_ptr<Shape> marrow; // the marrow space, where it is not the shape less its shell
 };
 
-/* A tube around a curve. Without `flat` its section is a circle of the curve's radius. With `flat` its
- * section is an ellipse. The half-axis along the direction `flat` is the curve's radius, and the other
- * half-axis is that radius times `thinness`. */
+/* A tube around a curve. Without `flat` the tube's cross-section is a circle with the curve's radius. With
+ * `flat` the tube's cross-section is an ellipse. The ellipse's half-axis along the direction `flat` is the
+ * curve's radius, and its other half-axis is the curve's radius times `thinness`. */
 class Tube : public Shape
 {
   public:
@@ -64,7 +65,7 @@ class Tube : public Shape
     std::vector<Chunk> chunks_;
 };
 
-/* An ellipsoid. `rotation` maps its own axes to the patient frame. */
+/* An ellipsoid. `rotation` maps the ellipsoid's own axes to the patient frame. */
 class Ellipsoid : public Shape
 {
   public:
@@ -77,8 +78,8 @@ class Ellipsoid : public Shape
     Eigen::Matrix3d inverse_;
 };
 
-/* A triangle that is thickened by half_thickness_mm on both sides, for flat bones such as ilium, scapula
- * and laminae. Each corner may have a thickness of its own. */
+/* A triangular plate that extends half_thickness_mm to both sides of a triangle, for flat bones such as
+ * ilium, scapula and laminae. Each corner of the plate may have a different thickness. */
 class Plate : public Shape
 {
   public:
@@ -90,8 +91,8 @@ class Plate : public Shape
     Vec3 a_, b_, c_, half_thickness_mm_;
 };
 
-/* A vertebral body. It is a drum with a waist, slightly hollow end plates and a flattened back. The y axis
- * of its own frame points up. */
+/* A vertebral body. The vertebral body is a drum with a waist, slightly hollow end plates and a flattened
+ * back. The y axis of the drum's own frame points up. */
 class Drum : public Shape
 {
   public:
@@ -105,7 +106,7 @@ class Drum : public Shape
     double half_width_, half_height_, half_depth_;
 };
 
-/* A shape that is given by any distance function, with its bounds. */
+/* A shape that is defined by an arbitrary distance function and a bounding box. */
 class Formula : public Shape
 {
   public:
@@ -116,12 +117,13 @@ class Formula : public Shape
     std::function<double(const Vec3 &)> function_;
 };
 
-/* Return the minimum and the maximum, with a smooth transition over a width of `blend_mm`. */
+/* The next two functions return the minimum and the maximum of two distances, with a smooth transition over a
+ * width of `blend_mm`. */
 double smooth_min(double a, double b, double blend_mm);
 double smooth_max(double a, double b, double blend_mm);
 
-/* Returns the distance to an ellipsoid from a point in the ellipsoid's own frame. It is exact to first
- * order near the surface. */
+/* Returns the distance to an ellipsoid from a point in the ellipsoid's own frame. The returned distance is
+ * exact to first order near the ellipsoid's surface. */
 double ellipsoid_distance(const Vec3 &local, const Vec3 &half_axes_mm);
 
 class Part
@@ -139,7 +141,8 @@ class Part
     {
         removed.push_back(std::make_shared<T>(std::forward<Arguments>(arguments)...));
     }
-    /* Adds a tube of varying radius through a few points. Most of the smaller bones consist of such tubes. */
+    /* Adds a tube of varying radius that runs through a few points. Most of the smaller bones consist of
+     * tubes that this function adds. */
     Tube &rod(const std::vector<Vec3> &points, const std::vector<double> &radii_mm, double cortex_mm = 1.0);
     Plate &plate(const Vec3 &a, const Vec3 &b, const Vec3 &c, double half_thickness_mm,
                  double cortex_mm = 1.0);
@@ -147,8 +150,8 @@ class Part
                  double cortex_mm);
     double distance(const Vec3 &point) const;
     double marrow_distance(const Vec3 &point) const;
-    /* Returns a part that is cheaper to evaluate for points inside `box`. Its distance is correct where it
-     * is below reach_mm. */
+    /* Returns a copy of this part that is cheaper to evaluate for points inside `box`. The copy's distance is
+     * correct wherever it is below reach_mm. */
     Part near(const Box &box, double reach_mm) const;
 
     double blend_mm;

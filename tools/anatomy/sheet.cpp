@@ -38,7 +38,8 @@ double Sheet::nearest_in(const Patch &patch, const Vec3 &point, double best) con
 
 double Sheet::distance(const Vec3 &point) const
 {
-    // The nearest patch is evaluated first, so that most other patches can be skipped.
+    // The code evaluates the nearest patch of the bone's surface first, so that it can skip most other
+    // patches.
     const Patch *nearest = nullptr;
     double least = 1e9;
     for (const Patch &patch : patches_) {

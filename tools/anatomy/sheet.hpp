@@ -1,4 +1,4 @@
-/* Thin curved bones, such as the iliac wing and the shoulder blade, as grids of points. */
+/* Describes thin curved bones, such as the iliac wing and the shoulder blade, by grids of points. */
 #pragma once
 #include "tools/anatomy/shapes.hpp"
 
@@ -10,15 +10,16 @@ struct SheetPoint {
     double half_thickness_mm;
 };
 
-/* A grid of points with equally many points in every row, at least two in each direction. Two plates fill
- * each cell of the grid. Points should lie 2 to 3 mm apart, so that neighbouring plates form almost one
- * plane: X-rays that pass along a sheet show a kink of a few degrees as a streak. */
+/* A grid of points that has the same number of points in every row, and at least two points in each
+ * direction. Two triangular plates fill each cell of the grid. Points should lie 2 to 3 mm apart, so that
+ * neighbouring plates form almost one plane. X-rays that pass along the bone show a kink of a few degrees as
+ * a streak. */
 class Sheet : public Shape
 {
   public:
     explicit Sheet(const std::vector<std::vector<SheetPoint>> &rows);
-    /* Returns the distance to the plain union of the plates. Smooth joining would make a ridge on every
-     * edge. */
+    /* Returns the distance to the union of the plates, without smooth joining. If neighbouring plates were
+     * blended smoothly, every common edge would get a ridge. */
     double distance(const Vec3 &point) const override;
     std::shared_ptr<Shape> near(const Box &box, double reach_mm) const override;
 

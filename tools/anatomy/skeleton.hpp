@@ -1,4 +1,5 @@
-/* The bones of the shipped patient. Each group of bones is a Solid in the patient frame. */
+/* Declares the bones of the shipped patient. Each group of bones is a Solid (shapes.hpp) in the patient
+ * frame. */
 #pragma once
 #include "tools/anatomy/shapes.hpp"
 #include <string>
@@ -7,7 +8,8 @@
 namespace anatomy
 {
 
-/* The place and the size of one vertebra. `up` is the direction of the spine at its centre. */
+/* Holds the position and the size of one vertebra. `up` is the direction of the spine at the centre of the
+ * vertebra. */
 struct Vertebra {
     std::string name;
     double height_mm, width_mm, depth_mm, disc_below_mm;

@@ -1,5 +1,5 @@
-/* Ribs, sternum, clavicles, shoulder blades and heads of the humerus. All dimensions are assumed for a
- * chest that is 280 mm wide inside. */
+/* Makes the shapes of the ribs, sternum, clavicles, shoulder blades and heads of the humerus. All dimensions
+ * of these bones are assumed, for a chest that is 280 mm wide inside. */
 #include "tools/anatomy/sheet.hpp"
 #include "tools/anatomy/skeleton.hpp"
 #include <cmath>
@@ -10,8 +10,9 @@ namespace anatomy
 namespace
 {
 
-/* The dimensions of one rib: half-width of its loop, drop from its head to its front end, depth of its
- * angle, depth of its widest point, and place of its front end. */
+/* Holds the dimensions of one rib. These dimensions are the half-width of the rib's loop, the drop from its
+ * head to its front end, the depths of its angle and of its widest point, and the position of its front
+ * end. */
 struct RibShape {
     double half_width, fall, z_angle, z_side, front_x, front_z, height, angle_share;
 };
@@ -25,7 +26,8 @@ const RibShape RIBS[12] = {
     {122, 66, -97, -52, 117, -30, 5.8, 0.50},  {98, 44, -92, -74, 84, -70, 5.2, 0.55},
 };
 
-/* The height at which a rib's loop is widest, as a share of its whole drop. */
+/* The drop from a rib's head to the widest point of its loop, as a fraction of the drop from the head to the
+ * front end. */
 constexpr double SIDE_FALL = 0.46;
 
 Part rib_part(const RibShape &rib, const Vertebra &v, const Vertebra &above, double s)
@@ -73,8 +75,8 @@ Part sternum_part()
     return part;
 }
 
-/* Returns the blade from its medial border to its neck and lateral border, from the superior angle down to
- * the inferior one. */
+/* Returns the shape of the shoulder blade from its medial border to its neck and lateral border, and from its
+ * superior angle down to its inferior angle. */
 Sheet blade(double s)
 {
     constexpr size_t DOWN = 55, ACROSS = 25;
@@ -87,7 +89,7 @@ Sheet blade(double s)
         for (size_t i = 0; i < ACROSS; i++) {
             const double share = static_cast<double>(i) / (ACROSS - 1), middle = 4.0 * share * (1.0 - share);
             const double width_mm = (lateral[row] - medial[row]).norm();
-            // The blade is hollow towards the ribs and thin in the middle.
+            // The shoulder blade is concave on the side of the ribs and thin in the middle.
             const Vec3 point =
                 medial[row] + share * (lateral[row] - medial[row]) - 0.1 * middle * width_mm * Vec3::UnitZ();
             rows[row].push_back({side(s, point.x(), point.y(), point.z()), 2.4 - 0.35 * middle});
@@ -95,7 +97,8 @@ Sheet blade(double s)
     return Sheet(rows);
 }
 
-/* Adds one shoulder. The arms are raised, so the blade is turned outwards and the humerus points up. */
+/* Adds one shoulder. The arms are raised, so the shoulder blade is turned outwards and the humerus points
+ * up. */
 Part scapula_part(double s)
 {
     Part part(4.0);
@@ -108,7 +111,7 @@ Part scapula_part(double s)
         {side(s, 117, 129, -118), side(s, 138, 188, -97), side(s, 141, 210, -82), side(s, 143, 230, -68)},
         {4.2, 4.4, 4.6, 6.0}, 1.2);
     part.add<Ellipsoid>(glenoid, Vec3(7, 17, 11)).cortex_mm = 1.2;
-    // The next parts are the spine of the scapula, up to the acromion, and the coracoid.
+    // The code below adds the spine of the scapula, up to the acromion, and the coracoid.
     part.plate(side(s, 90, 238, -112), side(s, 150, 262, -72), side(s, 128, 250, -112), 2.4);
     part.rod(
         {side(s, 92, 238, -122), side(s, 132, 258, -112), side(s, 162, 277, -78), side(s, 170, 280, -52)},

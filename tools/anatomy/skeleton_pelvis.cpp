@@ -19,8 +19,8 @@ Vec3 mirrored(double s, const Vec3 &point)
     return {s * point.x(), point.y(), point.z()};
 }
 
-/* Adds the iliac wing. It is a thin concave fan between the arcuate line and the thick crest. The rows of
- * its sheet go from the line to the crest. */
+/* Adds the iliac wing. The iliac wing is a thin concave fan between the arcuate line and the thick crest. The
+ * rows of its grid of points go from the arcuate line to the crest. */
 void add_ilium(Part &part, double s)
 {
     constexpr size_t ACROSS = 121, ROWS = 37, ROD_STEP = 5;
@@ -70,8 +70,8 @@ void add_pubis_and_ischium(Part &part, double s)
     rod({{76, -306, -36}, {70, -276, -46}, {58, -250, -58}}, {12, 8, 9});  // back pillar and notch
 }
 
-/* Adds the socket of the femoral head. It is a thick ball that is joined to the three bones of the hip,
- * hollowed, and open outwards, downwards and forwards. */
+/* Adds the hip socket (acetabulum), which holds the femoral head. The socket is a thick hollow ball that is
+ * joined to the three bones of the hip and is open outwards, downwards and forwards. */
 void add_socket(Part &part, double s)
 {
     constexpr double CUP_MM = 26.2, BALL_MM = 31.5;
@@ -101,7 +101,7 @@ Part femur_part(double s)
     rod({HIP, {104, -313, -12}, {128, -332, -14}}, {19, 15.5, 18}, 1.4);
     rod({{132, -332, -17}, {141, -318, -24}, {138, -308, -30}}, {17, 14, 8}, 1.1); // greater trochanter
     rod({{124, -350, -20}, {112, -360, -27}}, {14, 7.5}, 1.3);                     // lesser trochanter
-    // The wall of the shaft thickens downwards to more than a third of the shaft's radius.
+    // The wall of the femur's shaft thickens downwards to more than a third of the shaft's radius.
     const std::vector<Vec3> axis = {{131, -334, -15}, {129, -362, -13}, {126, -395, -9}, {122, -450, -5}};
     std::vector<Vec3> canal = axis;
     for (Vec3 &point : canal) point = mirrored(s, point);

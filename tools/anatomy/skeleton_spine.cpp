@@ -1,6 +1,6 @@
-/* The spine. The heights of vertebrae and discs are rounded from published morphometry: lumbar heights are
- * near Gilad and Nissan 1985, J Anat 143:115, and thoracic discs of 2.7 to 5.4 mm are from Fletcher 2016,
- * Eur Spine J 25:2999. The value of each single vertebra is assumed. */
+/* The spine. The heights of vertebrae and discs are rounded from published measurements. The lumbar heights
+ * are near those of Gilad and Nissan 1985, J Anat 143:115. The thoracic discs of 2.7 to 5.4 mm come from
+ * Fletcher 2016, Eur Spine J 25:2999. The height of each individual vertebra and disc is assumed. */
 #include "tools/anatomy/skeleton.hpp"
 #include <cmath>
 
@@ -25,8 +25,8 @@ const Size SIZES[] = {
     {"L4", 27.5, 49, 34, 12.5}, {"L5", 27, 51, 34, 11.0},
 };
 
-/* The course of the vertebral centres in the sagittal plane. It has a kyphosis whose rearmost point is T7,
- * and a lordosis whose foremost point is L3. */
+/* Defines the curve through the vertebral centres in the sagittal plane. This curve has a kyphosis whose
+ * rearmost point is T7, and a lordosis whose foremost point is L3. */
 double course_z_mm(double y_mm)
 {
     static const Spline course({-205, -188, -165, -130, -90, -45, 0, 45, 100, 150, 200, 250, 300, 360},
@@ -49,8 +49,9 @@ Frame frame_of(const Vertebra &v)
     return frame;
 }
 
-/* Returns 0 for the thoracic shape, which all vertebrae down to T10 have, and 1 for the lumbar shape,
- * which L2 and those below have. The vertebrae between them have values between 0 and 1. */
+/* Returns 0 for vertebrae down to T10, which have the thoracic shape, and 1 for L2 and the vertebrae below
+ * L2, which have the lumbar shape. For the vertebrae between T10 and L2 the function returns values between 0
+ * and 1. */
 double lumbar_share(size_t index)
 {
     return std::min(1.0, std::max(0.0, (static_cast<double>(index) - 12.0) / 4.0));
@@ -70,7 +71,7 @@ void add_arch(Part &part, const Frame &f, const Vertebra &v, double lumbar)
         const Vec3 outer_low = f.at(s * pedicle_x, -0.5 * v.height_mm, arch + 1);
         part.plate(top, outer_top, outer_low, 2.4, 0.8);
         part.plate(top, low, outer_low, 2.4, 0.8);
-        // The next parts are the articular processes.
+        // The code below adds the articular processes.
         const double facet_x = pedicle_x + 1.0 + 2.0 * lumbar;
         const double reach = 0.5 * (v.height_mm + v.disc_below_mm);
         part.rod({f.at(s * facet_x, 0, arch + 3), f.at(s * (facet_x + 1.5), reach - 1.5, arch + 3)},
@@ -85,7 +86,8 @@ void add_processes(Part &part, const Frame &f, const Vertebra &v, size_t index, 
     const double back = -0.5 * v.depth_mm, arch = back - 15.0 - 3.0 * lumbar;
     const double pedicle_x = 0.30 * v.width_mm + 1.5;
     const bool cervical = index < 3;
-    // The transverse processes are long and level on L3, short and swept back in the chest.
+    // The transverse processes are long and horizontal on L3, and short and swept back on the thoracic
+    // vertebrae.
     const double span = cervical ? 24.0
                                  : (lumbar > 0.5 ? 44.0 - 2.5 * std::abs(static_cast<double>(index) - 17.0)
                                                  : 33.0 - 0.7 * (static_cast<double>(index) - 3.0));
@@ -98,7 +100,8 @@ void add_processes(Part &part, const Frame &f, const Vertebra &v, size_t index, 
                                     f.rotation.col(1), 0.62);
         tube.cortex_mm = 0.9;
     }
-    // The spinous process is a slender spike that slopes down in the chest, and a blade in the lumbar region.
+    // The spinous process is a slender spike that slopes down on a thoracic vertebra, and a blade on a lumbar
+    // vertebra.
     const double drop = (cervical ? 0.35 : 1.35 - 1.0 * lumbar) * v.height_mm;
     const double length = cervical ? 24.0 : 25.0 + 3.0 * lumbar;
     const Vec3 root_top = f.at(0, 0.1 * v.height_mm, arch - 5),
@@ -136,7 +139,7 @@ Part sacrum_part()
     tilt << Vec3::UnitX(), up, Vec3::UnitX().cross(up);
     part.add<Drum>(Vec3(0, -207, -55), tilt, 52.0, 28.0, 33.0).cortex_mm = 1.2;
     for (double s : {-1.0, 1.0}) {
-        // The wings (alae) reach the sacroiliac joints.
+        // The wings (alae) of the sacrum reach the sacroiliac joints.
         part.add<Ellipsoid>(side(s, 33, -216, -63), Vec3(20, 17, 12)).cortex_mm = 1.2;
         part.add<Ellipsoid>(side(s, 33, -236, -73), Vec3(15, 17, 10)).cortex_mm = 1.2;
         part.rod({side(s, 18, -197, -74), side(s, 17, -188, -74)}, {5, 4.5});
@@ -156,8 +159,8 @@ Part sacrum_part()
 
 std::vector<Vertebra> vertebrae()
 {
-    // The vertebrae are stacked along the course, upwards and downwards from the disc between T12 and L1
-    // at y = 0.
+    // The vertebrae are stacked along the curve of the spine, upwards and downwards from the disc between T12
+    // and L1 at y = 0.
     constexpr size_t FIRST_LUMBAR = 15;
     std::vector<Vertebra> all;
     for (const Size &size : SIZES)

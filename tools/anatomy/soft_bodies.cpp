@@ -9,8 +9,9 @@ namespace
 
 constexpr double SOFT_ERROR_MM = 0.3;
 
-/* Returns the voxel size for a body with little clearance in its parent. This size stays fine in a coarse
- * anatomy too, so that the body stays inside its parent. */
+/* Returns the voxel size for the mesh of a body that has little clearance to the body that contains it. This
+ * voxel size stays fine even if the user chooses a coarse anatomy, so that the mesh of the body stays inside
+ * the containing body. */
 double tight_mm(double voxel_mm, double scale)
 {
     return voxel_mm * std::min(scale, 1.2);
@@ -18,7 +19,8 @@ double tight_mm(double voxel_mm, double scale)
 
 // --- layers ---
 
-/* Returns the distance to the outside of the skin. The skin covers every bone, with some flesh in between. */
+/* Returns the distance to the outer surface of the skin. The skin covers every bone, and some flesh lies
+ * between bone and skin. */
 LocalDistance outline_distance(const Solid &bones)
 {
     const Solid outline = skin();
@@ -32,8 +34,8 @@ LocalDistance outline_distance(const Solid &bones)
     };
 }
 
-/* Returns the distance to the layer that begins at the depth `depth_mm` under the outside of the skin.
- * Where a bone comes near the skin, the layer still covers it. */
+/* Returns the distance to the layer of the trunk that begins at the depth `depth_mm` below the outer surface
+ * of the skin. Where a bone comes near the skin, the layer still covers the bone. */
 LocalDistance layer_distance(const Solid &bones, double least_mm, double (*depth_mm)(const Vec3 &))
 {
     return [least_mm, depth_mm, bones, outline = outline_distance(bones)](const Box &box,
@@ -76,7 +78,8 @@ std::vector<Body> layer_bodies(const Solid &bones, double scale)
 namespace
 {
 
-/* Returns the distance to one lung, which is its cavity less everything else in the chest. */
+/* Returns the distance to one lung, which is the chest cavity on its side minus everything else in the
+ * chest. */
 LocalDistance lung_distance(double sign, const Solid &bones, const Solid &aorta_wall, const Solid &coronaries)
 {
     const Solid middle = mediastinum(), air = airway();
@@ -117,7 +120,7 @@ void add_lungs(std::vector<Body> &bodies, const Solid &bones, const Solid &aorta
     }
 }
 
-/* Returns the part of the shape that is at least `clear_mm` away from the solid `other`. */
+/* Returns the distance to that part of a shape that is at least `clear_mm` away from the solid `other`. */
 LocalDistance clear_of(const LocalDistance &shape, const Solid &other, double clear_mm)
 {
     return [=](const Box &box, double reach_mm) -> Distance {
@@ -132,7 +135,7 @@ LocalDistance clear_of_bones(const Solid &solid, const Solid &bones)
     return clear_of(local_distance(solid), bones, CLEAR_MM);
 }
 
-/* Adds muscle within the heart's outline, and the blood of its four chambers inside. */
+/* Adds the heart muscle, which fills the heart's outline, and inside it the blood of the four chambers. */
 void add_heart(std::vector<Body> &bodies, const Solid &bones, const Solid &vessels, double scale)
 {
     constexpr double VESSEL_WALL_MM = 0.6;
@@ -152,8 +155,8 @@ void add_heart(std::vector<Body> &bodies, const Solid &bones, const Solid &vesse
     }
 }
 
-/* The root of the aorta and the coronary arteries of either side. All three are empty if the tree has no
- * coronary arteries. */
+/* Holds the root of the aorta and the coronary arteries of the left and the right side. These three vessels
+ * are empty if the tree has no coronary arteries. */
 struct HeartVessels {
     Solid root, left, right;
 
@@ -226,8 +229,8 @@ namespace
 
 constexpr double DIAPHRAGM_MM = 4.0, ORGAN_GAP_MM = 1.5;
 
-/* Returns the distance to the cavity of the belly's organs, which fat fills. It is the belly's outline
- * less diaphragm, heart, bones and psoas. */
+/* Returns the distance to the belly's cavity, in which fat surrounds the organs. The cavity is the belly's
+ * outline minus the diaphragm, heart, bones and psoas muscles. */
 LocalDistance belly_distance(const Solid &bones)
 {
     const Solid heart = mediastinum(), loins = psoas(), nests = kidney_nests();
@@ -249,8 +252,8 @@ LocalDistance belly_distance(const Solid &bones)
     };
 }
 
-/* Returns the distance to an organ. It is the part of `shape` that lies inside the belly and keeps a gap
- * to the organs in `before`, so `shape` may be larger than the organ. */
+/* Returns the distance to an organ of the belly. The organ is the part of `shape` that lies inside the belly
+ * and keeps a gap to the organs in `before`, so `shape` may be larger than the organ. */
 LocalDistance organ_distance(const Solid &shape, const LocalDistance &belly, const Solid &before,
                              double inset_mm)
 {

@@ -1,5 +1,5 @@
-/* The bodies other than bone: layers of the trunk, bodies of the chest, bodies of the belly. They keep
- * clear of bones and of each other. */
+/* Makes the bodies other than bone: the layers of the trunk and the organs of the chest and the belly. These
+ * bodies touch neither bones nor each other. */
 #pragma once
 #include "tools/anatomy/build.hpp"
 #include "tools/anatomy/organs.hpp"
@@ -9,7 +9,7 @@ namespace anatomy
 {
 
 /* The bones end at these heights, slightly inside the cuts where the skin ends. beyond_cuts() is positive
- * outside of them. */
+ * above the upper and below the lower height. */
 constexpr double BONE_BOTTOM_MM = -422.0, BONE_TOP_MM = 344.0;
 
 inline double beyond_cuts(const Vec3 &p)
@@ -27,8 +27,8 @@ inline Box grown(Box box, double margin_mm)
 std::vector<Body> layer_bodies(const Solid &bones, double scale); // skin, fat under it, flesh
 
 /* Returns the lungs with their vessels, the heart with its chambers, the airway, and the tree's coronary
- * arteries with the root of the aorta. The lungs leave space for the tree, and the heart leaves space for
- * its coronary arteries. */
+ * arteries with the root of the aorta. The shapes of the lungs leave space for the vessel tree, and the shape
+ * of the heart leaves space for its coronary arteries. */
 std::vector<Body> chest_bodies(const Solid &bones, const VesselTree &tree, double scale);
 std::vector<Body> belly_bodies(const Solid &bones, double scale); // fat, organs, bowel with gas
 

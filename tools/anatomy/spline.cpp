@@ -9,8 +9,8 @@ namespace anatomy
 namespace
 {
 
-/* Returns the index i for which parameters[i] <= parameter < parameters[i + 1]. Outside of all spans it
- * returns the first or the last one. */
+/* Returns the index i for which parameters[i] <= parameter < parameters[i + 1]. If the parameter lies outside
+ * of all spans, returns the index of the first or the last span. */
 size_t span_of(const std::vector<double> &parameters, double parameter)
 {
     const auto above = std::upper_bound(parameters.begin(), parameters.end(), parameter);
@@ -20,8 +20,8 @@ size_t span_of(const std::vector<double> &parameters, double parameter)
 
 } // namespace
 
-/* The second derivatives are zero at both ends. Thomas' algorithm solves the usual tridiagonal system for
- * them. */
+/* The second derivatives of the spline are zero at both ends. Thomas' algorithm solves the usual tridiagonal
+ * system for the second derivatives of the spline. */
 Spline::Spline(std::vector<double> parameters, std::vector<double> values)
     : parameters_(std::move(parameters)), values_(std::move(values)), second_derivatives_(values_.size(), 0.0)
 {
@@ -53,8 +53,8 @@ double Spline::at(double parameter) const
 MonotoneCubic::MonotoneCubic(std::vector<double> parameters, std::vector<double> values)
     : parameters_(std::move(parameters)), values_(std::move(values)), slopes_(values_.size(), 0.0)
 {
-    // The slope at a value is the harmonic mean of the chords' slopes on either side, which keeps each
-    // span monotone. A local extremum has slope zero.
+    // The curve's slope at a given value is the harmonic mean of the slopes of the two adjacent chords, which
+    // keeps each span monotone. At a local extremum the slope is zero.
     for (size_t i = 1; i + 1 < values_.size(); i++) {
         const double before = (values_[i] - values_[i - 1]) / (parameters_[i] - parameters_[i - 1]);
         const double after = (values_[i + 1] - values_[i]) / (parameters_[i + 1] - parameters_[i]);

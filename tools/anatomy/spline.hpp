@@ -1,6 +1,7 @@
-/* Smooth curves through given points. Positions follow a natural cubic spline over chord length, so that
- * curvature is continuous. Radii follow a monotone cubic, which does not overshoot between two stated
- * diameters. Vessels, ribs and the spine are such curves. Lengths are in millimetres. */
+/* Smooth curves through given points. The positions on a curve follow a natural cubic spline over chord
+ * length, so that curvature is continuous. The radii along a curve follow a monotone cubic, which does not
+ * overshoot between two given diameters. Vessels, ribs and the spine are represented by curves of this kind,
+ * with a position and a radius at each point. Lengths are in millimetres. */
 #pragma once
 #include <Eigen/Core>
 #include <vector>
@@ -10,7 +11,7 @@ namespace anatomy
 
 using Vec3 = Eigen::Vector3d;
 
-/* One point of a sampled curve. arc_mm is the length from the first point. */
+/* Holds one point of a sampled curve. arc_mm is the curve's length from its first point to this point. */
 struct CurvePoint {
     Vec3 position_mm;
     double radius_mm;
@@ -19,7 +20,7 @@ struct CurvePoint {
 
 using Curve = std::vector<CurvePoint>;
 
-/* A natural cubic spline through scalar values at increasing parameters. There must be at least two. */
+/* A natural cubic spline through scalar values at increasing parameters. At least two values are required. */
 class Spline
 {
   public:
@@ -30,8 +31,8 @@ class Spline
     std::vector<double> parameters_, values_, second_derivatives_;
 };
 
-/* A cubic through scalar values that stays between neighbouring values (Fritsch and Carlson 1980). It is
- * constant beyond both ends. There must be at least one value. */
+/* A cubic through scalar values that stays between neighbouring values (Fritsch and Carlson 1980). Beyond
+ * both ends the curve keeps the value of the end. At least one value is required. */
 class MonotoneCubic
 {
   public:
@@ -42,11 +43,12 @@ class MonotoneCubic
     std::vector<double> parameters_, values_, slopes_;
 };
 
-/* Samples the curve through `points` with `radii_mm` about every step_mm. There must be as many radii as
- * points, and at least two. Every given point is one of the samples, including both ends. */
+/* Returns samples, about step_mm apart, of the curve through `points` with the radii `radii_mm`. The numbers
+ * of radii and points must be equal and at least two. Every given point is one of the samples, including both
+ * ends. */
 Curve sample_curve(const std::vector<Vec3> &points, const std::vector<double> &radii_mm, double step_mm);
 
-/* Returns the unit tangent of a sampled curve at a sample. */
+/* Returns the unit tangent of a sampled curve at one of its samples. */
 Vec3 curve_tangent(const Curve &curve, size_t index);
 
 } // namespace anatomy

@@ -29,13 +29,13 @@ constexpr NumberRange Y_MM = {-POSITION_MAX_MM, POSITION_MAX_MM}, DIAMETER_MM = 
                       CORONARY_FILLET_MM = {0, 3}, HEIGHT = {0, 1.2}, ANGLE_DEG = {-360, 360},
                       FROM_END_MM = {0, LENGTH_MAX_MM};
 
-/* A file, and whether its positions are in the frame of the patient. */
+/* Holds a file of vessels, and whether the file's positions are in the patient's frame. */
 struct File {
     TomlTable root;
     bool is_in_patient = true;
 };
 
-/* Returns a text that has one line and only printable characters. */
+/* Returns the text of a key; the text must have one line and only printable characters. */
 std::string line_of(const TomlValue &value, size_t bytes_max)
 {
     value.words();
@@ -44,7 +44,8 @@ std::string line_of(const TomlValue &value, size_t bytes_max)
     return text;
 }
 
-/* Returns the name of a vessel, which becomes the name of a file and a key of the scene's text. */
+/* Returns the name of a vessel from the file; this name becomes part of file names and a key of the scene's
+ * text. */
 std::string vessel_name(const TomlValue &value)
 {
     const std::string name = line_of(value, NAME_BYTES_MAX);
@@ -57,7 +58,7 @@ std::string vessel_name(const TomlValue &value)
     return name;
 }
 
-/* Returns the title. The scene's text has it in quotes, so it must have none of its own. */
+/* Returns the title. The scene's text puts the name in quotes, so the name itself must not contain quotes. */
 std::string title_of(const TomlValue &value)
 {
     const std::string title = line_of(value, TITLE_BYTES_MAX);
@@ -79,8 +80,8 @@ Vec3 position_of(const File &file, const TomlValue &value)
 
 // --- stations ---
 
-/* A station as a file states it. That of a coronary artery is at a position, or on the heart at a height
- * and an angle. */
+/* Holds one point of a vessel's course in the form in which the vessel file gives the point. A point of a
+ * coronary artery is given either by a position, or by a height and an angle on the heart. */
 struct GivenStation {
     TomlTable table;
     Station station; // diameter 0: not given
@@ -176,7 +177,8 @@ std::vector<GivenStation> read_stations(const File &file, const TomlTable &vesse
     return stations;
 }
 
-/* Returns all stations of a vessel. Those on the heart become a course on its surface. */
+/* Returns all points that define a vessel's course. Points that are given on the heart become a curve on the
+ * heart's surface. */
 std::vector<Station> course_of(const TomlTable &vessel, const std::vector<GivenStation> &given)
 {
     std::vector<Station> stations;
@@ -245,8 +247,8 @@ GivenEntry read_entry(const TomlTable &root)
 
 // --- files ---
 
-/* Returns the path of the file that this one extends. "shipped:aorta.toml" is a file that ships; any other
- * path is relative to this file. */
+/* Returns the path of the vessel file that this vessel file extends. A path such as "shipped:aorta.toml"
+ * names a shipped file; any other path is relative to this vessel file. */
 std::string extended_file(const TomlTable &root)
 {
     const std::string text = line_of(root["extends"], TEXT_BYTES_MAX), shipped = "shipped:";
@@ -259,7 +261,8 @@ std::string extended_file(const TomlTable &root)
 
 TreeDraft read_draft(const std::string &path, size_t depth);
 
-/* Reads the file that this one extends, and all keys of this one except its vessels. */
+/* Reads the vessel file that this vessel file extends, and all keys of this vessel file except its
+ * vessels. */
 TreeDraft read_head(const TomlTable &root, size_t depth)
 {
     root.check_keys({"format", "title", "extends", "frame", "fillet_mm", "coronary_fillet_mm", "sources",

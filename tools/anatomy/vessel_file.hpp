@@ -1,4 +1,4 @@
-/* Reads trees of vessels from TOML files (docs/vessels.md), both those that ship and those of users. */
+/* Reads vessel trees from TOML files (docs/vessels.md), which are either shipped or written by users. */
 #pragma once
 #include "tools/anatomy/vessels.hpp"
 #include <optional>
@@ -6,8 +6,8 @@
 namespace anatomy
 {
 
-/* The content of files of vessels, before it is joined to a tree. Each part has its file and line, which
- * messages name. */
+/* The types below hold the content of vessel files before the vessels are joined to a tree. Each part of this
+ * content stores its file and line for error messages. */
 struct FilePlace {
     std::string file;
     int line = 0;
@@ -35,29 +35,30 @@ struct TreeDraft {
     std::optional<GivenEntry> entry;
 };
 
-/* Reads the file and the files that it extends. Throws crn::FileError. */
+/* Reads a vessel file and the vessel files that this file extends. Throws crn::FileError. */
 TreeDraft read_vessel_draft(const std::string &file);
 
-/* Adds a vessel, or replaces the one with the same name. Throws crn::FileError when a name occurs twice,
- * when there is nothing to replace, or when the parent does not come before the vessel. */
+/* Adds a vessel, or replaces the vessel that has the same name. Throws crn::FileError when a vessel's name
+ * occurs twice, when the vessel to be replaced does not exist, or when the parent does not come before the
+ * vessel. */
 void add_vessel(TreeDraft &draft, GivenVessel given);
 
-/* Makes the tree and finds its entry. Throws crn::FileError when a vessel does not begin inside its
- * parent, or when the entry is not on its vessel. `file` is the user's file: messages name it rather than
- * a file that it extends. */
+/* Makes the vessel tree and finds the point where the guidewire enters the tree. Throws crn::FileError when a
+ * vessel does not begin inside its parent, or when the entry point is not on its vessel. `file` is the user's
+ * file; error messages name this file and not the files that it extends. */
 VesselTree tree_of(const TreeDraft &draft, const std::string &file);
 
-/* Reads the file and the files that it extends. Throws crn::FileError: "FILE:LINE:COLUMN: vessel, station:
- * what is wrong". */
+/* Reads a vessel file and the vessel files that this file extends. Throws crn::FileError with a message of
+ * the form "FILE:LINE:COLUMN: vessel, station: what is wrong". */
 VesselTree read_vessels(const std::string &file);
 
-/* Returns the path of the file NAME among those that ship. They are in shared/examples/anatomies, and
- * `make install` puts them into share/cournand/examples/anatomies. Both are searched for in the folders
- * above the program, and the former also in the working folder. Throws std::runtime_error when the file is
- * in none of them. */
+/* Returns the path of the shipped vessel file NAME. The shipped vessel files are in
+ * shared/examples/anatomies, and `make install` puts them into share/cournand/examples/anatomies. The
+ * function searches for both folders in the folders above the program, and for shared/examples/anatomies also
+ * in the working folder. Throws std::runtime_error when the file is in none of these folders. */
 std::string shipped_vessel_file(const std::string &name);
 
-/* Reads the file NAME.toml that ships. */
+/* Reads the shipped vessel file NAME.toml. */
 VesselTree shipped_vessels(const std::string &name);
 
 } // namespace anatomy

@@ -1,4 +1,4 @@
-/* Joins the vessels of one or more files to a tree, and checks that they fit together. */
+/* Joins the vessels of one or more files to a tree, and checks that the vessels fit together. */
 #include "host/base/number_text.hpp"
 #include "host/base/text.hpp"
 #include "tools/anatomy/output.hpp"
@@ -23,8 +23,8 @@ std::string rounded(double value)
     return crn::decimals_text(value, 1);
 }
 
-/* Returns the index of the vessel with this name, or the list's size when there is none. Two names are the
- * same if their files would have the same name. */
+/* Returns the index of the vessel that has this name, or the size of the list when no vessel has this name.
+ * Two vessel names count as equal if the files of these vessels would have the same name. */
 size_t index_of(const std::vector<GivenVessel> &vessels, const std::string &name)
 {
     size_t i = 0;
@@ -39,7 +39,7 @@ std::vector<std::string> names_of(const std::vector<GivenVessel> &vessels, size_
     return names;
 }
 
-/* Returns the index at which the new vessel belongs. */
+/* Returns the index in the list at which the new vessel must be inserted. */
 size_t place_in(const TreeDraft &draft, const GivenVessel &given)
 {
     const std::string &name = given.vessel.name;
@@ -89,7 +89,8 @@ void check_parent(const TreeDraft &draft, const GivenVessel &given, size_t at)
                  crn::suggestion(parent, before));
 }
 
-/* A coronary artery that leaves the aorta states its side; the others are on the side of their parent. */
+/* If a coronary artery begins in the aorta, the file must state its side (left or right); every other
+ * coronary artery has the side of its parent. */
 void set_bed(const TreeDraft &draft, GivenVessel &given)
 {
     if (!given.is_coronary) return;
@@ -103,8 +104,8 @@ void set_bed(const TreeDraft &draft, GivenVessel &given)
     if (parent.is_coronary) given.vessel.bed = parent.vessel.bed;
 }
 
-/* A vessel begins inside its parent. Its first station may be outside by up to a quarter of its own
- * diameter, because both lumens then still overlap. */
+/* Checks that a vessel begins inside its parent vessel. The vessel's first point may lie outside the parent
+ * by up to a quarter of the vessel's diameter, because the two lumens then still overlap. */
 void check_begins_in_parent(const TreeDraft &draft, const GivenVessel &given, const std::string &file)
 {
     if (given.vessel.parent.empty()) return;

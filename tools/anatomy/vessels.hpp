@@ -1,5 +1,5 @@
-/* A tree of vessels. Each vessel has a centreline through stations, with a diameter at every station.
- * Trees are read from files (vessel_file.hpp). */
+/* A tree of vessels. Each vessel has a centreline through a list of points (stations), and a diameter at
+ * every point. The functions in vessel_file.hpp read vessel trees from files. */
 #pragma once
 #include "tools/anatomy/shapes.hpp"
 #include <string>
@@ -8,7 +8,8 @@
 namespace anatomy
 {
 
-/* A point of a centreline. A station without a name only defines course and diameter, and has no source. */
+/* A point of a centreline. A point (station) without a name only defines the vessel's course and diameter,
+ * and gives no source for the diameter. */
 struct Station {
     Vec3 position_mm;
     double diameter_mm;
@@ -26,7 +27,7 @@ struct Vessel {
     double flow_ml_min = 0;        // mean flow out of its end; 0: not stated
 };
 
-/* A tree of vessels, with the place where a guidewire enters it from the introducer sheath. */
+/* A tree of vessels, with the point where a guidewire enters the tree from the introducer sheath. */
 struct VesselTree {
     std::string title;
     std::string made_by;         // the words behind `anatomy` on the command line, for the scene's first line
@@ -39,16 +40,17 @@ struct VesselTree {
     Vec3 entry_position_mm = Vec3::Zero(), entry_direction = Vec3::Zero();
 };
 
-/* body_vessels() returns the vessels that are no coronary arteries. */
+/* body_vessels() returns all vessels except the coronary arteries. */
 std::vector<Vessel> body_vessels(const VesselTree &tree);
 std::vector<Vessel> coronary_arteries(const VesselTree &tree);
 
 Curve vessel_curve(const Vessel &vessel, double step_mm);
 
-/* Returns the blood space of the whole tree, enlarged by wall_mm. */
+/* Returns the space that blood fills in the whole tree, enlarged by wall_mm. */
 Solid tree_solid(const VesselTree &tree, double wall_mm);
 
-/* Returns the blood space of vessels that are blended over `fillet_mm` where they meet, enlarged by wall_mm.
+/* Returns the space that blood fills in these vessels, enlarged by wall_mm. At junctions the vessels are
+ * blended over a width of `fillet_mm`.
  */
 Solid vessels_solid(const std::vector<Vessel> &vessels, double wall_mm, double fillet_mm);
 

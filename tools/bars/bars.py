@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
-"""Compares every bar that a command can measure with its present value (docs/bars.md).
+"""Measures the present value of every bar (a limit that the project must keep) and compares it with the bar
+(docs/bars.md).
 
   bars.py --build build [--only TEXT] [--scene FILE] [--tap]
 
-Reads tools/bars/bars.tsv. This program measures counts (instructions, sizes, hashes, physics); a count over its bar is
-a failure. A value that another command measures is read from that command's output file; it is "not measured here" if
-the file is missing. A time is printed with its ratio to the bar; it never counts as a failure. Writes out/bars.tsv. The
-last lines are `bars.held<TAB>N` and `bars.red<TAB>N`; the exit code is 1 if a bar is red or could not be measured.
---tap prints one TAP line per bar instead, without times and without values that other commands measure.
+Reads tools/bars/bars.tsv. This program measures counts (instructions, sizes, hashes, physics); a count beyond its bar
+is a failure. If another command measures a value, this program reads it from that command's output file; without this
+file it prints "not measured here". For a time, the program prints the ratio to the bar; a time never counts as a
+failure. Writes out/bars.tsv. The last lines, `bars.held<TAB>N` and `bars.red<TAB>N`, count the kept and the failed
+("red") bars. The exit code is 1 if a bar is red or could not be measured. With --tap the program prints one TAP line
+per bar instead, and leaves out times and values that other commands measure.
 """
 
 import argparse
@@ -31,7 +33,7 @@ Bar = collections.namedtuple("Bar", "name op limit asked issue since source kind
 
 
 class CannotMeasure(Exception):
-    """Raised when a measurement fails; the text gives the reason."""
+    """Raised when a value cannot be measured; the text gives the reason."""
 
 
 def read_bars(path=LIST):
@@ -70,7 +72,7 @@ def from_budget(options, _):
 
 
 def from_bench(options, wanted):
-    """Returns the cases of one benchmark program that a bar names."""
+    """Returns the values of those cases of one benchmark program that have a bar."""
     program = os.path.join(options.build, "bench", "bench_lumen" if wanted[0].startswith("lumen") else "bench_rod")
     values = {}
     try:
@@ -85,7 +87,7 @@ def from_bench(options, wanted):
 
 
 def validation_values(text):
-    """Returns the figures that exceed their tolerance, and for each case the worst error as a share of its
+    """Returns the number of figures that exceed their tolerance, and for each case the largest ratio of an error to its
     tolerance."""
     values = collections.defaultdict(float)
     beyond = 0
@@ -137,8 +139,8 @@ def from_golden(options, _):
 
 
 def counted_values(counts):
-    """Returns the values that hil's own table has: the median, the value that 1 tick in 1,000 exceeds, and the
-    largest."""
+    """Returns the values that the table of the program `hil` also has: the median, the value that 1 tick in 1,000
+    exceeds, and the largest value."""
     counts = sorted(counts)
     last = len(counts) - 1
     return {
@@ -148,8 +150,8 @@ def counted_values(counts):
 
 
 def aorta_ticks(options, what):
-    """Returns the second column of the table that `hil --counts` or `hil --overruns` writes, which has one value per
-    tick of the aorta session."""
+    """Runs `hil` with the option --counts or --overruns on the aorta session, and returns the second column of the
+    written table, which has one value per tick."""
     if not os.path.exists(os.path.join(ROOT, options.scene)):
         raise CannotMeasure("%s does not exist: `make %s` makes it" % (options.scene, SCENE))
     with tempfile.TemporaryDirectory() as folder:
@@ -160,7 +162,8 @@ def aorta_ticks(options, what):
 
 
 def checked_ticks(values):
-    """Refuses a short session, or ticks without cost, because either would keep every bar."""
+    """Raises CannotMeasure if the session is short or if ticks have no cost, because such a session would keep every
+    bar."""
     if len(values) < SESSION_TICKS or min(values) <= 0:
         raise CannotMeasure(
             "the aorta session gave %d ticks (at least %d), the cheapest %g"
@@ -185,8 +188,8 @@ def from_overruns(options, _):
 
 
 def from_file(path, wanted):
-    """Returns the rows `name value ...`, separated by tabs; the fourth column of out/bench.tsv is the context. Returns
-    None without the file."""
+    """Returns the values by name from a file with the tab-separated columns `name value ...`; in out/bench.tsv the
+    fourth column is the context. Returns None without the file."""
     if not os.path.exists(os.path.join(ROOT, path)):
         return None
     values = {}
@@ -216,7 +219,7 @@ def measure(source, wanted, options):
 
 # --- verdicts ----------------------------------------------------------------------------------------------------
 def judge(bar, value):
-    """Returns the verdict on a bar: 'held', 'red', 'time' or 'not measured here'."""
+    """Compares a value with its bar (limit) and returns 'held', 'red' (failed), 'time' or 'not measured here'."""
     if bar.kind == "time":
         return "not measured here" if value is None else "time"
     if value is None:
@@ -233,7 +236,8 @@ def ratio_of(bar, value):
 
 
 def values_of(source, bars, options):
-    """Returns values by name. If a source cannot be measured, its reason is printed, and its bars count as red."""
+    """Returns values by name. If the values of a source cannot be measured, the function prints the reason, and the
+    bars of this source count as red."""
     try:
         return measure(source, [bar.name for bar in bars if bar.source == source], options) or {}
     except CannotMeasure as problem:
@@ -258,7 +262,7 @@ def text_of_bar(bar, value, width):
 
 
 def print_tap(bars, options):
-    """Prints one line of TAP per bar, as each source is measured. Returns the number of red bars."""
+    """Measures source by source and prints one TAP line per bar. Returns the number of failed (red) bars."""
     red = number = 0
     print("1..%d" % len(bars), flush=True)
     for source in dict.fromkeys(bar.source for bar in bars):
@@ -274,7 +278,7 @@ def print_tap(bars, options):
 
 
 def report(bars, options):
-    """Prints and writes the table. Returns the number of red bars."""
+    """Prints and writes the table. Returns the number of failed (red) bars."""
     values = {source: values_of(source, bars, options) for source in dict.fromkeys(bar.source for bar in bars)}
     verdicts = collections.Counter()
     width = max(len(bar.name) for bar in bars)

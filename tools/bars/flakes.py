@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""Repeats the tests that depend on time, processes or windows while the machine is under load, and names those that
-fail (docs/bars.md).
+"""Repeats, while the machine is under load, those tests that depend on time, processes or windows, and prints the names
+of the tests that fail (docs/bars.md).
 
   flakes.py --build build [--rounds 30] [--load 4] [--jobs 2] [--tests TEXT]
 
-The tests are those of tools/bars/flakes.txt, run as `make test` runs them. Writes out/flakes.tsv after every round, so
-that an interrupted run keeps its results. The output of a failed test is kept in out/flakes. The last line is
-`flakes.failed<TAB>N`, the number of failed runs; the exit code is 1 if N is not 0.
+The tests are listed in tools/bars/flakes.txt, and they run as in `make test`. The program writes out/flakes.tsv after
+every round of tests, so that an interrupted run keeps its results. If a test fails, its output is kept in the folder
+out/flakes. The last printed line is `flakes.failed<TAB>N`, where N is the number of failed test runs. The exit code is
+1 if N is not 0.
 """
 
 import argparse
@@ -30,7 +31,7 @@ def read_list(wanted):
 
 
 class Load:
-    """Keeps the processors busy with `count` processes while the context is open."""
+    """Keeps the processors busy with `count` processes until the `with` block ends."""
 
     def __init__(self, count):
         self.busy = [subprocess.Popen([sys.executable, "-c", BUSY]) for _ in range(count)]
@@ -52,7 +53,7 @@ def keep_output(outcome, name, number):
 
 
 def run_round(jobs, number, at_once):
-    """Runs the tests once and returns the outcomes of the failed ones."""
+    """Runs the tests once and returns the outcomes of the failed tests."""
     pool = concurrent.futures.ThreadPoolExecutor(max(1, at_once))
     try:
         outcomes = [future.result() for future in [pool.submit(function, *arguments) for function, arguments in jobs]]
@@ -66,7 +67,7 @@ def run_round(jobs, number, at_once):
 
 
 def run_rounds(jobs, options):
-    """Returns for each test the numbers of the rounds in which it failed."""
+    """Returns a table from each test to the numbers of the rounds in which this test failed."""
     failed = collections.defaultdict(list)
     for number in range(1, options.rounds + 1):
         for outcome in run_round(jobs, number, options.jobs):

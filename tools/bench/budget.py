@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
-"""Compares a tick's cost on the Cortex-M7 with firmware/bench/budget.tsv: instructions, stack, bytes (docs/bench.md).
+"""Measures the instructions, stack and memory of the core's tick on a Cortex-M7, and compares them with
+firmware/bench/budget.tsv (docs/bench.md).
 
   budget.py --build build [--accept] [--profile CASE]
 
-QEMU with -icount shift=0 counts an instruction as one nanosecond; the stack is the longest path through the compiler's
-call graph; sizes are those of the object files. The exit code is 1 when a row is more than 3 % over its value in the
-tracked file, when the tracked file lacks a row, or when the image calls a forbidden helper. Soft-float helpers, divide
-helpers and heap functions are forbidden. --accept writes the tracked file. --profile prints the instructions of two
-ticks of a case, function by function, and measures nothing else.
+QEMU with -icount shift=0 counts each instruction as one nanosecond. The stack is the largest sum of stack bytes along a
+path through the compiler's call graph. The sizes of code and data come from the object files. The exit code is 1 when a
+measured value is more than 3 % above its row in budget.tsv, when budget.tsv lacks a row, or when the image calls a
+forbidden helper. Soft-float helpers, divide helpers and heap functions are forbidden. --accept writes the measured
+values into budget.tsv. --profile prints the instructions of two ticks of a case, function by function, and measures
+nothing else.
 """
 
 import argparse
@@ -53,7 +55,7 @@ LOOP_MIN = 12  # shorter loops are not worth an estimate
 
 
 class CannotMeasure(Exception):
-    """Raised when a measurement fails; the text gives the reason."""
+    """Raised when a value cannot be measured; the text gives the reason."""
 
 
 def run(command, text=None, check=True):
@@ -79,7 +81,7 @@ def run(command, text=None, check=True):
 
 # --- instructions ---------------------------------------------------------------------------------------------------
 def emulate(image, case_file):
-    """Runs the image and returns its output as a table of numbers."""
+    """Runs the benchmark image in QEMU and returns its output as a table of numbers."""
     text = run(
         QEMU
         + [
@@ -95,7 +97,7 @@ def emulate(image, case_file):
 
 
 def measure_case(make, image, number, context, folder):
-    """Measures one case and yields its rows."""
+    """Measures one benchmark case and yields its rows of the budget."""
     path = os.path.join(folder, "case%d" % number)
     words = run([make, "make", str(number), path]).split()
     counted = emulate(image, path)
@@ -118,7 +120,7 @@ def instructions(build, folder):
 
 
 def profile(build, number, folder):
-    """Counts the instructions of two ticks per function, by single steps."""
+    """Counts, for each function, the instructions that two ticks execute, by running the image in single steps."""
     make, image = os.path.join(build, "bench", "budget_make"), os.path.join(build, "m7", "budget_image.elf")
     path, log = os.path.join(folder, "case"), os.path.join(folder, "log")
     run([make, "make", number, path])
@@ -169,14 +171,14 @@ def budget_objects(build):
 
 
 def image_objects(build, port):
-    """Returns the folders of all object files that a port's image links."""
+    """Returns the folders of all object files that are linked into a port's image."""
     return [target_folder(build, "image_" + part) for part in ("core", "device", "memory", port)]
 
 
 # --- stack -----------------------------------------------------------------------------------------------------------
 def call_graph(folders):
-    """Returns two tables from the compiler's .ci files: the stack bytes of each function, and the functions that each
-    calls."""
+    """Reads the compiler's .ci files and returns two tables: the stack bytes of each function, and the functions that
+    each function calls."""
     frame, calls, plain = {}, collections.defaultdict(set), {}
     folders = [folders] if isinstance(folders, str) else folders
     for path in [p for one in folders for p in glob.glob(os.path.join(one, "**", "*.ci"), recursive=True)]:
@@ -195,9 +197,9 @@ def call_graph(folders):
 
 
 def worst_stack(folders, root, by_address=()):
-    """Returns the number of stack bytes on the longest call path from `root`. Refuses recursion and functions whose
-    stack size is unknown. `by_address` names all functions that can be called through a pointer; without it such calls
-    are refused."""
+    """Returns the largest sum of stack bytes along any path of calls that begins at the function `root`. Raises
+    CannotMeasure for recursion and for functions whose stack size is unknown. `by_address` names all functions that can
+    be called through a pointer; without `by_address` the function refuses calls through pointers."""
     frame, calls, plain = call_graph(folders)
     frame, done = dict(frame), {}
     if by_address:
@@ -238,8 +240,8 @@ def sizes(build):
 
 
 def memory_sizes():
-    """Returns the sizes of model and state for a line of 256 elements, as the compiler for the Cortex-M7 computes
-    them."""
+    """Compiles for the Cortex-M7 and returns the bytes of the core's model and state for three instruments with 256
+    elements in total."""
     text = (
         '#include "firmware/core/core_state.h"\nchar model_bytes[sizeof(crn_model)];\n'
         "char state_bytes[sizeof(crn_state)];\nchar words_bytes[sizeof(crn_state_words)];\n"
@@ -270,8 +272,8 @@ def memory_sizes():
 
 
 def forbidden_symbols(image):
-    """Returns the names of forbidden functions in the image. A test of this function shows that it finds a forbidden
-    name."""
+    """Returns the names of the forbidden functions that the firmware image contains. A test shows that this function
+    finds a forbidden name."""
     names = [line.split()[-1] for line in run(["arm-none-eabi-nm", image]).splitlines()]
     return sorted(name for name in names if is_forbidden(name))
 
@@ -285,7 +287,7 @@ INSTRUCTION = re.compile(r"^\s*([0-9a-f]+):\s+(\S.*)$")
 
 
 def innermost_loops(lines):
-    """Returns the instructions of every innermost loop, which extends from the target of a backward branch to that
+    """Returns the instructions of every innermost loop; a loop extends from the target of a backward branch to this
     branch."""
     code = []
     for line in lines:
@@ -306,8 +308,8 @@ def innermost_loops(lines):
 
 
 def estimate(body):
-    """Returns the cycles per pass that llvm-mca computes for instructions in order of address, without cache misses and
-    branches."""
+    """Returns the processor cycles per loop pass that llvm-mca computes for these instructions in order of address,
+    without cache misses and branches."""
     kept = [
         text
         for text in body
@@ -350,13 +352,13 @@ def read_budget():
 
 
 def key_of(context):
-    """The key leaves out the share of ticks with a second solve, because that share may change while the measured case
-    stays the same."""
+    """The key of a budget row leaves out the fraction of ticks that need a second solve, because this fraction may
+    change although the benchmark case is the same."""
     return context.split(" contacts=")[0] if "second_solve" in context else context
 
 
 def judge(row, budget):
-    """Returns '' if the row is within the budget, else a text that states the error."""
+    """Returns '' if the measured row is within the budget, and otherwise a text that states the error."""
     name, value, _, context = row
     allowed = budget.get((name, key_of(context)))
     if allowed is None:
@@ -370,7 +372,7 @@ def write_rows(path, rows):
 
 
 def measure(build, folder):
-    """Returns every row of the budget; run_bench.py also writes these rows into out/bench.tsv."""
+    """Measures every row of the budget and returns these rows; run_bench.py also writes them into out/bench.tsv."""
     return list(instructions(build, folder)) + list(stack(build)) + list(sizes(build)) + list(memory_sizes())
 
 

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Writes the column "now" of docs/bench.md from firmware/bench/budget.tsv, between the two marks of that page.
+"""Copies the values of firmware/bench/budget.tsv into the column "now" of docs/bench.md, between the two marks on that
+page.
 
   budget_docs.py [--write]
 
-Without --write it only compares, and its exit code is 1 when the page differs from the budget.
+Without --write this program only compares the page with the budget, and its exit code is 1 when they differ.
 """
 
 import os
@@ -37,7 +38,7 @@ def table(rows):
 
 
 def renewed(text, rows):
-    """Returns the page with the block between the marks replaced."""
+    """Returns the text of the page after replacing the block between the two marks."""
     before, mark, rest = text.partition(BEGIN)
     _, end, after = rest.partition(END)
     if not mark or not end:

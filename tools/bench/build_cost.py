@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
-"""Measures what a newcomer waits for: processor time, compiled files and packages of `make run`, and processor time of
-`make test`.
+"""Measures the cost of a first build: the processor time, compiled files and packages of `make run`, and the processor
+time of `make test`.
 
   build_cost.py [--test] [--write out/bench.tsv]
 
-Clones the last commit into a temporary folder and builds there without a compiler cache. Prints
-`name<TAB>value<TAB>unit <TAB>context` lines: build.run_cpu_s (compiling and linking of `make run`), build.run_units,
-build.run_packages_mb (archives to download on a minimal Debian 12), and with --test build.test_cpu_s (all of `make
-test`, from clean) and build.test_again_cpu_s (the same after one file of host/xray was touched). --write puts them into
-FILE in place of older ones of the same names. The exit code is 1 when a build fails.
+The program clones the last commit into a temporary folder and builds the clone without a compiler cache. The results
+are lines `name<TAB>value<TAB>unit <TAB>context`. build.run_cpu_s is the processor time for compiling and linking in
+`make run`. build.run_units is the number of compiled files. build.run_packages_mb is the size of the archives to
+download on a minimal Debian 12. With --test, build.test_cpu_s is the processor time of `make test` in a clean folder,
+and build.test_again_cpu_s is the processor time of `make test` after one file of host/xray was touched. With --write
+the program puts these lines into FILE and removes older lines with the same names. The exit code is 1 when a build
+fails.
 """
 
 import argparse
@@ -30,7 +32,7 @@ class CannotMeasure(Exception):
 
 
 def spent(command, folder):
-    """Returns the processor seconds of a command and of all processes that it started."""
+    """Runs a command and returns the processor seconds that the command and all its child processes used."""
     environment = {k: v for k, v in os.environ.items() if not k.startswith(("CCACHE", "MAKE", "BUILD", "CMAKE"))}
     environment["CMAKE_ARGS"] = "-DCRN_CCACHE=OFF"
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -54,7 +56,8 @@ def section(*names):
 
 
 def archives(packages):
-    """Returns, by file, the bytes of everything that apt would fetch on a machine without any package."""
+    """Returns the size in bytes of each file that apt would download for these packages on a machine without any
+    installed package."""
     with tempfile.NamedTemporaryFile() as empty:
         command = ["apt-get", "install", "--print-uris", "--no-install-recommends", "-qq", "-o", "Debug::NoLocking=1"]
         done = subprocess.run(

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Measures a device's image (code, RAM, worst stack) and checks that it has no soft-float, divide helper or heap.
+"""Measures the code size, RAM and worst stack of a device's firmware image, and checks that the image has no soft-float
+code, divide helper or heap.
 
   image_report.py --build build --port mps2_an500
 
-The stack is the longest path through the compiler's call graph from main(), plus one exception with its handler. Calls
-by address reach only functions of the port, which this program lists. The exit code is 1 when RAM or stack exceed their
-limits, or when a forbidden name is in the image.
+The worst stack is the largest sum of stack bytes along a path from main() through the compiler's call graph, plus one
+exception with its handler. Calls through function pointers reach only functions of the port, and this program has a
+list of them. The exit code is 1 when RAM or stack exceed their limits, or when the image contains a forbidden function.
 """
 
 import argparse
@@ -62,7 +63,7 @@ def stack_bytes(objects, port):
 
 
 def report(image, objects, port):
-    """Prints the report and returns the errors."""
+    """Prints the report on the image and returns the errors."""
     size, names = sections(image), symbols(image)
     code = size.get(".boot", 0) + size.get(".text", 0) + size.get(".ARM.exidx", 0) + size.get(".data", 0)
     static = size.get(".data", 0) + size.get(".bss", 0) + size.get(".dma", 0)

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Runs the benchmark programs by the convention of docs/bench.md. `make bench` calls this program.
+"""Runs the benchmark programs with the command-line arguments that docs/bench.md defines. `make bench` calls this
+program.
 
   run_bench.py --build build [--cases TEXT] [PROGRAM...]
 
-Writes out/bench.tsv (name, value, unit, context, separated by tabs) and prints it as a table. With --cases, only the
-cases whose name contains TEXT run, and out/bench.tsv is not changed. The exit code is 1 when a case could not be
-measured.
+The script writes the results to out/bench.tsv (name, value, unit, context, separated by tabs) and prints them as a
+table. With --cases, the script runs only the benchmark cases whose name contains TEXT, and does not change
+out/bench.tsv. The exit code is 1 when a benchmark case could not be measured.
 """
 
 import argparse
@@ -26,11 +27,11 @@ CALIBRATED = "shared/examples/instruments/amplatz_super_stiff.toml"
 
 
 class CannotMeasure(Exception):
-    """Raised when a measurement fails; the text gives the reason."""
+    """Raised when a value cannot be measured; the text gives the reason."""
 
 
 def run(command):
-    """Returns the standard output of a command that must succeed."""
+    """Runs a command, which must succeed, and returns its standard output."""
     try:
         done = subprocess.run(
             command,
@@ -51,7 +52,7 @@ def run(command):
 
 
 def list_cases(program):
-    """Returns (name, unit, context, mode) of every case."""
+    """Returns (name, unit, context, mode) of every case of a benchmark program."""
     cases = []
     for line in run([program, "list"]).splitlines():
         fields = line.split("\t")
@@ -72,14 +73,14 @@ def last_number(program, number):
 
 
 def count_calls(profile, function):
-    """Counts the calls of `function`: the sum of the `calls=` lines that follow a `cfn=` line with its name. Callgrind
-    writes a name as `(id) name` the first time and as `(id)` afterwards."""
+    """Counts the calls of `function` in a profile of Callgrind, by adding the `calls=` lines that follow a `cfn=` line
+    with its name. Callgrind writes a function's name as `(id) name` the first time and as `(id)` afterwards."""
     ids = {i for i, name in re.findall(r"^c?fn=\((\d+)\) (\S+)", profile, re.M) if name == function}
     return sum(int(calls) for i, calls in re.findall(r"^cfn=\((\d+)\)[^\n]*\ncalls=(\d+)", profile, re.M) if i in ids)
 
 
 def count_instructions(program, number, function, calls):
-    """Returns the instructions per call of `function`, including its callees."""
+    """Returns the mean number of instructions per call of `function`, including the functions that it calls."""
     with tempfile.TemporaryDirectory() as folder:
         profile_path = os.path.join(folder, "callgrind.out")
         run(
@@ -122,7 +123,7 @@ def program_cases(program):
 
 
 def demo_command(options):
-    """Runs the demo session without its outputs."""
+    """Runs the demo session without writing its pictures and reports."""
     for path in (options.scene, options.instrument, options.session):
         if not os.path.exists(path):
             raise CannotMeasure("%s does not exist: `make run` makes what is missing" % path)
@@ -132,7 +133,7 @@ def demo_command(options):
 
 
 def realtime_factor(options, picture_arguments):
-    """Returns how many seconds the demo session simulates per second of real time, as cournand reports."""
+    """Returns the simulated seconds per second of real time that the program cournand reports for the demo session."""
     with tempfile.TemporaryDirectory() as folder:
         timing = os.path.join(folder, "timing.json")
         run(
@@ -151,7 +152,7 @@ def session_cases(options):
 
 
 def bytes_per_tick(options):
-    """Returns the bytes per tick of the demo's recording."""
+    """Returns the number of bytes per tick in the recording of the demo session."""
     with tempfile.TemporaryDirectory() as folder:
         recording = os.path.join(folder, "demo.rec")
         run(demo_command(options) + ["--record", recording])
@@ -167,8 +168,8 @@ def wire_cases(options):
 
 
 def make_calibration(options, folder):
-    """Makes a calibration case in the phantom. The case's second depth is 300 mm, and its scans show an insertion of
-    the nominal instrument."""
+    """Makes the input files of a calibration in the phantom. The second insertion depth of this calibration case is 300
+    mm, and its scans show an insertion of the nominal instrument."""
     phantom = os.path.join(folder, "phantom")
     run([os.path.join(options.build, "bin", "anatomy"), "phantom", "-o", phantom, "--no-bodies", "--quiet"])
     text = os.path.join(phantom, "scene.toml")
@@ -213,7 +214,7 @@ def make_calibration(options, folder):
 
 
 def calibration_rate(options, threads):
-    """Returns the insertions per second that calibrate reports."""
+    """Returns the number of simulated insertions per second that the program calibrate reports."""
     with tempfile.TemporaryDirectory() as folder:
         make_calibration(options, folder)
         command = [
@@ -250,7 +251,8 @@ def calibration_cases(options):
 
 
 def budget_rows(options):
-    """Returns the Cortex-M7's rows (tools/bench/budget.py), and the number of rows that could not be measured."""
+    """Returns the rows of values on the Cortex-M7 (tools/bench/budget.py), and the number of rows that could not be
+    measured."""
     try:
         with tempfile.TemporaryDirectory() as folder:
             rows = budget.measure(options.build, folder)
@@ -279,7 +281,7 @@ def is_slow(name, context):
 
 
 def quick_cases(cases):
-    """Returns the cases that take seconds, and prints the names of the cases left out."""
+    """Returns the benchmark cases that take only seconds, and prints the names of the other cases."""
     left_out = [case for case in cases if is_slow(case[0], case[2])]
     for name, _, context, _ in left_out:
         print("left out: %s %s" % (name, context), file=sys.stderr)

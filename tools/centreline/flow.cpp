@@ -1,4 +1,5 @@
-// Computes conductances from the outlets upwards, and then flows from the inlet downwards.
+// Computes the flow conductance of each branch from the outlets towards the inlet, and then the flows from
+// the inlet towards the outlets.
 #include "tools/centreline/flow.hpp"
 
 #include <cmath>
@@ -24,14 +25,15 @@ struct Network {
     std::vector<std::vector<double>> conductance;   // from each sphere of each branch onwards, mm^3/(s Pa)
 };
 
-// A branch with no children at its end is an outlet, and the resistance of its bed follows it.
+// If no other branch begins at the end of a branch, this end is an outlet, and a vascular bed with its flow
+// resistance follows this outlet.
 double bed_conductance(const Branch &branch, double bed_Pa_s)
 {
     return std::pow(branch.spheres.back().radius_mm, 3) / bed_Pa_s;
 }
 
-// Branches are numbered after their parents, so a loop from last to first treats every child before its
-// parent.
+// Every branch has a higher number than its parent, so a loop from the last branch to the first treats every
+// child before its parent.
 void find_conductances(Network &network, double bed_Pa_s)
 {
     const Tree &tree = network.tree;
@@ -64,8 +66,8 @@ double outlet_cubes_mm3(const Network &network, std::size_t branch)
 
 } // namespace
 
-// R = 8 mu/pi times the integral of r^-4 along the length, which is (a^2 + a b + b^2) / (3 a^3 b^3) per
-// length.
+// The flow resistance is R = 8 mu/pi times the integral of r^-4 along the length. For a tube with end radii a
+// and b this integral is (a^2 + a b + b^2) / (3 a^3 b^3) per length.
 double tube_resistance(const Sphere &a, const Sphere &b, double viscosity_mPa_s)
 {
     const double length = (b.centre_mm - a.centre_mm).norm(), ra = a.radius_mm, rb = b.radius_mm;
@@ -80,7 +82,8 @@ std::vector<double> set_flow(Tree &tree, const FlowSettings &settings)
     for (std::size_t b = 0; b < tree.branches.size(); ++b)
         if (tree.branches[b].parent >= 0) network.children[tree.branches[b].parent].push_back(b);
     std::vector<double> into(tree.branches.size(), 0.0);
-    // Every root has its own inlet, so the outlets of each root have beds of their own.
+    // Every root branch has its own inlet, so the vascular beds are computed separately for the outlets of
+    // each root branch.
     std::vector<int> root(tree.branches.size());
     for (std::size_t b = 0; b < tree.branches.size(); ++b)
         root[b] = tree.branches[b].parent < 0 ? static_cast<int>(b) : root[tree.branches[b].parent];

@@ -12,12 +12,13 @@ struct FlowSettings {
     double viscosity_mPa_s = 3.5; // blood
 };
 
-// Returns the resistance, in Pa s / mm^3, of the tube between two spheres, whose radius changes linearly.
+// Returns the flow resistance, in Pa s / mm^3, of a tube whose radius changes linearly between two spheres.
 double tube_resistance(const Sphere &a, const Sphere &b, double viscosity_mPa_s);
 
-// Sets speed_mm_s of every sphere. Returns for every branch the flow behind its first sphere, in ml/min. Each
-// outlet ends in a bed of resistance K / r^3 (Murray). All beds have the same K. It is chosen so that the
-// given inlet flow loses the given pressure in the beds alone.
+// Sets speed_mm_s of every sphere. Returns for every branch the flow, in ml/min, just downstream of its first
+// sphere. Each outlet ends in a vascular bed of flow resistance K / r^3, where r is the outlet's radius
+// (Murray). All vascular beds have the same K. The function chooses K so that the given inlet flow loses the
+// given pressure in the beds alone.
 std::vector<double> set_flow(Tree &tree, const FlowSettings &settings);
 
 } // namespace crn::centreline

@@ -1,5 +1,5 @@
-// Reads and writes our own table (.csv), which has one sphere per line and names its columns in the first
-// line.
+// Reads and writes the project's own table of centrelines (.csv), which has one sphere per line and names its
+// columns in the first line.
 #include "host/base/number_text.hpp"
 #include "tools/centreline/formats.hpp"
 
@@ -44,7 +44,7 @@ std::vector<std::string_view> cells_of(std::string_view line)
     }
 }
 
-// Holds one line of the table, with the place that error messages name.
+// Holds one line of the table, with the file's name and line number for error messages.
 struct Row {
     std::string where; // "tree.csv:12: "
     const std::array<int, columns> &order;

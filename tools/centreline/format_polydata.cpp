@@ -1,5 +1,6 @@
-// VMTK writes centrelines as VTK's polydata (.vtp): every line is a branch, with MaximumInscribedSphereRadius
-// at its points. Our own files also state for each line which branch it leaves, and where.
+// VMTK writes centrelines as VTK polydata (.vtp), where every line is a branch whose points have a value
+// MaximumInscribedSphereRadius. The .vtp files that this project writes also state, for each line, which
+// branch the line leaves and at which sphere.
 #include "host/base/number_text.hpp"
 #include "tools/centreline/vtk_array.hpp"
 
@@ -12,7 +13,7 @@ namespace
 
 constexpr const char *radius_array = "MaximumInscribedSphereRadius";
 
-// Holds one Piece element of the file and its contents.
+// Holds one Piece element of a .vtp file and its contents.
 class Piece
 {
   public:
@@ -104,7 +105,7 @@ class Piece
         return array ? file_.values(array, wanted) : std::vector<double>{};
     }
 
-    // VTK stores a string as the numbers of its letters, and a 0 ends each string.
+    // VTK stores a string as the numeric codes of its letters, followed by a 0.
     std::vector<std::string> branch_names() const
     {
         std::vector<std::string> names;

@@ -1,5 +1,5 @@
-// In a Wavefront OBJ the centrelines are lines, with one object per branch. OBJ has no radius, so our own
-// files state it in a comment after each point.
+// In a Wavefront OBJ file the centrelines are polylines, with one object per branch. The OBJ format has no
+// radius, so the files that this project writes give the radius in a comment after each point.
 #include "host/base/number_text.hpp"
 #include "tools/centreline/formats.hpp"
 
@@ -83,8 +83,8 @@ class Reader
         points_.push_back(sphere);
     }
 
-    // The elements "l 1 2" and "l 2 3" of one object form one branch, because other programs write every
-    // segment alone.
+    // The elements "l 1 2" and "l 2 3" of one object form one branch, because other programs write each
+    // segment of a polyline as a separate element.
     void chain(const std::vector<std::string_view> &words)
     {
         std::vector<std::size_t> order;

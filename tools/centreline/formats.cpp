@@ -1,4 +1,4 @@
-// Holds what all formats share: how files, lines, words and numbers are read and written.
+// Reads and writes files, lines, words and numbers for all formats of centrelines.
 #include "tools/centreline/formats.hpp"
 #include "host/base/guarded_read.hpp"
 #include "host/base/pending_file.hpp"
@@ -100,7 +100,7 @@ Tree read_tree_apart(const std::filesystem::path &file)
 Tree read_tree(const std::filesystem::path &file, bool needs_radii)
 {
     const std::string name = file.string();
-    // Libraries parse JSON and XML; the two other formats are read line by line here.
+    // Libraries parse the JSON and XML formats; this project reads the .csv and .obj formats line by line.
     if (ends_with(file, ".json") || ends_with(file, ".vtp")) return read_tree_apart(file);
     if (ends_with(file, ".csv")) return read_csv(content_of(file), name);
     if (ends_with(file, ".obj")) return read_polyline(content_of(file), name, needs_radii);

@@ -1,5 +1,5 @@
-// Joins separate curves into a tree. The code finds which curve begins inside which other, and where it
-// leaves that curve.
+// Joins separate curves into a vessel tree. For each curve the code finds the curve inside which it begins,
+// and the point at which it leaves that curve.
 #include "tools/centreline/join.hpp"
 
 #include <algorithm>
@@ -10,11 +10,11 @@ namespace crn::centreline
 namespace
 {
 
-// A curve has not left its parent while it is within this distance of the parent's line, in radii of the
-// parent.
+// A curve counts as part of its parent until its distance from the parent's centreline exceeds this many
+// radii of the parent.
 constexpr double along_share = 0.3;
-// A curve still belongs to a tube if it begins at most this far outside the tube, in radii of the curve,
-// because some tools end curves at the wall.
+// A curve may begin outside its parent's tube by up to this many radii of the curve, because some programs
+// end curves at the vessel's wall.
 constexpr double outside_share = 0.5;
 
 double mean_radius_mm(const Branch &branch)
@@ -24,8 +24,8 @@ double mean_radius_mm(const Branch &branch)
     return sum / static_cast<double>(branch.spheres.size());
 }
 
-// Returns the distance of a curve's end from a branch's tube in radii of the branch, below 0 inside, or
-// INFINITY when it lies too far outside.
+// Returns the distance of a curve's end from a branch's tube, in radii of the branch. The distance is
+// negative inside the tube, and INFINITY when the end lies too far outside.
 double depth_in(const Branch &tube, const Sphere &end)
 {
     const HullPlace place = hull_place(tube, end.centre_mm);
@@ -33,8 +33,8 @@ double depth_in(const Branch &tube, const Sphere &end)
     return place.distance_mm / tube.spheres[place.sphere].radius_mm;
 }
 
-// Cuts off the part of a curve that runs along the parent's line, and puts the parent's sphere before the
-// rest.
+// Cuts off the part of a curve that runs along its parent's centreline, and puts the parent's sphere before
+// the remaining part.
 void attach(Branch &curve, const Branch &parent)
 {
     std::size_t left = 0;
@@ -55,8 +55,8 @@ void attach(Branch &curve, const Branch &parent)
         curve.spheres.insert(curve.spheres.begin(), shared);
 }
 
-// The curve with the end nearest to the inlet becomes the first one, and is reversed if necessary so that it
-// runs away from the inlet.
+// The curve whose end is nearest to the inlet becomes the first curve. If necessary the code reverses this
+// curve, so that it runs away from the inlet.
 void begin_at(std::vector<Branch> &curves, const Eigen::Vector3d &inlet_mm)
 {
     std::size_t first = 0;
@@ -88,7 +88,8 @@ void grow_tree(std::size_t count, std::size_t first, const DepthOf &depth,
         if (branch == 0) next = first;
         is_placed[next] = true;
         place(best[next]);
-        // Only the new branch can be a better parent than the branches before it.
+        // After each step only the newly added branch can be a better parent for a curve than the earlier
+        // branches.
         for (std::size_t c = 0; c < count; ++c)
             for (bool is_last : {false, true}) {
                 if (is_placed[c]) break;
@@ -105,7 +106,8 @@ Tree joined(const Tree &tree, const Eigen::Vector3d *inlet_mm)
         if (tree.branches[b].parent < 0) roots.push_back(b);
     if (roots.size() != tree.branches.size() || roots.size() == 1)
         return tree; // the file says which branch leaves which
-    // The widest curve is the trunk; a curve that lies in no tube of the present tree begins another root.
+    // The widest curve is the trunk. If a curve lies in no tube of the tree that is made so far, it becomes
+    // another root.
     std::stable_sort(roots.begin(), roots.end(), [&](std::size_t a, std::size_t b) {
         return mean_radius_mm(tree.branches[a]) > mean_radius_mm(tree.branches[b]);
     });

@@ -1,4 +1,5 @@
-// Checks the rules of trees, computes distances, and splits trees.
+// Checks that vessel trees obey the rules in tree.hpp, computes distances to their branches, and splits
+// trees.
 #include "tools/centreline/tree.hpp"
 
 #include <algorithm>
@@ -86,9 +87,9 @@ double length_mm(const Branch &branch)
     return sum;
 }
 
-// For p, s is the coordinate along the axis and q the distance from the axis; the side of the hull is the
-// cone that touches both spheres. Where the foot of the normal lies beyond an end of the cone, the sphere at
-// that end is nearer.
+// For the point p, s is the coordinate along the axis from a to b, and q is the distance from this axis. The
+// side of the hull is the cone that touches both spheres. Where the perpendicular from p meets the cone's
+// line beyond an end of the cone, the sphere at that end is nearer to p.
 double tapered_capsule_distance(const Eigen::Vector3d &p, const Eigen::Vector3d &a, double radius_a,
                                 const Eigen::Vector3d &b, double radius_b)
 {
@@ -151,7 +152,8 @@ Tree split_at_junctions(const Tree &tree)
     for (const Branch &branch : tree.branches)
         if (branch.parent >= 0) cuts[branch.parent].push_back(branch.parent_sphere);
     Tree split;
-    // Lists for each old branch the spheres at which a new branch ends, with the number of that new branch.
+    // The list has, for each old branch, the spheres at which a new branch ends, and the number of this new
+    // branch.
     std::vector<std::vector<std::pair<std::size_t, int>>> ends(tree.branches.size());
     for (std::size_t b = 0; b < tree.branches.size(); ++b) {
         const Branch &old = tree.branches[b];
@@ -165,8 +167,8 @@ Tree split_at_junctions(const Tree &tree)
                 if (sphere == old.parent_sphere) parent = made;
         std::size_t first = 0;
         for (std::size_t cut : at) {
-            // A cut at the first sphere makes no new branch, because no part of the old branch lies before
-            // it.
+            // A cut at the first sphere of a branch makes no new branch, because no part of the old branch
+            // lies before this sphere.
             if (cut == 0) {
                 ends[b].push_back({0, parent});
                 continue;

@@ -1,6 +1,7 @@
-// A vessel tree is a set of branches, each of which is an ordered list of inscribed spheres. The centreline
-// tool makes such trees, files store them, and `bake` and the flow of contrast medium read them. Lengths are
-// in millimetres, in the axes of the mesh from which the tree was made.
+// A vessel tree is a set of branches, each of which is an ordered list of inscribed spheres. The program
+// `centreline` makes vessel trees and stores them in files. The program `bake` and the simulation of contrast
+// medium read these files. Coordinates are in millimetres, along the axes of the mesh from which the tree was
+// made.
 #pragma once
 #include "tools/mesh/fault.hpp"
 
@@ -33,44 +34,44 @@ struct Branch {
     std::vector<Sphere> spheres;   // in the direction of the blood, at least two
 };
 
-// A branch's number is its id: readers and writers keep it, and it is the same in all frames of a beating
-// tree.
+// A branch is identified by its number. The functions that read and write files keep the numbers of branches,
+// and a branch has the same number in all frames of a beating tree.
 struct Tree {
     std::vector<Branch> branches;
 };
 
-// Throws Fault that names file, branch and sphere when the tree breaks a rule stated above.
+// Throws a Fault that names file, branch and sphere when the tree breaks one of the rules above.
 void check_tree(const Tree &tree, const std::string &name);
 
 std::size_t sphere_count(const Tree &tree);
 double length_mm(const Branch &branch);
 
-// Returns the distance, negative inside, to a capsule whose radius changes linearly from a to b (the hull of
-// the two spheres).
+// Returns the distance of p to a capsule whose radius changes linearly from a to b (the hull of two spheres);
+// the distance is negative inside.
 double tapered_capsule_distance(const Eigen::Vector3d &p, const Eigen::Vector3d &a, double radius_a,
                                 const Eigen::Vector3d &b, double radius_b);
 
-// Returns the distance to the tube of a branch's spheres [first, last], and the sphere that is nearest in
-// that sense.
+// Holds a point's distance to the tube around a branch's spheres, and the sphere at which this distance is
+// smallest.
 struct HullPlace {
     double distance_mm;
     std::size_t sphere;
 };
 HullPlace hull_place(const Branch &branch, const Eigen::Vector3d &p_mm);
 
-// Returns the nearest point of the line through the centres: its place as sphere number and fraction, and its
-// distance.
+// Describes the nearest point on the line through the spheres' centres: its distance, its position as sphere
+// number plus fraction, and the radius at this position.
 struct LinePlace {
     double distance_mm, at, radius_mm;
 };
 LinePlace line_place(const Branch &branch, const Eigen::Vector3d &p_mm);
 
-// Returns the first sphere of the branch whose centre lies outside its parent's tube; 0 for a root. The
-// branch's spheres before that one only connect the parent's middle with the wall.
+// Returns the number of the branch's first sphere whose centre lies outside the parent's tube; returns 0 for
+// a root. The spheres before this first sphere only connect the middle of the parent with the parent's wall.
 std::size_t first_own_sphere(const Tree &tree, std::size_t branch);
 
-// Splits branches where others leave, as VMTK does: afterwards every parent_sphere is the parent's last
-// sphere.
+// Splits each branch where another branch leaves it, as VMTK does. In the result every parent_sphere is the
+// parent's last sphere.
 Tree split_at_junctions(const Tree &tree);
 
 } // namespace crn::centreline

@@ -1,4 +1,4 @@
-// Decodes an array in this order: base64, header, zlib, numbers.
+// Decodes an array of a VTK file in four steps: base64 text, header, zlib compression, numbers.
 #include "tools/centreline/vtk_array.hpp"
 
 #include <algorithm>
@@ -12,14 +12,14 @@ namespace crn::centreline
 namespace
 {
 
-// Reads bytes from base64 text, chunk after chunk, because VTK pads a header and the data behind it
-// separately.
+// Reads bytes from base64 text, chunk after chunk, because VTK pads the base64 text of the header and of the
+// data after it separately.
 class Base64
 {
   public:
     explicit Base64(std::string_view text) : text_(text) {}
 
-    // Reads exactly `count` bytes; returns false when the text ends before, or contains a letter outside
+    // Reads exactly `count` bytes; returns false when the text is too short or contains a letter that is not
     // base64.
     bool read(std::size_t count, std::string &bytes)
     {
@@ -41,8 +41,8 @@ class Base64
 
     bool quad()
     {
-        // We decode up to 4,096 groups of four letters at a time, so that a long text is not moved again and
-        // again.
+        // The code decodes up to 4,096 groups of four letters at a time, because removing each group singly
+        // would move a long text again and again.
         for (int n = 0; n < 4096; ++n) {
             std::uint32_t bits = 0;
             int digits = 0, padding = 0;
@@ -132,7 +132,8 @@ VtkFile::VtkFile(const std::string &text, const std::string &name) : name_(name)
         throw Fault(name_ + ":" + std::to_string(std::count(text.begin(), end, '\n') + 1) +
                     ": is no XML text: " + result.description() + ": export the file again");
     }
-    // XML permits an attribute name only once; pugixml would silently take the first of two.
+    // XML permits an attribute name only once in an element; of two attributes with the same name, pugixml
+    // would silently use the first.
     TwiceNamed twice;
     if (document_.traverse(twice); !twice.name.empty())
         fail("has the attribute '" + twice.name.substr(0, 40) +
@@ -148,7 +149,7 @@ VtkFile::VtkFile(const std::string &text, const std::string &name) : name_(name)
         fail("is compressed by " + compressor + ": save it with zlib, or uncompressed");
 }
 
-// Returns the bytes of an array that is not stored as text. `what` is the array's name for messages.
+// Returns the bytes of an array that is stored in binary form. `what` is the array's name for error messages.
 std::string VtkFile::bytes_of(const pugi::xml_node &array, const std::string &what) const
 {
     std::string_view text = array.child_value();

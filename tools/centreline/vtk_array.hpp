@@ -1,5 +1,5 @@
-// Reads the number arrays of VTK's XML files: as text, or as base64 with or without zlib, inside their
-// element or appended to the file. See Kitware, "VTK XML Formats".
+// Reads the number arrays of VTK's XML files. An array is stored as text, or as base64 with or without zlib,
+// inside its element or at the end of the file. See Kitware, "VTK XML Formats".
 #pragma once
 #include "tools/centreline/formats.hpp"
 
@@ -13,14 +13,14 @@ constexpr std::size_t array_bytes_max = std::size_t{256} << 20;
 class VtkFile
 {
   public:
-    // Parses the text and checks the root element. Throws Fault.
+    // Parses the text of a VTK file and checks the root element. Throws Fault.
     VtkFile(const std::string &text, const std::string &name);
 
     const pugi::xml_document &document() const { return document_; }
     const std::string &name() const { return name_; }
 
-    // Returns the values of a DataArray element. Throws Fault naming the array when its values cannot be
-    // read, or when their number is not `count` (if `count` is not 0).
+    // Returns the numbers that a DataArray element holds. Throws a Fault with the array's name when its
+    // values cannot be read, or when `count` is not 0 and the array does not have `count` values.
     std::vector<double> values(const pugi::xml_node &array, std::size_t count) const;
 
     [[noreturn]] void fail(const std::string &what) const { throw Fault(name_ + ": " + what); }

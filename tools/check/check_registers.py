@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Compares every address, offset, field, pad and width in firmware/port/imxrt1062 with a machine-readable description
-of the chip. The description is the crate imxrt-ral, which cargo fetches into build/registers (register_description.py).
-Prints TAP.
+"""Compares every register address, offset, bit field, pad and width in firmware/port/imxrt1062 with a machine-readable
+description of the chip. The description is the Rust crate imxrt-ral, which cargo fetches into build/registers
+(register_description.py). Prints TAP.
 
-When all values agree, the digests of the port's files are written to firmware/port/imxrt1062/registers.checked. `make
-test` compares the digests (test_registers.py), so that test needs no network and notices every file that changed
-without this check. Registers that the crate does not describe are listed in docs/porting.md, "What no script has
-checked"."""
+When all values agree, the script writes the digests of the port's files to firmware/port/imxrt1062/registers.checked.
+`make test` compares these digests with the files (test_registers.py). The test test_registers.py needs no network, and
+it fails if a file was changed without this check. docs/porting.md lists the registers that the crate does not describe,
+under "What no script has checked"."""
 
 import os
 import re
@@ -30,7 +30,7 @@ def module_of(instance):
 
 
 class Header:
-    """Sorts the header's lines by kind; lines that cannot be read are added to `findings`."""
+    """Sorts the lines of the port's C header by kind, and adds lines that cannot be interpreted to `findings`."""
 
     def __init__(self, text):
         self.bases, self.lines, self.findings = {}, [], []
@@ -48,13 +48,13 @@ class Header:
             self.lines.append((number, words[1], value))
 
     def instance(self, name):
-        """Returns the instance whose module name is the longest one with which `name` begins."""
+        """Returns the instance whose module name is the longest module name at the beginning of `name`."""
         found = [i for i in self.bases if name.startswith(module_of(i) + "_")]
         return max(found, key=lambda i: len(module_of(i))) if found else None
 
 
 def register_names(name):
-    """`SMVAL3_0` in the header is SMVAL3[0] in the description, if the description has an array there."""
+    """A register `SMVAL3_0` of the C header is SMVAL3[0] in the description, if SMVAL3 is an array there."""
     match = re.match(r"(.*)_(\d+)$", name)
     return [name] + (["%s[%s]" % match.groups()] if match else [])
 
@@ -71,7 +71,8 @@ def stride(block, name):
 
 
 def check_pad(iomux, name, value):
-    """Reads the lines PAD_<pad>_<function> (mux, mode, pad register) and DAISY_<input>_<pad> (register, value)."""
+    """Reads the header's lines PAD_<pad>_<function> (mux, mode, pad register) and DAISY_<input>_<pad> (register,
+    value)."""
     kind, rest = name.split("_", 1)
     if kind == "PAD":
         for pad in (rest[: m.start()] for m in re.finditer("_", rest)):
@@ -93,7 +94,8 @@ def check_pad(iomux, name, value):
 
 
 def check_line(header, description, name, value):
-    """Returns None, or the value in the description if it differs from the given one."""
+    """Returns None if the header's value agrees with the chip's description, and otherwise a text that states the
+    difference."""
     if name.startswith("BASE_"):
         right = description.bases.get(name[5:])
         return None if right == value[0] else "the description has %s" % (right if right is None else hex(right))
@@ -128,7 +130,8 @@ def check_header(text, description):
 
 
 def check_access(path, text, header, description):
-    """Registers must be read and written in their own width, at a base address of their own module."""
+    """Checks that the code accesses each register in the register's own width, and at a base address of its own
+    module."""
     for match in ACCESS.finditer(tree.code_only(text)):
         bits, base, name = int(match.group(1)), match.group(2).strip(), match.group(3)
         place = "%s:%d" % (path, tree.line_of(text, match.start()))
@@ -144,7 +147,8 @@ def check_access(path, text, header, description):
 
 
 def used_names(text, sources):
-    """Every name of the header must be used, because the header contains only the registers that the port needs."""
+    """Checks that the code uses every name of the C header, because this header should contain only the registers that
+    the port needs."""
     code = " ".join(tree.TOKENS.sub(tree.blank, source) for source in sources)
     words = set(re.findall(r"\w+", code)) | {
         "IOMUXC_SW_PAD_CTL_PAD_GPIO_EMC_24_" + f for f in re.findall(r"PAD_FIELD\((\w+)", code)

@@ -1,5 +1,5 @@
-/* Defines the text output of those check programs that also run without an operating system. A program is
- * linked with either console_stdio.c or console_semihost.c. */
+/* Declares the text output for those check programs that also run without an operating system. Each check
+ * program is linked with either console_stdio.c or console_semihost.c. */
 #ifndef CRN_CHECK_CONSOLE_H
 #define CRN_CHECK_CONSOLE_H
 

@@ -1,4 +1,4 @@
-/* Implements the console of an image that runs without an operating system. */
+/* Implements the text output of a check program that runs without an operating system. */
 #include "firmware/port/mps2_an500/semihost.h"
 #include "tools/check/console.h"
 

@@ -1,4 +1,4 @@
-/* Implements the console of a program that runs under an operating system. */
+/* Implements the text output of a check program that runs under an operating system. */
 #include "tools/check/console.h"
 
 #include <stdio.h>

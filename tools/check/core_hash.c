@@ -1,9 +1,11 @@
-/* Drives the core through the scenes of core_scenes.c and prints its state hashes. Every compiler,
- * optimisation level and machine must print the same lines (tools/check/tests/test_compilers.sh,
- * tools/check/matrix.py). To find where the results of two machines begin to differ, the program also prints
- * a hash per tick and subsystem, and every word of one tick.
+/* Runs the simulation core through the scenes of core_scenes.c and prints hashes of the core's state. The
+ * program must print the same lines with every compiler, optimisation level and machine
+ * (tools/check/tests/test_compilers.sh, tools/check/matrix.py). To show where the results of two machines
+ * begin to differ, the program can also print a hash per tick and subsystem, and every word of the state in
+ * one tick.
  *
- * Freestanding, with its memory in itself: runs on a bare Cortex-M7 as on a PC. */
+ * The program is freestanding and has static memory only, so it runs on a Cortex-M7 without an operating
+ * system as well as on a PC. */
 #include "tools/check/console.h"
 #include "tools/check/core_scenes.h"
 
@@ -52,7 +54,7 @@ static bool same(const char *a, const char *b)
     return *a == *b;
 }
 
-/* Returns the FNV-1a hash of one part of the state of all free nodes. */
+/* Returns the FNV-1a hash of one part of the state (such as twist or friction) over all free nodes. */
 static uint32_t hash_part(const part *p, uint32_t hash)
 {
     for (uint32_t i = 0; i < state.words.free_count; i++) {
@@ -93,7 +95,7 @@ static void write_field(const char *name, int32_t value)
     write_decimal(value);
 }
 
-/* Writes one line per tick: `trace SCENE TICK feed=HASH stretch=HASH ...`. */
+/* Writes one line of text per tick, in the form `trace SCENE TICK feed=HASH stretch=HASH ...`. */
 static void write_trace(const core_scene *scene, uint32_t tick)
 {
     console_write("trace ");
@@ -111,7 +113,7 @@ static void write_trace(const core_scene *scene, uint32_t tick)
     console_write("\n");
 }
 
-/* Writes one line per node and part: `node SCENE TICK PART NODE WORDS`. */
+/* Writes one line of text per node and part of the state, in the form `node SCENE TICK PART NODE WORDS`. */
 static void write_nodes(const core_scene *scene, uint32_t tick)
 {
     for (uint32_t p = 0; p < PART_COUNT; p++) {
@@ -153,8 +155,8 @@ typedef struct options {
     const char *flip_part, *scene; /* NULL: every scene */
 } options;
 
-/* Changes the lowest bit of one word, as a faulty machine would, and of the node's position, which follows
- * from that word. */
+/* Flips the lowest bit of one word of the state, as a faulty machine might do, and also of the node's
+ * position, which depends on that word. */
 static void flip(const options *o, uint32_t tick)
 {
     for (uint32_t p = 0; p < PART_COUNT && tick == o->flip_tick; p++) {

@@ -1,29 +1,31 @@
-/* Defines the scenes of core_hash.c; core_scenes.h states their purpose.
+/* Defines the simulated scenes that core_hash.c runs; core_scenes.h states their purpose.
  *
- * tube: a J wire enters a square tube, 8 mm wide and 120 mm long, touches, turns, is pushed against the end
- * wall until it buckles, and is pulled back.
+ * In the scene "tube" a J wire enters a square tube, 8 mm wide and 120 mm long. The wire touches the walls,
+ * is turned, is pushed against the end wall until it buckles, and is pulled back.
  *
  *      entry -> ================================|   y = 120 mm
  *               8 mm                            |
  *               ================================|
  *
- * fine: a stiff uniform wire is pushed, pulled and turned as fast as the core allows, so that the core's
- * limits act. This tube has the same shape but is 4 mm wide, and it is made of refined bricks.
+ * In the scene "fine" a stiff uniform wire is pushed, pulled and turned as fast as the core allows, so that
+ * the core's limits act. The tube of this scene has the same shape but is 4 mm wide, and its distance field
+ * has finer voxels.
  *
- * air: a floppy shaped wire hangs without a lumen and is turned.
+ * In the scene "air" a floppy wire with a curved resting shape hangs in free space and is turned.
  *
- * coaxial: the J wire lies in two shaped catheters in the tube. The tip of every tool is foremost once, and
- * every tool slides and turns against the others.
+ * In the scene "coaxial" the J wire lies inside two nested, curved catheters in the tube. The tip of each of
+ * the three tools is foremost once, and each tool slides and turns against the other tools.
  *
- * beating: the J wire lies in the tube, whose middle moves to and fro by 3.6 mm with a beating heart and also
- * with breath. The heart receives every kind of order once.
+ * In the scene "beating" the J wire lies in a tube whose middle moves to and fro by 3.6 mm with a beating
+ * heart, and also with breathing. Every kind of command for the heart (such as a change of rate) occurs once.
  *
- * balloon: a wire lies in a balloon catheter in the fine tube. The balloon fills the tube and opens a lesion.
- * The catheter is pulled while the balloon is inflated, and pushed after it is deflated. The lesion is held
- * open, and the balloon bursts.
+ * In the scene "balloon" a wire lies in a balloon catheter in the 4 mm wide tube. The balloon is inflated
+ * until it fills the tube and opens a lesion. The catheter is pulled while the balloon is inflated, and
+ * pushed after the balloon is deflated. Later a scaffold (stent) holds the lesion open, and at the end the
+ * balloon bursts.
  *
- * stented: the J wire in the beating tube moves to and fro through and beside a stent that touches no wall.
- * The stent is widened later, and it loses half of its rings. */
+ * In the scene "stented" the J wire moves to and fro in the beating tube, through and beside a stent that
+ * touches no wall. Later the stent is widened, and then half of its rings are removed. */
 #include "tools/check/core_scenes.h"
 
 enum { TUBE, FINE, AIR, COAXIAL, BEATING, BALLOON, STENTED };
@@ -50,8 +52,8 @@ const core_scene core_scenes[CORE_SCENE_COUNT] = {{"tube", 4000},    {"fine", 15
                                                   {"coaxial", 3000}, {"beating", 3500}, {"balloon", 3000},
                                                   {"stented", 4500}};
 
-/* This block is the memory of a scene's lumen. Only one scene exists at a time: core_scene_start makes it
- * anew. */
+/* This block holds the distance field of the scene's tube. Only one scene exists at a time, and
+ * core_scene_start fills this memory again for each scene. */
 static struct {
     crn_lumen lumen;
     uint16_t index[COARSE_COUNT];
@@ -74,14 +76,15 @@ static int32_t size_of(int32_t a)
     return a < 0 ? -a : a;
 }
 
-/* Returns the distance at a point in 1/32 coarse voxel, which is the largest of the distances from the five
- * walls. */
+/* Returns the signed distance from a point to the tube's wall, in 1/32 of a coarse voxel, as the largest of
+ * the signed distances from the five walls. */
 static int32_t tube_distance(int32_t x, int32_t y, int32_t z, int32_t half_width)
 {
     return largest(largest(size_of(x), size_of(z)) - half_width, y - TUBE_LENGTH);
 }
 
-/* Fills a brick with its low corner at (x, y, z) in 1/32 coarse voxel; its voxels are 2^level times finer. */
+/* Fills a brick (a small block of voxels) with distances. The low corner is given in 1/32 of a coarse voxel,
+ * and the brick's voxels are 2^level times finer than coarse voxels. */
 static void fill_brick(int8_t *samples, const int32_t corner[3], unsigned level, int32_t half_width)
 {
     for (int32_t i = 0; i < CRN_LUMEN_BRICK_SAMPLES; i++) {
@@ -124,8 +127,8 @@ static void fill_fine(void)
     }
 }
 
-/* Fills the row of a node that moves by `reach` units in mid-cycle; its displacement follows a parabola in
- * time. */
+/* Fills the table row with the displacements of a lattice node over one cycle. The displacement is a parabola
+ * in time with its peak of `reach` units in mid-cycle. */
 static void fill_row(int16_t *row, int32_t reach)
 {
     for (int32_t i = 0; i < CRN_MOTION_KEYFRAMES + 2; i++) {
@@ -134,7 +137,8 @@ static void fill_row(int16_t *row, int32_t reach)
     }
 }
 
-/* Makes a motion that is largest in the middle of the tube and zero at the lattice's boundary. */
+/* Makes a motion of the tube that is largest in the tube's middle and zero at the boundary of the motion
+ * lattice. */
 static const crn_motion *make_motion(void)
 {
     for (int32_t node = 0; node < NODES_X * NODES_Y * NODES_Z; node++) {
@@ -159,7 +163,7 @@ static const crn_motion *make_motion(void)
     return &field.motion;
 }
 
-/* Makes a lesion of 16 mm along the tube, whose wall can be opened by 0.6 mm to one side. */
+/* Makes a lesion that is 16 mm long and whose wall a balloon can push outwards by 0.6 mm on one side. */
 static const crn_lesion *make_lesion(void)
 {
     const int32_t voxel = 1 << CRN_LUMEN_VOXEL_LOG2_Q30, radius = FINE_HALF_WIDTH * (voxel / 32);
@@ -242,7 +246,8 @@ static crn_instrument make_j_wire(uint32_t shaft_nN_m2)
     return wire;
 }
 
-/* The wire has 4.9e-3 N m^2 from end to end, like the stiffest wire on the market. */
+/* Makes a wire with a bending stiffness of 4.9e-3 N m^2 from end to end, like the stiffest wire on the
+ * market. */
 static crn_instrument make_stiff_wire(void)
 {
     const crn_knot tip = {.arc_um = 0,
@@ -294,7 +299,8 @@ static crn_instrument make_catheter(uint32_t bend_nN_m2, uint32_t radius_um, int
     return catheter;
 }
 
-/* Makes a balloon of 5 x 20 mm at 8 bar, 8 mm behind the tip. */
+/* Makes a catheter with a balloon that is 5 mm wide and 20 mm long at 8 bar and ends 8 mm behind the
+ * catheter's tip. */
 static crn_instrument make_balloon_catheter(void)
 {
     crn_instrument catheter = make_catheter(50000, 750, 0);
@@ -325,7 +331,8 @@ bool core_scene_start(uint32_t scene, crn_model *model, crn_state *state)
     return true;
 }
 
-/* Moves forwards at `step` while turning, then back at half that speed. */
+/* Returns a motion of the user's hand that advances by `step` per tick while turning, and then moves back at
+ * half this speed. */
 static crn_input forward_and_back(uint32_t tick, uint32_t forward_ticks, int32_t step_m_q30, uint32_t turn32)
 {
     uint32_t forward = tick < forward_ticks ? tick : forward_ticks;
@@ -336,7 +343,8 @@ static crn_input forward_and_back(uint32_t tick, uint32_t forward_ticks, int32_t
     return input;
 }
 
-/* Tool k moves to and fro at 0.1 m/s with a period and phase of its own, and turns meanwhile. */
+/* Moves tool number k to and fro at 0.1 m/s, with a period and phase that differ between tools, and turns the
+ * tool meanwhile. */
 static crn_input every_tool(uint32_t tick, uint32_t variant)
 {
     crn_input input = {0};
@@ -350,7 +358,7 @@ static crn_input every_tool(uint32_t tick, uint32_t variant)
     return input;
 }
 
-/* Returns the order that the heart and breath receive at this tick. */
+/* Returns the command for the beating heart and for breathing at this tick. */
 static crn_rhythm_order order_at(uint32_t tick)
 {
     switch (tick) {
@@ -373,8 +381,8 @@ static crn_rhythm_order order_at(uint32_t tick)
     }
 }
 
-/* The balloon's pressure rises to 12 bar and falls, twice, and then rises beyond the burst pressure; the
- * catheter moves back and forth by 5 mm.
+/* The balloon's pressure rises to 12 bar and falls again, twice, and then rises beyond the burst pressure.
+ * Meanwhile the catheter moves back and forth by 5 mm.
  */
 static crn_input inflated(uint32_t tick, uint32_t variant)
 {
@@ -387,8 +395,8 @@ static crn_input inflated(uint32_t tick, uint32_t variant)
     return input;
 }
 
-/* Orders twelve rings of a stent, one per tick: they are 4.8 mm wide, and later 6 mm; then the last six are
- * removed. */
+/* Commands the core to place twelve rings of a stent, one ring per tick. The rings are first 4.8 mm and later
+ * 6 mm wide, and then the last six rings are removed. */
 static crn_strut_order strut_at(uint32_t tick)
 {
     enum { RINGS = 12, WIDENED = 1850, TAKEN = 3600 };
@@ -402,7 +410,7 @@ static crn_strut_order strut_at(uint32_t tick)
     return (crn_strut_order){.number = 0};
 }
 
-/* Moves the wire 45 mm to and fro while turning it; no two strokes begin at the same angle. */
+/* Moves the wire 45 mm to and fro while turning it; each stroke begins at a different angle of rotation. */
 static crn_input through_struts(uint32_t tick, uint32_t variant)
 {
     const uint32_t phase = tick % 1800, place = phase < 900 ? phase : 1800 - phase;

@@ -1,4 +1,5 @@
-/* The scenes are scripted from integers only, so they are the same on every machine. core_hash.c runs them.
+/* These scripted scenes use only integers, so they are identical on every machine. The program core_hash.c
+ * runs the scenes.
  */
 #ifndef CRN_CHECK_CORE_SCENES_H
 #define CRN_CHECK_CORE_SCENES_H
@@ -14,11 +15,12 @@ typedef struct core_scene {
 
 extern const core_scene core_scenes[CORE_SCENE_COUNT];
 
-/* Makes the model and first state of a scene; returns false when the core refuses them. */
+/* Makes the core's model and first state for a scene; returns false when the core refuses the model or the
+ * state. */
 bool core_scene_start(uint32_t scene, crn_model *model, crn_state *state);
 
-/* Returns the position of the simulated hand at a tick (from 1). `variant` changes the hand's motion a
- * little. */
+/* Returns the positions of the simulated user's hands at a tick (ticks are counted from 1). Different values
+ * of `variant` change the motion of the simulated hand a little. */
 crn_input core_scene_hand(uint32_t scene, uint32_t tick, uint32_t variant);
 
 #endif

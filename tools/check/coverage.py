@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Counts the lines of the project that a run of the tests executes, by folder and in total.
+"""Counts the project's source lines that a run of the tests executes, for each folder and in total.
 
   coverage.py --build build/coverage --profiles build/coverage/profiles --programs FILE...
 
-The programs must be compiled by clang with `-fprofile-instr-generate -fcoverage-mapping`, and must have run with
-LLVM_PROFILE_FILE=build/coverage/profiles/%p-%m.profraw. Lines of tests, of generated files below the build folder and
-of other people's headers are not counted. The figures go to out/coverage.tsv, as `name<TAB>value<TAB>unit<TAB>context`.
+The test programs must be compiled by clang with `-fprofile-instr-generate -fcoverage-mapping`, and must have run with
+LLVM_PROFILE_FILE=build/coverage/profiles/%p-%m.profraw. The script does not count lines of tests, of generated files
+below the build folder, and of third-party headers. The script writes its figures to out/coverage.tsv, as lines
+`name<TAB>value<TAB>unit<TAB>context`.
 """
 
 import argparse
@@ -41,7 +42,8 @@ def call(words):
 
 
 def profiles_in(folder):
-    """Returns every .profraw file below a folder except empty files, which a killed program may leave."""
+    """Returns every .profraw file (raw coverage profile) below a folder, except empty files, which a killed program may
+    leave."""
     found = []
     for parent, _, names in os.walk(folder):
         found += [os.path.join(parent, name) for name in names if name.endswith(".profraw")]
@@ -54,7 +56,7 @@ def profiles_in(folder):
 
 
 def merged(build, profiles):
-    """Merges the profiles of all runs into one."""
+    """Merges the coverage profiles of all program runs into one profile."""
     listed, whole = os.path.join(build, "profiles.txt"), os.path.join(build, "coverage.profdata")
     with open(listed, "w", encoding="utf-8") as file:
         file.write("".join("%s\n" % path for path in profiles))
@@ -63,7 +65,7 @@ def merged(build, profiles):
 
 
 def exported(profile, programs):
-    """Returns llvm-cov's summary of every source file."""
+    """Returns the summary that llvm-cov computes for every source file."""
     for path in programs:
         if not os.path.isfile(path):
             raise CoverageError("no program %s: did it build?" % path)
@@ -74,7 +76,7 @@ def exported(profile, programs):
 
 
 def counted_path(path, root, build):
-    """Returns the path inside the repository, or None for a file whose lines are not counted."""
+    """Returns a file's path inside the repository, or None if the lines of this file are not counted."""
     inside = os.path.relpath(os.path.join(root, path), root)
     parts = inside.split(os.sep)
     if (

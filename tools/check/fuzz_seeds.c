@@ -1,8 +1,9 @@
-/* This is the main function of the NAME_seeds programs, which write the valid inputs of a fuzz target into a
- * folder, one file each.
+/* This file has the main function of the programs NAME_seeds. Such a program writes each valid input of the
+ * fuzz target NAME into a separate file of a folder.
  *
- * A target (fuzz_*.c) defines `size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)`. The
- * function writes the input number `index` and returns its size, or 0 when there is no such input. */
+ * Each fuzz target (fuzz_*.c) defines the function `size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t
+ * capacity)`. fuzz_seed() writes the valid input number `index` into `bytes` and returns the input's size, or
+ * 0 when there is no input with this number. */
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>

@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
-"""Measures the structure of the code: include circles of rooms (folders), long functions and files, and crowded
-folders. The script also counts the rooms that depend on the program `cournand`, and measures the largest struct.
+"""Measures the structure of the code: circular includes between folders ("rooms"), long functions and files, and
+crowded folders. The script also counts the folders that depend on the program `cournand`, and measures the largest
+struct.
 
   house.py [--write FILE]
 
-Prints `name<TAB>value<TAB>unit<TAB>context` lines, and as comments the reasons for every value that is not 0. --write
-appends the lines to FILE (out/bench.tsv) and removes older lines of the same names. The exit code is 0.
+For each figure the script prints a line `name<TAB>value<TAB>unit<TAB>context`, and for every figure that is not 0 it
+prints the reasons in comment lines. --write appends the lines to FILE (out/bench.tsv) and removes older lines with the
+same names. The exit code is 0.
 """
 
 import argparse
@@ -25,7 +27,8 @@ SOURCE = tree.C_SUFFIXES + (".py", ".sh")
 
 
 def rooms_graph():
-    """Returns a table from folder to the folders that its files include; tests are not counted."""
+    """Returns a table that maps each folder to the folders from which its files include headers; includes by tests are
+    not counted."""
     graph = collections.defaultdict(set)
     for path in tree.files(*tree.C_SUFFIXES, ".inc"):
         room = os.path.dirname(path)
@@ -48,7 +51,7 @@ def reached(graph, start):
 
 
 def circles(graph):
-    """Returns the groups of rooms that include each other, with each circle once."""
+    """Returns the groups of folders (rooms) that include each other in a circle, with each circle once."""
     reach = {room: reached(graph, room) for room in graph}
     found = {
         frozenset(other for other in reach if other in reach[room] and room in reach[other])
@@ -90,7 +93,7 @@ def over(rule, suffixes):
 
 
 def figures():
-    """Returns a list of (name, value, unit, context, reasons)."""
+    """Measures all figures and returns a list of (name, value, unit, context, reasons)."""
     members, struct = largest_struct()
     for name, unit, behind in (
         ("house.rooms_circles", "circles", circles(rooms_graph())),

@@ -3,13 +3,13 @@
 
 usage: tools/check/make_attenuation.py > host/xray/attenuation.cpp     (needs Debian's libxrl11; exit code 1 without it)
 
-test_attenuation.py compares the written file with what this program writes today.
+The test test_attenuation.py compares the committed file with the text that this program makes today.
 
-Mass attenuation is xraylib's CS_Total, and mass energy absorption is its CS_Energy (Schoonjans et al., Spectrochimica
-Acta B 66 (2011) 776; cross-sections of EPDL97 and of NIST's XCOM). Mixtures that are named in a string are NIST's
-compounds in xraylib. Densities are those of ICRU 44 for tissues, of the pure substance for metals, and nominal for
-products (see MATERIALS). Tube spectra, filters and the choice of energies for pictures are not made here, but in
-host/xray/spectrum.cpp and host/xray/beam_table.cpp.
+The script computes mass attenuation by xraylib's function CS_Total, and mass energy absorption by CS_Energy (Schoonjans
+et al., Spectrochimica Acta B 66 (2011) 776; cross-sections of EPDL97 and of NIST's XCOM). A mixture that is given by a
+name is one of NIST's compounds in xraylib. For tissues the densities come from ICRU 44, for metals they are those of
+the pure substance, and for products they are nominal values (see MATERIALS). The files host/xray/spectrum.cpp and
+host/xray/beam_table.cpp, not this program, compute X-ray tube spectra and filters and choose the energies for pictures.
 """
 
 import ctypes
@@ -49,20 +49,21 @@ MATERIALS = [
 
 
 class Compound(ctypes.Structure):
-    """Mirrors those fields of struct compoundData (xraylib-parser.h) that this script reads."""
+    """Declares for ctypes those fields of struct compoundData (xraylib-parser.h) that this script reads."""
 
     _fields_ = [("element_count", ctypes.c_int), ("atoms", ctypes.c_double), ("elements", ctypes.POINTER(ctypes.c_int))]
 
 
 class Mixture(ctypes.Structure):
-    """Mirrors those fields of struct compoundDataNIST (xraylib-nist-compounds.h) that this script reads."""
+    """Declares for ctypes those fields of struct compoundDataNIST (xraylib-nist-compounds.h) that this script reads."""
 
     _fields_ = [("name", ctypes.c_char_p), ("element_count", ctypes.c_int), ("elements", ctypes.POINTER(ctypes.c_int))]
 
 
 class Xraylib:
-    """Calls the functions of the C library that this script uses; energies are in keV, and cross-sections in cm2/g. The
-    last argument of each function is a pointer to an error; if it is null, the function returns 0 without an error."""
+    """Calls functions of the C library xraylib; photon energies are in keV, and cross-sections are in cm2/g. The last
+    argument of each xraylib function is a pointer for an error object; if this pointer is null, a failing function only
+    returns 0."""
 
     K_SHELL = 0
 
@@ -88,7 +89,7 @@ class Xraylib:
         return call
 
     def elements_of(self, part):
-        """Returns the atomic numbers in a formula or in a named mixture."""
+        """Returns the atomic numbers of the elements in a chemical formula or in a named mixture."""
         found = self.parse(part) or self.mixture(part)
         if not found:
             sys.exit(f"make_attenuation: {LIBRARY} knows neither a formula nor a mixture {part}")
@@ -113,8 +114,8 @@ def linear_per_cm(composition, density):
 
 
 def edge_keV(composition):
-    """Returns the highest K edge between iodine's K edge and the end of the table, or 0 if there is none; interpolation
-    across such an edge is not possible."""
+    """Returns the energy of the highest K edge between iodine's K edge and the end of the table, or 0 if there is no
+    such edge. Attenuation cannot be interpolated across a K edge."""
     edges = [xrl.edge_energy(z, xrl.K_SHELL) for part in parts_of(composition) for z in xrl.elements_of(part)]
     return max([e for e in edges if 34.0 < e < ENERGIES_keV[-1]], default=0.0)
 

@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
-"""Generates firmware/core/fixed_tables.c, the constants used by firmware/core/fixed.h.
+"""Generates firmware/core/fixed_tables.c, which holds the constants that firmware/core/fixed.h uses.
 
   make_tables.py            write the file
   make_tables.py --check    fail when the committed file differs from what this program writes
 
-Lines: on each interval we take the chord of the convex function and lower it by half its largest distance from the
-curve. The lowered chord is the straight line with the smallest worst error. One Newton step in fixed.h then doubles the
-number of correct bits. Polynomial: we interpolate at the Chebyshev points of the interval, which is within a factor of
-about two of the best polynomial.
+To approximate a convex function by a straight line, the script takes the chord on each interval and lowers it by half
+its largest distance from the curve. The lowered chord is the straight line whose largest error on the interval is
+smallest. In fixed.h one Newton step then doubles the number of correct bits of this approximation. For the polynomial
+the script interpolates at the Chebyshev points of the interval; the resulting error is at most about twice that of the
+best polynomial.
 """
 
 import math
@@ -28,19 +29,20 @@ def line(function, derivative_inverse, low, high):
 
 
 def reciprocal_rows():
-    """Returns lines for 1/x on [1/2, 1) in 128 intervals."""
+    """Returns straight lines that approximate 1/x on [1/2, 1), one for each of 128 intervals."""
     for i in range(128, 256):
         yield line(lambda x: 1 / x, lambda s: math.sqrt(-1 / s), i / 256, (i + 1) / 256)
 
 
 def rsqrt_rows():
-    """Returns lines for x^(-1/2) on [1/4, 1) in 192 intervals; its derivative is -x^(-3/2)/2."""
+    """Returns straight lines that approximate x^(-1/2), whose derivative is -x^(-3/2)/2, on [1/4, 1), one for each of
+    192 intervals."""
     for i in range(64, 256):
         yield line(lambda x: 1 / math.sqrt(x), lambda s: (-2 * s) ** (-2 / 3), i / 256, (i + 1) / 256)
 
 
 def solve(matrix, right):
-    """Solves the 7 x 7 system of the interpolation by Gaussian elimination with pivoting."""
+    """Solves the 7 x 7 linear equations of the polynomial interpolation by Gaussian elimination with pivoting."""
     size = len(right)
     rows = [list(matrix[i]) + [right[i]] for i in range(size)]
     for k in range(size):

@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
-"""Runs scripted scenes on every machine, compiler and optimisation level, and shows that all give one hash or finds the
-first difference.
+"""Simulates scripted scenes with every machine, compiler and optimisation level, and checks that all results have the
+same hash. If a hash differs, the script finds the first difference.
 
   matrix.py [--short] [--jobs 2] [--only TEXT] [--break VARIANT:TICK:PART:NODE]
 
-Builds tools/check/core_hash.c with the core for each variant and runs it natively, in QEMU, or on an emulated Cortex-M7
-board. Prints a table and writes out/matrix.tsv. Where a variant differs from the first variant, the script finds the
-first tick, the first part of that tick, and the first node that differ. The parts are feed, stretch, twist, contact,
-force, solve, angle, friction and motion. --short runs one variant per machine and writes no table. --break flips one
-bit in one variant, to show the search. The exit code is 0 if all variants give one hash, 1 if not, and 2 for a usage
+For each variant, the script builds tools/check/core_hash.c with the simulation core, and runs it natively, in QEMU, or
+on an emulated Cortex-M7 board. The script prints a table and also writes this table to out/matrix.tsv. If the results
+of a variant differ from those of the first variant, the script finds the first tick, the first part of this tick, and
+the first node with a difference. The parts of a tick are feed, stretch, twist, contact, force, solve, angle, friction
+and motion. --short runs one variant per machine and writes no table. --break flips one bit in one variant, to
+demonstrate the search. The exit code is 0 if all variants give the same hash, 1 if a hash differs, and 2 for a usage
 error.
 """
 
@@ -65,7 +66,7 @@ class Variant:
 
 
 def variants(short):
-    """The first variant is the reference for all others."""
+    """The first variant in the list is the reference with which all other variants are compared."""
     found = []
     for machine in MACHINES:
         for compiler in ("gcc", "clang"):
@@ -78,7 +79,7 @@ def variants(short):
 
 
 def run(command, time_limit_s=TIME_LIMIT_S):
-    """Returns (exit code, standard output, standard error) as text."""
+    """Runs a command and returns (exit code, standard output, standard error), where both outputs are text."""
     done = subprocess.run(
         command,
         cwd=ROOT,
@@ -92,7 +93,8 @@ def run(command, time_limit_s=TIME_LIMIT_S):
 
 
 def compile_commands(variant, program):
-    """Returns the commands that build the program; the console and the link always use the machine's own gcc."""
+    """Returns the commands that build the program core_hash. The console file is always compiled, and the program is
+    always linked, by the gcc of the target machine."""
     gcc, target, _ = MACHINES[variant.machine]
     bare = variant.machine == "Cortex-M7"
     machine_flags = M7_FLAGS if bare else []
@@ -144,7 +146,7 @@ def build(variant, folder):
 
 
 def ask(variant, arguments):
-    """Returns the program's output for these arguments; raises RuntimeError when it fails."""
+    """Runs core_hash with these arguments and returns its output; raises RuntimeError when the program fails."""
     arguments = arguments + variant.extra
     command = MACHINES[variant.machine][2]
     if variant.machine == "Cortex-M7":
@@ -170,7 +172,7 @@ def make(variant, folder):
 
 
 def first_difference(expected, got):
-    """Returns the index of the first differing line, or None."""
+    """Returns the index of the first line that differs between two outputs, or None if all lines are equal."""
     for index, (left, right) in enumerate(zip(expected, got)):
         if left != right:
             return index
@@ -178,8 +180,8 @@ def first_difference(expected, got):
 
 
 def locate(reference, variant):
-    """Returns a text with the first difference from the reference, such as 'scene tube, tick 12, twist, node 3:
-    0000000a instead of 0000000b'."""
+    """Returns a text that describes the first difference from the reference variant, such as 'scene tube, tick 12,
+    twist, node 3: 0000000a instead of 0000000b'."""
     expected, got = (ask(v, ["trace"]).splitlines() for v in (reference, variant))
     index = first_difference(expected, got)
     if index is None or not expected[index].startswith("trace ") or not got[index].startswith("trace "):
@@ -220,7 +222,7 @@ def judge(reference, variant):
 
 
 def break_one(all_variants, text):
-    """Carries out --break, which flips a bit in the variants whose name begins with the given text."""
+    """Implements the option --break, which flips a bit in every variant whose name begins with the given text."""
     name, tick, part, node = text.split(":")
     chosen = [v for v in all_variants if v.name.startswith(name)]
     for variant in chosen:

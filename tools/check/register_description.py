@@ -1,5 +1,5 @@
-"""Reads the i.MX RT1062's registers from the crate imxrt-ral, which cargo fetches. The crate is only read as data, and
-it is kept under build/ only."""
+"""Reads the i.MX RT1062's registers from the crate imxrt-ral, which cargo fetches. The script reads the crate only as
+data, and keeps it only under build/."""
 
 import os
 import re
@@ -18,8 +18,8 @@ path = "lib.rs"
 %s = "=%s"
 """ % (CRATE, VERSION)
 TIME_LIMIT_S = 180
-# Debian 12's cargo (1.65) reads the registry's index from a git repository by default; later versions read
-# the index from the registry.
+
+# Unlike later versions, cargo 1.65 of Debian 12 reads the registry's index from a git repository by default.
 SPARSE_SINCE = (1, 68)
 SPARSE = [
     "--config",
@@ -34,7 +34,7 @@ class CannotRead(Exception):
 
 
 def vendor_command():
-    """Returns the command and environment of `cargo vendor` for the installed cargo."""
+    """Returns the command `cargo vendor` and the environment that the installed version of cargo needs for it."""
     text = subprocess.run(["cargo", "--version"], stdout=subprocess.PIPE, check=True, universal_newlines=True).stdout
     version = tuple(int(n) for n in re.findall(r"\d+", text)[:2])
     if version >= SPARSE_SINCE:
@@ -45,7 +45,7 @@ def vendor_command():
 
 
 def fetch(folder):
-    """Returns the crate's source folder; fetches the crate into `folder` if it is not there yet."""
+    """Returns the crate's source folder, after fetching the crate into `folder` if the crate is not there yet."""
     source = os.path.join(folder, "vendor", CRATE, "src")
     if os.path.isfile(os.path.join(source, CHIP + ".rs")):
         return source
@@ -93,8 +93,8 @@ def number(text):
 
 
 class Block:
-    """Holds one kind of peripheral as three tables: registers[name] = (offset, bits), fields[register][field] = (shift,
-    bits), and values[register][field][number] = its text in the description."""
+    """Describes one kind of peripheral by three tables: registers[name] = (offset, bits), fields[register][field] =
+    (shift, bits), and values[register][field][number] = the description's text for this number."""
 
     def __init__(self, text):
         self.fields, self.values, self.layouts, self.registers = {}, {}, {}, {}
@@ -133,7 +133,7 @@ class Block:
             self.values.setdefault(path[-3], {}).setdefault(path[-2], {})[number(text)] = doc
 
     def lay_out(self, layout, offset, suffix):
-        """Reads one RegisterBlock and returns the offset that follows it."""
+        """Reads one RegisterBlock of the Rust source and returns the offset that follows this block."""
         for name, bits, gap, array_bits, array, inner, count, single in self.layouts[layout]:
             if gap:
                 offset += number(gap)
@@ -150,7 +150,8 @@ class Block:
 
 
 class Description:
-    """Holds the address of every instance as bases[instance]; block(instance) returns its Block."""
+    """Holds the base address of every peripheral as bases[instance]; block(instance) returns the Block that describes
+    the peripheral's registers."""
 
     def __init__(self, source):
         self.source, self.bases, self.files, self.blocks = source, {}, {}, {}

@@ -1,5 +1,5 @@
-"""Records by their digests which files of the board's port were compared with the chip's description
-(check_registers.py writes the digests)."""
+"""Stores digests of those files of the board's port that were compared with the chip's description; check_registers.py
+writes the digests."""
 
 import hashlib
 import os
@@ -11,7 +11,7 @@ STAMP = PORT + "registers.checked"
 
 
 def digests():
-    """Returns a table from path to SHA-256 for every C file and header of the port."""
+    """Returns a table that maps the path of every C file and header of the port to its SHA-256."""
     return {
         path: hashlib.sha256(tree.read(path).encode()).hexdigest()
         for path in tree.files(".c", ".h")
@@ -27,7 +27,7 @@ def write(description):
 
 
 def differences(text, now):
-    """Returns the differences between the stamp file and the present files."""
+    """Returns the differences between the digests in the stamp file and those of the present files."""
     said = dict(reversed(line.split("  ", 1)) for line in text.splitlines() if line and not line.startswith("#"))
     for path in sorted(set(said) | set(now)):
         if path not in said:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Run libFuzzer targets. `make fuzz` calls this program, and so does run_tests.py for a few seconds per target.
+"""Runs libFuzzer targets. `make fuzz` calls this program, and run_tests.py calls it for a few seconds per target.
 
   run_fuzz.py --build build/san --seconds 60 --jobs 2 NAME...      this long each
   run_fuzz.py --build build/san --executions 5000000 NAME...       this many inputs each, however long it takes
@@ -7,9 +7,10 @@
   run_fuzz.py --build build/san --keep NAME...                     minimised new inputs become the committed
   corpus
 
-BUILD/test/NAME is the fuzz program, and `BUILD/test/NAME_seeds DIRECTORY` writes its valid inputs. NAME.corpus holds
-inputs that a longer run has found, one input per line in base64. New inputs are kept in BUILD/corpus/NAME. An input
-that crashes the program is kept under out/fuzz, and the command that reproduces the crash is printed.
+For a target NAME, BUILD/test/NAME is the fuzz program, and `BUILD/test/NAME_seeds DIRECTORY` writes valid inputs for
+this program. The file NAME.corpus holds inputs that a longer run of the fuzz program has found, one input per line in
+base64. The script keeps new inputs in BUILD/corpus/NAME. If an input crashes the program, the script keeps it under
+out/fuzz and prints the command that reproduces the crash.
 """
 
 import argparse
@@ -30,7 +31,8 @@ INPUT_BYTES_MAX = 4096  # longer inputs are slower and reach nothing more
 
 
 def write_seeds(build, name, corpus):
-    """Writes valid inputs into the corpus. Returns None, or a sentence that states the error when writing fails."""
+    """Writes the valid inputs of a fuzz target into the folder of its corpus. Returns None if the inputs could be
+    written, and otherwise a sentence that states the error."""
     program = os.path.join(build, "test", name + "_seeds")
     if not os.access(program, os.X_OK):
         return "%s did not build" % program
@@ -41,7 +43,7 @@ def write_seeds(build, name, corpus):
 
 
 def write_corpus(name, corpus):
-    """Writes the inputs of NAME.corpus into the folder of inputs."""
+    """Decodes the inputs of the file NAME.corpus and writes each input as a file into the corpus folder."""
     path = name + ".corpus"
     if not os.path.exists(path):
         return
@@ -52,11 +54,12 @@ def write_corpus(name, corpus):
 
 
 def keep_corpus(build, name):
-    """Writes NAME.corpus: inputs, short ones first, that together reach every edge that BUILD/corpus/NAME reaches.
-    Returns (ok, text).
+    """Writes the file NAME.corpus. This file gets those inputs, with short inputs first, that together reach every
+    control-flow edge that the inputs in BUILD/corpus/NAME reach. Returns (ok, text).
 
-    During a merge libFuzzer writes a control file, which states the edges that each input is the first to reach. The
-    merge keeps those inputs that are the first to reach an edge."""
+    When libFuzzer merges inputs, it writes a control file that states, for each input, the control-flow edges that no
+    earlier input has reached. The merge keeps those inputs that reach a control-flow edge that no earlier input has
+    reached."""
     program, learnt = os.path.join(build, "test", name), os.path.join(build, "corpus", name)
     inputs = []
     with tempfile.TemporaryDirectory() as folder:
@@ -86,8 +89,8 @@ def keep_corpus(build, name):
 
 
 def show_coverage(build, name):
-    """Measures, by folder, which lines of the code under test are executed by the seeds and NAME.corpus. The fuzz
-    program must be built for counting lines. Returns (ok, text)."""
+    """Measures, for each folder, how many lines of the code under test are executed by the valid inputs and the inputs
+    of NAME.corpus. The fuzz program must be compiled for coverage measurement. Returns (ok, text)."""
     program = os.path.join(build, "test", name)
     with tempfile.TemporaryDirectory() as folder:
         corpus, counts = os.path.join(folder, "corpus"), os.path.join(folder, "counts")
@@ -127,7 +130,8 @@ def show_coverage(build, name):
 
 
 def run_target(build, name, seconds, executions=0):
-    """Returns (ok, text). The text names what was run and, after a crash, the command that repeats it."""
+    """Returns (ok, text). The returned text names the target that was run and, after a crash, the command that repeats
+    the crash."""
     program = os.path.join(build, "test", name)
     if not os.access(program, os.X_OK):
         return False, "%s did not build" % program
@@ -171,7 +175,7 @@ def run_target(build, name, seconds, executions=0):
 
 
 def every_target(build):
-    """Returns the names of the targets that were built."""
+    """Returns the names of the fuzz targets that were built."""
     paths = [os.path.join(place, name) for place, _, names in os.walk(os.path.join(build, "test")) for name in names]
     names = [os.path.relpath(path, os.path.join(build, "test")) for path in paths if path.endswith("_seeds")]
     return sorted(name[: -len("_seeds")] for name in names)

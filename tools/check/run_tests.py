@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
-"""Runs every test program and script of a label, and prints one line of totals. run_tests.sh calls this program.
+"""Runs every test program and test script that has a given label, and prints one line of totals. run_tests.sh calls
+this program.
 
   run_tests.py --build build --jobs 2 --label product|lab
 
-The list comes from CTest: all tests of the folder BUILD that have the label, and those of BUILD/san, which are the same
-tests under sanitizers, and the fuzz targets (only with the label `product`). Every program and
-script prints TAP: a plan `1..N` and one line per test. A program that is missing, crashes, exceeds its time limit or
-breaks its plan counts as one failed test, whatever else it printed. Lines that begin with `#- ` are figures; they are
-printed below the line of their program. The list of failures is followed by the seconds of each program, slowest first.
-The last line is `N passed, N failed, N skipped`; the exit code is 1 when something failed or nothing ran.
+The list of tests comes from CTest. The list has all tests of the folder BUILD with the label, and the tests of
+BUILD/san with the label, which are the same tests under sanitizers. With the label `product` the list also has the fuzz
+targets. Every test program and test script prints its results as TAP, which is a plan `1..N` and one line per test. A
+program that is missing, crashes, exceeds its time limit, or prints fewer or more results than it planned counts as one
+failed test. Output lines that begin with `#- ` are measured figures; the runner prints them below the line of their
+program. After the list of failures, the runner prints the duration of each program in seconds, slowest first. The last
+line is `N passed, N failed, N skipped`; the exit code is 1 when a test failed or no test ran.
 """
 
 import argparse
@@ -50,8 +52,8 @@ class Outcome:
 
 
 def find_result(line, expected):
-    """Returns (ok, number, rest) of a result line, or None. A line `# ok - file`, which CMocka prints at the end, is
-    only a comment."""
+    """Returns the parts (ok, number, remaining text) of a TAP result line, or None if the line is no result. The line
+    `# ok - file`, which CMocka prints at the end, is a comment and not a result."""
     match = RESULT.match(line)
     if match is None:
         glued = GLUED.search(line)
@@ -62,8 +64,8 @@ def find_result(line, expected):
 
 
 def read_tap(text, outcome):
-    """Counts the results in `text`. A program may print several plans one after another (one per CMocka group), and a
-    script may print its plan at the end."""
+    """Counts the results in `text`. A program may print several TAP plans one after another (one per CMocka group), and
+    a script may print its TAP plan at the end."""
     planned, seen, plans = 0, 0, 0
     expected = 1
     for line in text.splitlines():
@@ -102,7 +104,7 @@ def describe_exit(code):
 
 
 def run_program(title, command, environment, time_limit_s=TIME_LIMIT_S):
-    """Runs one TAP program until it ends."""
+    """Runs one program that prints TAP until the program ends."""
     outcome = Outcome(title)
     start = time.monotonic()
     if not os.access(command[0], os.X_OK):
@@ -136,7 +138,7 @@ def run_program(title, command, environment, time_limit_s=TIME_LIMIT_S):
 
 
 def run_fuzz_target(name, build):
-    """Runs a fuzz target for a short time, which counts as one test."""
+    """Runs a fuzz target for a short time; this run counts as one test."""
     outcome = Outcome("fuzz " + name)
     start = time.monotonic()
     ok, outcome.output = run_fuzz.run_target(os.path.join(build, "san"), name, FUZZ_SECONDS)
@@ -149,7 +151,7 @@ def run_fuzz_target(name, build):
 
 
 def listed(build, label):
-    """Returns the name and labels of each of CTest's tests with the label."""
+    """Returns the name and the labels of each CTest test that has the given label."""
     command = ["ctest", "--test-dir", build, "--show-only=json-v1", "-L", "^%s$" % label]
     done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False)
     if done.returncode != 0:
@@ -161,7 +163,7 @@ def listed(build, label):
 
 
 def find_tests(options):
-    """Fills in the lists of tests to run."""
+    """Stores in `options` the lists of scripts, programs, sanitized programs and fuzz targets that have the label."""
     plain = list(listed(options.build, options.label))
     options.scripts = [name for name, labels in plain if "script" in labels]
     options.programs = [name for name, labels in plain if "script" not in labels]
@@ -171,7 +173,8 @@ def find_tests(options):
 
 
 def read_times(build):
-    """Returns each program's seconds in its last run; the longest programs begin first."""
+    """Returns a table from each program to the seconds that its last run took; the runner begins with the slowest
+    programs."""
     try:
         with open(os.path.join(build, "test_seconds.json"), encoding="utf-8") as file:
             return json.load(file)
@@ -195,7 +198,7 @@ def print_times(outcomes):
 
 
 def make_jobs(options):
-    """Returns what must run as (function, arguments): scripts come first, since they take longest."""
+    """Returns the tests to run as pairs (function, arguments); scripts come first, because they take longest."""
     environment = dict(os.environ, BUILD=options.build, CMOCKA_MESSAGE_OUTPUT="TAP", PACKAGES="skip")
     for variable in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL", "CMOCKA_XML_FILE"):
         environment.pop(variable, None)
@@ -219,7 +222,7 @@ def make_jobs(options):
 
 
 def slowest_first(jobs, build):
-    """Sorts by duration, because a long program that begins last would run alone at the end."""
+    """Sorts the tests by duration, because a long test that begins last would run alone at the end."""
     times = read_times(build)
     return sorted(jobs, key=lambda job: -times.get(job[1][0], 0.0))
 

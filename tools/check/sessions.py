@@ -14,13 +14,14 @@ EXPECTS = re.compile(r"^\s*expect\b", re.M)
 
 
 def without_turns(text):
-    """Returns the script of a session without its turns, steering and engaging."""
+    """Returns the script of a session after removing every command that turns or steers a tool or engages a vessel."""
     kept = [WITH_TURN.sub("", line) for line in text.splitlines() if not TURN.match(line)]
     return "\n".join(kept) + "\n"
 
 
 def scene_text(made, lesion):
-    """Writes the text of a scene, which is the anatomy's text followed by the lesion's, and returns its path."""
+    """Writes the text of a scene, which is the anatomy's text followed by the lesion's text, and returns the path of
+    the written file."""
     path = f"{made}/scene.toml"
     if not lesion:
         return path
@@ -35,7 +36,7 @@ def scene_text(made, lesion):
 
 
 class Sessions:
-    """Runs sessions with a folder for their outputs, and counts the results."""
+    """Runs sessions, which write their outputs into a temporary folder, and counts the passed and failed tests."""
 
     def __enter__(self):
         self.folder = tempfile.mkdtemp(prefix="cournand_sessions_")
@@ -55,15 +56,15 @@ class Sessions:
         print(("ok" if is_good else "not ok"), self.number, "-", name, flush=True)
 
     def call(self, program, *words):
-        """Returns the exit code and all output."""
+        """Runs a command and returns its exit code and its whole output."""
         done = subprocess.run(
             [f"{BUILD}/bin/{program}", *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False
         )
         return done.returncode, done.stdout
 
     def scene(self, anatomy, lesion=None):
-        """Returns the path of the scene of the shipped anatomy, without its bodies, and with the named lesion of
-        shared/examples/lesions if there is a name."""
+        """Makes the scene of the shipped anatomy without its bodies, and returns the scene's path. If a lesion of
+        shared/examples/lesions is named, the scene contains this lesion."""
         made = f"{self.folder}/{anatomy}"
         baked = f"{self.folder}/{lesion or anatomy}.scene"
         code, said = 0, ""
@@ -83,7 +84,7 @@ class Sessions:
         return f"{self.folder}/aorta.scene"
 
     def run(self, script, scene, tools, stent=None):
-        """Returns the exit code and all output of one session without pictures."""
+        """Runs one session without pictures, and returns its exit code and its whole output."""
         words = ["--scene", scene] if scene else []
         for tool in tools:
             words += ["--tool", f"shared/examples/instruments/{tool}.toml"]
@@ -92,12 +93,13 @@ class Sessions:
         return self.call("cournand", "run", "--quiet", *words, "--session", script)
 
     def session(self, name, scene, tools, stent=None):
-        """Tests that the session reaches its end, and only with its turns."""
+        """Tests that the session reaches the end that its script states, and that it does not reach this end if the
+        tools are not turned."""
         self.reaches(name, scene, tools, stent)
         self.misses(name, scene, tools, stent)
 
     def reaches(self, name, scene, tools, stent=None):
-        """Tests that the session names the end of its course and reaches it."""
+        """Tests that the session's script states an expected end and that the session reaches this end."""
         path = f"shared/examples/{name}.session"
         with open(path, encoding="utf-8") as file:
             text = file.read()
@@ -106,7 +108,7 @@ class Sessions:
         self.result(code == 0 and EXPECTS.search(text) is not None, f"{short}_reaches_the_end_that_it_states", said)
 
     def misses(self, name, scene, tools, stent=None):
-        """Tests that the session fails with the expected name if it has no turns."""
+        """Tests that, if the tools are not turned, the session fails at an expectation of its script."""
         with open(f"shared/examples/{name}.session", encoding="utf-8") as file:
             text = file.read()
         short = name.split("/")[1]
@@ -120,7 +122,7 @@ class Sessions:
         self.result(code == 1 and ": expected " in said, f"{short}_without_its_turns_misses_it", said)
 
     def changed(self, name, scene, tool, change, replacements):
-        """Tests that the session also reaches its end with another instrument."""
+        """Tests that the session also reaches its expected end with a different instrument."""
         with open(f"shared/examples/instruments/{tool}.toml", encoding="utf-8") as file:
             text = file.read()
         for old, new in replacements.items():
@@ -143,13 +145,13 @@ class Sessions:
         self.result(code == 0, f"{name.split('/')[1]}_reaches_its_end_with_{change}", said)
 
     def end(self):
-        """Prints the plan and returns the exit code."""
+        """Prints the TAP plan and returns the exit code."""
         print(f"1..{self.number}")
         sys.exit(1 if self.failed else 0)
 
 
 def heart(run, test):
-    """Calls `test`, which is run.reaches or run.misses, for every session of the heart."""
+    """Calls the function `test`, which is run.reaches or run.misses, for every session in the beating heart."""
     scene = run.scene("heart")
     test("sessions/coronary", scene, ["j_wire", "guide_jl3_6f"])
     test("sessions/coronary_right", scene, ["j_wire", "guide_ntr_6f"])

@@ -4,7 +4,8 @@ import sys
 
 
 def run(tests):
-    """Runs each function and prints one line with its name; ends the program with 1 if a claim does not hold."""
+    """Runs each test function and prints one TAP line with its name; ends the program with exit code 1 if a test
+    fails."""
     failed = 0
     print("1..%d" % len(tests))
     for count, test in enumerate(tests, 1):

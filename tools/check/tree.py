@@ -1,5 +1,5 @@
-"""Provides what the checks of the source tree share: the list of files, the code in them, and TAP output. The scripts
-tools/check/test_*.py import this module."""
+"""Provides the functions that all checks of the source tree use: they list the files, extract the code from a file, and
+print TAP. The scripts tools/check/test_*.py import this module."""
 
 import os
 import re
@@ -16,8 +16,8 @@ def read(path):
 
 
 def files(*suffixes):
-    """Returns, sorted, the files of the repository with these endings: tracked ones, and untracked ones that git does
-    not ignore."""
+    """Returns a sorted list of the repository's files with these endings. The list has the tracked files, and the
+    untracked files that git does not ignore."""
     listed = (
         subprocess.run(
             ["git", "ls-files", "-co", "--exclude-standard", "-z"], cwd=ROOT, check=True, stdout=subprocess.PIPE
@@ -29,7 +29,8 @@ def files(*suffixes):
 
 
 def blank(match):
-    """Returns a comment or literal as blanks of the same shape, so that line numbers do not change."""
+    """Replaces each character of a comment or literal by a blank and keeps the line ends, so that line numbers do not
+    change."""
     text = match.group(0)
     inside = re.sub(r"[^\n]", " ", text)
     return text[0] + inside[1:-1] + text[-1] if text[0] in "\"'" and len(text) > 1 else inside
@@ -41,7 +42,8 @@ TOKENS = re.compile(
 
 
 def code_only(text):
-    """Returns C or C++ text in which comments, the inside of literals, and preprocessor lines are blank."""
+    """Returns the C or C++ text after replacing comments, the contents of literals, and preprocessor lines by
+    blanks."""
     text = TOKENS.sub(blank, text)
     return re.sub(r"^[ \t]*#(?:\\\n|[^\n])*", blank_all, text, flags=re.M)
 
@@ -101,14 +103,14 @@ def functions(text):
 
 
 class Report:
-    """Prints TAP: one line per rule, followed by the rule's findings."""
+    """Prints one TAP line per rule, followed by the rule's findings."""
 
     def __init__(self):
         self.count = 0
         self.failed = 0
 
     def check(self, name, findings):
-        """Reports one test, which passes when `findings` is empty."""
+        """Reports one test as passed when the list `findings` is empty."""
         self.count += 1
         findings = list(findings)
         print("%s %d - %s" % ("not ok" if findings else "ok", self.count, name))
@@ -117,7 +119,7 @@ class Report:
         self.failed += bool(findings)
 
     def catches(self, name, findings):
-        """Reports a test of a rule itself: the rule must object to a bad sample."""
+        """Reports whether a rule has objected to a bad sample, which tests the rule itself."""
         findings = list(findings)
         self.check(name, [] if findings else ["the rule accepted the bad sample"])
 

@@ -1,4 +1,5 @@
-"""Finds commands in the project's Markdown: blocks, markers and classes. commands.py explains these terms."""
+"""Finds the shell commands in the project's Markdown files, and the class of each command. commands.py explains the
+terms "block", "marker" and "class"."""
 
 import collections
 import re
@@ -33,12 +34,12 @@ Command = collections.namedtuple("Command", "page line text kind exit words_with
 
 
 class MarkError(Exception):
-    """Raised for a marker that cannot be interpreted."""
+    """Raised for a marker (a comment that classifies commands) that cannot be interpreted."""
 
 
 def blocks(lines):
-    """Yields (number of the first line, counted from 1; lines) of every indented block, and of every fenced block that
-    may hold commands."""
+    """Yields (number of the first line, lines) of every indented block, and of every fenced block that may hold
+    commands. Line numbers begin at 1."""
     at, before = 0, ""
     while at < len(lines):
         fence = FENCE.match(lines[at])
@@ -66,7 +67,8 @@ def is_indented(lines, at):
 
 
 def marks_of(page, text):
-    """Returns a table that maps the number of a marker's last line, counted from 1, to the marker's text."""
+    """Returns a table that maps the number of a marker's last line to the interpreted marker. Line numbers begin at
+    1."""
     found = {}
     for match in MARK.finditer(text):
         first = text.count("\n", 0, match.start()) + 1
@@ -75,7 +77,8 @@ def marks_of(page, text):
 
 
 def marks_above(lines, first, marks):
-    """Returns the markers directly above a block and, if the block is fenced, directly above its fence."""
+    """Returns the markers directly above a block of commands; if the block is fenced, these are the markers directly
+    above its fence."""
     at = first - 1  # the line above, counted from 1
     if at >= 1 and FENCE.match(lines[at - 1]):
         at -= 1
@@ -104,7 +107,7 @@ def read_mark(page, line, text):
 
 
 def commands_of_block(first, lines):
-    """Yields (line, text) of every command, with its continuation lines joined."""
+    """Yields (line number, text) of every command in a block, after joining the command's continuation lines."""
     prompted = any(line.startswith("$ ") for line in lines)
     at = 0
     while at < len(lines):
@@ -123,8 +126,9 @@ def commands_of_block(first, lines):
 
 
 def classified(page, line, text, marks):
-    """Returns the command with its class, which decides whether the command is run. The first marker that names the
-    command applies; without such a marker, the first one for the whole block applies."""
+    """Returns the command together with its class, which decides whether commands.py runs the command. The class comes
+    from the first marker that names the command. If no marker names it, the class comes from the first marker for the
+    whole block."""
     is_make = text.split()[0] == "make"
     named = [mark for mark in marks if "only" in mark and mark["only"] in text]
     whole = [mark for mark in marks if "only" not in mark]
@@ -136,7 +140,8 @@ def classified(page, line, text, marks):
 
 
 def commands(page, text):
-    """Returns every command of a page, but not the lines that only show output. Raises MarkError."""
+    """Returns every command of a Markdown page, but not the lines that only show a command's output. Raises
+    MarkError."""
     lines, marks = text.split("\n"), marks_of(page, text)
     found = []
     for first, block in blocks(lines):

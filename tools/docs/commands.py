@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs the commands of README and docs/, each page in its own scratch folder. Prints TAP and figures.
+"""Runs the commands that README and docs/ show, each page in a separate temporary folder. Prints TAP and figures.
 
   commands.py --list             every command with its page, line, class and exit code
   commands.py                    run those that take seconds; look at the others (a part of `make test`)
@@ -7,18 +7,19 @@
   commands.py --only docs/rig.md one page
   commands.py --tsv FILE         write the figures into FILE, one `name<TAB>value<TAB>unit<TAB>context` a line
 
-A command is a line of an indented or fenced block that begins as a command: with `make`, a program of build/bin, a
-script of this repository or a tool from Debian. If the line ends with `\\`, the next line continues the command. In a
-block with `$`, only lines that begin with `$` are commands; the other lines show what is printed.
+A line of an indented or fenced block is a command if it begins with `make`, a program of build/bin, a script of this
+repository or a tool from Debian. If a command's line ends with `\\`, the next line continues the command. If lines of a
+block begin with `$`, only these lines are commands, and the other lines show the output of the commands.
 
-A marker above the block states what this program cannot find out itself. Without it, a command has the class `short`,
-or `make` when it begins with this word:
+A marker (an HTML comment) above the block states those properties of the commands that this program cannot find out
+itself. Without it, a command has the class `short`, or `make` when it begins with this word:
 
   <!-- command: CLASS[; exit N][; only TEXT][; with A=B C=D][; adding WORDS] -->
 
-`only` selects the block's lines that contain TEXT; several such markers may stand above one block. `exit` is the
-expected exit code. `with` replaces placeholders, such as names of the reader's own files, before the command runs.
-`adding` gives words that are added to the command, such as options for a smaller picture.
+`only` limits a marker to those lines of the block that contain TEXT; a block may have several markers with `only`.
+`exit` is the expected exit code of the command. `with` replaces placeholders, such as names of the reader's own files,
+before the command runs. `adding` gives words that the program appends to the command, such as options for a smaller
+picture.
 """
 
 import argparse
@@ -54,7 +55,7 @@ def pages():
 
 
 def option_faults(words, known):
-    """Returns the command's long options that the text `known` does not contain."""
+    """Yields an error for each long option of the command that the text `known` does not contain."""
     for word in words:
         option = re.match(r"--[a-z][a-z0-9-]*", word)
         if option and not re.search(re.escape(option.group(0)) + r"(?![a-z0-9-])", known):
@@ -62,7 +63,8 @@ def option_faults(words, known):
 
 
 def program_of(words):
-    """Returns the position of our own program in the command, or None if the command has none."""
+    """Returns the position, among a command's words, of the first word that names one of this project's programs;
+    returns None if there is no such word."""
     for at, word in enumerate(words):
         if re.match(r"((build/bin|tools|hil_tests)/)[\w./-]+$", word) or (
             at == 0 and word in ("cournand", "bake", "anatomy", "centreline")
@@ -72,7 +74,7 @@ def program_of(words):
 
 
 def sources_text():
-    """Returns all source text, in which the options of programs that are not built here can be found."""
+    """Returns the text of all source files. Options of programs that are not built here can be found in this text."""
     listed = subprocess.run(
         ["git", "ls-files", "*.cpp", "*.hpp", "*.c", "*.h", "*.py", "*.sh"],
         cwd=ROOT,
@@ -89,7 +91,7 @@ def sources_text():
 
 
 def help_text(program, words):
-    """Returns the output of `PROGRAM SUBCOMMAND... --help`."""
+    """Runs `PROGRAM SUBCOMMAND... --help` and returns its output."""
     subcommands = []
     for word in words:
         if not re.fullmatch(r"[a-z][a-z-]*", word) or len(subcommands) == 2:
@@ -112,7 +114,7 @@ def help_text(program, words):
 
 
 class Looker:
-    """Checks commands that are not run: their program and options must exist."""
+    """Checks a command without running it: the program and the options that the command names must exist."""
 
     def __init__(self, build):
         self.build = build
@@ -154,7 +156,7 @@ class Looker:
 
 
 def make_faults(text):
-    """Makes a dry run of a `make` command."""
+    """Checks a `make` command by a dry run (`make -n`)."""
     words = shlex.split(text, comments=True)
     done = subprocess.run(
         words[:1] + ["-n", "PACKAGES=skip"] + words[1:],
@@ -188,7 +190,8 @@ def make_targets():
 
 
 def inline_faults(page, text, targets):
-    """Finds every `make TARGET` in a sentence of the documents for which no such target exists."""
+    """Finds every mention of `make TARGET` in the sentences of a document whose target does not exist in the
+    Makefile."""
     for span in SPAN.finditer(text):
         make = MAKE.match(span.group(1) or "")
         if make and make.group(1) not in targets:
@@ -212,8 +215,8 @@ def clean_environment():
 
 
 class Scratch:
-    """Makes a folder that looks like the repository: it has links to the repository's files, a build/ with the
-    programs, and an out/ with the demo's scene."""
+    """Makes a temporary folder that looks like the repository. This folder contains links to the repository's files, a
+    folder build/ with the programs, and a folder out/ with the demo's scene."""
 
     def __init__(self, build, stock):
         self.top = tempfile.mkdtemp(prefix="cournand_commands_")
@@ -256,9 +259,9 @@ SHIPPED = "shared/examples/scenes/aorta.tar.xz"
 
 
 class Stock:
-    """Makes once the files that all pages assume: out/ as `make run` leaves it, build/anatomy, and for the long run an
-    artery with a lesion. The anatomy has no bodies (bones, organs), because making them takes minutes and no command
-    of the short run depends on them."""
+    """Makes, once for all pages, the files that their commands need. These files are out/ as `make run` leaves this
+    folder, build/anatomy and, for the run with --all, an artery with a lesion. The anatomy has no bodies (bones,
+    organs), because no command of the short run depends on bodies and making them takes minutes."""
 
     def __init__(self, build, folder):
         self.build, self.folder = build, folder
@@ -280,7 +283,7 @@ class Stock:
             raise RuntimeError("'%s' ended with %d: %s" % (text, done.returncode, done.stdout[-600:]))
 
     def scene(self, anatomy, name, lesion=None, bodies=False):
-        """Makes the anatomy and scene of that name, and returns the scene's path."""
+        """Makes the given anatomy and its scene, and returns the scene's path."""
         made, scene = os.path.join(self.anatomy, anatomy), os.path.join(self.out, name + ".scene")
         self.call("anatomy", anatomy, *([] if bodies else ["--no-bodies"]), "--quiet", "-o", made)
         text = os.path.join(made, "scene.toml")
@@ -316,7 +319,7 @@ class Stock:
 
 
 def prepared(command):
-    """Returns the command's text as it is executed."""
+    """Returns the text that is executed for a command, after the replacements and additions of its marker."""
     text = re.sub(r"^sudo ", "", command.text)
     for name, value in command.words_with:
         text = re.sub(r"(?<![\w./-])%s(?![\w-])" % re.escape(name), value, text)
@@ -326,7 +329,7 @@ def prepared(command):
 
 
 class Display:
-    """Represents a virtual display, which is started when the first window needs it."""
+    """Represents a virtual display, which the program starts when a command opens the first window."""
 
     def __init__(self):
         self.server = self.name = None
@@ -345,7 +348,8 @@ class Display:
 
 
 def execute(command, scratch, display):
-    """Returns the error in a command's result; the text is empty if there is none."""
+    """Runs a command and returns a text that states its error; the text is empty if the command succeeded as
+    expected."""
     is_window = command.kind == "display"
     words = ["bash", "-uo", "pipefail", "-c", ("exec " if is_window else "") + prepared(command)]
     environment = scratch.environment()
@@ -369,14 +373,14 @@ def execute(command, scratch, display):
 
 
 def missing_for(command):
-    """Returns the reason why a command of this class cannot run here; the text is empty if it can."""
+    """Returns the reason why a command of this class cannot run here; returns an empty text if the command can run."""
     if command.kind == "anatomy" and not os.path.isdir(os.path.join(ROOT, "..", "shared", "anatomy")):
         return CLASSES["anatomy"][1]
     return ""
 
 
 class Run:
-    """Runs all commands of some pages; prints TAP and counts the results."""
+    """Runs all commands of some pages, prints the results as TAP, and counts them."""
 
     def __init__(self, build, how):
         self.build, self.how = build, how

@@ -5,8 +5,8 @@
 namespace
 {
 
-// Returns a Lua string. The texts hold neither control characters nor bytes beyond ASCII, but they may
-// contain quotes and backslashes.
+// Returns a Lua string. The texts of the wire's definition have only printable ASCII characters, but these
+// may include quotes and backslashes.
 std::string quoted(const char *text)
 {
     std::string result = "\"";
@@ -17,7 +17,8 @@ std::string quoted(const char *text)
     return result + "\"";
 }
 
-// `count_bytes` is the size of the count in front of a list; 0 means a single value.
+// `count_bytes` is the size of the number that precedes a list and gives its length; 0 means a single value
+// instead of a list.
 std::string field(const char *name, const char *type, const char *unit, int max, int count_bytes)
 {
     const std::string limit =

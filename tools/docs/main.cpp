@@ -1,5 +1,5 @@
-// Writes the generated tables of docs/wire.md, docs/usb.md and docs/faults.md; each table has one definition
-// in the source code.
+// Writes the generated tables of docs/wire.md, docs/usb.md and docs/faults.md from their definitions in the
+// source code.
 //   docs --write    puts the tables between the marks in the documents
 //   docs --check    exit 1 when a document is not current
 //   docs --dissector FILE   writes the Wireshark dissector
@@ -17,7 +17,7 @@
 namespace
 {
 
-// Returns a paragraph as lines of at most 120 letters, each with an end of line.
+// Breaks a paragraph into lines of at most 120 letters and returns the lines with an end of line after each.
 std::string wrapped(const std::string &text)
 {
     constexpr std::size_t letters_max = 120;
@@ -136,8 +136,8 @@ std::string read_file(const std::string &path)
     return text.str();
 }
 
-// Returns the document with everything between "<!-- begin NAME -->" and "<!-- end NAME -->" replaced; the
-// result is empty if these marks are missing.
+// Replaces the text between "<!-- begin NAME -->" and "<!-- end NAME -->" in a document and returns the new
+// document. Returns an empty text if these marks are missing.
 std::string with_table(const std::string &document, const std::string &name, const std::string &table)
 {
     const std::string begin = "<!-- begin " + name + " -->\n", end = "<!-- end " + name + " -->";

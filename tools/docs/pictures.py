@@ -1,16 +1,18 @@
 #!/usr/bin/env python3
-"""Makes the pictures of README and docs from sessions, and stamps each picture with the core's version and the command
-that made it.
+"""Makes the pictures of README and docs from simulated sessions. The program stores the core's version and the command
+that made the picture in each picture file, as its stamp.
 
   pictures.py --write [NAME ...]   make these pictures (all without a name) and stamp them
   pictures.py --check              exit 1 when a picture has no stamp, or an old one
   pictures.py --show FILE ...      print stamps
 
-tools/docs/pictures.toml describes how each picture is made. The stamp is a JPEG comment or a PNG text chunk, one `key:
-value` per line. Its keys are core (version at that time), command, inputs and shows. `inputs` is a hash over the entry,
-sessions, tools and lesions that the command names; `shows` is the branch in which the tip ended, as the session's
-report states it. A picture of a session is old when its core or inputs differ from the present ones; any other picture
-is old when its inputs differ. A picture may be `kept` from an older core; its caption must then name that version.
+The file tools/docs/pictures.toml describes how each picture is made. The stamp of a picture is a JPEG comment or a PNG
+text chunk with one `key: value` per line. The stamp's keys are core (its version when the picture was made), command,
+inputs and shows. `inputs` is a hash over the picture's entry in pictures.toml and over the sessions, tools and lesions
+that the command names. `shows` is the vessel branch in which the tool's tip ended, according to the session's report. A
+picture of a session is old when the core or the inputs in its stamp differ from the present core or inputs. Any other
+picture is old when its inputs differ. A picture from an older core may be marked as `kept`; its caption must then name
+the version of that core.
 """
 
 import argparse
@@ -31,7 +33,7 @@ LINK = re.compile(r"!\[[^\]]*\]\(([^)]+\.(?:jpg|png))\)")
 
 
 class PictureError(Exception):
-    """Raised for an error in a picture; the text gives its place and remedy."""
+    """Raised for an error in a picture; the text names the picture and the remedy."""
 
 
 def read_manifest(path=MANIFEST):
@@ -73,7 +75,7 @@ def png_chunks(data):
 
 
 def read_stamp(path):
-    """Returns the fields of a file's stamp, or an empty table if it has none."""
+    """Returns the fields of a picture file's stamp, or an empty table if the file has no stamp."""
     with open(path, "rb") as file:
         data = file.read()
     if data[:2] == b"\xff\xd8":
@@ -115,7 +117,8 @@ def film_of(manifest, picture):
 
 
 def inputs_hash(manifest, picture):
-    """Returns a hash of the entry and of everything that it names except the programs and the scene."""
+    """Returns a hash of a picture's entry in the manifest and of every file that the entry names, except the programs
+    and the scene."""
     film = film_of(manifest, picture)
     digest = hashlib.sha256(json.dumps([picture, film], sort_keys=True).encode())
     for path in [film.get("session")] + film.get("tools", []) + film.get("stents", []) + picture.get("inputs", []):
@@ -148,14 +151,14 @@ def film_command(name, film, build="build"):
 
 
 def command_of(manifest, picture):
-    """Returns the command with which a reader makes the same picture."""
+    """Returns the command with which a reader of the documents can make the picture."""
     return (
         picture.get("command") or "make docs-pictures NAMES=%s" % os.path.splitext(os.path.basename(picture["file"]))[0]
     )
 
 
 def problems(manifest, linked, core):
-    """Returns the findings of --check, one line per picture."""
+    """Returns the errors that --check prints, one line per wrong picture."""
     known = {picture["file"]: picture for picture in manifest["picture"]}
     found = ["%s: shown in the documents but not in %s" % (path, MANIFEST) for path in sorted(linked - set(known))]
     found += ["%s: in %s but shown in no document" % (path, MANIFEST) for path in sorted(set(known) - linked)]
@@ -183,7 +186,8 @@ def problems(manifest, linked, core):
 
 
 def unsaid(path, kept, stamp):
-    """Checks a picture that is kept from an older core: every caption of it must name that version."""
+    """Checks a picture that is kept from an older core. Every caption of the picture must name the version of that
+    core."""
     found = (
         []
         if stamp.get("core") == str(kept)
@@ -224,14 +228,14 @@ def run(words, what):
 
 
 class Maker:
-    """Makes each film only once, even if several pictures are taken from it."""
+    """Makes each film of a session only once, even if several pictures are taken from the film."""
 
     def __init__(self, manifest):
         self.manifest = manifest
         self.reports = {}
 
     def film(self, name):
-        """Returns the report of a film; makes the film if it does not exist yet."""
+        """Returns the session report that belongs to a film, after making the film if it does not exist yet."""
         if name not in self.reports:
             film = self.manifest["film"][name]
             print("  film %s" % name, flush=True)
@@ -263,7 +267,7 @@ class Maker:
         print("  %s" % picture["file"], flush=True)
 
     def compose(self, picture):
-        """Puts frames of the film side by side."""
+        """Makes a picture by putting several frames of a film side by side."""
         if "frames" not in picture:
             return
         film = "%s/%s.mp4" % (WORK, picture["film"])
@@ -297,8 +301,9 @@ class Maker:
 
 
 def seconds_of(wanted, report):
-    """Returns the time, in a film, of the moment that a text describes. A moment is given in seconds, as `end`, as
-    `expect N` (when the session's Nth expectation was judged), or as `run N at S` (S seconds into an X-ray run)."""
+    """Returns the time in a film, in seconds, of the moment that a text describes. The text is a number of seconds,
+    `end`, `expect N` or `run N at S`. `expect N` is the time at which the session's Nth expectation was checked, and
+    `run N at S` is S seconds after the beginning of the Nth X-ray run."""
     if not isinstance(wanted, str):
         return wanted
     words = wanted.split()

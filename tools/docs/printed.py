@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Checks that the program output in the documents is what the programs print today.
+"""Checks that the program output shown in the documents equals what the programs print today.
 
   printed.py --write     run every command and write its lines into the documents
   printed.py --check     exit 1 when a document shows other lines
 
-A line `<!-- printed by: COMMAND -->` marks a block. The indented lines below that line are the command with `$`,
-followed by lines that the command prints on standard output. A line `...` stands for omitted lines, up to the next line
-that is shown or up to the end. COMMAND runs in the root folder of the repository; `cournand` in it means
-build/bin/cournand.
+A line `<!-- printed by: COMMAND -->` in a document marks a block of program output. The first indented line below the
+mark is the command with `$`; the following indented lines are lines that the command prints on standard output. In the
+block, a line `...` stands for omitted lines of output, up to the next shown line or up to the end. COMMAND runs in the
+root folder of the repository, and the word `cournand` in COMMAND means build/bin/cournand.
 """
 
 import argparse
@@ -21,7 +21,7 @@ SHOWN = "    "
 
 
 def blocks(lines):
-    """Yields (command, first line, line after the last) of every marked block."""
+    """Yields (command, number of the first line, number of the line after the last) of every marked block."""
     at = 0
     while at < len(lines):
         mark = MARK.match(lines[at])
@@ -50,7 +50,8 @@ def output_of(command, build):
 
 
 def renewed(shown, printed):
-    """Returns the output lines to show: as many as before, in the same places between the `...`."""
+    """Returns the new output lines for a document: as many lines as the document shows now, with `...` at the same
+    positions."""
     result, at = [], 0
     parts = [[]]
     for line in shown:
@@ -76,7 +77,7 @@ def renewed(shown, printed):
 
 
 def examine(path, build):
-    """Returns the corrected document, and its differences from the present one."""
+    """Returns the corrected document, and its differences from the present document."""
     with open(path, encoding="utf-8") as file:
         lines = file.read().split("\n")
     differences, pieces, last = [], [], 0

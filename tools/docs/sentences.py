@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
-"""Prints a seeded sample of the sentences in README, documents and comments, for a reader who has never seen them.
+"""Prints a random sample of the sentences in README, documents and comments, for a reader who has never seen these
+sentences.
 
   sentences.py --seed 7 --count 60
   sentences.py --seed 7 --count 20 --file docs/ --file host/xray    only files whose path begins so
 
-Prints one line `NUMBER<TAB>FILE<TAB>SENTENCE` per sentence; the same seed and tree give the same lines. A reader marks
-every sentence that must be read a second time (docs/testing.md, "Plain English").
+The output has one line `NUMBER<TAB>FILE<TAB>SENTENCE` per sentence. With the same seed and source tree the program
+prints the same lines. The reader marks every sentence that he or she has to read a second time (docs/testing.md, "Plain
+English").
 """
 
 import argparse
@@ -37,7 +39,7 @@ def files(*patterns):
 
 
 def split(text):
-    """Returns the sentences of a paragraph."""
+    """Splits a paragraph into sentences and returns the sentences."""
     begin, found = 0, []
     for end in ENDS.finditer(text):
         found.append(" ".join(text[begin : end.end()].split()))
@@ -46,7 +48,8 @@ def split(text):
 
 
 def of_document(text):
-    """Yields the sentences of paragraphs and list items, without code, tables, headings and pictures."""
+    """Yields the sentences in the paragraphs and list items of a document; code, tables, headings and pictures are left
+    out."""
     text = re.sub(r"```.*?```|<!--.*?-->", "\n\n", GENERATED.sub("\n\n", text), flags=re.S)
     text = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", text)
     for paragraph in re.split(r"\n\s*\n|\n(?=- |\d+\. )", text):
@@ -55,7 +58,7 @@ def of_document(text):
 
 
 def of_source(text):
-    """Yields the sentences of comments, without the examples in them."""
+    """Yields the sentences in the comments of a source file; indented examples in the comments are left out."""
     for comment in COMMENT.findall(text):
         lines = [re.sub(r"^[ \t]*(///?|/\*+|\*/|\*)?|\*/$|\"\"\"", "", line) for line in comment.split("\n")]
         for paragraph in re.split(r"\n\s*\n", "\n".join(line for line in lines if not line.startswith("   "))):
@@ -63,8 +66,8 @@ def of_source(text):
 
 
 def sentences(prefixes=("",)):
-    """Returns (file, sentence) in order for the files whose path begins with one of the prefixes; without prefixes, for
-    the whole tree."""
+    """Returns (file, sentence) in order for all files whose path begins with one of the prefixes. Without prefixes,
+    returns the sentences of all files."""
     found = []
     for path in files("*.md") + files("*.c", "*.h", "*.cpp", "*.hpp", "*.py"):
         if not path.startswith(tuple(prefixes)):

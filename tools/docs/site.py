@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Builds the docs site from docs/ and mkdocs.yml into out/site.
+"""Builds the documentation website from docs/ and mkdocs.yml into the folder out/site.
 
   site.py                 install mkdocs-material into build/site/venv if it is not there, and build; broken links fail
   site.py --build BUILD   another build folder
   site.py --check         only look for pages that load something from another host
 
-The versions of the packages are pinned in tools/docs/requirements.txt. The first run needs the network (PyPI, about 12
-MB); later runs do not.
+tools/docs/requirements.txt fixes the versions of the Python packages for the website. The first run downloads about 12
+MB from PyPI; later runs need no network.
 """
 
 import argparse
@@ -45,7 +45,8 @@ def python_of(folder):
 
 
 def install(folder):
-    """Makes a virtual environment with the pinned packages, unless it exists already."""
+    """Makes a Python virtual environment with the packages of requirements.txt, unless this environment exists
+    already."""
     stamp = os.path.join(folder, "requirements.sha256")
     if os.path.exists(stamp) and os.path.exists(python_of(folder)):
         with open(stamp, encoding="ascii") as file:
@@ -78,7 +79,7 @@ def build(folder):
 
 
 def from_other_hosts(text):
-    """Returns the addresses on other hosts from which a page would make a browser fetch data."""
+    """Returns the addresses on other servers from which a browser would fetch data when it shows the page."""
     return [next(filter(None, found)) for found in LOADED.findall(text)]
 
 

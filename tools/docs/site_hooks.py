@@ -1,8 +1,8 @@
-"""Makes mkdocs show Markdown as the repository's own view does.
+"""Makes mkdocs show the project's Markdown files in the same way as the website of the repository does.
 
 A link to a file outside docs/ (code, NOTICE) becomes the file's path in code font, since the site has no page for such
-a file. Python-Markdown starts a list, a table or an indented block only behind an empty line. Our documents have lists,
-tables and blocks directly below a paragraph or a heading, so the empty line is inserted here.
+a file. Python-Markdown recognises a list, a table or an indented block only after an empty line. The project's
+documents have lists, tables and blocks directly below a paragraph or a heading, so this module inserts the empty line.
 """
 
 import re
@@ -13,7 +13,7 @@ FENCE = re.compile(r"\s*(```|~~~)")
 
 
 def paths_as_code(text):
-    """Replaces a link to a file outside docs/ with that file's path."""
+    """Replaces each link to a file outside docs/ with the file's path."""
 
     def path(match):
         words, target = match.group(1), match.group(2)
@@ -38,7 +38,7 @@ def kind_of(line):
 
 
 def needs_gap(before, now, in_list):
-    """Returns whether Python-Markdown needs an empty line between lines of these kinds."""
+    """Returns whether Python-Markdown needs an empty line between two lines of the kinds `before` and `now`."""
     if now == "empty" or before in ("empty", now):
         return False
     if now == "item":

@@ -1,5 +1,6 @@
-"""Makes the files that the readers are tested with: valid ones, seeded mutations of them, and files made by hand to
-break readers. The extension of a file's name states its kind (KINDS). importers.py uses this module.
+"""Makes the files for the tests of the file readers: valid files, pseudo-random mutations of valid files, and hand-made
+files that are likely to break a reader. The extension of a file's name gives the kind of its content (see KINDS).
+importers.py uses this module.
 """
 
 import base64
@@ -89,7 +90,7 @@ def nested_nodes(depth):
 
 
 def seeds():
-    """Returns valid meshes as (name, bytes)."""
+    """Returns valid mesh files as pairs (name, bytes)."""
     return [("a.ply", ply()), ("b.ply", ply("binary_little_endian")), ("c.ply", ply("binary_big_endian")),
             ("a.stl", stl(True)),
             ("b.stl", stl(False)), ("a.obj", obj()), ("a.gltf", gltf()), ("a.glb", glb())]
@@ -189,12 +190,13 @@ def volumes_and_lines_by_hand():
 
 
 def by_hand():
-    """Returns (name, bytes) of files that must be refused; each of them once made a reader fail, or was misread."""
+    """Returns pairs (name, bytes) of files that the readers must refuse; each of these files once made a reader fail,
+    or was misread."""
     return meshes_by_hand() + volumes_and_lines_by_hand()
 
 
 def mutated(data, draw):
-    """Returns a copy of the file with one to four faults."""
+    """Returns a copy of the file's bytes with one to four random faults."""
     data = bytearray(data)
     for _ in range(draw.choice((1, 1, 1, 2, 4))):
         kind, at = draw.randrange(9), draw.randrange(len(data) + 1)

@@ -1,15 +1,16 @@
 #!/usr/bin/env python3
-"""Gives malformed meshes, TOML files, scans and centrelines to the programs' readers.
+"""Tests the file readers of the project's programs with malformed meshes, TOML files, scans and centrelines.
 
-`make importers` tests all files, and `make test` a small part of them.
+`make importers` tests the readers with all files, and `make test` with a small part of the files.
 
   importers.py --program build/bin/importers --files 3600 -o out/importers.tsv
 
-The files are seeded mutations (--seed) of valid files, and a list of files made by hand. The program `importers` runs
-the real readers. strict.py reads each accepted file again, and both must read the same content. If the two readings
-differ, the program was silently wrong. The rows are importers.files, importers.crashes (the program ended, or a
-sanitizer found an error in our code), importers.over_20s, importers.over_2GB and importers.silently_wrong. The exit
-code is 1 unless all rows but the first are 0.
+The files are pseudo-random mutations of valid files (see --seed), and a list of hand-made files. The program
+`importers` runs the real readers. If a reader accepts a file, strict.py also reads this file, and the two must read the
+same content. If the two readings of a file differ, the real reader was silently wrong. The rows of the output are
+importers.files, importers.crashes (the program ended, or a sanitizer found an error in our code), importers.over_20s,
+importers.over_2GB and importers.silently_wrong. The exit code is 0 if the values of all rows except the first are 0,
+and otherwise 1.
 """
 
 import argparse
@@ -33,7 +34,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 
 
 class Reader:
-    """Represents the program `importers`, which is started again whenever it has ended."""
+    """Represents the running program `importers`, and starts the program again whenever it has ended."""
 
     def __init__(self, program, folder):
         self.program, self.folder, self.process, self.MiB_before = program, folder, None, 0
@@ -62,8 +63,8 @@ class Reader:
         self.process = None
 
     def ask(self, kind, path):
-        """Returns the program's answer about a file, or None if the program ended or gave no answer within three times
-        the limit.
+        """Returns the line that the program `importers` prints about a file. Returns None if the program ended, or
+        printed nothing within three times the time limit.
         """
         if not self.process:
             self.start()
@@ -83,7 +84,8 @@ class Reader:
 
 
 def reports(folder):
-    """Returns sanitizer reports about our code; an error in another library's parser ends only the child process."""
+    """Returns the sanitizers' reports about this project's code. Reports about a library's parser are left out, because
+    such an error ends only the child process."""
     found = []
     for path in glob.glob(os.path.join(folder, "report*")):
         with open(path, encoding="utf-8", errors="replace") as file:
@@ -114,7 +116,7 @@ def near(a, b):
 
 
 def disagreement(path, data, answer):
-    """Returns the reason why an accepted file was misread, or None."""
+    """Returns the reason why the program misread an accepted file, or None if it read the file correctly."""
     try:
         expected = strict.READERS[os.path.splitext(path)[1]](data)
     except Exception as error:  # a strict reading may fail in any way
@@ -144,7 +146,8 @@ class Campaign:
         print("%s: %s\n    %s" % (row, kept, why), flush=True)
 
     def give(self, name, data, is_valid=None, folder=None):
-        """Gives one file to the program; `is_valid` states whether it must be accepted or refused."""
+        """Gives one file to the program `importers`; `is_valid` states whether the program must accept or refuse the
+        file."""
         path = os.path.join(folder or self.folder, name)
         with open(path, "wb") as file:
             file.write(data)

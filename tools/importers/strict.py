@@ -1,6 +1,6 @@
-"""Reads the formats strictly and independently of the program: each function returns what a file contains, or raises
-ValueError. Where the program accepts a file, its reading must agree with these functions; otherwise the program was
-silently wrong. importers.py uses this module.
+"""Reads the file formats strictly, and independently of the program `importers`. Each function returns the content of a
+file, or raises ValueError. If the program `importers` accepts a file but reads other content than these functions, the
+program was silently wrong. importers.py uses this module.
 """
 
 import base64
@@ -29,9 +29,9 @@ def single(value):
 
 
 def summed(vertices, faces):
-    """Returns the digest of a mesh, which states its number of triangles and the sum and range of its coordinates. The
-    program splits a polygon into a fan of triangles, which repeats corners. The sum of corners is therefore returned
-    only if all faces are triangles."""
+    """Returns a summary of a mesh: its number of triangles, and the sum and the range of its coordinates. The program
+    `importers` splits a polygon into a fan of triangles, so some corners occur several times. This function therefore
+    returns the sum of corner coordinates only if all faces are triangles."""
     total, low, high, triangles, other = 0.0, math.inf, -math.inf, 0, 0
     for face in faces:
         if any(not 0 <= corner < len(vertices) for corner in face):

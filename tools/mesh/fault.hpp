@@ -1,4 +1,4 @@
-// Provides Fault, and the units of lengths in files.
+// Declares the exception Fault, and the units in which files give lengths.
 #pragma once
 #include "host/base/fault.hpp"
 #include <string>
@@ -6,7 +6,7 @@
 namespace crn
 {
 
-// Returns the millimetres per unit ("m", "cm", "mm", "um"), or 0 for an unknown unit.
+// Returns the number of millimetres in a unit of length ("m", "cm", "mm", "um"), or 0 for an unknown unit.
 inline double millimetres_per(const std::string &unit)
 {
     if (unit == "m") return 1000.0;

@@ -1,5 +1,5 @@
-// Returns how deeply the brackets in a JSON text are nested. A function that walks through the parsed text
-// calls itself once per level, so this depth must be limited.
+// Returns the largest number of brackets in a JSON text that are open at the same time. A function that walks
+// through the parsed JSON calls itself once per level of nesting, so the depth of nesting must be limited.
 #pragma once
 #include <algorithm>
 #include <cstddef>

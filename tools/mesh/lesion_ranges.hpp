@@ -1,5 +1,5 @@
-// Defines the permitted ranges of a lesion's numbers (docs/lesions.md) once, for writers and readers of scene
-// texts.
+// Defines the permitted ranges of a lesion's numbers (docs/lesions.md) in one place, which both writers and
+// readers of scene texts use.
 #pragma once
 #include "host/base/number_range.hpp"
 

@@ -5,14 +5,17 @@
 namespace crn::mesh
 {
 
-// Returns for each vertex the number of one vertex that stands for its connected piece.
+// Returns, for each vertex, the number of a vertex that represents the connected piece; all vertices of a
+// piece have the same representative.
 std::vector<uint32_t> pieces_of(size_t vertex_count, const std::vector<Triangle> &triangles);
 
-// Drops connected pieces that have fewer triangles than `least`, or than `share` of the largest piece.
+// Removes every connected piece that has fewer than `least` triangles, or fewer than the fraction `share` of
+// the largest piece's triangles.
 void drop_small_pieces(std::vector<Eigen::Vector3d> &vertices, std::vector<Triangle> &triangles, size_t least,
                        double share);
 
-// Drops vertices without a triangle. The others are numbered in the order in which the triangles use them.
+// Drops vertices without a triangle. The remaining vertices are numbered in the order in which the triangles
+// use them.
 void drop_unused(std::vector<Eigen::Vector3d> &vertices, std::vector<Triangle> &triangles);
 
 } // namespace crn::mesh

@@ -1,5 +1,5 @@
-// Reports progress of long work on standard error and handles the user's interrupt (Ctrl-C). Nothing is
-// printed for work that takes less than a second.
+// Reports the progress of long calculations on standard error and handles the user's interrupt (Ctrl-C).
+// Calculations that take less than a second print nothing.
 #pragma once
 #include <chrono>
 #include <cstddef>
@@ -11,14 +11,16 @@ namespace crn::bake
 class Progress
 {
   public:
-    // After this call, Ctrl-C and SIGTERM make `step` throw a Fault, so that unfinished work is undone while
-    // the stack unwinds. A second signal ends the program immediately.
+    // After this call, Ctrl-C or SIGTERM makes the function `step` throw a Fault, so that destructors remove
+    // unfinished results. A second signal (Ctrl-C or SIGTERM) ends the program immediately.
     static void catch_interrupts();
     static bool interrupted();
 
-    // Begins a stage of `total` steps; 0 means that the number is unknown.
+    // Begins a stage of a calculation with `total` steps; a `total` of 0 means that the number of steps is
+    // unknown.
     void stage(const std::string &name, std::size_t total);
-    // Reports that `done` steps are complete. Throws Fault when the user has interrupted the program.
+    // Reports that `done` steps of the present stage are complete. Throws Fault when the user has interrupted
+    // the program.
     void step(std::size_t done);
     void finish();
 

@@ -19,7 +19,7 @@ using Vec3 = Eigen::Vector3d;
 
 constexpr size_t triangles_max = 4'000'000;
 
-/* Holds one file with all its vertices, and with the faces of each body. */
+/* Holds the content of one frame's file: all its vertices, and the faces of each body. */
 struct Frame {
     struct Group {
         std::string name;
@@ -34,7 +34,8 @@ struct Frame {
     throw std::runtime_error(file.string() + ":" + std::to_string(line) + ": " + what);
 }
 
-/* Reads the number of a face's corner: "7", "7/1", "7//3", or "-1" for the latest vertex. */
+/* Reads the vertex number of a face's corner, in the form "7", "7/1", "7//3", or "-1" for the latest
+ * vertex. */
 uint32_t corner(const std::string &word, size_t vertices, const fs::path &file, size_t line)
 {
     long long number = 0;
@@ -116,7 +117,8 @@ std::vector<fs::path> obj_files(const fs::path &folder)
     return files;
 }
 
-/* Checks that the frame has the same bodies, faces and number of vertices as the first frame. */
+/* Checks that a frame of the sequence has the same bodies, faces and number of vertices as the first
+ * frame. */
 void compare(const Frame &first, const Frame &other, const fs::path &first_file, const fs::path &file)
 {
     const std::string start = file.string() + ": ", end = " than " + first_file.filename().string() +
@@ -142,7 +144,7 @@ void compare(const Frame &first, const Frame &other, const fs::path &first_file,
                                  std::to_string(first.vertices.size()) + " vertices: others" + end);
 }
 
-/* Gives each body the vertices that its faces use, in the order of their first use. */
+/* Stores in each body the vertices that its faces use, in the order of their first use. */
 std::vector<SequenceBody> split(const std::vector<Frame> &frames)
 {
     std::vector<SequenceBody> bodies;
@@ -177,8 +179,8 @@ Vec3 normal_of(const SequenceBody &body, size_t frame, size_t triangle)
 
 SequenceReport check_body(const SequenceBody &body)
 {
-    /* If the last frame of a beat does not lead back to the first, the vertices jump much farther there than
-     * anywhere else. */
+    /* If the last frame of a beat does not continue smoothly to the first frame, the vertices move much
+     * farther in this step than in any other step. */
     constexpr double JUMP = 2.0;
     SequenceReport report;
     report.body = body.name;

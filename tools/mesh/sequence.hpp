@@ -1,6 +1,6 @@
-/* Reads a heartbeat from a folder of 24 OBJ files, as animation programs write them: one file per frame, in
- * the order of their names. Each file has the same bodies (keyword o, or g if there is no o), the same faces
- * and the same number of vertices. */
+/* Reads a heartbeat from a folder of 24 OBJ files, as animation programs write them. Each file is one frame,
+ * and the files' names give the order of the frames. All files must have the same bodies (keyword o, or g if
+ * there is no o), the same faces and the same number of vertices. */
 #pragma once
 #include <Eigen/Core>
 #include <array>
@@ -25,12 +25,13 @@ struct Sequence {
     std::vector<SequenceBody> bodies;
 };
 
-/* Throws std::runtime_error that names file and line if the number of files is wrong, if a file's faces
- * differ from the first file's, or if a text is unreadable. Faces with more than three corners become fans of
- * triangles; normals, textures and materials are ignored. */
+/* Throws a std::runtime_error that names file and line if a text is unreadable, if the number of files is
+ * wrong, or if the faces of a file differ from those of the first file. Faces with more than three corners
+ * become fans of triangles; normals, textures and materials are ignored. */
 Sequence read_sequence(const std::filesystem::path &folder);
 
-/* States how a body moves from frame to frame, including from the last frame back to the first. */
+/* Describes the motion of a body from frame to frame, including the step from the last frame back to the
+ * first. */
 struct SequenceReport {
     std::string body;
     size_t vertices = 0, triangles = 0;

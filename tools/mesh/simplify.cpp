@@ -1,4 +1,4 @@
-/* Simplifies a mesh by edge collapse; simplify.hpp states what is guaranteed. */
+/* Simplifies a mesh by edge collapse; simplify.hpp states which properties of the mesh are guaranteed. */
 #include "tools/mesh/simplify.hpp"
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -14,7 +14,7 @@ namespace
 
 using Vec3 = Eigen::Vector3d;
 
-/* The sum of squared distances to planes, weighted by area, is x'Ax + 2b'x + c. */
+/* The sum of the squared distances of a point x to several planes, weighted by area, is x'Ax + 2b'x + c. */
 struct Quadric {
     Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
     Vec3 b = Vec3::Zero();
@@ -34,7 +34,7 @@ struct Quadric {
         c += other.c;
         weight += other.weight;
     }
-    /* Returns the mean squared distance of a point from the planes. */
+    /* Returns the mean squared distance of a point from the planes, weighted by area. */
     double error(const Vec3 &point) const
     {
         return std::max(0.0, point.dot(a * point) + 2.0 * b.dot(point) + c) / weight;
@@ -97,8 +97,9 @@ Simplifier::Simplifier(std::vector<Vec3> &vertices_mm, std::vector<Triangle> &tr
     }
 }
 
-/* Returns the point of least error if the planes determine one; otherwise it returns the middle of the edge.
- * A small weight on the distance from the middle makes the point unique where the neighbourhood is flat. */
+/* Returns the point with the least mean squared distance to the planes, if the planes determine such a point,
+ * and otherwise the middle of the edge. A small weight on the distance from the edge's middle makes the best
+ * point unique where the surface is flat. */
 Vec3 Simplifier::best_point(uint32_t keep, uint32_t drop, double &cost) const
 {
     Quadric sum = quadrics_[keep];
@@ -120,7 +121,7 @@ void Simplifier::offer(uint32_t one, uint32_t other)
     const uint32_t keep = std::min(one, other), drop = std::max(one, other);
     double cost = 0.0;
     best_point(keep, drop, cost);
-    // A small cost on length, far below the error limit, avoids long thin triangles.
+    // A small additional cost for the edge's length, far below the error limit, avoids long thin triangles.
     const double length = (vertices_[keep] - vertices_[drop]).squaredNorm();
     if (cost < limit_) queue_.push({cost + 1e-5 * length, keep, drop, version_[keep], version_[drop]});
 }
@@ -159,8 +160,9 @@ bool Simplifier::turns_a_triangle(uint32_t moving, uint32_t other, const Vec3 &p
     return false;
 }
 
-/* Checks the link condition on a closed surface: the two ends of the edge must share exactly two neighbours.
- * Afterwards around_keep_ and around_drop_ hold the neighbours of both. */
+/* Checks the link condition for an edge of a closed surface: the two ends of the edge must share exactly two
+ * neighbouring vertices. Afterwards around_keep_ and around_drop_ hold the neighbours of the edge's two
+ * ends. */
 bool Simplifier::keeps_a_manifold(uint32_t keep, uint32_t drop)
 {
     neighbours(keep, around_keep_);

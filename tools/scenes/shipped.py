@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
-"""Unpacks the compressed scenes that ship (`make run`), or makes them again and compares them (`make scene`).
+"""Unpacks the shipped compressed scenes (`make run`), or makes these scenes again and compares them with the shipped
+scenes (`make scene`).
 
   shipped.py unpack shared/examples/scenes/aorta.tar.xz -o out
   shipped.py make shared/examples/scenes/aorta.tar.xz --anatomy build/anatomy/aorta/scene.toml \\
       --bake build/bin/bake [--accept]
 
-`make` bakes the anatomy into a temporary folder and compares every file with the one that ships, byte for byte; with
---accept the new files replace those that ship. If the files are the same, the bytes of the archive are the same. The
-exit code is 1 when a file differs or cannot be read.
+The command `make` bakes the anatomy into a temporary folder and compares every file with the shipped file, byte for
+byte. With --accept the new files replace the shipped files. Archives that are made from equal files are equal byte for
+byte. The exit code is 1 when a file differs from the shipped file or cannot be read.
 """
 
 import argparse
@@ -24,7 +25,7 @@ MEMBER_BYTES_MAX = 256 << 20
 
 
 class Fault(Exception):
-    """Raised for an error; the text gives the remedy."""
+    """Raised when a scene or its archive is wrong or cannot be made; the text gives the remedy."""
 
 
 def read_archive(path):
@@ -44,7 +45,7 @@ def read_archive(path):
 
 
 def write_whole(path, data):
-    """Writes the file completely, or leaves the old file unchanged."""
+    """Writes a file completely or, after an error, leaves the old file unchanged."""
     temporary = "%s.part%d" % (path, os.getpid())
     try:
         with open(temporary, "wb") as file:
@@ -71,7 +72,7 @@ def write_archive(path, files):
 
 
 def bake(program, anatomy, name):
-    """Returns a table from file name to bytes, for a newly made scene and its bodies."""
+    """Makes the scene and its bodies again, and returns a table from the name of each file to its bytes."""
     with tempfile.TemporaryDirectory() as folder:
         done = subprocess.run([program, anatomy, "-o", os.path.join(folder, name + ".scene")], check=False)
         if done.returncode != 0:
@@ -88,7 +89,7 @@ def digest(data):
 
 
 def differences(shipped, made):
-    """Returns a sentence for every file that differs."""
+    """Returns a sentence for every file that differs from the shipped file."""
     for name in sorted(set(shipped) | set(made)):
         if name not in made:
             yield "%s ships, but is not made" % name

@@ -1,4 +1,5 @@
-"""Finds the Debian package of a file, with its source, version and copyright file. supply.py and its tests use it."""
+"""Finds the Debian package to which a file belongs, and the package's source package, version and copyright file.
+supply.py and its tests use this module."""
 
 import collections
 import functools
@@ -11,7 +12,7 @@ Licence = collections.namedtuple("Licence", "name holder licence words")
 
 
 class Unknown(Exception):
-    """Raised when this machine cannot answer a question; the message gives the remedy."""
+    """Raised when this machine lacks the data about a file or package; the message gives the remedy."""
 
 
 def ask(*command):
@@ -20,8 +21,8 @@ def ask(*command):
 
 
 def names_of(path):
-    """Returns the possible names of a file. /lib is a link to /usr/lib, and the package may use either name; a
-    library's name is usually a link to its file."""
+    """Returns the names under which a package may list a file. /lib is a link to /usr/lib, so a package may use either
+    name, and the name of a library is usually a link to its file."""
     real = os.path.realpath(path)
     return (path, real, re.sub("^/usr", "", real), "/usr" + path)
 
@@ -44,7 +45,7 @@ def learn(paths):
 
 
 def of_file(path):
-    """Returns the package that a file comes from."""
+    """Returns the Debian package from which a file was installed."""
     if not any(name in OWNERS for name in names_of(path)):
         learn([path])
     for name in names_of(path):

@@ -1,6 +1,6 @@
-"""Writes the findings of supply.py as an SPDX 2.3 document in JSON; SPDX 2.3 succeeds ISO/IEC 5962. The same
-tree on the same machine gives the same bytes, because the time is that of the commit and the document's name space is
-the document's own hash."""
+"""Writes the external parts that supply.py finds as an SPDX 2.3 document in JSON; SPDX 2.3 is the successor of ISO/IEC
+5962. From the same source tree, the script writes the same bytes whenever it runs on the same machine. The document's
+time is the time of the commit, and its name space is a hash of the document itself."""
 
 import datetime
 import hashlib
@@ -130,7 +130,7 @@ def document(supply, licences, root):
 
 
 def write(path, body):
-    """Writes the file completely or not at all."""
+    """Writes the SPDX document completely or not at all."""
     os.makedirs(os.path.dirname(os.path.abspath(path)), exist_ok=True)
     pending = "%s.part%d" % (path, os.getpid())
     with open(pending, "x", encoding="utf-8") as file:

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Lists the parts of the programs that come from outside this repository. The parts are the libraries that programs
-link, libraries that those load in turn, headers that become part of programs, and libraries that programs open on
-request. The parts are found in the programs themselves (readelf, ldd) and in the sources' #include lines, and they are
-named by the Debian package of each file. licences.tsv beside this file gives the licences.
+"""Lists those parts of the project's programs that come from outside this repository. External parts are libraries that
+programs link, further libraries that these libraries load, headers that become part of programs, and libraries that
+programs open at run time. The script finds these parts in the programs themselves (readelf, ldd) and in the sources'
+#include lines, and names each part by the Debian package of its file. licences.tsv beside this file gives the licences.
 
   supply.py notice --build build            compare NOTICE with the findings; exit code 1 if they differ
   supply.py notice --build build --write    update NOTICE between its two marks
@@ -42,8 +42,8 @@ INCLUDE_FOLDERS = ("/usr/include", "/usr/include/eigen3")
 
 
 def programs_in(build, names):
-    """Returns the programs of a build with these names; without names, it returns those of the folder bin that are not
-    tests of the rig."""
+    """Returns the programs of a build that have these names. Without names, returns the programs of the folder bin that
+    do not test the rig (the device)."""
     folder = os.path.join(build, "bin")
     if not names:
         names = [n for n in sorted(os.listdir(folder)) if not n.startswith("hil")] if os.path.isdir(folder) else []
@@ -61,13 +61,14 @@ def is_elf(path):
 
 
 def needed(program):
-    """Returns the names of the libraries that this file needs directly."""
+    """Returns the names of the libraries that a program file links directly."""
     text = subprocess.run(["readelf", "-d", program], check=True, stdout=subprocess.PIPE).stdout.decode()
     return re.findall(r"\(NEEDED\).*\[(.+)\]", text)
 
 
 def loaded(program):
-    """Returns a table from name to file of every library that the loader gives this program."""
+    """Returns a table that maps the name of every library that the loader loads for this program to the library's
+    file."""
     text = subprocess.run(["ldd", program], check=True, stdout=subprocess.PIPE).stdout.decode()
     missing = re.findall(r"^\s*(\S+) => not found", text, re.M)
     if missing:
@@ -85,7 +86,8 @@ def sources_of_tree():
 
 
 def header_packages():
-    """Returns a table from package to the sources that include one of its headers from a folder below /usr/include."""
+    """Returns a table that maps each package to the source files that include a header of this package from a folder
+    below /usr/include."""
     found = collections.defaultdict(set)
     place = {}
     for source in sources_of_tree():
@@ -104,8 +106,8 @@ def header_packages():
 
 
 class Supply:
-    """Holds, for each group and Debian source package, the names of the programs that use it, and the binary packages
-    of each source package."""
+    """Holds, for each group of parts and each Debian source package, the names of the programs that use the package.
+    The class also holds the binary packages of each source package."""
 
     def __init__(self, build, names=()):
         self.programs = programs_in(build, names)
@@ -155,7 +157,8 @@ class Supply:
 
 
 def notice_lines(supply, licences):
-    """Returns the generated part of NOTICE: libraries and their users. The SBOM has the versions."""
+    """Returns the generated part of NOTICE, which lists the libraries and the programs that use them. The SBOM has the
+    versions."""
     lines = []
     for group, title in GROUPS:
         lines.append(title)
@@ -169,7 +172,7 @@ def notice_lines(supply, licences):
 
 
 def check_licences(supply, licences):
-    """Returns the errors in licences.tsv for this machine's packages, one line each."""
+    """Yields one line for each error in licences.tsv that concerns the packages of this machine."""
     for source in sorted(supply.packages):
         if source not in licences:
             users = sorted({user for group in supply.groups.values() for user in group.get(source, ())})
@@ -193,13 +196,14 @@ def split_notice(text):
 
 
 def without_users(lines):
-    """Returns only name, holder and licence of each library, because the programs that use a library may change from
-    day to day."""
+    """Removes the lines of NOTICE that name the programs, because the programs that use a library change often. The
+    name, holder and licence of each library remain."""
     return [re.sub(r"\s{2,}", "  ", line.strip()) for line in lines if not line.startswith(USERS)]
 
 
 def notice_faults(supply, licences, text):
-    """Returns the libraries that NOTICE lacks, and the lines of NOTICE whose library no program links any more."""
+    """Yields the libraries that are missing in NOTICE, and the lines of NOTICE about a library that no program links
+    any more."""
     wanted, present = without_users(notice_lines(supply, licences)), without_users(split_notice(text)[1])
     for line in wanted:
         if line not in present:

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Compares the result of `anatomy beat` with the beat of the shipped heart.
 
-The mesh of the other heart is that of the shipped left coronary arteries, enlarged 1.2 times, turned and shifted. Its
-motion, turned back and scaled back, must be the motion of the shipped arteries.
+For this test, the mesh of the other heart is a copy of the shipped left coronary arteries that is enlarged 1.2 times,
+turned and shifted. If the motion of the other heart's mesh is rotated and scaled back, this motion must equal that of
+the shipped arteries.
 
 usage: check_beat.py make HEART MESH.obj ANATOMY  writes the mesh, and prints its three landmarks as arguments
        check_beat.py compare HEART FOLDER         prints the largest deviation in mm; exit code 1 above 0.02 mm
@@ -19,13 +20,14 @@ SCALE, SHIFT, BODY = 1.2, (11.0, -7.0, 300.0), "coronaries_left"
 
 
 def there(point):
-    """Returns the point of the other heart: a quarter turn about z, the scale and the shift are applied."""
+    """Returns the point of the other heart that corresponds to a point of the shipped heart, by a quarter turn about z,
+    the scale and the shift."""
     x, y, z = point
     return tuple(SCALE * a + b for a, b in zip((-y, x, z), SHIFT))
 
 
 def read_body(path):
-    """Returns the vertices and the faces of BODY. Faces count vertices from 1."""
+    """Returns the vertices and the faces of BODY. The vertex numbers in the faces begin at 1."""
     vertices, faces, before, inside = [], [], 0, False
     for line in path.read_text().splitlines():
         words = line.split()

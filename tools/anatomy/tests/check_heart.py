@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Measures the files of `anatomy heart` without any code of the program, and prints one TAP line per claim.
+"""Measures the files that `anatomy heart` writes, without using code of that program, and prints one TAP line per
+claim.
 
 usage: check_heart.py FOLDER FIRST_NUMBER
 
@@ -11,8 +12,8 @@ The figures must lie in these ranges:
   rest of a coronary artery after systole  right 76 +- 34 ms, left 80 +- 25 ms
   rest of a coronary artery in diastole    right 65 +- 42 ms, left 112 +- 42 ms
 
-An artery rests while no point of it moves by more than 1 mm. Its ranges are at 70 beats per minute, from MR angiography
-of the coronary rest period, 1999 to 2001.
+An artery counts as resting while none of its points moves by more than 1 mm. The expected ranges apply at 70 beats per
+minute; they come from MR angiography of the coronary rest period, 1999 to 2001.
 """
 
 import json
@@ -27,7 +28,8 @@ APEX, BASE = (78, 69, 48), (4, 117, 2)  # ends of the left ventricle's axis, fro
 
 
 def read_obj(path, wanted):
-    """Returns the vertices and the triangles of the wanted objects. No two objects share a vertex."""
+    """Returns the vertices and the triangles of the wanted objects in an OBJ file. No two objects of the file share a
+    vertex."""
     vertices, bodies, name = [], {}, None
     for line in path.read_text().splitlines():
         key, _, rest = line.partition(" ")
@@ -68,8 +70,8 @@ def across(point):
 
 
 def turn_deg(pairs):
-    """Returns the mean angle of turn about the axis. It is positive for a turn that a viewer at the apex sees as
-    counter-clockwise."""
+    """Returns the mean angle by which the vertices turn about the heart's axis. The angle is positive if a viewer at
+    the apex sees a counter-clockwise turn."""
     sine = cosine = 0.0
     for before, after in pairs:
         a, b = across(before), across(after)
@@ -89,10 +91,11 @@ def curves_of(path):
 
 
 def rest_ms(frames, low, high):
-    """Returns the length of the longest window in which the vessel rests.
+    """Returns the length of the longest time window during which the vessel rests.
 
-    No point is more than 1 mm from its place at the window's beginning or end. The middle of the window lies in the
-    given part of the beat. Frames are joined by straight lines; steps are 1/120 beat.
+    Within this window no point of the vessel is more than 1 mm away from its position at the window's beginning or end.
+    The middle of the time window lies in the given part of the beat. Positions are interpolated linearly between
+    frames, in time steps of 1/120 of a beat.
     """
     fine = 120
 

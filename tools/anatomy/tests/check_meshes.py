@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks the files of one anatomy without any code of the program, and prints one TAP line per check.
+"""Checks the files of one anatomy without using code of the program `anatomy`, and prints one TAP line per check.
 
 usage: check_meshes.py FOLDER STATIONS.tsv FIRST_NUMBER     (STATIONS.tsv is the output of `anatomy list`)
 """
@@ -27,7 +27,7 @@ def read_ply(path):
 
 
 def read_scene(path):
-    """Reads the few keys of scene.toml that the checks need."""
+    """Reads the few keys of scene.toml that the checks of the meshes need."""
     bodies, table, entry, ignored = [], None, {}, {}
     for line in path.read_text().splitlines():
         if line == "[[body]]":
@@ -42,7 +42,7 @@ def read_scene(path):
 
 
 def closed_fault(triangles):
-    """Checks that each directed edge and its opposite occur exactly once."""
+    """Checks that the mesh has each directed edge exactly once, and the opposite edge exactly once."""
     edges = Counter()
     for a, b, c in triangles:
         edges.update(((a, b), (b, c), (c, a)))
@@ -61,8 +61,8 @@ def volume_mm3(vertices, triangles):
 
 
 class Inside:
-    """Decides whether a point lies in a closed mesh. It counts crossings of a line along z. Triangles are sorted into
-    square cells over x and y.
+    """Determines whether a point lies inside a closed mesh. The function counts how often a line along z from the point
+    crosses the mesh. For speed, the mesh's triangles are sorted into square cells over x and y.
     """
 
     CELL_MM = 6.0
@@ -94,7 +94,7 @@ class Inside:
 
 
 def section_area_mm2(vertices, triangles, centre, normal, reach_mm):
-    """Returns the area of the mesh's section with a plane, counting only triangles within reach_mm of the centre."""
+    """Returns the area of the mesh's cross-section with a plane, from the triangles within reach_mm of the centre."""
     side = {}
 
     def height(vertex):
@@ -154,7 +154,8 @@ def sampled(vertices, count):
 
 
 def nesting_faults(bodies, meshes):
-    """Checks that samples of every body lie in its parent and in none of its siblings."""
+    """Checks that sampled points of every body lie in the enclosing body and in no other body that the enclosing body
+    contains directly."""
     inside = {name: Inside(*mesh) for name, mesh in meshes.items()}
     faults = []
     for body in bodies:
@@ -175,8 +176,8 @@ def nesting_faults(bodies, meshes):
 
 
 def dimension_faults(lumen, stations):
-    """Checks that the area of the lumen's section at each station differs by at most 3 % from pi d^2 / 4, where d is
-    the stated diameter."""
+    """Checks the lumen's cross-section at each point with a given diameter d: the area may differ by at most 3 % from
+    pi d^2 / 4."""
     faults, checked = [], 0
     for line in stations.splitlines()[1:]:
         vessel, station, diameter, *numbers, _ = line.split("\t")
@@ -195,7 +196,8 @@ def dimension_faults(lumen, stations):
 
 
 def centreline_faults(folder, lumen):
-    """Checks that every control point lies in the lumen and has a radius. The points are converted from LPS first."""
+    """Checks that every control point of the centrelines lies in the lumen and has a radius. The control points are
+    first converted from LPS coordinates (left, posterior, superior)."""
     inside, faults = Inside(*lumen), []
     files = sorted(folder.glob("*.mrk.json"))
     for path in files:

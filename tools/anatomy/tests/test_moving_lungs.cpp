@@ -1,5 +1,5 @@
-// Claims: the lungs that ship move with the heart without a face that turns over, also when their frames are
-// written to a micrometre as files hold them.
+// Claims: when the shipped lungs move with the heart, no face of their meshes turns over. The claim also
+// holds when vertices are rounded to a micrometre, as in files.
 #include "tools/anatomy/heart_sequence.hpp"
 #include "tools/anatomy/vessel_file.hpp"
 #include "tools/mesh/sequence.hpp"

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Tests the files of vessels. Those that ship are valid, and a moved station moves its vessel. Each mistake is refused
-with file, line and key. A damaged file is read or refused, and never crashes the program. Prints TAP."""
+"""Tests the files of vessels. The shipped files of vessels are valid. If a point of a vessel is moved in the file, the
+resulting vessel moves. For each mistake in a file of vessels, the program refuses the file and names file, line and
+key. The program either reads or refuses a damaged file, and it never crashes. Prints TAP."""
 
 import json
 import os
@@ -71,8 +72,8 @@ stations = [
     { height = 0.9, angle_deg = 300, diameter_mm = 3 },
 ]
 """
-# Each entry has a text, the words in it that are replaced, the new words, and words of the message. In the message LINE
-# is the file with the line of the replacement.
+# Each entry has a valid file's text, the words to replace, the new words, and expected words of the error message.
+# In the expected words, "LINE" or "LINE #" stands for the file's name and the line of the replaced words.
 MISTAKES = (
     (OWN, "fillet_mm", "filet_mm", "LINE:12: unknown key 'filet_mm', did you mean 'fillet_mm'?"),
     (OWN, "format = 1", "format = 2", "LINE:10: 'format' must be 1; this file is of another version"),
@@ -256,7 +257,7 @@ def check_mistakes(bench):
 
 
 def damaged(text, dice):
-    """Returns the text with random damage: lines or letters are removed, doubled or changed."""
+    """Returns the text of a vessel file with random damage: lines or letters are removed, doubled or changed."""
     for _ in range(dice.randint(1, 4)):
         lines = text.split("\n")
         at = dice.randrange(len(lines))

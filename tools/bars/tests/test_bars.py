@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Claims about `make bars` (docs/bars.md): no bar vanishes, a value over its bar is red, and a time is never red.
-Prints TAP."""
+"""Claims about `make bars` (docs/bars.md): no bar (limit) vanishes from the list, a value beyond its bar fails, and a
+time never fails. Prints TAP."""
 
 import glob
 import os
@@ -25,7 +25,7 @@ def committed_names():
 
 
 def no_bar_vanishes_and_none_is_there_twice():
-    """A bar that is abandoned is also removed from names.txt, in a commit that gives the reason."""
+    """Whoever abandons a bar (limit) must also remove its name from names.txt, in a commit that gives the reason."""
     return [one.name for one in bars.read_bars()] == committed_names() == list(dict.fromkeys(committed_names()))
 
 

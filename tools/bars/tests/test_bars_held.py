@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Checks every bar whose result is the same on all machines of one architecture: instructions, sizes, hashes, physics
-(docs/bars.md). Prints TAP."""
+"""Checks every bar (limit) on a value that is equal on all machines of one architecture: instructions, sizes, hashes,
+physics (docs/bars.md). Prints TAP."""
 
 import os
 import subprocess

@@ -1,5 +1,5 @@
-// Paths are traced back from the farthest voxel, as in TEASAR (Sato et al. 2000), until every voxel is
-// covered.
+// As in TEASAR (Sato et al. 2000), the code traces a path back from the farthest voxel, again and again,
+// until branches cover every voxel.
 #include "tools/centreline/fit/automatic.hpp"
 #include "host/base/format.hpp"
 
@@ -22,7 +22,7 @@ std::vector<Eigen::Vector3d> places(const Voxels &voxels, const std::vector<std:
     return points;
 }
 
-// Records which voxels lie near a path that is already part of the tree.
+// Records which voxels lie near the branches that are already part of the tree.
 class Cover
 {
   public:
@@ -35,7 +35,8 @@ class Cover
         double since_mm = INFINITY;
         for (std::size_t k = 0; k < way.size(); ++k) {
             if (k > 0) since_mm += (voxels_.centre_mm(way[k]) - voxels_.centre_mm(way[k - 1])).norm();
-            // Balls whose centres are a fifth of their radius apart leave no relevant gap.
+            // The centres of the covering balls are a fifth of their radius apart, so that no relevant gap
+            // remains between the balls.
             const double reach = cover_radii * voxels_.depth_mm(way[k]) + cover_voxels * voxels_.voxel_mm();
             if (since_mm < 0.2 * reach && k + 1 < way.size()) continue;
             since_mm = 0;
@@ -44,8 +45,8 @@ class Cover
     }
 
   private:
-    // Covers all voxels within the ball that are connected to `middle`, but no voxel of a neighbouring
-    // vessel.
+    // Marks all voxels within the ball that are connected to `middle` as covered, but no voxel of a
+    // neighbouring vessel.
     void ball(std::size_t middle, double reach_mm)
     {
         const Eigen::Vector3d centre = voxels_.centre_mm(middle);
@@ -71,7 +72,7 @@ class Cover
     std::uint32_t stamp_ = 0;
 };
 
-// Returns the voxels that were reached, with the farthest first.
+// Returns the voxels that the search has reached, with the farthest voxel first.
 std::vector<std::size_t> by_length(const Ways &ways)
 {
     std::vector<std::size_t> order;
@@ -82,7 +83,8 @@ std::vector<std::size_t> by_length(const Ways &ways)
     return order;
 }
 
-// Returns the paths from the source to every tip that is long enough for a branch, with the longest first.
+// Returns, with the longest first, the paths from the source to those tips of the vessel that are far enough
+// away to form a branch.
 std::vector<std::vector<std::size_t>> ways_to_tips(const Voxels &voxels, const Ways &ways,
                                                    const AutoWish &wish, bake::Progress &progress)
 {
@@ -106,8 +108,8 @@ std::vector<std::vector<std::size_t>> ways_to_tips(const Voxels &voxels, const W
     return kept;
 }
 
-// Returns the depth of the vessel at a tip, which is the depth of the deepest voxel within a few millimetres
-// along the path.
+// Returns the depth (distance to the wall) of the deepest voxel within a few millimetres of a tip, along the
+// path.
 double width_at(const Voxels &voxels, const std::vector<std::size_t> &way)
 {
     double depth = 0;
@@ -148,8 +150,8 @@ std::size_t inlet_of(const Lumen &lumen, const AutoWish &wish, std::vector<std::
         notes.push_back("the inlet is the widest opening, at " + bake::place_text(widest->centre_mm));
         return static_cast<std::size_t>(near_point(lumen, widest->centre_mm));
     }
-    // The voxel farthest from the deepest voxel is a tip of the tree. From this tip we find all other tips;
-    // the widest of them is the inlet.
+    // The voxel with the longest path from the deepest voxel is a tip of the tree. From this first tip the
+    // code finds all other tips, and it takes the widest tip as the inlet.
     std::size_t deepest = 0;
     for (std::size_t v = 0; v < voxels.size(); ++v)
         if (voxels.depth_mm(v) > voxels.depth_mm(deepest)) deepest = v;
@@ -164,7 +166,7 @@ std::size_t inlet_of(const Lumen &lumen, const AutoWish &wish, std::vector<std::
     return best->back();
 }
 
-// Notes other pieces of the mesh that the tree does not reach.
+// Adds a note about each piece of the mesh that the tree does not reach.
 void note_unreached(const Voxels &voxels, const Ways &ways, std::vector<std::string> &notes)
 {
     std::size_t reached = 0, sample = 0;

@@ -1,5 +1,5 @@
-// Fits a tree fully automatically: inlet, outlets, branches and their junctions are found from the mesh
-// alone.
+// Fits a vessel tree automatically: the functions find the inlet, outlets, branches and junctions from the
+// mesh alone.
 #pragma once
 #include "tools/centreline/fit/grow.hpp"
 
@@ -16,9 +16,9 @@ struct AutoWish {
     double shortest_mm = 2.0; // ... and at least this far
 };
 
-// The fit takes the longest path through the vessels first. The path to the farthest place that no branch
-// covers yet becomes the next branch, or it is pruned. A branch covers all places within 1.5 radii of its
-// line. Branches end at junctions and are named 1, 1.1, 1.2, 1.2.1 ...
+// The first branch is the longest path through the vessels. Next, the path to the farthest point that no
+// branch covers becomes a branch, unless this branch would be too short. A branch covers all points
+// within 1.5 vessel radii of its centreline. Branches end at junctions and are named 1, 1.1, 1.2, 1.2.1 ...
 Tree fit_automatic(const Lumen &lumen, const AutoWish &wish, std::vector<std::string> &notes,
                    bake::Progress &progress);
 

@@ -1,5 +1,5 @@
-// The wall vertices near a sphere determine an affine motion. The sphere follows this motion and is then
-// centred again.
+// The wall vertices near a sphere of the tree determine an affine motion from frame to frame. The sphere
+// follows the affine motion of the wall and is then centred in the vessel again.
 #include "tools/centreline/fit/carry.hpp"
 
 #include <Eigen/Dense>
@@ -16,7 +16,7 @@ constexpr double wall_share = 1.6; // vertices up to this many radii away carry 
 constexpr std::size_t vertices_wanted = 48;
 constexpr double refit_share = 0.3; // largest displacement of a sphere by the fit, in radii
 
-// Returns the wall vertices around one sphere.
+// Returns those vertices of the vessel's wall that lie around one sphere of the tree.
 std::vector<std::uint32_t> carriers_of(const bake::Mesh &mesh, const Sphere &sphere)
 {
     std::vector<std::pair<double, std::uint32_t>> near;
@@ -29,16 +29,16 @@ std::vector<std::uint32_t> carriers_of(const bake::Mesh &mesh, const Sphere &sph
         if (near.size() >= mesh.vertices_mm.size()) break;
     }
     std::sort(near.begin(), near.end());
-    // We choose vertices evenly by distance from the sphere, so that a side with many vertices does not
-    // outweigh a side with few.
+    // The code selects vertices so that a side of the vessel with many vertices does not outweigh a side with
+    // few vertices.
     std::vector<std::uint32_t> chosen;
     const std::size_t step = std::max<std::size_t>(1, near.size() / vertices_wanted);
     for (std::size_t i = 0; i < near.size(); i += step) chosen.push_back(near[i].second);
     return chosen;
 }
 
-// Fits u = t + A (x - mean) by least squares. A is regularised towards 0, because vertices in a plane or on a
-// line do not determine it.
+// Fits the displacements u of the wall vertices x by u = t + A (x - mean), by least squares. The matrix A is
+// regularised towards 0, because vertices in one plane or on one line do not determine A completely.
 Eigen::Vector3d carried_to(const Eigen::Vector3d &p, double radius_mm,
                            const std::vector<std::uint32_t> &carriers, const bake::Mesh &from,
                            const bake::Mesh &to)
@@ -86,8 +86,8 @@ Eigen::Vector3d direction_of(const Branch &branch, std::size_t i)
     return way.norm() > 0 ? way.normalized() : Eigen::Vector3d::UnitZ();
 }
 
-// Moves the carried spheres to the middle of the vessel and measures their radii; returns the largest
-// displacement.
+// Moves the spheres, which have followed the wall, to the middle of the vessel and measures their radii.
+// Returns the largest displacement of a sphere.
 double refit(const Lumen &lumen, Tree &tree)
 {
     double farthest = 0;
@@ -106,7 +106,7 @@ double refit(const Lumen &lumen, Tree &tree)
                 sphere = tree.branches[branch.parent].spheres[branch.parent_sphere];
                 continue;
             }
-            // Neighbouring spheres move alike, so they stay in order.
+            // Neighbouring spheres move by similar amounts, so the spheres keep their order along the branch.
             const bool is_inner = i > own && i + 1 < branch.spheres.size();
             const Eigen::Vector3d move =
                 is_inner ? Eigen::Vector3d(0.25 * step[i - 1] + 0.5 * step[i] + 0.25 * step[i + 1]) : step[i];

@@ -1,5 +1,5 @@
-// Carries the tree of one frame through a sequence of meshes with the same triangles. Branches and spheres
-// keep their number and order.
+// Moves the vessel tree of the first frame through a sequence of meshes that have the same triangles. In all
+// frames the tree has the same branches and spheres in the same order.
 #pragma once
 #include "tools/centreline/fit/line_fit.hpp"
 
@@ -15,13 +15,13 @@ struct Frame {
     double refit_mm = 0; // largest displacement by the fit from where the wall had carried a sphere
 };
 
-// Returns the .obj (or .ply, .stl, .glb) files of a folder, sorted by the numbers in their names. Throws
+// Returns the mesh files (.obj, .ply, .stl or .glb) of a folder, sorted by the numbers in their names. Throws
 // Fault.
 std::vector<std::filesystem::path> frames_of(const std::filesystem::path &folder);
 
-// `files` are the frames of the sequence, and the tree belongs to the first of them. Each sphere moves with
-// the wall around it and is then fitted again. Throws Fault naming the frame whose triangles differ from the
-// first frame's.
+// `files` are the meshes of the sequence, and `tree` belongs to the first mesh. Each sphere of the tree moves
+// with the wall around it and is then fitted to the wall again. Throws a Fault that names a frame whose
+// triangles differ from those of the first frame.
 std::vector<Frame> carried(const Tree &tree, const std::vector<std::filesystem::path> &files,
                            const bake::MeshText &text, const LumenWish &wish, bake::Progress &progress);
 

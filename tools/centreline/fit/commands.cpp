@@ -1,4 +1,5 @@
-// Implements the commands of the program; each reads files, does its work and writes files.
+// Implements the commands of the program `centreline`. Each command reads files, does its work and writes
+// files.
 #include "tools/centreline/fit/commands.hpp"
 #include "host/base/output_files.hpp"
 #include "tools/bake/centreline.hpp"
@@ -31,8 +32,8 @@ bake::MeshText mesh_text(const Options &options, const std::string &file)
     return text;
 }
 
-// Loads a mesh, or the lumen that a scene's text names, and places it in the patient in the same way as
-// `bake`.
+// Loads a mesh, or the lumen that a scene's text names, and transforms it to the patient's axes as the
+// program `bake` does.
 bake::Mesh load(const Options &options, const std::string &file, bake::Progress &progress)
 {
     if (std::filesystem::path(file).extension() != ".toml") return bake::load_mesh(mesh_text(options, file));
@@ -64,7 +65,7 @@ void print_notes(const std::vector<std::string> &notes)
     for (const std::string &note : notes) std::printf("note: %s\n", note.c_str());
 }
 
-// Prints one line per branch, separated by tabs.
+// Prints one line per branch of the tree, with tabs between the values.
 void print_tree(const Tree &tree, const std::vector<double> &flow_ml_min)
 {
     std::printf("branch\tname\tparent\tspheres\tlength_mm\tradius_first_mm\tradius_last_mm\tflow_ml_"
@@ -90,7 +91,8 @@ int finish(const Options &options, Tree &tree, const Lumen &lumen, const std::ve
     return 0;
 }
 
-// A text such as "+x,+z,-y" names, for each axis of the output, the file's axis and its sign.
+// A text such as "+x,+z,-y" gives, for each axis of the output, the corresponding axis of the file and its
+// sign.
 Eigen::Matrix3d turned_axes(const std::string &text)
 {
     Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();

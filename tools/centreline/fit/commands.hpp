@@ -1,4 +1,4 @@
-// Declares the commands of the program, which take parsed options.
+// Declares the commands of the program `centreline`; each command takes the parsed options.
 #pragma once
 #include "tools/centreline/fit/automatic.hpp"
 #include "tools/centreline/fit/guided.hpp"
@@ -11,7 +11,7 @@ namespace crn::centreline
 {
 
 struct Options {
-    // Holds the mesh and the options for reading it.
+    // The next members name the mesh file and define how the mesh is read.
     std::string mesh, unit = "mm", cap = "any";
     std::vector<std::string> parts;
     std::string data = "../shared/anatomy", shipped = "build/anatomy/aorta";

@@ -1,4 +1,5 @@
-// Keys and pointer change the project. The tree is then fitted and drawn again.
+// In the editor, keys and mouse change the points of the project. After each change the editor fits and draws
+// the tree again.
 #include "tools/centreline/fit/editor.hpp"
 #include "host/base/pending_file.hpp"
 #include "host/screen/screen.hpp"
@@ -77,7 +78,8 @@ class Editor
         is_dirty_ = true;
     }
 
-    // Does work that may throw a Fault; the window then stays open and shows the reason.
+    // Calls a function that may throw a Fault; after a Fault the editor's window stays open and shows the
+    // reason.
     template <typename Work> void attempt(Work work)
     {
         try {
@@ -146,7 +148,8 @@ class Editor
 
     void take_control_key(int key)
     {
-        // Where GLFW reports it, we use the letter of the keyboard's layout.
+        // Where GLFW reports the letter that a key has in the user's keyboard layout, the editor uses this
+        // letter.
         const char *name = glfwGetKeyName(key, 0);
         const char letter = name ? name[0] : static_cast<char>(key + ('a' - 'A'));
         if (letter == 's') attempt([&] { save(); });
@@ -209,7 +212,7 @@ class Editor
         if (kind_ == PointKind::start) kind_ = PointKind::end;
     }
 
-    // Moves the chosen point with the pointer, at the point's own depth.
+    // Moves the selected point with the mouse pointer and keeps the point's distance from the viewer.
     void drag(double x, double y)
     {
         const Eigen::Vector3d along = view_.axes().row(2), on_plane = view_.ray_start_mm(x, y);
@@ -287,7 +290,7 @@ class Editor
         look_anew();
     }
 
-    // The place under the pointer stays under the pointer.
+    // When the view is enlarged, the point of the vessel under the mouse pointer stays under the pointer.
     void zoom(double factor, double x, double y)
     {
         const Eigen::Vector3d before = view_.ray_start_mm(x, y);
@@ -302,7 +305,7 @@ class Editor
         is_dirty_ = true;
     }
 
-    // Draws lines of text on a background that darkens the picture.
+    // Draws lines of text on a background that darkens the picture behind the text.
     static void panel(Sheet &sheet, int top, const std::vector<std::string> &lines, Ink ink)
     {
         int width = 0, y = top + 8;

@@ -1,4 +1,4 @@
-// Adds a branch to the tree in three steps: its junction, its fit and its end.
+// Adds a branch to the tree in three steps: find the branch's junction, fit its spheres, and find its end.
 #include "tools/centreline/fit/grow.hpp"
 
 #include <algorithm>
@@ -12,7 +12,8 @@ namespace
 using Points = std::vector<Eigen::Vector3d>;
 constexpr double merge_share = 0.75; // junctions closer than this many radii become one
 
-// Returns the opening through which a path with this end leaves the vessel, or null.
+// Returns the opening through which a path that ends at this point leaves the vessel, or null if it does not
+// leave the vessel.
 const Opening *opening_near(const Lumen &lumen, const Eigen::Vector3d &p_mm)
 {
     const Opening *nearest = nullptr;
@@ -32,7 +33,8 @@ void append_straight(Points &line, const Eigen::Vector3d &to, double step_mm)
     for (int i = 1; i <= pieces; ++i) line.push_back(from + (to - from) * (static_cast<double>(i) / pieces));
 }
 
-// If another branch leaves the same parent close by, both get the same junction.
+// If another branch leaves the same parent at nearly the same point, the two branches get one common
+// junction.
 std::size_t shared_junction(const Tree &tree, int parent, std::size_t sphere)
 {
     const std::vector<Sphere> &spheres = tree.branches[parent].spheres;
@@ -46,8 +48,9 @@ std::size_t shared_junction(const Tree &tree, int parent, std::size_t sphere)
     return to_end < merge_share * spheres[sphere].radius_mm ? spheres.size() - 1 : sphere;
 }
 
-// Returns the path of a branch, including its connection to the parent. The path begins in the parent's
-// middle, goes straight to where it leaves the parent's tube, and continues from there.
+// Returns the path of a branch, including the piece that connects the branch to its parent. The path begins
+// in the middle of the parent vessel and goes straight to the point where it leaves the parent's tube. From
+// this point the path continues as given.
 Points from_junction(const Tree &tree, const Lumen &lumen, const Way &way, std::size_t &sphere)
 {
     const Branch &parent = tree.branches[way.parent];
@@ -63,8 +66,9 @@ Points from_junction(const Tree &tree, const Lumen &lumen, const Way &way, std::
     return line;
 }
 
-// Removes the spheres behind the first one that touches, or nearly touches, the end of the vessel. In a round
-// end, the last sphere is then the one at the centre of the rounding.
+// Finds the first sphere that touches, or nearly touches, the end of the vessel, and removes all later
+// spheres. If the vessel's end is round, the last remaining sphere has its centre at the centre of the
+// rounding.
 void cut_at_last_sphere(const Lumen &lumen, std::vector<Sphere> &spheres)
 {
     const Sphere end = spheres.back();
@@ -124,7 +128,8 @@ int grow_branch(Tree &tree, const Lumen &lumen, const Way &way, const GrowWish &
         finish_last(lumen, line);
         std::reverse(line.begin(), line.end());
     }
-    // A given point keeps its position along the vessel, but the fit may move it sideways towards the middle.
+    // A point that the user has given keeps its position along the vessel, but the fit may move the point
+    // sideways towards the middle.
     constexpr double fine_spacing = 0.1; // ends are cut more finely than the final spacing of the spheres
     const LineWish fit{fine_spacing, way.parent >= 0 ? &tree.branches[way.parent] : nullptr,
                        way.parent >= 0 || !way.is_first_given, !way.is_last_given};
@@ -135,8 +140,8 @@ int grow_branch(Tree &tree, const Lumen &lumen, const Way &way, const GrowWish &
         cut_at_last_sphere(lumen, branch.spheres);
         std::reverse(branch.spheres.begin(), branch.spheres.end());
     }
-    // After the cuts at both ends, the first and last gaps differ from the others, so we space the spheres
-    // again.
+    // After the branch is cut at its ends, its first and last spheres have unequal distances to their
+    // neighbours, so the code spaces all spheres again.
     branch.spheres = spaced(lumen, centres(branch.spheres), wish.spacing);
     if (way.parent >= 0) branch.spheres.front() = tree.branches[way.parent].spheres[branch.parent_sphere];
     branch.spheres.front().is_manual |= way.is_first_given && way.parent < 0;

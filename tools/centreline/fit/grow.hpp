@@ -1,4 +1,5 @@
-// Builds a tree from rough paths, branch by branch, and completes the junctions and ends.
+// Builds a vessel tree from rough paths, branch by branch, and completes the junctions and ends of the
+// branches.
 #pragma once
 #include "tools/centreline/fit/line_fit.hpp"
 
@@ -21,15 +22,16 @@ struct Way {
                                  // or at the last sphere that touches the far end
 };
 
-// Adds one branch to the tree and returns its number. Throws Fault when the path is too short for a branch.
+// Adds one branch to the tree and returns the number of the new branch. Throws Fault when the path is too
+// short for a branch.
 int grow_branch(Tree &tree, const Lumen &lumen, const Way &way, const GrowWish &wish);
 
-// Returns the branch along whose tube the path runs farthest before it leaves the tube; -1 if it touches no
+// Returns the branch in whose tube the path stays for the longest distance; returns -1 if the path touches no
 // branch.
 int parent_of(const Tree &tree, const std::vector<Eigen::Vector3d> &way_mm);
 
-// Completes the end of a path whose end the user has not placed: the end moves to the middle of a nearby
-// opening, or stays where it is.
+// If the end of a path is near an opening, the function moves this end to the middle of the opening. The
+// function serves for ends that the user has not placed.
 void finish_last(const Lumen &lumen, std::vector<Eigen::Vector3d> &points_mm);
 
 } // namespace crn::centreline

@@ -1,4 +1,5 @@
-// Determines the order of points first, then the paths between them, and then the branches.
+// Determines first the order of the user's points, then the paths between these points, and then the
+// branches.
 #include "tools/centreline/fit/guided.hpp"
 
 #include <algorithm>
@@ -36,9 +37,9 @@ Placed placed(const Lumen &lumen, const Point &point, std::size_t number, std::v
     if (voxel < 0)
         throw Fault("the " + title(point, number) + " lies over 5 mm outside the vessel: move it inside");
     Placed made{&point, static_cast<std::size_t>(voxel)};
-    // A point that the user has set may lie beside the middle of the vessel. We take the voxel in the middle
-    // of the vessel nearby, and search for it across the vessel only, because the fit cannot move an end
-    // along the vessel.
+    // A point that the user has set may lie beside the middle of the vessel. The code searches for a voxel in
+    // the middle of the vessel, but only across the vessel, because the fit cannot move an end along the
+    // vessel.
     made.voxel = voxels.middle_near(made.voxel);
     const double moved_mm = (voxels.centre_mm(made.voxel) - point.position_mm).norm();
     if (moved_mm > voxels.depth_mm(made.voxel))
@@ -52,8 +53,8 @@ void follow(Placed &point, int before, double length_mm)
     if (length_mm > point.length_mm) point.before = before, point.length_mm = length_mm;
 }
 
-// The path from a start to an end passes bifurcations; their order along this path decides which point
-// follows which.
+// The path from a start point to an end point passes bifurcation points; their order along the path is their
+// order in the tree.
 void find_order(const Lumen &lumen, std::vector<Placed> &points, const Ways &ways,
                 const std::vector<int> &starts)
 {
@@ -119,7 +120,8 @@ void check_order(const std::vector<Placed> &points)
     }
 }
 
-// Returns the path from the preceding point to this point, through the given places.
+// Returns the path through the vessel from the preceding point to this point, by way of the given
+// intermediate points.
 std::vector<Eigen::Vector3d> way_between(const Lumen &lumen, const Placed &from, const Placed &to)
 {
     const Voxels &voxels = lumen.voxels();
@@ -166,8 +168,8 @@ Tree fit_points(const Lumen &lumen, const std::vector<Point> &points, const Grow
     find_order(lumen, all, ways, starts);
     apply_names(all);
     check_order(all);
-    // A parent is made before its children, by depth in the order of points, and otherwise in the given
-    // order.
+    // The code makes each parent branch before its child branches, and makes branches of equal level in the
+    // order of the user's points.
     std::vector<std::pair<std::size_t, std::size_t>> order;
     std::vector<std::size_t> children(all.size(), 0);
     for (std::size_t i = 0; i < all.size(); ++i) {
@@ -186,8 +188,8 @@ Tree fit_points(const Lumen &lumen, const std::vector<Point> &points, const Grow
         const Placed &from = all[to.before];
         Way way{
             way_between(lumen, from, to), branch_name(all, order[n].second), from.branch, true, true, true};
-        // If several ends follow without a bifurcation point between them, their paths determine where the
-        // branches part.
+        // If several end points follow one point without a bifurcation point between them, the paths to these
+        // ends determine where the branches separate.
         if (from.branch < 0 && !is_first[to.before]) {
             way.parent = parent_of(tree, way.points_mm);
             way.leaves_at_end = false;

@@ -1,5 +1,5 @@
 // Fits a tree semi-automatically: a person gives start, end and bifurcation points, and the tool finds the
-// branches between them. The tool can also propose such points.
+// branches between these points. The tool can also propose the start, end and bifurcation points.
 #pragma once
 #include "tools/centreline/fit/grow.hpp"
 #include "tools/centreline/fit/points.hpp"
@@ -7,12 +7,13 @@
 namespace crn::centreline
 {
 
-// Makes a tree with a branch from each point to the next. `notes` lists points that were moved or whose
-// position is doubtful. Throws Fault that names the point and the remedy.
+// Makes a vessel tree that has a branch from each point to the following point. `notes` receives remarks
+// about points that the function moved or whose position is doubtful. Throws a Fault whose message names the
+// wrong point and the remedy.
 Tree fit_points(const Lumen &lumen, const std::vector<Point> &points, const GrowWish &wish,
                 std::vector<std::string> &notes, bake::Progress &progress);
 
-// Returns the start, bifurcations and ends of a tree, named after its branches.
+// Returns the start, bifurcation and end points of a tree; each point has the name of a branch.
 std::vector<Point> points_of(const Tree &tree);
 
 } // namespace crn::centreline

@@ -1,5 +1,5 @@
-// The fit repeats two steps: it moves each point to the middle of its cross-section, and then it smooths the
-// line.
+// The fit of a centreline repeats two steps: it moves each point to the middle of the vessel's cross-section,
+// and then it smooths the centreline.
 #include "tools/centreline/fit/line_fit.hpp"
 
 #include <Eigen/Geometry>
@@ -24,7 +24,8 @@ double length_of(const Points &line)
     return sum;
 }
 
-// Returns points about `step(p)` apart; the first and the last point stay.
+// Returns points of the line whose distances from each other are about `step(p)`; the first and the last
+// point do not move.
 template <typename Step> Points resampled(const Points &line, Step step)
 {
     Points made{line.front()};
@@ -38,7 +39,7 @@ template <typename Step> Points resampled(const Points &line, Step step)
         }
         left -= (line[i] - at).norm();
     }
-    // The last piece should be about as long as the other pieces.
+    // The last piece of the line should be about as long as the other pieces.
     if (made.size() > 1 && (made.back() - line.back()).norm() < 0.5 * step(line.back())) made.pop_back();
     made.push_back(line.back());
     return made;
@@ -53,8 +54,8 @@ void smooth(Points &line, double share, int times)
     }
 }
 
-// The direction of the line is measured over about one radius to either side, because immediate neighbours
-// are too close for a stable direction.
+// The code measures the line's direction over about one vessel radius to either side, because immediate
+// neighbours are too close for a stable direction.
 Eigen::Vector3d direction_at(const Points &line, std::size_t i, double radius_mm)
 {
     std::size_t before = i, after = i;

@@ -1,4 +1,5 @@
-// Fits inscribed spheres in the middle of a vessel along a rough path through it (docs/centreline.md).
+// Fits inscribed spheres in the middle of a vessel, along a rough path through the vessel
+// (docs/centreline.md).
 #pragma once
 #include "tools/centreline/fit/lumen.hpp"
 #include "tools/centreline/tree.hpp"
@@ -13,16 +14,17 @@ struct LineWish {
     bool holds_first = true, holds_last = true; // the ends stay where they are
 };
 
-// Returns the place, in the plane through p across `direction` and at most limit_mm away, where the inscribed
-// sphere is largest.
+// Returns the centre of the largest inscribed sphere near p. The centre lies at most limit_mm away from p, in
+// the plane through p perpendicular to `direction`.
 Eigen::Vector3d centred(const Lumen &lumen, const Eigen::Vector3d &p_mm, const Eigen::Vector3d &direction,
                         double limit_mm);
 
-// Returns at least two spheres along the path.
+// Fits inscribed spheres along the rough path and returns at least two spheres.
 std::vector<Sphere> fit_line(const Lumen &lumen, const std::vector<Eigen::Vector3d> &way_mm,
                              const LineWish &wish);
 
-// Returns the same line with spheres at another spacing; the first and the last stay.
+// Returns the line with spheres at the distance `spacing` from each other; the first and the last sphere do
+// not move.
 std::vector<Sphere> spaced(const Lumen &lumen, const std::vector<Eigen::Vector3d> &line_mm, double spacing);
 
 } // namespace crn::centreline

@@ -1,4 +1,4 @@
-// Closes or remakes the mesh, and distinguishes openings from walls.
+// Closes or remakes the mesh of a vessel, and distinguishes openings from walls.
 #include "tools/centreline/fit/lumen.hpp"
 #include "host/base/format.hpp"
 #include "tools/bake/solid.hpp"
@@ -23,7 +23,8 @@ double chosen_voxel_mm(double wished_mm, const bake::Mesh &closed)
     return std::clamp(std::cbrt(std::max(inside, around)), voxel_min_mm, voxel_max_mm);
 }
 
-// Capping an opening appends one vertex behind the mesh's own vertices, with a fan of triangles around it.
+// When an opening is capped, one vertex is appended to the list of the mesh's vertices, and a fan of
+// triangles around this vertex closes the opening.
 std::vector<Opening> openings_of(const bake::Mesh &capped, std::size_t own_vertices,
                                  std::size_t own_triangles)
 {
@@ -60,7 +61,7 @@ Lumen::Lumen(bake::Mesh mesh, const LumenWish &wish, bake::Progress &progress)
         bake::check_closed(closed, wish.cap);
     } catch (const Fault &fault) {
         if (wish.cap != bake::Cap::any) throw;
-        // The mesh does not bound a body, but a level set may turn it into a mesh that does.
+        // Although this mesh does not bound a body, a level set may turn it into a mesh that bounds a body.
         closed = raw;
         bake::cap_openings(closed, bake::Cap::any);
         Eigen::AlignedBox3d box;
@@ -75,7 +76,7 @@ Lumen::Lumen(bake::Mesh mesh, const LumenWish &wish, bake::Progress &progress)
         } catch (const Fault &) {
             throw fault; // the fault of the mesh says more than that of its level set
         }
-        // If capping has missed a hole, the level set has no inside, and only a thin shell remains.
+        // If a hole of the mesh was not capped, the level set has no inside, and only a thin shell remains.
         if (bake::volume_mm3(made) < 0.5 * before_mm3) throw;
         notes_.push_back(std::string(fault.what()));
         const std::string text =
@@ -94,8 +95,8 @@ Lumen::Lumen(bake::Mesh mesh, const LumenWish &wish, bake::Progress &progress)
     if (!wish.with_voxels) return;
     progress.stage("measuring the inside", 0);
     voxels_ = std::make_unique<Voxels>(closed, chosen_voxel_mm(wish.voxel_mm, closed));
-    // An opening that has less than half the radius of the vessel behind it is a crack in the wall, not the
-    // end of a vessel.
+    // If an opening's radius is less than half the radius of the adjacent vessel, the opening is a crack in
+    // the wall and not the end of a vessel.
     std::erase_if(openings_, [&](const Opening &opening) {
         long voxel = -1;
         for (double reach = 2 * voxels_->voxel_mm(); voxel < 0 && reach < 10; reach *= 2)

@@ -1,5 +1,6 @@
-// Holds a vessel's surface that is prepared for fitting. The surface is closed, and its openings are known;
-// its inside is available as voxels, and its wall as an exact distance.
+// Holds the surface of the vessels in a form in which centrelines can be fitted. The stored surface is
+// closed, and the openings that it had are known. Callers can use the inside as voxels and can compute the
+// exact distance to the wall.
 #pragma once
 #include "tools/bake/triangle_tree.hpp"
 #include "tools/centreline/fit/voxels.hpp"
@@ -9,8 +10,8 @@
 namespace crn::centreline
 {
 
-// An opening is a place where the mesh was open, such as the end of a vessel. A centreline continues up to
-// the plane of the opening.
+// An opening is a hole that the mesh had before it was closed, such as the cut end of a vessel. A centreline
+// that ends at an opening extends up to the plane of this opening.
 struct Opening {
     Eigen::Vector3d centre_mm;
     double radius_mm;
@@ -25,14 +26,15 @@ struct LumenWish {
 class Lumen
 {
   public:
-    // Takes a mesh as it was loaded from its file. A mesh that does not bound a body, but has no hole wider
-    // than a vessel, is remade from a level set (noted). Throws Fault that names what must be repaired.
+    // Makes a lumen from a mesh that was loaded from a file. If the mesh does not bound a body but has no
+    // hole wider than a vessel, the constructor remakes the mesh from a level set and adds a note. Throws a
+    // Fault that states which part of the mesh must be repaired.
     Lumen(bake::Mesh mesh, const LumenWish &wish, bake::Progress &progress);
     Lumen(const Lumen &) = delete;
     Lumen &operator=(const Lumen &) = delete;
 
-    // Returns the radius of the largest sphere about p that crosses no wall; openings do not count as walls.
-    // `bound_mm` is as in TriangleTree.
+    // Returns the radius of the largest sphere around p that crosses no wall of the vessel; openings do not
+    // count as walls. `bound_mm` is as in TriangleTree.
     double radius_mm(const Eigen::Vector3d &p_mm, double bound_mm = INFINITY) const;
     const Voxels &voxels() const { return *voxels_; } // only for a lumen made with voxels
     const std::vector<Opening> &openings() const { return openings_; }

@@ -1,4 +1,4 @@
-// Finds the place in the vessel that a click selects.
+// Finds the point in the vessel that a mouse click selects.
 #include "tools/centreline/fit/editor.hpp"
 #include "tools/centreline/fit/tree_picture.hpp"
 
@@ -13,8 +13,8 @@ namespace
 
 constexpr double beside_mm = 3.0; // a click this close beside the vessel still selects it
 
-// Returns the depth towards the viewer at which the line of sight crosses the triangle, or NaN if it does not
-// (Moeller and Trumbore 1997).
+// Returns the depth towards the viewer at which the line of sight crosses the triangle, or NaN if they do not
+// cross (Moeller and Trumbore 1997).
 double meets(const Eigen::Vector3d &from, const Eigen::Vector3d &along, const Eigen::Vector3d &a,
              const Eigen::Vector3d &b, const Eigen::Vector3d &c)
 {

@@ -1,5 +1,5 @@
-// A person describes a vessel tree by start, end and bifurcation points, in a text (TOML) that is also the
-// editor's project file.
+// Reads and writes start, end and bifurcation points, by which a person describes a vessel tree. The TOML
+// file of these points is also the editor's project file.
 #pragma once
 #include "tools/bake/mesh.hpp"
 

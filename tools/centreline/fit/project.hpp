@@ -1,4 +1,4 @@
-// Holds the editor's data without its window: points, undo steps, the saved text and the last fitted tree.
+// Holds the data that the editor works on: points, undo steps and the saved text.
 #pragma once
 #include "tools/centreline/fit/points.hpp"
 
@@ -8,18 +8,18 @@ namespace crn::centreline
 class Project
 {
   public:
-    // Continues with the file if it exists, else begins a new project; `mesh` is written into the file as
-    // given. Throws Fault.
+    // Reads the project file if it exists, and otherwise begins a new project. The name `mesh` is written
+    // into the project file as given. Throws Fault.
     Project(const std::filesystem::path &file, const std::string &mesh, const std::string &unit);
 
     const std::vector<Point> &points() const { return text_.points; }
-    // Each of these functions makes one step of undo.
+    // Each of the next four functions changes the points and adds one undo step.
     void add(const Point &point);
     void move(std::size_t point, const Eigen::Vector3d &to_mm);
     void remove(std::size_t point);
     void replace(std::vector<Point> points);
-    // While a point is dragged, its intermediate places are not recorded; `move` ends the drag as one undo
-    // step.
+    // While a point is dragged, its intermediate positions are not recorded; the call of `move` at the end
+    // makes the whole drag one undo step.
     void drag(std::size_t point, const Eigen::Vector3d &to_mm) { text_.points[point].position_mm = to_mm; }
     bool undo();
     bool redo();

@@ -1,4 +1,5 @@
-// Draws in software: first the glass vessel, then the spheres from far to near, and then points and letters.
+// Draws without a graphics processor: first the transparent vessel, then the spheres from far to near, and
+// then points and letters.
 #include "tools/centreline/fit/tree_picture.hpp"
 #include "host/base/format.hpp"
 
@@ -15,7 +16,7 @@ constexpr Ink wall_ink{96, 120, 150}, sphere_ink{40, 110, 190}, line_ink{16, 44,
     letter_ink{30, 30, 40};
 constexpr double rad_per_deg = 3.14159265358979323846 / 180;
 
-// Draws a translucent ball whose rim is darker than its middle.
+// Draws a sphere of the tree as a translucent ball whose rim is darker than its middle.
 void draw_ball(Sheet &sheet, const SheetPoint &at, double radius_px, Ink ink, double share)
 {
     const double reach = radius_px + 1;
@@ -35,7 +36,7 @@ void draw_dot(Sheet &sheet, const SheetPoint &at, double radius_px, Ink ink)
     for (int y = static_cast<int>(at.y - reach); y <= at.y + reach; ++y)
         for (int x = static_cast<int>(at.x - reach); x <= at.x + reach; ++x) {
             const double distance = std::hypot(x + 0.5 - at.x, y + 0.5 - at.y);
-            // Light from the upper left makes the ball look round.
+            // The drawing brightens the ball's upper left, so that the ball looks round.
             const double light =
                 std::hypot(x + 0.5 - at.x + 0.35 * radius_px, y + 0.5 - at.y + 0.35 * radius_px);
             const double bright = std::max(0.0, 1 - light / (0.8 * radius_px));
@@ -56,7 +57,8 @@ void draw_line(Sheet &sheet, const SheetPoint &a, const SheetPoint &b, double wi
     sheet.unclip();
 }
 
-// Calls use() with the barycentric coordinates of each pixel centre that a triangle covers.
+// For each pixel whose centre is covered by a triangle, calls use() with the barycentric coordinates of the
+// pixel's centre.
 template <typename Use> void each_pixel(const std::array<SheetPoint, 3> &c, const View &view, Use use)
 {
     const double area = (c[1].x - c[0].x) * (c[2].y - c[0].y) - (c[2].x - c[0].x) * (c[1].y - c[0].y);
@@ -157,7 +159,7 @@ std::vector<float> glass_of(const bake::Mesh &mesh, const View &view)
 namespace
 {
 
-// Draws each edge once; edges far from the viewer come first and are paler.
+// Draws each edge of the mesh once; edges far from the viewer are drawn first and are paler.
 void draw_wires(Sheet &sheet, const View &view, const bake::Mesh &mesh)
 {
     const Eigen::Matrix3d axes = view.axes();

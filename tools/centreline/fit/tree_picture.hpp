@@ -1,5 +1,5 @@
-// Draws a vessel as glass with the tree's spheres in it. `centreline show` writes this picture, and the
-// editor shows it.
+// Draws a vessel as if it were of glass, with the spheres of its tree inside. The command `centreline show`
+// writes this picture to a file, and the editor shows this picture in its window.
 #pragma once
 #include "host/picture/canvas.hpp"
 #include "tools/centreline/fit/points.hpp"
@@ -8,8 +8,8 @@
 namespace crn::centreline
 {
 
-// Describes a parallel view with the angles of a C-arm around the patient. Angles of 0, 0 look from the front
-// (from +z) with the head (+y) up.
+// Describes a parallel projection whose direction is given by the angles of a C-arm around the patient. If
+// both angles are 0, the view is from the front (from +z) with the head (+y) up.
 struct View {
     double turn_deg = 0; // about the head axis; above 0 the viewer moves to the patient's left
     double tilt_deg = 0; // above 0 the viewer moves towards the head
@@ -21,11 +21,12 @@ struct View {
     SheetPoint place(const Eigen::Vector3d &p_mm) const;
     Eigen::Vector3d ray_start_mm(double x, double y) const; // on the plane through the middle
 };
-// Returns a view that shows the whole mesh with a margin.
+// Returns a view in which the whole mesh is visible, with a margin around it.
 View view_of(const bake::Mesh &mesh, double turn_deg, double tilt_deg, int width, int height);
 
-// Returns for each pixel, from 0 to 1, how much wall its line of sight passes at a grazing angle. A caller
-// that draws the same view many times should keep the result.
+// Returns a number from 0 to 1 for each pixel. The number is large where the pixel's line of sight passes
+// much of the vessel's wall at a grazing angle. A caller that draws the same view many times should store the
+// returned numbers and use them again.
 std::vector<float> glass_of(const bake::Mesh &mesh, const View &view);
 
 struct TreeDrawing {

@@ -1,5 +1,5 @@
-// A level set holds the distances, bricks of 8^3 numbers give the neighbours, and Dijkstra's search finds the
-// paths.
+// A level set holds the distances to the wall, bricks of 8^3 numbers give each voxel's neighbours, and
+// Dijkstra's algorithm finds the paths.
 #include "tools/centreline/fit/voxels.hpp"
 #include "tools/bake/solid.hpp"
 
@@ -86,8 +86,8 @@ long Voxels::nearest(const Eigen::Vector3d &p_mm, double reach_mm) const
 
 std::size_t Voxels::middle_near(std::size_t voxel) const
 {
-    // Across the vessel the depth changes as much as the path length; along its middle the depth changes only
-    // as the vessel widens.
+    // On a path across the vessel the depth (distance to the wall) changes as fast as the path length. On a
+    // path along the middle, the depth changes only where the vessel widens.
     constexpr double slope_min = 0.5;
     for (;;) {
         double steepest = slope_min;
@@ -127,7 +127,7 @@ Ways find_ways(const Voxels &voxels, const std::vector<std::size_t> &sources, lo
         waiting.push({0.0, source});
     }
     const auto price = [&](std::size_t voxel) {
-        // The middle of a voxel may lie exactly on the wall, where the price would be infinite.
+        // The middle of a voxel may lie exactly on the wall, where the cost of a path would be infinite.
         const double depth = std::max(voxels.depth_mm(voxel), 0.25 * voxels.voxel_mm());
         return 1 / (depth * depth);
     };

@@ -1,5 +1,5 @@
-// Represents the inside of a closed mesh as voxels with their distance to the wall, and finds shortest paths
-// through them that stay in the vessel's middle.
+// Represents the inside of a closed mesh as voxels with their distance to the wall, and finds paths through
+// these voxels that stay in the vessel's middle.
 #pragma once
 #include "tools/bake/mesh.hpp"
 
@@ -11,21 +11,22 @@ constexpr double voxels_inside_max = 3e7;
 class Voxels
 {
   public:
-    // Throws Fault when the mesh has no inside, or needs too many voxels.
+    // Throws a Fault when the mesh encloses no volume, or needs too many voxels.
     Voxels(const bake::Mesh &closed, double voxel_mm);
 
     std::size_t size() const { return depth_mm_.size(); }
     double voxel_mm() const { return voxel_mm_; }
     Eigen::Vector3d centre_mm(std::size_t voxel) const;
     double depth_mm(std::size_t voxel) const { return depth_mm_[voxel]; } // distance to the wall, above 0
-    // Returns the inside voxel nearest to the point, at most `reach_mm` away; -1: none.
+    // Returns the inside voxel nearest to the point, or -1 if no inside voxel lies within `reach_mm` of the
+    // point.
     long nearest(const Eigen::Vector3d &p_mm, double reach_mm) const;
-    // Returns the deepest voxel that steepest ascent from this voxel reaches; the result lies in the middle
-    // of the vessel. The ascent never runs along the vessel.
+    // Follows the steepest increase of depth (distance to the wall) from this voxel, and returns the last
+    // voxel, which lies in the middle of the vessel. This path never runs along the vessel.
     std::size_t middle_near(std::size_t voxel) const;
     // Calls use(neighbour, distance_mm) for those of the 26 neighbours to which a straight path certainly
-    // stays inside. If balls inside the vessel around both centres overlap, they contain the segment between
-    // the centres, so the path crosses no thin wall.
+    // stays inside the vessel. If the largest balls inside the vessel around two voxel centres overlap, the
+    // balls contain the segment between the centres, so this path crosses no thin wall.
     template <typename Use> void each_neighbour(std::size_t voxel, Use use) const
     {
         const Eigen::Array3i &cell = cell_[voxel];
@@ -67,18 +68,18 @@ class Voxels
     std::vector<float> depth_mm_;
 };
 
-// Finds the cheapest paths from the sources to every voxel. A path of one millimetre costs 1 / depth^2, so
-// the cheapest paths run in the middle of the vessel.
+// Holds the cheapest paths from the source voxels to every voxel. A millimetre of path costs 1 / depth^2,
+// where depth is the distance to the wall, so the cheapest paths run in the middle of the vessel.
 struct Ways {
     std::vector<std::int32_t> from;   // -1: not reached; a source points to itself
     std::vector<float> length_mm;     // from the source
     std::vector<std::int32_t> source; // index in the list of sources
 
-    // Returns the path from the source to the voxel.
+    // Returns the cheapest path from a source voxel to this voxel.
     std::vector<std::size_t> to(std::size_t voxel) const;
 };
-// Ends the search when `target` (if not -1) is reached. Throws Fault when the user has interrupted the
-// program.
+// Finds the cheapest paths from the source voxels; if `target` is not -1, the search ends when it reaches
+// this voxel. Throws Fault when the user has interrupted the program.
 Ways find_ways(const Voxels &voxels, const std::vector<std::size_t> &sources, long target);
 
 } // namespace crn::centreline

@@ -12,7 +12,8 @@ namespace crn::centreline::tests
 
 constexpr double turn = 2 * 3.14159265358979323846;
 
-// Makes an open tube about the y axis (bend_mm 0), or along an arc that begins there and bends towards +x.
+// Makes an open tube along the y axis (if bend_mm is 0), or along an arc that begins in the direction of the
+// y axis and bends towards +x.
 inline bake::Mesh tube_mesh(double radius_mm, double length_mm, double bend_mm, int along, int around)
 {
     bake::Mesh mesh;
@@ -42,8 +43,8 @@ inline double tube_off_mm(const Eigen::Vector3d &p, double bend_mm)
     return std::hypot(std::hypot(p.x() - bend_mm, p.y()) - bend_mm, p.z());
 }
 
-// Makes a trunk of radius 3 mm along y up to the origin, and two arcs of radius 2.4 mm from there, bent to
-// both sides with a bend radius of 30 mm.
+// Makes a trunk of radius 3 mm along y up to the origin. From the origin two vessels of radius 2.4 mm bend to
+// either side with a bend radius of 30 mm.
 constexpr double fork_trunk_mm = 3.0, fork_branch_mm = 2.4, fork_bend_mm = 30, fork_angle = 1.0;
 
 inline std::vector<Branch> fork_lines()
@@ -67,7 +68,7 @@ inline bake::Mesh fork_mesh(double voxel_mm)
     return bake::surface_of(fork_lines(), voxel_mm, progress);
 }
 
-// Returns the distance from the true lines, and the true radius there.
+// Holds a point's distance from the true centrelines, and the true vessel radius at this point.
 struct Truth {
     double off_mm, radius_mm;
     double other_mm; // distance to the wall of the nearest other vessel; below 0 the spheres of both overlap

@@ -1,7 +1,7 @@
-// Claims: spheres lie in the middle of the vessel and touch its wall; branches, junctions and ends are where
-// the vessel has them; the spheres of a beating vessel keep their number and order. The claims are shown on
-// tubes and arcs whose lines and radii are known. The tolerance is 5 % of the radius for a centre and 3 % for
-// a radius (issue 6, bar 5).
+// Claims: fitted spheres lie in the middle of the vessel and touch its wall. Branches, junctions and ends are
+// at the right positions. The spheres of a beating vessel keep their number and order. The test uses tubes
+// and arcs whose centrelines and radii are known. The permitted error of a sphere is 5 % of the radius for
+// its centre and 3 % for its radius (issue 6, bar 5).
 #include "tools/centreline/fit/automatic.hpp"
 #include "tools/centreline/fit/carry.hpp"
 #include "tools/centreline/fit/guided.hpp"
@@ -18,7 +18,7 @@ constexpr double centre_share = 0.05, radius_share = 0.03;
 
 bake::Progress progress;
 
-// Coarse voxels are enough for the paths, because the spheres are fitted to the wall itself.
+// Coarse voxels are accurate enough for the rough paths, because the spheres are fitted to the wall itself.
 LumenWish coarse()
 {
     LumenWish wish;
@@ -66,7 +66,8 @@ void a_straight_and_a_bent_tube_are_recovered_to_their_openings(void **)
         const Tree tree = automatic(lumen);
         assert_int_equal(tree.branches.size(), 1);
         print(bend_mm > 0 ? "bent tube" : "straight tube", worst_in_tube(tree, 2.0, bend_mm));
-        // The expected length is measured from one end plane to the other.
+        // The expected length of the centreline extends from one end plane of the tube to the other end
+        // plane.
         const double length = length_mm(tree.branches[0]);
         if (std::abs(length - 30) > 0.3) fail_msg("is %.2f mm long, expected 30", length);
     }
@@ -97,8 +98,8 @@ void a_fork_of_arcs_is_found_without_help(void **)
     assert_int_equal(tree.branches[1].parent, 0);
     assert_int_equal(tree.branches[2].parent, 0);
     check_fork(tree, "fork, automatic");
-    // The first and the last sphere touch the round ends of the vessel, so their centres are the ends of the
-    // original curves.
+    // The first and the last sphere of a branch touch the round ends of the vessel, so the centres of these
+    // spheres are the ends of the original curves.
     const double y = tree.branches[0].spheres.front().centre_mm.y();
     if (std::abs(y + 20) > 0.5) fail_msg("begins at y = %.2f, expected -20", y);
     for (int b : {1, 2}) {
@@ -136,7 +137,7 @@ void points_of_a_person_give_the_same_fork(void **)
     assert_true(tree.branches[0].spheres.front().is_manual && tree.branches[0].spheres.back().is_manual);
     assert_true(tree.branches[1].spheres.back().is_manual && !tree.branches[1].spheres[3].is_manual);
     check_fork(tree, "fork, by points");
-    // Fitting the proposed points gives the same tree again.
+    // If the tool fits the points that it proposed, it must find the same tree again.
     const Tree again = fit_points(lumen, points_of(tree), {}, notes, progress);
     assert_int_equal(again.branches.size(), 3);
     assert_string_equal(again.branches[2].name.c_str(), "right");
@@ -193,7 +194,8 @@ void short_stubs_are_pruned(void **)
     }
 }
 
-// Makes one frame of a heartbeat, in which the fork bends out of its plane, shifts and narrows.
+// Makes the mesh of one frame of a heartbeat, in which a forked vessel bends out of its plane, shifts and
+// narrows.
 Eigen::Vector3d beaten(const Eigen::Vector3d &p, int frame)
 {
     const double beat = std::sin(turn * frame / 24), squeeze = 1 - 0.06 * beat * beat;

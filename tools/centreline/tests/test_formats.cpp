@@ -1,6 +1,7 @@
-// Claims: a tree survives every format, VTK's own encodings are read, and a file that is no tree is refused
-// in one sentence that names the place. The claims are shown by writing and reading, by arrays that this file
-// packs as VTK does, and by damage at random places.
+// Claims: a tree is unchanged after writing and reading in every format, and VTK's encodings can be read. For
+// a file that holds no tree, the message is one sentence that names the file and line. The test writes and
+// reads trees, reads arrays that this file encodes as VTK does, and reads files that are damaged at random
+// positions.
 #include "host/base/pending_file.hpp"
 #include "tools/centreline/tests/trees.hpp"
 
@@ -48,8 +49,8 @@ template <typename T> std::string bytes_of(const std::vector<T> &values)
     return std::string(reinterpret_cast<const char *>(values.data()), values.size() * sizeof(T));
 }
 
-// Packs an array as vtkXMLWriter does: either header and data in one base64 text, or the header alone and
-// then the compressed blocks.
+// Encodes an array as vtkXMLWriter does. The result is either header and data in one base64 text, or a base64
+// header followed by the compressed blocks.
 std::string packed(const std::string &bytes, bool is_zlib)
 {
     if (!is_zlib) return base64(bytes_of<std::uint32_t>({static_cast<std::uint32_t>(bytes.size())}) + bytes);
@@ -70,7 +71,7 @@ std::string packed(const std::string &bytes, bool is_zlib)
     return base64(bytes_of(header)) + base64(data);
 }
 
-// Makes a line of three points as VMTK would write it, with each array in its place.
+// Makes the text of a file with a line of three points, in the form that VMTK writes.
 std::string vmtk_file(bool is_zlib, bool is_appended)
 {
     std::string appended;

@@ -1,5 +1,5 @@
-// Claims: a project keeps its points through saving, undo and redo, and a click selects the middle of the
-// vessel under the pointer.
+// Claims: a project of the editor keeps its points through saving, undo and redo, and a click selects the
+// middle of the vessel under the mouse pointer.
 #include "host/base/pending_file.hpp"
 #include "tools/centreline/fit/editor.hpp"
 #include "tools/centreline/fit/tree_picture.hpp"
@@ -45,7 +45,7 @@ void a_project_is_saved_and_resumed(void **)
     assert_true(again.points()[1].kind == PointKind::bifurcation);
     assert_true(again.points()[1].position_mm == Eigen::Vector3d(0.25, 2, -1));
     says([&] { Project other(file, "c.obj", "mm"); }, {"belongs to the mesh a \"b\".obj", "c.obj"});
-    // If saving fails, the old file remains.
+    // If the project cannot be saved, the old project file remains.
     Project lost(folder.path / "no" / "p.toml", "a.obj", "mm");
     bool is_refused = false;
     try {
@@ -82,13 +82,13 @@ void every_change_can_be_undone_and_done_again(void **)
         assert_true(project.redo());
         assert_string_equal(state().c_str(), states[n].c_str());
     }
-    // A new change discards the changes that were undone before.
+    // After a new change to the points, the changes that were undone before can no longer be redone.
     assert_true(project.undo());
     project.add(point(PointKind::end, 3));
     assert_true(!project.redo());
 }
 
-// No input may cause a crash, and each refusal begins with the file's name.
+// No project file may cause a crash, and each error message must begin with the file's name.
 void damaged_texts_of_points_are_points_or_faults(void **)
 {
     const Folder folder;
@@ -149,7 +149,7 @@ void a_mistyped_key_or_word_gets_a_suggestion(void **)
 
 void a_click_means_the_middle_of_the_first_vessel_behind_it(void **)
 {
-    // The test has two tubes, one behind the other, seen from the front.
+    // The test looks from the front at two tubes, one of which is behind the other.
     bake::Mesh mesh = tube_mesh(2, 30, 0, 60, 32);
     const bake::Mesh back = mesh;
     for (const Eigen::Vector3d &v : back.vertices_mm)

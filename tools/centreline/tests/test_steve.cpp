@@ -1,9 +1,10 @@
-// Claims: curves of stEVE_bench are turned into a surface and recovered from that surface. The recovered
-// curves keep their place (mean distance <= 0.5 mm) and their width (mean error <= 5 %). The imperfect
-// surface that comes with the curves gives a tree, or a message that names what must be repaired (issue 6,
-// bar 5). This anatomy does not ship; where it is missing, the test is skipped and prints so. The whole test
-// takes half a minute. Without CRN_WHOLE the test therefore covers only the path from the iliac arteries to
-// the arch; `make validate-centreline` covers everything.
+// Claims: if centrelines of stEVE_bench are turned into a surface, the tool recovers these centrelines from
+// the surface. The recovered centrelines keep their position (mean distance <= 0.5 mm) and their radius (mean
+// error <= 5 %). From the imperfect surface of the same data set, the tool makes a tree, or prints which part
+// of the mesh must be repaired (issue 6, bar 5). The anatomy of stEVE_bench does not ship with Cournand;
+// where it is missing, the test is skipped and prints the reason. The test with the whole anatomy takes half
+// a minute. If the variable CRN_WHOLE is not set, the test therefore covers only the path from the iliac
+// arteries to the arch; `make validate-centreline` covers the whole anatomy.
 #include "tools/centreline/fit/automatic.hpp"
 #include "tools/centreline/join.hpp"
 #include "tools/centreline/tests/shapes.hpp"
@@ -80,8 +81,9 @@ void curves_are_recovered_from_their_surface(void **)
     AutoWish wish;
     wish.inlet_mm = truth.branches[0].spheres[0].centre_mm; // curve 0 begins in the arch
     const Tree tree = fit_automatic(lumen, wish, notes, progress);
-    // Each sphere is compared with the nearest curve. Each sphere's weight is the length of vessel that the
-    // sphere represents, because thin vessels have more spheres.
+    // The test compares each sphere of the recovered tree with the nearest original curve. In the mean, each
+    // sphere's weight is the length of vessel that the sphere represents, because thin vessels have more
+    // spheres.
     double off = 0, radius = 0, weight = 0, found = 0, whole = 0;
     for (std::size_t b = 0; b < tree.branches.size(); ++b)
         for (std::size_t i = first_own_sphere(tree, b); i < tree.branches[b].spheres.size(); ++i) {
@@ -97,8 +99,8 @@ void curves_are_recovered_from_their_surface(void **)
             radius += length * std::abs(sphere.radius_mm / best.radius_mm - 1);
             weight += length;
         }
-    // We also measure the share of the curves that has a line of the tree nearby, because no curve may be
-    // lost.
+    // The test also measures which fraction of the original curves' length has a recovered centreline nearby,
+    // because no curve may be lost.
     for (const Branch &curve : truth.branches)
         for (const Sphere &sphere : curve.spheres) {
             ++whole;
@@ -136,8 +138,8 @@ void the_dirty_surface_gives_a_tree_or_says_what_to_mend(void **)
         check_tree(tree, "dirty");
         double length = 0;
         for (const Branch &branch : tree.branches) length += length_mm(branch);
-        // The surface extends from the iliac arteries to the head, so its tree must have several branches and
-        // about the surface's length.
+        // The surface extends from the iliac arteries to the head, so the recovered tree must have several
+        // branches and must be about as long as the surface.
         assert_true(tree.branches.size() > 5 && length > 500);
         assert_true(!lumen.notes().empty());
         outcome = "a tree of " + std::to_string(tree.branches.size()) + " branches and " +

@@ -1,5 +1,5 @@
-// Claims: curves that touch become one tree, a tree can be cut at its junctions, and its flow obeys
-// Poiseuille's law. The claims are shown against closed forms.
+// Claims: curves that touch become one tree, a tree can be cut at its junctions, and the flow through a tree
+// obeys Poiseuille's law. The test compares the results with formulas in closed form.
 #include "tools/centreline/flow.hpp"
 #include "tools/centreline/join.hpp"
 #include "tools/centreline/tests/trees.hpp"
@@ -21,8 +21,8 @@ void is_near(double got, double wanted, double share, const char *what)
 void curves_that_touch_become_a_tree(void **)
 {
     Tree curves;
-    // Each of the two thinner curves has one end inside the trunk's tube: the first one begins there, and the
-    // second one ends there.
+    // The first of the two thinner curves begins inside the trunk's tube, and the second thinner curve ends
+    // inside the trunk's tube.
     curves.branches.push_back(straight("b", {1, 10, 0}, {12, 14, 0}, 12, 1, 1));
     curves.branches.push_back(straight("c", {-15, 22, 0}, {-2, 20, 0}, 14, 1, 1));
     curves.branches.push_back(straight("trunk", {0, 0, 0}, {0, 40, 0}, 41, 4, 3));
@@ -36,7 +36,8 @@ void curves_that_touch_become_a_tree(void **)
         if (branch.name != "b" && branch.name != "c") continue;
         ++found;
         assert_int_equal(branch.parent, 0);
-        // The branch leaves at the trunk's sphere abreast of its end, and runs away from there.
+        // The branch must leave the trunk at the trunk's sphere that is beside the curve's end, and must run
+        // away from the trunk.
         assert_int_equal(branch.parent_sphere, branch.name == "b" ? 10 : 20);
         assert_true(std::abs(branch.spheres.back().centre_mm.x()) > 10);
     }
@@ -45,7 +46,8 @@ void curves_that_touch_become_a_tree(void **)
 
 void a_tree_grows_by_the_deepest_end(void **)
 {
-    // Places on a line; a curve is [first, last], and depth is the distance to the branch's nearer end.
+    // In this one-dimensional example each curve is a pair of coordinates [first, last], and its depth in a
+    // branch is the distance to the branch's nearer end.
     const std::vector<std::array<double, 2>> curves = {{5, 9}, {2, 1}, {0, 1}, {100, 101}, {3, 5}};
     std::vector<Joint> joints;
     const auto depth = [&](std::size_t curve, bool is_last, std::size_t branch) {
@@ -70,7 +72,7 @@ void a_tree_grows_by_the_deepest_end(void **)
     }
 }
 
-// VMTK writes this form: two lines from one inlet that coincide up to the fork.
+// As in a file from VMTK, two lines begin at one inlet and coincide up to the fork.
 void lines_that_run_together_part_where_they_part(void **)
 {
     Tree curves;
@@ -84,7 +86,7 @@ void lines_that_run_together_part_where_they_part(void **)
     check_tree(tree, "parted");
     assert_int_equal(tree.branches.size(), 3);
     const Eigen::Vector3d fork = tree.branches[0].spheres.back().centre_mm;
-    // The computed fork may lie off the true one by the distance within which a curve still counts as running
+    // The computed position of the fork may be wrong by the distance within which a curve counts as running
     // along its parent.
     if ((fork - Eigen::Vector3d(0, 20, 0)).norm() > 1.2) fail_msg("forks at %.2f, %.2f", fork.x(), fork.y());
 }
@@ -122,7 +124,8 @@ void own_spheres_begin_outside_the_parent(void **)
     assert_int_equal(first_own_sphere(tree, 1), 6); // at x = 3, where it leaves the parent's tube
 }
 
-// For a cylinder R = 8 mu L / (pi r^4); for a cone we use the mean of r^-4 over the length.
+// The flow resistance of a cylinder is R = 8 mu L / (pi r^4); for a cone the formula uses the mean of r^-4
+// over the length.
 void resistance_of_a_tube_is_poiseuilles(void **)
 {
     is_near(tube_resistance({{0, 0, 0}, 1.5}, {{0, 7, 0}, 1.5}, 3.5),
@@ -161,7 +164,8 @@ void flow_divides_as_the_conductances(void **)
     is_near(tree.branches[0].spheres[0].speed_mm_s, 120 / ml_min / (pi * 4), 1e-12, "speed at the inlet");
 }
 
-// A side branch in the middle takes its share of the flow there, and volume is conserved at every sphere.
+// A side branch in the middle of a vessel takes part of the vessel's flow, and volume is conserved at every
+// sphere.
 void flow_is_kept_along_a_branch_with_sides(void **)
 {
     Tree tree;

@@ -1,4 +1,4 @@
-// Provides a small tree and checks for the tests of trees.
+// Provides a small vessel tree and assertions for the tests of trees.
 #pragma once
 #include "tools/centreline/formats.hpp"
 
@@ -28,7 +28,7 @@ inline Branch straight(const std::string &name, const Eigen::Vector3d &from, con
     return branch;
 }
 
-// Makes a trunk of six spheres that forks into left and right.
+// Makes a trunk of six spheres that forks into a left and a right branch.
 inline Tree y_tree()
 {
     Tree tree;
@@ -63,7 +63,7 @@ inline void assert_same_tree(const Tree &a, const Tree &b, bool with_speed = tru
     }
 }
 
-// Asserts that the work throws a Fault whose message contains all these parts.
+// Asserts that the function `work` throws a Fault whose message contains all the given parts.
 inline void says(const std::function<void()> &work, std::initializer_list<const char *> parts)
 {
     std::string text;

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Claims: host/xray/attenuation.cpp is, byte for byte, what its script writes today from xraylib. Prints TAP.
+"""Claims: host/xray/attenuation.cpp is equal, byte for byte, to the file that make_attenuation.py writes today from
+xraylib. Prints TAP.
 
-The test is not skipped: without the library (Debian's libxrl11, section [test] of tools/packages.txt) it fails and
-prints the reason.
+If the library xraylib (Debian's libxrl11, section [test] of tools/packages.txt) is missing, the test is not skipped but
+fails and prints the reason.
 """
 
 import difflib
@@ -18,7 +19,7 @@ SCRIPT, TABLES = "tools/check/make_attenuation.py", "host/xray/attenuation.cpp"
 
 
 def differences(stored, made):
-    """Returns the differences as a short diff of at most a few lines."""
+    """Returns the differences between the two texts as a diff of at most a few lines."""
     lines = difflib.unified_diff(stored.splitlines(), made.splitlines(), TABLES, SCRIPT, n=0, lineterm="")
     return [line[:120] for line in list(lines)[:8]]
 

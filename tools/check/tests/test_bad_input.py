@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Tests malformed files and command lines. Every program ends with the stated exit code (1 for unusable input, 2 for
-usage) and a message that names the cause; it writes no output file and never crashes. Prints TAP.
+"""Tests how the programs refuse malformed files and command lines. Every program must end with the documented exit code
+(1 for unusable input, 2 for usage) and a message that names the cause. The program must not write an output file, and
+it must not crash. Prints TAP.
 
-Each case is made from a good input that is first shown to be accepted, so that only the fault in the case can be the
-reason for the refusal."""
+Each bad input is a good input with one fault. The test first shows that the program accepts the good input, so that
+only the fault can be the reason for the refusal."""
 import json
 import os
 import re
@@ -50,7 +51,7 @@ LUMEN = box((-10, -60, -10), (10, 60, 10))
 
 
 def scene_text(**changes):
-    """Returns the text of a good scene with some parts replaced."""
+    """Returns the text of a good scene in which some parts are replaced by the given texts."""
     parts = {"name": '"sample"', "mesh": 'mesh = "lumen.stl"', "unit": 'unit = "mm"', "more": "",
              "position": "[0, -40, 0]", "direction": "[0, 1, 0]", "body": ""}
     parts.update(changes)
@@ -59,7 +60,7 @@ def scene_text(**changes):
 
 
 def curve(radii, points=None):
-    """Returns a 3D Slicer markups curve along y."""
+    """Returns the text of a 3D Slicer markups file with a curve along y."""
     points = points or [[0, 10.0 * i, 0] for i in range(8)]
     markup = {"type": "Curve", "coordinateSystem": "LPS", "coordinateUnits": "mm",
               "controlPoints": [{"id": str(i), "label": "p%d" % i, "position": p} for i, p in enumerate(points)],
@@ -69,7 +70,7 @@ def curve(radii, points=None):
 
 # --- the bench of cases ----------------------------------------------------------------------------------------------
 class Bench:
-    """Runs cases in a temporary folder and reports their results."""
+    """Runs the test cases in a temporary folder and reports their results as TAP."""
 
     def __init__(self, folder):
         self.folder = folder
@@ -98,13 +99,13 @@ class Bench:
         return done.returncode, done.stdout.decode("utf-8", "replace")
 
     def good(self, name, command):
-        """Checks that the good input from which the bad cases are made is accepted."""
+        """Checks that the program accepts the good input from which the bad inputs are made."""
         code, text = self.run(command)
         self.report.check(name, [] if code == 0 else ["exit code %s, expected 0:\n%s" % (code, text[-2000:])])
 
     def bad(self, name, command, code, pattern, absent=None):
-        """Checks that a case is refused with this exit code and a message that matches `pattern`, and that the file
-        `absent` is not written."""
+        """Checks that the program refuses an input with this exit code and a message that matches `pattern`, and that
+        it does not write the file `absent`."""
         got, text = self.run(command)
         findings = []
         if got != code:
@@ -135,7 +136,7 @@ def anatomy_cases(bench):
 
 # --- bake ------------------------------------------------------------------------------------------------------------
 def bake_scene(bench, name, pattern, text, mesh=None, mesh_name="lumen.stl"):
-    """Checks that bake refuses the text of one scene."""
+    """Checks that the program bake refuses a scene with this text."""
     bench.write("lumen.stl", stl(LUMEN))
     if mesh is not None:
         bench.write(mesh_name, mesh)
@@ -215,12 +216,14 @@ def bake_centrelines(bench):
 
 # --- cournand --------------------------------------------------------------------------------------------------------
 def tube_sample(x, y, z):
-    """Returns the distance, in 1/32 voxel and at a voxel centre, to a square tube 8 mm wide along y."""
+    """Returns the distance, in 1/32 of a voxel, from a voxel's centre to the wall of a square tube that is 8 mm wide
+    and runs along y."""
     return max(-127, min(127, round(32 * (max(abs(x + 0.5 - 12), abs(z + 0.5 - 12)) - 4.1))))
 
 
 def scene_file(major=1, crc_of_lumen=None):
-    """Returns a scene file as docs/scene.md describes it: 3 x 4 x 3 bricks of a tube."""
+    """Returns the bytes of a scene file in the format of docs/scene.md; the scene is a tube of 3 x 4 x 3 bricks (blocks
+    of voxels)."""
     bricks = [(x, y, z) for z in range(3) for y in range(4) for x in range(3)]
     samples = bytes(tube_sample(8 * bx + i - 1, 8 * by + j - 1, 8 * bz + k - 1) & 255
                     for bx, by, bz in bricks for k in range(10) for j in range(10) for i in range(10))
@@ -277,8 +280,8 @@ def cournand_command_lines(bench):
 
 
 def cournand_tools(bench):
-    """Tests sets of several tools: tools that fit into each other, tools whose set is refused by name, and scripts that
-    need several tools."""
+    """Tests the program with several tools at once. The program must accept tools that fit into each other, name a tool
+    that does not fit, and refuse a script that needs more tools than there are."""
     two = ["--tool", CATHETER]
     bench.good("a wire and a catheter run", session_run(more=two + ["--record", "two.rec"]))
     bench.good("their recording is verified", ["cournand", "replay", "two.rec", "--verify"])
@@ -296,7 +299,7 @@ def cournand_tools(bench):
 
 
 def cournand_outputs(bench):
-    """No output may be the same file as an input or another output, or anything but a regular file."""
+    """Tests that an output must be a regular file, and must not be the same file as an input or as another output."""
     before = bench.read("good.session")
     for option in ("--record", "--json", "--png", "--png16", "--mp4"):
         bench.bad("%s onto the session is refused" % option, session_run(more=[option, "./good.session"]), 2,
@@ -336,7 +339,7 @@ def cournand_outputs(bench):
 
 
 def cournand_dicom(bench):
-    """Tests folders, names and dates from which DICOM files cannot be made."""
+    """Tests folders, names and dates with which the program cannot write DICOM files."""
     os.mkdir(os.path.join(bench.folder, "held"))
     bench.write("held/old.dcm", "kept")
     refuse = lambda name, pattern, more: bench.bad(name, session_run(more=more), 2, pattern, "new")

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Tests that tools/bench/budget.py finds what its rules forbid: a row over the budget, a helper in the image, and
-recursion or calls by address in the call graph. The last scene of the budget must still have a tick that is solved
-twice. `make budget` measures the costs of a tick; this test does not. Prints TAP."""
+"""Tests that tools/bench/budget.py finds four faults: a value over the budget, a forbidden helper in the image, and
+recursion or calls by address in the call graph. The script also tests that the last scene of the budget still has a
+tick in which the core solves its equations twice. This test does not measure the cost of a tick; `make budget` measures
+this cost. Prints TAP."""
 
 import os
 import subprocess
@@ -24,7 +25,8 @@ GRAPHS = {
 
 
 def stack_of(text):
-    """Compiles a C text and returns (bytes, '') or (None, reason) for the worst stack of crn_step in it."""
+    """Compiles a C text and returns (bytes, '') with the worst stack of its function crn_step, or (None, reason) if the
+    stack cannot be determined."""
     with tempfile.TemporaryDirectory() as folder:
         objects = os.path.join(folder, "m7", "obj")
         os.makedirs(objects)
@@ -72,7 +74,8 @@ def budget_rows():
 
 
 def second_solve():
-    """Every change of the rod may change which ticks are solved twice; the scene must still contain such a tick."""
+    """A change of the rod model may change the ticks in which the core solves twice, but the scene must still contain
+    such a tick."""
     program = os.path.join(os.environ.get("BUILD", "build"), "bench", "budget_make")
     scenes = subprocess.run([program, "list"], stdout=subprocess.PIPE, text=True, check=True).stdout.splitlines()
     number = next(i for i, scene in enumerate(scenes) if "second_solve" in scene)

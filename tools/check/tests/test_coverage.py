@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Claims: coverage.py counts by folder the lines that two programs execute together, and reports what is missing.
-Prints TAP."""
+"""Claims: coverage.py counts, for each folder, the lines that at least one of two programs executes, and prints an
+error if its input is missing. Prints TAP."""
 
 import os
 import subprocess
@@ -36,7 +36,7 @@ def run(root, program):
 
 
 def coverage(root, *programs):
-    """Returns the exit code, the figures by name, and the printed text."""
+    """Runs coverage.py and returns its exit code, its figures by name, and its printed text."""
     words = [os.path.join(tree.ROOT, "tools/check/coverage.py"), "--root", root, "--tsv", "out/coverage.tsv"]
     words += ["--build", "build", "--profiles", "build/profiles", "--programs"] + ["build/" + name for name in programs]
     done = subprocess.run(words, cwd=root, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Claims: every fault of shared/wire/wire_faults.def names a test, and that test exists and runs. Prints TAP."""
+"""Claims: every fault of the device in shared/wire/wire_faults.def names a test, and this test exists and runs. Prints
+TAP."""
 
 import re
 
@@ -14,12 +15,12 @@ FAULT = re.compile(r'^FAULT\((\w+), (\d+), "(\w+)", (\d+), "(\w+)"', re.M)
 
 
 def faults_of(text):
-    """Returns (name, code, effect, safe_ms, test) of each fault."""
+    """Returns (name, code, effect, safe_ms, test) of each fault in wire_faults.def."""
     return [(m[0], int(m[1]), m[2], int(m[3]), m[4]) for m in FAULT.findall(text)]
 
 
 def tests_of(sources):
-    """Returns the names of those tests that the sources both define and list."""
+    """Returns the names of those test functions that the sources define and also list for execution."""
     names = set()
     for text in sources:
         defined = set(re.findall(r"^static void (\w+)\(void \*\*state\)", text, re.M))
@@ -34,8 +35,9 @@ def missing_tests(faults, tests):
 
 
 def slow_faults(faults):
-    """Checks the bars: over-force and sensor faults are safe within 5 ms, and a silent host within 50 ms. A broken
-    power stage is an exception, because it can only be reported."""
+    """Checks that the listed times to the safe state keep their limits: 5 ms after over-force or a sensor fault, and 50
+    ms after the host has stopped sending. A broken power stage is an exception, because the device can only report this
+    fault."""
     for name, _, effect, safe_ms, _ in faults:
         limit = {"stop": 5, "fade": 50, "log": 0}[effect]
         if safe_ms > limit and name != "STAGE_STUCK":

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Tests files that programs write and read, from a user's view. Outputs are checked before the long work begins, a
-scene is read with its own bodies alone, a recording that was cut off is not verified, and no text from a file moves the
-terminal's cursor. Prints TAP.
+"""Tests the files that programs write and read, as a user meets them. Programs check their output paths before long
+work begins and read a scene only with its own bodies. Programs never report a truncated recording as verified, and no
+text from a file moves the terminal's cursor. Prints TAP.
 
-The good inputs, and the class that runs the cases, are those of test_bad_input.py."""
+The good inputs, and the class that runs the test cases, come from test_bad_input.py."""
 import os
 import re
 import resource
@@ -66,7 +66,8 @@ def outputs(bench):
 
 
 def read_only(bench):
-    """Tests paths that cannot be written: root may write to almost every path, but /proc refuses root too."""
+    """Tests output paths at which no file can be written. The paths are in /proc, because /proc refuses even root, who
+    may write almost everywhere else."""
     bench.bad("a recording where nobody may write is refused", bad.session_run(more=["--record", "/proc/x.rec"]), 1,
               "/proc/x.rec: cannot be written")
     bench.bad("a score where nobody may write is refused before the first tick",
@@ -103,8 +104,8 @@ def pairs(bench):
 
 
 def without_partner(data):
-    """Makes the body file as an older version of bake wrote it, without the last section and that section's row in the
-    table."""
+    """Returns the body file in the form that an older version of bake wrote, without the last section and without this
+    section's row in the table."""
     count = struct.unpack_from("<I", data, 20)[0]
     table = [list(struct.unpack_from("<4I", data, 32 + 16 * i)) for i in range(count)]
     assert table[-1][0] == 19 and table[-1][2] == 8, table
@@ -118,7 +119,8 @@ def without_partner(data):
 
 
 def full_disk(bench):
-    """The disk has room for the bodies but not for the scene: neither file is replaced, and no other file is left."""
+    """Tests a disk that has space for the file of bodies but not for the scene. The program must replace neither file
+    and leave no other file behind."""
     bench.good("the scene is baked before the disk is full", bake("one"))
     before = {name: bench.read(name) for name in ("one.scene", "one.bodies")}
     room = (len(before["one.bodies"]) + len(before["one.scene"])) // 2
@@ -140,7 +142,7 @@ def full_disk(bench):
 
 # --- recordings ------------------------------------------------------------------------------------------------------
 def chunks(data):
-    """Yields (kind, payload) of every chunk of a recording (docs/session.md)."""
+    """Yields the pair (kind, payload) of every chunk of a recording (docs/session.md)."""
     at = 8
     while at < len(data):
         kind, size = struct.unpack_from("<2I", data, at)
@@ -170,7 +172,8 @@ def recordings(bench):
 
 
 def old_recordings(bench):
-    """A recording of the previous protocol is refused with its remedy, and it is converted completely or not at all."""
+    """Tests that the program refuses a recording of the previous protocol version and names the remedy, and that it
+    converts such a recording completely or not at all."""
     with open(os.path.join(bad.tree.ROOT, "host", "session", "tests", "protocol_4.rec"), "rb") as file:
         old = file.read()
     bench.write("old.rec", old)
@@ -201,7 +204,8 @@ def text_field(text):
 
 
 def hostile_recording(good):
-    """Makes a recording whose scene path, script path and tool's name would move the terminal's cursor."""
+    """Returns a recording whose scene path, script path and tool name contain characters that would move the terminal's
+    cursor."""
     (kind, head), *rest = list(chunks(good))
     at, fields = 20, []
     for _ in range(2):

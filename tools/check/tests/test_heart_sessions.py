@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Tests the shipped sessions of the beating heart: each reaches the end that its script states. Medium flows without
-pictures. test_heart_turns.py tests that the turns are needed.
+"""Tests that each shipped session in the beating heart reaches the end that its script states. Contrast medium flows in
+these sessions, but no pictures are made. test_heart_turns.py tests that a session fails if its tools are not turned.
 
-The scene is that of `make coronary`, without the bodies that only pictures need; the scene of the angioplasty also has
-its lesion.
+The sessions use the scene of `make coronary` without the bodies that only pictures need. The scene of the angioplasty
+session also contains the lesion that the session treats.
 """
 
 import os

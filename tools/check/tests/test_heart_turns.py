@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Tests that the shipped sessions of the beating heart do not reach their ends without their turns. Medium flows
-without pictures.
+"""Tests that the shipped sessions in the beating heart fail to reach their expected ends if the tools are not turned.
+Medium flows without pictures.
 
-The scene is that of `make coronary`, without the bodies that only pictures need; the scene of the angioplasty also has
-its lesion.
+The sessions use the scene of `make coronary` without the bodies that only pictures need. The scene of the angioplasty
+session also contains the lesion that the session treats.
 """
 
 import os

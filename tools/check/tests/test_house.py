@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Claims: the rooms include each other in no circle, and no file, function or folder exceeds its limit
+"""Claims: the source folders (rooms) have no circular includes, and no file, function or folder exceeds its size limit
 (docs/architecture.md). Prints TAP."""
 
 import os

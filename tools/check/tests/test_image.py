@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Checks the device's images as `make test` built them: they have no soft-float, no divide helper and no heap, and RAM
-and stack are within their limits. `make firmware` applies the same rules to an image and also prints the figures. BUILD
-is the build folder. Prints TAP."""
+"""Checks the firmware images that `make test` built. The images must contain no soft-float code, no divide helper and
+no heap, and their RAM and stack must be within the limits. `make firmware` applies the same rules to a firmware image
+and also prints the sizes of its code, RAM and stack. BUILD is the build folder. Prints TAP."""
 
 import contextlib
 import io
@@ -27,7 +27,7 @@ DIVIDES = (
 
 
 def linked_sample(text):
-    """Returns the forbidden names in a C text that is linked for the Cortex-M7."""
+    """Links a C text for the Cortex-M7 and returns the forbidden function names in the result."""
     with tempfile.TemporaryDirectory() as folder:
         image = os.path.join(folder, "sample.elf")
         subprocess.run(

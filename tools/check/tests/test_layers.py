@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Claims: the include graph has only the arrows listed here, which point from higher layers to lower ones. Prints
-TAP."""
+"""Claims: source files include only files from the folders that this test permits, and these includes go from higher
+layers to lower layers. Prints TAP."""
 
 import os
 import re
@@ -369,7 +369,7 @@ def row_of(path, table):
 
 
 def includes(text):
-    """Yields (line, quoted name or None, system name or None) of every include; comments are ignored."""
+    """Yields (line, quoted name or None, system name or None) of every #include line; comments are ignored."""
     plain = re.sub(r"/\*.*?\*/", tree.blank_all, text, flags=re.S)
     for match in INCLUDE.finditer(plain):
         yield tree.line_of(plain, match.start(1) if match.group(1) else match.start(2)), match.group(1), match.group(2)
@@ -390,7 +390,7 @@ def check_quoted(path, line, target, row, exists):
 
 
 def check_file(path, text, exists):
-    """Yields the findings of one file: includes that the table does not permit."""
+    """Yields a finding for each include of one file that the table does not permit."""
     row = row_of(path, ALLOWED)
     if row is None:
         yield "%s: its folder has no row in ALLOWED (tools/check/tests/test_layers.py)" % path
@@ -410,8 +410,8 @@ def is_test(path):
 
 
 def check_cycles(graph):
-    """Yields header cycles. Files whose includes are all removed are removed in turn, until nothing changes; the files
-    that remain form cycles."""
+    """Yields header cycles. The function repeatedly removes every file that includes no remaining file; the files that
+    are left at the end include each other in a circle."""
     left = dict(graph)
     while True:
         free = [path for path, targets in left.items() if not any(t in left for t in targets)]

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Claims: tools/check/matrix.py in its short form finds one hash on five machines (32 and 64 bits, both byte orders).
-If a machine computes one bit differently, matrix.py finds it and names its tick, part and node. `make matrix` runs all
-variants. Prints TAP."""
+"""Claims: tools/check/matrix.py --short finds the same hash on five machines (32 and 64 bits, both byte orders). If a
+machine computes one bit differently, matrix.py finds the difference and prints the tick, the part of the tick, and the
+node. `make matrix` runs all variants. Prints TAP."""
 
 import os
 import subprocess
@@ -16,7 +16,7 @@ BREAKS = [("1203", "feed", "0"), ("2", "solve", "7"), ("3001", "friction", "9")]
 
 
 def matrix(*arguments):
-    """Returns the exit code, the lines of the table, and all output."""
+    """Runs matrix.py and returns its exit code, the lines of its table, and its whole output."""
     done = subprocess.run(
         [MATRIX] + list(arguments), cwd=tree.ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False
     )

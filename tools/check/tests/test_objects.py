@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Reads the compiled core with nm: it has no library calls, no floating point, no divide helper and no global state.
-Also checks that every generated file is what its generator writes. Prints TAP.
+"""Checks with nm that the compiled core has no library calls, no floating point, no divide helper and no global state.
+This test also checks that every generated file equals the present output of its generator. Prints TAP.
 
-The core is compiled into a temporary folder for 64-bit x86 (gcc -O3, as shipped), 32-bit x86 and Cortex-M7 (clang,
--O2). The 32-bit machines are needed because they divide by calling a helper where a 64-bit machine uses an
-instruction."""
+The test compiles the core into a temporary folder for 64-bit x86 (gcc -O3, as shipped), 32-bit x86 and Cortex-M7
+(clang, -O2). The test needs the 32-bit machines because they call a helper function for a 64-bit division, where a
+64-bit machine uses an instruction."""
 
 import os
 import re
@@ -47,7 +47,7 @@ def compile_to(folder, command, sources):
 
 
 def symbols(objects):
-    """Yields (object, letter, name) of every symbol."""
+    """Yields (object file, letter of nm, name) of every symbol in the object files."""
     for path in objects:
         text = subprocess.run(["nm", path], check=True, stdout=subprocess.PIPE).stdout.decode()
         for line in text.splitlines():

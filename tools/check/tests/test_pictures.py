@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Claims: every picture in README and docs states its core and the command that made it, and no picture is older than
-its inputs."""
+"""Claims: every picture in README and docs stores the version of the core and the command that made it. No picture is
+older than its inputs."""
 
 import os
 import shutil
@@ -40,7 +40,8 @@ class Tap:
 
 
 def sample(folder):
-    """Makes a manifest with one stamped picture of a session, and the picture's file."""
+    """Makes a manifest that lists one picture of a session, and the picture's file with its stamp (core version and
+    command)."""
     session, picture = os.path.join(folder, "a.session"), os.path.join(folder, "a.jpg")
     with open(session, "w", encoding="utf-8") as file:
         file.write("advance 10 mm\n")
@@ -64,7 +65,7 @@ def sample(folder):
 
 
 def check_rules(tap):
-    """Each rule is first shown to fail on a bad sample."""
+    """The test first shows that each rule objects to a bad sample."""
     with tempfile.TemporaryDirectory() as folder:
         manifest, session, picture = sample(folder)
         linked = {picture}

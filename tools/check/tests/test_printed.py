@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Claims: program output in the documents is what the programs print today, and the documents name the present
-versions."""
+"""Claims: the program output that the documents show equals what the programs print today, and the documents name the
+present versions."""
 
 import os
 import re
@@ -33,7 +33,7 @@ def examined(text):
 
 
 def named_cores(text):
-    """Returns the versions of the core that a transcript in a document names."""
+    """Returns the core versions that occur in the program output shown in a document."""
     return re.findall(r"^    .*\bcore version (\d+)$|^    .*: core (\d+), protocol", text, re.MULTILINE)
 
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Claims: the board's port is, byte for byte, the one that `make registers` compared with the chip's description.
-Prints TAP."""
+"""Claims: the files of the board's port have not changed by a byte since `make registers` compared them with the chip's
+description. Prints TAP."""
 
 import os
 import sys

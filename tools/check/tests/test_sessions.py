@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Tests every shipped session that runs in the aorta or without a scene: each reaches the end that its script states,
-and without its turns it does not reach this end.
+"""Tests every shipped session that runs in the aorta or without a scene. Each session must reach the end that its
+script states, and must miss this end if the tools are not turned.
 
-Anatomy and scene are made as by `make run`, except for the bodies that only pictures need; the scene file is the same
-to the byte. The renal angioplasty has its own scene with its lesion. test_heart_sessions.py runs the sessions of the
-heart, and hil_tests/test_pci.cpp runs the short angioplasties.
+The test makes anatomy and scene as `make run` does, but without the bodies that only pictures need. The resulting scene
+file equals the scene file of `make run` byte for byte. The session of the renal angioplasty has its own scene, which
+contains a lesion. test_heart_sessions.py runs the sessions in the heart, and hil_tests/test_pci.cpp runs the short
+angioplasties.
 """
 
 import os

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Checks the rules of style that a program can check: lengths, banned words and calls, recursion, layout, documents,
-packages, make targets. Each rule is first shown to object to a bad sample. Prints TAP."""
+"""Checks those rules of style that a program can check: lengths, banned words and calls, recursion, layout, documents,
+packages and make targets. The test first shows that each rule objects to a bad sample. Prints TAP."""
 import ast
 import os
 import re
@@ -74,7 +74,7 @@ PACKED = (".jpg", ".png", ".xz", ".rec", ".corpus")  # four letters in a row are
 
 # --- rules: each yields findings as file:line: text ----------------------------------------------------------------
 def earlier_name(path, text):
-    """Finds an earlier name of the project in a path or in a line."""
+    """Finds former names of the project in a path or in a line of text."""
     if EARLIER_NAME.search(path):
         yield path + ": has the project's earlier name"
     for number, line in enumerate(text.splitlines(), 1):
@@ -109,7 +109,8 @@ def long_lines(path, text):
 
 
 def callers(path, text):
-    """Finds a list of callers, or of permitted includes, that somebody would have to keep up to date by hand."""
+    """Finds comments that list the callers of a function or the permitted includes, because somebody would have to keep
+    such a list up to date by hand."""
     for number, line in enumerate(text.splitlines(), 1):
         if CALLERS.search(line):
             yield "%s:%d: lists its callers or includes: leave that to a search, or to docs/architecture.md" % (
@@ -166,8 +167,8 @@ def variable_division(path, text):
 
 
 def call_graph(sources):
-    """Returns a table from name to (place, names called) for the functions that are defined in sources (path ->
-    text)."""
+    """Reads sources (path -> text) and returns a table from each function's name to (place of its definition, names of
+    the functions that it calls)."""
     defined = {}
     for path, text in sources.items():
         for name, first, _, body in tree.functions(tree.code_only(text)):
@@ -190,7 +191,7 @@ def recursion(sources):
 
 
 def layout(paths):
-    """Checks the layout of every C and C++ file with clang-format."""
+    """Checks with clang-format that every C and C++ file has the project's layout."""
     for start in range(0, len(paths), 50):
         done = subprocess.run(["clang-format", "--dry-run", "-Werror"] + paths[start : start + 50], cwd=tree.ROOT,
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
@@ -336,8 +337,8 @@ def self_test_documents(report):
 
 # --- the tree -------------------------------------------------------------------------------------------------------
 def exists(path):
-    """Returns whether the path exists in the tree; for a pattern, it tests the folder before the pattern's first
-    star."""
+    """Returns whether the path exists in the source tree; for a pattern, the function tests the folder before the
+    pattern's first star."""
     if "*" in path:
         path = os.path.dirname(path[: path.index("*")])
     return os.path.exists(os.path.join(tree.ROOT, path))

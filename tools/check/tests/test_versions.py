@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Claims: every program prints its version, and the changelog contains this version. Prints TAP."""
+"""Claims: every program prints its version, and the changelog begins with the present version. Prints TAP."""
 
 import os
 import re
@@ -30,7 +30,7 @@ def version():
 
 
 def answer(name):
-    """Returns a program's output, or a sentence if it prints none."""
+    """Returns a program's output, or a sentence if the program prints nothing."""
     try:
         done = subprocess.run(
             [os.path.join(BUILD, name), "--version"],

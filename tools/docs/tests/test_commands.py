@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Claims: commands in the documents are found, and their markers are obeyed. The commands that take only seconds are
-run here (tools/docs/commands.py); `make test-lab` runs the rest. Prints TAP."""
+"""Claims: commands.py finds the commands in the documents and obeys the markers (HTML comments) above them. This test
+also runs the documents' commands that take only seconds (tools/docs/commands.py); `make test-lab` also runs the slower
+commands. Prints TAP."""
 
 import os
 import re

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Claims: the Wireshark dissector reads frames correctly. This test makes the frames independently of the project's
-code (COBS, CRC-32 and layout as in docs/wire.md) and writes them to a capture. tshark must name their values, put split
-frames together and report damaged ones. Prints TAP."""
+"""Claims: the Wireshark dissector decodes the frames of the wire protocol correctly. The test makes frames
+independently of the project's code (COBS, CRC-32 and layout as in docs/wire.md) and writes them to a capture file.
+tshark must then print the frames' values, join split frames and report damaged frames. Prints TAP."""
 
 import os
 import struct
@@ -16,8 +16,8 @@ USER0, USB_LINUX = 147, 220
 
 
 def stuffed(body):
-    """Encodes COBS by its definition: the code contains no zero, and a length precedes every block of at most 254
-    bytes."""
+    """Encodes bytes by the definition of COBS: the encoded bytes contain no zero, and a length precedes every block of
+    at most 254 bytes."""
     out, block = bytearray(), bytearray()
     for byte in body + b"\0":
         if byte == 0:
@@ -37,8 +37,8 @@ def frame(sequence, kind, payload, flip=0):
 
 
 def on_bus(data, device):
-    """Returns the record that Linux's usbmon writes for a bulk transfer to endpoint 2 (Documentation/usb/usbmon.rst,
-    struct mon_bin_hdr of 64 bytes)."""
+    """Returns the bytes of the record that usbmon of Linux writes for a bulk transfer to endpoint 2 (struct mon_bin_hdr
+    of 64 bytes in Documentation/usb/usbmon.rst)."""
     header = struct.pack(
         "<QBBBBHBBqiiII8siiII",
         1,
@@ -71,7 +71,7 @@ def capture(packets, kind):
 
 
 def dissect(script, path, *fields):
-    """Returns a list of texts for each packet and field."""
+    """Runs tshark on the capture file and returns, for each packet and field, a list of texts."""
     command = [
         "tshark",
         "-X",

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Claims: samples of sentences are the same for the same seed, and they consist of sentences. Prints TAP."""
+"""Claims: sentences.py prints the same sample whenever the seed is the same, and every line of the sample is a
+sentence. Prints TAP."""
 
 import os
 import subprocess

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Claims about the docs site: every page is in the navigation once, the package versions are pinned, and the hooks do
-what their comments state. `make docs` builds it. Prints TAP."""
+"""Claims about the documentation website: every page is in the navigation once, the versions of the Python packages are
+fixed, and the functions of site_hooks.py do what their comments state. `make docs` builds it. Prints TAP."""
 
 import collections
 import importlib.util
@@ -18,7 +18,8 @@ AUDIENCES = ["Home", "Trainee", "Rig builder", "Developer", "Evidence"]
 
 
 def navigation_faults(config, pages):
-    """Returns the pages that are missing from the navigation, listed twice, or do not exist."""
+    """Returns the pages that are missing from the navigation, and the pages that the navigation lists twice or that do
+    not exist."""
     listed = collections.Counter(PAGE.findall(config))
     for page in sorted(set(pages) - set(listed)):
         yield "docs/%s is not in the navigation of mkdocs.yml" % page

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Runs a part of `make importers` on the plain build: the files made by hand, and some hundred mutations. Prints
-TAP."""
+"""Runs a part of `make importers` on the build without sanitizers: the hand-made files, and some hundred mutations of
+valid files. Prints TAP."""
 
 import os
 import sys

@@ -1,4 +1,4 @@
-// Runs assimp in a child process and checks its result.
+// Reads a mesh file with the library assimp in a child process, and checks the mesh that assimp returns.
 #include "tools/mesh/files/mesh_file.hpp"
 #include "host/base/guarded_read.hpp"
 #include "tools/mesh/fault.hpp"
@@ -20,7 +20,8 @@ namespace crn::bake
 namespace
 {
 
-// For each byte of a file's faces, assimp makes objects with lists of their own, which take tens of bytes.
+// For each face in a file, assimp makes an object with a separate list of corners, so assimp needs tens of
+// times as much memory as the file has bytes.
 constexpr double growth = 64;
 
 std::string ending_of(const std::filesystem::path &file)
@@ -48,7 +49,7 @@ void check_name_and_size(const std::filesystem::path &file)
                     " MiB: simplify the mesh, or give it in binary");
 }
 
-// Maps the file into memory for the lifetime of this object.
+// Maps a file into memory for the lifetime of this object.
 class Mapped
 {
   public:
@@ -74,8 +75,8 @@ class Mapped
     std::size_t count_ = 0;
 };
 
-// Holds a mesh in the file's node hierarchy, with the transformation from the mesh's coordinates to the
-// file's.
+// Holds one mesh of the file's node hierarchy, and the transformation from the mesh's coordinates to the
+// file's coordinates.
 struct Part {
     std::string name;
     const aiMesh *mesh;
@@ -114,7 +115,7 @@ std::vector<Part> chosen(const std::vector<Part> &parts, const std::vector<std::
     return found;
 }
 
-// Checks all face indices before assimp uses them itself.
+// Checks the vertex indices of all faces before assimp uses these indices in later processing steps.
 void check_faces(const aiScene &scene, const std::string &file)
 {
     for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
@@ -213,8 +214,8 @@ std::vector<MeshPiece> read_mesh_here(const std::filesystem::path &path,
     if (!scene) throw Fault(file + ": cannot be read as STL, OBJ, PLY or glTF: " + importer.GetErrorString());
     check_faces(*scene, file);
     check_declared(*scene, declared, file);
-    // We use only those processing steps of assimp that change no vertex. Our own code merges equal vertices,
-    // so the result is the same for every format.
+    // The code runs only those processing steps of assimp that change no vertex. This project's own code
+    // merges equal vertices, so that the result is the same for every file format.
     scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
     if (!scene || !scene->mRootNode) throw Fault(file + ": cannot be made of triangles: export triangles");
     std::vector<Part> parts;

@@ -1,5 +1,6 @@
-// Checks the declarations of a glTF file against its contents before assimp follows them: buffers, views,
-// accessors, nodes. See the glTF 2.0 specification, sections 3.5 to 3.7 and 4.4 (binary form).
+// Checks that the declarations of a glTF file (buffers, views, accessors, nodes) agree with the file's
+// contents, before assimp relies on these declarations. See the glTF 2.0 specification, sections 3.5 to 3.7
+// and 4.4 (binary form).
 #include "tools/mesh/files/mesh_file.hpp"
 #include "tools/mesh/files/mesh_words.hpp"
 #include "tools/mesh/json_depth.hpp"
@@ -41,8 +42,8 @@ class Gltf
         }
     }
 
-    // Returns the number of faces of all meshes together if all of them are single triangles; -1 if there are
-    // strips or fans.
+    // Returns the total number of faces of all meshes if all faces are single triangles; returns -1 if the
+    // file has strips or fans of triangles.
     std::int64_t faces() const
     {
         std::int64_t faces = 0;
@@ -81,7 +82,7 @@ class Gltf
         throw Fault(file_ + ": cannot be read as glTF: " + what + ": export the mesh again");
     }
 
-    // Returns the JSON part and sets the size of the binary part.
+    // Returns the JSON part of a binary glTF file and sets the size of its binary part.
     std::string_view text_of(std::string_view bytes)
     {
         if (bytes.substr(0, 4) != "glTF") return bytes;
@@ -122,8 +123,8 @@ class Gltf
         return *found;
     }
 
-    // Reads a whole number that must be at least `low`. If the key is missing, the function returns
-    // `otherwise`; an `otherwise` of -1 means that the key is required.
+    // Reads a whole number, which must be at least `low`, from a key of the JSON. If the key is missing, the
+    // function returns the value `otherwise`; if `otherwise` is -1, the key is required.
     std::int64_t whole(const json &of, const char *key, const std::string &place, std::int64_t low = 0,
                        std::int64_t otherwise = -1) const
     {
@@ -252,7 +253,8 @@ class Gltf
         }
     }
 
-    // The nodes must form a forest: every node has at most one parent and a limited depth.
+    // Checks that the nodes of the glTF file form a forest, in which every node has at most one parent and a
+    // limited depth.
     void check_nodes() const
     {
         const json &nodes = list("nodes");

@@ -1,5 +1,5 @@
-// Checks a mesh that a reader returned: every index must name a vertex, and every coordinate must be a finite
-// number.
+// Checks a mesh that a file reader returned: every index must refer to an existing vertex, and every
+// coordinate must be a finite number.
 #include "tools/mesh/fault.hpp"
 #include "tools/mesh/files/mesh_file.hpp"
 #include <cmath>

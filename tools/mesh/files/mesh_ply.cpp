@@ -1,5 +1,5 @@
-// Checks the declarations of a PLY file against its contents: first the header, then the data element by
-// element.
+// Checks that the header of a PLY file agrees with its data. The code reads first the header, and then the
+// data element by element.
 #include "tools/mesh/files/mesh_file.hpp"
 #include "tools/mesh/files/mesh_words.hpp"
 
@@ -151,7 +151,7 @@ class Header
     bool has_format_ = false;
 };
 
-// Reads the numbers of one record from text or from bytes.
+// Reads the numbers of one record of a PLY file, which is stored as text or in binary form.
 class Body
 {
   public:
@@ -183,8 +183,8 @@ class Body
 
     void check(const Element &element)
     {
-        // The smallest size of a record is the sum of its numbers' sizes; in a text file a number has at
-        // least a digit and a blank.
+        // The smallest possible size of a record is the sum of the sizes of its numbers; in a text file each
+        // number takes at least a digit and a blank.
         std::size_t least = 0;
         bool has_list = false;
         for (const Property &p : element.properties) {
@@ -236,7 +236,8 @@ class Body
         at_ += bytes;
     }
 
-    // Returns whole numbers; other numbers are only checked, and 0 is returned for them.
+    // Returns the number if its type is a whole number; a number of another type is only checked, and the
+    // function returns 0.
     std::int64_t number(const Type &type, const Element &element)
     {
         if (header_.is_ascii) return number_of_text(type, element);

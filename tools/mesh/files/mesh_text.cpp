@@ -1,5 +1,5 @@
-// Reads STL and OBJ files strictly before assimp reads them. If a text is damaged, assimp guesses and returns
-// another mesh.
+// Checks STL and OBJ files by reading them strictly before assimp reads them. The strict reading is needed
+// because assimp reads a damaged text without an error and returns a wrong mesh.
 #include "tools/mesh/files/mesh_file.hpp"
 #include "tools/mesh/files/mesh_words.hpp"
 
@@ -66,7 +66,7 @@ class Obj
             line_ = words_.line();
             std::string_view line = words_.rest_of_line(is_line);
             if (!is_line) break;
-            // A line that ends with \ continues on the next line.
+            // In an OBJ file, a line that ends with \ continues on the next line.
             while (!line.empty() && line.back() == '\\') {
                 joined += std::string(line.substr(0, line.size() - 1)) + " ";
                 line = words_.rest_of_line(is_line);
@@ -133,7 +133,7 @@ class Obj
         }
     }
 
-    // Reads a corner of the form "point/texture/normal"; texture and normal are optional.
+    // Reads a face's corner of the form "point/texture/normal"; texture and normal are optional.
     void reference(std::string_view corner)
     {
         std::size_t begin = 0;

@@ -1,4 +1,4 @@
-// Provides the words and numbers of a mesh file's text, with the line in which they occur.
+// Splits the text of a mesh file into words and numbers, and counts the lines for error messages.
 #pragma once
 #include "tools/mesh/fault.hpp"
 #include <charconv>
@@ -15,8 +15,8 @@ inline bool is_blank(char c)
     return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\f' || c == '\v';
 }
 
-// Reads the whole word as a number. The words "nan" and "inf" count as numbers; callers refuse them where
-// they need finite values. Returns false if the word is no number.
+// Converts a word to a number; the whole word must be a number. The words "nan" and "inf" count as numbers,
+// so callers that need finite values must check for them. Returns false if the word is not a number.
 inline bool is_number(std::string_view word, double &value)
 {
     if (!word.empty() && word.front() == '+') word.remove_prefix(1);
@@ -48,7 +48,7 @@ class Words
     {
     }
 
-    // Returns an empty word at the end of the text.
+    // Returns the next word, or an empty word at the end of the text.
     std::string_view word()
     {
         skip_blanks();
@@ -56,7 +56,8 @@ class Words
         while (at_ < text_.size() && !is_blank(text_[at_])) ++at_;
         return text_.substr(begin, at_ - begin);
     }
-    // Returns the rest of the line, without its end; `is_line` is false after the last line.
+    // Returns the remaining text of the present line, without the end of line; sets `is_line` to false after
+    // the last line.
     std::string_view rest_of_line(bool &is_line)
     {
         is_line = at_ < text_.size();

@@ -1,5 +1,5 @@
-// OpenVDB's grids. Its converter from meshes is called with the types that its library has precompiled: with
-// our own types it takes a minute to compile.
+// OpenVDB's grids. The code calls OpenVDB's converter from meshes with types for which the library is
+// precompiled, because compiling the converter for other types takes a minute.
 #include "tools/mesh/level_set/level_set.hpp"
 #include "tools/mesh/progress.hpp"
 

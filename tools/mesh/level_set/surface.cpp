@@ -8,7 +8,8 @@ namespace crn::mesh
 namespace
 {
 
-// Corner c of triangle t has the number 3 t + c. Corners that stay one vertex are joined.
+// The corners of all triangles are numbered: corner c of triangle t has the number 3 t + c. Corners that
+// continue to share a vertex are joined into one group.
 struct Corners {
     std::vector<std::uint32_t> parent;
     std::uint32_t root(std::uint32_t corner)
@@ -39,7 +40,7 @@ std::vector<HalfEdge> half_edges(const std::vector<Triangle> &triangles)
     return edges;
 }
 
-// Makes the two triangles share both ends of their common edge.
+// Joins the corners of two triangles at both ends of their common edge.
 void join_across(Corners &corners, const HalfEdge &one, const HalfEdge &other)
 {
     const auto corner = [](const HalfEdge &edge, bool low) {
@@ -91,8 +92,8 @@ void separate_sheets(std::vector<Eigen::Vector3d> &vertices, std::vector<Triangl
         for (end = i;
              end < edges.size() && edges[end].low == edges[i].low && edges[end].high == edges[i].high;)
             ++end;
-        // Backward half edges come first, then as many forward ones; the n-th backward one is paired with the
-        // n-th forward one.
+        // The list has first the backward half edges and then equally many forward half edges. The code pairs
+        // the n-th backward half edge with the n-th forward half edge.
         const std::size_t half = (end - i) / 2;
         for (std::size_t n = 0; n < half; ++n) join_across(corners, edges[i + n], edges[i + half + n]);
     }

@@ -1,4 +1,5 @@
-// Surfaces of level sets as triangles: quadrangles are divided, and sheets that touch are separated.
+// Turns the surface of a level set, which consists of quadrangles, into triangles, and separates sheets of
+// the surface that touch each other.
 #pragma once
 #include "tools/mesh/simplify.hpp" // Triangle
 
@@ -10,14 +11,15 @@ struct QuadSurface {
     std::vector<std::array<uint32_t, 4>> quads; // counter-clockwise seen from outside
 };
 
-// Divides each quadrangle along the diagonal from its second to its last vertex.
+// Divides each quadrangle into two triangles along the diagonal from its second to its last vertex.
 std::vector<Triangle> divided(const QuadSurface &surface);
 
-// Divides each quadrangle along its shorter diagonal. It suits vertices that were moved onto the true
-// surface, because those quadrangles are no longer nearly square.
+// Divides each quadrangle into two triangles along its shorter diagonal. The shorter diagonal is better after
+// the vertices were moved onto the true surface, because the quadrangles are then no longer nearly square.
 std::vector<Triangle> divided_shorter(const QuadSurface &surface);
 
-// Splits vertices at which two sheets of a surface meet; afterwards every edge has two triangles.
+// Splits every vertex at which two sheets of a surface touch; afterwards every edge belongs to exactly two
+// triangles.
 void separate_sheets(std::vector<Eigen::Vector3d> &vertices, std::vector<Triangle> &triangles);
 
 } // namespace crn::mesh

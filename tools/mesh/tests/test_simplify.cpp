@@ -1,4 +1,5 @@
-// Claims: edges shorter than a length are collapsed, and the surface stays closed and in its place.
+// Claims: drop_short_edges collapses edges that are shorter than a given length, and the surface stays closed
+// and does not move.
 #include "tools/mesh/simplify.hpp"
 
 #include <Eigen/Geometry>
@@ -22,7 +23,8 @@ struct Surface {
     std::vector<Vector3d> vertices;
     std::vector<Triangle> triangles;
 
-    // Puts a vertex beside the first corner of a triangle and divides the triangle into three.
+    // Adds a vertex inside a triangle, beside the triangle's first corner, and divides the triangle into
+    // three triangles.
     void divide(std::size_t t, double share)
     {
         const auto [a, b, c] = triangles[t];

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Claims: the shipped scene is the one that the tools make today, and a broken archive leaves no file behind. Prints
-TAP.
+"""Claims: the shipped scene equals the scene that the tools make today, and a damaged archive leaves no file behind.
+Prints TAP.
 
-The scene is made without its bodies and with few checks, because neither changes the scene's bytes; `make scene` also
-compares the bodies.
+The test makes the scene without its bodies and with few checks, because neither bodies nor checks change the scene's
+bytes. `make scene` also compares the bodies.
 """
 
 import os
@@ -26,7 +26,7 @@ def run(*words):
 
 
 def made_scene(folder):
-    """Returns the bytes of aorta.scene as the tools make it today, or a sentence that states the error."""
+    """Makes the scene of the aorta and returns the bytes of aorta.scene, or a sentence that states the error."""
     for words in (
         ["%s/bin/anatomy" % BUILD, "aorta", "--no-bodies", "--quiet", "-o", folder + "/aorta"],
         [

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Claims: NOTICE names all parts of the programs that come from outside, and the SBOM (software bill of materials) is a
-complete SPDX 2.3 document of them. The test checks the built programs with the loader's own answer (ldd), with dpkg,
-and with rules of the SPDX specification that are written down here. The test also uses programs and tables that are
-wrong on purpose. Prints TAP."""
+"""Claims: NOTICE names all parts of the programs that come from outside this repository. The SBOM (software bill of
+materials) is a complete SPDX 2.3 document that lists these parts. The test compares the results with the output of ldd
+for the built programs, with dpkg, and with rules of the SPDX specification that this file contains. The test also shows
+that the checks find errors in programs and tables that are wrong on purpose. Prints TAP."""
 
 import collections
 import json
@@ -50,7 +50,7 @@ def loaded_files(program):
 
 
 def structure_faults(body):
-    """Checks the requirements of SPDX 2.3 on a document (clauses 6, 7, 8 and 11)."""
+    """Checks that a document fulfils the requirements of SPDX 2.3 (clauses 6, 7, 8 and 11)."""
     for key in (
         "spdxVersion",
         "dataLicense",

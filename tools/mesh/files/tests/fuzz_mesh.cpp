@@ -1,6 +1,6 @@
-// Fuzz target: reads any bytes as a mesh. The target tests the strict readings that precede assimp, and the
-// check of assimp's result. The first byte selects the format. tools/importers tests assimp itself, with
-// whole sets of files in a child process.
+// Fuzz target: reads arbitrary bytes as a mesh file. The target tests the strict checks of a mesh file that
+// precede assimp, and the check of the mesh that assimp returns. The first byte selects the file format.
+// tools/importers tests assimp itself, with whole sets of files in a child process.
 #include "tools/mesh/fault.hpp"
 #include "tools/mesh/files/mesh_file.hpp"
 #include <algorithm>
@@ -33,7 +33,7 @@ const char *const texts[] = {
     "],"
     "\"buffers\":[{\"byteLength\":12,\"uri\":\"data:;base64,AAAAAAAAAAAAAAAA\"}]}"};
 
-// Builds vertices and triangles, of three numbers each, from any bytes.
+// Builds vertices and triangles, which consist of three numbers each, from arbitrary bytes.
 void offer_pieces(const std::uint8_t *bytes, std::size_t count)
 {
     std::vector<MeshPiece> pieces(1 + count % 3);
@@ -65,7 +65,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t *bytes, std::size_t count)
     try {
         const Declared declared =
             check_mesh_bytes({exact.data(), exact.size()}, "fuzz", endings[bytes[0] % 4], "/nonexistent");
-        // An accepted file cannot declare more items than it has bytes.
+        // A mesh file that is accepted cannot declare more vertices or faces than it has bytes.
         if (declared.vertices > static_cast<std::int64_t>(count) ||
             declared.faces > static_cast<std::int64_t>(count))
             std::abort();

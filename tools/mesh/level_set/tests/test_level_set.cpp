@@ -1,6 +1,6 @@
-// Claims: a level set made from blocks or from a mesh gives a closed surface at the stated distance, in the
-// caller's unit, counter-clockwise as seen from outside. Solids are intersected and subtracted. Pieces of a
-// surface are found and dropped by their size.
+// Claims: a level set from blocks or from a mesh gives a closed surface at the requested distance and in the
+// caller's unit. The surface's triangles are counter-clockwise as seen from outside. Solids are intersected
+// and subtracted. Connected pieces of a surface are found, and pieces that are too small are removed.
 #include "tools/mesh/level_set/level_set.hpp"
 #include "tools/mesh/pieces.hpp"
 
@@ -24,7 +24,8 @@ namespace
 
 constexpr double pi = 3.14159265358979323846;
 
-// A ball in the middle of 6^3 blocks around the origin; the distances are those of voxels of `voxel`.
+// Makes the level set of a ball in the middle of 6^3 blocks around the origin; each voxel has the edge
+// `voxel`.
 LevelSet ball(double voxel, double radius, const Vector3d &middle = Vector3d::Zero(), bool is_near = false)
 {
     LevelSet level(voxel, 3 * voxel);
