@@ -8,8 +8,9 @@
 namespace hil
 {
 
-// Runs the aorta session in LOCKSTEP, one step per transfer. Every instruction is counted, from the first
-// byte of a step to the end of its answer (shift 7).
+// Runs the aorta session in LOCKSTEP mode, with one tick per transfer. Counts every processor instruction,
+// from the first byte of the request for a tick to the end of the device's answer (the emulator's icount
+// shift is 7).
 AortaRun count_aorta(const AortaFiles &files, std::uint32_t ticks_max);
 
 struct Overruns {

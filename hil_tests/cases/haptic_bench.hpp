@@ -1,5 +1,4 @@
-// This header has the common parts of the haptic cases and the grid of passivity: a wire, and a carriage in a
-// hand.
+// Provides the wire and the hand-held carriage that both the haptic test cases and the passivity tests use.
 #pragma once
 #include "hil_tests/plant/plant.hpp"
 #include "shared/wire/wire.h"
