@@ -131,7 +131,7 @@ void check(const char *what, double value, double most)
 
 // The limits are: at most 0.1 % of the samples deeper in the wall than 0.3 mm, no sample deeper than 1 mm,
 // and a length error of at most 0.1 % (no tool is pushed against anything here). Every tool must be inserted
-// by at least `inserted_mm`. The reference distance is reduced by the radius of the outermost tool.
+// by at least `inserted_mm`. The reference distance takes the radius of the outermost tool into account.
 void drive(const std::vector<std::string> &instrument_files, const crn::Session &session, double inserted_mm)
 {
     if (!baked.is_there) skip();

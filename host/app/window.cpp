@@ -1,5 +1,5 @@
-// The loop of the window turns keys into motion of hand and C-arm, advances the ticks, and draws the picture
-// on the screen.
+// In its loop, the window turns keys into motion of the hand and the C-arm, advances the session by the ticks
+// that are due, and draws the picture on the screen.
 #include "host/app/window.hpp"
 #include "host/app/window_keys.hpp"
 #include "host/app/window_live.hpp"
@@ -79,7 +79,7 @@ std::string export_folder(DicomSettings settings, int number)
     }
 }
 
-// Counts the ticks that are due, either from the wall clock or, in tests, from the number of screens shown.
+// Counts the ticks that are due, according to the wall clock or, in tests, to the number of screens shown.
 class Pace
 {
   public:
@@ -97,8 +97,8 @@ class Pace
         ticks_ += given;
         return static_cast<std::uint32_t>(given);
     }
-    // Waits 2 ms per screen, because the display may not wait for its refresh, and the loop would then use a
-    // whole processor.
+    // Waits 2 ms per screen. The display may not wait for its refresh, and without this wait the loop would
+    // then occupy a whole processor.
     void wait() const
     {
         if (is_counted_) return;
@@ -133,7 +133,7 @@ class Window
     }
 
     // Returns the exit code, which is not 0 when a signal ended the window or the session is in a fault.
-    // Every file that was written is whole in any case.
+    // In every case, all files that the program wrote are complete.
     int run()
     {
         Pace pace(options_.frames > 0);

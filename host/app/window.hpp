@@ -1,6 +1,6 @@
-// This is the window of `cournand view`. The user controls hand, pedal and C-arm by keyboard, and sees the
-// same pictures that `cournand run` makes. The user's input is recorded like that of a script, and the
-// recording replays bit for bit.
+// Shows the window of `cournand view`. By keyboard, the user controls the hand, the pedals and the C-arm, and
+// sees the same pictures that `cournand run` makes. The program records the user's input like that of a
+// script, and a replay of the recording is equal bit for bit.
 #pragma once
 #include "host/command/view_options.hpp"
 

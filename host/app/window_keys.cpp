@@ -41,7 +41,7 @@ std::int32_t rounded(double value)
     return static_cast<std::int32_t>(std::lround(value));
 }
 
-// Returns the next rate of the list; the first one follows the last one.
+// Returns the rate that follows `per_second` in the list; after the last rate comes the first.
 template <std::size_t count> std::int32_t next_rate(double per_second, const std::int32_t (&rates)[count])
 {
     const auto *at = std::find(std::begin(rates), std::end(rates), rounded(per_second * 100.0));
@@ -366,7 +366,7 @@ void WindowKeys::turn(const RoomScreen &screen, double primary_deg, double secon
                    secondary_max_mdeg));
 }
 
-// When the user moves the table by key, the table no longer follows the tip.
+// When the user moves the table by key, the table stops following the tip.
 void WindowKeys::move_table(const RoomScreen &screen, int axis, double step_m)
 {
     GantryPose target = screen.room().gantry().target();
@@ -407,7 +407,7 @@ void WindowKeys::go_to(std::size_t preset)
 
 // --- review ---
 
-// Shows, as a still, the frame before or after the one on the screen, also when the screen shows a held
+// Shows, as a still picture, the frame before or after the present one, even if the screen shows a held
 // picture or a loop.
 void WindowKeys::step_frame(const RoomScreen &screen, int step)
 {

@@ -1,4 +1,4 @@
-// Measures the time that the struts of a stent take in an X-ray picture. The program can also write such
+// Measures how much time the struts of a stent cost in an X-ray picture. The program can also write such
 // pictures: the shipped stent in the shipped heart's LAD, crimped and deployed, with and without contrast
 // medium.
 //
@@ -100,7 +100,7 @@ class Theatre
         return curve;
     }
 
-    // Fills the left coronary artery with blood that contains this much iodine.
+    // Fills the left coronary artery with blood that contains the given concentration of iodine.
     std::vector<SweptCurve> medium(double iodine_mg_per_ml) const
     {
         std::vector<SweptCurve> curves;

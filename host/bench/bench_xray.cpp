@@ -1,6 +1,6 @@
-// Measures how long an X-ray picture takes: docs/bench.md and docs/xray.md. The patient is out/aorta.bodies,
-// which `make run` makes, or a model made here where that file is missing. Both models have at least 300,000
-// triangles and four materials.
+// Measures how long an X-ray picture takes: docs/bench.md and docs/xray.md. The simulated patient is
+// out/aorta.bodies, which `make run` makes; if that file is missing, the program makes a model itself. Both
+// models have at least 300,000 triangles and four materials.
 #include "firmware/bench/bench.h"
 #include "host/xray/chain.hpp"
 #include "host/xray/gl/gl_paths.hpp"
@@ -24,7 +24,7 @@ constexpr int rounds = 12; // the fastest counts, since the machine does other w
 const char *const bodies_file = "out/aorta.bodies";
 const char *const heart_name = "heart that beats";
 
-// These are common views of chest and belly, with the C-arm's angles and the table's position.
+// Lists common views of chest and belly, with the C-arm's angles and the table's position.
 struct Look {
     double primary_deg, secondary_deg, y_m;
 };
@@ -38,7 +38,7 @@ std::size_t count_triangles(const Bodies &bodies)
     return count;
 }
 
-// Makes a trunk with lungs, spine and ribs of spheres.
+// Makes a model of a trunk with lungs, spine and ribs, which consist of spheres.
 Bodies made_here()
 {
     Bodies bodies;
@@ -114,7 +114,7 @@ class Bench
         while (scene.beats && patient_.bodies[heart_].name != heart_name) ++heart_;
         xray_ = std::make_unique<Xray>(scene_, threads);
     }
-    // From this call on the heart beats, and a stent of 400 struts moves with it.
+    // After this call the heart beats, and a stent of 400 struts moves with the heart.
     void start_heart()
     {
         moves_ = true;
@@ -149,7 +149,7 @@ class Bench
         settings_.carm.isocentre_m = {0.0, at.y_m, 0.0};
         settings_.size = size;
     }
-    // Renders the next picture of a sequence, including the detector's lag.
+    // Computes the next picture of a sequence, including the detector's lag.
     void render(int frame)
     {
         const std::vector<Eigen::Vector3i> heart = moves_ ? heart_at(frame) : std::vector<Eigen::Vector3i>();
@@ -249,8 +249,8 @@ double frame_instructions(const bench_case *self)
     return 0.0;
 }
 
-// Compares the rasteriser and OpenGL on OSMesa in computing path lengths alone. The rasteriser and OpenGL run
-// in turn, with two threads each, and the fastest time of each view counts.
+// Compares two ways to compute path lengths: the rasteriser, and OpenGL on OSMesa. The rasteriser and OpenGL
+// run in turn, with two threads each, and the fastest time of each view counts.
 struct PathTimes {
     double raster_ms = 0.0, osmesa_ms = 0.0; // means over the views
     double difference_mm = 0.0;              // mean over all pixels that have any material, all materials
