@@ -69,7 +69,7 @@ bool VideoWriter::finish(std::string &error)
     return true;
 }
 
-// An OutputError names the file already. The unfinished file is removed.
+// The message of an OutputError already contains the name of the file. The unfinished file is removed.
 bool VideoWriter::fail(const std::exception &failed, std::string &error)
 {
     error = dynamic_cast<const OutputError *>(&failed) ? failed.what() : path_ + ": " + failed.what();

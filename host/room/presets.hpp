@@ -1,4 +1,4 @@
-// Lists the standard views by name. docs/room.md lists the sources of the angles.
+// Lists the standard views of the C-arm by name.
 #pragma once
 #include <cstdint>
 #include <span>
