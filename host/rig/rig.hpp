@@ -67,7 +67,8 @@ std::string state_name(unsigned state);
 std::string sensor_name(unsigned status);
 std::string serial_of(const crn_wire_hello_reply &hello);
 // Brings the rig to the state READY, in which settings may change; if `may_reset` is true, the function may
-// send RESET for this.
+// reset the rig for this. Throws LinkError if the rig is not in READY; the message names the activity of the
+// rig.
 void require_ready(Link &link, bool may_reset);
 
 // A trial on one track. During the trial a spring connects the user's hand with a simulated straight tool in

@@ -1,4 +1,4 @@
-// Lists the standard views of the C-arm by name.
+// Lists the standard views of the C-arm by name. The file docs/room.md names the sources of the angles.
 #pragma once
 #include <cstdint>
 #include <span>

@@ -75,7 +75,7 @@ bool is_same_hand(const HandMove &a, const HandMove &b)
     return a.axis == b.axis && (a.moves_all || b.moves_all || a.tool == b.tool);
 }
 
-// Parses a script, and keeps the settings of the room from statement to statement.
+// Parses a script, and remembers the settings of the X-ray room from statement to statement.
 class SessionParser
 {
   public:
