@@ -326,11 +326,11 @@ void inflated_in_the_guide_it_stays_on_its_balloon(void **)
 }
 
 // At a balloon pressure of 8 bar, friction (0.1 times the wall force) resists the hand with 5.3 N. The
-// balloon moves with the hand, and the stent moves with the balloon. The stent is deployed at its new place
-// when the pressure is released. The set of nested tools is stretched by 0.77 % in this session. If the
-// balloon were inflated to 10 bar, 6.2 N would hold it, and it would come loose suddenly when the pressure
-// has fallen to 9 bar. The tools would then be stretched by 1.30 % under 10 N, beyond the limit of 1 % at
-// which a run ends as out of range (range_watch.hpp).
+// balloon moves with the hand, and the stent moves with the balloon. The stent is deployed at its new
+// position when the pressure is released. The set of nested tools is stretched by 0.77 % in this session. If
+// the balloon were inflated to 10 bar, 6.2 N would hold it, and it would come loose suddenly when the
+// pressure has fallen to 9 bar. The tools would then be stretched by 1.30 % under 10 N, beyond the limit of 1
+// % at which a run ends as out of range (range_watch.hpp).
 void pulled_without_deflation_the_balloon_holds_its_stent(void **)
 {
     Case pulled{begin_at(lesion_mm) +
@@ -369,10 +369,11 @@ Recording without_struts(Recording recording)
     return recording;
 }
 
-// The stent's middle is at 42 mm. Half of the stent lies on the wall of the artery. The other half, from 33
-// to 40 mm, is malapposed, because the vessel widens there. The wire is drawn back out of the stent and
-// advanced again along the wall. The wire then passes beside the struts and stays outside the stent. A replay
-// without the stent's struts, but with everything else equal, lets the wire advance into the artery.
+// The stent's middle is at 42 mm. Half of the stent lies on the wall of the artery. The second half of the
+// stent, from 33 to 40 mm, is malapposed, because the vessel widens there. The wire is drawn back out of the
+// stent and advanced again along the wall. The wire then passes beside the struts and stays outside the
+// stent. A replay without the stent's struts, but with everything else equal, lets the wire advance into the
+// artery.
 void a_wire_beside_a_stent_meets_its_struts(void **)
 {
     Case beside{

@@ -1,6 +1,6 @@
 /* These tests check the complete device on USB. Over the pair of bulk endpoints, the device gives the same
  * answers and the same state hashes as over any other pipe. The HID interface reports the device's state and
- * can remove motor power. It refuses every setting that the wire protocol would refuse. */
+ * can remove motor power. The HID interface refuses every setting that the wire protocol would refuse. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -65,7 +65,8 @@ static void run_session(client *c, crn_wire_ticks *last)
     }
 }
 
-/* The same session runs over USB tokens and over the sim's pipe: the hashes are equal, bit for bit. */
+/* A session over USB tokens and an equal session over the simulator's pipe must give equal state hashes, bit
+ * for bit. */
 static void a_session_over_usb_gives_the_hashes_of_any_other_pipe(void **state)
 {
     (void)state;

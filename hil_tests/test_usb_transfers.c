@@ -256,8 +256,8 @@ static void drain_new_stream(void)
     assert_int_equal(bytes[0], 0);
 }
 
-/* After this many packets in each direction, the conversation is interrupted. After the interruption a new
- * stream begins, and the next frame must come back. */
+/* The exchange of data is interrupted after this number of packets in each direction. After the interruption
+ * a new stream begins, and the next frame must come back. */
 static void interruptions_cost_only_what_was_under_way(void **state)
 {
     (void)state;

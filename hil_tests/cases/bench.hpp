@@ -5,8 +5,8 @@
 //   L1  EmulatedBench   the image on an emulated Cortex-M7              (hil_tests/l1)
 //   L2, L3  RemoteBench the image beside a program hil_rig, by USB      (remote_bench.hpp)
 //
-// The bench controls time: advance() runs the device and the plant in turn, millisecond by millisecond. While
-// advance() does not run, the device does nothing.
+// The bench controls time: the function advance() runs the device and the simulated rig (plant) in turn,
+// millisecond by millisecond. While advance() does not run, the device does nothing.
 #pragma once
 #include "hil_tests/plant/plant.hpp"
 #include "host/link/transport.hpp"

@@ -1,7 +1,7 @@
-// A case is a claim about a device with its rig, and is the same at every level. A test case makes its own
-// test bench. It communicates with the device through host/link, and with the simulated rig through the class
-// Plant. A test case fails by an exception whose text contains the measured value and the limit. The report
-// contains the measurements of every test case.
+// A test case checks one property of a device with its rig, by equal code at every test level (L0 to L3). A
+// test case makes its own test bench. The case communicates with the device through host/link, and with the
+// simulated rig through the class Plant. A test case fails by an exception whose text contains the measured
+// value and the limit. The report contains the measurements of every test case.
 #pragma once
 #include "hil_tests/cases/bench.hpp"
 #include <span>

@@ -23,7 +23,7 @@ struct Ending {
 };
 void check_same(const Ending &a, const Ending &b, const char *what);
 
-// Returns the settings of the plant's rig, with a virtual coupling that the plant's damping allows.
+// Returns the settings of the simulated rig, with a virtual coupling that the rig's damping allows.
 crn_wire_rig plant_rig();
 
 // HELLO, the tube scene, a J wire with 30 mm inserted, the rig as the plant has it; READY.

@@ -234,7 +234,7 @@ void run_aorta(const Options &options, Table &table)
         crn::EmulatedTransport pipe(emulator);
         check_hash(expected, hil::run_aorta(pipe, options.files, options.ticks_max), report);
     });
-    // Each run takes minutes on an emulated processor whose time is counted in instructions. Other load
+    // A run takes minutes on an emulated processor whose time is counted in instructions. Other load
     // therefore does not matter, and the runs may share the machine.
     std::array<std::future<hil::Overruns>, 2> overruns;
     for (std::size_t shift : {0, 1})

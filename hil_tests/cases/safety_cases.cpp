@@ -32,7 +32,7 @@ struct Running {
         Plant &plant = bench->plant();
         return plant.motor_peak_N() <= force_safe_N && plant.motor_torque_peak_N_m() <= torque_safe_N_m;
     }
-    // Returns the number of milliseconds until the motors give no force any more.
+    // Returns the number of milliseconds until the motors no longer exert a force.
     int time_to_safe_ms(int limit_ms)
     {
         for (int ms = 1; ms <= limit_ms; ms++) {

@@ -1,6 +1,6 @@
 /* Declares what the source files of test level L2 share: a device, its transfers, and the device nodes
- * through which programs access it. One lock guards each device, because umockdev's thread answers the
- * programs' calls while the bus moves in another thread.
+ * through which programs access it. Every device has a lock, because umockdev's thread answers the programs'
+ * calls while another thread advances the bus.
  *
  * Programs poll their nodes. If a node were a plain file, it would always be ready, which would make libusb
  * spin. Every node is therefore a FIFO. The FIFO /dev/bus/usb/... is ready for writing while a transfer is

@@ -7,10 +7,10 @@
  *   umockdev-wrapper mock_bus --app -- PROGRAM ARGUMENT...      the whole app
  *   umockdev-wrapper mock_bus --mailbox FILE:OFFSET -- PROGRAM ARGUMENT...
  *
- * The command line may name several devices; --here and --app are allowed once each.
+ * The command line may name several devices, but --here and --app may each occur only once.
  *
- * The exit code is that of the program. It is 1 when the device does not start, or 2 when the arguments are
- * wrong. */
+ * The exit code is that of the program. The exit code is 1 when the device does not start, or 2 when the
+ * arguments are wrong. */
 #define _GNU_SOURCE
 #include "hil_tests/l2/mock.h"
 

@@ -7,7 +7,7 @@
  *
  * The program waits for QEMU to connect (`-chardev socket,path=SOCKET -device usb-redir`), and ends when QEMU
  * disconnects. The device may disconnect itself, restart, and connect again at any time. The exit code is
- * normally 0. It is 1 when the device hangs, and 2 when the arguments are wrong. */
+ * normally 0. The exit code is 1 when the device hangs, and 2 when the arguments are wrong. */
 #define _GNU_SOURCE /* ppoll */
 #include <errno.h>
 #include <poll.h>

@@ -1,6 +1,6 @@
-/* This program runs a LOCKSTEP session with three tools over libusb on the complete device application. It
- * compares the state hashes with those of the same session over the simulator's pipe in this process. Prints
- * TAP. */
+/* This program runs a LOCKSTEP session with three tools over libusb on the complete device application. The
+ * program compares the state hashes with those of an equal session over the simulator's pipe in this process.
+ * Prints TAP. */
 #include <stdlib.h>
 #include <string.h>
 

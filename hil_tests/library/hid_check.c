@@ -85,8 +85,8 @@ static bool states_follow(void)
     check_note("link.hid_reports_per_s %lld", (long long)REPORTS * 1000000 / us);
     check_note("link.hid_ticks_lost %u of %u", (unsigned)lost, (unsigned)(REPORTS + lost));
     /* On a busy machine a few reports are lost. A program that shares the reports with another program loses
-     * every second report. A machine that is too slow for 1,000 reports per second loses as many reports, so
-     * `make test` only prints the fraction of lost reports, and `make hil-mock` judges it. */
+     * every second report. If a machine is too slow for 1,000 reports per second, it also loses reports.
+     * Therefore `make test` only prints the fraction of lost reports, and `make hil-mock` judges it. */
     return getenv("UNPACED") != NULL || lost < REPORTS / 2;
 }
 

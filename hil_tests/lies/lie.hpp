@@ -1,5 +1,5 @@
-// Lists the lies (false messages) that a simulated device can send. One line names each lie completely:
-// "ticks.lane0 at=3 value=0".
+// Lists the lies (false messages) that a simulated device can send. One line of text names each lie
+// completely, for example "ticks.lane0 at=3 value=0".
 //
 //   stream.*   from the n-th frame on the device only does this, for ever: zeros, garbage, silence, drips
 //   frame.*    the n-th frame is damaged, lost, repeated, or answers something else

@@ -1,6 +1,6 @@
 // This is the program hil_lies. The program tests every command that talks to a device with a device that
-// sends false messages (docs/hil.md). It tests all lies, an evenly spread selection of the lies, or one lie
-// that a line of text names.
+// sends false messages (docs/hil.md). The program tests all lies, an evenly spread selection of the lies, or
+// one lie that a line of text names.
 #include "hil_tests/lies/judge.hpp"
 #include "host/base/interrupt.hpp"
 #include "host/base/pending_file.hpp"

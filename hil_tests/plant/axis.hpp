@@ -29,7 +29,7 @@ struct AxisSettings {
     double hand_damping = 6.0;     // N s/m
 };
 
-// These are the same settings for a torque about the tool's axis, in kg m^2, N m, N m s and rad.
+// Holds the corresponding settings for a torque about the tool's axis, in kg m^2, N m, N m s and rad.
 inline constexpr AxisSettings rotation_axis_settings{2e-7,  2e-7,   2e-4,   2e-6, 0.05,
                                                      0.025, 0.0015, 0.0003, 0.02, 1e-4};
 

@@ -1,5 +1,5 @@
-// Runs many random sessions of one seed in separate processes, `jobs` of them at a time. Each session is made
-// at random and judged by limits (bars). If a limit is exceeded, the session is shortened; the result of
+// Runs many random sessions of one seed in separate processes, `jobs` of them at a time. Every session is
+// made at random and judged by limits (bars). If a limit is exceeded, the session is shortened; the result of
 // every session becomes one row of a file. Ctrl-C ends the campaign; a later call continues it.
 #pragma once
 #include "hil_tests/soak/draw.hpp"

@@ -159,7 +159,8 @@ class Shrinker
 };
 
 // Returns a part of the script without a tool: the function removes the tool's own name, and gives every tool
-// outside of it the name of the next inner tool. The result is empty when nothing of the line is left.
+// outside of it the name of the next inner tool. The result is an empty text if the part contained only
+// statements for that tool.
 std::string part_without(const std::string &part, std::size_t tool)
 {
     std::vector<std::string> words = words_of(part);

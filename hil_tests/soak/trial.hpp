@@ -1,5 +1,5 @@
-// Runs one session with the host's own run_session(), and judges it by the bars, which are the limits of
-// docs/soak.md. The hands, the device, the stents, the contrast medium and the recording are those of
+// Runs one session with the host's own run_session(), and judges it by the limits of docs/soak.md, which are
+// called bars. The hands, the device, the stents, the contrast medium and the recording are those of
 // `cournand run`; no pictures are made. The session ends at the first tick that exceeds a limit. A session
 // that exceeds no limit is replayed from its recording, tick by tick.
 #pragma once

@@ -51,8 +51,8 @@ bool usb_host_sees_device(const usb_host *host);
 /* Changes the state of the bus; a reset clears the address and the toggles. */
 usb_result usb_host_bus(usb_host *host, crn_mailbox_bus state);
 
-/* Sends one token unchanged; the data of the reply go to `bytes`, at most `capacity` of them. Returns USB_OK,
- * USB_DEAD or USB_BROKEN. */
+/* Sends one token unchanged, and stores at most `capacity` bytes of the device's reply in `in`. Returns
+ * USB_OK, USB_DEAD or USB_BROKEN. */
 usb_result usb_host_token(usb_host *host, crn_mailbox_token kind, uint8_t endpoint, uint32_t flags,
                           const uint8_t *out, uint32_t out_bytes, crn_mailbox_reply *reply, uint8_t *in,
                           uint32_t capacity, uint32_t *in_bytes);

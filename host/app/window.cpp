@@ -38,7 +38,7 @@ std::string numbered(const std::string &wanted, int number)
     return path.string();
 }
 
-// Returns the file in which a session is recorded when the user named none. The file's name is made of date
+// Returns the path of the recording when the user has named no file for it. The file's name is made of date
 // and time, and the file lies in the user's state folder (XDG Base Directory Specification).
 std::string kept_recording()
 {

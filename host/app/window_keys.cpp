@@ -20,7 +20,8 @@ constexpr std::int32_t blade_step_permille = 100, store_ms = 10'000;
 constexpr double shift_step_px = 0.5;
 constexpr std::int32_t injection_rates_ul_s[] = {1000, 2000, 4000, 8000, 15000, 25000};
 constexpr std::int32_t fields_um[] = {420'000, 320'000, 250'000, 200'000, 150'000};
-// F2, F3 and so on select these views; with Shift they select the second view of a key, if there is one.
+// The keys F2, F3 and so on select these views; together with Shift they select the second view of the key,
+// if the key has two views.
 struct PresetKey {
     std::string_view plain, shifted;
 };

@@ -71,8 +71,8 @@ extern "C" BENCH_MEASURED void measured_stent_step()
     bench->step();
 }
 
-// Returns the mean time over the pictures of a beat, or the time of the slowest one. For each picture of the
-// beat, the function takes the shortest time over many beats.
+// Returns the mean time per picture of a heartbeat, or the time of the slowest picture. For each picture of
+// the beat, the function takes the shortest time over many beats.
 double step_us(const bench_case *self)
 {
     bench = std::make_unique<Bench>();

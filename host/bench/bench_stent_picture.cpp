@@ -177,8 +177,8 @@ double frame_ms(const bench_case *self)
     return fastest_ms;
 }
 
-// Writes the central part of four pictures: the crimped stent, without and with contrast medium, and the
-// deployed stent, without and with it.
+// Writes the central part of four pictures: the crimped and the deployed stent, each without and with
+// contrast medium.
 int write_picture(const char *path)
 {
     Theatre theatre;

@@ -29,7 +29,7 @@ struct WindowOptions {
     bool motors = false, yes = false; // FREE_RUN: with power; without confirmation
     bool starts_with_fluoro = false;
     bool shows_help = true;
-    // In tests the window closes after this number of screens. Each screen counts as 1/60 s of session time,
+    // In tests the window closes after this number of screens. Every screen counts as 1/60 s of session time,
     // however long it takes. If this number is 0, the window runs in real time until the user presses Esc.
     int frames = 0;
     std::string screenshot; // PNG of the window's last screen; empty: none

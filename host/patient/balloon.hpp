@@ -15,7 +15,8 @@ namespace crn
 // constant is the resulting iodine concentration.
 inline constexpr double balloon_iodine_mg_per_ml = 175.0;
 
-// Returns the tool with a balloon, counted from the innermost; empty if no tool has one.
+// Returns the index of the tool with a balloon, counted from the innermost, or no value if no tool has a
+// balloon.
 std::optional<std::size_t> balloon_tool(const std::vector<Instrument> &tools);
 // The user gets this message after a request to inflate when no tool has a balloon.
 inline constexpr char no_balloon_text[] = "NO BALLOON - none of the tools has one to inflate";

@@ -399,10 +399,10 @@ SweptPoint PatientContrast::stream_point(std::size_t cell, double narrowness) co
             contrast_share(mean / (width * width))};
 }
 
-// Makes two columns per vessel. One column has the vessel's width and the concentration that both layers of
-// blood have in common. The other column lies around the axis and has the additional concentration of the
-// inner layer. If the layer along the wall has the higher concentration, the two layers are shown as if they
-// were mixed. Near the tip, where the medium forms a jet, there is only one, thinner column.
+// Makes two columns per vessel. The first column has the vessel's width and the concentration that both
+// layers of blood have in common. The second column lies around the axis and has the additional concentration
+// of the inner layer. If the layer along the wall has the higher concentration, the two layers are shown as
+// if they were mixed. Near the tip, where the medium forms a jet, there is only one, thinner column.
 void PatientContrast::make_curves()
 {
     curves_.clear();
@@ -412,8 +412,8 @@ void PatientContrast::make_curves()
 }
 
 // A column begins at the upstream face of its first cell. Where a vessel divides, the first cells of its
-// branches begin outside of it. The columns of those branches therefore begin at the end of the parent
-// vessel, because otherwise the picture would show a gap.
+// branches begin outside of the parent vessel. The columns of those branches therefore begin at the end of
+// the parent vessel, because otherwise the picture would show a gap.
 Vector3d PatientContrast::column_begin_m(std::size_t cell) const
 {
     const FlowCells &cells = flow_.cells();

@@ -1,8 +1,8 @@
 // Simulates the patient of a session: vessels with blood and contrast medium, stents, lesions that balloons
 // can open, heart and breath, and the applied X-ray with its dose. The program that runs the session (for a
-// script, a window, a rig or a replay) advances the patient tick by tick. It passes the patient's commands
-// for the next tick to the core. Pictures, reports and scores read the state and change nothing, so a session
-// does not depend on which of them are requested.
+// script, a window, a rig or a replay) advances the patient tick by tick. The program passes the patient's
+// commands for the next tick to the core. Pictures, reports and scores read the state and change nothing, so
+// a session does not depend on which of them are requested.
 //
 //   patient.command(tick, {RoomAction::inject, {...}});        in force from that tick on
 //   patient.give_orders(input.orders);                        for every tick before it is done
@@ -56,7 +56,7 @@ class Patient
     // Returns the next tick at which look() must be called, or UINT32_MAX if no call is needed.
     std::uint32_t next_look() const;
     // Advances to the frame's tick. A rig in FREE_RUN sends the shape of the tools at times of its own
-    // choice. If an X-ray pulse lies between two such shapes, its picture uses the later one of them.
+    // choice. If an X-ray pulse lies between two such shapes, its picture uses the later shape.
     void look(const WireFrame &wire);
     // Updates only the vessels for this frame; a replay that starts later than tick 0 calls this function
     // until its start.

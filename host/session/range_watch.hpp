@@ -23,8 +23,9 @@ struct RangeBreak {
     bool is_saturated = false;  // CRN_FAULT_SATURATED of the core
     double penetration_m = 0.0; // deepest contact
     double length_error = 0.0;  // of the free part of the line
-    // Holds the position of the node with the largest wall force. It is read shortly after the range was
-    // left, at a tick that every run and replay reads. The position is empty if the tools touch no wall.
+    // Holds the position of the node with the largest wall force. This position is read shortly after the
+    // physics left its range, at a tick that every run and replay reads. The position is empty if the tools
+    // touch no wall.
     std::optional<Eigen::Vector3d> place_m{};
     std::string branch{}; // branch of the vessel around it; empty: not known
 };

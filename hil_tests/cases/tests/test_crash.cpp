@@ -109,7 +109,7 @@ class Debugger
     int socket_ = -1;
 };
 
-// This is a device that a debugger may crash.
+// Runs an emulated device that a debugger may crash.
 class Patient
 {
   public:
@@ -139,8 +139,8 @@ class Patient
     }
     // Turns the processor's interrupts off and runs an endless loop, so that the device hangs. The watchdog
     // therefore never interrupts the processor in the handler that runs every millisecond. The watchdog waits
-    // one minute, which is a whole number of milliseconds. It may therefore act just after a millisecond has
-    // begun, while the processor runs that millisecond's handler.
+    // one minute, which is a whole number of milliseconds. The watchdog may therefore act just after a
+    // millisecond has begun, while the processor runs that millisecond's handler.
     void hang()
     {
         debugger.stop();

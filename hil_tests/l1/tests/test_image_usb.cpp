@@ -1,6 +1,6 @@
 // This test exercises the USB interface of the firmware image with single USB tokens. The device must
-// enumerate, accept its configuration, and answer HELLO through the pair of bulk endpoints. It must also keep
-// its messages while the bus is suspended, and count USB requests as work.
+// enumerate, accept its configuration, and answer HELLO through the pair of bulk endpoints. The device must
+// also keep its messages while the bus is suspended, and count USB requests as work.
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>
@@ -179,8 +179,8 @@ void a_sleeping_bus_keeps_what_the_app_says(void **)
     assert_int_equal(session.decoder.header.answers, 2);
 }
 
-// When the plant controls time, waiting takes no time. A request takes equally long whether it arrived over
-// USB or through the ring buffers.
+// If the simulated rig (plant) controls time, waiting takes no time. A request takes equally long whether it
+// arrived over USB or through the ring buffers.
 void work_that_comes_by_usb_takes_the_plants_time(void **)
 {
     Session session;

@@ -66,8 +66,7 @@ void a_device_that_never_frames_holds_no_command(void **)
     expect_good(cases, 600);
 }
 
-// Each of these lies formerly led to exit code 0 and a false recording, because no second device checked the
-// results.
+// These lies formerly led to exit code 0 and a false recording, because no second device checked the results.
 void no_falsehood_is_recorded(void **)
 {
     const std::vector<std::string> lies = {"ticks.lane0 at=3 value=0",

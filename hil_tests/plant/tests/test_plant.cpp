@@ -1,6 +1,6 @@
 // These tests compare the simulated rig with closed formulas: motion under constant forces, friction that
-// stops and holds, and slip at its threshold. They also cover the lag of the motors, the quantisation of the
-// encoders, the timing of the power stage, and determinism.
+// stops and holds, and slip at its threshold. The tests also cover the lag of the motors, the quantisation of
+// the encoders, the timing of the power stage, and determinism.
 #include <cmath>
 #include <csetjmp>
 #include <cstdarg>

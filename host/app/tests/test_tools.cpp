@@ -218,8 +218,8 @@ void each_tool_covers_the_line_from_its_own_tip(void **)
     }
 }
 
-// Makes a straight set of three nested tools along x, 200 mm above the table. It has nodes every 4 mm, and
-// the tips of the tools lie between nodes.
+// Makes a straight set of three nested tools along x, 200 mm above the table. This set has nodes every 4 mm,
+// and the tips of the tools lie between nodes.
 crn::WireFrame line_frame()
 {
     crn::WireFrame wire;
@@ -261,9 +261,9 @@ void expect_volume(const char *what, double value_mm3, double expected_mm3)
         fail_msg("%s: %.3f mm3, expected %.3f (2 %% allowed)", what, value_mm3, expected_mm3);
 }
 
-// The three tools have three different materials, so that the picture tells them apart. Every tool must show
-// the volume of its own length and cross-section, from its own tip (between two nodes) to the end of the
-// nested tools. The arc lengths of a tool's layers count from its own tip, and its lumen is empty.
+// The three tools have three different materials, so that the test can find every tool in the picture. Every
+// tool must show the volume of its own length and cross-section, from its own tip (between two nodes) to the
+// end of the nested tools. The arc lengths of a tool's layers count from its own tip, and its lumen is empty.
 void each_tool_is_drawn_over_its_own_part_with_its_own_layers(void **)
 {
     const double pi = std::acos(-1.0);

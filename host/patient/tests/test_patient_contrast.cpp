@@ -219,8 +219,8 @@ void blood_around_the_line_takes_its_colour(void **)
     assert_true(wire.nodes[15].contrast_mg_per_ml > 10.0); // downstream of the catheter's tip
 }
 
-// Each of the catheter's 20 side holes has a fifth of the end hole's area. Therefore a fifth of the medium
-// leaves at the tip, and the remainder leaves between 20 and 58 mm behind the tip.
+// Every one of the catheter's 20 side holes has a fifth of the end hole's area. Therefore a fifth of the
+// medium leaves at the tip, and the remainder leaves between 20 and 58 mm behind the tip.
 void a_pigtail_gives_medium_through_its_side_holes(void **)
 {
     Instrument pigtail = tool("pigtail", 500);

@@ -68,7 +68,7 @@ void marks_fall_in_proportion_between_the_limits(void **)
     assert_float_equal(points(report, "apposition_pct"), 10.0, 1e-9);
 }
 
-// Each fault must lower its own metric and no other.
+// Every fault in the treatment must lower its own metric and must not change the other metrics.
 void a_fault_is_seen_by_the_metric_that_should_notice(void **)
 {
     const struct {
