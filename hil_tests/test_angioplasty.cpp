@@ -261,7 +261,7 @@ void pictures_change_nothing(void **)
     seen.has_pictures = true;
     seen.record = "seen.rec";
     seen.run();
-    // The pedal is a button of the rig, which the core ignores.
+    // The X-ray pedal is a button of the rig, which the core ignores.
     assert_true(seen.result.hash == unseen.result.hash);
     const Recording a = unseen.recorded(), b = seen.recorded();
     assert_int_equal(a.ticks.size(), b.ticks.size());
@@ -277,9 +277,9 @@ void pictures_change_nothing(void **)
     assert_replays(seen);
 }
 
-// There are two stents, one behind the other; the second one is loaded outside of the patient. The commands
-// to load a stent while the balloon is in the patient, and to load more stents than there are, must be
-// refused.
+// The session has two stents, which are placed one behind the other; the second stent is loaded outside of
+// the patient. The commands to load a stent while the balloon is in the patient, and to load more stents than
+// there are, must be refused.
 void a_second_stent_is_loaded_outside_of_the_patient(void **)
 {
     Case two{begin_at(-10.0) + "load stent\nadvance catheter until inserted 83 mm at 200 mm/s\n" +

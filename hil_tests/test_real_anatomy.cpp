@@ -1,9 +1,10 @@
 // This test checks that tools in a real aorta (stEVE_bench centrelines, which are not part of the project)
-// stay inside the vessel and keep their length. The shipped session drives two wires from the right common
-// iliac artery to the arch, and a catheter follows a wire. The reference is the exact distance to the
-// triangles of the surface. The distance is sampled every 0.5 mm along the tools, also between the nodes, 50
-// times per second of the whole session. The distance field that the core reads does not influence this
-// reference. The test is skipped, with a message, where the anatomy is missing.
+// stay inside the vessel and keep their length. The tests drive two kinds of guidewire with the shipped
+// session from the right common iliac artery to the arch, and let a catheter follow a wire. The test's
+// reference is the exact distance of the tools from the triangles of the vessel surface. The distance is
+// sampled every 0.5 mm along the tools, also between the nodes, 50 times per second of the whole session. The
+// distance field that the core reads does not influence this reference. The test is skipped, with a message,
+// where the anatomy is missing.
 #include <csetjmp>
 #include <cstdarg>
 #include <cstddef>

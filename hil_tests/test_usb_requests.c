@@ -164,8 +164,8 @@ static void an_address_alone_allows_little(void **state)
     assert_int_equal(ask(0x00, 9, 1, 0, 0), USB_STALLED); /* address 0 may not be configured */
 }
 
-/* The address changes after the status stage, not before: the transfer ends at the old address, and the next
- * one begins at the new address. */
+/* The device's address must change only after the status stage: the transfer ends at the old address, and the
+ * next transfer begins at the new address. */
 static void the_address_changes_after_the_status_stage(void **state)
 {
     (void)state;
@@ -176,7 +176,7 @@ static void the_address_changes_after_the_status_stage(void **state)
         rig.host.address = address;
         assert_int_equal(ask(0x80, 8, 0, 0, 1), USB_OK);
     }
-    /* When a host never reaches the status stage, the address does not change. */
+    /* If the host never reaches the status stage, the device's address must not change. */
     static const uint8_t setup[8] = {0x00, 5, 3, 0, 0, 0, 0, 0};
     crn_mailbox_reply reply;
     usb_host_token(&rig.host, CRN_MAILBOX_SETUP, 0, 0, setup, 8, &reply, NULL, 0, &count);
@@ -220,7 +220,7 @@ static void a_halt_is_set_seen_and_cleared(void **state)
     assert_int_equal(count, 3);
 }
 
-/* CLEAR_FEATURE also restarts an endpoint that is not halted, with DATA0 (USB 2.0, 9.4.5). */
+/* The request CLEAR_FEATURE must also restart an endpoint that is not halted, with DATA0 (USB 2.0, 9.4.5). */
 static void clearing_what_is_not_halted_resets_the_toggle(void **state)
 {
     (void)state;

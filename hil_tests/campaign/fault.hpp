@@ -3,9 +3,9 @@
 //   link.flip session=lockstep way=to_host frame=12 bit=37 seed=1
 //   rig.encoder_jump session=free_run tick=33 um=7000 seed=1
 //
-// A kind of fault belongs to a group (link, host, device, rig). A fault happens either at the n-th frame of
-// its direction, or at a numbered tick. Both numbers count from the START message; in session=setup they
-// count from the first HELLO message. It may have one value.
+// Every kind of fault belongs to one of the groups link, host, device and rig. A fault happens either at the
+// n-th frame of its direction, or at a numbered tick. Both numbers count from the START message; in
+// session=setup they count from the first HELLO message. It may have one value.
 #pragma once
 #include <cstdint>
 #include <span>

@@ -2,7 +2,8 @@
 // After the fault, the force at the motor must have stayed within its limit and must have ended in time, and
 // the host must have been informed. The recording must contain every tick up to the fault. The session must
 // either have been resumed and have given the same state hash, or have ended as docs/hil.md describes. The
-// reference sessions without a fault always run at level 0, so the levels are compared with each other, too.
+// reference sessions without a fault always run at test level 0, so the test also compares the other levels
+// with level 0.
 #pragma once
 #include "hil_tests/campaign/fault.hpp"
 #include "hil_tests/campaign/faulty_pipe.hpp"

@@ -108,7 +108,7 @@ class Host
     }
 
     // The recording must equal that of the undisturbed session, except for the false content of the one
-    // frame.
+    // changed frame.
     void take(const crn_wire_tick_state &state)
     {
         const std::size_t i = state.tick - 1;

@@ -179,7 +179,7 @@ void Loop::observe()
               plant.motor_torque_peak_N_m() * 1e3, since, bar_ms(outcome_.safe_class));
 }
 
-// The host's silence counts from the last frame that arrived complete.
+// The time of the host's silence counts from the last frame that arrived complete.
 void Loop::watch_silence()
 {
     const std::uint32_t gap = ms_ - last_frame_ms_;

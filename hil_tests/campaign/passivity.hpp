@@ -7,8 +7,9 @@
 //
 // In a trial, the hand pushes a stiff wire by 30 mm against the end of its tube, holds the wire for 0.6 s,
 // and releases it for 0.6 s. A trial fails when the carriage got faster than 0.25 m/s, or the motor's force
-// oscillated by more than 50 mN for more than 100 ms. These limits apply from the moment of the release on.
-// Before the release they apply in the second half of the hold, when the impact on the wall is over.
+// oscillated by more than 50 mN for more than 100 ms. These limits apply from the moment at which the hand
+// releases the wire. Before the release, these limits also apply in the second half of the hold, when the
+// impact on the wall is over.
 #pragma once
 #include "hil_tests/cases/conversation.hpp"
 #include <vector>
@@ -46,8 +47,8 @@ class CycleMeter
 std::vector<PassivityTrial> passivity_grid();
 PassivityOutcome run_passivity(Level &level, const PassivityTrial &trial);
 
-// Runs every `nth` trial of the grid and prints the four rows. Writes one line for each trial to `file`,
-// unless `file` is empty. Returns the number of failed trials.
+// Runs every `nth` trial of the grid and prints four rows of results. Writes one line for each trial to
+// `file`, unless `file` is empty. Returns the number of failed trials.
 std::size_t run_passivity_grid(Level &level, std::size_t nth, const std::string &file);
 
 } // namespace hil

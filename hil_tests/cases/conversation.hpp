@@ -36,10 +36,10 @@ crn_wire_tick_input sample_input(std::uint32_t tick);
 Ending lockstep_session(crn::Link &link, std::uint32_t ticks, std::uint32_t batch,
                         const std::function<void(std::uint32_t tick)> &between = {});
 
-// Runs the same session without a bench, with the host's own device in this process.
+// Runs the session of lockstep_session() without a test bench, with the host's own device in this process.
 Ending host_only_session(std::uint32_t ticks, std::uint32_t batch);
 
-// Leads the device from READY to RUNNING in FREE_RUN, with power on the motors.
+// Brings the device from the state READY to RUNNING in FREE_RUN, with power on the motors.
 void start_free_run(Bench &bench, crn::Link &link);
 
 // Sends a frame, so that the device knows that the host is alive, and returns the ticks that the device sent

@@ -234,8 +234,8 @@ void run_aorta(const Options &options, Table &table)
         crn::EmulatedTransport pipe(emulator);
         check_hash(expected, hil::run_aorta(pipe, options.files, options.ticks_max), report);
     });
-    // A run takes minutes on an emulated processor whose time is counted in instructions. Other load
-    // therefore does not matter, and the runs may share the machine.
+    // A run takes minutes on an emulated processor whose time is counted in instructions. Other programs on
+    // the machine therefore do not change the measured cost, and several runs may use one machine.
     std::array<std::future<hil::Overruns>, 2> overruns;
     for (std::size_t shift : {0, 1})
         overruns[shift] = std::async(std::launch::async, hil::overruns_of_aorta, budget,

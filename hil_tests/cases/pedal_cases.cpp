@@ -31,7 +31,8 @@ struct Press {
     std::uint32_t down_tick = 0, up_tick = 0, pulses = 0;
 };
 
-// Runs a session that the rig leads, with an X-ray room behind its pedals, as in run_free.cpp.
+// Runs a session in which the rig sets the pace, with an X-ray room that obeys the rig's pedals, as in
+// run_free.cpp.
 class Suite
 {
   public:

@@ -20,8 +20,8 @@ class BenchChannel
     ~BenchChannel();
     BenchChannel(const BenchChannel &) = delete;
     BenchChannel &operator=(const BenchChannel &) = delete;
-    // Throws std::runtime_error when the other end of the pipe is gone, or with the error that occurred
-    // there.
+    // Throws std::runtime_error when the other end of the pipe no longer exists, or with the message of an
+    // error that occurred at the other end.
     BenchAnswer ask(BenchOrder order, const crn_port_inputs &inputs = {}, std::uint32_t milliseconds = 0);
 
   private:

@@ -51,7 +51,7 @@ struct Running {
               crn_wire_state_name(status.state));
         return status.fault_code;
     }
-    // Checks that power stays off until RESET, whatever the rig does afterwards.
+    // Checks that the motor power stays off until RESET, whatever the rig does afterwards.
     void check_latched()
     {
         for (int ms = 0; ms < 50; ms++) {
@@ -162,8 +162,8 @@ void a_brown_out_is_safe_and_a_new_session_starts_clean(Level &level, const Case
     report.add("power off, INIT, same hashes again");
 }
 
-// When the host no longer sends anything, the forces fade. The limit of 50 ms is the time from the host's
-// last frame until the motor force is zero.
+// When the host no longer sends anything, the motor forces must fade. The limit of 50 ms is the time from the
+// host's last frame until the motor force is zero.
 void a_silent_host_ends_the_forces_in_50_ms(Level &level, const CaseOptions &, Report &report)
 {
     Running session(level);

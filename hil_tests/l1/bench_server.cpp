@@ -15,7 +15,7 @@ std::uint32_t word(std::int32_t value)
     return static_cast<std::uint32_t>(value);
 }
 
-// Returns false when the other end of the connection is gone.
+// Returns false when the program at the other end has closed the connection.
 bool read_all(int file, void *bytes, std::size_t count)
 {
     auto *place = static_cast<char *>(bytes);

@@ -2,10 +2,10 @@
  * through which programs access it. Every device has a lock, because umockdev's thread answers the programs'
  * calls while another thread advances the bus.
  *
- * Programs poll their nodes. If a node were a plain file, it would always be ready, which would make libusb
- * spin. Every node is therefore a FIFO. The FIFO /dev/bus/usb/... is ready for writing while a transfer is
- * complete but not yet fetched (as with the real usbfs), and full otherwise. The FIFO /dev/hidraw0 contains
- * one byte for each report that no program has read yet. */
+ * Programs poll their nodes. If a node were a plain file, it would always be ready, so that libusb would poll
+ * it in an endless loop. Every node is therefore a FIFO. The FIFO /dev/bus/usb/... is ready for writing while
+ * a transfer is complete but not yet fetched (as with the real usbfs), and full otherwise. The FIFO
+ * /dev/hidraw0 contains one byte for each report that no program has read yet. */
 #ifndef CRN_MOCK_H
 #define CRN_MOCK_H
 

@@ -80,11 +80,11 @@ static bool address_device(bridge *b)
     return true;
 }
 
-/* Fills usbredir's two tables with the interfaces and endpoints of the device's configuration. Interrupt
- * endpoints are reported as bulk endpoints. Otherwise usbredir would read the endpoints as fast as this
- * bridge can, and would collect data that the guest does not fetch. With bulk endpoints, every read of the
- * guest causes one read of the device, at the pace of the guest's own USB controller (xHCI), as on a real
- * cable. The guest reads the true type of the endpoints from the device's descriptors. */
+/* Fills usbredir's two tables with the interfaces and endpoints of the device's configuration. The bridge
+ * reports interrupt endpoints to QEMU as bulk endpoints. Otherwise usbredir would read the endpoints as fast
+ * as this bridge can, and would collect data that the guest does not fetch. With bulk endpoints, every read
+ * of the guest causes one read of the device, at the pace of the guest's own USB controller (xHCI), as on a
+ * real cable. The guest reads the true type of the endpoints from the device's descriptors. */
 static void describe(bridge *b, const uint8_t *bytes, uint32_t count)
 {
     struct usb_redir_interface_info_header interfaces;

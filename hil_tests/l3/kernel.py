@@ -4,8 +4,8 @@ files.
 
   kernel.py FOLDER     leaves FOLDER/vmlinux and FOLDER/initrd; does nothing when this program has made them
 
-The kernel is that of the package on which linux-image-amd64 depends at the time of the download. The package is
-unpacked, never installed. The file vmlinux is the kernel inside vmlinuz, without the real-mode code and without
+The kernel is that of the package on which linux-image-amd64 depends at the time of the download. The package is only
+unpacked and never installed. The file vmlinux is the kernel inside vmlinuz, without the real-mode code and without
 compression; with it, the guest boots three seconds sooner. The initrd holds busybox, an init program, and kernel
 modules: those for 9p, xHCI, HID and a virtual serial port, and all modules on which these depend. The init program runs
 one script in the host's file tree, which the guest sees read-only. One folder of the host is writable in the guest at

@@ -139,7 +139,7 @@ pid_t start(const std::vector<std::string> &command)
     _exit(127);
 }
 
-// Returns the exit code once the command has ended, and nothing while it runs.
+// Returns the exit code after the command has ended, and no value while the command runs.
 std::optional<int> ended(pid_t child)
 {
     int status = 0;

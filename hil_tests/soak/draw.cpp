@@ -22,7 +22,7 @@ struct Cast {
 };
 
 // Chooses an instrument at random and then a random set that contains this instrument, so that all
-// instruments occur about equally often. Three of ten sessions have one tool.
+// instruments occur about equally often. About three of ten sessions have only one tool.
 Cast draw_tools(const Catalogue &catalogue, const SoakScene &scene, Dice &dice)
 {
     const bool is_treated = !scene.stations.empty(); // there is a lesion for a balloon

@@ -22,7 +22,7 @@ class RowsFile
 {
   public:
     // `key` identifies the program and inputs that made the rows; a file with another key is renamed to
-    // "path.old". An incomplete last line is dropped. Throws std::runtime_error.
+    // "path.old". If the last line of the file is incomplete, it is deleted. Throws std::runtime_error.
     RowsFile(const std::string &path, const std::string &key);
 
     void add(const Row &row); // written to the file at once

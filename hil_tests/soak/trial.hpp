@@ -17,8 +17,8 @@ struct Bars {
 };
 
 // The result of a session. `broken` is the name of the exceeded limit, or empty if the session exceeded no
-// limit. The names are saturation, penetration, length, force, iodine, replay, fault (another fault of the
-// core), error (an exception, or a refused input), crash and time.
+// limit. The limits have the names saturation, penetration, length, force, iodine, replay, fault (another
+// fault of the core), error (an exception, or a refused input), crash and time.
 struct Verdict {
     std::string broken, text; // one sentence
     std::uint32_t tick = 0;   // at which it broke

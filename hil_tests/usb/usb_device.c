@@ -1,4 +1,4 @@
-/* This file implements the whole device behind the token mailbox. */
+/* Implements the whole device, which communicates through the token mailbox. */
 #include "hil_tests/usb/usb_device.h"
 
 #include <string.h>

@@ -1,6 +1,6 @@
 /* Provides the complete device in this process, connected to the token mailbox: the application, the USB
  * stack, and a USB controller in memory. The device has no rig, so the host sends the positions of the hands.
- * There is one device per process, because the scene slots are static. */
+ * A process can have only one device, because the memory for scenes is static. */
 #ifndef CRN_USB_DEVICE_H
 #define CRN_USB_DEVICE_H
 
@@ -26,7 +26,7 @@ typedef struct usb_device {
 } usb_device;
 
 /* Powers up the device on the bus; a host is connected but has not reset the bus yet. Returns false when the
- * stack refused its configuration. */
+ * USB stack refused its configuration. */
 bool usb_device_start(usb_device *device, const char *serial);
 
 /* Powers up the device as usb_device_start does, resets the bus, sets address and configuration, and reads

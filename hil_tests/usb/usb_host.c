@@ -1,4 +1,4 @@
-/* This file implements a host controller on the token mailbox. */
+/* Implements a USB host controller, which communicates through the token mailbox. */
 #include "hil_tests/usb/usb_host.h"
 
 #include <string.h>

@@ -35,7 +35,8 @@ static inline unsigned usb_urbs_pipe(uint8_t endpoint)
     return (endpoint & 0x0fu) | (endpoint & 0x80 ? 0x10u : 0);
 }
 
-/* Returns false when there is no such endpoint, or too many transfers wait. */
+/* Adds a transfer to its endpoint's queue; returns false when there is no such endpoint, or the queue is
+ * full. */
 bool usb_urbs_submit(usb_urbs *urbs, const usb_urb *urb);
 
 /* Removes a transfer from its queue. The submitter owns the transfer's buffer again, and the function

@@ -63,8 +63,8 @@ std::string kept_recording()
     return file.string();
 }
 
-// Returns the folder for the DICOM files of a session: "runs" for the first, and for a later one the first of
-// "runs.2", "runs.3", ... that holds no files yet.
+// Returns the folder for the DICOM files of a session. The first session uses "runs"; a later session uses
+// the first folder of "runs.2", "runs.3", ... that holds no files yet.
 std::string export_folder(DicomSettings settings, int number)
 {
     const std::string wanted = settings.folder;
@@ -132,8 +132,8 @@ class Window
         start();
     }
 
-    // Returns the exit code, which is not 0 when a signal ended the window or the session is in a fault.
-    // In every case, all files that the program wrote are complete.
+    // Returns the program's exit code, which is not 0 when a signal ended the window or the session has
+    // stopped with a fault. In every case, all files that the program wrote are complete.
     int run()
     {
         Pace pace(options_.frames > 0);
@@ -164,7 +164,7 @@ class Window
     }
 
   private:
-    // Returns true when the session is in a fault, and prints the fault once, when it occurs.
+    // Returns true when the session has stopped with a fault, and prints the fault once, when it occurs.
     bool tell_fault()
     {
         if (session_->fault().empty()) return false;

@@ -7,9 +7,9 @@
 namespace crn
 {
 
-// Checks the outputs, then opens the window. Returns 0, or 1 when a signal ended the window or the session
-// was in a fault at the end. Throws std::runtime_error when there is no display, no OpenGL 3.3, or a bad
-// file; the exit code is then 1.
+// Checks that the output files can be written, and then opens the window. Returns 0, or 1 when a signal ended
+// the window or the session ended with a fault. Throws std::runtime_error when there is no display or no
+// OpenGL 3.3, or when a file is bad; the exit code is then 1.
 int run_window(WindowOptions options);
 
 } // namespace crn

@@ -292,8 +292,8 @@ void WindowKeys::take_rhythm(int key)
     }
 }
 
-// While the window does not have the focus, every key counts as released: a window that loses the focus
-// during a push must not go on pushing.
+// While the window does not have the keyboard focus, every key counts as released, because a window that
+// loses the focus during a push must not continue to push.
 void WindowKeys::hold(const Screen &screen)
 {
     auto difference = [&](int plus, int minus) {

@@ -184,8 +184,8 @@ void LiveSession::advance_rig(std::uint32_t ticks)
     if (figures_.range.is_left()) stop_out_of_range();
 }
 
-// The recording ends with the last tick that the device finished. The function stops a rig in FREE_RUN, so
-// that its motors get no more power.
+// The function ends the recording with the last tick that the device finished. The function stops a rig in
+// FREE_RUN, so that its motors get no more power.
 void LiveSession::stop_out_of_range()
 {
     fault_ = range_notice(*figures_.range.left());

@@ -1,6 +1,6 @@
-// Measures how long an X-ray picture takes: docs/bench.md and docs/xray.md. The simulated patient is
-// out/aorta.bodies, which `make run` makes; if that file is missing, the program makes a model itself. Both
-// models have at least 300,000 triangles and four materials.
+// Measures how long the computation of an X-ray picture takes (docs/bench.md and docs/xray.md). The simulated
+// patient is out/aorta.bodies, which `make run` makes; if that file is missing, the program makes a model
+// itself. Both models have at least 300,000 triangles and four materials.
 #include "firmware/bench/bench.h"
 #include "host/xray/chain.hpp"
 #include "host/xray/gl/gl_paths.hpp"
@@ -51,8 +51,8 @@ Bodies made_here()
     return bodies;
 }
 
-// Maps every material to one of the four for which docs/xray.md states its limits; the shipped anatomy has
-// eight.
+// Replaces every material by one of the four materials for which docs/xray.md states its limits; the shipped
+// anatomy has eight materials.
 const char *one_of_four(const std::string &name)
 {
     const Material material = material_from_name(name).value_or(Material::soft_tissue);
@@ -129,8 +129,8 @@ class Bench
             curves_.push_back(strut);
         }
     }
-    // Finds the technique on which automatic exposure settles in each view, and fixes it, so that frames
-    // differ in nothing else.
+    // Finds the exposure technique on which automatic exposure control settles in each view, and fixes it, so
+    // that frames do not differ in exposure.
     void settle(int size)
     {
         for (std::size_t i = 0; i < std::size(looks); ++i) {
@@ -185,8 +185,8 @@ class Bench
 
 constexpr int is_kept = 1 << 16, is_beating = 1 << 17, has_four = 1 << 18;
 
-// Returns the processor time of this process over all threads: a measure that does not depend on other users
-// of the machine.
+// Returns the processor time of all threads of this process, which does not depend on other users of the
+// machine.
 double processor_ms()
 {
     timespec now;
@@ -195,7 +195,7 @@ double processor_ms()
     return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
 }
 
-// Takes the fastest frame of each view, and returns the mean of these times over the views.
+// Takes the shortest time of the frames in each view, and returns the mean of these times over all views.
 double frame_ms(const bench_case *self)
 {
     const int size = self->argument & 0xffff;

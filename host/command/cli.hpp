@@ -55,8 +55,9 @@ int command_info_opengl();
 int command_info(const std::string &path);
 int command_instruments(const InstrumentsOptions &options);
 
-// Returns the tools from the innermost to the outermost: --instrument first, then every --tool. Throws
-// UsageError if there is no tool, or more tools than can be nested; throws FileError for a bad file.
+// Returns the tools from the innermost to the outermost: the tool of the option --instrument first, then the
+// tool of every option --tool. Throws UsageError if there is no tool, or more tools than can be nested;
+// throws FileError for a bad file.
 std::vector<Instrument> read_tools(const std::string &instrument, const std::vector<std::string> &tools);
 // Returns the point where the tools enter the patient, with their inserted lengths. The user may give no
 // length (then the default applies), one length for all tools, or one length for each tool. Throws UsageError
@@ -70,7 +71,8 @@ std::vector<RoomCommand> entry_commands(const SceneFile &scene);
 // will get power, and asks the user for confirmation unless `yes` is set. Throws RigStopped when the user
 // does not confirm.
 DeviceChoice free_run_device(const std::string &device, bool motors, bool yes);
-// Reads stents for these tools into the settings of a session's pictures. Throws FileError.
+// Reads the stents that fit these tools, and adds them to the settings of a session's pictures. Throws
+// FileError.
 void take_stents(PictureSettings &settings, const std::vector<std::string> &paths,
                  const std::vector<Instrument> &tools);
 // The returned command makes the session begin with the first stent on its balloon.

@@ -49,7 +49,7 @@ class PatientContrast
         40; // ticks between looks at the tools, while medium is in the vessels
 
     // `motion` describes how heart and breath move the vessels; if it is nullptr, the vessels do not move.
-    // `opening` describes the lesions that yield.
+    // `opening` describes the lesions that a balloon can open.
     PatientContrast(const VesselTree &vessels, const std::vector<Instrument> &tools,
                     const Motion *motion = nullptr, LesionOpening opening = {});
 

@@ -56,9 +56,9 @@ class DicomExport
     // called with the ticks of the file's first and last frame, and returns the injected medium.
     void set_contrast(const std::function<std::optional<RunContrast>(std::uint32_t, std::uint32_t)> &given);
 
-    // Writes the files; no function of this object may be called afterwards. `report` receives the progress
-    // and returns whether to continue. Returns the names of the written files: all files, or the ones that
-    // were finished before the export was stopped. Throws OutputError.
+    // Writes the files; no function of this object may be called afterwards. The function `report` receives
+    // the progress, and returns whether the export must continue. Returns the names of the written files: all
+    // files, or the ones that were finished before the export was stopped. Throws OutputError.
     std::vector<std::string> finish(const std::function<bool(const ExportProgress &)> &report);
 
   private:

@@ -271,7 +271,8 @@ Mp4Bytes make_head(const Mp4Track &track, const Mp4Tables &tables, std::uint64_t
     return bytes;
 }
 
-// Reads or writes all the bytes with `call`, which is pread or pwrite. Returns an errno, 0 for none.
+// Reads or writes all the bytes with `call`, which is pread or pwrite. Returns the error number (errno), or 0
+// for success.
 template <class Call, class Byte>
 int transfer(Call call, int file, std::span<Byte> bytes, std::uint64_t place)
 {

@@ -67,7 +67,7 @@ double rounded(double value, double steps)
     return std::round(finite_or_zero(value) * steps) / steps + 0.0;
 }
 
-// Returns the angles like "LAO 30\x7f CRA 10\x7f", in whole degrees as on a real C-arm.
+// Returns a text with the angles of the C-arm in whole degrees, such as "LAO 30\x7f CRA 10\x7f".
 std::string angles(const CArm &carm)
 {
     const long primary = std::lround(std::clamp(finite_or_zero(carm.primary_deg), -999.0, 999.0));

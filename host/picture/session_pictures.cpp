@@ -258,8 +258,8 @@ void SessionPictures::finish()
     if (export_) finish_export();
 }
 
-// After Ctrl-C during the session, the runs made so far are written nevertheless. Another Ctrl-C stops the
-// export between two pieces of a file.
+// If the user presses Ctrl-C during the session, the runs made so far are written nevertheless. Another
+// Ctrl-C stops the export between two pieces of a file.
 void SessionPictures::finish_export()
 {
     export_->end();

@@ -1,4 +1,5 @@
-// Writes a film: H.264 by the library openh264, in an MP4 file of our own.
+// Writes a film that the library openh264 encodes as H.264, in an MP4 file that the project's own code
+// writes.
 #include "host/picture/h264.hpp"
 #include "host/picture/mp4_file.hpp"
 #include "host/picture/picture.hpp"

@@ -55,7 +55,7 @@ struct Refusal {
 // example a review when there is no run. Class Room reports such a refusal when it happens.
 std::string refusal(const RoomCommand &command);
 
-// These limits apply to scripts, keys and recordings alike.
+// The values of commands must lie within these limits, whether they come from scripts, keys or recordings.
 inline constexpr std::int32_t primary_max_mdeg = 120'000, secondary_max_mdeg = 50'000;
 inline constexpr std::int32_t table_max_um = 1'900'000;
 inline constexpr std::int32_t field_min_um = 100'000, field_max_um = 450'000;

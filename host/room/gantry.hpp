@@ -1,5 +1,5 @@
-// Simulates the motors of C-arm and table. Every axis starts, runs and stops within its speed and
-// acceleration. The interlock stops all axes before the tube or the detector comes too near to the table.
+// Simulates the motors of C-arm and table. Every axis starts, moves and stops within the limits of its speed
+// and acceleration. The interlock stops all axes before the tube or the detector comes too near to the table.
 //
 //   Gantry gantry;
 //   gantry.place(pose);            // where the session begins: without motion

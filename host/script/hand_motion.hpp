@@ -16,7 +16,7 @@ inline constexpr std::int64_t counts_per_m = 1'000'000;
 inline constexpr std::int64_t counts_per_turn = 65'536;
 inline constexpr std::int64_t ramp_ticks_max = 200;
 
-// Computes a move over a known distance. |distance| <= 2^26 counts, 1 <= speed <= 2^26 counts/s.
+// Computes a move of a hand over a known distance. |distance| <= 2^26 counts, 1 <= speed <= 2^26 counts/s.
 class Move
 {
   public:
@@ -28,8 +28,8 @@ class Move
     std::int64_t distance_, cruise_, ramp_, ticks_;
 };
 
-// Computes a move at a steady speed. After a call of stop(), the hand comes to rest within one ramp. The
-// speed may be negative.
+// Computes a move of a hand at a steady speed. After a call of stop(), the hand comes to rest within one
+// ramp. The speed may be negative.
 class SteadyMove
 {
   public:

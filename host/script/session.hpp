@@ -1,5 +1,6 @@
-// Reads and plays session scripts (docs/session.md): a text describes the actions of hands and C-arm. This
-// text is converted to encoder counts per tick and commands to the X-ray room.
+// Reads and plays session scripts (docs/session.md), which are texts that describe the actions of hands and
+// C-arm. The code below converts a script to encoder counts for every tick, and to commands for the X-ray
+// room.
 //
 //   Session session = read_session("aorta.session");
 //   SessionPlayer player(session, tool_count);

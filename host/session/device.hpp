@@ -74,9 +74,9 @@ class Device
     // too long.
     bool has_its_own_clock() const { return choice_.is_usb && pipe_ != nullptr; }
 
-    // FREE_RUN (`free_run` of the choice): lets `milliseconds` pass, even while the cable is disconnected.
-    // `sink` receives every tick once and in order. After a disconnection the session continues from the last
-    // received tick. The positions of the hands at that moment become the new reference
+    // In FREE_RUN (`free_run` of the choice), this function lets `milliseconds` pass, even while the cable is
+    // disconnected. `sink` receives every tick once and in order. After a disconnection the session continues
+    // from the last received tick. The positions of the hands at that moment become the new reference
     // (FreeRunSink::resumed). Throws LinkError with the cause if the device has stopped, or does not come
     // back.
     void run_free(std::uint32_t milliseconds, FreeRunSink &sink);

@@ -12,7 +12,7 @@ namespace crn
 namespace
 {
 
-// A limit can only be lowered, so the host requests none above the device's own.
+// A force or torque limit of a rig can only be lowered, so the host requests no limit above the device's own.
 crn_wire_rig within_limits(crn_wire_rig rig, const crn_wire_rig &present)
 {
     for (std::uint16_t k = 0; k < std::min(rig.tracks_count, present.tracks_count); k++) {

@@ -37,7 +37,7 @@ class FrameSink
     } // after the last frame; throws std::runtime_error when a file could not be written
 };
 
-// Returns the tick of picture number `index` at `per_second` pictures per second.
+// Returns the tick at which picture number `index` is due, at `per_second` pictures per second.
 inline std::uint32_t picture_tick(std::uint32_t index, std::uint32_t per_second)
 {
     return static_cast<std::uint32_t>((static_cast<std::uint64_t>(index) * 1000 + per_second - 1) /

@@ -39,8 +39,8 @@ class ChunkReader
     [[noreturn]] void fail(RecordingFault fault, const std::string &text) const;
     // Reads the first chunk, which is the header of the recording. Throws RecordingError.
     void read_head(const ChunkRules &rules);
-    // Reads the next chunk; returns false at the end of the file, or where the file was cut off. Throws if
-    // the file is damaged.
+    // Reads the next chunk; returns false at the end of the file, or where the file was cut off. Throws
+    // RecordingError if the file is damaged.
     bool next(const ChunkRules &rules, std::size_t tool_count);
     bool is_at_end() const { return position_ == bytes_.size(); }
     void check_used_up(const char *what) const;

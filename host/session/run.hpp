@@ -62,7 +62,7 @@ nlohmann::ordered_json report_of(const RunResult &result, const std::string &sce
                                  Patient &patient);
 // Returns the computing time of the session on this machine, which differs from run to run.
 nlohmann::ordered_json timing_of(const RunResult &result, const Patient &patient);
-// Writes one of the two reports above as a file. Throws OutputError.
+// Writes one of these two reports (report_of or timing_of) to a file. Throws OutputError.
 void write_report(const std::string &path, const nlohmann::ordered_json &report);
 
 } // namespace crn

@@ -117,7 +117,7 @@ class Session
         emulator.wait([&] { return rig_read(&page.device.to_device_tail) == head; }, "a request");
     }
 
-    // Expects that the next frame over USB is of this type, and leaves the frame in the decoder.
+    // Checks that the next frame over USB has this message type, and leaves the frame in the decoder.
     void expect_frame(std::uint16_t type)
     {
         for (int packets = 0; packets < 8; packets++) {
@@ -162,7 +162,7 @@ void the_image_answers_hello_over_usb(void **)
     assert_int_equal(reply.accepted, 1);
 }
 
-// The app's messages wait while the bus sleeps, until the host is back on the bus.
+// The device's messages must wait while the bus is suspended, until the host resumes the bus.
 void a_sleeping_bus_keeps_what_the_app_says(void **)
 {
     Session session;

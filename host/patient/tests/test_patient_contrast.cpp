@@ -132,7 +132,8 @@ void after_washing_out_no_look_is_wanted(void **)
     assert_true(std::fabs(contrast.flow().budget().injected_mg - 6.0 * 350.0) < 1e-6);
 }
 
-// An artery divides into two branches. In both branches a column must begin where the artery ends.
+// In this test an artery divides into two branches. In both branches a column must begin where the artery
+// ends.
 void columns_have_no_gap_where_a_vessel_divides(void **)
 {
     VesselTree tree = aorta();

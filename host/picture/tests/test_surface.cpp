@@ -66,8 +66,8 @@ void what_is_nearer_hides_what_is_behind(void **)
     }
 }
 
-// Beside the balloon the wall is red. Where the wall covers the balloon, the balloon's blue must be visible
-// through the wall, but less than without the wall.
+// Beside the balloon the picture of the wall is red. Where the wall covers the balloon, the balloon's blue
+// must be visible through the wall, but less than without the wall.
 void a_wall_is_glass(void **)
 {
     const SurfaceMesh balloon = box(SurfaceKind::balloon, 3, 0);

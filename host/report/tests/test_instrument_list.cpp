@@ -42,8 +42,8 @@ void expect_bend(const Instrument &instrument, double arc_mm, double expected_N_
                 crn::stiffness_at(instrument, Stiffness::bend, arc_mm * 1e-3), expected_N_m2, 0.01);
 }
 
-// The expected figures are copied by hand from docs/instruments.md and its sources, so that they do not
-// depend on the files.
+// The expected values are copied by hand from docs/instruments.md and its sources, so that they do not depend
+// on the instrument files.
 void the_shipped_instruments_have_the_documented_stiffness(void **)
 {
     struct Expected {

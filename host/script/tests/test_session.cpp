@@ -53,8 +53,8 @@ void advance_goes_exactly_the_distance_in_the_stated_time(void **)
     assert_int_equal(inputs.back().hands[0].translation_counts, 120000);
 }
 
-// The speed may exceed that of the script by at most one count of rounding, and may not change its sign. Per
-// tick the speed may change by the steepest slope of a smoothstep, 1.5 x speed / ramp, plus two counts of
+// The speed may exceed that of the script by at most one count of rounding, and may not change its sign. In
+// one tick the speed may change by the steepest slope of a smoothstep, 1.5 x speed / ramp, plus two counts of
 // rounding.
 void motion_is_smooth_and_never_faster_than_stated(void **)
 {
@@ -307,8 +307,8 @@ void a_move_names_its_tool_or_moves_the_selected_one(void **)
     assert_int_equal(end.hands[2].rotation_counts, 16384);
 }
 
-// The guidewire moves for 3 s and a ramp, the catheter for 1 s and a ramp. So after 1.2 s the catheter is at
-// rest, and the guidewire still moves.
+// The guidewire moves for 3 s plus a ramp, and the catheter moves for 1 s plus a ramp. After 1.2 s the
+// catheter is therefore at rest, while the guidewire still moves.
 void two_tools_move_at_once(void **)
 {
     const auto inputs = play("advance wire 60 mm at 20 mm/s while withdraw catheter 10 mm at 10 mm/s", 2);

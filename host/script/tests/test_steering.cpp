@@ -1,10 +1,10 @@
 // Tests that positions in a tree of vessels get the names that anatomists use. A script that steers must
 // reach its vessel although the tip usually turns into another vessel. Only some angles of the hand lead into
 // the wanted vessel. The script must reach the vessel for every width and position of this range of angles.
-// If the script fails, the message states where the tip was. The result of each expectation must be reported
-// with the number of its line. The simulated anatomy of these tests is only a tube with one wrong branch.
-// Only the angle of the hand decides which of the two vessels the tip enters, which is the hardest case for a
-// bent tip.
+// If the script fails, the message must state where the tip was. The result of each expectation must be
+// reported with the number of its line. The simulated anatomy of these tests is only a tube with one wrong
+// branch. Only the angle of the hand decides which of the two vessels the tip enters, which is the hardest
+// case for a bent tip.
 #include <algorithm>
 #include <cmath>
 #include <csetjmp>

@@ -46,8 +46,8 @@ bool says(const RangeWatch &watch, const std::string &what)
     return watch.is_left() && range_text(*watch.left()).find(what) != std::string::npos;
 }
 
-// A value that equals its limit is still in range. Stalled feeds, limited steps, and tools at the end of
-// their travel (fault bits 1 to 3) are normal.
+// A value that equals its limit is still in range. The core also reports stalled feeds, limited steps, and
+// tools at the end of their travel (fault bits 1 to 3), which are all normal.
 void what_stays_within_the_limits_is_no_error(void **)
 {
     RangeWatch watch;
@@ -129,9 +129,9 @@ void below_its_limits_the_grip_is_rigid(void **)
 }
 
 // A hand pushes at 20 mm/s against a wall of 20 N/mm: without slip, 1 s would give a force of 400 N there.
-// When the force reaches 25 N, the hand must slip. The force may exceed this limit by the 0.2 N that the
-// motion of one tick (20 um) adds, and by another 0.2 N before the slip takes effect. The test is repeated in
-// the other direction, and the counts of the hand wrap round as those of encoders do.
+// When the force reaches 25 N, the tool must slip in the hand. The force may exceed this limit by the 0.2 N
+// that the motion of one tick (20 um) adds, and by another 0.2 N before the slip takes effect. The test is
+// repeated in the other direction, and the counts of the hand wrap round as those of encoders do.
 void beyond_its_force_the_tool_stays_behind_and_the_hand_slips(void **)
 {
     for (int sign : {1, -1}) {
@@ -156,8 +156,8 @@ void beyond_its_force_the_tool_stays_behind_and_the_hand_slips(void **)
     }
 }
 
-// A stuck tool has a stiffness of 1 N m/rad, so 50 mN m turn it by 0.05 rad, or 2.9 degrees. The hand turns
-// by one turn per second, and the test checks the torque from tick 16 on.
+// The tool is stuck with a stiffness of 1 N m/rad, so a torque of 50 mN m turns it by 0.05 rad, or 2.9
+// degrees. The hand turns by one turn per second, and the test checks the torque from tick 16 on.
 void beyond_its_torque_it_slips_as_well(void **)
 {
     HandGrip grip;
